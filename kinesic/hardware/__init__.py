@@ -1,1 +1,1 @@
-"""Servos on a wire."""
+"""Control of servos on serial buses."""

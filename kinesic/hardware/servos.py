@@ -1,4 +1,7 @@
-"""Makes servos on wires a sink: commands go to a supervisor in a process of its own, which no crash here can stop."""
+"""Sink that drives servos through a separate supervisor process.
+
+A crash of this process cannot stop the supervisor.
+"""
 
 import os
 import subprocess
@@ -15,55 +18,60 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.body.servo import follow_lags
+from kinesic.body.servo import tracking_lags
 from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_file, memory_size
-from kinesic.hardware.supervisor.manifest import Manifest, Member, raised_joints
-from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorOrder, SupervisorSettings
+from kinesic.hardware.supervisor.manifest import Manifest, Member, describe_raised_joints
+from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
-START = 30.0  # [s] until the supervisor must have told something
-LOOK = 0.005  # [s] between two looks while waiting
-READY = frozenset({Stage.LIMP, Stage.HOLD})  # what a start ends with
+START_TIMEOUT = 30.0  # [s] time limit for the supervisor to become ready
+POLL_INTERVAL = 0.005  # [s] between checks of the supervisor
+READY_STAGES = frozenset({Stage.LIMP, Stage.HOLD})  # Stages in which the supervisor accepts commands
 
 
 class Servos:
-    """The servos of a robot: `write` never waits, `close` waits until the robot has folded and is released."""
+    """Servos of a robot, driven through a supervisor process.
+
+    `write` never waits. `close` waits until the robot has folded and torque is off.
+    """
 
     def __init__(
         self,
         robot: Robot,
         ports: Mapping[str, str | Path],
         *,
-        settings: SupervisorSettings = USUAL,
+        settings: SupervisorSettings = DEFAULT_SETTINGS,
         log: Path | None = None,
     ) -> None:
-        """Starts the supervisor, which checks and configures the servos. Nothing is energised before a command.
+        """Start the supervisor, which checks and configures the servos.
+
+        Torque stays off until the first command.
 
         Args:
-            robot: with [[bus]] tables.
-            ports: path of the device by the name of each bus.
-            settings: figures of the supervisor.
-            log: file to which events are added, a JSON object per line.
+            robot: robot with [[bus]] tables.
+            ports: bus name -> path of its device.
+            settings: settings of the supervisor.
+            log: file to which events are appended, one JSON object per line.
 
         Raises:
-            ConfigError: the robot has no servos on wires, or they are described wrongly.
-            BusError: a port or a servo is missing or wrong; one line each.
+            ConfigError: the robot has no servos on wires, or their description is invalid.
+            BusError: a port or a servo is missing or unsuitable; one line each.
         """
         manifest = Manifest.of(robot)
         check_ports(robot, manifest, ports)
         self._manifest, self._joints = manifest, len(manifest.rest)
-        check_free(ports.values(), self._joints)
+        check_ports_free(ports.values(), self._joints)
         octets = memory_size(self._joints)
         memory = memory_file(octets)
         self._channel = Channel(map_memory(memory, octets), self._joints)
-        self._lock = Lock()  # somebody may look on while another waits in `close`
-        self._lags = follow_lags(robot.drives)
-        self._waiting: deque[tuple[float, Floats, Floats]] = deque()  # commands for which there was no room
+        self._lock = Lock()  # another thread may read the state while one waits in `close`
+        self._lags = tracking_lags(robot.drives)
+        self._waiting: deque[tuple[float, Floats, Floats]] = deque()  # commands that did not fit into the channel
         self._notes: list[Note] = []
-        self._reasons: list[str] = []  # why servos were refused, or failed
+        self._reasons: list[str] = []  # reasons of refused or failed servos
         order = SupervisorOrder(
             robot=str(robot.path.resolve()),
             ports={name: str(path) for name, path in ports.items()},
@@ -75,7 +83,7 @@ class Servos:
             [sys.executable, "-m", "kinesic.hardware.supervisor"],
             stdin=subprocess.PIPE,
             pass_fds=(memory,),
-            start_new_session=True,  # Ctrl-C in the terminal is not for it
+            start_new_session=True,  # Ctrl-C in the terminal must not reach it
         )
         os.close(memory)
         if self._process.stdin is not None:
@@ -85,84 +93,104 @@ class Servos:
 
     @property
     def pid(self) -> int:
-        """Id of the supervisor's process."""
+        """Process id of the supervisor."""
         return self._process.pid
 
     @property
     def running(self) -> bool:
-        """Whether the supervisor lives."""
+        """Whether the supervisor process is alive."""
         return self._process.poll() is None
 
     def write(self, command: Command, /) -> None:
-        """Hands one command on. Never waits: commands for which there is no room yet wait here.
+        """Pass one command to the supervisor without waiting.
+
+        Commands that do not fit into the channel yet are queued here.
 
         Raises:
-            BusError: there is no supervisor any more, or the goals are not one number for each joint.
+            BusError: the supervisor has ended, or the setpoints are not one finite number per joint.
         """
-        if command.goals.shape != (self._joints,) or not np.isfinite(command.goals).all():
-            raise BusError(f"goals at {command.time:.3f} s are {command.goals}, must be {self._joints} finite numbers")
-        self._waiting.append((command.time, command.goals, self._lags * command.speeds))
+        if command.setpoints.shape != (self._joints,) or not np.isfinite(command.setpoints).all():
+            raise BusError(
+                f"setpoints at {command.time:.3f} s are {command.setpoints}, must be {self._joints} finite numbers"
+            )
+        self._waiting.append((command.time, command.setpoints, self._lags * command.velocities))
         self._pass_on()
         if not self.running or self._channel.status().waits == "confirmation":
-            raise BusError(self._epitaph())
+            raise BusError(self._explain_end())
 
     def positions(self) -> Floats:
-        """Returns (n,) [rad] where the joints are; NaN for a servo that did not answer."""
+        """Return the measured angles (n,) [rad].
+
+        NaN for a silent servo.
+        """
         return self.state().angles
 
     def state(self) -> Status:
-        """Returns the last status of the supervisor."""
+        """Return the latest status of the supervisor."""
         self._pass_on()
         return self._channel.status()
 
     def telemetry(self) -> Telemetry:
-        """Returns how every servo is, in the order of `members`; said anew 20 times a second."""
+        """Return the latest telemetry of all servos.
+
+        It is updated 20 times a second, in the order of `members`.
+        """
         return self._channel.telemetry()
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """All servos: which they are, and what each of them turns."""
+        """All servos with their hinges."""
         return self._manifest.members
 
     def history(self) -> tuple[Status, ...]:
-        """Returns the status in every cycle since the last call: goals and angles for reports and fits."""
+        """Return the status of every cycle since the last call.
+
+        Reports and parameter fits use its setpoints and angles.
+        """
         return self._channel.history()
 
     def events(self) -> tuple[Note, ...]:
-        """Returns what has happened since the last call."""
+        """Return the supervisor's events since the last call."""
         self._collect()
         with self._lock:
-            found, self._notes = tuple(self._notes), []
-        return found
+            notes, self._notes = tuple(self._notes), []
+        return notes
 
     def stop(self, policy: Policy = "hold") -> None:
-        """Stops in an emergency: holds where the robot is until `release`, or lets go."""
+        """Request an emergency stop of the servos.
+
+        Args:
+            policy: hold the position until `release`, or switch torque off.
+        """
         self._channel.stop(policy)
 
     def slow_to(self, pace: float) -> None:
-        """Lets the performance run at a pace, 0..1, at most; 1: as planned. It holds until the next call."""
+        """Set the time scale, between 0 and 1, until the next call."""
         self._channel.slow_to(pace)
 
     def resume(self) -> None:
-        """Lets the performance go on after an emergency stop, or after an interruption of more than a second.
+        """Resume after an emergency stop, or an interruption of over 1 s.
 
-        Whoever calls this has seen that nobody is in the way. While something is still amiss, it is of no effect.
+        The caller must have checked that nobody is near the robot. The call has no effect while a fault persists.
         """
         self._channel.set("estop", 0)
         self._channel.set("resume", self._channel.word("resume") + 1)
 
     def release(self) -> None:
-        """Ends the performance now: folds to rest, then takes the torque; also after an emergency stop."""
+        """End the performance now by folding and switching torque off.
+
+        This also works after an emergency stop.
+        """
         self._channel.set("release", self._channel.word("release") + 1)
 
     def close(self) -> None:
-        """Lets what was written be performed, then the robot fold and go limp; returns when that is done.
+        """Finish all written commands, fold, and switch torque off.
 
-        Ctrl-C meanwhile, or `release` before, makes it fold at once. It returns, too, when a limb is raised and cannot
-        fold: the supervisor goes on holding it, and outlives this process.
+        The call returns when that is done. Ctrl-C, or an earlier `release`, makes the robot fold at once. The call also
+        returns if a limb is raised and cannot fold: the supervisor then keeps holding it and outlives this process.
 
         Raises:
-            BusError: a limb is held, or it is not sure that every servo is limp.
+            BusError: a limb is held, or torque may still be on.
         """
         if self._channel.word("estop"):
             self.release()
@@ -170,7 +198,7 @@ class Servos:
             while self.running and not self._channel.word("ended"):
                 self._pass_on()
                 if self._waiting and not self._channel.word("release"):
-                    time.sleep(LOOK)
+                    time.sleep(POLL_INTERVAL)
                 else:
                     self._channel.set("ended", 1)
             self._wait_until_over()
@@ -181,15 +209,15 @@ class Servos:
         finally:
             self._leave()
         if self.running or self._channel.status().energised:
-            raise BusError(self._epitaph())
+            raise BusError(self._explain_end())
 
     def _wait_until_over(self) -> None:
-        """Waits until the supervisor has ended, or holds what a person must let fall."""
+        """Wait until the supervisor has ended, or holds a limb for confirmation."""
         while self.running and self._channel.status().waits != "confirmation":
-            time.sleep(LOOK)
+            time.sleep(POLL_INTERVAL)
 
     def _leave(self) -> None:
-        """Lets go of the pipe: the supervisor folds and releases by itself."""
+        """Close the pipe, so that the supervisor folds and releases by itself."""
         if self._process.stdin is not None:
             self._process.stdin.close()
 
@@ -200,54 +228,58 @@ class Servos:
 
     def _collect(self) -> None:
         with self._lock:
-            found = self._channel.notes()
-            self._notes += found
-            self._reasons += [note.text for note in found if note.kind in ("refused", "failed")]
+            notes = self._channel.notes()
+            self._notes += notes
+            self._reasons += [note.text for note in notes if note.kind in ("refused", "failed")]
 
     def _wait_until_ready(self) -> None:
-        limit = time.monotonic() + START
-        while self._channel.status().stage not in READY:
+        limit = time.monotonic() + START_TIMEOUT
+        while self._channel.status().stage not in READY_STAGES:
             if not self.running or time.monotonic() > limit:
                 self._leave()
                 self._process.wait()
                 self._collect()
                 lost = f"the supervisor did not start (exit code {self._process.returncode})"
                 raise BusError("\n".join(self._reasons) or lost)
-            time.sleep(LOOK)
+            time.sleep(POLL_INTERVAL)
 
-    def _epitaph(self) -> str:
+    def _explain_end(self) -> str:
         self._collect()
         code, why = self._process.poll(), f": {self._reasons[-1]}" if self._reasons else ""
         if code is None:
-            falls = ", ".join(raised_joints(self._manifest, self._channel.status().angles)) or "a servo that is silent"
+            falls = ", ".join(describe_raised_joints(self._manifest, self._channel.status().angles)) or "a silent servo"
             return f"the robot cannot fold{why}; held until `kinesic servos release` lets it fall: {falls}"
         if code:
             return (
                 f"the supervisor died (exit code {code}); the servos have stopped with torque on: "
-                "open them anew to take them over, or let them go with `kinesic servos release`"
+                "open them again to take them over, or release them with `kinesic servos release`"
             )
         if self._channel.status().energised:
             return f"the servos hold where they stopped, and may have torque{why}; switch the power off"
-        return f"the supervisor has released the servos and ended{why}; open them anew"
+        return f"the supervisor has released the servos and ended{why}; open them again"
 
 
 def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path]) -> None:
-    """Checks that every bus has a port, and every port a bus.
+    """Check that ports and buses match one to one.
 
     Raises:
-        BusError: names what is missing.
+        BusError: a port is missing or unknown.
     """
-    wrong = sorted(set(manifest.bauds) ^ set(ports))
-    if wrong:
-        need = ", ".join(f"{name}=PATH" for name in manifest.bauds)
-        raise BusError(f"ports are given for {', '.join(ports) or 'no bus'}, but {robot.name} needs {need}")
+    mismatched = sorted(set(manifest.bauds) ^ set(ports))
+    if mismatched:
+        required = ", ".join(f"{name}=PATH" for name in manifest.bauds)
+        raise BusError(f"ports are given for {', '.join(ports) or 'no bus'}, but {robot.name} needs {required}")
 
 
-def check_free(ports: Iterable[str | Path], joints: int) -> None:
-    """Checks that no supervisor holds the ports of a robot with so many joints.
+def check_ports_free(ports: Iterable[str | Path], joints: int) -> None:
+    """Check that no supervisor holds the ports of a robot.
+
+    Args:
+        ports: paths of the ports.
+        joints: number of joints of the robot.
 
     Raises:
-        BusError: one does; a line for each port, and how to get it.
+        BusError: a supervisor holds a port; one line per port, with a remedy.
     """
     lines: list[str] = []
     for path in ports:
@@ -257,7 +289,7 @@ def check_free(ports: Iterable[str | Path], joints: int) -> None:
         if status.waits == "confirmation":
             lines.append(f"{path}: a supervisor holds limbs that cannot fold; `kinesic servos release` lets them fall")
         else:
-            what = f"another program uses this port: a supervisor drives the robot ({status.stage.value})"
-            lines.append(f"{path}: {what}; end it, or use `kinesic servos release`")
+            reason = f"another program uses this port: a supervisor drives the robot ({status.stage.value})"
+            lines.append(f"{path}: {reason}; end it, or use `kinesic servos release`")
     if lines:
         raise BusError("\n".join(lines))

@@ -1,4 +1,4 @@
-"""A bus in virtual time: on kinesic's own virtual servos, and on those of the manual."""
+"""Bus in virtual time on kinesic's virtual servos and on independent ones."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ import pytest
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus, Servo
 from kinesic.hardware.bus.cycle import Cycle
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.virtual.faults import CALM, FaultPlan
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
@@ -32,7 +32,7 @@ class Rig:
     plant: ShaftSimulation | Plant
 
     def true(self, register: Register) -> Ticks:
-        """What the servos' registers really hold."""
+        """Return the actual register values of the servos."""
         return np.array([servo.memory[register] for servo in self.plant.servos])
 
     def run(self, cycles: int, goals: Ticks | None = None) -> list[Cycle]:
@@ -59,7 +59,7 @@ def rig_of(
     period: float = 0.01,
     model: str = "xm430_w350",
     firmware: int = 52,
-    faults: FaultPlan = CALM,
+    faults: FaultPlan = NO_FAULTS,
     mixed: bool = False,
     latency: float = 0.001,
     servos: str = "kinesic",
@@ -69,7 +69,7 @@ def rig_of(
     build, wire_of = BUILDERS[servos]
     plant, buses = build([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
     wire = wire_of(buses["body"])
-    members = [Servo(k + 1, MODELS[name]) for k, name in enumerate(models)]
+    members = [Servo(k + 1, SERVO_MODELS[name]) for k, name in enumerate(models)]
     return Rig(open_bus(wire, members, period=period), wire, plant)
 
 

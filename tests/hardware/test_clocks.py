@@ -24,7 +24,7 @@ def wall_clocks(source: str) -> bool:
     return False
 
 
-def test_only_labels_are_taken_from_the_time_of_day():
+def test_wall_clock_is_used_only_for_labels():
     assert wall_clocks("import time\nprint(time.time())")
     assert wall_clocks("from time import time as wall_time")
     found = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if wall_clocks(path.read_text())}

@@ -1,8 +1,6 @@
-"""Dry runs whose workers are killed at random moments: `python -m tests.kills --count 10000 --every 20`.
+"""Dry runs whose workers are killed at random times.
 
-`--engine` is `processes:N`, `local:N` or the address of a scheduler on this machine. With `--python` a scheduler of its
-own gets a worker of each interpreter, which may be of different environments. It fails where a document is lost, done
-twice or called a crash.
+Usage: `python -m tests.kills --count 10000 --every 20`.
 """
 
 import argparse
@@ -21,7 +19,7 @@ from tests.tasks.dask_programs import dask_scheduler, dask_workers
 
 @contextmanager
 def engine_of(name: str, pythons: Sequence[str], folder: Path) -> Iterator[Engine]:
-    """Opens the engine that is asked for."""
+    """Open the requested engine."""
     if not pythons and name.startswith("processes:"):
         yield Processes(int(name.removeprefix("processes:")))
         return
@@ -33,7 +31,7 @@ def engine_of(name: str, pythons: Sequence[str], folder: Path) -> Iterator[Engin
 
 
 def main() -> int:
-    """Reads options, does it, and says what came of it."""
+    """Read options, run the tasks, and report the outcome."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--every", type=float, default=20.0, help="seconds between two kills")

@@ -13,11 +13,11 @@ from pathlib import Path
 from threading import Event, Thread
 from time import monotonic, process_time
 
-from kinesic.controller.perform import set_up
 from kinesic.planning.setup import Setup
 from kinesic.report.batch import validate_documents
+from kinesic.session.setup import set_up
 from kinesic.tasks.engine import Engine
-from kinesic.tasks.store import JOURNAL
+from kinesic.tasks.store import JOURNAL_FILE
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>\n'
 NOD = '<head id="h" lexeme="NOD" start="{:.4f}" end="0.9"/>'
@@ -95,7 +95,7 @@ def perform_under_fire(
             if monotonic() - began > told + TELL:
                 told = monotonic() - began
                 tell(f"{told:.0f} s: {len(seen)} of {count}, {len(kills)} kills")
-    lines = Counter((folder / "reports" / JOURNAL).read_bytes().splitlines())
+    lines = Counter((folder / "reports" / JOURNAL_FILE).read_bytes().splitlines())
     reports = sum(1 for path in (folder / "reports").glob("*.json"))
     return Outcome(
         documents=count,

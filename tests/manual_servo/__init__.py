@@ -1,4 +1,4 @@
-"""A second virtual Dynamixel X servo, written from the maker's manual alone: it shares no line with kinesic.
+"""Independent virtual Dynamixel X servo, written from the manual without kinesic.
 
 `packet` is protocol 2.0, `table` the control table, `device` what a servo does with instructions, `memory` what it
 does with registers, `firmware`, `motion` and `physics` how its shaft turns, `line` the wire, `pty` a port; `faults`,

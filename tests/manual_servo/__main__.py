@@ -1,6 +1,6 @@
-"""Serves servos on a pseudo-terminal in a process of its own: `python -m manual_servo 1:xm430_w350 2:xc330_t288`.
+"""Serve servos on a pseudo-terminal in a separate process.
 
-Prints the port's path, and ends when its input does.
+Usage: `python -m manual_servo 1:xm430_w350 2:xc330_t288`.
 """
 
 import os

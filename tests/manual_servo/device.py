@@ -1,4 +1,4 @@
-"""One servo on the wire: what it answers to each instruction of protocol 2.0."""
+"""Replies of one servo to the instructions of protocol 2.0."""
 
 from dataclasses import dataclass, replace
 
@@ -31,7 +31,7 @@ class Device:
     def __init__(
         self, servo: int, model: str, *, baud: int = 1_000_000, firmware: int = 52, angle: float = 0.0
     ) -> None:
-        """A servo with an id, set to a baud rate, its shaft at an angle [rad]."""
+        """Create a servo with id, baud rate and shaft angle [rad]."""
         self.memory = Memory(MODELS[model], servo, firmware)
         self.memory["baud"] = BAUDS.index(baud)
         self.memory["return_delay"] = 0
@@ -64,17 +64,20 @@ class Device:
         return self.memory["firmware"] >= self.memory.model.fast
 
     def awake(self, time: float) -> bool:
-        """Whether it hears what is said."""
+        """Whether the servo receives instructions."""
         return not self.deaf and time >= self.wakes
 
     def boot(self, time: float) -> None:
-        """Starts it anew; for a while it hears nothing."""
+        """Restart the servo, which receives nothing for a while."""
         self._registered = None
         self.firmware.boot(time)
         self.wakes = time + BOOTING
 
     def write(self, address: int, data: bytes, *, shadow: bool = False) -> int:
-        """Writes registers and lets the firmware follow; returns an error number. A secondary id reaches RAM alone."""
+        """Write registers, run the firmware, and return an error number.
+
+        A secondary id reaches RAM alone.
+        """
         memory = self.memory
         names = memory.named(address, len(data))
         if shadow and any(memory.item(name).lasting for name in names):
@@ -89,7 +92,10 @@ class Device:
         return error
 
     def show(self, address: int, size: int) -> tuple[int, bytes]:
-        """Reads registers as it says that they are now; returns an error number and the bytes."""
+        """Read registers as the servo reports them.
+
+        Returns an error number and the bytes.
+        """
         self.firmware.refresh()
         if not self.firmware.tampers:
             return self.memory.read(address, size)
@@ -101,11 +107,14 @@ class Device:
         return told
 
     def answer(self, error: int, parameters: bytes = b"") -> Answer:
-        """Makes a status of it, with the alert bit where a hardware error is shown."""
+        """Make a status, with the alert bit during a hardware error."""
         return Answer(self.id, error | (p.ALERT if self.memory["error"] else 0), parameters)
 
     def hear(self, packet: Packet, time: float) -> Answer | None:
-        """Does what an instruction for one servo says; None: it is not for it, or no answer is due."""
+        """Execute an instruction for one servo.
+
+        None if the instruction is for another servo, or needs no reply.
+        """
         own, everybody = packet.servo == self.id, packet.servo == p.BROADCAST
         shadow = not own and packet.servo == self.memory["secondary_id"] < NOBODY
         if packet.intact:
@@ -169,7 +178,7 @@ class Device:
         return 0
 
     def _clear(self, said: bytes) -> int:
-        """Brings a position of many turns into one; only while it stands."""
+        """Reset the turn count of a servo at rest."""
         if said[0] != 1 or said[1:] != CLEAR_KEY:
             return p.RANGE_ERROR
         if abs(self.shaft.speed) > 0.01:

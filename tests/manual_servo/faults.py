@@ -1,4 +1,4 @@
-"""What may go wrong on the wire: bytes are lost, changed, added, held back; plugs are pulled."""
+"""Faults of the wire: lost, changed, added and delayed bytes, pulled plugs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Flying = list[tuple[float, bytes]]  # bytes, and how much later [s] than they sh
 
 
 class Fault:
-    """Something that goes wrong for a while; this one changes nothing, others change one thing."""
+    """Temporary fault; the base class changes nothing."""
 
     def begin(self, line: Line) -> None:
         """It strikes."""
@@ -29,11 +29,11 @@ class Fault:
         """The host has sent bytes, which are out at a time [s]."""
 
     def request(self, data: bytes) -> bytes:
-        """Returns what servos hear of what the host sends."""
+        """Return the bytes that servos receive from the host."""
         return data
 
     def say(self, device: Device, answer: Answer) -> Answer | None:
-        """Returns what a servo says instead of an answer."""
+        """Return the bytes that a servo sends instead of its reply."""
         return answer
 
     def frame(self, device: Device, data: bytes) -> bytes:
@@ -41,13 +41,13 @@ class Fault:
         return data
 
     def carry(self, device: Device, data: bytes) -> Flying:
-        """Returns what comes of a servo's bytes at the host."""
+        """Return the bytes of a servo that reach the host."""
         return [(0.0, data)]
 
 
 @dataclass
 class Spoiled(Fault):
-    """Changes a share of what comes; `spoil` says how."""
+    """Change a fraction of the transmissions by `spoil`."""
 
     share: float = 1.0
     servos: tuple[int, ...] = ()  # whose; none: everybody's
@@ -62,7 +62,7 @@ class Spoiled(Fault):
         return self.spoil(data) if mine and self.rng.random() < self.share else [(0.0, data)]
 
     def spoil(self, data: bytes) -> Flying:
-        """Returns what comes instead."""
+        """Return the changed bytes."""
         return [(0.0, data)]
 
 
@@ -132,7 +132,7 @@ class Late(Spoiled):
 
 @dataclass
 class Replay(Spoiled):
-    """What came a while ago comes again instead."""
+    """Replace a transmission by an earlier one."""
 
     age: int = 5
     kept: list[bytes] = field(default_factory=list)
@@ -145,7 +145,7 @@ class Replay(Spoiled):
 
 
 class LostRequest(Spoiled):
-    """The servos hear a part of what the host sends."""
+    """Loss of a part of the host's bytes."""
 
     def carry(self, device: Device, data: bytes) -> Flying:
         return [(0.0, data)]
@@ -155,7 +155,7 @@ class LostRequest(Spoiled):
 
 
 class Echo(Fault):
-    """The host hears itself, as on an adapter that does not switch its receiver off."""
+    """Echo of the host's bytes, as from an adapter with an open receiver."""
 
     def echo(self, line: Line, data: bytes, time: float) -> None:
         line.post(data, time + line.latency)
@@ -174,7 +174,7 @@ class Flood(Fault):
 
 @dataclass
 class FrozenLink(Fault):
-    """An adapter that keeps everything back, in both directions, and hands what came over when it thaws."""
+    """Adapter that delays all bytes in both directions until it thaws."""
 
     held: list[bytes] = field(default_factory=list)
 
@@ -190,7 +190,7 @@ class FrozenLink(Fault):
 
 
 class SilentAll(Fault):
-    """Nobody answers, but all hear."""
+    """All servos receive without replying."""
 
     def say(self, device: Device, answer: Answer) -> None:
         return None
@@ -212,7 +212,7 @@ class Unplugged(Fault):
 
 @dataclass
 class Replugged(Unplugged):
-    """The adapter is pulled; what is put in under its name hangs on another robot."""
+    """Adapter replaced under the same name by one of another robot."""
 
     others: Sequence[Device]
 
@@ -245,7 +245,7 @@ class BadCrc(Fault):
 
 @dataclass
 class WrongLength(Fault):
-    """A servo answers with a byte less than was asked for, in an intact packet."""
+    """Intact replies with one byte less than requested."""
 
     servo: int
 
@@ -256,7 +256,7 @@ class WrongLength(Fault):
 
 @dataclass
 class Misquoted(Fault):
-    """Answers are of the right form, and say that they have another length than they have."""
+    """Replies whose length field is wrong."""
 
     servo: int
 

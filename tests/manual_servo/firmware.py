@@ -1,4 +1,4 @@
-"""What a servo does every millisecond: control, bus watchdog, protection; and what its present values are."""
+"""Millisecond loop of a servo: control, bus watchdog, protection, sensors."""
 
 from collections.abc import Callable
 
@@ -31,7 +31,7 @@ class Firmware:
         self.boot(0.0)
 
     def boot(self, time: float) -> None:
-        """Begins anew: RAM is lost, the position is within one turn."""
+        """Reset RAM, and bring the position into one turn."""
         self.memory.reset()
         self.shut = False  # only a reboot brings torque back after a shutdown
         self.booted = self.heard = time
@@ -62,7 +62,7 @@ class Firmware:
         self.base += PER_TURN * (round(self.position) // PER_TURN)
 
     def switched(self, before: dict[str, int]) -> None:
-        """Follows a write, of which the values before are known."""
+        """React to a write, given the earlier values."""
         memory = self.memory
         self._orient()
         if before.get("operating_mode", memory["operating_mode"]) != memory["operating_mode"]:
@@ -99,7 +99,7 @@ class Firmware:
         self.profile.head(float(memory["goal_position"]), speed, acceleration, timed)
 
     def reload(self) -> None:
-        """Takes over what the registers say, so that the loop need not read them."""
+        """Cache the register values for the control loop."""
         memory = self.memory
         self._orient()
         self.torque, self.mode = bool(memory["torque"]), memory["operating_mode"]
@@ -146,7 +146,7 @@ class Firmware:
         return self._sign * self.pid.step(self.profile.step(seconds) - self.position, self._gains, self._limit)
 
     def trip(self) -> None:
-        """Stops where it is: nobody has said anything for too long."""
+        """Stop because the bus was silent for too long."""
         memory = self.memory
         memory["watchdog"] = TRIPPED
         memory["profile_velocity"] = memory["profile_acceleration"] = memory["goal_velocity"] = 0

@@ -1,4 +1,4 @@
-"""Present values that are not what they are: a firmware that hangs, a clock or an encoder that lies."""
+"""False present values: a hung firmware, a wrong clock or encoder."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PRESENT = ("tick", "present_current", "present_velocity", "present_position", "v
 
 @dataclass
 class Lying(OfServo):
-    """Its present values are not what they are."""
+    """Servo with false present values."""
 
     def strike(self, device: Device) -> None:
         device.firmware.tampers.append(self.tamper)

@@ -1,4 +1,7 @@
-"""A half-duplex wire with servos on it, paced by its baud rate, in a world whose time the caller moves."""
+"""Half-duplex wire with servos, paced by its baud rate.
+
+The caller owns the clock of its world.
+"""
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -21,7 +24,7 @@ GROUP_WRITES = (p.SYNC_WRITE, p.BULK_WRITE)
 
 
 class World:
-    """The servos of all wires and what hangs on them, under one clock."""
+    """Servos of all wires with their loads, under one clock."""
 
     def __init__(self, devices: Sequence[Device] = (), arms: Sequence[Arm] = ()) -> None:
         self.time, self.devices, self.arms = 0.0, tuple(devices), tuple(arms)
@@ -33,7 +36,7 @@ class World:
         heappush(self._alarms, (time, next(self._numbers), deed))
 
     def advance(self, time: float) -> None:
-        """Moves the clock forward; it never goes back."""
+        """Advance the clock, which never decreases."""
         while True:
             self._ring()
             if self.time + STEP > time + 1e-12:
@@ -50,12 +53,12 @@ class World:
 
 
 class Line:
-    """One wire: hears what a host sends, and keeps what the servos answer until the host fetches it."""
+    """Wire that buffers the servos' replies until the host reads them."""
 
     def __init__(
         self, world: World, devices: Sequence[Device], *, baud: int = 1_000_000, latency: float = 0.001
     ) -> None:
-        """A wire in a world; latency [s] is how long the adapter keeps what is less than a full piece."""
+        """Create a wire in a world with an adapter latency [s]."""
         self.world, self.devices, self.baud, self.latency = world, list(devices), baud, latency
         self.plugged = True
         self.faults: list[Fault] = []
@@ -104,7 +107,7 @@ class Line:
                 self._busy = self._flush(self._respond(packet, end))
 
     def arrives(self) -> float:
-        """When [s] the next bytes come to the host; infinity: none are on their way."""
+        """Return the time [s] of the next arrival, or infinity."""
         return self._coming[0][0] if self._coming else inf
 
     def receive(self, time: float) -> bytes:
@@ -115,7 +118,7 @@ class Line:
         return found
 
     def post(self, data: bytes, time: float) -> None:
-        """Lets bytes come to the host at a time [s]; nothing overtakes what is on its way."""
+        """Deliver bytes to the host at a time [s], in order."""
         self._coming.append((max(time, self._coming[-1][0]) if self._coming else time, data))
 
     # the servos' side
@@ -127,7 +130,7 @@ class Line:
         return (device for device in self.devices if device.awake(time) and device.baud == self.baud)
 
     def _respond(self, packet: Packet, time: float) -> float:
-        """Lets all servos follow an instruction; returns when the wire is quiet again."""
+        """Execute an instruction on all servos, and return the end of their replies."""
         awake = list(self._awake(time))
         if packet.instruction in GROUP_READS + GROUP_WRITES and packet.intact:
             for device in awake:
@@ -167,7 +170,7 @@ class Line:
         return data
 
     def _told(self, device: Device, answer: Answer | None) -> Answer | None:
-        """What a servo says of what it would answer."""
+        """Return a servo's reply after all faults."""
         if device.mute:
             return None
         for fault in self.faults:
@@ -175,7 +178,7 @@ class Line:
         return answer
 
     def _carry(self, device: Device, data: bytes, time: float) -> float:
-        """Sends a servo's bytes to the host; returns when the wire is quiet again."""
+        """Transmit a servo's bytes, and return their end time."""
         end = time + device.delay + self._lasts(data)
         flying = [(0.0, data)]
         for fault in self.faults:
@@ -191,7 +194,7 @@ class Line:
         return end
 
     def _flush(self, time: float) -> float:
-        """Hands over what the adapter has kept, when it sees that no more comes."""
+        """Deliver the adapter's remaining bytes."""
         if self._piece:
             self.post(bytes(self._piece), time + self.latency)
             self._piece.clear()
@@ -206,7 +209,7 @@ class Line:
                     device.write(address, data, shadow=True)
 
     def _read(self, packet: Packet, awake: Sequence[Device], time: float) -> float:
-        """Each answers when the one before it in the list has; nobody does behind one that is silent."""
+        """Return the replies in list order, up to the first silent servo."""
         for servo, address, size in _reads(packet):
             mine = [device for device in awake if device.id == servo and device.memory["status_return"]]
             said = [self._packed(device, device.answer(*device.show(address, size))) for device in mine]
@@ -217,7 +220,7 @@ class Line:
         return time
 
     def _fast(self, packet: Packet, awake: Sequence[Device], time: float) -> float:
-        """All in one packet, block by block, each with the CRC of everything before it."""
+        """Return one joint reply whose blocks end with a running CRC."""
         wanted = list(_reads(packet))
         size = 1 + sum(size + 4 for _, _, size in wanted)
         head = p.HEADER + bytes([p.BROADCAST]) + size.to_bytes(2, "little") + bytes([p.STATUS])
@@ -237,13 +240,13 @@ class Line:
 
 
 def _padded(device: Device, address: int, size: int) -> Answer:
-    """A block of a joint answer has its size even where there is nothing to show."""
+    """Pad a block of a joint reply to its size."""
     error, data = device.show(address, size)
     return device.answer(error, data.ljust(size, b"\0"))
 
 
 def _collide(said: Sequence[bytes]) -> bytes:
-    """What is heard when several talk at once: a line that one of them pulls low is low."""
+    """Mix simultaneous transmissions: a low level wins."""
     if len(said) == 1:
         return said[0]
     heard = bytearray(max(said, key=len))
@@ -258,7 +261,7 @@ def _word(data: bytes, at: int) -> int:
 
 
 def _reads(packet: Packet) -> Iterator[tuple[int, int, int]]:
-    """Who is asked for what: id, address, size."""
+    """List id, address and size of each read."""
     said = packet.parameters
     if packet.instruction in BULK:
         for at in range(0, len(said) - 4, 5):
@@ -269,7 +272,7 @@ def _reads(packet: Packet) -> Iterator[tuple[int, int, int]]:
 
 
 def writes_of(packet: Packet) -> Iterator[tuple[int, int, bytes]]:
-    """Who is told what by a write, of one or of a group: id, address, bytes."""
+    """List id, address and bytes of each write."""
     said, at = packet.parameters, 0
     if packet.instruction == p.WRITE and len(said) > 2:
         yield packet.servo, _word(said, 0), said[2:]

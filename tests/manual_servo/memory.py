@@ -1,4 +1,4 @@
-"""The registers of one servo: what may be read, what may be written, and what a reboot leaves of them."""
+"""Registers of one servo, with access rules and reboot behaviour."""
 
 from struct import Struct
 
@@ -49,7 +49,7 @@ class Memory:
         return name in self.items
 
     def reset(self, *, lasting: bool = False, keep: tuple[str, ...] = ()) -> None:
-        """Puts RAM to what a power cycle leaves, EEPROM too if it is lasting."""
+        """Reset RAM as a power cycle does, optionally EEPROM, too."""
         self.bytes[RAM:] = bytes(len(self.bytes) - RAM)
         for name, item in self.items.items():
             if name not in keep and (lasting or not item.lasting):
@@ -67,12 +67,15 @@ class Memory:
         return address in self._owner or address in self._cells or address in self._windows
 
     def _target(self, address: int) -> int:
-        """Where an address leads: indirect data to what its pointer names."""
+        """Resolve an indirect data address."""
         pointer = self._windows.get(address)
         return address if pointer is None else int.from_bytes(self.bytes[pointer : pointer + 2], "little")
 
     def read(self, address: int, size: int) -> tuple[int, bytes]:
-        """Returns an error number and the bytes; it must begin where something is, gaps behind are zeros."""
+        """Return an error number and the bytes of a span.
+
+        The span must begin at a register, and gaps inside it are zeros.
+        """
         if not size:
             return LENGTH_ERROR, b""
         if not self._defined(address) or address + size > len(self.bytes):

@@ -1,4 +1,4 @@
-"""How a set point comes to its goal: the profiles of the X series, and position control."""
+"""Set point profiles of the X series, and position control."""
 
 from dataclasses import dataclass
 from math import copysign, inf, sqrt
@@ -23,7 +23,10 @@ class Profile:
         self.speed = 0.0
 
     def head(self, goal: float, speed: int, acceleration: int, timed: bool) -> None:
-        """Takes a new goal, with the registers of speed and acceleration; `timed`: they are times [ms]."""
+        """Take a new goal with profile registers.
+
+        With `timed`, the registers are times [ms].
+        """
         self.goal = goal
         if not timed:
             self.fastest = speed * SPEED or inf
@@ -52,7 +55,10 @@ class Profile:
 
 @dataclass
 class Pid:
-    """Position control: P / 128, I / 65536, D / 16 on the error in ticks, at 1 kHz; the result is a PWM count."""
+    """Position control at 1 kHz on the error in ticks.
+
+    P / 128, I / 65536 and D / 16; the result is a PWM count.
+    """
 
     total: float = 0.0
     before: float = 0.0
@@ -66,5 +72,5 @@ class Pid:
         return max(-limit, min(limit, wish))
 
     def rest(self) -> None:
-        """Forgets what it has summed up."""
+        """Reset the integral."""
         self.total = self.before = 0.0

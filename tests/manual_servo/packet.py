@@ -1,4 +1,4 @@
-"""Frames of protocol 2.0: header, id, length, instruction, parameters, CRC-16 over all that precedes it."""
+"""Frames of protocol 2.0 with stuffing and CRC-16."""
 
 from dataclasses import dataclass
 
@@ -42,7 +42,7 @@ def sealed(head: bytes) -> bytes:
 
 
 def stuff(body: bytes) -> bytes:
-    """Adds FD behind each FF FF FD, so that no header stands inside a packet."""
+    """Add FD behind each FF FF FD, so that a packet contains no header."""
     return body.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
 
 
@@ -69,7 +69,7 @@ def status(servo: int, error: int, parameters: bytes = b"") -> bytes:
 
 @dataclass(frozen=True)
 class Packet:
-    """What came over the wire."""
+    """Received packet."""
 
     servo: int
     instruction: int
@@ -84,7 +84,10 @@ class Decoder:
         self._heard, self._last = b"", 0.0
 
     def feed(self, data: bytes, time: float = 0.0) -> list[Packet]:
-        """Returns the packets that these bytes complete; half a packet is forgotten after a silence."""
+        """Return the packets completed by these bytes.
+
+        Half a packet is forgotten after a silence.
+        """
         if time - self._last > STALE:
             self._heard = b""
         self._last = time

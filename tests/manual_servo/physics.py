@@ -1,4 +1,4 @@
-"""Shafts with inertia, friction and a motor, and arms that pull at them: without torque an arm falls."""
+"""Shafts with inertia, friction, motor and gravity load."""
 
 from dataclasses import dataclass
 from math import pi, sin
@@ -13,7 +13,7 @@ GEARS = 0.1  # of the motor's braking that is left without power
 
 @dataclass
 class Shaft:
-    """What a servo turns."""
+    """Output shaft of a servo with its load."""
 
     model: Model
     angle: float = 0.0  # [rad]
@@ -28,7 +28,10 @@ class Shaft:
         return self.angle * TICKS + MIDDLE
 
     def step(self, seconds: float, duty: float | None, volts: float) -> None:
-        """Turns it for a moment; duty -1..1 of the motor, None: no power."""
+        """Advance the shaft by one time step.
+
+        The motor duty is in -1..1; None means no power.
+        """
         model = self.model
         if self.jammed:
             self.speed, self.share = 0.0, duty or 0.0

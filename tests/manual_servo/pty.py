@@ -1,4 +1,4 @@
-"""Servos behind a pseudo-terminal, in real time: any program that opens serial ports can drive them."""
+"""Servos behind a pseudo-terminal in real time."""
 
 import os
 import select

@@ -1,4 +1,4 @@
-"""What may go wrong in a servo: alerts, reboots, silence, a motor that does not obey, heat and failing supply."""
+"""Faults of a servo: alerts, reboots, silence, heat, weak motor and supply."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class OfServo(Fault):
 
 @dataclass
 class Alert(OfServo):
-    """A hardware error: the servo shuts down where its mask has that bit."""
+    """Hardware error, which shuts the servo down if its mask has the bit."""
 
     bits: int
 
@@ -72,7 +72,7 @@ class Silent(OfServo):
 
 
 class Unhearing(OfServo):
-    """Its cable has come off on the data line: it neither hears nor answers."""
+    """Servo with a loose data cable, which neither receives nor replies."""
 
     def strike(self, device: Device) -> None:
         device.deaf = True

@@ -1,4 +1,4 @@
-"""Registers that somebody else has set: another model, id, rate, or manner of answering."""
+"""Foreign register values: another model, id, baud rate or return level."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Register(OfServo):
-    """Somebody has changed a register."""
+    """Register changed by another program."""
 
     name: str
     value: int

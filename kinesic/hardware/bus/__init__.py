@@ -1,1 +1,1 @@
-"""Reads and writes all servos of a bus in one cycle, whatever goes wrong on its wire."""
+"""Cyclic, fault-tolerant reading and writing of all servos on a bus."""

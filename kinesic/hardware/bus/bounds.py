@@ -1,7 +1,8 @@
-"""Bounds what a servo's record may say: no repetition makes a value true that no servo of this model can have.
+"""Plausible value ranges of the registers in a servo's record.
 
-The bounds are those of the model and of the hinge that it turns. They are wide, since a record that is not believed
-tells nothing of its servo: they keep out nonsense, and leave hot, fast and weak servos to those who watch them.
+A value outside its bounds is never accepted, however often it is repeated. The bounds follow from the servo model and
+its hinge. They are wide, because a rejected record tells nothing about its servo: they only keep out nonsense, and
+the monitor judges hot, fast and weak servos.
 """
 
 from collections.abc import Sequence
@@ -11,68 +12,81 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.bus.cycle import Name, Records
+from kinesic.hardware.bus.cycle import FieldName, Records
 from kinesic.hardware.protocol.models import Model
-from kinesic.hardware.protocol.registers import SPEED, TICK, Register
+from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Register
 
-Span = tuple[int, int]  # [ticks]
+TickRange = tuple[int, int]  # [ticks] lowest and highest
 
-BY_HAND = 2 * TICKS_PER_TURN  # [ticks/s] that a limp joint may be pushed
-SURE = 2.0  # times its limits of speed and current that a servo may seem to have
-BEYOND = TICKS_PER_TURN // 8  # [ticks] outside its hinge's range that a servo with torque may be pushed
-WOUND = 8 * TICKS_PER_TURN  # [ticks] that a limp servo may count, over whole turns
-LOAD_FULL = 1000  # PRESENT_CURRENT at stall of a servo without current sensor
-LEAST_VOLTS, SURGE = 25, 1.5  # [0.1 V] below which no servo calculates; share of the largest supply
-HOTTEST = 125  # [C] beyond which no sensor measures
-ERRORS = 0x3F  # bits of HARDWARE_ERROR_STATUS that may be set
+MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] largest plausible velocity of a joint pushed by hand
+LIMIT_FACTOR = 2.0  # Largest plausible velocity or current / limit in the servo's registers
+RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] by which a servo with torque may be pushed beyond its hinge's range
+MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible position of a servo turned without torque
+STALL_LOAD = 1000  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
+MIN_VOLTAGE = 25  # [0.1 V] minimum at which a servo's processor works
+MAX_SUPPLY_RATIO = 1.5  # Largest plausible supply voltage / factory voltage limit of the servo
+MAX_TEMPERATURE = 125  # [C] upper end of the sensor's range
+ERROR_BITS = 0x3F  # Valid bits of HARDWARE_ERROR_STATUS
 
-CHECKED: tuple[Name, ...] = ("torque", "watchdog", "current", "velocity", "volts", "temperature", "hardware_error")
+CHECKED_FIELDS: tuple[FieldName, ...] = (
+    "torque",
+    "watchdog",
+    "current",
+    "velocity",
+    "volts",
+    "temperature",
+    "hardware_error",
+)
 
 
 @dataclass(frozen=True, eq=False)
 class RecordBounds:
-    """What records of several servos may hold, ends included."""
+    """Smallest and largest plausible register values of several servos."""
 
-    lower: Floats  # (7, n) of the fields in CHECKED
+    lower: Floats  # (7, n) of the fields in CHECKED_FIELDS
     upper: Floats  # (7, n)
-    driven: Floats  # (2, n) [ticks] between which a servo with torque stands
-    pace: Floats  # (n,) [ticks/s] that a joint may seem to move
+    torque_range: Floats  # (2, n) [ticks] position range of a servo with torque
+    max_velocity: Floats  # (n,) [ticks/s] plausible velocity of a joint
 
     @classmethod
-    def of(cls, models: Sequence[Model], spans: Sequence[Span]) -> "RecordBounds":
-        """Takes the bounds of servos.
+    def of(cls, models: Sequence[Model], spans: Sequence[TickRange]) -> "RecordBounds":
+        """Derive the bounds of the servos' record values from their models.
 
         Args:
-            models: which they are.
-            spans: [ticks] between which each may have goals.
+            models: servo models.
+            spans: [ticks] range of goal positions of each servo.
         """
-        limits = np.array([model.starts(Register.VELOCITY_LIMIT) for model in models], dtype=np.float64)
-        pace = np.maximum(SURE * limits * SPEED / TICK, BY_HAND)
-        current = SURE * np.array([_largest_current(model) for model in models])
-        volts = SURGE * np.array([model.starts(Register.MAX_VOLTAGE_LIMIT) for model in models])
-        speed = np.ceil(pace * TICK / SPEED)
+        limits = np.array([model.factory_value(Register.VELOCITY_LIMIT) for model in models], dtype=np.float64)
+        max_velocity = np.maximum(LIMIT_FACTOR * limits * VELOCITY_UNIT / TICK_ANGLE, MAX_PUSHED_VELOCITY)
+        current = LIMIT_FACTOR * np.array([_largest_current(model) for model in models])
+        volts = MAX_SUPPLY_RATIO * np.array([model.factory_value(Register.MAX_VOLTAGE_LIMIT) for model in models])
+        max_counts = np.ceil(max_velocity * TICK_ANGLE / VELOCITY_UNIT)
         ends = np.array(spans, dtype=np.float64).reshape(-1, 2).T
         return cls(
-            lower=sealed(np.broadcast_arrays(0, -1, -current, -speed, LEAST_VOLTS, 0, 0)),
-            upper=sealed(np.broadcast_arrays(1, 127, current, speed, volts, HOTTEST, ERRORS)),
-            driven=sealed(ends + np.array([[-BEYOND], [BEYOND]])),
-            pace=sealed(pace),
+            lower=sealed(np.broadcast_arrays(0, -1, -current, -max_counts, MIN_VOLTAGE, 0, 0)),
+            upper=sealed(np.broadcast_arrays(1, 127, current, max_counts, volts, MAX_TEMPERATURE, ERROR_BITS)),
+            torque_range=sealed(ends + np.array([[-RANGE_MARGIN], [RANGE_MARGIN]])),
+            max_velocity=sealed(max_velocity),
         )
 
     def outside(self, records: Records) -> Flags:
-        """Returns (n,) whose record says what cannot be."""
-        said = np.array([records[name] for name in CHECKED])
-        places, torque = records["position"], records["torque"] != 0
-        lower = np.where(torque, self.driven[0], -WOUND)
-        upper = np.where(torque, self.driven[1], WOUND)
-        wrong = (said < self.lower).any(axis=0) | (said > self.upper).any(axis=0)
-        outside: Flags = wrong | (places < lower) | (places > upper)
+        """Return which records (n,) have a value outside its bounds."""
+        values = np.array([records[name] for name in CHECKED_FIELDS])
+        positions, torque = records["position"], records["torque"] != 0
+        lower = np.where(torque, self.torque_range[0], -MAX_WOUND_POSITION)
+        upper = np.where(torque, self.torque_range[1], MAX_WOUND_POSITION)
+        wrong = (values < self.lower).any(axis=0) | (values > self.upper).any(axis=0)
+        outside: Flags = wrong | (positions < lower) | (positions > upper)
         return outside
 
     def reason(self, index: int, record: np.void) -> str:
-        """Returns which value of a servo's record cannot be, and its bounds; empty if all can."""
-        spans = {name: (self.lower[k, index], self.upper[k, index]) for k, name in enumerate(CHECKED)}
-        place = (self.driven[0, index], self.driven[1, index]) if record["torque"] else (-WOUND, WOUND)
+        """Describe the first value outside its bounds, or return an empty string."""
+        spans = {name: (self.lower[k, index], self.upper[k, index]) for k, name in enumerate(CHECKED_FIELDS)}
+        place = (
+            (self.torque_range[0, index], self.torque_range[1, index])
+            if record["torque"]
+            else (-MAX_WOUND_POSITION, MAX_WOUND_POSITION)
+        )
         for name, (lower, upper) in {**spans, "position": place}.items():
             if not lower <= record[name] <= upper:
                 return f"{name} is {record[name]}, must be {lower:.0f}..{upper:.0f}"
@@ -80,4 +94,4 @@ class RecordBounds:
 
 
 def _largest_current(model: Model) -> int:
-    return LOAD_FULL if model.amperes is None else model.starts(Register.CURRENT_LIMIT)
+    return STALL_LOAD if model.amperes is None else model.factory_value(Register.CURRENT_LIMIT)

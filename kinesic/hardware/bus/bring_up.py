@@ -1,92 +1,100 @@
-"""Brings up a bus on an open wire: checks that all servos are there and show their records. Nothing is energised."""
+"""Start-up of a bus with checks of its servos.
+
+No torque is switched on.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from kinesic.hardware.bus.bus import Bus, Servo
-from kinesic.hardware.bus.cycle import CELLS, HEALTH, SIZE
+from kinesic.hardware.bus.cycle import CELL_CONTENTS, RECORD_DTYPE, RECORD_SIZE
 from kinesic.hardware.bus.query import FastQuery
-from kinesic.hardware.protocol.device import Cold
+from kinesic.hardware.protocol.device import ServoAccess
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError, Wire
 
-FAST_TRIES = 3
-FAST_WAIT = 0.02  # [s] beyond the bytes
+FAST_TRIES = 3  # Fast reads without a reply, after which the bus uses plain reads
+FAST_TIMEOUT = 0.02  # [s] wait for a fast reply, in addition to its transmission time
 
 
 def open_bus(wire: Wire, servos: Sequence[Servo], *, period: float = 0.01) -> Bus:
-    """Checks the servos, lets them show their records, and finds out whether they answer fast reads.
+    """Check servos, set up their indirect addresses, and test fast reads.
 
     Args:
-        wire: an open one.
-        servos: that must be there, in the order of goals and records.
+        wire: an open wire.
+        servos: required servos, in the order of goals and records.
         period: [s] between cycles.
 
     Raises:
-        BusError: servos are missing or not as they should be; one line each.
+        BusError: servos are missing or unsuitable; one line each.
     """
-    cold = Cold(wire)
-    wrong = problems(cold, servos)
-    if wrong:
-        raise BusError("\n".join(wrong))
+    access = ServoAccess(wire)
+    found_problems = find_problems(access, servos)
+    if found_problems:
+        raise BusError("\n".join(found_problems))
     for servo in servos:
-        show_record(cold, servo)
-    return Bus(wire, servos, period=period, fast=answers_fast(wire, servos))
+        map_record(access, servo)
+    return Bus(wire, servos, period=period, fast=supports_fast_reads(wire, servos))
 
 
-def problems(cold: Cold, servos: Sequence[Servo]) -> tuple[str, ...]:
-    """Returns what is wrong with the servos that must be there: one line each, empty if nothing."""
-    found = {servo.id: line for servo in servos if (line := _problem(cold, servo))}
-    if len(found) == len(servos) and all("no answer" in line for line in found.values()):
-        others = ", ".join(f"{other.id} ({other.name})" for other in cold.everyone())
-        answering = f"; those who answer: {others}" if others else "; is the power on, is the baud rate right?"
+def find_problems(access: ServoAccess, servos: Sequence[Servo]) -> tuple[str, ...]:
+    """Describe the problems of the required servos, one line each."""
+    problems = {servo.id: line for servo in servos if (line := _problem(access, servo))}
+    if len(problems) == len(servos) and all("no answer" in line for line in problems.values()):
+        others = ", ".join(f"{other.id} ({other.name})" for other in access.ping_all())
+        answering = f"; answering: {others}" if others else "; is the power on, is the baud rate right?"
         ids = ", ".join(str(servo.id) for servo in servos)
-        return (f"{cold.wire.name}: no servo of ids {ids} at {cold.wire.baud} baud{answering}",)
-    return tuple(found.values())
+        return (f"{access.wire.name}: no servo of ids {ids} at {access.wire.baud} baud{answering}",)
+    return tuple(problems.values())
 
 
-def _problem(cold: Cold, servo: Servo) -> str:
-    where, model = f"{cold.wire.name}: servo {servo.id}", servo.model
-    found = cold.ping(servo.id)
-    if found is None:
-        return f"{where}: no answer at {cold.wire.baud} baud; `kinesic servos scan` tells who is there"
-    if found.number != model.number:
-        return f"{where}: is a {found.name}, must be a {model.name}; wrong id, or wrong robot?"
-    if found.firmware < model.least_firmware:
+def _problem(access: ServoAccess, servo: Servo) -> str:
+    where, model = f"{access.wire.name}: servo {servo.id}", servo.model
+    reply = access.ping(servo.id)
+    if reply is None:
+        return f"{where}: no answer at {access.wire.baud} baud; `kinesic servos scan` lists the servos"
+    if reply.number != model.number:
+        return f"{where}: is a {reply.name}, must be a {model.name}; wrong id, or wrong robot?"
+    if reply.firmware < model.min_firmware:
         return (
-            f"{where}: firmware {found.firmware} has no bus watchdog, must be {model.least_firmware} or newer; "
+            f"{where}: firmware {reply.firmware} has no bus watchdog, must be {model.min_firmware} or newer; "
             "update it with DYNAMIXEL Wizard"
         )
-    if cold.is_shared(servo.id):
+    if access.is_shared(servo.id):
         return f"{where}: several servos have this id; connect them one at a time and give each its own"
-    volts = cold.read(servo.id, Register.PRESENT_INPUT_VOLTAGE)
-    least = cold.read(servo.id, Register.MIN_VOLTAGE_LIMIT)
+    volts = access.read(servo.id, Register.PRESENT_INPUT_VOLTAGE)
+    least = access.read(servo.id, Register.MIN_VOLTAGE_LIMIT)
     if volts < least:
         return f"{where}: supply is {volts / 10:.1f} V, must be {least / 10:.1f} V at least"
     return ""
 
 
-def show_record(cold: Cold, servo: Servo) -> None:
-    """Maps a servo's indirect cells to the registers of its record, and checks that they return these.
+def map_record(access: ServoAccess, servo: Servo) -> None:
+    """Map a servo's indirect cells to the registers of its record.
+
+    The mapping is read back and checked.
 
     Raises:
-        BusError: they do not.
+        BusError: the cells do not show the registers.
     """
     cells = servo.model.cells[0]
-    if cold.read_span(servo.id, cells.addresses, len(CELLS)) != CELLS:
-        cold.write_span(servo.id, cells.addresses, CELLS, name="indirect addresses")
-    shown = np.frombuffer(cold.read_span(servo.id, cells.data, SIZE), HEALTH)[0]
-    direct = cold.read(servo.id, Register.PRESENT_INPUT_VOLTAGE)
+    if access.read_span(servo.id, cells.addresses, len(CELL_CONTENTS)) != CELL_CONTENTS:
+        access.write_span(servo.id, cells.addresses, CELL_CONTENTS, name="indirect addresses")
+    shown = np.frombuffer(access.read_span(servo.id, cells.data, RECORD_SIZE), RECORD_DTYPE)[0]
+    direct = access.read(servo.id, Register.PRESENT_INPUT_VOLTAGE)
     if abs(int(shown["volts"]) - direct) > direct // 4:
         raise BusError(
-            f"{cold.wire.name}: servo {servo.id}: its indirect data at {cells.data} does not show its registers; "
+            f"{access.wire.name}: servo {servo.id}: its indirect data at {cells.data} does not show its registers; "
             "update its firmware with DYNAMIXEL Wizard"
         )
 
 
-def answers_fast(wire: Wire, servos: Sequence[Servo]) -> bool:
-    """Returns whether all servos answer one fast read together, which older firmware does not."""
+def supports_fast_reads(wire: Wire, servos: Sequence[Servo]) -> bool:
+    """Return whether all servos answer a common fast read.
+
+    Older firmware does not.
+    """
     question = FastQuery(tuple(servo.id for servo in servos), tuple(servo.cells for servo in servos))
     if len(question.servos) == 1:
         return False
@@ -94,9 +102,9 @@ def answers_fast(wire: Wire, servos: Sequence[Servo]) -> bool:
         wire.read(wire.now())
         wire.write(question.data)
         octets = len(question.data) + question.length
-        limit, raw = wire.now() + octets * BITS_PER_BYTE / wire.baud + FAST_WAIT, b""
+        limit, raw = wire.now() + octets * BITS_PER_BYTE / wire.baud + FAST_TIMEOUT, b""
         while len(raw) < question.length and (chunk := wire.read(limit)):
             raw += chunk
-        if raw and question.answer(raw).whole:
+        if raw and question.parse(raw).whole:
             return True
     return False

@@ -1,8 +1,8 @@
-"""What one cycle of a bus yields: a record of every servo, how old it is, and what happened.
+"""Records, ages and events of one bus cycle.
 
-A record is the 18 bytes that the bus reads of every servo in every cycle, through its indirect cells. They show every
-fault in the cycle in which it happens. RAM forgets the cells when a servo reboots: then the record reads no voltage,
-which no running servo has.
+A record is the 18 bytes that the bus reads from every servo in every cycle, through its indirect cells. Any fault shows
+in the cycle in which it happens. A reboot clears the cells, because they are in RAM: the record then reads 0 V, which
+no running servo has.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.protocol.registers import Field, Register
 from kinesic.hardware.protocol.ticks import Ticks
 
-REGISTERS = (
+RECORD_REGISTERS = (
     Register.TORQUE_ENABLE,
     Register.HARDWARE_ERROR_STATUS,
     Register.BUS_WATCHDOG,
@@ -27,23 +27,23 @@ REGISTERS = (
     Register.PRESENT_INPUT_VOLTAGE,
     Register.PRESENT_TEMPERATURE,
 )
-Name = Literal[
+FieldName = Literal[
     "torque", "hardware_error", "watchdog", "tick", "current", "velocity", "position", "volts", "temperature"
 ]
-NAMES: tuple[Name, ...] = get_args(Name)
+FIELD_NAMES: tuple[FieldName, ...] = get_args(FieldName)
 
-Records = NDArray[np.void]  # of dtype HEALTH or BLOCK
-Happening = Literal[
+Records = NDArray[np.void]  # of dtype RECORD_DTYPE or BLOCK_DTYPE
+EventKind = Literal[
     "port lost",
     "port back",
-    "silent",  # not heard for so long that the others no longer wait for it
-    "heard",  # again
-    "rebooted",  # it has forgotten its RAM; torque is off
-    "error",  # its hardware error register has changed, to zero perhaps
-    "watchdog",  # it has stopped because the bus was quiet
-    "torque",  # switched on or off, by whoever
-    "impossible",  # it says what cannot be, however often
-    "doubted",  # it said something surprising that it did not repeat
+    "silent",  # excluded from the joint query after too many misses
+    "heard",  # answers again
+    "rebooted",  # its RAM is reset; torque is off
+    "error",  # its hardware error register has changed, possibly to zero
+    "watchdog",  # it has stopped because the bus was silent
+    "torque",  # switched on or off
+    "impossible",  # it reports an impossible value
+    "doubted",  # it reported a surprising value, not yet repeated
 ]
 
 
@@ -51,62 +51,68 @@ def _format(field: Field) -> str:
     return f"<{'i' if field.signed else 'u'}{field.size}"
 
 
-_LAYOUT = [(name, _format(register.field)) for name, register in zip(NAMES, REGISTERS, strict=True)]
-HEALTH = np.dtype(_LAYOUT)
-BLOCK = np.dtype([("error", "u1"), ("id", "u1"), *_LAYOUT, ("crc", "<u2")])
-"""What a servo puts into a joint reply: its error byte, its id, the record, and the CRC of all so far."""
+_RECORD_LAYOUT = [(name, _format(register.field)) for name, register in zip(FIELD_NAMES, RECORD_REGISTERS, strict=True)]
+RECORD_DTYPE = np.dtype(_RECORD_LAYOUT)
+BLOCK_DTYPE = np.dtype([("error", "u1"), ("id", "u1"), *_RECORD_LAYOUT, ("crc", "<u2")])
+"""Block of a servo in a common reply: error byte, id, record, and the CRC of everything before it."""
 
-SIZE = HEALTH.itemsize  # 18
-ADDRESSES = tuple(address for r in REGISTERS for address in range(r.field.address, r.field.end))
-CELLS = b"".join(address.to_bytes(2, "little") for address in ADDRESSES)
-"""What the indirect addresses must hold."""
+RECORD_SIZE = RECORD_DTYPE.itemsize  # [bytes] size of a servo's record: 18
+RECORD_ADDRESSES = tuple(address for r in RECORD_REGISTERS for address in range(r.field.address, r.field.end))
+CELL_CONTENTS = b"".join(address.to_bytes(2, "little") for address in RECORD_ADDRESSES)
+"""Required contents of the indirect addresses."""
 
-_STEADY: tuple[Name, ...] = ("torque", "hardware_error", "watchdog", "temperature")
-_SIZES = [register.field.size for register in REGISTERS]
-_PLACES = np.array([0, *(2 + sum(_SIZES[: NAMES.index(name)]) for name in _STEADY)])
+_STEADY_FIELDS: tuple[FieldName, ...] = ("torque", "hardware_error", "watchdog", "temperature")
+_REGISTER_SIZES = [register.field.size for register in RECORD_REGISTERS]  # [bytes] sizes of a record's registers
+_STEADY_OFFSETS = np.array([0, *(2 + sum(_REGISTER_SIZES[: FIELD_NAMES.index(name)]) for name in _STEADY_FIELDS)])
 
 
 def signature(blocks: Records) -> bytes:
-    """Returns the bytes that stay the same while all is well: error bytes, torque, errors, watchdogs, temperatures."""
-    return blocks.view(np.uint8).reshape(-1, BLOCK.itemsize).take(_PLACES, axis=1).tobytes()
+    """Return the record bytes for errors, torque, watchdogs and temperatures.
+
+    They are error bytes, torque, hardware errors, watchdogs and temperatures.
+    """
+    return blocks.view(np.uint8).reshape(-1, BLOCK_DTYPE.itemsize).take(_STEADY_OFFSETS, axis=1).tobytes()
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened on a bus and is worth a line in the log."""
+    """Event on a bus, written to the log."""
 
     time: float  # [s] on the wire's clock
-    servo: int | None  # its id; None: the port
-    kind: Happening
+    servo: int | None  # id; None: the port
+    kind: EventKind
     text: str
 
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """What came of one cycle; servos stand in the order in which the bus was given them."""
+    """Result of one cycle, with servos in the order of the bus."""
 
-    time: float  # [s] when it began, on the wire's clock
+    time: float  # [s] start, on the wire's clock
     duration: float  # [s]
     servos: tuple[int, ...]  # ids
-    records: Records  # (n,) of dtype HEALTH and more: the last one believed, zeros before the first
-    times: Floats  # (n,) [s] when it was taken; -inf: never
-    fresh: Flags  # (n,) taken in this cycle
-    late: Flags  # (n,) whose record of an earlier cycle has come in this one, dated by the servo's clock
-    silent: Flags  # (n,) in quarantine
+    records: Records  # (n,) last accepted records of dtype BLOCK_DTYPE, zeros before the first
+    times: Floats  # (n,) [s] of each record; -inf: none yet
+    fresh: Flags  # (n,) record is of this cycle
+    late: Flags  # (n,) record of an earlier cycle arrived in this one, dated by the servo's clock
+    silent: Flags  # (n,) excluded from the joint query
     lost: bool  # the port is gone
-    signature: bytes  # of the records: while it stays, torque, errors, watchdogs and temperatures do
+    signature: bytes  # of the records; constant while torque, errors, watchdogs and temperatures are
     events: tuple[Event, ...]
 
     @cached_property
     def ages(self) -> Floats:
-        """(n,) [s] of the records at the end of the cycle; inf: never heard."""
+        """Ages (n,) [s] of the records at the end of the cycle.
+
+        Inf: no record yet.
+        """
         return self.time + self.duration - self.times
 
-    def each(self, name: Name) -> Ticks:
-        """Returns (n,) one register of all servos, raw."""
+    def raw_values(self, name: FieldName) -> Ticks:
+        """Return one register of all servos, (n,) raw counts."""
         return self.records[name].astype(np.int64)
 
     @property
     def positions(self) -> Ticks:
-        """(n,) PRESENT_POSITION [ticks]."""
-        return self.each("position")
+        """Positions (n,) [ticks], from PRESENT_POSITION."""
+        return self.raw_values("position")

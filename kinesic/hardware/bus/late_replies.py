@@ -1,119 +1,132 @@
-"""Keeps track of answers that did not come in their cycle, and may come in a later one.
+"""Replies that miss their cycle and arrive in a later one.
 
-Protocol 2.0 numbers no answers, so a servo's clock tells which question one answers. When the two clocks have moved
-apart, since a host stood still or a servo started anew, every answer seems to be an earlier one. What tells is a
-cycle in which nothing is asked: only what is really overdue comes in it.
+Protocol 2.0 does not number replies, so the servo's clock tells which query a reply answers. If that clock and the
+wire's clock have drifted apart, because the host was suspended or a servo rebooted, every reply seems to be an earlier
+one. A cycle without a query decides: only replies that are really late arrive in it.
 """
 
 from math import inf
 
 import numpy as np
 
-from kinesic.hardware.bus.listener import MOST, Listener
-from kinesic.hardware.bus.plausibility import Place, PlausibilityFilter
+from kinesic.hardware.bus.listener import TIMEOUT_TUNING, Listener
+from kinesic.hardware.bus.plausibility import PlausibilityFilter, ServoSelection
 from kinesic.hardware.bus.query import Query, ServoReplies
 
-LAG = 0.004  # [s] beyond its own time by which an answer is clearly older than the question
-OWED = 0.05  # [s] beyond its own time during which an answer that did not come may still come
-STUCK = 2  # cycles in a row that brought nothing but what seems to be older, before one without a question
-SETTLED = 100  # cycles without another such trial, when answers proved to be late indeed
+CLOCK_TOLERANCE = 0.004  # [s] age of a record beyond the transmission time above which it answers an earlier query
+LATE_REPLY_WINDOW = 0.05  # [s] time beyond its transmission time within which a missing reply may still arrive
+MAX_STALE_CYCLES = 2  # Consecutive cycles with only apparently late records before a cycle without a query
+TRIAL_PAUSE = 100  # Additional stale cycles before the next cycle without a query, once one received late replies
 
-_Unfinished = tuple[Query, Place, bytes, float]  # its answer so far; [s] when it was asked
+_Unfinished = tuple[Query, ServoSelection, bytes, float]  # query, its servos, received bytes, [s] query time
 
 
 class LateReplies:
-    """The answers that one bus still waits for."""
+    """Pending late replies of one bus."""
 
-    def __init__(self, believed: PlausibilityFilter, listener: Listener) -> None:
-        self._believed, self._listener = believed, listener
-        self._until = -inf  # [s] when nothing more will come
+    def __init__(self, accepted: PlausibilityFilter, listener: Listener) -> None:
+        self._accepted, self._listener = accepted, listener
+        self._until = -inf  # [s] end of the window for late replies
         self._unfinished: _Unfinished | None = None
-        self._alone: _Unfinished | None = None  # to one servo alone
-        self._set_aside = False  # whether this cycle brought what seems to be older
-        self._seeming = 0  # cycles in a row that brought nothing else, see STUCK
+        self._alone: _Unfinished | None = None  # query of a single servo
+        self._set_aside = False  # whether this cycle brought a seemingly earlier reply
+        self._stale_cycles = 0  # consecutive cycles without another reply, see MAX_STALE_CYCLES
 
     @property
-    def in_doubt(self) -> bool:
-        """Whether a cycle without a question should find out if answers are really late."""
-        return self._seeming >= STUCK
+    def needs_trial(self) -> bool:
+        """Whether the next cycle must omit its query, to detect late replies."""
+        return self._stale_cycles >= MAX_STALE_CYCLES
 
     @property
-    def open(self) -> bool:
-        """Whether the answer to an earlier question than the last may still come."""
+    def is_open(self) -> bool:
+        """Whether the reply to an earlier query may still arrive."""
         return self._listener.sent_at <= self._until
 
-    def missed(self, question: Query) -> None:
-        """Notes that what was asked last has not been answered in full."""
-        self._until = self._listener.sent_at + self._listener.spoken(question.length) + OWED
+    def note_missed(self, question: Query) -> None:
+        """Record that the last query was not answered completely."""
+        self._until = self._listener.sent_at + self._listener.wire_time(question.length) + LATE_REPLY_WINDOW
 
-    def is_of_earlier(self, question: Query, places: Place, answer: ServoReplies) -> bool:
-        """Checks whether a whole answer belongs to an earlier question, and admits its new records if it does."""
-        listener, believed, sent_at = self._listener, self._believed, self._listener.sent_at
-        if not answer.whole or not self.open:
+    def admit_earlier(self, question: Query, places: ServoSelection, answer: ServoReplies) -> bool:
+        """Accept a complete reply if it answers an earlier query.
+
+        Returns whether it does.
+        """
+        listener, accepted, sent_at = self._listener, self._accepted, self._listener.sent_at
+        if not answer.whole or not self.is_open:
             return False
-        places_of = np.arange(len(believed.blocks))[places].tolist()
-        leeway = LAG + listener.spoken(question.length)
+        places_of = np.arange(len(accepted.blocks))[places].tolist()
+        leeway = CLOCK_TOLERANCE + listener.wire_time(question.length)
         late = [
-            believed.is_late(k, block, sent_at, leeway=leeway)
+            accepted.is_late(k, block, sent_at, leeway=leeway)
             for k, block in zip(places_of, answer.blocks, strict=True)
         ]
         if not listener.early and 2 * sum(late) <= len(late):
             return False
         self._set_aside = self._set_aside or not listener.early
-        believed.admit_late(places, answer, sent_at)
+        accepted.admit_late(places, answer, sent_at)
         return True
 
-    def without_earlier(self, question: Query, places: Place, answer: ServoReplies) -> ServoReplies:
-        """Returns a broken answer without the records that belong to an earlier question."""
+    def remove_earlier(self, question: Query, places: ServoSelection, answer: ServoReplies) -> ServoReplies:
+        """Remove the records of an earlier query from a damaged reply."""
         listener = self._listener
-        if answer.whole or not self.open:
+        if answer.whole or not self.is_open:
             return answer
-        leeway = LAG + listener.spoken(question.length)
-        return self._believed.without_late(places, answer, listener.sent_at, leeway=leeway)
+        leeway = CLOCK_TOLERANCE + listener.wire_time(question.length)
+        return self._accepted.without_late(places, answer, listener.sent_at, leeway=leeway)
 
-    def keep(self, question: Query, places: Place, *, sent_at: float, whole: bool) -> None:
-        """Ends a cycle: unless the answer to the question of a time [s] was whole, its rest is still expected."""
+    def keep(self, question: Query, places: ServoSelection, *, sent_at: float, whole: bool) -> None:
+        """Store an incomplete reply after its cycle for later completion.
+
+        Args:
+            question: query of the cycle.
+            places: indices of its servos.
+            sent_at: [s] when the query was sent.
+            whole: whether its reply was complete.
+        """
         self._unfinished = None if whole else (question, places, self._listener.received, sent_at)
         self._set_aside = False
 
-    def keep_alone(self, question: Query, places: Place, *, sent_at: float) -> None:
-        """Expect the late answer of one servo, queried at a time [s]."""
+    def keep_alone(self, question: Query, places: ServoSelection, *, sent_at: float) -> None:
+        """Expect a late reply to the separate query of a silent servo."""
         self._alone = (question, places, b"", sent_at)
 
     def catch_up(self, more: bytes, time: float) -> None:
-        """Complete earlier answers with bytes that came after their cycle.
+        """Complete unfinished replies of earlier cycles with newly received bytes.
 
         Args:
-            more: what has come.
-            time: [s] by when.
+            more: received bytes.
+            time: [s] of their arrival at the latest.
         """
         if self._unfinished is not None and more:
             self._unfinished = self._completed(self._unfinished, more, time)
             if self._unfinished is None:
-                self._listener.slack.took(MOST)
+                self._listener.slack.learn(TIMEOUT_TUNING.max_timeout)
         if self._alone is not None and more:
             self._alone = self._completed(self._alone, more, time)
 
     def _completed(self, earlier: "_Unfinished", more: bytes, time: float) -> "_Unfinished | None":
-        """Admit an earlier answer with more bytes, and return it if unfinished."""
+        """Extend a late reply by new bytes, and return it while incomplete."""
         question, places, received, sent_at = earlier
-        answer = question.answer(received + more)
-        self._believed.admit_late(places, answer, time, sent_at=sent_at)
+        answer = question.parse(received + more)
+        self._accepted.admit_late(places, answer, time, sent_at=sent_at)
         return None if answer.whole else (question, places, received + more, sent_at)
 
     def note(self, *, fresh: bool) -> None:
-        """Notes whether something fresh has come after all servos were asked."""
-        self._seeming = 0 if fresh else self._seeming + self._set_aside
+        """Record whether the last query brought any up-to-date record."""
+        self._stale_cycles = 0 if fresh else self._stale_cycles + self._set_aside
 
-    def listen_for_late(self, question: Query, places: Place, end: float) -> None:
-        """Listens until `end` [s] without a question: data are late answers, silence means that the clocks drifted."""
+    def listen_for_late(self, question: Query, places: ServoSelection, end: float) -> None:
+        """Listen until `end` [s] without a query, and classify the result.
+
+        Received records are late replies; silence means that the clocks drifted.
+        """
         raw = b""
         while chunk := self._listener.wire.read(end):
             raw += chunk
-        answer = question.answer(raw)
-        if answer.found.any():
-            self._believed.admit_late(places, answer, self._listener.wire.now())
-            self._seeming = -SETTLED
+        answer = question.parse(raw)
+        if answer.received.any():
+            self._accepted.admit_late(places, answer, self._listener.wire.now())
+            self._stale_cycles = -TRIAL_PAUSE
         else:
-            self._believed.distrust_clocks()
-            self._seeming = 0
+            self._accepted.distrust_clocks()
+            self._stale_cycles = 0

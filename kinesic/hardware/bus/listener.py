@@ -1,4 +1,4 @@
-"""Sends a question and waits for its answer, as long as it may still come and no longer."""
+"""Sending of queries, with adaptive timeouts for their replies."""
 
 from dataclasses import dataclass
 from math import inf, isfinite
@@ -7,102 +7,118 @@ from kinesic.hardware.bus.query import Query, ServoReplies
 from kinesic.hardware.protocol.packet import STATUS_OVERHEAD, Instruction, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, Wire
 
-LEAST, MOST = 0.002, 0.020  # [s]
-STEP = 50e-6  # [s]
-QUANTILE = 0.9
-BURST = 62  # [bytes] that USB adapters hand over at once, at most
-GAP = 0.0003  # [s] by which an answer may pause beyond the usual
-RESTLESS = 10  # answers after a damaged one
-FEW = 0.75  # of a burst: fewer bytes were not handed over because there was no room for more
-HASTE = 0.05  # of the time between two bursts that one answer may shorten it by
+USB_BURST_SIZE = 62  # [bytes] largest payload that a USB adapter delivers at once
+
+
+@dataclass(frozen=True)
+class TimeoutTuning:
+    """Tuning numbers of the timeouts for replies."""
+
+    min_timeout: float = 0.002  # [s] lower bound of the timeout beyond the transmission time
+    max_timeout: float = 0.020  # [s] upper bound of the timeout and of its estimate
+    quantile_step: float = 50e-6  # [s] decrease of the estimate per fast reply
+    target_quantile: float = 0.9  # fraction of replies that the estimate covers
+    max_extra_pause: float = 0.0003  # [s] pause inside a reply beyond the usual delay
+    alert_replies: int = 10  # intact replies after a damaged one until the listener sleeps again
+    full_burst_fraction: float = 0.75  # fraction of a full burst; the adapter's timer delivers smaller bursts
+    max_burst_fall: float = 0.05  # largest relative decrease of the burst interval per reply
+
+
+TIMEOUT_TUNING = TimeoutTuning()  # values used on every bus
 
 
 class TimeoutEstimate:
-    """How long to wait for an answer beyond what its bytes need on the wire: learnt, as hosts and USB differ.
+    """Adaptive timeout: a running 90 % quantile of reply delays.
 
-    A tight fixed timeout fails on a loaded host, a wide one lets every lost answer cost a cycle. So the 90 % quantile
-    of what answers took is followed, up by 9 steps for one that took longer, but hardly beyond it, and down by 1 for
-    one that did not. One late answer in ten may be missed: it is accepted when it comes.
+    A delay is the time beyond that of the bytes on the wire. A tight fixed timeout fails on a loaded host, and with a
+    wide one each lost reply costs a cycle. The estimate rises by 9 steps after a slower reply, but hardly beyond its
+    delay, and falls by 1 step after a faster one. One reply in ten may miss the timeout: it is accepted when it
+    arrives.
     """
 
     def __init__(self, usual: float = 0.0015, *, fall: float = 0.0) -> None:
-        """Begins with a guess.
+        """Start with an initial guess of the reply delay [s].
 
         Args:
-            usual: [s] the quantile to begin with.
-            fall: share of it by which it may come down at once, where the guess is far too high.
+            usual: [s] initial quantile.
+            fall: largest relative decrease per reply, for a guess that is far too high.
         """
         self._usual, self._fall = usual, fall
 
     @property
     def wait(self) -> float:
-        """[s] to wait beyond the time of the bytes."""
-        return min(max(2 * self._usual, LEAST), MOST)
+        """Timeout [s] in addition to the transmission time of the bytes."""
+        return min(max(2 * self._usual, TIMEOUT_TUNING.min_timeout), TIMEOUT_TUNING.max_timeout)
 
     @property
     def usual(self) -> float:
-        """[s] that nine answers in ten took beyond the time of their bytes."""
+        """Estimated 90 % quantile of the reply delay [s]."""
         return self._usual
 
-    def took(self, excess: float) -> None:
-        """Learns from an answer that came some time [s] later than its bytes needed."""
+    def learn(self, excess: float) -> None:
+        """Update the quantile estimate with the measured delay of a reply [s]."""
         if excess > self._usual:
-            self._usual = min(self._usual + STEP * QUANTILE / (1 - QUANTILE), excess + 2 * STEP, MOST)
+            self._usual = min(
+                self._usual
+                + TIMEOUT_TUNING.quantile_step * TIMEOUT_TUNING.target_quantile / (1 - TIMEOUT_TUNING.target_quantile),
+                excess + 2 * TIMEOUT_TUNING.quantile_step,
+                TIMEOUT_TUNING.max_timeout,
+            )
         else:
-            self._usual = max(self._usual - max(STEP, self._fall * self._usual), 0.0)
+            self._usual = max(self._usual - max(TIMEOUT_TUNING.quantile_step, self._fall * self._usual), 0.0)
 
 
 class Listener:
-    """Waits for answers on one wire, by what experience says about it.
+    """Receiver of replies on one wire, with learnt timeouts.
 
-    While all is well it sleeps until the last byte of an answer must have come. For a while after a damaged answer it
-    looks at every burst, so that one which breaks off is noticed at once.
+    While all is well it sleeps until the last byte of a reply is due. After a damaged reply it examines every burst for
+    a while, so that a truncated reply is noticed at once.
     """
 
     def __init__(self, wire: Wire) -> None:
         self.wire, self.slack = wire, TimeoutEstimate()
-        # until the first bytes of an answer come
-        self._burst = TimeoutEstimate(BURST * BITS_PER_BYTE / wire.baud, fall=HASTE)
+        # time until the first bytes of a reply
+        self._burst = TimeoutEstimate(USB_BURST_SIZE * BITS_PER_BYTE / wire.baud, fall=TIMEOUT_TUNING.max_burst_fall)
         self.received = b""  # all bytes since `forget`
         self._byte = BITS_PER_BYTE / wire.baud
-        self.sent_at = 0.0  # [s] when the last byte of what was said last is out
-        self._restless = 0
-        self.before = self._rest = b""  # what came before the last whole answer, and behind it
-        self.mute = False  # whether nothing came when it listened last
-        self.early = False  # whether the last whole answer came before its bytes could
-        self.tardy = False  # whether what did not come in time came later, when that happened last
+        self.sent_at = 0.0  # [s] when the last byte of the last packet is out
+        self._alert_replies = 0
+        self.before = self._rest = b""  # bytes before and after the last complete reply
+        self.mute = False  # whether the last query got no reply
+        self.early = False  # whether the last complete reply came sooner than its transmission time allows
+        self.replies_late = False  # whether the last missing reply came later
 
-    def spoken(self, octets: int) -> float:
-        """Returns how long [s] so many bytes are on the wire."""
+    def wire_time(self, octets: int) -> float:
+        """Return the transmission time [s] of some bytes."""
         return octets * self._byte
 
     def forget(self) -> None:
-        """Drops what was received so far: it belongs to nothing that is asked from now on."""
+        """Discard all received bytes before a new query."""
         self.received = b""
 
     def send(self, data: bytes) -> None:
-        """Sends.
+        """Send bytes, and estimate when their transmission ends.
 
         Raises:
             BusError: the port is gone.
         """
         self.wire.write(data)
-        self.sent_at = self.wire.now() + self.spoken(len(data))
+        self.sent_at = self.wire.now() + self.wire_time(len(data))
 
     def receive(
         self, question: Query, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
     ) -> ServoReplies | None:
-        """Waits for the answer to what was said last.
+        """Wait for the reply to the last query.
 
         Args:
-            question: that was asked.
+            question: the query.
             end: [s] when waiting should end.
-            strict: whether it must; else an answer that may come in time by its bytes is waited for.
-            patient: whether to wait until then, since an earlier answer is still to come and holds up this one.
-            again: whether the answer just heard was an earlier one, and what came behind it may be the beginning.
+            strict: whether waiting must end then; otherwise it lasts as long as the reply can still be in time.
+            patient: whether to wait until `end` in any case, because a pending earlier reply delays this one.
+            again: whether the last reply was an earlier one; bytes after it may begin this one.
 
         Returns:
-            The answer; None if nothing came.
+            The reply; None if no byte came.
 
         Raises:
             BusError: the port is gone.
@@ -115,35 +131,37 @@ class Listener:
         if begun:
             limit = wait.until(self.wire.now(), len(raw))
         while True:
-            if len(raw) >= question.length or question.complete(raw):
-                answer = question.answer(raw)
+            if len(raw) >= question.length or question.is_complete(raw):
+                answer = question.parse(raw)
                 if answer.whole:
                     self._learn(raw, answer, question.length, ideal, wait.began)
                     return answer
-                if not patient and (len(raw) >= answer.end or question.complete(raw)):
+                if not patient and (len(raw) >= answer.end or question.is_complete(raw)):
                     break
-                if wait.longer(answer.end):
+                if wait.extend(answer.end):
                     limit = wait.until(self.wire.now(), len(raw))
             if wait.tight and raw and not patient:
-                self.wire.sleep(min(limit, wait.handed))  # what breaks off is not noticed before anyway
+                self.wire.sleep(min(limit, wait.earliest))  # a truncation cannot be noticed earlier
             chunk = self.wire.read(limit)
             if not chunk:
                 break
             raw += chunk
-            wait.came(self.wire.now(), len(raw), len(chunk))
+            wait.note_bytes(self.wire.now(), len(raw), len(chunk))
             limit = wait.until(self.wire.now(), len(raw))
-        self._restless = RESTLESS
+        self._alert_replies = TIMEOUT_TUNING.alert_replies
         self.received += raw
         self.mute = not raw
-        return question.answer(raw) if raw else None
+        return question.parse(raw) if raw else None
 
     def _wait(self, question: Query, end: float, *, strict: bool, patient: bool) -> "_Wait":
-        usual, length = self.slack.usual, self.spoken(question.length)
-        again = GAP + self.spoken(len(question.data)) + usual  # [s] of asking again, but for the bytes of the answer
+        usual, length = self.slack.usual, self.wire_time(question.length)
+        again = (
+            TIMEOUT_TUNING.max_extra_pause + self.wire_time(len(question.data)) + usual
+        )  # [s] of a repeated query without its reply
         ideal = self.sent_at + length
         last = end if patient else min(ideal + self.slack.wait, end)
         if not strict:
-            last = max(last, ideal + LEAST)
+            last = max(last, ideal + TIMEOUT_TUNING.min_timeout)
         return _Wait(
             sent_at=self.sent_at,
             byte=self._byte,
@@ -155,18 +173,21 @@ class Listener:
             patient=patient,
             tight=question.chained and ideal + usual <= end < ideal + length + usual,
             spare=ideal + length + again <= end,
-            tardy=self.tardy or self.mute,
+            replies_late=self.replies_late or self.mute,
         )
 
     def _wait_for_begin(self, wait: "_Wait") -> tuple[bytes, float]:
-        """Sleeps while nothing can be missed; returns what has come by then, and until when [s] more may come."""
+        """Sleep through the expected transmission of the reply before reading it.
+
+        Returns received bytes and the deadline [s] for more.
+        """
         wire, due = self.wire, self.sent_at + wait.burst + self.slack.wait
-        if (self._restless or wait.tight) and not wait.patient:
+        if (self._alert_replies or wait.tight) and not wait.patient:
             return b"", wait.until(self.sent_at, 0)
         if wait.patient or wait.spare or due >= wait.ideal:
             wire.sleep(wait.ideal)
-            return b"", wait.last if wait.patient or not wait.spare else wait.mute(due)
-        begun = wire.read(wait.mute(due))  # a long answer must have begun by now, or it is time to ask again
+            return b"", wait.last if wait.patient or not wait.spare else wait.silence_deadline(due)
+        begun = wire.read(wait.silence_deadline(due))  # a long reply must have begun by now, or the query is repeated
         if not begun:
             return b"", wire.now()
         wait.began = wire.now()
@@ -174,24 +195,34 @@ class Listener:
         return begun + wire.read(wait.ideal), wait.last
 
     def _learn(self, raw: bytes, answer: ServoReplies, length: int, ideal: float, began: float) -> None:
-        """Learns from a whole answer of a length [bytes], which began at a time, and was not due before another [s]."""
+        """Update the timeouts with a complete reply.
+
+        Args:
+            raw: received bytes.
+            answer: the reply.
+            length: [bytes] of the reply.
+            ideal: [s] earliest end of the reply.
+            began: [s] arrival of its first bytes.
+        """
         now = self.wire.now()
-        self.slack.took(now - ideal)
+        self.slack.learn(now - ideal)
         if self.sent_at <= began < ideal:
-            self._burst.took(began - self.sent_at)
-        self._restless = max(0, self._restless - 1)
+            self._burst.learn(began - self.sent_at)
+        self._alert_replies = max(0, self._alert_replies - 1)
         self.received += raw
         self.before = raw[: max(0, answer.end - length)]
         self._rest, self.mute, self.early = raw[answer.end :], False, now < ideal
 
     def exchange(self, data: bytes, servo: int, size: int) -> bytes | None:
-        """Sends a packet to one servo, and returns the data of its status; None when it does not come in time.
+        """Send a packet to one servo and return the data it answers.
+
+        None if no status comes in time.
 
         Raises:
             BusError: the port is gone.
         """
         self.send(data)
-        limit = self.sent_at + self.spoken(STATUS_OVERHEAD + size) + self.slack.wait
+        limit = self.sent_at + self.wire_time(STATUS_OVERHEAD + size) + self.slack.wait
         reader = Reader()
         while chunk := self.wire.read(limit):
             for status in reader.feed(chunk):
@@ -202,65 +233,76 @@ class Listener:
 
 @dataclass
 class _Wait:
-    """How long to wait for an answer: one that breaks off falls behind the bytes that the wire could have brought."""
+    """Deadlines for the bytes of one reply, updated as they arrive.
 
-    sent_at: float  # [s] when the question is out
-    byte: float  # [s]
-    length: int  # [bytes] of the answer
-    usual: float  # [s] that its last bytes stay in the adapter
-    burst: float  # [s] between two times that the adapter hands bytes over
-    last: float  # [s] when waiting ends
-    end: float  # [s] when it ends at the latest
-    patient: bool  # whatever the gaps
-    tight: bool  # whether a broken one must be noticed at once: later than that, it could not be asked for again
-    spare: bool  # whether all of it could be asked for again after its own time
-    tardy: bool  # whether what does not come is late, rather than lost
-    behind: float = inf  # [s] by which the answer has been late at least
-    began: float = inf  # [s] when its first bytes came
+    A truncated reply falls behind the bytes that the wire could have transmitted.
+    """
+
+    sent_at: float  # [s] when the query is out
+    byte: float  # [s] transmission time of a byte
+    length: int  # [bytes] of the reply
+    usual: float  # [s] that the last bytes stay in the adapter
+    burst: float  # [s] between two bursts of the adapter
+    last: float  # [s] deadline
+    end: float  # [s] latest deadline
+    patient: bool  # whether pauses are ignored
+    tight: bool  # whether a truncated reply must be noticed at once, to leave time for a repeated query
+    spare: bool  # whether the full query could be repeated after its own time
+    replies_late: bool  # whether a missing reply is late rather than lost
+    behind: float = inf  # [s] smallest delay of the reply
+    began: float = inf  # [s] arrival of the first bytes
 
     @property
     def ideal(self) -> float:
-        """[s] when its last byte is out."""
+        """Time [s] at which a reply without delay would be complete."""
         return self.sent_at + self.byte * self.length
 
     @property
-    def handed(self) -> float:
-        """[s] before which its last bytes hardly come out of the adapter."""
+    def earliest(self) -> float:
+        """Earliest expected time [s] of the last bytes from the adapter."""
         return self.ideal + self.usual / 2
 
-    def came(self, now: float, octets: int, news: int) -> None:
-        """Notes that bytes have come: so many are here, and so many new; a few stay in the adapter for its timer."""
+    def note_bytes(self, now: float, octets: int, news: int) -> None:
+        """Update the estimated delay of a reply when bytes of it arrive.
+
+        A small burst was held back by the adapter's timer.
+
+        Args:
+            now: [s].
+            octets: [bytes] received in total.
+            news: [bytes] received in this burst.
+        """
         self.began = min(self.began, now)
-        stayed = self.usual if news < FEW * self.burst / self.byte else 0.0
+        stayed = self.usual if news < TIMEOUT_TUNING.full_burst_fraction * self.burst / self.byte else 0.0
         self.behind = max(0.0, min(self.behind, now - self.sent_at - self.byte * octets - stayed))
 
     def until(self, now: float, octets: int) -> float:
-        """Returns until when more may come [s], when so many bytes are here."""
+        """Return the deadline [s] for more bytes, given the received count."""
         if self.patient:
             return self.last
         lacking = self.byte * (self.length - octets)
         if self.tight:
             pause = lacking + self.usual if lacking < self.burst else max(self.burst, self.usual)
             behind = self.behind if isfinite(self.behind) else 0.0
-            last = min(max(self.last, self.ideal + behind + self.usual + GAP), self.end)
-            found = min(self.sent_at + behind + self.byte * octets + pause + GAP, last)
+            last = min(max(self.last, self.ideal + behind + self.usual + TIMEOUT_TUNING.max_extra_pause), self.end)
+            deadline = min(self.sent_at + behind + self.byte * octets + pause + TIMEOUT_TUNING.max_extra_pause, last)
         else:
-            # what is neither here nor in the adapter when all of it must be out never was
-            gap = self.burst + self.usual + GAP
-            found = now if now >= self.ideal and lacking > gap else min(self.last, max(now, self.sent_at) + gap)
-        return found if octets else self.mute(found)
+            # bytes that are neither received nor in the adapter after their time were never sent
+            gap = self.burst + self.usual + TIMEOUT_TUNING.max_extra_pause
+            deadline = now if now >= self.ideal and lacking > gap else min(self.last, max(now, self.sent_at) + gap)
+        return deadline if octets else self.silence_deadline(deadline)
 
-    def mute(self, due: float) -> float:
-        """Returns until when to wait [s] for an answer that has not begun when it is due [s].
+    def silence_deadline(self, due: float) -> float:
+        """Return the deadline [s] for a reply without any byte yet.
 
-        Asking again while servos speak spoils what they say, which is a loss if it was only late.
+        A repeated query while servos transmit destroys their reply, which is a loss if the reply was only late.
         """
         if self.spare:
-            return max(due, self.ideal + GAP)
-        return self.end if self.tardy else due
+            return max(due, self.ideal + TIMEOUT_TUNING.max_extra_pause)
+        return self.end if self.replies_late else due
 
-    def longer(self, length: int) -> bool:
-        """Returns whether bytes were added to the answer, so that its end comes later."""
+    def extend(self, length: int) -> bool:
+        """Extend the expected reply length, and return whether it has grown."""
         added = length > self.length
         if added:
             self.length, self.last = length, self.end

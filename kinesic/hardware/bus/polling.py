@@ -1,44 +1,47 @@
-"""Chooses which servos a cycle asks: the doubtful last, the silent only one by one.
+"""Choice of the servos that a cycle queries.
 
-In a joint reply each servo waits for the one before it, so a silent one may cut off those that stand behind it: the
-first who is missing is the suspect. He is asked last of all, and after five misses no longer with the others. Then he
-is asked alone whenever a cycle has time to spare, at the latest every 0.1 s, and one answer brings him back, in time or
-late. So he is heard within 0.2 s, also if one answer of his is lost.
+In a common reply each servo waits for the one before it, so a silent servo may cut off the servos after it. The first
+missing servo is therefore suspect and is queried last. After five misses it is excluded from the joint query. It is
+then queried alone whenever a cycle has spare time, at the latest every 0.1 s, and one reply, in time or late, ends the
+exclusion. So a servo that answers again is heard within 0.2 s, even if one of its replies is lost.
 """
 
 import numpy as np
 
 from kinesic.body.arrays import Flags
 
-PATIENCE = 5  # misses in a row
-MAX_POLL_INTERVAL = 0.09  # [s] after which a silent servo is asked even when there is no time
+MAX_MISSES = 5  # Consecutive missed replies, after which a servo is queried alone
+MAX_POLL_INTERVAL = 0.09  # [s] longest interval between queries of a silent servo, even without spare time
 
 
 class PollingPlan:
-    """The order in which servos are asked, by what they missed; by places on the bus."""
+    """Query order of a bus: servos that missed replies come last."""
 
     def __init__(self, count: int) -> None:
         self.silent: Flags = np.zeros(count, dtype=np.bool_)
         self.order: tuple[int, ...] = tuple(range(count))
         self._misses = [0] * count
-        self._requested = [0.0] * count  # [s] when a silent one was asked last
+        self._requested = [0.0] * count  # [s] last query of each silent servo
 
     @property
-    def whole(self) -> bool:
-        """Whether everybody is asked in the natural order."""
+    def is_natural(self) -> bool:
+        """Whether all servos are queried in their natural order."""
         return not any(self._misses)
 
     def note(self, fresh: Flags) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Notes who answered in a cycle, and returns who fell silent and who came back."""
-        if fresh.all() and self.whole:
+        """Update the silent servos from the replies of a cycle.
+
+        Returns newly silent servos, and servos that answer again.
+        """
+        if fresh.all() and self.is_natural:
             return (), ()
         answered = fresh.tolist()
         self._misses = [0 if ok else misses + 1 for ok, misses in zip(answered, self._misses, strict=True)]
-        once = max(self._misses) == 1 and not any(answered)  # that may be the wire, or all are late
+        once = max(self._misses) == 1 and not any(answered)  # the wire may have failed, or all replies are late
         suspect = None if once else next((k for k in self.order if not answered[k]), None)
-        silent = [misses >= PATIENCE for misses in self._misses]
+        silent = [misses >= MAX_MISSES for misses in self._misses]
         if all(silent):
-            # nobody hears us: that is the wire's fault, and nobody holds up the others
+            # if no servo answers, the wire has failed and no servo delays the others
             silent = self.silent.tolist()
         gone = tuple(k for k, quiet in enumerate(silent) if quiet and not self.silent[k])
         back = tuple(k for k, quiet in enumerate(silent) if not quiet and self.silent[k])
@@ -48,7 +51,10 @@ class PollingPlan:
         return gone, back
 
     def next_alone(self, now: float) -> tuple[int, bool] | None:
-        """Returns the silent servo whose turn it is, and whether it must be asked now; None when all answer."""
+        """Return the silent servo to query next, and whether now.
+
+        None if all servos answer, or none does.
+        """
         quiet = np.flatnonzero(self.silent).tolist()
         if not quiet or len(quiet) == len(self.silent):
             return None
@@ -56,5 +62,5 @@ class PollingPlan:
         return place, now - self._requested[place] >= MAX_POLL_INTERVAL
 
     def note_alone(self, place: int, now: float) -> None:
-        """Notes that a silent servo was asked."""
+        """Record the time of a separate query of a silent servo."""
         self._requested[place] = now

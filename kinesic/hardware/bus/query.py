@@ -1,8 +1,8 @@
-"""Asks several servos for their records in one packet, and reads the answer, damaged or not.
+"""Queries for the records of several servos, and parsing of their replies.
 
-A fast read is answered by one joint reply: a header, then a block per servo in the order asked, each ending with the
-CRC of everything so far (Protocol 2.0, never stuffed). A block is checked against the CRC that stands before it, so a
-damaged one spoils neither what comes before nor what comes after. Older firmware answers with one status per servo.
+A fast read is answered by one common reply: a header, then a block per servo in the order of the query, each ending
+with the CRC of everything before it (Protocol 2.0, never stuffed). A block is checked against the CRC before it, so a
+damaged block does not spoil the others. Older firmware answers with one status packet per servo.
 """
 
 from abc import ABC, abstractmethod
@@ -14,11 +14,11 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from kinesic.body.arrays import Flags
-from kinesic.hardware.bus.cycle import BLOCK, SIZE, Records
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, RECORD_SIZE, Records
 from kinesic.hardware.protocol.crc import Bytes, Crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (
-    BROADCAST,
-    HEADER,
+    BROADCAST_ID,
+    PACKET_HEADER,
     STATUS_OVERHEAD,
     Instruction,
     Reader,
@@ -28,83 +28,88 @@ from kinesic.hardware.protocol.packet import (
     sync_read,
 )
 
-HEAD = 8  # [bytes] before the first block
-CHECKED = BLOCK.itemsize - 2  # [bytes] of a block before its CRC
-REACH = 3  # blocks after a damaged one within which the answer must go on
+HEADER_SIZE = 8  # [bytes] size of a fast reply before its first block
+CHECKED_SIZE = BLOCK_DTYPE.itemsize - 2  # [bytes] size of a servo's block in a fast reply, without its CRC
+RESYNC_BLOCKS = 3  # Fast-reply blocks after a damaged one within which an intact one must follow
 
 
 class ServoReplies(NamedTuple):
-    """What came of each servo, in the order asked."""
+    """Records of the queried servos, in the order of the query."""
 
-    blocks: Records  # (m,) of dtype BLOCK; only those found mean something
-    found: Flags  # (m,)
-    whole: bool  # all were found
-    end: int  # [bytes] where it ends, or where it should if it is not whole
+    blocks: Records  # (m,) of dtype BLOCK_DTYPE, valid where `received`
+    received: Flags  # (m,) whether the servo's block was received intact
+    whole: bool  # whether all blocks were received intact
+    end: int  # [bytes] offset of its end; the expected end if it is not whole
 
 
 @dataclass(frozen=True)
 class Query(ABC):
-    """A question to servos: what to send, and how to read the answer."""
+    """Query of several servos: its packet, and the parser of its reply."""
 
-    servos: tuple[int, ...]  # ids, in the order asked
-    addresses: tuple[int, ...]  # where each shows its record
-    chained: ClassVar[bool]  # whether a servo that keeps silent ends the answer
+    servos: tuple[int, ...]  # ids, in query order
+    addresses: tuple[int, ...]  # address of each servo's record
+    chained: ClassVar[bool]  # whether a silent servo ends the reply
 
     @property
     @abstractmethod
     def data(self) -> bytes:
-        """The packet that asks."""
+        """Bytes of the query packet."""
 
     @property
     @abstractmethod
     def length(self) -> int:
-        """[bytes] of a full answer."""
+        """Length of a complete reply [bytes]."""
 
     @abstractmethod
-    def answer(self, raw: bytes) -> ServoReplies:
-        """Reads what has come so far, noise and older answers included."""
+    def parse(self, raw: bytes) -> ServoReplies:
+        """Parse received bytes, which may contain noise and earlier replies."""
 
     @abstractmethod
-    def complete(self, raw: bytes) -> bool:
-        """Returns whether the last servo has sent its last byte, whatever came of the others."""
+    def is_complete(self, raw: bytes) -> bool:
+        """Return whether the last servo has sent its last byte."""
 
     def _request(self, *, fast: bool) -> bytes:
-        """A sync read where all keep their cells at one address, else a bulk read."""
+        """Build a sync read, or a bulk read for different addresses."""
         if len(set(self.addresses)) == 1:
-            return sync_read(self.servos, self.addresses[0], SIZE, fast=fast)
-        return bulk_read({servo: (a, SIZE) for servo, a in zip(self.servos, self.addresses, strict=True)}, fast=fast)
+            return sync_read(self.servos, self.addresses[0], RECORD_SIZE, fast=fast)
+        return bulk_read(
+            {servo: (a, RECORD_SIZE) for servo, a in zip(self.servos, self.addresses, strict=True)}, fast=fast
+        )
 
 
 @dataclass(frozen=True)
 class FastQuery(Query):
-    """A fast sync read, or a fast bulk read where the models keep their cells at different addresses."""
+    """Fast sync read, or fast bulk read for different cell addresses."""
 
     chained = True
 
     @cached_property
     def data(self) -> bytes:
-        """The packet that asks."""
+        """Bytes of the query packet."""
         return self._request(fast=True)
 
     @cached_property
     def length(self) -> int:
-        """[bytes] of a full answer."""
-        return HEAD + BLOCK.itemsize * len(self.servos)
+        """Length of a complete reply [bytes]."""
+        return HEADER_SIZE + BLOCK_DTYPE.itemsize * len(self.servos)
 
     @cached_property
     def _head(self) -> bytes:
-        inside = self.length - HEAD + 1
-        return HEADER + bytes((BROADCAST, inside & 0xFF, inside >> 8, Instruction.STATUS))
+        inside = self.length - HEADER_SIZE + 1
+        return PACKET_HEADER + bytes((BROADCAST_ID, inside & 0xFF, inside >> 8, Instruction.STATUS))
 
     @cached_property
     def _first(self) -> int:
-        """What the header contributes to the CRC of the first block."""
-        return crc16(self._head + bytes(CHECKED))
+        """Contribution of the packet header to the CRC of the first block."""
+        return crc16(self._head + bytes(CHECKED_SIZE))
 
     @cached_property
     def _unchained(self) -> np.uint16:
-        """The same, less what the last two bytes of the header would contribute if they were a CRC."""
-        return np.uint16(self._first ^ int(_CARRIED[int.from_bytes(self._head[-2:], "little")]))
+        """CRC contribution of the packet header without its last two bytes.
+
+        These are otherwise taken as a CRC.
+        """
+        return np.uint16(self._first ^ int(_CRC_CARRY[int.from_bytes(self._head[-2:], "little")]))
 
     @cached_property
     def _ids(self) -> bytes:
@@ -112,152 +117,175 @@ class FastQuery(Query):
 
     @cached_property
     def _all(self) -> Flags:
-        every: Flags = np.ones(len(self.servos), dtype=np.bool_)
-        every.setflags(write=False)
-        return every
+        all_servos: Flags = np.ones(len(self.servos), dtype=np.bool_)
+        all_servos.setflags(write=False)
+        return all_servos
 
-    def answer(self, raw: bytes) -> ServoReplies:
-        """See `Query`."""
+    def parse(self, raw: bytes) -> ServoReplies:
+        """Parse received bytes as described in `Query`."""
         first = start = raw.find(self._head)
         while 0 <= start <= len(raw) - self.length:
-            blocks = self._sound(raw, start)
+            blocks = self._parse_intact(raw, start)
             if blocks is not None:
                 return ServoReplies(blocks, self._all, True, start + self.length)
-            start = raw.find(self._head, start + 1)  # behind an answer to other servos, this one may stand
-        return self._salvaged(raw, first)
+            start = raw.find(self._head, start + 1)  # a reply of other servos may precede this one
+        return self._salvage(raw, first)
 
-    def _sound(self, raw: bytes, start: int) -> Records | None:
-        """Returns the blocks of an undamaged answer; None if it is damaged."""
-        offset, size, count = start + HEAD, BLOCK.itemsize, len(self.servos)
+    def _parse_intact(self, raw: bytes, start: int) -> Records | None:
+        """Return the blocks of an undamaged reply, or None."""
+        offset, size, count = start + HEADER_SIZE, BLOCK_DTYPE.itemsize, len(self.servos)
         if raw[offset + 1 : start + self.length : size] != self._ids:
             return None
-        octets = np.ndarray((count, CHECKED), np.uint8, raw, offset, (size, 1))
+        octets = np.ndarray((count, CHECKED_SIZE), np.uint8, raw, offset, (size, 1))
         before: Crcs = np.ndarray((count,), "<u2", raw, offset - 2, (size,))
-        crcs: Crcs = np.ndarray((count,), "<u2", raw, offset + CHECKED, (size,))
-        wrong = _own(octets)
-        wrong ^= _CARRIED.take(before)
+        crcs: Crcs = np.ndarray((count,), "<u2", raw, offset + CHECKED_SIZE, (size,))
+        wrong = _own_crcs(octets)
+        wrong ^= _CRC_CARRY.take(before)
         wrong ^= crcs
         wrong[0] ^= self._unchained
-        return None if wrong.any() else np.frombuffer(raw, BLOCK, count, offset)
+        return None if wrong.any() else np.frombuffer(raw, BLOCK_DTYPE, count, offset)
 
-    def complete(self, raw: bytes) -> bool:
-        """See `Query`: the last block, sound, ends an answer, though it may have lost bytes."""
-        last = raw[-BLOCK.itemsize :]
-        if len(raw) < BLOCK.itemsize + 2 or last[1] != self.servos[-1]:
-            return False
-        before = raw[-BLOCK.itemsize - 2 : -BLOCK.itemsize]
-        crc = crc16(last[:CHECKED], crc16(before, int.from_bytes(before, "little")))
-        return crc == int.from_bytes(last[CHECKED:], "little")
+    def is_complete(self, raw: bytes) -> bool:
+        """Return whether the bytes end with an intact last block.
 
-    def _salvaged(self, raw: bytes, start: int) -> ServoReplies:
-        """Every sound block that can be found, although bytes were changed, lost or added.
-
-        Block after block is looked for where it should stand; where one is damaged, the next sound one within reach
-        shows where the answer goes on.
+        The reply may still have lost bytes before it.
         """
-        blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
-        found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
-        if len(raw) < BLOCK.itemsize:
-            return ServoReplies(blocks, found, False, self.length)
+        last = raw[-BLOCK_DTYPE.itemsize :]
+        if len(raw) < BLOCK_DTYPE.itemsize + 2 or last[1] != self.servos[-1]:
+            return False
+        before = raw[-BLOCK_DTYPE.itemsize - 2 : -BLOCK_DTYPE.itemsize]
+        crc = crc16(last[:CHECKED_SIZE], crc16(before, int.from_bytes(before, "little")))
+        return crc == int.from_bytes(last[CHECKED_SIZE:], "little")
+
+    def _salvage(self, raw: bytes, start: int) -> ServoReplies:
+        """Find all intact blocks in a damaged reply.
+
+        Bytes may have changed, been lost or been added. Each block is searched near its expected offset; after a
+        damaged block, the next intact one within reach shows where the reply continues.
+        """
+        blocks: Records = np.zeros(len(self.servos), dtype=BLOCK_DTYPE)
+        received: Flags = np.zeros(len(self.servos), dtype=np.bool_)
+        if len(raw) < BLOCK_DTYPE.itemsize:
+            return ServoReplies(blocks, received, False, self.length)
         windows = _Windows.of(raw)
-        at, before = (start + HEAD if start >= 0 else HEAD), self._first
+        at, before = (start + HEADER_SIZE if start >= 0 else HEADER_SIZE), self._first
         place = 0
         while place < len(self.servos):
-            here = self._next_sound(place, at, before, windows)
+            here = self._next_intact(place, at, before, windows)
             if here is None:
                 break
             place, at = here
-            blocks[place] = np.frombuffer(raw, BLOCK, 1, at)[0]
-            found[place] = True
-            before = int(_CARRIED[windows.crcs[at]])
-            place, at = place + 1, at + BLOCK.itemsize
-        return ServoReplies(blocks, found, bool(found.all()), at + BLOCK.itemsize * (len(self.servos) - place))
+            blocks[place] = np.frombuffer(raw, BLOCK_DTYPE, 1, at)[0]
+            received[place] = True
+            before = int(_CRC_CARRY[windows.crcs[at]])
+            place, at = place + 1, at + BLOCK_DTYPE.itemsize
+        return ServoReplies(
+            blocks, received, bool(received.all()), at + BLOCK_DTYPE.itemsize * (len(self.servos) - place)
+        )
 
-    def _next_sound(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
-        """Finds place and offset of the next sound block, from where the block of `place` should stand."""
-        ahead = self.servos[place : place + REACH]
-        for offset in range(max(0, at - HEAD), min(len(windows.own), at + REACH * BLOCK.itemsize)):
+    def _next_intact(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
+        """Find index and offset of the next intact block.
+
+        The search starts where the block of `place` is expected.
+        """
+        ahead = self.servos[place : place + RESYNC_BLOCKS]
+        for offset in range(
+            max(0, at - HEADER_SIZE), min(len(windows.own_crcs), at + RESYNC_BLOCKS * BLOCK_DTYPE.itemsize)
+        ):
             if windows.ids[offset] not in ahead:
                 continue
-            if windows.own[offset] ^ windows.crcs[offset] in (before, windows.before(offset)):
+            if windows.own_crcs[offset] ^ windows.crcs[offset] in (before, windows.before(offset)):
                 return place + ahead.index(windows.ids[offset]), offset
         return None
 
 
 class _Windows(NamedTuple):
-    """Every place in some bytes where a block may begin."""
+    """All offsets in received bytes at which a servo's block may begin."""
 
     raw: bytes
-    own: list[int]  # what its bytes contribute to its CRC
+    own_crcs: list[int]  # contribution of its bytes to its CRC
     ids: list[int]
-    crcs: list[int]  # the CRC that it ends with
+    crcs: list[int]  # CRC at its end
 
     @classmethod
     def of(cls, raw: bytes) -> "_Windows":
-        octets = sliding_window_view(np.frombuffer(raw, np.uint8), BLOCK.itemsize)
-        crcs = octets[:, CHECKED] | octets[:, CHECKED + 1].astype(np.uint16) << 8
-        return cls(raw, _own(octets[:, :CHECKED]).tolist(), octets[:, 1].tolist(), crcs.tolist())
+        octets = sliding_window_view(np.frombuffer(raw, np.uint8), BLOCK_DTYPE.itemsize)
+        crcs = octets[:, CHECKED_SIZE] | octets[:, CHECKED_SIZE + 1].astype(np.uint16) << 8
+        return cls(raw, _own_crcs(octets[:, :CHECKED_SIZE]).tolist(), octets[:, 1].tolist(), crcs.tolist())
 
     def before(self, offset: int) -> int:
-        """What the two bytes before a window, taken as a CRC, contribute to its own; -1 at the beginning."""
-        return int(_CARRIED[self.raw[offset - 2] | self.raw[offset - 1] << 8]) if offset >= 2 else -1
+        """Return the CRC contribution of the two bytes before an offset.
+
+        They are taken as a CRC; -1 at the beginning.
+        """
+        return int(_CRC_CARRY[self.raw[offset - 2] | self.raw[offset - 1] << 8]) if offset >= 2 else -1
 
 
 @dataclass(frozen=True)
 class PlainQuery(Query):
-    """A sync read, a bulk read, or the read of a single servo: one status each."""
+    """Query with one status packet per servo.
+
+    It is a sync read, a bulk read, or the read of one servo.
+    """
 
     chained = False
 
     @cached_property
     def data(self) -> bytes:
-        """The packet that asks."""
+        """Bytes of the query packet."""
         if len(self.servos) == 1:
-            return read_packet(self.servos[0], self.addresses[0], SIZE)
+            return read_packet(self.servos[0], self.addresses[0], RECORD_SIZE)
         return self._request(fast=False)
 
     @cached_property
     def length(self) -> int:
-        """[bytes] of a full answer without stuffing."""
-        return (STATUS_OVERHEAD + SIZE) * len(self.servos)
+        """Total length of all servos' replies without stuffing [bytes]."""
+        return (STATUS_OVERHEAD + RECORD_SIZE) * len(self.servos)
 
-    def answer(self, raw: bytes) -> ServoReplies:
-        """See `Query`."""
-        blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
-        found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
+    def parse(self, raw: bytes) -> ServoReplies:
+        """Parse received bytes as described in `Query`."""
+        blocks: Records = np.zeros(len(self.servos), dtype=BLOCK_DTYPE)
+        received: Flags = np.zeros(len(self.servos), dtype=np.bool_)
         for status in Reader().feed(raw):
-            if status.instruction != Instruction.STATUS or status.id not in self.servos or len(status.data) != SIZE:
+            if (
+                status.instruction != Instruction.STATUS
+                or status.id not in self.servos
+                or len(status.data) != RECORD_SIZE
+            ):
                 continue
             place = self.servos.index(status.id)
             whole = bytes((status.error, status.id)) + status.data + bytes(2)
-            blocks[place] = np.frombuffer(whole, BLOCK, 1)[0]
-            found[place] = True
-        lacking = (STATUS_OVERHEAD + SIZE) * int((~found).sum())
-        return ServoReplies(blocks, found, bool(found.all()), len(raw) + lacking)
+            blocks[place] = np.frombuffer(whole, BLOCK_DTYPE, 1)[0]
+            received[place] = True
+        lacking = (STATUS_OVERHEAD + RECORD_SIZE) * int((~received).sum())
+        return ServoReplies(blocks, received, bool(received.all()), len(raw) + lacking)
 
-    def complete(self, raw: bytes) -> bool:
-        """See `Query`: stuffing may make each status longer, so only time tells."""
+    def is_complete(self, raw: bytes) -> bool:
+        """Return False, because stuffing makes the length unpredictable.
+
+        Only the timeout ends such a reply.
+        """
         return False
 
 
 @lru_cache(256)
-def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bool) -> Query:
-    """Returns the question that asks servos for their records.
+def make_query(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bool) -> Query:
+    """Return the query for the records of some servos.
 
     Args:
-        servos: ids, in the order to ask.
-        addresses: where each shows its record.
-        fast: whether all of them answer fast reads; a single one is read plainly anyway.
+        servos: ids, in query order.
+        addresses: address of each servo's record.
+        fast: whether all of them answer fast reads; a single servo is read plainly.
     """
     return FastQuery(servos, addresses) if fast and len(servos) > 1 else PlainQuery(servos, addresses)
 
 
-_PLACES = byte_contributions(CHECKED).ravel()
-_ROWS = np.arange(CHECKED) * 256
-_CARRIED = crc_contributions(CHECKED)
+_BYTE_CONTRIBUTIONS = byte_contributions(CHECKED_SIZE).ravel()
+_BYTE_ROWS = np.arange(CHECKED_SIZE) * 256
+_CRC_CARRY = crc_contributions(CHECKED_SIZE)
 
 
-def _own(octets: Bytes) -> Crcs:
-    """(m,) what the bytes of blocks, their CRCs left out, (m, 20), contribute to those."""
-    own: Crcs = np.bitwise_xor.reduce(_PLACES.take(octets + _ROWS), axis=1)
-    return own
+def _own_crcs(octets: Bytes) -> Crcs:
+    """Compute the CRC contribution (m,) of each block's own data bytes."""
+    contributions: Crcs = np.bitwise_xor.reduce(_BYTE_CONTRIBUTIONS.take(octets + _BYTE_ROWS), axis=1)
+    return contributions

@@ -1,74 +1,88 @@
-"""Makes a serial port a wire: one program at a time, no busy waiting, and a name that survives unplugging."""
+"""Serial port as a wire, for exclusive use and without busy waiting.
+
+It is identified by a name that survives unplugging.
+"""
 
 import errno
 import os
 import select
-import termios
+import sys
 import time
-from fcntl import ioctl
 from pathlib import Path
 
 import serial
 
-from kinesic.hardware.bus.host import stable_name
+from kinesic.hardware.bus.host import find_stable_name
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError
 
-CHUNK = 4096  # [bytes]
-STALLED = 0.05  # [s] beyond their time on the wire after which bytes that nobody takes mean that the port is gone
+if sys.platform != "win32":
+    import termios
+    from fcntl import ioctl
+
+    PORT_ERRORS = (OSError, ValueError, termios.error)  # errors of an open port
+else:
+    PORT_ERRORS = (OSError, ValueError)
+
+READ_SIZE = 4096  # [bytes] read from the port per system call
+STALL_TIMEOUT = 0.05  # [s] longest stall beyond the transmission time before the port counts as lost
 
 
 class SerialWire:
-    """A serial port of this machine as a `Wire`."""
+    """Serial port of this machine as a `Wire`."""
 
     def __init__(self, path: str | Path, baud: int) -> None:
-        """Opens the port for this program alone.
+        """Open the port for exclusive use.
 
         Args:
-            path: of the device, e.g. /dev/serial/by-id/... or /dev/ttyUSB0.
+            path: path of the device, e.g. /dev/serial/by-id/... or /dev/ttyUSB0.
             baud: [bit/s].
 
         Raises:
-            BusError: there is no such port, it may not be used, or another program uses it.
+            BusError: the port is missing, not permitted, or in use by another program.
         """
-        self._path, self._baud = stable_name(Path(path)), baud
+        self._path, self._baud = find_stable_name(Path(path)), baud
         self._port = self._opened()
         self._file = self._port.fileno()
 
     @property
     def name(self) -> str:
-        """The port's path."""
+        """Path of the port."""
         return str(self._path)
 
     @property
     def baud(self) -> int:
-        """[bit/s]."""
+        """Baud rate [bit/s]."""
         return self._baud
 
     def now(self) -> float:
-        """[s] of the machine's monotonic clock."""
+        """Return the machine's monotonic clock [s]."""
         return time.monotonic()
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """See `Wire`."""
-        rest, limit = memoryview(data), time.monotonic() + len(data) * BITS_PER_BYTE / self._baud + STALLED
+        """Send bytes.
+
+        Raises:
+            BusError: the port is gone, or does not take the bytes in time.
+        """
+        rest, limit = memoryview(data), time.monotonic() + len(data) * BITS_PER_BYTE / self._baud + STALL_TIMEOUT
         try:
             while rest:
                 try:
                     rest = rest[os.write(self._file, rest) :]
-                except BlockingIOError:  # no room for now
+                except BlockingIOError:  # the output buffer is full
                     wait = limit - time.monotonic()
                     if wait <= 0.0 or not select.select((), (self._file,), (), wait)[1]:
-                        termios.tcflush(self._file, termios.TCOFLUSH)  # or old goals come when it goes on
+                        _discard_output(self._file)  # otherwise old goals would be sent once it recovers
                         raise TimeoutError(f"it has not taken {len(rest)} of {len(data)} bytes in time") from None
-        except (OSError, ValueError, termios.error) as error:
+        except PORT_ERRORS as error:
             raise self._gone(error) from None
 
     def read(self, deadline: float, /) -> bytes:
-        """See `Wire`."""
+        """Wait for bytes until a deadline [s], and return all received ones."""
         wait = deadline - time.monotonic()
         try:
             ready = bool(select.select((self._file,), (), (), max(0.0, wait))[0])
-            data = os.read(self._file, CHUNK) if ready else b""
+            data = os.read(self._file, READ_SIZE) if ready else b""
         except (OSError, ValueError) as error:
             raise self._gone(error) from None
         if ready and not data:
@@ -76,15 +90,17 @@ class SerialWire:
         return data
 
     def sleep(self, until: float, /) -> None:
-        """See `Wire`."""
+        """Sleep until a time [s] of the clock."""
         wait = until - time.monotonic()
         if wait > 0.0:
             time.sleep(wait)
 
     def reopen(self) -> bool:
-        """See `Wire`."""
+        """Try once to reopen the port and return success."""
         self.close()
-        if stable_name(self._path) != self._path:  # a name that is used again, for an adapter that has one of its own
+        if (
+            find_stable_name(self._path) != self._path
+        ):  # the name now belongs to another adapter with its own by-id name
             return False
         try:
             self._port = self._opened()
@@ -94,20 +110,19 @@ class SerialWire:
         return True
 
     def close(self) -> None:
-        """See `Wire`."""
+        """Close the port."""
         self._file = -1
         try:
             self._port.close()
-        except (OSError, termios.error):
+        except PORT_ERRORS:
             return  # the device is gone, and the descriptor with it
 
     def _opened(self) -> serial.Serial:
         try:
             port = serial.Serial(str(self._path), self._baud, timeout=0, exclusive=True)
-            if not os.ttyname(port.fileno()).startswith("/dev/pts/"):  # those would stay shut after us, to all but root
-                ioctl(port.fileno(), termios.TIOCEXCL)
+            _lock_terminal(port.fileno())
             port.reset_input_buffer()
-        except (OSError, ValueError, termios.error) as error:
+        except PORT_ERRORS as error:
             raise _refusal(self._path, self._baud, error) from None
         return port
 
@@ -115,16 +130,28 @@ class SerialWire:
         return BusError(f"{self._path}: the port is gone ({error})")
 
 
+def _discard_output(file: int) -> None:
+    """Discard the bytes that a port has not sent yet."""
+    if sys.platform != "win32":
+        termios.tcflush(file, termios.TCOFLUSH)
+
+
+def _lock_terminal(file: int) -> None:
+    """Lock a port; pseudo-terminals would stay locked for other users."""
+    if sys.platform != "win32" and not os.ttyname(file).startswith("/dev/pts/"):
+        ioctl(file, termios.TIOCEXCL)
+
+
 def _refusal(path: Path, baud: int, error: Exception) -> BusError:
     if not path.exists():
         near = sorted(str(other) for other in path.parent.glob("*")) if path.parent.name == "by-id" else []
-        known = f"; there are {', '.join(near)}" if near else "; is the adapter plugged in? see `ls /dev/serial/by-id`"
-        return BusError(f"{path}: no such port{known}")
+        hint = f"; there are {', '.join(near)}" if near else "; is the adapter plugged in? see `ls /dev/serial/by-id`"
+        return BusError(f"{path}: no such port{hint}")
     number = getattr(error, "errno", None)
     if number in (errno.EACCES, errno.EPERM):
         return BusError(f"{path}: no permission; `sudo usermod -aG dialout $USER`, then log in again")
     if number in (errno.EBUSY, errno.EAGAIN):
-        return BusError(f"{path}: another program uses this port; `fuser {path}` tells which")
+        return BusError(f"{path}: another program uses this port; `fuser {path}` shows which")
     if isinstance(error, ValueError):
         return BusError(f"{path}: does not do {baud} baud ({error})")
     return BusError(f"{path}: does not open ({error})")

@@ -1,7 +1,7 @@
-"""Computes the CRC of `packet`, many bytes at a time.
+"""Vectorised computation of packet CRCs.
 
-The CRC is linear: that of a message is the exclusive or of what each byte contributes by its place, and of what the
-CRC before it has become by then. So one table per place replaces the loop over bytes.
+The CRC is linear: that of a message is the exclusive or of one contribution per byte and position, and of the advanced
+initial CRC. So one table per position replaces the loop over bytes.
 """
 
 from functools import cache
@@ -14,20 +14,20 @@ from kinesic.hardware.protocol.packet import CRC_TABLE
 Crcs = NDArray[np.uint16]
 Bytes = NDArray[np.uint8]
 
-_TABLE: Crcs = np.array(CRC_TABLE, dtype=np.uint16)
+_CRC_ARRAY: Crcs = np.array(CRC_TABLE, dtype=np.uint16)
 
 
 def advance_crcs(crcs: Crcs, data: Bytes | int = 0) -> Crcs:
-    """Advances each CRC by one more byte."""
-    after: Crcs = (crcs << 8) ^ _TABLE[(crcs >> 8) ^ data]
+    """Update each CRC by one more data byte."""
+    after: Crcs = (crcs << 8) ^ _CRC_ARRAY[(crcs >> 8) ^ data]
     return after
 
 
 @cache
 def byte_contributions(length: int) -> Crcs:
-    """(length, 256) what each byte contributes to the CRC of a message of `length` bytes, by its place."""
+    """Tabulate (length, 256) the CRC contribution of each byte at each position."""
     table = np.empty((length, 256), dtype=np.uint16)
-    row = _TABLE
+    row = _CRC_ARRAY
     for place in reversed(range(length)):
         table[place] = row
         row = advance_crcs(row)
@@ -37,7 +37,10 @@ def byte_contributions(length: int) -> Crcs:
 
 @cache
 def crc_contributions(length: int) -> Crcs:
-    """(65536,) what a CRC, followed by its own two bytes, contributes `length` bytes later."""
+    """Tabulate (65536,) the contribution of each CRC value to a later CRC.
+
+    A CRC is followed by its own two bytes, and the contribution is that after `length` further zero bytes.
+    """
     crcs = np.arange(1 << 16, dtype=np.uint16)
     after = advance_crcs(advance_crcs(crcs, (crcs & 0xFF).astype(np.uint8)), (crcs >> 8).astype(np.uint8))
     for _ in range(length):

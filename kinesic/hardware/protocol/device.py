@@ -1,27 +1,28 @@
-"""Finds, reads and sets servos one by one, with all the time it takes, through dynamixel-sdk (see `sdk`)."""
+"""Slow access to single servos through dynamixel-sdk (see `sdk`)."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from dynamixel_sdk import COMM_SUCCESS
 
-from kinesic.hardware.protocol.models import BY_NUMBER, Model
-from kinesic.hardware.protocol.packet import ALERT, BROADCAST, Fault, write_packet
+from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, Model
+from kinesic.hardware.protocol.packet import ALERT_BIT, BROADCAST_ID, Fault, write_packet
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.sdk import Packets, WirePort
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-TRIES = 4
-ANSWERS_ALL = 2  # STATUS_RETURN_LEVEL
-LOOKS = 3  # for a servo whose answers do not collide
-_DIFFERENT = Register.REALTIME_TICK.field.address, 28  # what two servos hardly ever have in common
+MAX_TRIES = 4  # Default number of attempts per instruction
+REPLY_TO_ALL = 2  # STATUS_RETURN_LEVEL of replies to every instruction
+COLLISION_TRIES = 3  # Damaged replies after which several servos must have the same id
+_VARYING_START = Register.REALTIME_TICK.field.address  # first register of a span that differs between any two servos
+_VARYING_SIZE = 28  # [bytes] size of this span of clocks and sensors
 
-Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data if there are some, result, error byte
+Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data, if any, then result and error byte
 
 
 @dataclass(frozen=True)
-class Found:
-    """A servo that answered a ping."""
+class PingReply:
+    """Servo that answered a ping."""
 
     id: int
     number: int  # MODEL_NUMBER
@@ -29,18 +30,18 @@ class Found:
 
     @property
     def model(self) -> Model | None:
-        """Its model, if it is one of the X series."""
-        return BY_NUMBER.get(self.number)
+        """Model of the servo, or None outside the X series."""
+        return MODELS_BY_NUMBER.get(self.number)
 
     @property
     def name(self) -> str:
-        """Its model's name, or number."""
+        """Name of the model, or its number."""
         return self.model.name if self.model is not None else f"model {self.number}"
 
 
 @dataclass(frozen=True)
-class Change:
-    """A register that was set to another value."""
+class RegisterChange:
+    """Change of one register of a servo, with old and new value."""
 
     servo: int
     register: Register
@@ -48,56 +49,62 @@ class Change:
     after: int
 
 
-def demand_answers(wire: Wire) -> None:
-    """Tells all servos on a wire to answer every instruction.
+def enable_replies(wire: Wire) -> None:
+    """Make all servos on a wire answer every instruction.
 
     Raises:
         BusError: the port is gone.
     """
-    wire.write(write_packet(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+    wire.write(write_packet(BROADCAST_ID, Register.STATUS_RETURN_LEVEL.field.address, bytes((REPLY_TO_ALL,))))
 
 
-class Cold:
-    """Slow access to the servos of one wire, one by one, with retries; for anything but the cycle."""
+class ServoAccess:
+    """Access to single servos of a wire with retries, outside the cycle."""
 
-    def __init__(self, wire: Wire, *, tries: int = TRIES) -> None:
-        """Asks over a wire; each question is put `tries` times at most."""
+    def __init__(self, wire: Wire, *, tries: int = MAX_TRIES) -> None:
+        """Use a wire, with at most `tries` attempts per instruction."""
         self.wire, self._tries = wire, tries
         self._port, self._packets = WirePort(wire), Packets()
 
-    def everyone(self) -> tuple[Found, ...]:
-        """Returns who answers a ping to all, by id; of servos with the same id only those whose answers agree."""
-        answers, _ = self._packets.broadcastPing(self._port)
-        return tuple(Found(servo, number, firmware) for servo, (number, firmware) in sorted(answers.items()))
+    def ping_all(self) -> tuple[PingReply, ...]:
+        """Ping all servos and return the replies, sorted by id.
 
-    def ping(self, servo: int) -> Found | None:
-        """Pings one servo; None if it does not answer."""
-        for _ in range(TRIES):
+        Servos with the same id appear only if their replies agree.
+        """
+        answers, _ = self._packets.broadcastPing(self._port)
+        return tuple(PingReply(servo, number, firmware) for servo, (number, firmware) in sorted(answers.items()))
+
+    def ping(self, servo: int) -> PingReply | None:
+        """Ping one servo and return None if it does not answer."""
+        for _ in range(MAX_TRIES):
             number, result, _ = self._packets.ping(self._port, servo)
             if result == COMM_SUCCESS:
-                return Found(servo, number, self.read(servo, Register.FIRMWARE_VERSION))
+                return PingReply(servo, number, self.read(servo, Register.FIRMWARE_VERSION))
         return None
 
     def is_shared(self, servo: int) -> bool:
-        """Whether several servos have this id: they answer a ping alike, but not a read of clocks and sensors."""
-        for _ in range(LOOKS):
+        """Return whether several servos have this id.
+
+        They answer a ping alike, but not a read of clocks and sensors.
+        """
+        for _ in range(COLLISION_TRIES):
             try:
-                self.read_span(servo, *_DIFFERENT)
+                self.read_span(servo, _VARYING_START, _VARYING_SIZE)
             except BusError:
                 continue
             return False
         return True
 
     def read(self, servo: int, register: Register) -> int:
-        """Reads the raw value of a register.
+        """Read the raw value of a register.
 
         Raises:
-            BusError: the servo does not answer, or has no such register.
+            BusError: the servo does not answer, or lacks the register.
         """
         return register.field.unpack(self.read_span(servo, register.field.address, register.field.size))
 
     def read_several(self, servo: int, registers: Collection[Register]) -> dict[Register, int]:
-        """Reads the raw values of some registers at once, with all that lies between them.
+        """Read the raw values of several registers in one span.
 
         Raises:
             BusError: the servo does not answer, or refuses.
@@ -107,7 +114,7 @@ class Cold:
         return {r: r.field.unpack(data[r.field.address - begin : r.field.end - begin]) for r in registers}
 
     def write(self, servo: int, register: Register, value: int) -> None:
-        """Sets a register to a raw value.
+        """Set a register to a raw value.
 
         Raises:
             BusError: the servo does not answer, or refuses.
@@ -116,67 +123,66 @@ class Cold:
         self.write_span(servo, register.field.address, register.field.pack(value), name=register.name)
 
     def read_span(self, servo: int, address: int, size: int) -> bytes:
-        """Several registers at once.
+        """Read the bytes of consecutive registers.
 
         Raises:
             BusError: the servo does not answer, or refuses.
         """
-        what = f"read of {size} bytes at {address}"
-        (data,) = self._repeat(servo, what, lambda: self._packets.readTxRx(self._port, servo, address, size))
+        action = f"read of {size} bytes at {address}"
+        (data,) = self._repeat(servo, action, lambda: self._packets.readTxRx(self._port, servo, address, size))
         return bytes(data)
 
     def write_span(self, servo: int, address: int, data: bytes, *, name: str = "") -> None:
-        """Several registers at once.
+        """Write the bytes of consecutive registers.
 
         Raises:
             BusError: the servo does not answer, or refuses.
         """
-        what = f"write of {name or f'{len(data)} bytes'} at {address}"
+        action = f"write of {name or f'{len(data)} bytes'} at {address}"
         octets = list(data)
-        self._repeat(servo, what, lambda: self._packets.writeTxRx(self._port, servo, address, len(octets), octets))
+        self._repeat(servo, action, lambda: self._packets.writeTxRx(self._port, servo, address, len(octets), octets))
 
-    def reboot(self, servo: int) -> None:
-        """Reboots a servo: the only way out of a shutdown.
-
-        Raises:
-            BusError: it does not answer.
-        """
-        self._repeat(servo, "reboot", lambda: self._packets.reboot(self._port, servo))
-
-    def configure(self, servo: int, required: Mapping[Register, int]) -> tuple[Change, ...]:
-        """Sets only what differs, and reads it back.
+    def configure(self, servo: int, required: Mapping[Register, int]) -> tuple[RegisterChange, ...]:
+        """Set the registers that differ, and read them back.
 
         Raises:
-            BusError: a register of EEPROM differs while torque is on, or one does not take its value.
+            BusError: an EEPROM register differs while torque is on, or a register does not take its value.
         """
         before = {register: self.read(servo, register) for register in required}
-        changes = [Change(servo, r, before[r], value) for r, value in required.items() if before[r] != value]
+        changes = [RegisterChange(servo, r, before[r], value) for r, value in required.items() if before[r] != value]
         locked = [change.register.name for change in changes if change.register.field.eeprom]
         if locked and self.read(servo, Register.TORQUE_ENABLE):
-            raise BusError(f"{self._who(servo)}: {', '.join(locked)} cannot be set while its torque is on; release it")
+            raise BusError(
+                f"{self._label(servo)}: {', '.join(locked)} cannot be set while its torque is on; release it"
+            )
         for change in changes:
             self.write(servo, change.register, change.after)
             now = self.read(servo, change.register)
             if now != change.after:
-                raise BusError(f"{self._who(servo)}: {change.register.name} is {now} after {change.after} was written")
+                raise BusError(
+                    f"{self._label(servo)}: {change.register.name} is {now} after {change.after} was written"
+                )
         return tuple(changes)
 
-    def _who(self, servo: int) -> str:
+    def _label(self, servo: int) -> str:
         return f"{self.wire.name}: servo {servo}"
 
-    def _repeat(self, servo: int, what: str, attempt: Attempt) -> list[list[int]]:
-        """Repeats an attempt until something comes; an alert is no failure."""
+    def _repeat(self, servo: int, action: str, attempt: Attempt) -> list[list[int]]:
+        """Repeat an instruction until the servo replies.
+
+        An alert is not a failure.
+        """
         result = COMM_SUCCESS
         for _ in range(self._tries):
             *data, result, error = attempt()
-            fault = error & ~ALERT
+            fault = error & ~ALERT_BIT
             if fault:
                 name = Fault(fault).name if fault in list(Fault) else str(fault)
-                raise BusError(f"{self._who(servo)}: {what} refused ({name.lower()} error)")
+                raise BusError(f"{self._label(servo)}: {action} refused ({name.lower()} error)")
             if result == COMM_SUCCESS:
                 return data
-            self._port.pass_late_answers()  # or they would answer the next question, of another register
+            self._port.pass_late_answers()  # otherwise they would be taken as replies to the next instruction
         reason = self._packets.getTxRxResult(result).removeprefix("[TxRxResult] ").rstrip("!")
         raise BusError(
-            f"{self._who(servo)}: {what}: {reason} in {self._tries} tries; is it powered, wired, at this baud rate?"
+            f"{self._label(servo)}: {action}: {reason} in {self._tries} tries; is it powered, wired, at this baud rate?"
         )

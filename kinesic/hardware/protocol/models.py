@@ -1,6 +1,6 @@
-"""The models of the X series as they differ on the wire: figures of the ROBOTIS e-Manual's tables, in raw counts.
+"""Servo models of the X series, from the ROBOTIS e-Manual.
 
-What a model can do (torque, speed, mass) stands in `configs/servos.toml` under the same names.
+Values are raw counts. Mechanical data (torque, velocity, mass) are in `configs/servos.toml` under the same names.
 """
 
 from collections.abc import Mapping
@@ -8,19 +8,24 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
+from kinesic.body.config import ConfigError
+from kinesic.body.servo import ServoModel
 from kinesic.hardware.protocol.registers import Mode, Register
 
 Family = Literal["330", "430", "540"]
 
-WATCHDOG_FIRMWARE = 38  # older ones have no bus watchdog, and nothing would stop them
-NEVER = 256  # no version, which is one byte, reaches it
-_PORTS = tuple(register for register in Register if register.name.startswith("EXTERNAL_PORT"))
-_CURRENTS = (Register.CURRENT_LIMIT, Register.GOAL_CURRENT)
+WATCHDOG_FIRMWARE = 38  # First firmware with a bus watchdog, which stops servos when the host fails
+UNREACHABLE_FIRMWARE = 256  # First firmware of a feature that a model never gets; real versions are one byte
+_PORT_REGISTERS = tuple(register for register in Register if register.name.startswith("EXTERNAL_PORT"))
+_CURRENT_REGISTERS = (Register.CURRENT_LIMIT, Register.GOAL_CURRENT)
 
 
 @dataclass(frozen=True)
-class Cells:
-    """A block of indirect cells: two bytes of address at `addresses` + 2 k show through at `data` + k."""
+class IndirectCells:
+    """Address range of a model's indirect addresses and indirect data.
+
+    The two-byte address at `addresses` + 2 k selects the byte that shows at `data` + k.
+    """
 
     addresses: int
     data: int
@@ -29,81 +34,93 @@ class Cells:
 
 @dataclass(frozen=True)
 class Model:
-    """One model. A register's figures are those of its field, unless `initial` or `range` say otherwise."""
+    """Servo model: its registers, their ranges, and its operating modes.
+
+    Values of a register are those of its field, unless `initial` or `ranges` override them.
+    """
 
     name: str
     number: int  # MODEL_NUMBER
     family: Family
-    amperes: float | None  # [A] per count of current; None: it reports load, 0.1 % per count, and limits no current
+    amperes: float | None  # [A] per count of current; None: it reports load (0.1 % per count) and has no current limit
     initial: Mapping[Register, int]
     ranges: Mapping[Register, tuple[int, int]]
     missing: frozenset[Register]
     modes: frozenset[Mode]
 
     def has(self, register: Register) -> bool:
-        """Returns whether the model has this register at all."""
+        """Return whether the model has this register."""
         return register not in self.missing
 
-    def starts(self, register: Register) -> int:
-        """Returns the factory value of a register."""
+    def factory_value(self, register: Register) -> int:
+        """Return the factory value of a register."""
         return self.initial.get(register, register.field.initial)
 
-    def range(self, register: Register) -> tuple[int, int]:
-        """Returns the least and the largest value that may be written."""
+    def allowed_range(self, register: Register) -> tuple[int, int]:
+        """Return the smallest and the largest writable value of a register."""
         return self.ranges.get(register, (register.field.lower, register.field.upper))
 
     @property
     def registers(self) -> tuple[Register, ...]:
-        """All it has, by address."""
+        """All registers of the model, by address."""
         return tuple(register for register in Register if self.has(register))
 
     @property
-    def cells(self) -> tuple[Cells, ...]:
-        """Its indirect cells. An older table of the 330 puts the data at 224; the bus asks the servo itself."""
+    def cells(self) -> tuple[IndirectCells, ...]:
+        """Ranges of indirect cells in the control table of the model.
+
+        An older table of the 330 has the data at 224; the bus checks the servo itself.
+        """
         if self.family == "330":
-            return (Cells(168, 208, 20),)
-        return (Cells(168, 224, 28), Cells(578, 634, 28))
+            return (IndirectCells(168, 208, 20),)
+        return (IndirectCells(168, 224, 28), IndirectCells(578, 634, 28))
 
     @property
     def fast_firmware(self) -> int:
-        """The first firmware that answers fast reads, by the manual; the bus believes only the servo."""
+        """First firmware with fast reads, according to the manual.
+
+        The bus tests the servo itself.
+        """
         if self.name.startswith("2"):
-            return NEVER
+            return UNREACHABLE_FIRMWARE
         return 46 if self.family == "330" else 45
 
     @property
-    def least_firmware(self) -> int:
-        """The first firmware that may be driven: it has the bus watchdog."""
+    def min_firmware(self) -> int:
+        """First firmware with the required bus watchdog."""
         return WATCHDOG_FIRMWARE
 
 
 @dataclass(frozen=True)
 class FactorySheet:
-    """One row of the manual's table: what a model comes with out of its box, in raw counts."""
+    """Factory settings of a servo model, in raw counts.
+
+    It is a row of the manual's table.
+    """
 
     name: str  # as in `configs/servos.toml`
     number: int  # MODEL_NUMBER
     volts: tuple[int, int]  # [0.1 V] limits
-    amperes: int | None  # limit of the current; None: has none
+    amperes: int | None  # current limit; None: no current sensor
     speed: int  # velocity limit
     gains: tuple[int, int, int]  # position P, I, D
     inner: tuple[int, int] = (1920, 100)  # velocity I, P
     hottest: int = 80  # [C] temperature limit
-    lowest: int | None = None  # [0.1 V] least voltage that may be set as a limit, where it is not the factory limit
-    shutdown: int = 52  # mask
-    threshold: int = 10  # of moving
+    lowest: int | None = None  # [0.1 V] smallest allowed voltage limit, if it differs from the factory limit
+    shutdown: int = 52  # bit mask
+    threshold: int = 10  # moving threshold
     ports: bool = False  # whether it has external ports
-    light: bool = True  # whether it has a LED
+    light: bool = True  # whether it has an LED
 
     @property
     def family(self) -> Family:
-        """Which control table it has."""
+        """Family of the control table."""
         return "330" if "330" in self.name else "540" if "540" in self.name else "430"
 
     @property
     def initial(self) -> Mapping[Register, int]:
-        """Factory values where they differ from those of the fields."""
-        currents = {} if self.amperes is None else dict.fromkeys(_CURRENTS, self.amperes)
+        """Factory values of the registers that vary between models."""
+        currents = {} if self.amperes is None else dict.fromkeys(_CURRENT_REGISTERS, self.amperes)
         return MappingProxyType(
             {
                 Register.MODEL_NUMBER: self.number,
@@ -125,18 +142,22 @@ class FactorySheet:
 
     @property
     def ranges(self) -> Mapping[Register, tuple[int, int]]:
-        """What may be written where it differs from the fields."""
-        small, most = self.family == "330", self.amperes
+        """Writable ranges of the registers that vary between models."""
+        is_small, max_current = self.family == "330", self.amperes
         span = (self.volts[0] if self.lowest is None else self.lowest, self.volts[1])
-        currents = {} if most is None else {Register.CURRENT_LIMIT: (0, most), Register.GOAL_CURRENT: (-most, most)}
+        currents = (
+            {}
+            if max_current is None
+            else {Register.CURRENT_LIMIT: (0, max_current), Register.GOAL_CURRENT: (-max_current, max_current)}
+        )
         return MappingProxyType(
             {
                 Register.MAX_VOLTAGE_LIMIT: span,
                 Register.MIN_VOLTAGE_LIMIT: span,
-                Register.VELOCITY_LIMIT: (0, 2047 if small else 1023),
-                Register.GOAL_VELOCITY: (-2047, 2047) if small else (-1023, 1023),
-                Register.BAUD_RATE: (0, 6 if small else 7),
-                Register.PROTOCOL_TYPE: (2, 22) if small else (1, 2),
+                Register.VELOCITY_LIMIT: (0, 2047 if is_small else 1023),
+                Register.GOAL_VELOCITY: (-2047, 2047) if is_small else (-1023, 1023),
+                Register.BAUD_RATE: (0, 6 if is_small else 7),
+                Register.PROTOCOL_TYPE: (2, 22) if is_small else (1, 2),
                 Register.DRIVE_MODE: (0, 15 if self.family == "540" else 13),
                 **currents,
             }
@@ -144,35 +165,38 @@ class FactorySheet:
 
     @property
     def missing(self) -> frozenset[Register]:
-        """Registers that it does not have."""
-        absent = set() if self.ports else set(_PORTS)
+        """Registers that the model lacks."""
+        absent = set() if self.ports else set(_PORT_REGISTERS)
         absent |= set() if self.family == "330" else {Register.PWM_SLOPE}
         absent |= set() if self.light else {Register.LED}
-        return frozenset(absent | (set(_CURRENTS) if self.amperes is None else set()))
+        return frozenset(absent | (set(_CURRENT_REGISTERS) if self.amperes is None else set()))
 
     def model(self) -> Model:
-        """Returns the model that it describes."""
-        senses = self.amperes is not None
+        """Make the servo model with these factory settings."""
+        has_sensor = self.amperes is not None
         return Model(
             name=self.name,
             number=self.number,
             family=self.family,
-            amperes=None if not senses else 1e-3 if self.family == "330" else 2.69e-3,
+            amperes=None if not has_sensor else 1e-3 if self.family == "330" else 2.69e-3,
             initial=self.initial,
             ranges=self.ranges,
             missing=self.missing,
-            modes=frozenset(set(Mode) if senses else set(Mode) - {Mode.CURRENT, Mode.CURRENT_POSITION}),
+            modes=frozenset(set(Mode) if has_sensor else set(Mode) - {Mode.CURRENT, Mode.CURRENT_POSITION}),
         )
 
 
-_V5, _V12, _V14, _V16 = (35, 70), (55, 140), (60, 140), (60, 160)
-_V95 = (95, 160)
+_RANGE_5V = (35, 70)  # [0.1 V] supply limits of 5 V models
+_RANGE_12V = (55, 140)  # [0.1 V] supply limits of 12 V models
+_RANGE_14V = (60, 140)  # [0.1 V] supply limits of 14 V models
+_RANGE_16V = (60, 160)  # [0.1 V] supply limits of 16 V models
+_RANGE_9V5 = (95, 160)  # [0.1 V] supply limits of models for at least 9.5 V
 
-_SHEETS = (
+_FACTORY_SHEETS = (
     FactorySheet(
         "xl330_m077",
         1190,
-        _V5,
+        _RANGE_5V,
         amperes=1750,
         speed=1620,
         gains=(400, 400, 0),
@@ -184,7 +208,7 @@ _SHEETS = (
     FactorySheet(
         "xl330_m288",
         1200,
-        _V5,
+        _RANGE_5V,
         amperes=1750,
         speed=445,
         gains=(400, 0, 0),
@@ -193,32 +217,76 @@ _SHEETS = (
         lowest=31,
         shutdown=53,
     ),
-    FactorySheet("xc330_t181", 1210, _V12, amperes=910, speed=510, gains=(900, 0, 0), inner=(1200, 40), hottest=70),
-    FactorySheet("xc330_t288", 1220, _V12, amperes=910, speed=320, gains=(900, 0, 0), inner=(1200, 40), hottest=70),
     FactorySheet(
-        "xc330_m181", 1230, _V5, amperes=2352, speed=545, gains=(1200, 0, 500), inner=(1400, 100), hottest=70, lowest=31
+        "xc330_t181", 1210, _RANGE_12V, amperes=910, speed=510, gains=(900, 0, 0), inner=(1200, 40), hottest=70
     ),
     FactorySheet(
-        "xc330_m288", 1240, _V5, amperes=2352, speed=350, gains=(1100, 0, 500), inner=(1600, 50), hottest=70, lowest=31
+        "xc330_t288", 1220, _RANGE_12V, amperes=910, speed=320, gains=(900, 0, 0), inner=(1200, 40), hottest=70
     ),
     FactorySheet(
-        "xl430_w250", 1060, _V14, amperes=None, speed=265, gains=(640, 0, 4000), inner=(1000, 100), hottest=72
+        "xc330_m181",
+        1230,
+        _RANGE_5V,
+        amperes=2352,
+        speed=545,
+        gains=(1200, 0, 500),
+        inner=(1400, 100),
+        hottest=70,
+        lowest=31,
     ),
     FactorySheet(
-        "2xl430_w250", 1090, _V14, amperes=None, speed=250, gains=(640, 0, 2000), inner=(1800, 100), hottest=72
+        "xc330_m288",
+        1240,
+        _RANGE_5V,
+        amperes=2352,
+        speed=350,
+        gains=(1100, 0, 500),
+        inner=(1600, 50),
+        hottest=70,
+        lowest=31,
     ),
-    FactorySheet("xc430_w150", 1070, _V16, amperes=None, speed=460, gains=(460, 0, 0), threshold=20),
-    FactorySheet("xc430_w240", 1080, _V16, amperes=None, speed=306, gains=(700, 0, 0)),
-    FactorySheet("xm430_w350", 1020, _V95, amperes=1193, speed=350, gains=(800, 0, 0)),  # an older table's speed
-    FactorySheet("xm430_w210", 1030, _V95, amperes=1193, speed=330, gains=(800, 0, 0)),
-    FactorySheet("xh430_w350", 1000, _V95, amperes=648, speed=130, gains=(900, 0, 0)),
-    FactorySheet("xh430_w210", 1010, _V95, amperes=648, speed=360, gains=(900, 0, 0)),  # an older table's speed
-    FactorySheet("xm540_w270", 1120, _V95, amperes=2047, speed=128, gains=(800, 0, 0), ports=True),
-    FactorySheet("xm540_w150", 1130, _V95, amperes=2047, speed=230, gains=(800, 0, 0), ports=True),
-    FactorySheet("xh540_w270", 1100, _V95, amperes=2047, speed=167, gains=(800, 0, 0), ports=True),
-    FactorySheet("xh540_w150", 1110, _V95, amperes=2047, speed=300, gains=(800, 0, 0), ports=True),
-    FactorySheet("xw540_t260", 1170, _V95, amperes=2047, speed=167, gains=(800, 0, 0), light=False),
+    FactorySheet(
+        "xl430_w250", 1060, _RANGE_14V, amperes=None, speed=265, gains=(640, 0, 4000), inner=(1000, 100), hottest=72
+    ),
+    FactorySheet(
+        "2xl430_w250", 1090, _RANGE_14V, amperes=None, speed=250, gains=(640, 0, 2000), inner=(1800, 100), hottest=72
+    ),
+    FactorySheet("xc430_w150", 1070, _RANGE_16V, amperes=None, speed=460, gains=(460, 0, 0), threshold=20),
+    FactorySheet("xc430_w240", 1080, _RANGE_16V, amperes=None, speed=306, gains=(700, 0, 0)),
+    FactorySheet(
+        "xm430_w350", 1020, _RANGE_9V5, amperes=1193, speed=350, gains=(800, 0, 0)
+    ),  # velocity limit of an older table
+    FactorySheet("xm430_w210", 1030, _RANGE_9V5, amperes=1193, speed=330, gains=(800, 0, 0)),
+    FactorySheet("xh430_w350", 1000, _RANGE_9V5, amperes=648, speed=130, gains=(900, 0, 0)),
+    FactorySheet(
+        "xh430_w210", 1010, _RANGE_9V5, amperes=648, speed=360, gains=(900, 0, 0)
+    ),  # velocity limit of an older table
+    FactorySheet("xm540_w270", 1120, _RANGE_9V5, amperes=2047, speed=128, gains=(800, 0, 0), ports=True),
+    FactorySheet("xm540_w150", 1130, _RANGE_9V5, amperes=2047, speed=230, gains=(800, 0, 0), ports=True),
+    FactorySheet("xh540_w270", 1100, _RANGE_9V5, amperes=2047, speed=167, gains=(800, 0, 0), ports=True),
+    FactorySheet("xh540_w150", 1110, _RANGE_9V5, amperes=2047, speed=300, gains=(800, 0, 0), ports=True),
+    FactorySheet("xw540_t260", 1170, _RANGE_9V5, amperes=2047, speed=167, gains=(800, 0, 0), light=False),
 )
 
-MODELS: Mapping[str, Model] = MappingProxyType({sheet.name: sheet.model() for sheet in _SHEETS})
-BY_NUMBER: Mapping[int, Model] = MappingProxyType({model.number: model for model in MODELS.values()})
+SERVO_MODELS: Mapping[str, Model] = MappingProxyType({sheet.name: sheet.model() for sheet in _FACTORY_SHEETS})
+MODELS_BY_NUMBER: Mapping[int, Model] = MappingProxyType({model.number: model for model in SERVO_MODELS.values()})
+
+
+def control_table_of(servo: ServoModel, where: str) -> Model:
+    """Return the model with the model number of a servo.
+
+    Args:
+        servo: servo of a robot.
+        where: file and place for the error message.
+
+    Raises:
+        ConfigError: no `FactorySheet` has this number.
+    """
+    model = MODELS_BY_NUMBER.get(servo.model)
+    if model is None:
+        names = ", ".join(sorted(SERVO_MODELS))
+        raise ConfigError(
+            f"{where}: servo {servo.name} has model number {servo.model}, which has no FactorySheet; "
+            f"add one to kinesic/hardware/protocol/models.py, or mount one of {names}"
+        )
+    return model

@@ -1,29 +1,29 @@
-"""Writes and reads the bytes of Dynamixel Protocol 2.0: packets, stuffing, CRC, and packets in a stream.
+"""Dynamixel Protocol 2.0 packets: stuffing, CRC and stream parsing.
 
-A packet is FF FF FD 00, id, length (2 bytes), instruction, parameters, CRC (2 bytes); the length counts what follows
-it. A status has instruction 0x55 and its error byte before the data. Inside the body FF FF FD becomes FF FF FD FD, so
-that no header ever stands in it; the CRC covers the stuffed packet (ROBOTIS e-Manual, Protocol 2.0). Replies to the
-fast reads are the exception: they are not stuffed, see `query`.
+A packet is FF FF FD 00, id, length (2 bytes), instruction, parameters, CRC (2 bytes); the length counts the bytes
+after it. A status has instruction 0x55 and its error byte before the data. Inside the body FF FF FD becomes FF FF FD
+FD, so that the body never contains a header; the CRC covers the stuffed packet (ROBOTIS e-Manual, Protocol 2.0).
+Replies to fast reads are the exception: they are not stuffed, see `query`.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-HEADER = b"\xff\xff\xfd\x00"
-BROADCAST = 0xFE
-ALERT = 0x80  # bit of the error byte: the servo's hardware error register says why
-MAX_LENGTH = 1024  # of the length field; what claims more is noise
-OVERHEAD = 10  # [bytes] of a packet without parameters
-STATUS_OVERHEAD = 11  # [bytes] of a status without data
+PACKET_HEADER = b"\xff\xff\xfd\x00"
+BROADCAST_ID = 0xFE  # Id that addresses all servos
+ALERT_BIT = 0x80  # Bit of the error byte for a nonzero hardware error register
+MAX_LENGTH = 1024  # Largest accepted length field of a packet; a larger one is treated as noise
+PACKET_OVERHEAD = 10  # [bytes] size of an instruction packet without parameters
+STATUS_OVERHEAD = 11  # [bytes] size of a status packet without data
 
-_MARK = b"\xff\xff\xfd"
-_STUFFED = b"\xff\xff\xfd\xfd"
-_POLYNOMIAL = 0x8005
+_HEADER_MARK = b"\xff\xff\xfd"
+_STUFFED_MARK = b"\xff\xff\xfd\xfd"
+_CRC_POLYNOMIAL = 0x8005
 
 
 class Instruction(IntEnum):
-    """What a packet asks for."""
+    """Instruction code of a packet."""
 
     PING = 0x01
     READ = 0x02
@@ -44,7 +44,7 @@ class Instruction(IntEnum):
 
 
 class Fault(IntEnum):
-    """Why a servo refused an instruction: the error byte without its alert bit."""
+    """Reason for a refused instruction: the error byte without its alert bit."""
 
     NONE = 0
     RESULT = 1
@@ -58,7 +58,7 @@ class Fault(IntEnum):
 
 @dataclass(frozen=True)
 class Packet:
-    """One packet, its stuffing removed."""
+    """Protocol 2.0 packet without its stuffing bytes."""
 
     id: int
     instruction: int
@@ -66,19 +66,19 @@ class Packet:
 
     @property
     def error(self) -> int:
-        """The error byte of a status."""
+        """Error byte of a status packet."""
         return self.parameters[0]
 
     @property
     def data(self) -> bytes:
-        """What a status carries behind its error byte."""
+        """Data of a status packet, after its error byte."""
         return self.parameters[1:]
 
 
 def _row(byte: int) -> int:
     crc = byte << 8
     for _ in range(8):
-        crc = (crc << 1) ^ (_POLYNOMIAL if crc & 0x8000 else 0)
+        crc = (crc << 1) ^ (_CRC_POLYNOMIAL if crc & 0x8000 else 0)
     return crc & 0xFFFF
 
 
@@ -86,7 +86,10 @@ CRC_TABLE = tuple(_row(byte) for byte in range(256))
 
 
 def crc16(data: bytes | bytearray | memoryview, crc: int = 0) -> int:
-    """Returns the CRC of data, continued from `crc` (polynomial 0x8005, not reflected, starting at 0)."""
+    """Return the CRC of data, continued from `crc`.
+
+    The polynomial is 0x8005, not reflected, with initial value 0.
+    """
     table = CRC_TABLE
     for byte in data:
         crc = ((crc << 8) & 0xFF00) ^ table[crc >> 8 ^ byte]
@@ -94,74 +97,92 @@ def crc16(data: bytes | bytearray | memoryview, crc: int = 0) -> int:
 
 
 def stuff(body: bytes) -> bytes:
-    """Stuffs a body, so that no header can be found in it."""
-    return body.replace(_MARK, _STUFFED)
+    """Insert stuffing bytes, so that the body contains no header."""
+    return body.replace(_HEADER_MARK, _STUFFED_MARK)
 
 
 def unstuff(body: bytes) -> bytes:
-    """Undoes `stuff`."""
-    return body.replace(_STUFFED, _MARK)
+    """Remove the stuffing bytes of a body."""
+    return body.replace(_STUFFED_MARK, _HEADER_MARK)
 
 
 def packet(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
-    """Returns the bytes of a packet.
+    """Encode an instruction or status as packet bytes.
 
     Raises:
-        ValueError: the id is none, or the packet would be longer than servos read.
+        ValueError: the id is invalid, or the packet is longer than servos accept.
     """
-    if not 0 <= servo <= BROADCAST or servo == 0xFD:
-        raise ValueError(f"id is {servo}, must be 0..252, or {BROADCAST} for all")
+    if not 0 <= servo <= BROADCAST_ID or servo == 0xFD:
+        raise ValueError(f"id is {servo}, must be 0..252, or {BROADCAST_ID} for all")
     body = stuff(bytes((instruction,)) + parameters)
     length = len(body) + 2
     if length > MAX_LENGTH:
         raise ValueError(f"a packet of length {length} is longer than the {MAX_LENGTH} that servos read")
-    head = HEADER + bytes((servo, length & 0xFF, length >> 8)) + body
+    head = PACKET_HEADER + bytes((servo, length & 0xFF, length >> 8)) + body
     return head + crc16(head).to_bytes(2, "little")
 
 
 def status(servo: int, error: int, data: bytes = b"") -> bytes:
-    """Returns the bytes of a servo's answer."""
+    """Encode a servo's status packet."""
     return packet(servo, Instruction.STATUS, bytes((error,)) + data)
 
 
 def ping(servo: int) -> bytes:
-    """Asks one servo, or all, for model number and firmware."""
+    """Encode a ping of one servo or of all.
+
+    The reply has model number and firmware.
+    """
     return packet(servo, Instruction.PING)
 
 
 def read_packet(servo: int, address: int, size: int) -> bytes:
-    """Asks for `size` bytes from `address` on."""
+    """Encode a read of `size` bytes from `address` on."""
     return packet(servo, Instruction.READ, _span(address, size))
 
 
 def write_packet(servo: int, address: int, data: bytes) -> bytes:
-    """Writes data from `address` on."""
+    """Encode a write of data from `address` on."""
     return packet(servo, Instruction.WRITE, address.to_bytes(2, "little") + data)
 
 
 def sync_write(address: int, size: int, rows: dict[int, bytes]) -> bytes:
-    """Writes `size` bytes from `address` on in several servos at once: id -> bytes; nobody answers.
+    """Encode a write of `size` bytes at `address` in several servos.
+
+    Servos do not answer it.
+
+    Args:
+        address: first address.
+        size: [bytes] per servo.
+        rows: id -> bytes.
 
     Raises:
         ValueError: a row has another size.
     """
     for servo, row in rows.items():
         if len(row) != size:
-            raise ValueError(f"servo {servo} is to be written {len(row)} bytes, must be {size}")
+            raise ValueError(f"servo {servo} has a row of {len(row)} bytes, must be {size}")
     listed = b"".join(bytes((servo,)) + row for servo, row in rows.items())
-    return packet(BROADCAST, Instruction.SYNC_WRITE, _span(address, size) + listed)
+    return packet(BROADCAST_ID, Instruction.SYNC_WRITE, _span(address, size) + listed)
 
 
 def sync_read(servos: Sequence[int], address: int, size: int, *, fast: bool) -> bytes:
-    """Asks several servos for the same registers: one status each, or one joint reply when fast."""
+    """Encode a read of the same registers of several servos.
+
+    They answer with one status each, or with one common reply to a fast read.
+    """
     kind = Instruction.FAST_SYNC_READ if fast else Instruction.SYNC_READ
-    return packet(BROADCAST, kind, _span(address, size) + bytes(servos))
+    return packet(BROADCAST_ID, kind, _span(address, size) + bytes(servos))
 
 
 def bulk_read(spans: dict[int, tuple[int, int]], *, fast: bool) -> bytes:
-    """Asks several servos for registers of their own: id -> (address, size)."""
+    """Encode a read of different registers of several servos.
+
+    Args:
+        spans: id -> (address, size).
+        fast: whether to request one common reply.
+    """
     kind = Instruction.FAST_BULK_READ if fast else Instruction.BULK_READ
-    return packet(BROADCAST, kind, b"".join(bytes((servo,)) + _span(*span) for servo, span in spans.items()))
+    return packet(BROADCAST_ID, kind, b"".join(bytes((servo,)) + _span(*span) for servo, span in spans.items()))
 
 
 def _span(address: int, size: int) -> bytes:
@@ -169,30 +190,31 @@ def _span(address: int, size: int) -> bytes:
 
 
 class Reader:
-    """Finds packets in a stream of bytes: noise, cut packets and wrong CRCs are passed over."""
+    """Stream parser that skips noise, truncated packets and wrong CRCs."""
 
     def __init__(self) -> None:
         self._stream = bytearray()
 
     def clear(self) -> None:
-        """Forgets what has been fed and is no packet yet."""
+        """Discard the bytes of an unfinished packet."""
         self._stream.clear()
 
     def feed(self, data: bytes) -> Iterator[Packet]:
-        """The packets that are complete with these bytes; unfinished ones wait for the next bytes.
+        """Add received bytes, and yield the packets that become complete.
 
-        A joint reply to a fast read, a status from BROADCAST, was never stuffed and is left as it is.
+        Unfinished packets wait for more bytes. A common reply to a fast read, a status from BROADCAST_ID, is not
+        unstuffed.
         """
         self._stream += data
-        while (found := self._next()) is not None:
-            yield found
+        while (packet_read := self._next()) is not None:
+            yield packet_read
 
     def _next(self) -> Packet | None:
         stream = self._stream
         while True:
-            start = stream.find(HEADER)
+            start = stream.find(PACKET_HEADER)
             if start < 0:
-                del stream[: max(0, len(stream) - len(HEADER) + 1)]
+                del stream[: max(0, len(stream) - len(PACKET_HEADER) + 1)]
                 return None
             del stream[:start]
             if len(stream) < 7:
@@ -203,10 +225,10 @@ class Reader:
                 continue
             end = 7 + length
             if len(stream) < end:
-                later = stream.find(HEADER, 1)
-                if later < 0 or stream[4] == BROADCAST:
+                later = stream.find(PACKET_HEADER, 1)
+                if later < 0 or stream[4] == BROADCAST_ID:
                     return None
-                # no header ever stands inside a stuffed packet: this one was cut short
+                # a stuffed packet contains no header, so this one was truncated
                 del stream[:later]
                 continue
             if crc16(memoryview(stream)[: end - 2]) != stream[end - 2] | stream[end - 1] << 8:
@@ -215,7 +237,7 @@ class Reader:
             body = bytes(stream[7 : end - 2])
             servo = stream[4]
             del stream[:end]
-            fast = servo == BROADCAST and body[0] == Instruction.STATUS
+            fast = servo == BROADCAST_ID and body[0] == Instruction.STATUS
             body = body if fast else unstuff(body)
             if body[0] == Instruction.STATUS and len(body) < 2:
                 continue

@@ -1,4 +1,7 @@
-"""Reads which servo turns which hinge from the `[[bus]]` tables of a robot and its calibration, and checks it."""
+"""Assignment of servos to hinges, from a robot's `[[bus]]` tables.
+
+The robot's calibration overrides zeros and directions.
+"""
 
 import re
 from collections.abc import Iterator
@@ -18,30 +21,33 @@ from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.ticks import Scale
 
-MAX_ID = 252
-NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
-MID_TICKS = TICKS_PER_TURN // 2
+MAX_ID = 252  # Largest id of a servo
+BUS_NAME_PATTERN = re.compile(r"[A-Za-z0-9_-]{1,64}")
+MID_TICKS = TICKS_PER_TURN // 2  # [ticks] middle of the turn
 
 
 class BusTable(msgspec.Struct, forbid_unknown_fields=True):
-    """[[bus]]."""
+    """Schema of one [[bus]] table in a robot file."""
 
-    name: str
-    baud: int
-    ids: dict[str, int | list[int]]
-    zero_ticks: dict[str, int] = {}
-    inverted: list[str] = []
+    name: str  # name for the option `--port NAME=PATH`
+    baud: int  # [bit/s] baud rate
+    ids: dict[str, int | list[int]]  # id, or ids of servos on one shaft, by hinge
+    zero_ticks: dict[str, int] = {}  # [ticks] servo position at hinge angle 0; default 2048
+    inverted: list[str] = []  # hinges whose servos turn in the opposite direction
 
 
 class WiringFile(msgspec.Struct):
-    """The part of a robot's file that tells about wires; the body reads the others."""
+    """Schema of all [[bus]] tables in a robot file.
+
+    `kinesic.body` reads the other tables.
+    """
 
     bus: list[BusTable] = []
 
 
 @dataclass(frozen=True)
 class BusWiring:
-    """One wire."""
+    """Name and baud rate of a bus."""
 
     name: str
     baud: int  # [bit/s]
@@ -49,53 +55,58 @@ class BusWiring:
 
 @dataclass(frozen=True)
 class HingeServos:
-    """The servos of one hinge; those of a tandem take the same goal."""
+    """Servos of one hinge.
+
+    Those of a tandem have the same goal.
+    """
 
     hinge: str
     bus: str
     ids: tuple[int, ...]
-    zero_ticks: int = MID_TICKS  # where the hinge's angle is 0
-    inverted: bool = False  # the servo turns against the hinge
-    reduction: float = 1.0  # servo turns per hinge turn
+    zero_ticks: int = MID_TICKS  # [ticks] position at hinge angle 0
+    inverted: bool = False  # whether servo and hinge rotate in opposite directions
+    reduction: float = 1.0  # servo revolutions per hinge revolution
 
 
 @dataclass(frozen=True)
 class ServoMap:
-    """All servos of a robot."""
+    """All servos of a robot, by hinge."""
 
     buses: tuple[BusWiring, ...]
     servos: tuple[HingeServos, ...]  # one per hinge, in joint order
 
     @classmethod
     def of(cls, robot: Robot) -> "ServoMap":
-        """Reads the servo map from the robot's file; one without any [[bus]] has no servos on wires.
+        """Read the servo map from the robot's file.
+
+        A robot without [[bus]] tables has an empty map.
 
         Raises:
             ConfigError: a hinge is unknown or has no servo, an id is out of range or used twice on a bus, a tandem
-                has the wrong number of servos, or a hinge's range leaves the servo's turn.
+                has the wrong number of servos, or a hinge's range exceeds one servo turn.
         """
         tables = read_robot(robot.path, WiringFile).bus
         if not tables:
             return cls((), ())
         _check_buses(robot.path, tables)
-        found: dict[str, HingeServos] = {}
+        servos_by_hinge: dict[str, HingeServos] = {}
         for servos in _servos(robot, tables):
-            if servos.hinge in found:
-                buses = f"{found[servos.hinge].bus} and {servos.bus}"
+            if servos.hinge in servos_by_hinge:
+                buses = f"{servos_by_hinge[servos.hinge].bus} and {servos.bus}"
                 raise ConfigError(f"{robot.path}: hinge {servos.hinge} is on the buses {buses}, must be on one")
             _check_servos(robot, servos)
-            found[servos.hinge] = servos
-        missing = [name for name in robot.skeleton.names if name not in found]
+            servos_by_hinge[servos.hinge] = servos
+        missing = [name for name in robot.skeleton.names if name not in servos_by_hinge]
         if missing:
             raise ConfigError(f"{robot.path}: no servo id for {', '.join(missing)}; add them to [bus.ids]")
         return cls(
             buses=tuple(BusWiring(table.name, table.baud) for table in tables),
-            servos=tuple(found[name] for name in robot.skeleton.names),
+            servos=tuple(servos_by_hinge[name] for name in robot.skeleton.names),
         )
 
     @cached_property
     def scale(self) -> Scale:
-        """Ticks against angles, in joint order."""
+        """Conversion between ticks and angles, in joint order."""
         return Scale(
             zeros=sealed([servos.zero_ticks for servos in self.servos]),
             turns=sealed([-s.reduction if s.inverted else s.reduction for s in self.servos]),
@@ -103,15 +114,17 @@ class ServoMap:
 
 
 def _servos(robot: Robot, tables: list[BusTable]) -> Iterator[HingeServos]:
-    """One entry per named hinge, in the order of the file."""
+    """Yield the servos of each hinge in the bus tables in order."""
     measured = robot.calibration
     reductions = dict(zip(robot.skeleton.names, (drive.reduction for drive in robot.drives), strict=True))
     for table in tables:
         for part, hinges in (("ids", table.ids), ("zero_ticks", table.zero_ticks), ("inverted", table.inverted)):
-            known = list(reductions) if part == "ids" else list(table.ids)
+            valid_hinges = list(reductions) if part == "ids" else list(table.ids)
             for hinge in hinges:
-                if hinge not in known:
-                    raise ConfigError(f"{robot.path}: {part} of bus {table.name}: no {hinge}{suggestion(hinge, known)}")
+                if hinge not in valid_hinges:
+                    raise ConfigError(
+                        f"{robot.path}: {part} of bus {table.name}: no {hinge}{suggestion(hinge, valid_hinges)}"
+                    )
         for hinge, ids in table.ids.items():
             yield HingeServos(
                 hinge=hinge,
@@ -129,8 +142,10 @@ def _check_buses(path: Path, tables: list[BusTable]) -> None:
         if table.name in names:
             raise ConfigError(f"{path}: bus {table.name} is described twice")
         names.add(table.name)
-        if not NAME.fullmatch(table.name):
-            raise ConfigError(f"{path}: bus {table.name!r} must be named by letters, digits, - and _, as its port is")
+        if not BUS_NAME_PATTERN.fullmatch(table.name):
+            raise ConfigError(
+                f"{path}: bus {table.name!r} must consist of letters, digits, - and _, as it names its port"
+            )
         if table.baud not in BAUD_RATES:
             rates = ", ".join(str(rate) for rate in BAUD_RATES)
             raise ConfigError(f"{path}: bus {table.name}: baud is {table.baud}, must be one of {rates}")
@@ -143,7 +158,7 @@ def _check_buses(path: Path, tables: list[BusTable]) -> None:
 
 
 def _check_servos(robot: Robot, servos: HingeServos) -> None:
-    """Refuses ids that no servo has, tandems of another size, and ranges that one servo turn cannot hold."""
+    """Refuse invalid ids, wrong tandem sizes, and ranges beyond one turn."""
     where = f"{robot.path}: bus {servos.bus}: {servos.hinge}"
     for servo in servos.ids:
         if not 0 <= servo <= MAX_ID:
@@ -160,10 +175,10 @@ def _check_servos(robot: Robot, servos: HingeServos) -> None:
 
 
 def load_robot(name: str | Path = "upper22") -> Robot:
-    """Reads a robot, and checks its buses too.
+    """Read a robot file and check its servo buses.
 
     Raises:
-        ConfigError: the file is missing or wrong.
+        ConfigError: the file is missing or invalid.
     """
     robot = Robot.load(name)
     ServoMap.of(robot)

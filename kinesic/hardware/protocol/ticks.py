@@ -1,4 +1,4 @@
-"""Converts radians to ticks and back; nothing else does."""
+"""Conversion between radians and servo ticks, the only one in the project."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,13 +14,13 @@ Ticks = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """Ticks against angles, a straight line per hinge, in joint order."""
+    """Linear conversion between ticks and angles per hinge, in joint order."""
 
-    zeros: Floats  # (n,) [ticks] where the hinge's angle is 0
-    turns: Floats  # (n,) signed servo turns per hinge turn; negative where the servo is mounted the other way round
+    zeros: Floats  # (n,) [ticks] position at hinge angle 0
+    turns: Floats  # (n,) signed servo revolutions per hinge revolution; negative for inverted servos
 
     def ticks(self, angles: Floats) -> Ticks:
-        """Converts angles to the nearest ticks, whatever the servo's range allows.
+        """Convert angles to the nearest ticks, without range limits.
 
         Args:
             angles: (..., n) [rad].
@@ -34,17 +34,17 @@ class Scale:
         return self.nearest(angles).astype(np.int64)
 
     def nearest(self, angles: Floats) -> Floats:
-        """Converts like `ticks`, to whole numbers of floating point."""
+        """Convert angles to the nearest ticks as floats."""
         if not np.isfinite(angles).all():
             raise ValueError(f"angles are {angles}, must be finite")
         nearest: Floats = np.rint(self.zeros + self._per_radian * angles)
         return nearest
 
     def angles(self, ticks: Ticks | Floats) -> Floats:
-        """Converts (..., n) ticks to (..., n) [rad]."""
+        """Convert ticks (..., n) to angles (..., n) [rad]."""
         return (ticks - self.zeros) / self._per_radian
 
     @cached_property
     def _per_radian(self) -> Floats:
-        """(n,) [ticks/rad] of the hinge."""
+        """Ticks per radian of the hinge (n,)."""
         return self.turns * TICKS_PER_RADIAN

@@ -1,50 +1,61 @@
-"""Says what the bus needs of a wire: bytes out, bytes in, and a clock; real and virtual ports have it."""
+"""Interface of half-duplex serial lines to servos, real or virtual."""
 
 from typing import Protocol
 
-BITS_PER_BYTE = 10  # start, eight bits, stop
+BITS_PER_BYTE = 10  # Transmitted bits per byte: start bit, eight data bits and stop bit
 
 
 class BusError(OSError):
-    """A port or a servo is missing or wrong: names which, what was found and what would have worked."""
+    """Error for a missing or unsuitable port or servo.
+
+    The message names it, the found value and the required one.
+    """
 
 
 class Wire(Protocol):
-    """A half-duplex wire to servos. Its clock is the only one the bus knows, so time may be virtual."""
+    """Half-duplex wire to servos.
+
+    Its clock is the only clock of the bus, so time may be virtual.
+    """
 
     @property
     def name(self) -> str:
-        """For messages: the port's path."""
+        """Path of the port, for messages."""
 
     @property
     def baud(self) -> int:
-        """[bit/s]."""
+        """Baud rate [bit/s]."""
 
     def now(self) -> float:
-        """Returns the time [s], which never goes back."""
+        """Return the time [s], which never decreases."""
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """Hands bytes to the wire without waiting until they are out.
+        """Pass bytes to the wire without waiting for their transmission.
 
         Raises:
             BusError: the port is gone.
         """
 
     def read(self, deadline: float, /) -> bytes:
-        """Waits until at least one byte is there or the deadline has passed, then returns all there is, b"" if none.
+        """Wait for at least one byte, and return all received bytes.
+
+        Returns b"" if the deadline passes without a byte.
 
         Args:
-            deadline: [s] on the wire's clock; one in the past only looks.
+            deadline: [s] on the wire's clock; a past deadline does not wait.
 
         Raises:
             BusError: the port is gone.
         """
 
     def sleep(self, until: float, /) -> None:
-        """Waits until the wire's clock says `until` [s]."""
+        """Wait until the wire's clock reaches `until` [s]."""
 
     def reopen(self) -> bool:
-        """Tries once to get a lost port back, and returns whether it is there; never raises."""
+        """Try once to reopen a lost port, without raising."""
 
     def close(self) -> None:
-        """Gives the port back; may be called twice."""
+        """Close the port.
+
+        Repeated calls have no effect.
+        """

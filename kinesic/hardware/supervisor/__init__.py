@@ -1,1 +1,4 @@
-"""The process between a planner and the servos: it follows, holds, folds and releases, whatever happens."""
+"""Supervisor process between planner and servos.
+
+It follows commands, holds, folds and releases the robot even if the planner fails.
+"""

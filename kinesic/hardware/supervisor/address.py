@@ -1,13 +1,12 @@
-"""Lets another process of the same user find supervisors, and the one that holds a port, which is locked for others.
+"""Discovery of running supervisors by other processes of the same user.
 
-A small file under the port's name says which process it is and where its channel is; the channel itself has no name,
-and tells by its clock whether anybody still writes it. The file is in a folder that no other user may write. Its place
-does not depend on the environment, so that an emergency stop from any shell finds it; where the file is lost, the
-processes of the user are searched. This needs Linux' /proc; elsewhere nobody is found.
+A small file under the port's name holds the process id and the location of the channel; the channel itself has no
+name, and its clock shows whether it is still written. The file is in a folder that no other user may write. Its
+location does not depend on the environment, so that an emergency stop from any shell finds it; if the file is lost, the
+processes of the user are searched. This needs Linux' /proc; other systems find no supervisor.
 """
 
 import os
-import pwd
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
@@ -16,28 +15,33 @@ from pathlib import Path
 from time import monotonic
 from typing import NamedTuple
 
+from kinesic.files.held_folder import HeldFolder
 from kinesic.files.private_folder import hold_private_folder
-from kinesic.hardware.bus.host import stable_name
+from kinesic.hardware.bus.host import find_stable_name
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import MEMORY_NAME, Channel, map_memory, memory_size
+from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG, account_home, user_id
 
-RUNTIME_ROOT = Path("/run/user")
+RUNTIME_ROOT = Path("/run/user")  # Parent of the users' runtime folders
 SHARED_MEMORY = Path("/dev/shm")
 PROCESS_FOLDER = Path("/proc")
-STATE_FOLDER = Path(".local") / "state"  # of a user, in the home folder
-ALIVE = 1.0  # [s] since its last cycle
+STATE_FOLDER = Path(".local") / "state"  # Folder of user state in the home folder
+ALIVE_TIMEOUT = 1.0  # [s] age of the last cycle at which a supervisor counts as dead
 
 
 def publish(ports: Iterable[str | Path], memory: int, joints: int) -> tuple[Path, ...]:
-    """Makes this process known as the supervisor of ports, and returns the files to be removed at its end.
+    """Publish this process as the supervisor of some serial ports.
 
     Args:
         ports: paths of the devices.
         memory: descriptor of the channel's memory.
-        joints: of the robot.
+        joints: number of joints of the robot.
+
+    Returns:
+        Files to remove at the end.
 
     Raises:
-        BusError: no folder can be used, so that an emergency stop might not find this process.
+        BusError: no folder is usable, so that an emergency stop might not find this process.
     """
     names, text = [_name(port) for port in ports], f"{os.getpid()} {memory} {joints}"
     faults: list[str] = []
@@ -53,24 +57,24 @@ def publish(ports: Iterable[str | Path], memory: int, joints: int) -> tuple[Path
     if sys.platform != "linux":
         return ()
     raise BusError(
-        f"`kinesic servos stop` could not find this robot ({'; '.join(faults) or 'there is no folder for it'}); "
+        f"`kinesic servos stop` could not find this robot ({'; '.join(faults) or 'no folder is available'}); "
         "remove what is there, or give this user a home folder"
     )
 
 
 def address_folders() -> Iterator[Path]:
-    """Yield the folders for addresses of this user, preferred first."""
-    user = os.geteuid()
+    """Yield this user's folders for supervisor address files, preferred first."""
+    user = user_id()
     if (RUNTIME_ROOT / str(user)).is_dir():
         yield RUNTIME_ROOT / str(user) / "kinesic"
     if SHARED_MEMORY.is_dir():
         yield SHARED_MEMORY / f"kinesic-{user}"
-    if (home := _home(user)).is_dir():
+    if (home := account_home(user)) is not None and home.is_dir():
         yield home / STATE_FOLDER / "kinesic"
 
 
 def find_faults() -> tuple[str, ...]:
-    """Return reasons why existing address folders are unusable, one per folder."""
+    """Describe each unusable folder for supervisor address files."""
     faults: list[str] = []
     for folder in address_folders():
         try:
@@ -84,33 +88,36 @@ def find_faults() -> tuple[str, ...]:
 
 
 def find_supervisor(port: str | Path, joints: int) -> Channel | None:
-    """Returns the channel of the supervisor that holds a port; None if there is none that lives.
+    """Return the channel of the supervisor that holds a port, or None.
 
     Args:
         port: path of the device.
-        joints: of the robot.
+        joints: number of joints of the robot.
     """
     name = _name(port)
-    found = (address for folder in address_folders() for address in _read_all(folder, (name,)))
-    channels = (_connect(address) for address in found if address.joints == joints)
+    addresses = (address for folder in address_folders() for address in _read_all(folder, (name,)))
+    channels = (_connect(address) for address in addresses if address.joints == joints)
     return next((channel for channel in channels if channel is not None), None)
 
 
 def find_supervisors() -> Iterator[Channel]:
-    """Yield the channels of all running supervisors of this user."""
-    seen: set[_Address] = set()  # published addresses come first, for a stop must not wait for the search
+    """Yield the channels of all running supervisors of this user, each once.
+
+    Several processes hold the memory of one channel: the supervisor, its parent and the planner.
+    """
+    seen: set[tuple[int, int]] = set()  # published addresses come first, because a stop must not wait for the search
     for address in _all_addresses():
-        if address not in seen:
-            seen.add(address)
-            if (channel := _connect(address)) is not None:
-                yield channel
+        memory = _memory_identity(address)
+        if memory not in seen and (channel := _connect(address)) is not None:
+            seen.add(memory)
+            yield channel
 
 
 class _Address(NamedTuple):
-    """Where a supervisor's channel is."""
+    """Location of a supervisor's channel."""
 
     process: int
-    memory: int  # descriptor in that process
+    memory: int  # file descriptor in that process
     joints: int
 
 
@@ -121,9 +128,9 @@ def _all_addresses() -> Iterator["_Address"]:
 
 
 def search_processes() -> Iterator["_Address"]:
-    """Yield the addresses of processes that hold a channel open."""
-    least, user = memory_size(1), os.geteuid()
-    step = memory_size(2) - least  # bytes a joint
+    """Yield the addresses of processes that hold a supervisor channel open."""
+    smallest, user = memory_size(1), user_id()
+    step = memory_size(2) - smallest  # [bytes] per joint
     with suppress(OSError):
         for process in filter(str.isdecimal, os.listdir(PROCESS_FOLDER)):
             with suppress(OSError):
@@ -132,42 +139,55 @@ def search_processes() -> Iterator["_Address"]:
                     continue
                 for memory in os.listdir(descriptors):
                     if _is_channel(descriptors / memory):
-                        joints = 1 + ((descriptors / memory).stat().st_size - least) // step
+                        joints = 1 + ((descriptors / memory).stat().st_size - smallest) // step
                         yield _Address(int(process), int(memory), joints)
 
 
 def _read_all(folder: Path, names: Iterable[str] | None = None) -> Iterator["_Address"]:
-    """Yield the addresses in a folder, if it is this user's."""
+    """Yield the supervisor addresses stored in a folder of this user."""
     with suppress(OSError), hold_private_folder(folder) as held:
-        for name in sorted(os.listdir(held)) if names is None else names:
-            if "." not in name and (address := _read(held, name)) is not None:  # no drafts
+        for name in sorted(held.names()) if names is None else names:
+            if "." not in name and (address := _read(held, name)) is not None:  # excludes drafts
                 yield address
 
 
-def _read(folder: int, name: str) -> _Address | None:
-    """The address in a file of this user's; None if there is none."""
+def _read(folder: HeldFolder, name: str) -> _Address | None:
+    """Read a supervisor address from a file of this user.
+
+    None without a valid one.
+    """
     with suppress(OSError, ValueError):
-        descriptor = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK, dir_fd=folder)
+        descriptor = folder.open_entry(name, os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG)
         with os.fdopen(descriptor) as file:
             process, memory, joints = map(int, file.read(64).split())
-            if os.fstat(descriptor).st_uid == os.geteuid() and joints > 0:
+            if os.fstat(descriptor).st_uid == user_id() and joints > 0:
                 return _Address(process, memory, joints)
     return None
 
 
-def _write(folder: int, name: str, text: str) -> None:
-    """Put a file into an open folder, as a whole."""
+def _write(folder: HeldFolder, name: str, text: str) -> None:
+    """Write a file in an open folder atomically."""
     draft = f"{name}.{os.getpid()}"
     with suppress(FileNotFoundError):
-        os.unlink(draft, dir_fd=folder)
-    descriptor = os.open(draft, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600, dir_fd=folder)
+        folder.remove_entry(draft)
+    descriptor = folder.open_entry(draft, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600)
     with os.fdopen(descriptor, "w") as file:
         file.write(text)
-    os.replace(draft, name, src_dir_fd=folder, dst_dir_fd=folder)
+    os.replace(
+        folder.entry_path(draft), folder.entry_path(name), src_dir_fd=folder.descriptor, dst_dir_fd=folder.descriptor
+    )
+
+
+def _memory_identity(address: _Address) -> tuple[int, int]:
+    """Return the device and inode of a channel's memory, or (0, 0) if the process has ended."""
+    with suppress(OSError):
+        status = (PROCESS_FOLDER / str(address.process) / "fd" / str(address.memory)).stat()
+        return status.st_dev, status.st_ino
+    return 0, 0
 
 
 def _connect(address: _Address) -> Channel | None:
-    """The channel at an address, if a supervisor still writes it."""
+    """Open the channel at an address, if a supervisor still writes it."""
     memory = PROCESS_FOLDER / str(address.process) / "fd" / str(address.memory)
     with suppress(OSError, ValueError):
         octets = memory_size(address.joints)
@@ -178,17 +198,9 @@ def _connect(address: _Address) -> Channel | None:
             channel = Channel(map_memory(descriptor, octets), address.joints)
         finally:
             os.close(descriptor)
-        if monotonic() - channel.status().clock < ALIVE:
+        if monotonic() - channel.status().clock < ALIVE_TIMEOUT:
             return channel
     return None
-
-
-def _home(user: int) -> Path:
-    """Return the home folder of a user, independent of $HOME."""
-    try:
-        return Path(pwd.getpwuid(user).pw_dir)
-    except KeyError:
-        return Path(os.devnull)
 
 
 def _is_channel(memory: Path) -> bool:
@@ -196,9 +208,9 @@ def _is_channel(memory: Path) -> bool:
 
 
 def _name(port: str | Path) -> str:
-    """Return the file name for a port, unique to this boot."""
+    """Return the name of a port's address file, unique to this boot."""
     boot = b""
     with suppress(OSError):
         boot = (PROCESS_FOLDER / "sys" / "kernel" / "random" / "boot_id").read_bytes()
-    name = stable_name(Path(os.path.abspath(port)))  # a link of the user's own outlives unplugging
+    name = find_stable_name(Path(os.path.abspath(port)))  # a user's own link survives unplugging
     return sha256(boot + str(name).encode()).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""Drives all servos of all buses as one row, in the manifest's order."""
+"""All servos of all buses in manifest order."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,171 +12,191 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bus import Bus
 from kinesic.hardware.bus.cycle import Cycle, Event, Records
-from kinesic.hardware.protocol.device import Cold
+from kinesic.hardware.protocol.device import ServoAccess
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.manifest import Manifest
 
-RECENT = 4.0  # periods
+RECENT_PERIODS = 4.0  # Age of a record in cycle periods up to which it counts as recent
 Kind = TypeVar("Kind", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """What came of one cycle of all buses, by members."""
+    """Records of all servos from one cycle of all buses."""
 
-    time: float  # [s] when it began
+    time: float  # [s] start of the cycle
     records: Records  # (m,)
-    times: Floats  # (m,) [s] when each record was taken; minus infinity: never
-    recent: Flags  # (m,) whose record is at most `RECENT` periods old
+    times: Floats  # (m,) [s] of each record; minus infinity: none yet
+    recent: Flags  # (m,) whether the record is at most RECENT_PERIODS old
     lost: bool  # whether a port is gone
-    signature: bytes  # while it stays, torque, errors, watchdogs and temperatures do
+    signature: bytes  # constant while torque, errors, watchdogs and temperatures are
     events: tuple[tuple[str, Event], ...]  # with the name of the bus
 
     @cached_property
     def positions(self) -> Floats:
-        """(m,) PRESENT_POSITION [ticks]."""
+        """Positions (m,) [ticks], from PRESENT_POSITION."""
         return self.records["position"].astype(np.float64)
 
     @cached_property
     def torque(self) -> Flags:
-        """(m,) who has torque."""
+        """Servos with torque (m,)."""
         return np.asarray(self.records["torque"] != 0)
 
     @cached_property
     def tripped(self) -> Flags:
-        """(m,) who was stopped by the bus watchdog."""
+        """Servos that the bus watchdog has stopped (m,)."""
         return np.asarray(self.records["watchdog"] == WATCHDOG_TRIPPED)
 
 
 class Axes:
-    """Open buses, whose servos stand in the order of the manifest."""
+    """All open buses, with their servos in the order of the manifest."""
 
     def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
         self.manifest = manifest
         self.buses: Mapping[str, Bus] = {name: buses[name] for name in manifest.bauds}
-        self._cold = {name: Cold(bus.wire) for name, bus in self.buses.items()}
-        self._brief = {name: Cold(bus.wire, tries=1) for name, bus in self.buses.items()}
+        self._access = {name: ServoAccess(bus.wire) for name, bus in self.buses.items()}
+        self._quick_access = {name: ServoAccess(bus.wire, tries=1) for name, bus in self.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
-        self._parts = {name: slice(found[0], found[-1] + 1) for name, found in places.items()}
-        self._strange: set[str] = set()  # buses whose port was lost: who is behind it now?
+        self._parts = {name: slice(indices[0], indices[-1] + 1) for name, indices in places.items()}
+        self._unidentified: set[str] = set()  # buses whose port was lost, perhaps with other servos now
         first = next(iter(self.buses.values()))
         self._wire, self._period = first.wire, first.period
 
     @property
-    def everybody(self) -> tuple[int, ...]:
-        """The places of all members."""
+    def all_places(self) -> tuple[int, ...]:
+        """Indices of the servos on all buses."""
         return tuple(range(len(self.manifest.members)))
 
     @property
-    def strangers(self) -> tuple[int, ...]:
-        """The places of members whose port was lost, until they are welcome: they are asked, and told nothing."""
-        if not self._strange:
-            return ()
-        return tuple(k for k, member in enumerate(self.manifest.members) if member.bus in self._strange)
+    def unidentified(self) -> tuple[int, ...]:
+        """Indices of servos behind reopened ports, not yet identified.
 
-    def welcome(self) -> None:
-        """Takes the servos behind ports that were lost for those of the manifest."""
-        self._strange.clear()
+        Until they are accepted, they are read but not written.
+        """
+        if not self._unidentified:
+            return ()
+        return tuple(k for k, member in enumerate(self.manifest.members) if member.bus in self._unidentified)
+
+    def accept_unidentified(self) -> None:
+        """Accept the servos behind lost ports as those of the manifest."""
+        self._unidentified.clear()
 
     def drop(self, place: int, reason: BusError) -> None:
-        """Gives up a member's port for a while: other servos are behind it."""
+        """Close the serial port of a servo for a while.
+
+        Other servos are behind it.
+        """
         self.buses[self.manifest.members[place].bus].drop(reason)
 
     def now(self) -> float:
-        """Returns the time [s] of the first wire."""
+        """Return the time [s] of the first wire."""
         return self._wire.now()
 
     def sleep(self, until: float) -> None:
-        """Waits until a time [s]."""
+        """Wait until a time [s]."""
         for bus in self.buses.values():
             bus.wire.sleep(until)
 
     def put(self, register: Register, values: Mapping[int, int]) -> None:
-        """Writes a register of some members (place -> raw value) with the next cycle; who lacks it is left out."""
+        """Write a register of some servos with the next cycle.
+
+        Members without the register are skipped.
+
+        Args:
+            register: register to write.
+            values: member index -> raw value.
+        """
         members = self.manifest.members
         for name, bus in self.buses.items():
-            if name in self._strange:
+            if name in self._unidentified:
                 continue
-            mine = {
+            bus_values = {
                 members[k].id: value
                 for k, value in values.items()
                 if members[k].bus == name and members[k].model.has(register)
             }
-            if mine:
-                bus.put(register, mine)
+            if bus_values:
+                bus.put(register, bus_values)
 
     def put_all(self, register: Register, places: Sequence[int], value: int) -> None:
-        """Writes the same value for several."""
+        """Write the same register value to several servos with the next cycle."""
         self.put(register, dict.fromkeys(places, value))
 
     def cycle(self, goals: Ticks | None) -> Snapshot:
-        """Runs one cycle of every bus.
+        """Run one cycle of every bus.
 
         Args:
-            goals: (m,) [ticks]; None: asks only.
+            goals: (m,) [ticks]; None: query only.
         """
         time = self.now()
         parts = {} if goals is None else self._parts
-        by_bus = {name: goals[part] for name, part in parts.items() if name not in self._strange and goals is not None}
+        by_bus = {
+            name: goals[part] for name, part in parts.items() if name not in self._unidentified and goals is not None
+        }
         cycles = cycle_together(self.buses, by_bus)
-        self._strange.update(name for name, cycle in cycles.items() if cycle.lost)
-        limit = RECENT * self._period
-        each = tuple(cycles.values())
+        self._unidentified.update(name for name, cycle in cycles.items() if cycle.lost)
+        limit = RECENT_PERIODS * self._period
+        by_order = tuple(cycles.values())
         return Snapshot(
             time=time,
-            records=_row([cycle.records for cycle in each]),
-            times=_row([cycle.times for cycle in each]),
-            recent=_row([cycle.ages <= limit for cycle in each]),
-            lost=any(cycle.lost for cycle in each),
-            signature=b"".join(cycle.signature for cycle in each),
+            records=_row([cycle.records for cycle in by_order]),
+            times=_row([cycle.times for cycle in by_order]),
+            recent=_row([cycle.ages <= limit for cycle in by_order]),
+            lost=any(cycle.lost for cycle in by_order),
+            signature=b"".join(cycle.signature for cycle in by_order),
             events=tuple((name, event) for name, cycle in cycles.items() for event in cycle.events),
         )
 
     def read(self, place: int, registers: Collection[Register]) -> dict[Register, int]:
-        """Reads some registers of one member, as `brief` does.
+        """Read some registers of one servo with a single attempt.
 
         Raises:
-            BusError: it does not answer, or the port is gone.
+            BusError: the member does not answer, or the port is gone.
         """
         member = self.manifest.members[place]
-        return self._brief[member.bus].read_several(member.id, registers)
+        return self._quick_access[member.bus].read_several(member.id, registers)
 
     def write(self, place: int, register: Register, value: int) -> None:
-        """Sets a register of one member, alone.
+        """Set a register of one servo.
 
         Raises:
-            BusError: it does not answer, refuses, or the port is gone.
+            BusError: the member does not answer or refuses, or the port is gone.
         """
         member = self.manifest.members[place]
-        self._cold[member.bus].write(member.id, register, value)
+        self._access[member.bus].write(member.id, register, value)
 
-    def cold(self, bus: str) -> Cold:
-        """Returns the slow access (`Cold`) to the servos of a bus."""
-        return self._cold[bus]
+    def access(self, bus: str) -> ServoAccess:
+        """Return the slow, retrying access to the servos of a bus."""
+        return self._access[bus]
 
-    def brief(self, bus: str) -> Cold:
-        """Returns the access that asks once, for use between cycles: other servos wait for their goals meanwhile."""
-        return self._brief[bus]
+    def quick_access(self, bus: str) -> ServoAccess:
+        """Return servo access without retries, for use between cycles.
 
-    def where(self, place: int) -> str:
-        """Names a member in messages."""
+        Other servos wait for their goals until it returns.
+        """
+        return self._quick_access[bus]
+
+    def label(self, place: int) -> str:
+        """Return a servo's name for messages."""
         member = self.manifest.members[place]
         return f"{self.buses[member.bus].wire.name}: servo {member.id} ({member.hinge})"
 
     def close(self) -> None:
-        """Gives all ports back."""
+        """Close all ports."""
         for bus in self.buses.values():
             bus.wire.close()
 
 
 def cycle_together(buses: Mapping[str, Bus], goals: Mapping[str, Ticks]) -> dict[str, Cycle]:
-    """Runs one cycle on every bus: all are asked before the first is heard, so that they wait together.
+    """Run one cycle on every bus at the same time.
+
+    All buses are queried before the first reply is awaited.
 
     Args:
-        buses: open ones, by name.
-        goals: (n,) [ticks] by the name of the bus; one without goals is only asked.
+        buses: open buses, by name.
+        goals: (n,) [ticks] by bus name; a bus without goals is only queried.
     """
     for name, bus in buses.items():
         bus.begin(goals.get(name))
@@ -188,6 +208,6 @@ def _row(parts: Sequence[NDArray[Kind]]) -> NDArray[Kind]:
 
 
 def fold_turns(positions: Floats) -> Floats:
-    """Folds positions [ticks] into one turn, as torque coming on does."""
+    """Reduce positions [ticks] to one turn, as servos do without torque."""
     turned: Floats = np.mod(positions, TICKS_PER_TURN)
     return turned

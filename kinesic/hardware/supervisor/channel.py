@@ -1,8 +1,8 @@
-"""Shares memory between planner and supervisor: commands and requests one way, status and events the other.
+"""Shared memory between planner and supervisor.
 
-Each word has one writer, but for requests. A row is complete when its CRC says so, whatever order a processor writes
-in; rows are counted by their number, so that nobody waits for anybody. The memory has no name: when both are gone, so
-is it.
+Commands and requests go one way, status and events the other. Each word has one writer, except requests. A row is
+complete when its CRC matches, in any memory order of the processor. Rows are numbered, so that neither side waits. The
+memory has no name and disappears with both processes.
 """
 
 import mmap
@@ -23,55 +23,68 @@ from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.supervisor.settings import Policy
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
-CAPACITY = 16_384  # commands: more than two minutes of them
-EVENTS = 512
-HISTORY = 4096  # cycles: more than half a minute of them
-TELLINGS, TOLD = 8, 256  # of how servos are; of so many servos
-MEMORY_NAME = "kinesic"  # as the host shows it
-PACES = 1000  # steps of the pace that a watch asks for
-LOOKS = 50  # at a row that is being written
-STAGES = tuple(Stage)
-POLICIES: tuple[Policy, ...] = ("hold", "limp")
-AWAITED: tuple[Awaited, ...] = get_args(Awaited)
-_WORDS = ("written", "read", "ended", "release", "estop", "resume", "confirm", "pace", "noted", "cycles", "tellings")
-_PLACES = {name: place for place, name in enumerate(_WORDS)}
-_TEXT = 400  # [bytes] of an event
+COMMAND_CAPACITY = 16_384  # Largest number of commands in the ring buffer, more than two minutes
+EVENT_CAPACITY = 512  # Largest number of events in the ring buffer
+STATUS_CAPACITY = 4096  # Largest number of cycles in the ring buffer, more than half a minute
+TELEMETRY_CAPACITY = 8  # Largest number of telemetry rows in the ring buffer
+MAX_TELEMETRY_SERVOS = 256  # Largest number of servos in a telemetry row
+MEMORY_NAME = "kinesic"  # Name of the shared memory in the host's process list
+PACE_STEPS = 1000  # Resolution of the requested time scale, in steps from 0 to 1
+READ_ATTEMPTS = 50  # Attempts to read a ring row that is being written
+STAGE_VALUES = tuple(Stage)
+STOP_POLICIES: tuple[Policy, ...] = ("hold", "limp")
+AWAITED_VALUES: tuple[Awaited, ...] = get_args(Awaited)
+_WORD_NAMES = (
+    "written",
+    "read",
+    "ended",
+    "release",
+    "estop",
+    "resume",
+    "confirm",
+    "pace",
+    "noted",
+    "cycles",
+    "tellings",
+)
+_WORD_OFFSETS = {name: place for place, name in enumerate(_WORD_NAMES)}
+_TEXT_SIZE = 400  # [bytes] space for the text of an event
 
 
-def _nothing() -> Floats:
+def _no_values() -> Floats:
     return sealed([])
 
 
 @dataclass(frozen=True, eq=False)
 class Status:
-    """How the supervisor and its servos are in one cycle."""
+    """State of the supervisor and its servos in one cycle."""
 
     stage: Stage = Stage.CLOSED
-    clock: float = 0.0  # [s] of the machine's monotonic clock, when it was this performance time
+    clock: float = 0.0  # [s] of the machine's monotonic clock at this status
     time: float = nan  # [s] performance time; NaN before the first command
-    scale: float = 0.0  # how fast it runs
-    energised: int = 0  # servos with torque
-    hottest: float = 0.0  # [C]
-    volts: float = 0.0  # [V] the lowest
-    silent: int = 0  # servos that have not answered lately
-    late: int = 0  # cycles that began more than a period late
+    scale: float = 0.0  # rate of performance time
+    energised: int = 0  # number of servos with torque
+    hottest: float = 0.0  # [C] maximum temperature
+    volts: float = 0.0  # [V] minimum voltage
+    silent: int = 0  # number of servos that have not answered lately
+    late: int = 0  # number of cycles that began more than a period late
     faulty: bool = False
-    waits: Awaited = "nothing"  # for what it waits
-    angles: Floats = field(default_factory=_nothing)  # (n,) [rad] measured; NaN for a servo that did not answer
-    goals: Floats = field(default_factory=_nothing)  # (n,) [rad]
-    taken: Floats = field(default_factory=_nothing)  # (n,) [s] of that clock, of each angle; NaN likewise
+    waits: Awaited = "nothing"  # input that the supervisor waits for
+    angles: Floats = field(default_factory=_no_values)  # (n,) [rad] measured; NaN for a silent servo
+    setpoints: Floats = field(default_factory=_no_values)  # (n,) [rad]
+    taken: Floats = field(default_factory=_no_values)  # (n,) [s] of that clock for each angle; NaN for a silent servo
 
     def time_at(self, clock: float) -> float:
-        """Returns the performance time [s] at another time [s] of the machine's monotonic clock, a moment later."""
+        """Extrapolate the performance time [s] to a slightly later clock time [s]."""
         return self.time + self.scale * (clock - self.clock)
 
 
 @dataclass(frozen=True)
 class Note:
-    """Something that has happened."""
+    """Event of the supervisor."""
 
     clock: float  # [s] of the machine's monotonic clock
-    servo: int  # id; -1: none
+    servo: int  # id; -1: no single servo
     kind: str
     text: str
 
@@ -80,50 +93,50 @@ Rows = NDArray[np.void]
 
 
 class Channel:
-    """The shared memory, seen from either side."""
+    """View of the shared memory from either side."""
 
-    def __init__(self, memory: mmap.mmap, joints: int, capacity: int = CAPACITY) -> None:
-        """Shares memory of `memory_size(joints, capacity)` bytes, all zero at first."""
+    def __init__(self, memory: mmap.mmap, joints: int, capacity: int = COMMAND_CAPACITY) -> None:
+        """Use memory of `memory_size(joints, capacity)` bytes, initially zero."""
         self.capacity, self._memory = capacity, memory
         self._commands = _command(joints)
-        start = 8 * len(_WORDS)
+        start = 8 * len(_WORD_NAMES)
         self._words = memoryview(memory)[:start].cast("Q")
-        self._status: Rows = np.frombuffer(memory, _status(joints), HISTORY, start)
+        self._status: Rows = np.frombuffer(memory, _status(joints), STATUS_CAPACITY, start)
         start += self._status.nbytes
-        self._events: Rows = np.frombuffer(memory, _EVENT, EVENTS, start)
+        self._events: Rows = np.frombuffer(memory, _EVENT_DTYPE, EVENT_CAPACITY, start)
         start += self._events.nbytes
         self._ring: Rows = np.frombuffer(memory, self._commands, capacity, start)
-        self._telemetry: Rows = np.frombuffer(memory, _TELEMETRY, TELLINGS, start + self._ring.nbytes)
-        self._taken = self._noted = self._seen = 0  # rows that this side has read
+        self._telemetry: Rows = np.frombuffer(memory, _TELEMETRY_DTYPE, TELEMETRY_CAPACITY, start + self._ring.nbytes)
+        self._taken = self._noted = self._seen = 0  # numbers of rows that this side has read
 
     def word(self, name: str) -> int:
-        """Reads a counter or a request."""
-        return self._words[_PLACES[name]]
+        """Read a counter or request word of the shared memory."""
+        return self._words[_WORD_OFFSETS[name]]
 
     def set(self, name: str, value: int) -> None:
-        """Sets a counter or a request of this side."""
-        self._words[_PLACES[name]] = value
+        """Set a counter or request word of the shared memory."""
+        self._words[_WORD_OFFSETS[name]] = value
 
     def stop(self, policy: Policy) -> None:
-        """Asks the supervisor for an emergency stop."""
-        self.set("estop", POLICIES.index(policy) + 1)
+        """Request an emergency stop."""
+        self.set("estop", STOP_POLICIES.index(policy) + 1)
 
     def slow_to(self, pace: float) -> None:
-        """Asks the supervisor for a pace of time, 0..1, until another is asked for."""
-        self.set("pace", 1 + round(PACES * pace))
+        """Request a time scale in 0..1 until the next request."""
+        self.set("pace", 1 + round(PACE_STEPS * pace))
 
     @property
     def room(self) -> int:
-        """Commands that still fit."""
+        """Free space in the command buffer [commands]."""
         return self.capacity - (self.word("written") - self.word("read"))
 
     def write(self, time: float, goals: Floats, leads: Floats | float = 0.0) -> bool:
-        """Adds a command of the planner; returns False, and does nothing, while there is no room.
+        """Add a planner command, and return whether the channel had space.
 
         Args:
-            time: [s] of the performance.
-            goals: (n,) [rad].
-            leads: (n,) [rad] part of them that carries the planned speed; it shrinks while time is slowed down.
+            time: [s] performance time.
+            goals: (n,) [rad] setpoints.
+            leads: (n,) [rad] feed-forward of the planned velocity in them, which shrinks while time is slowed down.
         """
         if self.room <= 0:
             return False
@@ -133,87 +146,91 @@ class Channel:
         return True
 
     def commands(self, most: int) -> list[tuple[float, Floats, Floats]]:
-        """Takes new commands for the supervisor, so many at most: times [s], goals and their leads (n,) [rad]."""
-        found: list[tuple[float, Floats, Floats]] = []
-        while self._taken < self.word("written") and len(found) < most:
+        """Remove and return at most `most` new commands, for the supervisor.
+
+        Returns:
+            Times [s], setpoints and their feed-forward offsets (n,) [rad].
+        """
+        new_commands: list[tuple[float, Floats, Floats]] = []
+        while self._taken < self.word("written") and len(new_commands) < most:
             row = _load(self._ring, self._taken % self.capacity, self._taken + 1)
             if row is None:
                 break
-            found.append((float(row["time"]), sealed(row["goals"]), sealed(row["leads"])))
+            new_commands.append((float(row["time"]), sealed(row["goals"]), sealed(row["leads"])))
             self._taken += 1
-        if found:
+        if new_commands:
             self.set("read", self._taken)
-        return found
+        return new_commands
 
     def write_status(self, status: Status) -> None:
-        """Adds a status of the supervisor."""
+        """Add a status of the supervisor."""
         number = self.word("cycles")
-        words = STAGES.index(status.stage), AWAITED.index(status.waits)
-        _store(self._status, number % HISTORY, number + 1, *words, *_row(status))
+        words = STAGE_VALUES.index(status.stage), AWAITED_VALUES.index(status.waits)
+        _store(self._status, number % STATUS_CAPACITY, number + 1, *words, *_row(status))
         self.set("cycles", number + 1)
 
     def status(self) -> Status:
-        """Returns the last status."""
-        for _ in range(LOOKS):
+        """Return the latest status."""
+        for _ in range(READ_ATTEMPTS):
             number = self.word("cycles")
-            row = _load(self._status, (number - 1) % HISTORY, number)
+            row = _load(self._status, (number - 1) % STATUS_CAPACITY, number)
             if row is not None:
-                return _told(row)
-        return _SILENT
+                return _status_of(row)
+        return _CLOSED_STATUS
 
     def write_telemetry(self, telemetry: Telemetry) -> None:
-        """Says how every servo is; of a robot with more than `TOLD` of them, those that come first."""
-        number, count = self.word("tellings"), min(len(telemetry.celsius), TOLD)
-        figures = np.zeros((_FIGURES_OF_ONE, TOLD), dtype=np.float32)
-        figures[:, :count] = telemetry.figures[:, :count]
-        _store(self._telemetry, number % TELLINGS, number + 1, telemetry.clock, count, figures)
+        """Add telemetry of the first `MAX_TELEMETRY_SERVOS` servos."""
+        number, count = self.word("tellings"), min(len(telemetry.celsius), MAX_TELEMETRY_SERVOS)
+        quantities = np.zeros((_TELEMETRY_QUANTITIES, MAX_TELEMETRY_SERVOS), dtype=np.float32)
+        quantities[:, :count] = telemetry.figures[:, :count]
+        _store(self._telemetry, number % TELEMETRY_CAPACITY, number + 1, telemetry.clock, count, quantities)
         self.set("tellings", number + 1)
 
     def telemetry(self) -> Telemetry:
-        """Returns how every servo was when that was said last."""
-        for _ in range(LOOKS):
+        """Return the latest telemetry of all servos."""
+        for _ in range(READ_ATTEMPTS):
             number = self.word("tellings")
-            row = _load(self._telemetry, (number - 1) % TELLINGS, number)
+            row = _load(self._telemetry, (number - 1) % TELEMETRY_CAPACITY, number)
             if row is not None:
-                figures = row["figures"][:, : int(row["count"])].astype(np.float64)
-                return Telemetry(float(row["clock"]), *(sealed(figure) for figure in figures))
+                quantities = row["quantities"][:, : int(row["count"])].astype(np.float64)
+                return Telemetry(float(row["clock"]), *(sealed(figure) for figure in quantities))
         return Telemetry()
 
     def history(self) -> tuple[Status, ...]:
-        """Returns the status of every cycle since the last call; of too many, the last."""
-        cycles, found = self.word("cycles"), []
-        self._seen = max(self._seen, cycles - HISTORY)
+        """Return the statuses of all cycles since the last call."""
+        cycles, statuses = self.word("cycles"), []
+        self._seen = max(self._seen, cycles - STATUS_CAPACITY)
         while self._seen < cycles:
-            row = _load(self._status, self._seen % HISTORY, self._seen + 1)
+            row = _load(self._status, self._seen % STATUS_CAPACITY, self._seen + 1)
             if row is not None:
-                found.append(_told(row))
+                statuses.append(_status_of(row))
             self._seen += 1
-        return tuple(found)
+        return tuple(statuses)
 
     def note(self, note: Note) -> None:
-        """Adds an event of the supervisor."""
+        """Add an event of the supervisor."""
         number = self.word("noted")
-        kind, text = note.kind.encode(), note.text.encode()[:_TEXT]
-        _store(self._events, number % EVENTS, number + 1, note.clock, note.servo, kind, text)
+        kind, text = note.kind.encode(), note.text.encode()[:_TEXT_SIZE]
+        _store(self._events, number % EVENT_CAPACITY, number + 1, note.clock, note.servo, kind, text)
         self.set("noted", number + 1)
 
     def notes(self) -> tuple[Note, ...]:
-        """Takes all new events for the planner; of too many, the last."""
-        noted, found = self.word("noted"), []
-        self._noted = max(self._noted, noted - EVENTS)
+        """Take all new events for the planner, at most the latest ones."""
+        noted, new_notes = self.word("noted"), []
+        self._noted = max(self._noted, noted - EVENT_CAPACITY)
         while self._noted < noted:
-            row = _load(self._events, self._noted % EVENTS, self._noted + 1)
+            row = _load(self._events, self._noted % EVENT_CAPACITY, self._noted + 1)
             if row is not None:
                 kind, text = (bytes(row[name]).decode(errors="replace") for name in ("kind", "text"))
-                found.append(Note(float(row["clock"]), int(row["servo"]), kind, text))
+                new_notes.append(Note(float(row["clock"]), int(row["servo"]), kind, text))
             self._noted += 1
-        return tuple(found)
+        return tuple(new_notes)
 
 
-def _told(row: np.void) -> Status:
+def _status_of(row: np.void) -> Status:
     return Status(
-        stage=STAGES[int(row["stage"])],
-        waits=AWAITED[int(row["waits"])],
+        stage=STAGE_VALUES[int(row["stage"])],
+        waits=AWAITED_VALUES[int(row["waits"])],
         clock=float(row["clock"]),
         time=float(row["time"]),
         scale=float(row["scale"]),
@@ -224,15 +241,15 @@ def _told(row: np.void) -> Status:
         late=int(row["late"]),
         faulty=bool(row["faulty"]),
         angles=sealed(row["angles"]),
-        goals=sealed(row["goals"]),
+        setpoints=sealed(row["setpoints"]),
         taken=sealed(row["taken"]),
     )
 
 
-_SILENT = Status()
-_VECTORS = ("angles", "goals", "taken")
-_FIGURES = ("clock", "time", "scale", "energised", "hottest", "volts", "silent", "late", "faulty")
-_row = attrgetter(*_FIGURES, *_VECTORS)
+_CLOSED_STATUS = Status()
+_STATUS_VECTORS = ("angles", "setpoints", "taken")
+_STATUS_NUMBERS = ("clock", "time", "scale", "energised", "hottest", "volts", "silent", "late", "faulty")
+_row = attrgetter(*_STATUS_NUMBERS, *_STATUS_VECTORS)
 
 
 def _command(joints: int) -> np.dtype[np.void]:
@@ -241,28 +258,38 @@ def _command(joints: int) -> np.dtype[np.void]:
 
 
 def _status(joints: int) -> np.dtype[np.void]:
-    kinds = [(name, "<i8" if isinstance(getattr(_SILENT, name), int) else "<f8") for name in _FIGURES]
-    vectors = [(name, "<f8", (joints,)) for name in _VECTORS]
+    kinds = [(name, "<i8" if isinstance(getattr(_CLOSED_STATUS, name), int) else "<f8") for name in _STATUS_NUMBERS]
+    vectors = [(name, "<f8", (joints,)) for name in _STATUS_VECTORS]
     return np.dtype([("number", "<u8"), ("stage", "<i8"), ("waits", "<i8"), *kinds, *vectors, ("crc", "<u8")])
 
 
-_EVENT = np.dtype(
-    [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{_TEXT}"), ("crc", "<u8")]
+_EVENT_DTYPE = np.dtype(
+    [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{_TEXT_SIZE}"), ("crc", "<u8")]
 )
-_FIGURES_OF_ONE = len(Telemetry().figures)
-_TELEMETRY = np.dtype(
-    [("number", "<u8"), ("clock", "<f8"), ("count", "<i8"), ("figures", "<f4", (_FIGURES_OF_ONE, TOLD)), ("crc", "<u8")]
+_TELEMETRY_QUANTITIES = len(Telemetry().figures)
+_TELEMETRY_DTYPE = np.dtype(
+    [
+        ("number", "<u8"),
+        ("clock", "<f8"),
+        ("count", "<i8"),
+        ("quantities", "<f4", (_TELEMETRY_QUANTITIES, MAX_TELEMETRY_SERVOS)),
+        ("crc", "<u8"),
+    ]
 )
 
 
-def memory_size(joints: int, capacity: int = CAPACITY) -> int:
-    """Returns the size [bytes] of the memory for so many joints."""
-    rows = HISTORY * _status(joints).itemsize + EVENTS * _EVENT.itemsize + capacity * _command(joints).itemsize
-    return 8 * len(_WORDS) + rows + TELLINGS * _TELEMETRY.itemsize
+def memory_size(joints: int, capacity: int = COMMAND_CAPACITY) -> int:
+    """Return the size [bytes] of the memory for some number of joints."""
+    rows = (
+        STATUS_CAPACITY * _status(joints).itemsize
+        + EVENT_CAPACITY * _EVENT_DTYPE.itemsize
+        + capacity * _command(joints).itemsize
+    )
+    return 8 * len(_WORD_NAMES) + rows + TELEMETRY_CAPACITY * _TELEMETRY_DTYPE.itemsize
 
 
 def memory_file(octets: int) -> int:
-    """Makes new, nameless memory of so many bytes, and returns its descriptor."""
+    """Create anonymous shared memory and return its file descriptor."""
     if sys.platform == "linux":
         descriptor = os.memfd_create(MEMORY_NAME)
     else:
@@ -273,7 +300,7 @@ def memory_file(octets: int) -> int:
 
 
 def map_memory(descriptor: int, octets: int) -> mmap.mmap:
-    """Maps the memory behind a descriptor."""
+    """Map the memory behind a descriptor."""
     return mmap.mmap(descriptor, octets)
 
 
@@ -285,7 +312,7 @@ def _store(rows: Rows, place: int, number: int, *values: object) -> None:
 
 
 def _load(rows: Rows, place: int, number: int) -> np.void | None:
-    """Loads the row of this number; None while it is not complete."""
+    """Copy a ring row, or return None while it is incomplete."""
     row = rows[place].copy()
     complete = number > 0 and int(row["number"]) == number and int(row["crc"]) == zlib.crc32(row.tobytes()[:-8])
     return row if complete else None

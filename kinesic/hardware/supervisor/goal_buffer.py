@@ -1,4 +1,4 @@
-"""Keeps the goals that are to come, and draws a smooth curve through them."""
+"""Buffer of future setpoints with smooth interpolation."""
 
 from bisect import bisect_right
 from collections import deque
@@ -8,14 +8,16 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 
-BEHIND = 2  # commands that are kept before the present one: slopes need them
+KEPT_COMMANDS = 2  # Past commands kept to compute the slopes of the setpoint curve
 
 
 class GoalBuffer:
-    """Goals of commands by performance time, forgotten once they are past.
+    """Setpoints by performance time.
 
-    Between two commands the curve is a cubic Hermite spline whose slope at a command is that from the one before to
-    the one after: it passes every goal, and its speed never jumps.
+    Past ones are dropped.
+
+    They are interpolated by a cubic Hermite spline whose slope at a command is that of the chord between its
+    neighbours: the curve passes every setpoint, and its velocity is continuous.
     """
 
     def __init__(self) -> None:
@@ -25,24 +27,30 @@ class GoalBuffer:
 
     @property
     def begin(self) -> float:
-        """[s] of the first goals that are known; infinite if none are."""
+        """Time [s] of the first setpoints.
+
+        Infinite without any.
+        """
         return self._times[0] if self._times else inf
 
     @property
     def end(self) -> float:
-        """[s] of the last ones; minus infinity if there are none."""
+        """Time [s] of the last setpoints.
+
+        Minus infinity without any.
+        """
         return self._times[-1] if self._times else -inf
 
     def __len__(self) -> int:
         return len(self._times)
 
     def add(self, time: float, goals: Floats, leads: Floats | None = None) -> None:
-        """Adds a command, which replaces those that are not earlier.
+        """Add a command, which replaces all commands that are not earlier.
 
         Args:
             time: [s].
-            goals: (n,) [rad].
-            leads: (n,) [rad] part of them that carries the planned speed; None: nothing.
+            goals: (n,) [rad] setpoints.
+            leads: (n,) [rad] feed-forward of the planned velocity in them; None: zero.
         """
         while self._times and time <= self._times[-1]:
             self._times.pop()
@@ -53,21 +61,23 @@ class GoalBuffer:
         self._leads.append(np.zeros_like(goals) if leads is None else leads)
 
     def forget(self, time: float) -> None:
-        """Drops what is not needed from a time [s] on."""
-        while len(self._times) > BEHIND and self._times[BEHIND] <= time:
+        """Drop the commands that are not needed from a time [s] on."""
+        while len(self._times) > KEPT_COMMANDS and self._times[KEPT_COMMANDS] <= time:
             self._times.popleft()
             self._goals.popleft()
             self._leads.popleft()
 
     def at(self, time: float) -> Floats:
-        """Returns (n,) [rad] at a time [s]; the first or last goals outside of what is known.
+        """Return the setpoints (n,) [rad] at a time [s].
+
+        Outside the buffered times, they are the first or the last ones.
 
         Raises:
-            LookupError: nothing is known at all.
+            LookupError: the buffer is empty.
         """
         times, goals = self._times, self._goals
         if not times:
-            raise LookupError("no goals are known")
+            raise LookupError("the buffer has no setpoints")
         if time <= times[0]:
             return goals[0]
         if time >= times[-1]:
@@ -77,15 +87,19 @@ class GoalBuffer:
         span = times[after] - times[before]
         u = (time - times[before]) / span
         start, end = self._slope(before) * span, self._slope(after) * span
-        way = goals[after] - goals[before]
-        curve: Floats = goals[before] + u * (start + u * (3 * way - 2 * start - end + u * (start + end - 2 * way)))
+        travel = goals[after] - goals[before]
+        curve: Floats = goals[before] + u * (
+            start + u * (3 * travel - 2 * start - end + u * (start + end - 2 * travel))
+        )
         return curve
 
-    def slowed(self, time: float, scale: float) -> Floats:
-        """Returns (n,) [rad] at a time [s] that passes at a scale, 0..1: what leads the speed shrinks with it.
+    def at_scale(self, time: float, scale: float) -> Floats:
+        """Return setpoints (n,) [rad] at a time [s] in slowed motion.
+
+        The velocity feed-forward shrinks with the time scale, 0..1.
 
         Raises:
-            LookupError: nothing is known at all.
+            LookupError: the buffer is empty.
         """
         goals = self.at(time)
         if scale >= 1.0:
@@ -99,7 +113,7 @@ class GoalBuffer:
         return slower
 
     def _slope(self, k: int) -> Floats:
-        """(n,) [rad/s] at a command."""
+        """Return the velocity (n,) [rad/s] at a command."""
         low, high = max(k - 1, 0), min(k + 1, len(self._times) - 1)
         slope: Floats = (self._goals[high] - self._goals[low]) / (self._times[high] - self._times[low])
         return slope

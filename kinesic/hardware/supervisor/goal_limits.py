@@ -1,4 +1,7 @@
-"""Limits goals on the host: whatever is requested, no goal leaves its range, jumps, or runs away from its servo."""
+"""Limits of goal positions on the host.
+
+Goals stay in their range, change smoothly, and stay near their servos, for any requested goals.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,92 +10,95 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 
-LEAD = 2.0  # times the error of full power that a goal may be ahead of its servo
-RISE = 0.01  # [s] in which a goal may come up to the servo's speed without load
-SLACK = 1e-6  # of the limits, against rounding
+MAX_LEAD_RATIO = 2.0  # Largest distance from servo position to goal / position error at full power
+VELOCITY_RISE_TIME = 0.01  # [s] shortest acceleration of a goal from rest to the servo's no-load velocity
+LIMIT_TOLERANCE = 1e-6  # Relative tolerance of the limits against rounding
 
 
 @dataclass(frozen=True, eq=False)
 class GoalBounds:
-    """What goals of members may do."""
+    """Limits of the goal positions, by servo."""
 
     lower: Floats  # (m,) [ticks]
     upper: Floats  # (m,) [ticks]
     speed: Floats  # (m,) [ticks/s]
-    lead: Floats  # (m,) [ticks] that goals may be ahead of their servos
+    lead: Floats  # (m,) [ticks] largest distance from servo to goal
 
     @cached_property
     def acceleration(self) -> Floats:
-        """(m,) [ticks/s^2]."""
-        return self.speed / RISE
+        """Largest acceleration (m,) [ticks/s^2]."""
+        return self.speed / VELOCITY_RISE_TIME
 
 
 @dataclass(frozen=True, eq=False)
 class GoalCourse:
-    """Goals and how fast they move."""
+    """Goal positions of all servos with their velocities."""
 
-    goals: Floats  # (m,) [ticks], fractions kept
-    speeds: Floats  # (m,) [ticks/s]
+    goals: Floats  # (m,) [ticks] with fractions
+    velocities: Floats  # (m,) [ticks/s]
 
     @classmethod
     def still(cls, goals: Floats) -> "GoalCourse":
-        """Makes a course that stands."""
+        """Create goals at rest."""
         return cls(sealed(goals), sealed(np.zeros(len(goals))))
 
 
 def limit_goals(
     course: GoalCourse, desired: Floats, present: Floats, seconds: float, bounds: GoalBounds
 ) -> tuple[GoalCourse, Flags]:
-    """Returns the next goals: the desired ones where they keep the limits, else the nearest that do.
+    """Return the goals nearest to the desired ones within the limits.
 
     Args:
-        course: the goals before.
+        course: previous goals.
         desired: (m,) [ticks].
-        present: (m,) [ticks] where the servos are; NaN where nobody knows.
-        seconds: since the goals before.
+        present: (m,) [ticks] positions of the servos; NaN: unknown.
+        seconds: [s] since the previous goals.
         bounds: the limits.
 
     Returns:
-        The course, and (m,) whose desired goals were not granted.
+        The next goals, and (m,) whether the desired goal was changed.
     """
-    near = bool((np.abs(desired - present) <= bounds.lead).all())  # that is so in nearly every cycle; not if one is NaN
+    near = bool((np.abs(desired - present) <= bounds.lead).all())  # true in nearly every cycle, false for NaN
     if near and bool((desired >= bounds.lower).all()) and bool((desired <= bounds.upper).all()):
         target = desired
     else:
-        target = _granted(course, desired, present, bounds)
-    speeds = (target - course.goals) / seconds
+        target = _clip_to_bounds(course, desired, present, bounds)
+    velocities = (target - course.goals) / seconds
     change = bounds.acceleration * seconds
-    steady = np.abs(speeds) <= bounds.speed * (1 + SLACK)
-    steady &= np.abs(speeds - course.speeds) <= change * (1 + SLACK)
+    steady = np.abs(velocities) <= bounds.speed * (1 + LIMIT_TOLERANCE)
+    steady &= np.abs(velocities - course.velocities) <= change * (1 + LIMIT_TOLERANCE)
     if not steady.all():
-        caught = _catching(course, target, seconds, bounds)
-        speeds = np.where(steady, speeds, caught)
-    goals = course.goals + speeds * seconds
+        braking = _braking_velocities(course, target, seconds, bounds)
+        velocities = np.where(steady, velocities, braking)
+    goals = course.goals + velocities * seconds
     refused = ~steady if target is desired else ~steady | (np.abs(target - desired) > 0.5)
-    return GoalCourse(_locked(goals), _locked(speeds)), refused
+    return GoalCourse(_lock_in_place(goals), _lock_in_place(velocities)), refused
 
 
-def _granted(course: GoalCourse, desired: Floats, present: Floats, bounds: GoalBounds) -> Floats:
-    """(m,) [ticks] what is desired, but inside the range and not too far ahead of the servo."""
-    known = np.where(np.isfinite(present), present, course.goals)
-    low = np.maximum(bounds.lower, np.minimum(known - bounds.lead, course.goals))
-    high = np.minimum(bounds.upper, np.maximum(known + bounds.lead, course.goals))
+def _clip_to_bounds(course: GoalCourse, desired: Floats, present: Floats, bounds: GoalBounds) -> Floats:
+    """Limit goals (m,) [ticks] to the joint range and to the servo position."""
+    positions = np.where(np.isfinite(present), present, course.goals)
+    low = np.maximum(bounds.lower, np.minimum(positions - bounds.lead, course.goals))
+    high = np.minimum(bounds.upper, np.maximum(positions + bounds.lead, course.goals))
     target: Floats = np.clip(desired, np.minimum(low, bounds.upper), np.maximum(high, bounds.lower))
     return target
 
 
-def _locked(values: Floats) -> Floats:
-    """The same array, which nobody else holds, read-only."""
+def _lock_in_place(values: Floats) -> Floats:
+    """Make an array read-only without a copy."""
     values.setflags(write=False)
     return values
 
 
-def _catching(course: GoalCourse, target: Floats, seconds: float, bounds: GoalBounds) -> Floats:
-    """(m,) [ticks/s] that bring a goal to its target within the limits, braking in time."""
-    away = target - course.goals
+def _braking_velocities(course: GoalCourse, target: Floats, seconds: float, bounds: GoalBounds) -> Floats:
+    """Compute velocities (m,) [ticks/s] that reach the targets within the limits.
+
+    They allow braking in time.
+    """
+    distance = target - course.goals
     reach = bounds.acceleration * seconds
-    # the fastest from which steps of `reach` still stop at the target
-    brake = np.sqrt(2 * bounds.acceleration * np.abs(away) + (reach / 2) ** 2) - reach / 2
-    fastest = np.minimum(np.minimum(brake, np.abs(away) / seconds), bounds.speed)
-    speeds: Floats = np.clip(np.sign(away) * fastest, course.speeds - reach, course.speeds + reach)
-    return speeds
+    # the highest velocity from which velocity changes of `reach` per cycle still stop at the target
+    brake = np.sqrt(2 * bounds.acceleration * np.abs(distance) + (reach / 2) ** 2) - reach / 2
+    fastest = np.minimum(np.minimum(brake, np.abs(distance) / seconds), bounds.speed)
+    velocities: Floats = np.clip(np.sign(distance) * fastest, course.velocities - reach, course.velocities + reach)
+    return velocities

@@ -1,4 +1,4 @@
-"""Steers the goals on the wire to what is to be performed, within the host's own limits."""
+"""Generation of goal positions for the servos, within the host's limits."""
 
 from collections.abc import Sequence
 
@@ -7,72 +7,85 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.axes import fold_turns
-from kinesic.hardware.supervisor.goal_limits import LEAD, GoalBounds, GoalCourse, limit_goals
+from kinesic.hardware.supervisor.goal_limits import MAX_LEAD_RATIO, GoalBounds, GoalCourse, limit_goals
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.player import Player
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 
 class GoalSteering:
-    """The goals of all members on the wire, and the targets that they steer for."""
+    """Current goals of all servos, and the targets that they approach."""
 
     def __init__(self, manifest: Manifest, settings: SupervisorSettings) -> None:
         self.player = Player(settings)
         self._manifest = manifest
-        self._bounds = GoalBounds(*manifest.spans, manifest.speeds, LEAD * manifest.full)
-        self._lag = settings.period / (2 * manifest.speeds)  # (m,) [s^2/tick] see `ticks`
+        self._bounds = GoalBounds(*manifest.spans, manifest.velocities, MAX_LEAD_RATIO * manifest.full)
+        self._lag = settings.period / (
+            2 * manifest.velocities
+        )  # (m,) [s^2/tick] profile lag per squared velocity, see `ticks`
         self._course: GoalCourse | None = None
         self._target: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
-        self._given_up: Flags = np.zeros(len(manifest.members), dtype=np.bool_)  # (m,) who move no more
-        self._limp: Flags = self._given_up  # (m,) who have no torque
+        self._given_up: Flags = np.zeros(
+            len(manifest.members), dtype=np.bool_
+        )  # (m,) servos that are not driven any more
+        self._limp: Flags = self._given_up  # (m,) servos without torque
 
     @property
     def goals(self) -> Floats | None:
-        """(m,) [ticks] on the wire; None while they are not known."""
+        """Goals (m,) [ticks] on the wire.
+
+        None while unknown.
+        """
         return self._course.goals if self._course is not None else None
 
     @property
     def angles(self) -> Floats:
-        """(n,) [rad] of the goals; NaN while they are not known."""
+        """Joint angles (n,) [rad] of the goals.
+
+        NaN while unknown.
+        """
         if self._course is None:
             return np.full(len(self._manifest.rest), np.nan)
         return self._manifest.angles(self._course.goals, whole=True)
 
     @property
     def arrived(self) -> bool:
-        """Whether the goals are where they are to go; those of limp servos, which nothing moves, do not count."""
+        """Whether the goals have reached their targets.
+
+        Servos without torque do not count, because nothing moves them.
+        """
         if self._course is None:
             return False
-        away = np.abs(self._course.goals - self._target)
-        return float(np.where(self._limp, 0.0, away).max()) < 1.0
+        distance = np.abs(self._course.goals - self._target)
+        return float(np.where(self._limp, 0.0, distance).max()) < 1.0
 
     def hold(self) -> None:
-        """Lets the goals stand from now on."""
+        """Stop at the present goals until the next move begins."""
         self.player.hold()
         if self._course is not None:
             self._target = self._course.goals.copy()
 
     def approach(self) -> None:
-        """Moves to where the performance goes on."""
+        """Move to the posture at which the performance continues."""
         self.player.approach(self.angles)
 
     def fold(self, holding: frozenset[int]) -> None:
-        """Moves to rest, but for joints that must not move."""
-        here = self.angles
-        still = np.isin(np.arange(len(here)), list(holding))
-        self.player.fold(here, np.where(still, here, self._manifest.rest))
+        """Move to the rest posture, except for joints that must hold."""
+        present = self.angles
+        is_held = np.isin(np.arange(len(present)), list(holding))
+        self.player.fold(present, np.where(is_held, present, self._manifest.rest))
 
     def move(self, seconds: float, present: Floats, *, target: float, slow: float) -> Flags:
-        """Brings the goals on by a moment.
+        """Advance the goals by one time step.
 
         Args:
-            seconds: that pass.
-            present: (m,) [ticks] where the servos are; NaN where nobody knows.
-            target: scale of time.
-            slow: [s] in which time comes to a stop.
+            seconds: [s] duration of the step.
+            present: (m,) [ticks] positions of the servos; NaN: unknown.
+            target: time scale.
+            slow: [s] in which time decelerates to a stop.
 
         Returns:
-            (m,) whose goals were not where they were requested.
+            (m,) whether the limits changed a requested goal.
         """
         angles = self.player.advance(seconds, target=target, slow=slow)
         if self._course is None:
@@ -88,53 +101,62 @@ class GoalSteering:
         return refused
 
     def give_up(self, stuck: Flags, present: Floats) -> None:
-        """Stops driving servos that are stuck: from now on they hold where they are.
+        """Stop driving stuck servos, which hold their position from now on.
 
         Args:
-            stuck: (m,) who they are; those on the same hinge hold with them.
-            present: (m,) [ticks]; NaN where nobody knows.
+            stuck: (m,) stuck servos; the others on the same hinge hold, too.
+            present: (m,) [ticks]; NaN: unknown.
         """
         joints = self._manifest.joints
-        news = np.isin(joints, joints[stuck]) & ~self._given_up & np.isfinite(present)
-        if news.any():
-            self.put(news, present[news])
-            self._given_up = self._given_up | news
+        newly_stuck = np.isin(joints, joints[stuck]) & ~self._given_up & np.isfinite(present)
+        if newly_stuck.any():
+            self.put(newly_stuck, present[newly_stuck])
+            self._given_up = self._given_up | newly_stuck
 
     def take_back(self, places: Sequence[int]) -> None:
-        """Drives servos again that were given up, as their torque comes anew."""
+        """Drive servos again that had been given up as stuck."""
         self._given_up = self._given_up.copy()
         self._given_up[list(places)] = False
 
     def put(self, places: Flags | Sequence[int], goals: Floats) -> None:
-        """Sets the goals of some members, who do not move by them: they are limp, or just being taken over."""
+        """Set the goals of servos that do not move, bypassing all limits.
+
+        These members do not move by it: they have no torque, or are being taken over.
+        """
         if self._course is None:
             self._course = GoalCourse.still(self._target)
-        now, speeds, target = self._course.goals.copy(), self._course.speeds.copy(), self._target.copy()
-        now[places], speeds[places], target[places] = goals, 0.0, goals
-        self._course, self._target = GoalCourse(now, speeds), target
+        course_goals, velocities, target = (
+            self._course.goals.copy(),
+            self._course.velocities.copy(),
+            self._target.copy(),
+        )
+        course_goals[places], velocities[places], target[places] = goals, 0.0, goals
+        self._course, self._target = GoalCourse(course_goals, velocities), target
 
     def ticks(self) -> Ticks | None:
-        """Returns (m,) what goes out: the goals, ahead by what the servos' own profiles cost.
+        """Return goals (m,) [ticks] that compensate the lag of the servo profiles.
 
-        A servo's set point comes to a goal at the speed v of its profile, not at once. While goals move at a speed s,
-        that takes s / v of each period T, and leaves the set point s^2 T / 2v behind on the mean.
+        A servo's set point approaches a goal at its profile velocity v instead of at once. While goals move at velocity
+        s, that takes s / v of each period T, and leaves the set point s^2 T / 2v behind on average.
         """
         course, bounds = self._course, self._bounds
         if course is None:
             return None
-        ahead = course.speeds * np.abs(course.speeds) * self._lag
+        ahead = course.velocities * np.abs(course.velocities) * self._lag
         return np.rint(np.minimum(np.maximum(course.goals + ahead, bounds.lower), bounds.upper)).astype(np.int64)
 
     def follow_limp(self, limp: Flags, present: Floats) -> None:
-        """Sets the goals of limp servos to where they are, so that none of them jumps when torque comes.
+        """Set the goals of servos without torque to their positions.
+
+        Hence they do not jump when torque is switched on.
 
         Args:
-            limp: (m,) who they are.
-            present: (m,) [ticks]; NaN where nobody knows.
+            limp: (m,) servos without torque.
+            present: (m,) [ticks]; NaN: unknown.
         """
         self._limp = limp
         if not limp.any():
             return
-        known = limp & np.isfinite(present)
-        if self._course is not None and known.any():
-            self.put(known, fold_turns(present[known]))
+        has_position = limp & np.isfinite(present)
+        if self._course is not None and has_position.any():
+            self.put(has_position, fold_turns(present[has_position]))

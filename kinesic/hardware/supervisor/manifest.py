@@ -1,4 +1,4 @@
-"""Lists what must hang on the wires of a robot: every servo with its model, hinge, limits and registers."""
+"""Expected servos of a robot with their models, hinges, limits and registers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,42 +10,42 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
-from kinesic.body.muscle import NAME as MUSCLE
+from kinesic.body.muscle import MUSCLE_NAME as MUSCLE
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN, Drive
-from kinesic.hardware.bus.bounds import Span
+from kinesic.hardware.bus.bounds import TickRange
 from kinesic.hardware.bus.bus import Servo
-from kinesic.hardware.protocol.models import BY_NUMBER, Model
-from kinesic.hardware.protocol.registers import SPEED, TICK, Mode, Register
+from kinesic.hardware.protocol.models import Model, control_table_of
+from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Mode, Register
 from kinesic.hardware.protocol.servo_map import HingeServos, ServoMap
 from kinesic.hardware.protocol.ticks import Scale
 
-MARGIN = 40  # [ticks] beyond a hinge's range that its servo still takes, as joints hang a little outside at times
-NO_ALIAS = 255  # SECONDARY_ID of a servo that obeys its own id alone
-AS_MADE = (Register.MOVING_THRESHOLD, Register.PWM_SLOPE)
-REST = radians(5.0)  # from rest, within which a limb may go limp
-SHUTDOWN = 52  # electrical shock, overload, overheating; not voltage, which a brisk move may pull down
+GOAL_MARGIN = 40  # [ticks] by which goals may exceed a hinge's range, because joints may hang slightly outside
+NO_ALIAS = 255  # SECONDARY_ID of a servo without a second id
+FACTORY_REGISTERS = (Register.MOVING_THRESHOLD, Register.PWM_SLOPE)  # Registers that keep their factory value
+REST_TOLERANCE = radians(5.0)  # [rad] largest distance from the rest posture at which torque may be switched off
+SHUTDOWN_MASK = 52  # Electrical shock, overload, overheating; without voltage, which drops in fast motion
 
 
 @dataclass(frozen=True)
 class Member:
-    """One servo of a robot: where it hangs, what it turns, and how far."""
+    """One servo of a robot: its bus, its hinge and its range."""
 
     bus: str
     servo: Servo
     hinge: str
     joint: int
-    zero: int  # [ticks] where the hinge's angle is 0
-    turns: float  # signed servo turns per hinge turn
-    lower: int  # [ticks] of the hinge's range
+    zero: int  # [ticks] position at hinge angle 0
+    turns: float  # signed servo revolutions per hinge revolution
+    lower: int  # [ticks] lower end of the hinge's range
     upper: int
-    speed: float  # [rad/s] of the servo without load
-    gains: tuple[int, int]  # position P and D
-    full: float  # [ticks] of error at which it gives full power
+    speed: float  # [rad/s] no-load velocity of the servo
+    gains: tuple[int, int]  # position P and D gains
+    full: float  # [ticks] position error at full power
 
     @property
     def id(self) -> int:
-        """Its id on its bus."""
+        """Id on its bus."""
         return self.servo.id
 
     @property
@@ -55,40 +55,49 @@ class Member:
 
     @property
     def span(self) -> tuple[int, int]:
-        """[ticks] that its goals may have: the hinge's range and a margin."""
-        return goal_span(self.lower, self.upper)
+        """Range of its goals [ticks]: the hinge's range with a margin."""
+        return goal_range(self.lower, self.upper)
 
     @property
-    def lasting(self) -> Mapping[Register, int]:
-        """Values that its EEPROM must hold; its position limits depend on the present ones."""
+    def eeprom_values(self) -> Mapping[Register, int]:
+        """Required EEPROM values, except position limits.
+
+        Those depend on the present ones.
+        """
         return {
             Register.RETURN_DELAY_TIME: 0,
             Register.DRIVE_MODE: 0,
             Register.OPERATING_MODE: Mode.POSITION.value,
             Register.SECONDARY_ID: NO_ALIAS,
             Register.HOMING_OFFSET: 0,
-            Register.SHUTDOWN: SHUTDOWN,
-            **{r: self.model.starts(r) for r in AS_MADE if self.model.has(r)},
+            Register.SHUTDOWN: SHUTDOWN_MASK,
+            **{r: self.model.factory_value(r) for r in FACTORY_REGISTERS if self.model.has(r)},
         }
 
     @property
-    def passing(self) -> Mapping[Register, int]:
-        """Values that its RAM must hold while it has torque; a reboot resets all, a watchdog the profile."""
-        pace = min(ceil(self.speed / SPEED), self.model.starts(Register.VELOCITY_LIMIT))
+    def ram_values(self) -> Mapping[Register, int]:
+        """Required RAM values while torque is on.
+
+        A reboot resets all of them, a tripped watchdog the profile.
+        """
+        pace = min(ceil(self.speed / VELOCITY_UNIT), self.model.factory_value(Register.VELOCITY_LIMIT))
         return {
             Register.POSITION_P_GAIN: self.gains[0],
             Register.POSITION_D_GAIN: self.gains[1],
             Register.POSITION_I_GAIN: 0,
             Register.FEEDFORWARD_1ST_GAIN: 0,
             Register.FEEDFORWARD_2ND_GAIN: 0,
-            Register.PROFILE_ACCELERATION: 0,  # an acceleration would brake at every goal of a stream
+            Register.PROFILE_ACCELERATION: 0,  # an acceleration limit would brake at every goal of a stream
             Register.PROFILE_VELOCITY: pace,
         }
 
 
 @dataclass(frozen=True, eq=False)
 class Manifest:
-    """All servos of a robot, bus by bus, and what the host must know of its hinges."""
+    """All servos of a robot, bus by bus.
+
+    It also holds the data of the robot's hinges.
+    """
 
     robot: str
     bauds: Mapping[str, int]  # [bit/s] by bus
@@ -96,20 +105,20 @@ class Manifest:
     rest: Floats  # (n,) [rad] in joint order
     lower: Floats  # (n,) [rad]
     upper: Floats  # (n,) [rad]
-    chains: tuple[frozenset[int], ...]  # joints that hold together when one of them fails
+    chains: tuple[frozenset[int], ...]  # joints that all hold if one of them fails
 
     @classmethod
     def of(cls, robot: Robot) -> "Manifest":
-        """Makes the manifest of a robot with servos on wires.
+        """Make the manifest of a robot from its servo buses.
 
         Raises:
-            ConfigError: the robot has no [[bus]], its tables are wrong, or a servo is none that the bus knows.
+            ConfigError: the robot has no [[bus]], its tables are invalid, or a servo model is unknown.
         """
         wiring = ServoMap.of(robot)
         if all(drive.servo.name == MUSCLE for drive in robot.drives):
             raise ConfigError(f"{robot.name} has no servos: it is drawn, not built; leave servos out of --on")
         if not wiring.buses:
-            raise ConfigError(f"{robot.path}: no [[bus]], so that no servo can be reached; see docs/my-robot.md")
+            raise ConfigError(f"{robot.path}: no [[bus]], so no servo can be reached; see docs/how-to/build-a-robot.md")
         placed = [(servos, robot.skeleton.joint(servos.hinge)) for servos in wiring.servos]
         members = [
             member
@@ -132,12 +141,12 @@ class Manifest:
 
     @cached_property
     def joints(self) -> NDArray[np.intp]:
-        """(m,) the joint that each member turns."""
+        """Joint index (m,) of each servo."""
         return np.array([member.joint for member in self.members], dtype=np.intp)
 
     @cached_property
     def scale(self) -> Scale:
-        """Ticks of members against angles of their joints."""
+        """Conversion between the servos' ticks and joint angles."""
         return Scale(
             zeros=sealed([member.zero for member in self.members]),
             turns=sealed([member.turns for member in self.members]),
@@ -145,53 +154,63 @@ class Manifest:
 
     @cached_property
     def spans(self) -> tuple[Floats, Floats]:
-        """(m,) least and (m,) largest goal [ticks]."""
+        """Smallest and largest goal [ticks] of each servo, each (m,)."""
         lower, upper = zip(*(member.span for member in self.members), strict=True)
         return sealed(lower), sealed(upper)
 
     @cached_property
-    def speeds(self) -> Floats:
-        """(m,) [ticks/s] that goals may move at most."""
-        return sealed([member.speed / TICK for member in self.members])
+    def velocities(self) -> Floats:
+        """Largest velocities (m,) [ticks/s] of the goals."""
+        return sealed([member.speed / TICK_ANGLE for member in self.members])
 
     @cached_property
     def full(self) -> Floats:
-        """(m,) [ticks] of error at which each servo gives full power."""
+        """Position error (m,) [ticks] that causes full motor power, by servo."""
         return sealed([member.full for member in self.members])
 
     def angles(self, ticks: Floats, *, whole: bool = False) -> Floats:
-        """Converts (m,) ticks to (n,) [rad]; tandems are averaged, and joints of which nothing is known are NaN."""
+        """Convert ticks (m,) to joint angles (n,) [rad].
+
+        Servos of a tandem are averaged; joints without a known position are NaN.
+        """
         return self.means(self.scale.angles(ticks), whole=whole)
 
     def means(self, values: Floats, *, whole: bool = False) -> Floats:
-        """Averages (m,) values over the servos of each joint (n,); NaN where nothing is known.
+        """Average servo values (m,) over the servos of each joint (n,).
+
+        Joints without a known value are NaN.
 
         Args:
-            values: NaN where nothing is known.
-            whole: whether all are known, which saves looking.
+            values: NaN: unknown.
+            whole: whether all values are known, which saves the check.
         """
         if whole:
             return self._shares @ values
-        known = np.isfinite(values)
+        is_finite = np.isfinite(values)
         count = len(self.rest)
-        sums = np.bincount(self.joints[known], weights=values[known], minlength=count)
-        numbers = np.bincount(self.joints[known], minlength=count)
+        sums = np.bincount(self.joints[is_finite], weights=values[is_finite], minlength=count)
+        numbers = np.bincount(self.joints[is_finite], minlength=count)
         return np.where(numbers > 0, sums / np.maximum(numbers, 1), np.nan)
 
     @cached_property
     def _shares(self) -> Floats:
-        """(n, m) by which `means` weighs the servos of each joint; NaN for a joint without one."""
+        """Averaging weights (n, m) of `means`.
+
+        NaN for a joint without a servo.
+        """
         mine = (self.joints == np.arange(len(self.rest))[:, None]).astype(np.float64)
         number = mine.sum(axis=1, keepdims=True)
         return np.where(number > 0, mine / np.maximum(number, 1), np.nan)
 
 
-def raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...]:
-    """Names the joints that are not near rest, each with its angle; of one that is not known, it says so.
+def describe_raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...]:
+    """Name the joints away from the rest posture, with their angles.
+
+    Joints of unknown angle are named as silent.
 
     Args:
-        manifest: of the servos.
-        angles: (n,) [rad]; NaN where nobody knows.
+        manifest: the servos.
+        angles: (n,) [rad]; NaN: unknown.
     """
     lines: list[str] = []
     for joint in sorted({member.joint for member in manifest.members}):
@@ -199,23 +218,22 @@ def raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...]:
         rest, angle = degrees(manifest.rest[joint]), degrees(angles[joint])
         if isnan(angle):
             lines.append(f"{name} (silent)")
-        elif abs(angle - rest) > degrees(REST):
+        elif abs(angle - rest) > degrees(REST_TOLERANCE):
             lines.append(f"{name} at {angle:.0f} deg (rest: {rest:.0f})")
     return tuple(lines)
 
 
-def goal_span(lower: int, upper: int) -> Span:
-    """Returns the least and the largest goal [ticks] of a hinge's range: with a margin, within one turn."""
-    return max(0, lower - MARGIN), min(TICKS_PER_TURN - 1, upper + MARGIN)
+def goal_range(lower: int, upper: int) -> TickRange:
+    """Return the goal range [ticks] of a hinge's range.
+
+    It has a margin and stays within one turn.
+    """
+    return max(0, lower - GOAL_MARGIN), min(TICKS_PER_TURN - 1, upper + GOAL_MARGIN)
 
 
 def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
     drive: Drive = robot.drives[joint]
-    model = BY_NUMBER.get(drive.servo.model)
-    if model is None:
-        where = f"{robot.path}: {servos.hinge}: servo {drive.servo.name}"
-        known = ", ".join(sorted(known.name for known in BY_NUMBER.values()))
-        raise ConfigError(f"{where} has model number {drive.servo.model}, must be one of the X series: {known}")
+    model = control_table_of(drive.servo, f"{robot.path}: {servos.hinge}")
     hinge = robot.skeleton.hinges[joint]
     turns = -servos.reduction if servos.inverted else servos.reduction
     scale = Scale(sealed([servos.zero_ticks]), sealed([turns]))
@@ -223,7 +241,7 @@ def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
     return [
         Member(
             bus=servos.bus,
-            servo=Servo(servo, model, goal_span(ends[0], ends[1])),
+            servo=Servo(servo, model, goal_range(ends[0], ends[1])),
             hinge=servos.hinge,
             joint=joint,
             zero=servos.zero_ticks,
@@ -232,7 +250,7 @@ def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
             upper=ends[1],
             speed=drive.no_load * drive.reduction,
             gains=(round(drive.servo.p_gain), round(drive.servo.d_gain)),
-            full=drive.reduction / (drive.gain * TICK),
+            full=drive.reduction / (drive.gain * TICK_ANGLE),
         )
         for servo in servos.ids
     ]

@@ -1,7 +1,7 @@
-"""Judges the servos by their records: who answers, has failed, is raised, and how much slower hard work makes all.
+"""Monitoring of servo health, with slower motion for overloaded servos.
 
-The temperature sensor sits far from the winding, which heats within seconds: so the square of the current is remembered
-too. Its time constant and the shares are assumed, no servo was measured.
+The temperature sensor is far from the winding, which heats within seconds, so the mean square of the current is tracked
+as well.
 """
 
 from collections.abc import Sequence
@@ -14,31 +14,42 @@ from kinesic.hardware.bus.cycle import Records
 from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
 from kinesic.hardware.supervisor.axes import Snapshot
-from kinesic.hardware.supervisor.manifest import REST, Manifest
-from kinesic.hardware.supervisor.preflight import Table
+from kinesic.hardware.supervisor.manifest import REST_TOLERANCE, Manifest
+from kinesic.hardware.supervisor.preflight import RegisterTable
 
-MEMORY = 10.0  # [s] over which the square of the current is averaged
-EASY, HARD = 0.5, 0.8  # of the current's square at its limit: where slowing begins, and where motion ends
-COOL, HOT = 10.0, 3.0  # [C] below the servo's limit, likewise
-BEHIND = 1.1  # of the error that gives full power, from goal to servo
-STUCK = 0.3  # [s] of being so far behind without moving
-MOVES = 3  # [PRESENT_VELOCITY] below which a servo does not move
-LOAD_FULL = 1000.0  # PRESENT_CURRENT at stall of a servo without current sensor
-WEIGH = 0.05  # [s] between two looks at currents and temperatures
-GAP = 0.15  # [s] between two records beyond which nobody knows what was between them
+STALL_LOAD = 1000.0  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
+
+
+@dataclass(frozen=True)
+class LoadTuning:
+    """Assumed, unmeasured thresholds for load, heat and blockage of the servos."""
+
+    time_constant: float = 10.0  # [s] time constant of the mean square current
+    slowing_load: float = 0.5  # squared current / squared limit at which time begins to slow down
+    stopping_load: float = 0.8  # squared current / squared limit at which the performance stops
+    slowing_margin: float = 10.0  # [C] margin to the temperature limit at which time begins to slow down
+    stopping_margin: float = 3.0  # [C] margin to the temperature limit at which the performance stops
+    stuck_error_ratio: float = 1.1  # position error of a stuck servo / position error at full power
+    stuck_time: float = 0.3  # [s] time with such an error and without motion until a servo counts as stuck
+    min_moving_velocity: int = 3  # [counts of PRESENT_VELOCITY] velocity of the slowest moving servo
+    interval: float = 0.05  # [s] time between evaluations of currents and temperatures
+    max_record_gap: float = 0.15  # [s] longest time between two records, after which stall times restart
+
+
+LOAD_TUNING = LoadTuning()  # values used by every supervisor
 
 
 @dataclass(frozen=True, eq=False)
 class LoadRatings:
-    """What servos bear, by members."""
+    """Temperature, current and position error limits, by servo."""
 
-    celsius: Floats  # (m,) [C] where a servo shuts down
-    current: Floats  # (m,) raw, at the limit
-    full: Floats  # (m,) [ticks] of error at which a servo gives full power
+    celsius: Floats  # (m,) [C] shutdown temperature
+    current: Floats  # (m,) [counts] current limit
+    full: Floats  # (m,) [ticks] position error at full power
 
     @classmethod
-    def of(cls, tables: Sequence[Table]) -> "LoadRatings":
-        """Reads the ratings from the servos' own limits."""
+    def of(cls, tables: Sequence[RegisterTable]) -> "LoadRatings":
+        """Read the ratings from the servos' own limits."""
         return cls(
             celsius=sealed([table[Register.TEMPERATURE_LIMIT] for table in tables]),
             current=sealed([_current(table) for table in tables]),
@@ -46,107 +57,125 @@ class LoadRatings:
         )
 
 
-def _current(table: Table) -> float:
-    return LOAD_FULL if table.member.model.amperes is None else max(1.0, float(table[Register.CURRENT_LIMIT]))
+def _current(table: RegisterTable) -> float:
+    return STALL_LOAD if table.member.model.amperes is None else max(1.0, float(table[Register.CURRENT_LIMIT]))
 
 
 @dataclass(frozen=True, eq=False)
 class LoadState:
-    """How hard servos have been working, by members."""
+    """Recent load of each servo."""
 
-    work: Floats  # (m,) mean square of the current, of its limit's
-    stalled: Floats  # (m,) [s] far from the goal without moving
-    taken: Floats  # (m,) [s] of the last record that was weighed
+    work: Floats  # (m,) mean square current / squared current limit
+    stalled: Floats  # (m,) [s] far from the goal without motion
+    taken: Floats  # (m,) [s] of the last evaluated record
 
     @classmethod
     def none(cls, count: int) -> "LoadState":
-        """Makes the state of servos that have rested."""
+        """Create the state of servos without load."""
         return cls(sealed(np.zeros(count)), sealed(np.zeros(count)), sealed(np.full(count, -np.inf)))
 
     @property
     def stuck(self) -> Flags:
-        """(m,) who cannot move."""
-        return self.stalled >= STUCK
+        """Servos that cannot move (m,)."""
+        return self.stalled >= LOAD_TUNING.stuck_time
 
 
 def update_load(load: LoadState, records: Records, taken: Floats, goals: Floats, ratings: LoadRatings) -> LoadState:
-    """Adds what new records tell to the load of servos; an old record tells nothing, and after a gap it begins anew.
+    """Update the load of servos with new records.
+
+    Records that are not new change nothing. Stall times restart after a gap.
 
     Args:
-        load: before.
-        records: (m,) the last ones.
-        taken: (m,) [s] when they were; minus infinity: never.
+        load: previous load.
+        records: (m,) last records.
+        taken: (m,) [s] their times; minus infinity: none.
         goals: (m,) [ticks].
-        ratings: of the servos.
+        ratings: limits of the servos.
     """
     fresh = taken > load.taken
     since = np.where(fresh, taken, 0.0) - np.where(fresh, load.taken, 0.0)
-    seconds = np.minimum(since, GAP)
-    share = np.minimum(np.abs(records["current"].astype(float)) / ratings.current, 1.0)
-    work = load.work + (share**2 - load.work) * np.minimum(seconds / MEMORY, 1.0)
-    far = np.abs(goals - records["position"]) >= BEHIND * ratings.full
+    seconds = np.minimum(since, LOAD_TUNING.max_record_gap)
+    current_ratio = np.minimum(np.abs(records["current"].astype(float)) / ratings.current, 1.0)
+    work = load.work + (current_ratio**2 - load.work) * np.minimum(seconds / LOAD_TUNING.time_constant, 1.0)
+    far = np.abs(goals - records["position"]) >= LOAD_TUNING.stuck_error_ratio * ratings.full
     free = (records["torque"] != 0) & (records["watchdog"] != WATCHDOG_TRIPPED)
-    halted = far & free & (np.abs(records["velocity"].astype(float)) < MOVES) & (since <= GAP)
+    halted = (
+        far
+        & free
+        & (np.abs(records["velocity"].astype(float)) < LOAD_TUNING.min_moving_velocity)
+        & (since <= LOAD_TUNING.max_record_gap)
+    )
     stalled = np.where(fresh, np.where(halted, load.stalled + seconds, 0.0), load.stalled)
     return LoadState(sealed(work), sealed(stalled), sealed(np.maximum(taken, load.taken)))
 
 
 def derate(load: LoadState, records: Records, ratings: LoadRatings) -> Floats:
-    """Computes (m,) the largest time scale, 0..1, that each servo's load and heat allow; 1: as planned."""
-    by_work = (HARD - load.work) / (HARD - EASY)
-    by_heat = (ratings.celsius - HOT - records["temperature"]) / (COOL - HOT)
-    share: Floats = np.maximum(0.0, np.minimum(np.minimum(by_work, by_heat), 1.0))  # clip takes several times as long
-    return share
+    """Compute each servo's time scale 0..1 (m,) from load and temperature."""
+    by_work = (LOAD_TUNING.stopping_load - load.work) / (LOAD_TUNING.stopping_load - LOAD_TUNING.slowing_load)
+    by_heat = (ratings.celsius - LOAD_TUNING.stopping_margin - records["temperature"]) / (
+        LOAD_TUNING.slowing_margin - LOAD_TUNING.stopping_margin
+    )
+    scale: Floats = np.maximum(0.0, np.minimum(np.minimum(by_work, by_heat), 1.0))  # np.clip is several times slower
+    return scale
 
 
 class CommunicationMonitor:
-    """Judges every cycle; how hard servos work changes slowly, and is judged every few."""
+    """Monitor of servo replies, faults and load in every bus cycle.
 
-    def __init__(self, manifest: Manifest, tables: Sequence[Table]) -> None:
-        """Knows nothing of the servos yet.
+    Loads are evaluated every few cycles.
+    """
+
+    def __init__(self, manifest: Manifest, tables: Sequence[RegisterTable]) -> None:
+        """Start the monitor before any servo has replied.
 
         Args:
-            manifest: of the servos.
-            tables: their registers, in its order; none if they are not known yet.
+            manifest: the servos.
+            tables: their registers in its order; empty if they are not read yet.
         """
         count = len(manifest.members)
-        nobody: Flags = np.zeros(count, dtype=np.bool_)
+        no_member: Flags = np.zeros(count, dtype=np.bool_)
         self._manifest, self._ratings = manifest, LoadRatings.of(tables)
-        self._load, self._since = LoadState.none(count), WEIGH  # [s] since it was looked at
-        self._signature = b""  # of what was judged last
+        self._load, self._since = LoadState.none(count), LOAD_TUNING.interval  # [s] since the last evaluation
+        self._signature = b""  # signature of the last judged records
         self._goals: Floats | None = None  # (m,) [ticks]
-        self.records: Records | None = None  # (m,) the last ones; None before the first
-        self.present: Floats = np.full(count, np.nan)  # (m,) [ticks]; NaN for who has not answered lately
-        self.taken: Floats = self.present  # (m,) [s] when that was so
-        self.scale = 0.0  # how fast, 0..1, the hardest-working servo lets the performance be
+        self.records: Records | None = None  # (m,) last records; None before the first
+        self.present: Floats = np.full(count, np.nan)  # (m,) [ticks] positions; NaN for silent servos
+        self.taken: Floats = self.present  # (m,) [s] times of these positions
+        self.scale = 0.0  # time scale, 0..1, allowed by load and heat of all servos
         self.lost = False  # whether a port is gone
-        self.answering = False  # whether all have answered lately
-        self.everybody = False  # whether all have, be a port gone since
-        self.answered: Flags = nobody  # (m,) who has answered lately
-        self.energised: Flags = nobody  # (m,) who had torque in the last record
-        self.stuck: Flags = nobody  # (m,) who could not move since torque came
-        self.failed: Flags = nobody  # (m,) who has a hardware error, or is stuck
-        self.weak = False  # whether one complains of its supply, and of nothing else
-        self.limp: Flags = nobody  # (m,) who could have torque, and has none
+        self.answering = False  # whether all servos have answered lately and all ports are open
+        self.all_answered = False  # whether all servos have answered lately
+        self.answered: Flags = no_member  # (m,) servos that have answered lately
+        self.energised: Flags = no_member  # (m,) servos with torque in the last record
+        self.stuck: Flags = no_member  # (m,) servos that were blocked since torque came on
+        self.failed: Flags = no_member  # (m,) servos with a hardware error, or stuck
+        self.weak = False  # whether a servo reports a supply error and no other
+        self.limp: Flags = no_member  # (m,) sound servos without torque
         self.any_energised = self.all_energised = self.any_limp = False
-        self.tripped = False  # whether servos with torque were stopped by their watchdog
-        self._fit = False  # whether all have torque, and none has failed
+        self.tripped = False  # whether a watchdog has stopped servos with torque
+        self._fit = False  # whether all servos have torque and none has failed
 
     def look(self, snapshot: Snapshot, goals: Floats | None, seconds: float) -> None:
-        """Judges one more cycle; goals are (m,) [ticks]."""
+        """Update the states of all servos with the records of one cycle.
+
+        Args:
+            snapshot: records of the cycle.
+            goals: (m,) [ticks]; None: unknown.
+            seconds: [s] since the last cycle.
+        """
         self.records, self._goals, recent = snapshot.records, goals, snapshot.recent
-        self.everybody = everybody = bool(recent.all())
+        self.all_answered = everybody = bool(recent.all())
         self.present = snapshot.positions if everybody else np.where(recent, snapshot.positions, np.nan)
         self.taken = snapshot.times if everybody else np.where(recent, snapshot.times, np.nan)
         self._since += seconds
-        weighed = self._since >= WEIGH
-        if weighed:
-            self._weigh_load(snapshot, goals)
-        settled = everybody and self.answering and not weighed and not snapshot.lost
+        is_due = self._since >= LOAD_TUNING.interval
+        if is_due:
+            self._update_load(snapshot, goals)
+        settled = everybody and self.answering and not is_due and not snapshot.lost
         if not settled or snapshot.signature != self._signature:
             self._judge(snapshot)
 
-    def _weigh_load(self, snapshot: Snapshot, goals: Floats | None) -> None:
+    def _update_load(self, snapshot: Snapshot, goals: Floats | None) -> None:
         if goals is not None:
             self._load = update_load(self._load, snapshot.records, snapshot.times, goals, self._ratings)
             self.stuck = (self.stuck | self._load.stuck) & snapshot.torque
@@ -155,11 +184,11 @@ class CommunicationMonitor:
 
     def _judge(self, snapshot: Snapshot) -> None:
         self._signature, self.lost, self.answered = snapshot.signature, snapshot.lost, snapshot.recent
-        self.answering = self.everybody and not snapshot.lost
+        self.answering = self.all_answered and not snapshot.lost
         self.energised = snapshot.torque
         errors = snapshot.records["hardware_error"]
-        complains = errors == HardwareError.VOLTAGE.value  # which takes no torque away: see SHUTDOWN
-        self.failed, self.weak = ((errors != 0) & ~complains) | self.stuck, bool(complains.any())
+        has_supply_error = errors == HardwareError.VOLTAGE.value  # does not switch torque off, see SHUTDOWN_MASK
+        self.failed, self.weak = ((errors != 0) & ~has_supply_error) | self.stuck, bool(has_supply_error.any())
         self.limp = self.answered & ~self.energised & ~self.failed
         self.any_energised, self.all_energised = bool(self.energised.any()), bool(self.energised.all())
         self.any_limp = bool(self.limp.any())
@@ -168,11 +197,11 @@ class CommunicationMonitor:
 
     @property
     def well(self) -> bool:
-        """Whether the performance may go on."""
+        """Whether servo replies, health and load let the performance continue."""
         return self.answering and self._fit and self.scale > 0.0
 
     def telemetry(self, clock: float) -> Telemetry:
-        """Returns how every servo is at a time [s]; `records` must be there."""
+        """Return the telemetry of all servos at a time [s]."""
         if self.records is None:
             return Telemetry(clock)
         turns = self._manifest.scale.turns
@@ -180,42 +209,46 @@ class CommunicationMonitor:
 
     @property
     def holding_joints(self) -> frozenset[int]:
-        """Joints that must not move: the chains of those who have failed with torque, so that something is in the way.
+        """Joints of all chains in which a servo failed with torque.
 
-        Where a servo has lost its torque, the others of its chain may still bring the limb to rest.
+        They must not move, because such a servo is probably blocked. If a servo has lost its torque, the others of its
+        chain may still bring the limb to rest.
         """
         joints = {int(joint) for joint in self._manifest.joints[self.failed & self.energised]}
         return frozenset().union(*(chain for chain in self._manifest.chains if chain & joints))
 
     @property
     def raised(self) -> Flags:
-        """(m,) who has torque, or had when it was heard last, and is not near rest; or may not be, as it is silent."""
+        """Flags (m,) of energised servos that may be away from rest.
+
+        A silent servo counts as it was heard last, or as its goal.
+        """
         if self.records is None or not self.any_energised:
             return np.zeros(len(self.energised), dtype=np.bool_)
-        away = self._away(self.records["position"].astype(float))
-        if self._goals is not None and not self.everybody:
-            away = np.where(self.answered, away, np.maximum(away, self._away(self._goals)))
-        return self.energised & (away > REST)
+        distances = self._distances(self.records["position"].astype(float))
+        if self._goals is not None and not self.all_answered:
+            distances = np.where(self.answered, distances, np.maximum(distances, self._distances(self._goals)))
+        return self.energised & (distances > REST_TOLERANCE)
 
-    def _away(self, ticks: Floats) -> Floats:
-        """(m,) [rad] from rest."""
+    def _distances(self, ticks: Floats) -> Floats:
+        """Compute the distances (m,) [rad] from the rest posture."""
         return np.abs(self._manifest.scale.angles(ticks) - self._manifest.rest[self._manifest.joints])
 
     def trouble(self) -> str:
-        """Says why the performance may not go on; empty if it may."""
+        """Describe why the performance may not continue, or return ""."""
         if self.lost:
             return "a port is gone"
-        if not self.everybody:
+        if not self.all_answered:
             return f"{self._names(~self.answered)}: silent"
         if self.failed.any():
-            return f"{self._names(self.failed)}: shut down, or cannot move"
+            return f"{self._names(self.failed)}: shut down or blocked"
         if not self.all_energised:
             return f"{self._names(~self.energised)}: without torque"
         if self.tripped:
             return "servos were stopped by their bus watchdog"
-        return "" if self.scale > 0.0 else "a servo is too hot, or works too hard"
+        return "" if self.scale > 0.0 else "a servo is too hot or overloaded"
 
-    def _names(self, who: Flags) -> str:
-        if who.all():
+    def _names(self, members: Flags) -> str:
+        if members.all():
             return "all servos"
-        return ", ".join(sorted({self._manifest.members[k].hinge for k in np.flatnonzero(who)}))
+        return ", ".join(sorted({self._manifest.members[k].hinge for k in np.flatnonzero(members)}))

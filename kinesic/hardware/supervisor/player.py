@@ -1,4 +1,7 @@
-"""Plays goals in performance time: the performance, a move to where it begins, or a move to rest."""
+"""Playback of setpoints in performance time.
+
+It plays the performance, a move to its start, or a move to the rest posture.
+"""
 
 from dataclasses import dataclass
 from math import sqrt
@@ -10,40 +13,42 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.hardware.supervisor.goal_buffer import GoalBuffer
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
-PEAK = 15 / 8  # peak over mean speed of the minimum-jerk curve
-THRUST = 10 / sqrt(3)  # its peak acceleration over way / duration^2
-GENTLE = 7.0  # [rad/s^2] that no move which nobody has planned exceeds
-GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
-DONE = 1e-6  # [s] before the end that is the end
+PEAK_VELOCITY_RATIO = 15 / 8  # Peak / mean velocity of the minimum-jerk curve
+PEAK_ACCELERATION_FACTOR = 10 / sqrt(3)  # Peak acceleration of the minimum-jerk curve * duration^2 / travel
+MAX_MOVE_ACCELERATION = 7.0  # [rad/s^2] limit of moves without a plan
+NEW_PERFORMANCE_GAP = 0.5  # [s] longest gap between commands of one performance
+END_TOLERANCE = 1e-6  # [s] rounding tolerance for the end of a motion
 
 Source = Literal["performance", "move"]
 
 
 @dataclass(frozen=True)
 class TimeScale:
-    """Where performance time is, and how fast it runs."""
+    """Performance time [s] and its rate relative to real time."""
 
     time: float = 0.0  # [s]
-    scale: float = 0.0  # seconds of it per second
+    scale: float = 0.0  # rate of performance time
 
     @property
     def still(self) -> bool:
-        """Whether it stands."""
+        """Whether performance time stands still."""
         return self.scale <= 0.0
 
 
 def advance_time(time_scale: TimeScale, seconds: float, *, target: float, end: float, slow: float) -> TimeScale:
-    """Advances time by a moment: its scale changes evenly, and it comes to a stop at the end of what is known.
+    """Advance the performance time by one time step.
+
+    Its scale changes linearly, and it stops at the end of the buffered commands.
 
     Args:
-        time_scale: now.
-        seconds: that pass.
-        target: scale, 0..1.
-        end: [s] beyond which time cannot run.
-        slow: [s] from full speed to a stop, and back.
+        time_scale: current time and scale.
+        seconds: [s] duration of the step.
+        target: desired scale, 0..1.
+        end: [s] latest time.
+        slow: [s] from full rate to a stop, and back.
     """
     left = max(0.0, end - time_scale.time)
-    # the scale from which, after this moment, it can still stop evenly: scale^2 * slow / 2 is the way that this takes
+    # highest scale after this step from which time can still stop: a linear stop takes scale^2 * slow / 2
     after = max(0.0, left - time_scale.scale * seconds / 2)
     allowed = min(target, 1.0, (sqrt(seconds**2 / 4 + 2 * slow * after) - seconds / 2) / slow)
     change = seconds / slow
@@ -54,7 +59,10 @@ def advance_time(time_scale: TimeScale, seconds: float, *, target: float, end: f
 
 @dataclass(frozen=True, eq=False)
 class TimedMove:
-    """A minimum-jerk move of all joints from rest to rest, made without a planner (Flash and Hogan, 1985)."""
+    """Minimum-jerk move of all joints between two postures.
+
+    It begins and ends at rest (Flash and Hogan, 1985), and needs no planner.
+    """
 
     start: Floats  # (n,) [rad]
     goal: Floats  # (n,) [rad]
@@ -62,65 +70,77 @@ class TimedMove:
 
     @classmethod
     def between(cls, start: Floats, goal: Floats, *, pace: float) -> "TimedMove":
-        """Makes a gentle move in which no joint is faster than a pace [rad/s]; equal postures take no time."""
+        """Make a move with limited velocity and acceleration.
+
+        A move between equal postures has zero duration.
+
+        Args:
+            start: (n,) [rad].
+            goal: (n,) [rad].
+            pace: [rad/s] largest joint velocity.
+        """
         longest = float(np.abs(goal - start).max(initial=0.0))
-        duration = max(PEAK * longest / pace, sqrt(THRUST * longest / GENTLE))
+        duration = max(
+            PEAK_VELOCITY_RATIO * longest / pace, sqrt(PEAK_ACCELERATION_FACTOR * longest / MAX_MOVE_ACCELERATION)
+        )
         return cls(sealed(start), sealed(goal), duration)
 
     def at(self, time: float) -> Floats:
-        """Returns (n,) [rad] at a time [s] from its start."""
+        """Return the angles (n,) [rad] at a time [s] from the start."""
         if time >= self.duration:
             return self.goal
         u = max(0.0, time / self.duration)
-        share = u**3 * (10 - 15 * u + 6 * u**2)
-        there: Floats = self.start + share * (self.goal - self.start)
-        return there
+        progress = u**3 * (10 - 15 * u + 6 * u**2)
+        angles: Floats = self.start + progress * (self.goal - self.start)
+        return angles
 
 
 class Player:
-    """Plays goals as a function of performance time, which it owns."""
+    """Playback of setpoints with its own performance time."""
 
     def __init__(self, settings: SupervisorSettings) -> None:
         self._settings = settings
         self._buffer = GoalBuffer()
         self._move: TimedMove | None = None
         self._source: Source | None = None
-        self.performances = 0  # that have begun
-        self.time_scale = TimeScale()  # of the performance
-        self._move_time = TimeScale()  # of the way
+        self.performances = 0  # number of performances that have begun
+        self.time_scale = TimeScale()  # time of the performance
+        self._move_time = TimeScale()  # time of the move
 
     @property
     def begun(self) -> bool:
-        """Whether there is, or was, something to perform."""
+        """Whether any command was received."""
         return len(self._buffer) > 0
 
     @property
     def left(self) -> float:
-        """[s] of performance that are known and not performed."""
-        return max(0.0, self._buffer.end - self.time_scale.time)  # it ends at minus infinity while there is none
+        """Duration [s] of buffered commands that are not performed yet."""
+        return max(0.0, self._buffer.end - self.time_scale.time)  # an empty buffer ends at minus infinity
 
     @property
     def still(self) -> bool:
-        """Whether nothing moves."""
+        """Whether the played motion is stopped."""
         return self._source is None or (self._move_time if self._source == "move" else self.time_scale).still
 
     @property
     def reached(self) -> bool:
-        """Whether the present move has ended."""
-        return self._move is not None and self._move_time.time >= self._move.duration - DONE
+        """Whether the current move has ended."""
+        return self._move is not None and self._move_time.time >= self._move.duration - END_TOLERANCE
 
     def take(self, time: float, goals: Floats, leads: Floats | None = None) -> bool:
-        """Takes a command, and returns whether it came in time and makes sense.
+        """Accept a command, unless it is late or not finite.
+
+        Returns whether it was accepted.
 
         Args:
-            time: [s] of the performance.
-            goals: (n,) [rad].
-            leads: (n,) [rad] part of them that carries the planned speed; None: nothing.
+            time: [s] performance time.
+            goals: (n,) [rad] setpoints.
+            leads: (n,) [rad] feed-forward of the planned velocity in them; None: zero.
         """
         if not np.isfinite(goals).all() or not (leads is None or np.isfinite(leads).all()):
             return False
-        over = self.left <= DONE
-        if not self.begun or (over and (time > self._buffer.end + GAP or time <= self.time_scale.time)):
+        over = self.left <= END_TOLERANCE
+        if not self.begun or (over and (time > self._buffer.end + NEW_PERFORMANCE_GAP or time <= self.time_scale.time)):
             self._buffer, self.time_scale = GoalBuffer(), TimeScale(time)
             self.performances += 1
         elif time <= self.time_scale.time:
@@ -129,16 +149,16 @@ class Player:
         return True
 
     def hold(self) -> None:
-        """Stands still from now on."""
+        """Stop performance time and any move at the present setpoints."""
         self._source, self._move = None, None
         self.time_scale = TimeScale(self.time_scale.time, 0.0)
 
     def approach(self, start: Floats) -> None:
-        """Moves from (n,) [rad] to where the performance begins, or goes on."""
-        self._go(start, self._buffer.slowed(self.time_scale.time, 0.0))
+        """Move from angles (n,) [rad] to the current point of the performance."""
+        self._go(start, self._buffer.at_scale(self.time_scale.time, 0.0))
 
     def fold(self, start: Floats, goal: Floats) -> None:
-        """Moves from (n,) [rad] to (n,) [rad]."""
+        """Move from angles (n,) [rad] to other angles (n,) [rad]."""
         self._go(start, goal)
 
     def _go(self, start: Floats, goal: Floats) -> None:
@@ -147,21 +167,24 @@ class Player:
         self._source, self._move_time = "move", TimeScale(0.0, 1.0)
 
     def follow(self) -> None:
-        """Starts performance time: at full rate from the first command, which is at rest; gradually on resuming."""
+        """Start or resume the playback of the buffered setpoints.
+
+        It starts at full rate at the first command, where the robot rests, and gradually when it resumes.
+        """
         fresh = self.time_scale.time <= self._buffer.begin
         self._source, self._move = "performance", None
         self.time_scale = TimeScale(self.time_scale.time, 1.0 if fresh else 0.0)
 
     def advance(self, seconds: float, *, target: float, slow: float) -> Floats | None:
-        """Lets time pass.
+        """Advance time by one step, and return the new setpoints.
 
         Args:
-            seconds: that pass.
-            target: scale of time, 0..1.
-            slow: [s] in which it comes to a stop.
+            seconds: [s] duration of the step.
+            target: time scale, 0..1.
+            slow: [s] in which time decelerates to a stop.
 
         Returns:
-            (n,) [rad] to go to now; None: where it is.
+            (n,) [rad]; None: unchanged.
         """
         if self._source == "move" and self._move is not None:
             self._move_time = advance_time(self._move_time, seconds, target=target, end=self._move.duration, slow=slow)
@@ -169,5 +192,5 @@ class Player:
         if self._source == "performance":
             self.time_scale = advance_time(self.time_scale, seconds, target=target, end=self._buffer.end, slow=slow)
             self._buffer.forget(self.time_scale.time)
-            return self._buffer.slowed(self.time_scale.time, self.time_scale.scale)
+            return self._buffer.at_scale(self.time_scale.time, self.time_scale.scale)
         return None

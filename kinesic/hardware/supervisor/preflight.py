@@ -1,73 +1,80 @@
-"""Checks before torque that these are the servos of the manifest, and sets their registers. Nothing is energised."""
+"""Checks and register settings of the servos before torque is switched on."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil
 
-from kinesic.body.limits import DUTY
+from kinesic.body.limits import PLANNED_DUTY
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus
-from kinesic.hardware.protocol.device import Change, Cold, demand_answers
-from kinesic.hardware.protocol.registers import SPEED, HardwareError, Register
+from kinesic.hardware.protocol.device import RegisterChange, ServoAccess, enable_replies
+from kinesic.hardware.protocol.registers import VELOCITY_UNIT, HardwareError, Register
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 
-SPEED_SHARE = 0.8  # of the speed without load that plans use
-CURRENT_SHARE = 0.5  # of the factory's limit of the current, below which time would always run slowly
-COOLEST = 50  # [C] least temperature limit: a servo at work is warmer than most rooms
-PLACING = (Register.DRIVE_MODE, Register.OPERATING_MODE, Register.HOMING_OFFSET)  # without which ticks mean nothing
-VITAL = (*PLACING, Register.SECONDARY_ID)  # without which a servo with torque may not be driven
-BOTTOM, TOPS = Register.MIN_VOLTAGE_LIMIT, (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # as made
-_END = Register.PRESENT_TEMPERATURE.field.end
+PLANNED_VELOCITY_FRACTION = 0.8  # Maximum planned velocity / no-load velocity
+MIN_CURRENT_FRACTION = 0.5  # Smallest accepted current limit / factory limit; below, time would always run slowly
+MIN_TEMPERATURE_LIMIT = 50  # [C] smallest accepted temperature limit of a servo, because working servos are warm
+POSITION_REGISTERS = (
+    Register.DRIVE_MODE,
+    Register.OPERATING_MODE,
+    Register.HOMING_OFFSET,
+)  # Define the meaning of ticks
+VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be right for driving
+LOWER_LIMIT_REGISTER = Register.MIN_VOLTAGE_LIMIT  # Register whose limit is raised to its factory value if lower
+UPPER_LIMIT_REGISTERS = (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # Lowered to factory values if higher
+_TABLE_END = Register.PRESENT_TEMPERATURE.field.end
 
 
 @dataclass(frozen=True)
-class Table:
-    """The registers of one servo, read at once."""
+class RegisterTable:
+    """Registers of one servo, read at once."""
 
     member: Member
     data: bytes
 
     @classmethod
-    def read(cls, cold: Cold, member: Member) -> "Table":
-        """Reads the registers of a servo.
+    def read(cls, access: ServoAccess, member: Member) -> "RegisterTable":
+        """Read the registers of a servo.
 
         Raises:
-            BusError: it does not answer.
+            BusError: the servo does not answer.
         """
-        return cls(member, cold.read_span(member.id, 0, _END))
+        return cls(member, access.read_span(member.id, 0, _TABLE_END))
 
     def __getitem__(self, register: Register) -> int:
         return register.field.unpack(self.data[register.field.address : register.field.end])
 
 
-def take_over(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) -> tuple[Axes, tuple[Table, ...]]:
-    """Opens the ports, and checks that everything is as it must be.
+def take_over(
+    manifest: Manifest, opens: Callable[[str], Wire], *, period: float
+) -> tuple[Axes, tuple[RegisterTable, ...]]:
+    """Open all ports of a robot and check its servos.
 
     Args:
-        manifest: who must be there.
-        opens: the wire of a bus, by its name; raises BusError.
+        manifest: required servos.
+        opens: opens the wire of a bus by its name, or raises BusError.
         period: [s] of cycles.
 
     Raises:
-        BusError: a port or a servo is missing or wrong; one line each, and no port stays open.
+        BusError: a port or a servo is missing or unsuitable; one line each, and no port stays open.
     """
     wires = open_wires(manifest, opens)
     try:
         axes = prepare_servos(manifest, wires, period=period)
-        found = control_tables(axes)
-        check_servos(axes, found)
+        tables = read_tables(axes)
+        check_servos(axes, tables)
     except BusError:
         for wire in wires.values():
             wire.close()
         raise
-    return axes, found
+    return axes, tables
 
 
 def open_wires(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wire]:
-    """Opens the wires of all buses.
+    """Open the serial ports of all buses.
 
     Raises:
         BusError: some do not open; one line each.
@@ -87,21 +94,21 @@ def open_wires(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wi
 
 
 def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) -> Axes:
-    """Checks who hangs on the wires, and lets them show their records.
+    """Check the servos on the open ports, and map their records.
 
     Args:
-        manifest: who must.
-        wires: open ones, by bus.
+        manifest: required servos.
+        wires: open wires, by bus.
         period: [s] of cycles.
 
     Raises:
-        BusError: servos are missing, wrong, shut down or outside their ranges; one line each.
+        BusError: servos are missing, of another model, on another id or undervolted; one line each.
     """
     buses: dict[str, Bus] = {}
     lines: list[str] = []
     for name, wire in wires.items():
         members = [member for member in manifest.members if member.bus == name]
-        demand_answers(wire)
+        enable_replies(wire)
         try:
             buses[name] = open_bus(wire, [member.servo for member in members], period=period)
         except BusError as error:
@@ -111,40 +118,40 @@ def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: flo
     return Axes(manifest, buses)
 
 
-def control_tables(axes: Axes) -> tuple[Table, ...]:
-    """Reads the registers of all servos.
+def read_tables(axes: Axes) -> tuple[RegisterTable, ...]:
+    """Read the registers of all servos.
 
     Raises:
         BusError: a servo does not answer.
     """
-    return tuple(Table.read(axes.cold(member.bus), member) for member in axes.manifest.members)
+    return tuple(RegisterTable.read(axes.access(member.bus), member) for member in axes.manifest.members)
 
 
-def check_servos(axes: Axes, found: tuple[Table, ...]) -> None:
-    """Checks that the servos, which are the right ones, may be driven.
+def check_servos(axes: Axes, tables: tuple[RegisterTable, ...]) -> None:
+    """Check that the servos may be driven.
 
     Raises:
-        BusError: some may not; one line for each reason.
+        BusError: some may not; one line per reason.
     """
-    lines = [f"{axes.where(k)}: {reason}" for k, table in enumerate(found) for reason in reasons(table)]
+    lines = [f"{axes.label(k)}: {reason}" for k, table in enumerate(tables) for reason in find_refusals(table)]
     if lines:
         raise BusError("\n".join(lines))
 
 
-def reasons(table: Table) -> tuple[str, ...]:
-    """Returns why a servo may not be driven, and what mends it; empty if it may."""
-    looks = (_error, _range, _speed, _power, _current, _heat, _place, _mode)
-    return tuple(reason for look in looks if (reason := look(table)))
+def find_refusals(table: RegisterTable) -> tuple[str, ...]:
+    """Return reasons against driving a servo, each with a remedy."""
+    checks = (_error, _range, _speed, _power, _current, _heat, _place, _mode)
+    return tuple(reason for check in checks if (reason := check(table)))
 
 
-def _error(table: Table) -> str:
+def _error(table: RegisterTable) -> str:
     error = table[Register.HARDWARE_ERROR_STATUS]
     if not error:
         return ""
     return f"has shut down ({', '.join(HardwareError.names(error))}); find out why, then switch its power off and on"
 
 
-def _range(table: Table) -> str:
+def _range(table: RegisterTable) -> str:
     member, least, most = table.member, table[Register.MIN_POSITION_LIMIT], table[Register.MAX_POSITION_LIMIT]
     if least <= member.lower and member.upper <= most:
         return ""
@@ -154,85 +161,90 @@ def _range(table: Table) -> str:
     )
 
 
-def _speed(table: Table) -> str:
-    limit, needed = table[Register.VELOCITY_LIMIT] * SPEED, SPEED_SHARE * table.member.speed
+def _speed(table: RegisterTable) -> str:
+    limit, needed = table[Register.VELOCITY_LIMIT] * VELOCITY_UNIT, PLANNED_VELOCITY_FRACTION * table.member.speed
     if limit >= needed:
         return ""
     return f"its velocity limit is {limit:.2f} rad/s, but plans use {needed:.2f}; raise it with DYNAMIXEL Wizard"
 
 
-def _power(table: Table) -> str:
-    limit, needed = table[Register.PWM_LIMIT], ceil(DUTY * table.member.model.starts(Register.PWM_LIMIT))
+def _power(table: RegisterTable) -> str:
+    limit, needed = table[Register.PWM_LIMIT], ceil(PLANNED_DUTY * table.member.model.factory_value(Register.PWM_LIMIT))
     if limit >= needed:
         return ""
     return f"its PWM limit is {limit}, but plans use {needed}; raise it with DYNAMIXEL Wizard"
 
 
-def _current(table: Table) -> str:
+def _current(table: RegisterTable) -> str:
     model, limit = table.member.model, table[Register.CURRENT_LIMIT]
-    needed = ceil(CURRENT_SHARE * model.starts(Register.CURRENT_LIMIT))
+    needed = ceil(MIN_CURRENT_FRACTION * model.factory_value(Register.CURRENT_LIMIT))
     if not model.has(Register.CURRENT_LIMIT) or limit >= needed:
         return ""
     return f"its current limit is {limit}, must be {needed} at least; raise it with DYNAMIXEL Wizard"
 
 
-def _heat(table: Table) -> str:
+def _heat(table: RegisterTable) -> str:
     limit = table[Register.TEMPERATURE_LIMIT]
-    if limit >= COOLEST:
+    if limit >= MIN_TEMPERATURE_LIMIT:
         return ""
-    return f"its temperature limit is {limit} C, must be {COOLEST} C at least; raise it with DYNAMIXEL Wizard"
+    needed = MIN_TEMPERATURE_LIMIT
+    return f"its temperature limit is {limit} C, must be {needed} C at least; raise it with DYNAMIXEL Wizard"
 
 
-def _place(table: Table) -> str:
-    if any(table[r] != table.member.lasting[r] for r in PLACING):
-        return ""  # where it stands is known when these are set
+def _place(table: RegisterTable) -> str:
+    if any(table[r] != table.member.eeprom_values[r] for r in POSITION_REGISTERS):
+        return ""  # its position is unknown until these are set
     lower, upper = table.member.span
-    here = table[Register.PRESENT_POSITION] % TICKS_PER_TURN
-    if lower <= here <= upper:
+    position = table[Register.PRESENT_POSITION] % TICKS_PER_TURN
+    if lower <= position <= upper:
         return ""
     return (
-        f"stands at {here} ticks, outside {lower}..{upper}; "
+        f"is at {position} ticks, outside {lower}..{upper}; "
         "move it by hand, or calibrate it with `kinesic servos calibrate`"
     )
 
 
-def _mode(table: Table) -> str:
-    """A servo with torque cannot be set: it must be right already."""
-    wrong = [r.name for r in VITAL if table[r] != table.member.lasting[r]]
+def _mode(table: RegisterTable) -> str:
+    """Describe wrong mode registers of a servo with torque, or return ""."""
+    wrong = [r.name for r in VITAL_REGISTERS if table[r] != table.member.eeprom_values[r]]
     if not table[Register.TORQUE_ENABLE] or not wrong:
         return ""
-    return f"has torque, but another {', '.join(wrong)}; let it go with `kinesic servos release`"
+    return f"has torque, but another {', '.join(wrong)}; release it with `kinesic servos release`"
 
 
-def configure(axes: Axes, found: tuple[Table, ...]) -> tuple[Change, ...]:
-    """Sets what EEPROM must hold where it differs, in servos without torque. Limits are only narrowed.
+def configure(axes: Axes, tables: tuple[RegisterTable, ...]) -> tuple[RegisterChange, ...]:
+    """Set the required EEPROM values of servos without torque.
+
+    Only differing registers are written, and limits are only narrowed.
 
     Raises:
-        BusError: a servo does not answer, does not take a value, or stands outside its range once its ticks count.
+        BusError: a servo does not answer, does not take a value, or is outside its range with its new zero.
     """
-    limp = [table for table in found if not table[Register.TORQUE_ENABLE]]
-    wishes = [{r: value for r, value in required_registers(table).items() if table[r] != value} for table in limp]
-    changes: list[Change] = []
-    for aliases in (True, False):  # before all others: who has an alias would take what is meant for another
-        for table, wished in zip(limp, wishes, strict=True):
-            part = {r: value for r, value in wished.items() if (r is Register.SECONDARY_ID) is aliases}
-            changes += axes.cold(table.member.bus).configure(table.member.id, part)
-    moved = {change.servo for change in changes if change.register in PLACING}
-    check_servos(axes, tuple(_read_again(axes, table) if table.member.id in moved else table for table in found))
+    unpowered = [table for table in tables if not table[Register.TORQUE_ENABLE]]
+    required = [
+        {r: value for r, value in required_registers(table).items() if table[r] != value} for table in unpowered
+    ]
+    changes: list[RegisterChange] = []
+    for aliases in (True, False):  # aliases first, because a servo with an alias would take the values of another
+        for table, differing in zip(unpowered, required, strict=True):
+            part = {r: value for r, value in differing.items() if (r is Register.SECONDARY_ID) is aliases}
+            changes += axes.access(table.member.bus).configure(table.member.id, part)
+    moved = {change.servo for change in changes if change.register in POSITION_REGISTERS}
+    check_servos(axes, tuple(_read_again(axes, table) if table.member.id in moved else table for table in tables))
     return tuple(changes)
 
 
-def _read_again(axes: Axes, table: Table) -> Table:
-    return Table.read(axes.cold(table.member.bus), table.member)
+def _read_again(axes: Axes, table: RegisterTable) -> RegisterTable:
+    return RegisterTable.read(axes.access(table.member.bus), table.member)
 
 
-def required_registers(table: Table) -> dict[Register, int]:
-    """Returns what the EEPROM of a servo must hold."""
+def required_registers(table: RegisterTable) -> dict[Register, int]:
+    """Return the required EEPROM values of a servo."""
     member, model, startup = table.member, table.member.model, Register.STARTUP_CONFIGURATION
     lower, upper = member.span
-    wishes = dict(member.lasting)
+    values = dict(member.eeprom_values)
     if model.family == "330" or table[Register.FIRMWARE_VERSION] >= startup.field.firmware:
-        wishes[startup] = 0
-    least = {Register.MIN_POSITION_LIMIT: lower, BOTTOM: model.starts(BOTTOM)}
-    most = {Register.MAX_POSITION_LIMIT: upper} | {r: model.starts(r) for r in TOPS}
-    return wishes | {r: max(v, table[r]) for r, v in least.items()} | {r: min(v, table[r]) for r, v in most.items()}
+        values[startup] = 0
+    least = {Register.MIN_POSITION_LIMIT: lower, LOWER_LIMIT_REGISTER: model.factory_value(LOWER_LIMIT_REGISTER)}
+    most = {Register.MAX_POSITION_LIMIT: upper} | {r: model.factory_value(r) for r in UPPER_LIMIT_REGISTERS}
+    return values | {r: max(v, table[r]) for r, v in least.items()} | {r: min(v, table[r]) for r, v in most.items()}

@@ -1,51 +1,54 @@
-"""What a supervisor is started with: the figures by which it acts, and the order that its process gets."""
+"""Settings of a supervisor, and the order for its process."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 import msgspec
 
-from kinesic.hardware.protocol.registers import WATCHDOG
+from kinesic.hardware.protocol.registers import WATCHDOG_UNIT
 
 Policy = Literal["hold", "limp"]
 
 
 @dataclass(frozen=True)
 class SupervisorSettings:
-    """Figures by which the supervisor acts: times in seconds, except where a unit is named."""
+    """Settings of the supervisor.
 
-    period: float = 0.01  # of cycles
-    watchdog: float = 0.1  # without bytes after which a servo stops by itself
-    patient_watchdog: float = 0.2  # the same on a host that grants no real time
-    lead: float = 0.5  # of commands that must be there before time runs
-    slow: float = 0.4  # in which time comes to a stop, or up to speed, when there is no hurry
-    quick: float = 0.06  # in which it stops when the planner is gone, or at an emergency stop
-    wary: float = 0.2  # in which it stops where the clearance goes
-    patience: float = 5.0  # of holding without anything to perform before it folds
-    startle: float = 0.85  # of an interruption that goes on by itself: it is seen, and motion to be seen, 0.1 s later
-    consent: float = 60.0  # of waiting for consent, folded, before a performance is ended
-    hopeless: float = 20.0  # without a port after which it gives up
-    pace: float = 0.7  # [rad/s] of moves that nobody has planned: to rest, to the first command
-    policy: Policy = "hold"  # what an emergency stop does
+    Times in seconds unless a unit is given.
+    """
+
+    period: float = 0.01  # cycle period
+    watchdog: float = 0.1  # time without bytes after which a servo stops by itself
+    patient_watchdog: float = 0.2  # watchdog time on a host without real-time scheduling
+    lead: float = 0.5  # duration of buffered commands before time runs
+    slow: float = 0.4  # normal time to stop or start performance time
+    quick: float = 0.06  # time to stop if the planner is gone, or at an emergency stop
+    wary: float = 0.2  # time to stop if the clearance gets too small
+    patience: float = 5.0  # time of holding without commands before the robot folds
+    startle: float = 0.85  # longest interruption without consent; detection and visible motion take 0.1 s more
+    consent: float = 60.0  # time of waiting for consent before a performance ends
+    hopeless: float = 20.0  # time without a port before the supervisor gives up
+    pace: float = 0.7  # [rad/s] joint velocity of moves to rest and to the first command
+    policy: Policy = "hold"  # reaction to an emergency stop
 
     def __post_init__(self) -> None:
         for name in ("period", "watchdog", "patient_watchdog", "lead", "slow", "quick", "wary", "pace"):
             if getattr(self, name) <= 0.0:
                 raise ValueError(f"{name} is {getattr(self, name)}, must be > 0")
         for name in ("watchdog", "patient_watchdog"):
-            if not 2 * self.period <= getattr(self, name) <= 127 * WATCHDOG:
-                bounds = f"{2 * self.period:g}..{127 * WATCHDOG:g}"
+            if not 2 * self.period <= getattr(self, name) <= 127 * WATCHDOG_UNIT:
+                bounds = f"{2 * self.period:g}..{127 * WATCHDOG_UNIT:g}"
                 raise ValueError(f"{name} is {getattr(self, name)} s, must be {bounds} at a period of {self.period} s")
 
 
-USUAL = SupervisorSettings()
+DEFAULT_SETTINGS = SupervisorSettings()  # Settings without changes by the user
 
 
 class SupervisorOrder(msgspec.Struct, forbid_unknown_fields=True):
-    """What a supervisor is started for."""
+    """Order that starts a supervisor process."""
 
-    robot: str  # path of its file
+    robot: str  # path of the robot's file
     ports: dict[str, str]  # bus -> path of the device
     memory: int  # descriptor of the channel's memory
     settings: SupervisorSettings
-    log: str | None = None  # path of the journal
+    log: str | None = None  # path of the event log

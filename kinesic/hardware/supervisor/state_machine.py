@@ -1,8 +1,9 @@
-"""Decides what the supervisor does next: a state machine as a pure function of state, event and observation.
+"""State machine of the supervisor.
 
-Theorems, which the tests hold it to: nothing is energised before the manifest is right; an emergency stop wins over
-everything; no torque is taken while a limb is raised, unless a person wants it; after a long interruption nothing goes
-on without consent; every state leads to release, or to a hold that says what it waits for.
+It is a pure function of state, event and observation. Tests check these theorems: nothing is energised before the
+manifest is verified; an emergency stop has priority over everything; torque is not removed while a limb is raised,
+unless a person confirms it; after a long interruption nothing continues without consent; every state ends in release,
+or in a hold that reports the input it waits for.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,43 +15,43 @@ from kinesic.hardware.supervisor.observation import Observation
 
 
 class Stage(Enum):
-    """Where the supervisor is."""
+    """Stage of the supervisor."""
 
-    CLOSED = "closed"  # it has no port
-    PROBE = "probe"  # are the servos those of the manifest?
-    CONFIGURE = "configure"  # their registers are set, without torque
-    LIMP = "limp"  # all is set, no torque
-    ARM = "arm"  # torque comes, at low power first, where the servos are
+    CLOSED = "closed"  # no port is open
+    PROBE = "probe"  # servos are compared with the manifest
+    CONFIGURE = "configure"  # registers are set, without torque
+    LIMP = "limp"  # registers are set, torque is off
+    ARM = "arm"  # torque is switched on at the present positions, with low power first
     HOLD = "hold"  # goals stand still
-    APPROACH = "approach"  # to where the performance begins, or goes on
+    APPROACH = "approach"  # the robot moves to the current point of the performance
     ACTIVE = "active"  # performance time runs
-    DEGRADED = "degraded"  # performance time comes to a stop
-    FOLD = "fold"  # to the posture of rest
-    WAITING = "waiting"  # a limb is raised and cannot fold: holds until a person lets it fall, or it can fold again
-    RELEASE = "release"  # torque goes, of every servo
-    STOPPED = "stopped"  # by an emergency stop: holds until a person lets it go on, or end
+    DEGRADED = "degraded"  # performance time decelerates to a stop
+    FOLD = "fold"  # the robot moves to the rest posture
+    WAITING = "waiting"  # a raised limb cannot fold and is held until a person confirms, or it can fold again
+    RELEASE = "release"  # torque is switched off
+    STOPPED = "stopped"  # emergency stop: the robot holds until a person resumes or ends the performance
     LOST = "lost"  # a port is gone; its servos stop by themselves
-    IDENTIFY = "identify"  # it is back: are its servos the same?
-    ADOPT = "adopt"  # servos with torque are taken over where they are
+    IDENTIFY = "identify"  # the servos behind a reopened port are identified
+    ADOPT = "adopt"  # servos with torque are taken over at their positions
 
     @property
     def runs(self) -> bool:
-        """Whether performance time runs, or comes to a stop."""
+        """Whether performance time runs or decelerates."""
         return self in (Stage.ACTIVE, Stage.DEGRADED)
 
 
 Event = Literal[
-    "tick",  # nothing but the facts
-    "open",  # somebody wants the servos
-    "done",  # what the stage was about has been done
-    "refused",  # it cannot be done
+    "tick",  # no event besides the observation
+    "open",  # request to open the ports
+    "done",  # the procedure of the stage has succeeded
+    "refused",  # the procedure of the stage has failed
     "estop",
-    "lost",  # a port
-    "back",  # all ports
-    "tripped",  # servos were stopped by their bus watchdog
-    "failed",  # a servo has shut down, or cannot move
-    "mended",  # a servo that had failed, or was silent, is well again
-    "resumed",  # a person or client consents that it goes on
+    "lost",  # a port is gone
+    "back",  # all ports are open again
+    "tripped",  # a bus watchdog has stopped servos
+    "failed",  # a servo has shut down or is blocked
+    "mended",  # a failed or silent servo is well again
+    "resumed",  # a person or client consents to continue
 ]
 
 Action = Literal[
@@ -62,56 +63,56 @@ Awaited = Literal["nothing", "commands", "servos", "port", "consent", "confirmat
 
 @dataclass(frozen=True)
 class SupervisorState:
-    """Where the supervisor is, and what it must not forget."""
+    """Stage of the supervisor, and the data kept across stages."""
 
     stage: Stage = Stage.CLOSED
-    checked: bool = False  # the servos are those of the manifest
-    powered: bool = False  # torque has been switched on, or found on
-    armed: bool = False  # all torque has come once: from now on, an interruption is one
-    stopped: bool = False  # there was an emergency stop
-    paused: bool = False  # there was one, or a long interruption: nothing goes on without consent
-    faulty: bool = False  # a servo has failed: nothing is performed any more
-    refused: bool = False  # a servo did not take its torque: that is not tried again before something is mended
-    careful: bool = False  # what could not fold can again, by somebody's hand perhaps: it holds a while before
+    checked: bool = False  # the servos match the manifest
+    powered: bool = False  # torque has been switched on, or was on before
+    armed: bool = False  # all servos have had torque, so that interruptions count from now on
+    stopped: bool = False  # an emergency stop is active
+    paused: bool = False  # after an emergency stop or long interruption, nothing continues without consent
+    faulty: bool = False  # a servo has failed, and the performance has ended
+    refused: bool = False  # torque did not come on, and is not tried again until a servo recovers
+    careful: bool = False  # a limb that could not fold can fold again, perhaps by hand, so that it holds for a while
     folded: bool = False  # at rest since the last performance
-    slowed: Literal[Stage.APPROACH, Stage.ACTIVE] = Stage.ACTIVE  # what came to be degraded
+    slowed: Literal[Stage.APPROACH, Stage.ACTIVE] = Stage.ACTIVE  # stage before DEGRADED
 
 
 Step = tuple[SupervisorState, tuple[Action, ...]]
 
-POWERED = frozenset(Stage) - {Stage.CLOSED, Stage.PROBE, Stage.CONFIGURE, Stage.LIMP, Stage.RELEASE}
+POWERED_STAGES = frozenset(Stage) - {Stage.CLOSED, Stage.PROBE, Stage.CONFIGURE, Stage.LIMP, Stage.RELEASE}
 """Stages in which servos may have torque."""
 
-MOVING = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})
+MOVING_STAGES = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})
 
 
-def step(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    """Returns the next state, and what is to be begun on the way there.
+def step(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    """Return the supervisor's next state, and the actions that begin.
 
     Args:
-        state: now.
-        event: what has happened.
-        facts: what is known besides.
+        state: current state.
+        event: event of this step.
+        observation: further inputs.
     """
-    state = _note(state, event, facts)
+    state = _remember(state, event, observation)
     if event == "estop":
-        return _stop(state, facts)
-    if event == "lost" and state.stage in POWERED:
+        return _stop(state, observation)
+    if event == "lost" and state.stage in POWERED_STAGES:
         return _to(state, Stage.LOST, "slow")
-    if event == "tripped" and state.stage in POWERED - {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}:
+    if event == "tripped" and state.stage in POWERED_STAGES - {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}:
         return _to(state, Stage.ADOPT, "adopt")
-    return _RULES[state.stage](state, event, facts)
+    return _STAGE_RULES[state.stage](state, event, observation)
 
 
-def _note(state: SupervisorState, event: Event, facts: Observation) -> SupervisorState:
-    """Remembers what outlasts the stage."""
+def _remember(state: SupervisorState, event: Event, observation: Observation) -> SupervisorState:
+    """Update the supervisor flags that persist when the stage changes."""
     if event == "failed":
         state = replace(state, faulty=True)
     if event == "resumed":
         state = replace(state, stopped=False, paused=False)
     if event in ("mended", "resumed"):
         state = replace(state, refused=False)
-    if facts.interrupted and state.armed and state.stage in POWERED:
+    if observation.interrupted and state.armed and state.stage in POWERED_STAGES:
         state = replace(state, paused=True)
     return state
 
@@ -120,27 +121,30 @@ def _to(state: SupervisorState, stage: Stage, *actions: Action) -> Step:
     return replace(state, stage=stage), actions
 
 
-def _stop(state: SupervisorState, facts: Observation) -> Step:
-    """An emergency stop: what has torque holds or goes limp; what has none gets none, unless a limb is raised."""
+def _stop(state: SupervisorState, observation: Observation) -> Step:
+    """Handle an emergency stop.
+
+    Servos with torque hold or switch torque off, by the policy. Other servos get no torque, unless a limb is raised.
+    """
     state = replace(state, stopped=True, paused=True)
     if state.stage in (Stage.CLOSED, Stage.RELEASE):
         return state, ()
     if not state.checked:
         return _to(state, Stage.CLOSED, "close")
-    if facts.policy == "limp" or (state.stage is Stage.ARM and not facts.raised):
+    if observation.policy == "limp" or (state.stage is Stage.ARM and not observation.raised):
         return _to(state, Stage.RELEASE, "release")
-    if state.stage in (Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT):  # which move nothing
+    if state.stage in (Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT):  # these stages move nothing
         return state, ()
-    return _to(state, Stage.STOPPED, "slow") if state.stage in POWERED else _to(state, Stage.CLOSED, "close")
+    return _to(state, Stage.STOPPED, "slow") if state.stage in POWERED_STAGES else _to(state, Stage.CLOSED, "close")
 
 
-def _closed(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _closed(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event == "open":
         return SupervisorState(Stage.PROBE), ("check",)
     return state, ()
 
 
-def _probe(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _probe(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event == "refused":
         return _to(state, Stage.CLOSED, "close")
     if event != "done":
@@ -148,25 +152,25 @@ def _probe(state: SupervisorState, event: Event, facts: Observation) -> Step:
     return _to(replace(state, checked=True), Stage.CONFIGURE, "configure")
 
 
-def _configure(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _configure(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event == "refused":
         return _to(state, Stage.CLOSED, "close")
     if event != "done":
         return state, ()
-    if facts.energised:
+    if observation.energised:
         return _to(replace(state, powered=True), Stage.ADOPT, "adopt")
     return _to(state, Stage.LIMP)
 
 
-def _limp(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if facts.over or state.faulty:
+def _limp(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if observation.over or state.faulty:
         return _to(state, Stage.CLOSED, "close")
-    if facts.begun and facts.answering:
+    if observation.begun and observation.answering:
         return _to(replace(state, powered=True), Stage.ARM, "arm")
     return state, ()
 
 
-def _arm(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _arm(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event not in ("done", "refused"):
         return state, ()
     if event == "refused":
@@ -174,110 +178,116 @@ def _arm(state: SupervisorState, event: Event, facts: Observation) -> Step:
     return _to(replace(state, armed=True), Stage.HOLD, "hold")
 
 
-def _hold(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if not facts.energised and (state.faulty or not facts.limp):
+def _hold(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if not observation.energised and (state.faulty or not observation.limp):
         return _to(state, Stage.RELEASE, "release")
-    if state.stopped and not facts.dismissed:
+    if state.stopped and not observation.dismissed:
         return _to(state, Stage.STOPPED, "hold")
-    if _may_arm(state, facts):
+    if _may_arm(state, observation):
         return _to(replace(state, folded=False), Stage.ARM, "arm")
-    if facts.over or state.faulty:
-        return _end(state, facts)
-    if facts.due and facts.well and not state.paused:
+    if observation.over or state.faulty:
+        return _end(state, observation)
+    if observation.due and observation.well and not state.paused:
         return _to(replace(state, folded=False), Stage.APPROACH, "approach")
-    if facts.idle and not state.folded:
+    if observation.idle and not state.folded:
         return _to(state, Stage.FOLD, "fold")
     return state, ()
 
 
-def _may_arm(state: SupervisorState, facts: Observation) -> bool:
-    """Whether limp servos get torque: to go on, or, without anybody's consent, to keep a raised limb from falling."""
-    wanted = facts.raised or not (state.paused or state.faulty or facts.over)
-    return facts.limp and facts.answering and not state.refused and not facts.confirmed and wanted
+def _may_arm(state: SupervisorState, observation: Observation) -> bool:
+    """Return whether torque may be switched on for servos without torque.
+
+    They get it to continue, or without consent to keep a raised limb from falling.
+    """
+    is_useful = observation.raised or not (state.paused or state.faulty or observation.over)
+    return observation.limp and observation.answering and not state.refused and not observation.confirmed and is_useful
 
 
-def _end(state: SupervisorState, facts: Observation) -> Step:
-    """Folds, then lets go; what is raised all the same is held until a person lets it fall."""
+def _end(state: SupervisorState, observation: Observation) -> Step:
+    """Fold and release, or wait for confirmation while a limb is raised.
+
+    A limb that stays raised waits for confirmation.
+    """
     if not state.folded:
-        now = not state.paused or facts.release or facts.confirmed
-        return _to(state, Stage.FOLD, "fold") if facts.idle or (now and not state.careful) else (state, ())
-    if not facts.raised or facts.confirmed:
+        may_fold = not state.paused or observation.release or observation.confirmed
+        return _to(state, Stage.FOLD, "fold") if observation.idle or (may_fold and not state.careful) else (state, ())
+    if not observation.raised or observation.confirmed:
         return _to(state, Stage.RELEASE, "release")
-    return _to(state, Stage.WAITING) if facts.idle else (state, ())  # it may still be settling
+    return _to(state, Stage.WAITING) if observation.idle else (state, ())  # the limb may still be settling
 
 
-def _waiting(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if facts.confirmed or not facts.raised:
+def _waiting(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if observation.confirmed or not observation.raised:
         return _to(state, Stage.RELEASE, "release")
     if event == "resumed":
         return _to(replace(state, folded=False), Stage.HOLD, "hold")
-    if event == "mended" or _may_arm(state, facts):
+    if event == "mended" or _may_arm(state, observation):
         return _to(replace(state, folded=False, careful=True), Stage.HOLD, "hold")
     return state, ()
 
 
-def _approach(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if _must_stop(state, facts):
+def _approach(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if _must_stop(state, observation):
         return _to(replace(state, slowed=Stage.APPROACH), Stage.DEGRADED, "slow")
-    return _to(state, Stage.ACTIVE, "follow") if facts.reached else (state, ())
+    return _to(state, Stage.ACTIVE, "follow") if observation.reached else (state, ())
 
 
-def _active(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if _must_stop(state, facts):
+def _active(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if _must_stop(state, observation):
         return _to(replace(state, slowed=Stage.ACTIVE), Stage.DEGRADED, "slow")
     return state, ()
 
 
-def _degraded(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if facts.still:
+def _degraded(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if observation.still:
         return _to(state, Stage.HOLD, "hold")
-    return (state, ()) if _must_stop(state, facts) else _to(state, state.slowed)
+    return (state, ()) if _must_stop(state, observation) else _to(state, state.slowed)
 
 
-def _must_stop(state: SupervisorState, facts: Observation) -> bool:
-    return facts.over or state.faulty or state.paused or not (facts.well and facts.due)
+def _must_stop(state: SupervisorState, observation: Observation) -> bool:
+    return observation.over or state.faulty or state.paused or not (observation.well and observation.due)
 
 
-def _fold(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if event == "failed":  # its chain may have to hold from now on
+def _fold(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if event == "failed":  # the chain of the failed servo may have to hold
         return _to(state, Stage.FOLD, "fold")
-    return _to(replace(state, folded=True, careful=False), Stage.HOLD, "hold") if facts.reached else (state, ())
+    return _to(replace(state, folded=True, careful=False), Stage.HOLD, "hold") if observation.reached else (state, ())
 
 
-def _release(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if event == "refused":  # some are not sure to be limp, after all that could be done
+def _release(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if event == "refused":  # some servos may still have torque
         return _to(state, Stage.CLOSED, "close")
     if event != "done":
         return state, ()
     return _to(replace(state, powered=False), Stage.CLOSED, "close")
 
 
-def _stopped(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    if event == "resumed" or facts.dismissed:
+def _stopped(state: SupervisorState, event: Event, observation: Observation) -> Step:
+    if event == "resumed" or observation.dismissed:
         return _to(replace(state, folded=False), Stage.HOLD, "hold")
     return state, ()
 
 
-def _lost(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _lost(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event == "back":
         return _to(state, Stage.IDENTIFY, "identify")
-    return _to(state, Stage.CLOSED, "close") if facts.hopeless else (state, ())
+    return _to(state, Stage.CLOSED, "close") if observation.hopeless else (state, ())
 
 
-def _identify(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _identify(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event == "done":
         return _to(state, Stage.ADOPT, "adopt")
     return _to(state, Stage.LOST, "slow") if event == "refused" else (state, ())
 
 
-def _adopt(state: SupervisorState, event: Event, facts: Observation) -> Step:
+def _adopt(state: SupervisorState, event: Event, observation: Observation) -> Step:
     if event not in ("done", "refused"):
         return state, ()
     faulty = state.faulty or event == "refused"
     return _to(replace(state, armed=True, faulty=faulty, folded=False), Stage.HOLD, "hold")
 
 
-_RULES: Mapping[Stage, Callable[[SupervisorState, Event, Observation], Step]] = {
+_STAGE_RULES: Mapping[Stage, Callable[[SupervisorState, Event, Observation], Step]] = {
     Stage.CLOSED: _closed,
     Stage.PROBE: _probe,
     Stage.CONFIGURE: _configure,

@@ -1,4 +1,4 @@
-"""Writes the status of the supervisor into the channel, and events into the channel and a log file."""
+"""Writing of status and events to the channel and a log file."""
 
 import errno
 import json
@@ -12,29 +12,35 @@ from time import time as wall_time
 import numpy as np
 
 from kinesic.files.output_file import open_to_add
-from kinesic.hardware.bus.telemetry import VOLT
+from kinesic.hardware.bus.telemetry import VOLTS_PER_COUNT
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage, SupervisorState
 
-SLOWLY = 0.05  # [s] between two looks at temperatures, loads, voltages and errors
+TELEMETRY_INTERVAL = 0.05  # [s] between updates of temperatures, loads, voltages and errors
 
 
 class EventLog:
-    """A file of events, one JSON object per line; none if there is no path. What cannot be written stops no robot."""
+    """Event log of the supervisor as JSON lines, or none without a path.
+
+    A write error does not stop the robot.
+    """
 
     def __init__(self, path: Path | None) -> None:
-        """Opens the file, to add to it."""
+        """Open the file for appending."""
         self._path, self._file = path, None
-        self.failure = ""  # why events are lost, once some are
+        self.failure = ""  # reason of lost events; empty: none lost
         if path is not None:
             with self._noting_failure():
                 self._file = open_to_add(path)
 
     def write(self, note: Note) -> None:
-        """Adds a line; it is lost as a whole where the disk is full."""
+        """Append an event as one JSON line.
+
+        The line is dropped if the disk is full.
+        """
         if self._file is None:
             return
         line = {"time": round(note.clock, 6), "wall": round(wall_time(), 3), "kind": note.kind}
@@ -47,7 +53,7 @@ class EventLog:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def close(self) -> None:
-        """Closes the file."""
+        """Close the file."""
         if self._file is not None:
             self._file.close()
 
@@ -60,15 +66,15 @@ class EventLog:
 
 
 class StatusWriter:
-    """Writes for the planner and for the log."""
+    """Writer of status and events for planner and log."""
 
     def __init__(self, manifest: Manifest, channel: Channel, journal: EventLog) -> None:
         self._manifest, self._channel, self._journal = manifest, channel, journal
-        self._failure = ""  # of the journal, that the planner has been told
-        self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] when the other two were looked at
+        self._failure = ""  # failure of the log that was reported to the planner
+        self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] time of the other two values
 
     def note(self, clock: float, kind: str, text: str, servo: int = -1) -> None:
-        """Writes an event at a time [s]."""
+        """Report a supervisor event at a time [s]."""
         note = Note(clock, servo, kind, text)
         self._channel.note(note)
         self._journal.write(note)
@@ -79,17 +85,25 @@ class StatusWriter:
     def write(
         self, clock: float, state: SupervisorState, monitor: CommunicationMonitor, steering: GoalSteering, late: int
     ) -> None:
-        """Writes the status in the cycle that began at a time [s]; `late` cycles so far began too late."""
+        """Write the status of the cycle that began at a time [s].
+
+        Args:
+            clock: [s].
+            state: state of the supervisor.
+            monitor: health of the servos.
+            steering: goals of the servos.
+            late: number of cycles that began late.
+        """
         player = steering.player
-        if abs(clock - self._measured) >= SLOWLY and monitor.records is not None:
+        if abs(clock - self._measured) >= TELEMETRY_INTERVAL and monitor.records is not None:
             self._measured = clock
             self._hottest = float(monitor.records["temperature"].max())
-            self._volts = float(monitor.records["volts"].min()) * VOLT
+            self._volts = float(monitor.records["volts"].min()) * VOLTS_PER_COUNT
             self._channel.write_telemetry(monitor.telemetry(clock))
         self._channel.write_status(
             Status(
                 stage=state.stage,
-                waits=awaited(state, well=monitor.well),
+                waits=awaited_input(state, well=monitor.well),
                 clock=clock,
                 time=player.time_scale.time if player.begun else nan,
                 scale=player.time_scale.scale,
@@ -99,19 +113,19 @@ class StatusWriter:
                 silent=len(monitor.answered) - int(np.count_nonzero(monitor.answered)),
                 late=late,
                 faulty=state.faulty,
-                angles=self._manifest.angles(monitor.present, whole=monitor.everybody),
-                goals=steering.angles,
-                taken=self._manifest.means(monitor.taken, whole=monitor.everybody),
+                angles=self._manifest.angles(monitor.present, whole=monitor.all_answered),
+                setpoints=steering.angles,
+                taken=self._manifest.means(monitor.taken, whole=monitor.all_answered),
             )
         )
 
 
-def awaited(state: SupervisorState, *, well: bool) -> Awaited:
-    """Returns what the supervisor waits for; "nothing" while it acts, or is closed.
+def awaited_input(state: SupervisorState, *, well: bool) -> Awaited:
+    """Return the input that the supervisor waits for, or "nothing".
 
     Args:
-        state: now.
-        well: whether every servo has torque, answers, and may go on.
+        state: current state.
+        well: whether every servo has torque, answers, and may continue.
     """
     if state.stage is Stage.WAITING:
         return "confirmation"

@@ -1,4 +1,4 @@
-"""Runs the supervisor's loop: a cycle of the wires, what follows from it, and a status for the planner."""
+"""Main loop of the supervisor: bus cycles, reactions and status."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from kinesic.hardware.supervisor.identity import identify
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.observation import Observation
-from kinesic.hardware.supervisor.player import DONE
-from kinesic.hardware.supervisor.preflight import Table, configure, control_tables, take_over
+from kinesic.hardware.supervisor.player import END_TOLERANCE
+from kinesic.hardware.supervisor.preflight import RegisterTable, configure, read_tables, take_over
 from kinesic.hardware.supervisor.requests import Requests
 from kinesic.hardware.supervisor.settings import SupervisorSettings
-from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Stage, SupervisorState, step
+from kinesic.hardware.supervisor.state_machine import MOVING_STAGES, Action, Event, Stage, SupervisorState, step
 from kinesic.hardware.supervisor.status import EventLog, StatusWriter
 from kinesic.hardware.supervisor.torque import (
-    RAMP,
+    POWER_RAMP_TIME,
     Procedure,
     adopt,
     energise,
@@ -34,69 +34,67 @@ from kinesic.hardware.supervisor.torque import (
     watchdog_counts,
 )
 
-TAKEN = 32  # commands in one cycle at most: it must not take long
-AHEAD = 2.0  # [s] of the performance that are taken from the channel
-WIRE_SHARE = 0.9  # of a period that the wires may take; the rest is for deciding
-LEAST = 1e-4  # [s] between two cycles
-LOOKS = 100  # cycles until everybody must have answered
+MAX_COMMANDS_PER_CYCLE = 32  # Commands read per cycle, which bounds its duration
+COMMAND_LOOKAHEAD = 2.0  # [s] duration of commands read ahead from the channel
+WIRE_TIME_FRACTION = 0.9  # Fraction of a period for the wires; the rest is for computation
+MIN_STEP_TIME = 1e-4  # [s] smallest time step between two cycles
+CHECK_CYCLES = 100  # Cycles after the start within which all servos must have answered
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
-    """What a supervisor stands between: wires on one side, the planner on the other; and its log."""
+class SupervisorContext:
+    """Connections of a supervisor: wires, planner and log."""
 
-    opens: Callable[[str], Wire]  # the wire of a bus, by its name; raises BusError
-    channel: Channel  # to the planner
-    planner: Callable[[], bool]  # whether it lives
+    opens: Callable[[str], Wire]  # opens the wire of a bus by its name, or raises BusError
+    channel: Channel  # channel to the planner
+    planner: Callable[[], bool]  # returns whether the planner is alive
     journal: EventLog
-    announce: Callable[[], None] = lambda: (
-        None
-    )  # once the ports are held, before anything is configured; raises BusError
+    announce: Callable[[], None] = lambda: None  # publishes the open ports, or raises BusError
 
 
 class Supervisor:
-    """Drives the servos of a manifest for whoever writes into the channel. It never raises for them."""
+    """Control loop for all servos of a manifest."""
 
     def __init__(
-        self, manifest: Manifest, surroundings: Surroundings, settings: SupervisorSettings, *, watchdog: float
+        self, manifest: Manifest, context: SupervisorContext, settings: SupervisorSettings, *, watchdog: float
     ) -> None:
-        """Nothing is opened yet; `watchdog` [s] is that of the servos' bus watchdogs."""
+        """Create the supervisor without opening a port."""
         self.manifest, self.state = manifest, SupervisorState()
-        self.late = 0  # cycles that began more than a period late, as the loop counts them
-        self._around, self._channel, self._settings = surroundings, surroundings.channel, settings
+        self.late = 0  # number of cycles that began more than a period late, counted by the caller's loop
+        self._context, self._channel, self._settings = context, context.channel, settings
         self._least_watchdog, self._host = watchdog_counts(watchdog), Punctuality(watchdog)
-        self._writer = StatusWriter(manifest, surroundings.channel, surroundings.journal)
+        self._writer = StatusWriter(manifest, context.channel, context.journal)
         self._steering, self._monitor = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
         self._failures, self._interruptions = FailureWatch(manifest, self._note), InterruptionWatch(settings.startle)
-        self._requests = Requests(surroundings.channel, surroundings.planner)
+        self._requests = Requests(context.channel, context.planner)
         self._axes: Axes | None = None
-        self._tables: tuple[Table, ...] = ()
+        self._tables: tuple[RegisterTable, ...] = ()
         self._procedure: Procedure | None = None
-        self._concerned: list[int] = []  # the members it is about
+        self._members: list[int] = []  # members of the procedure
         self._last: Snapshot | None = None
-        self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
-        self._limited = False  # whether goals were cut in the last cycle
+        self._since = self._clock = 0.0  # [s] start of this stage; time of the last cycle
+        self._limited = False  # whether goals were limited in the last cycle
 
     @property
     def done(self) -> bool:
-        """Whether all is over."""
+        """Whether the supervisor has ended."""
         return self._axes is None
 
     def open(self) -> None:
-        """Opens the ports and checks who is there; nothing is energised."""
+        """Open the ports and check the servos, without torque."""
         self._advance("open")
         self._write_status()
 
     def step(self) -> None:
-        """Runs one period."""
+        """Run one control period: bus cycle, reactions and status."""
         axes = self._axes
         if axes is None:
             return
         now = axes.now()
-        seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
+        seconds = min(max(now - self._clock, MIN_STEP_TIME), 2 * self._settings.period)
         self._clock = now
-        if news := self._host.note(now, excused=self._procedure is not None):
-            self._note("host", news)
+        if change := self._host.note(now, excused=self._procedure is not None):
+            self._note("host", change)
         self._requests.look()
         self._take_commands()
         self._move(seconds)
@@ -111,22 +109,22 @@ class Supervisor:
 
     def _take_commands(self) -> None:
         player, performances = self._steering.player, self._steering.player.performances
-        before = player.left > DONE
-        taken = self._channel.commands(TAKEN if player.left < AHEAD else 0)
+        before = player.left > END_TOLERANCE
+        taken = self._channel.commands(MAX_COMMANDS_PER_CYCLE if player.left < COMMAND_LOOKAHEAD else 0)
         for time, goals, leads in taken:
             if not player.take(time, goals, leads):
-                self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
+                self._note("dropped", f"a command for {time:.3f} s came too late or is not finite")
         fresh = player.performances != performances
-        stage, left = self.state.stage, player.left > DONE
+        stage, left = self.state.stage, player.left > END_TOLERANCE
         self._interruptions.note_commands(self._clock, stage=stage, before=before, left=left, fresh=fresh)
 
     def sleep(self, until: float) -> None:
-        """Waits until a time [s] on the wires' clock."""
+        """Wait until a time [s] of the wires' clock."""
         if self._axes is not None:
             self._axes.sleep(until)
 
     def now(self) -> float:
-        """Returns the time [s] on the wires' clock."""
+        """Return the time [s] of the wires' clock."""
         return self._axes.now() if self._axes is not None else monotonic()
 
     def _look(self, axes: Axes, goals: Ticks | None, seconds: float) -> None:
@@ -137,7 +135,7 @@ class Supervisor:
 
     def _move(self, seconds: float) -> None:
         stage, monitor = self.state.stage, self._monitor
-        target = min(monitor.scale, self._host.pace) if stage is Stage.ACTIVE else float(stage in MOVING)
+        target = min(monitor.scale, self._host.pace) if stage is Stage.ACTIVE else float(stage in MOVING_STAGES)
         hurry = self._requests.alone or stage in (Stage.STOPPED, Stage.LOST)
         slow = self._settings.quick if hurry and not target else self._settings.slow
         if stage is Stage.ACTIVE and self._requests.pace < target:
@@ -145,48 +143,48 @@ class Supervisor:
         refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
         if refused.any() and not self._limited:
             names = ", ".join(sorted({self.manifest.members[k].hinge for k in np.flatnonzero(refused)}))
-            self._note("limited", f"goals of {names} were asked beyond what they may do")
+            self._note("limited", f"goals of {names} exceed their limits")
         self._limited = bool(refused.any())
 
     def _goals(self) -> Ticks | None:
         limp = ~self._monitor.energised
         if self._procedure is not None:
-            limp[self._concerned] = False  # the procedure says where they are
+            limp[self._members] = False  # the procedure sets their goals
         self._steering.follow_limp(limp, self._monitor.present)
         return self._steering.ticks()
 
     @property
     def _watchdog(self) -> int:
-        """BUS_WATCHDOG of servos with torque."""
-        return min(self._host.stretch * self._least_watchdog, Register.BUS_WATCHDOG.field.upper)
+        """Value of BUS_WATCHDOG for servos with torque."""
+        return min(self._host.watchdog_factor * self._least_watchdog, Register.BUS_WATCHDOG.field.upper)
 
     def _observe(self) -> Observation:
-        player, monitor, asked, stage = self._steering.player, self._monitor, self._requests, self.state.stage
-        settings, lasted = self._settings, self._clock - self._since
-        resting = stage is Stage.HOLD and lasted > settings.patience
+        player, monitor, requests, stage = self._steering.player, self._monitor, self._requests, self.state.stage
+        settings, elapsed = self._settings, self._clock - self._since
+        resting = stage is Stage.HOLD and elapsed > settings.patience
         patience = settings.consent if self.state.paused else settings.patience
         waits = (stage is Stage.HOLD or not monitor.answering) and not self.state.stopped
-        vain = waits and lasted > patience
-        enough = DONE if stage in MOVING or asked.ended else settings.lead - DONE
+        has_waited = waits and elapsed > patience
+        enough = END_TOLERANCE if stage in MOVING_STAGES or requests.ended else settings.lead - END_TOLERANCE
         return Observation(
             energised=monitor.any_energised,
             answering=monitor.answering,
             well=monitor.well and self._procedure is None,
             limp=monitor.any_limp,
             begun=player.begun,
-            due=not asked.alone and player.left > enough,
-            ended=asked.alone or (asked.ended and (player.left <= DONE or vain)),
-            alone=asked.alone,
-            release=asked.release,
+            due=not requests.alone and player.left > enough,
+            ended=requests.alone or (requests.ended and (player.left <= END_TOLERANCE or has_waited)),
+            alone=requests.alone,
+            release=requests.release,
             weak=monitor.weak,
             raised=bool(monitor.raised.any()),
-            confirmed=asked.confirmed,
+            confirmed=requests.confirmed,
             interrupted=self._interruptions.interrupted,
             still=player.still,
             reached=player.reached and self._steering.arrived,
             idle=resting,
-            hopeless=stage is Stage.LOST and self._interruptions.unwell > settings.hopeless,
-            policy=asked.policy(settings.policy),
+            hopeless=stage is Stage.LOST and self._interruptions.fault_duration > settings.hopeless,
+            policy=requests.policy(settings.policy),
         )
 
     def _detect_events(self) -> tuple[Event, ...]:
@@ -203,17 +201,17 @@ class Supervisor:
         return (*events, *failures, "tick")
 
     def _advance(self, event: Event) -> None:
-        """Lets the state machine see an event, and begins what it asks for."""
+        """Pass an event to the state machine, and begin its actions."""
         before = self.state
         if event == "resumed":
-            self._interruptions.note_consent()
+            self._interruptions.note_resume()
         self.state, actions = step(self.state, event, self._observe())
         if self.state.stage is not before.stage:
             self._since = self._clock
             self._note("stage", f"{before.stage.value} -> {self.state.stage.value} ({event})")
         if self.state.paused and not before.paused and event != "estop" and not self.state.faulty:
-            why = self._interruptions.describe(self._monitor.trouble())
-            self._note("paused", f"{why}; nothing goes on before somebody consents")
+            cause = self._interruptions.describe(self._monitor.trouble())
+            self._note("paused", f"{cause}; the performance waits for consent")
         for action in actions:
             self._perform(action)
 
@@ -239,10 +237,10 @@ class Supervisor:
         elif action == "close":
             self._close()
 
-    def _try(self, deed: Callable[[], None]) -> None:
-        """Does something that takes its time, while nothing moves."""
+    def _try(self, operation: Callable[[], None]) -> None:
+        """Run a slow operation while nothing moves, and report its outcome."""
         try:
-            deed()
+            operation()
         except BusError as error:
             for line in str(error).splitlines():
                 self._note("refused", line)
@@ -251,21 +249,22 @@ class Supervisor:
             self._advance("done")
 
     def _check(self) -> None:
-        axes, self._tables = take_over(self.manifest, self._around.opens, period=WIRE_SHARE * self._settings.period)
+        period = WIRE_TIME_FRACTION * self._settings.period
+        axes, self._tables = take_over(self.manifest, self._context.opens, period=period)
         self._axes, self._monitor = axes, CommunicationMonitor(self.manifest, self._tables)
-        self._around.announce()
-        for _ in range(LOOKS):
+        self._context.announce()
+        for _ in range(CHECK_CYCLES):
             self._look(axes, None, self._settings.period)
             if self._monitor.answering:
                 return
-        silent = ", ".join(axes.where(k) for k in np.flatnonzero(~self._monitor.answered).tolist())
+        silent = ", ".join(axes.label(k) for k in np.flatnonzero(~self._monitor.answered).tolist())
         raise BusError(f"{silent}: answers too rarely; check plugs, cable length and latency timer")
 
     def _configure(self) -> None:
         if self._axes is not None:
             for change in configure(self._axes, self._tables):
                 self._note("configured", f"{change.register.name}: {change.before} -> {change.after}", change.servo)
-            self._tables = control_tables(self._axes)
+            self._tables = read_tables(self._axes)
             self._clock = self._axes.now()
 
     def _begin(self, action: Action) -> None:
@@ -274,12 +273,12 @@ class Supervisor:
             return
         power = np.array([table[Register.PWM_LIMIT] for table in self._tables], dtype=np.int64)
         self._steering.hold()
-        self._concerned = list(axes.everybody)
+        self._members = list(axes.all_places)
         if action == "arm":
-            self._concerned = np.flatnonzero(self._monitor.limp).tolist()
-            self._steering.take_back(self._concerned)
-            steps = round(RAMP / self._settings.period)
-            self._procedure = energise(axes, self._concerned, last, power, watchdog=self._watchdog, steps=steps)
+            self._members = np.flatnonzero(self._monitor.limp).tolist()
+            self._steering.take_back(self._members)
+            steps = round(POWER_RAMP_TIME / self._settings.period)
+            self._procedure = energise(axes, self._members, last, power, watchdog=self._watchdog, steps=steps)
         elif action == "identify":
             self._procedure = identify(axes, self._tables, watchdog=self._watchdog)
         elif action == "adopt":
@@ -292,14 +291,14 @@ class Supervisor:
         self._proceed(first=True)
 
     def _proceed(self, *, first: bool = False) -> None:
-        """Lets the procedure see the last cycle, and say what it wants of the next."""
+        """Advance the running torque procedure with the records of the last cycle."""
         procedure = self._procedure
         if procedure is None or self._last is None:
             return
         try:
             goals = next(procedure) if first else procedure.send(self._last)
             if goals is not None:
-                self._steering.put(self._concerned, goals)
+                self._steering.put(self._members, goals)
         except StopIteration:
             self._procedure = None
             self._advance("done")

@@ -1,7 +1,7 @@
-"""Gives and takes torque by procedures that live through cycles, so that nothing else has to wait for them.
+"""Procedures that switch torque on and off over several cycles.
 
-Each is a generator: it yields the goals of its servos for the next cycle, gets the snapshot of that cycle, and returns
-when it is done.
+Each is a generator: it yields the goals of its servos for the next cycle, receives the snapshot of that cycle, and
+returns when it is done. Other servos need not wait for it.
 """
 
 from collections.abc import Generator, Sequence
@@ -10,153 +10,163 @@ from math import ceil
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.protocol.registers import WATCHDOG, Register
+from kinesic.hardware.protocol.registers import WATCHDOG_UNIT, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot, fold_turns
-from kinesic.hardware.supervisor.goal_limits import LEAD
+from kinesic.hardware.supervisor.goal_limits import MAX_LEAD_RATIO
 
-TRIES = 25  # cycles that a step may take
-AGAIN = 5  # cycles after which torque is asked for once more
-SETTLING = 200  # cycles in which limp servos must come to stand still
-STILL = 1.0  # [ticks] that a limp servo may have moved between reading and torque
-LOW = 0.1  # share of the PWM limit that torque begins with
-RAMP = 0.3  # [s] until it has all of it
+STEP_CYCLES = 25  # Largest number of cycles for each step of switching torque on or off
+REPEAT_CYCLES = 5  # Cycles between repeated commands to switch torque on
+MAX_SETTLING_CYCLES = 200  # Cycles within which servos without torque must come to rest
+STILL_TOLERANCE = 1.0  # [ticks] largest servo motion between reading its position and switching torque on
+INITIAL_POWER = 0.1  # Initial PWM / PWM limit when torque is switched on
+POWER_RAMP_TIME = 0.3  # [s] duration of the ramp from initial to full power
 
-Procedure = Generator[Floats | None, Snapshot, None]  # goals [ticks] of its servos; None: as they are
+Procedure = Generator[Floats | None, Snapshot, None]  # goals [ticks] of its servos; None: unchanged
 
 
 def watchdog_counts(seconds: float) -> int:
-    """Converts a time [s] to BUS_WATCHDOG."""
-    return ceil(seconds / WATCHDOG - 1e-9)
+    """Convert a time [s] to a value of BUS_WATCHDOG."""
+    return ceil(seconds / WATCHDOG_UNIT - 1e-9)
 
 
 def energise(
     axes: Axes, places: Sequence[int], first: Snapshot, power: Ticks, *, watchdog: int, steps: int
 ) -> Procedure:
-    """Gives torque to limp servos where they are: goal = present, read back, low power first.
+    """Switch torque on at the present positions.
+
+    The goal is set to the present position and read back, and power is ramped up.
 
     Args:
         axes: all servos.
-        places: who is armed.
-        first: the last cycle.
-        power: (m,) GOAL_PWM of full power.
-        watchdog: BUS_WATCHDOG.
-        steps: cycles until all power is there.
+        places: indices of the servos.
+        first: last cycle.
+        power: (m,) GOAL_PWM at full power.
+        watchdog: value of BUS_WATCHDOG.
+        steps: cycles until full power.
 
     Raises:
-        BusError: a servo does not keep still, does not take its goal, or its torque does not come; none of them has
-            torque then.
+        BusError: a servo moves, does not take its goal, or gets no torque; then none of them has torque.
     """
     chosen = list(places)
     axes.put_all(Register.BUS_WATCHDOG, chosen, 0)
-    _put_passing(axes, chosen)
-    axes.put(Register.GOAL_PWM, {k: round(LOW * power[k]) for k in chosen})
+    _put_ram_values(axes, chosen)
+    axes.put(Register.GOAL_PWM, {k: round(INITIAL_POWER * power[k]) for k in chosen})
     goals, since = fold_turns(first.positions[chosen]), first.time
     confirmed = False
-    for _ in range(SETTLING):
+    for _ in range(MAX_SETTLING_CYCLES):
         snapshot = yield goals
         here, since, before = fold_turns(snapshot.positions[chosen]), snapshot.time, since
-        if (snapshot.times[chosen] < before).any() or float(np.abs(here - goals).max(initial=0.0)) > STILL:
+        if (snapshot.times[chosen] < before).any() or float(np.abs(here - goals).max(initial=0.0)) > STILL_TOLERANCE:
             goals, confirmed = here, False
         elif confirmed:
             break
         else:
             confirmed = all(_has_taken(axes, k, goal) for k, goal in zip(chosen, goals, strict=True))
             if not confirmed:
-                _put_passing(axes, chosen)
+                _put_ram_values(axes, chosen)
     else:
-        names = ", ".join(axes.where(k) for k in chosen)
-        raise BusError(f"{names}: some of them move, or do not take their goals; they stay limp")
+        names = ", ".join(axes.label(k) for k in chosen)
+        raise BusError(f"{names}: some of them move or do not take their goals; torque stays off")
     axes.put_all(Register.BUS_WATCHDOG, chosen, watchdog)
     yield from _switch_on(axes, chosen, goals)
-    for share in np.linspace(LOW, 1.0, steps + 1)[1:].tolist():
-        axes.put(Register.GOAL_PWM, {k: round(share * power[k]) for k in chosen})
+    for power_ratio in np.linspace(INITIAL_POWER, 1.0, steps + 1)[1:].tolist():
+        axes.put(Register.GOAL_PWM, {k: round(power_ratio * power[k]) for k in chosen})
         yield goals
 
 
 def _switch_on(axes: Axes, chosen: list[int], goals: Floats) -> Procedure:
-    """Switches torque on, and asks again whoever may not have heard it and has not moved since; or none gets it."""
-    dark, denials, since = list(chosen), 0, axes.now()
-    for cycle in range(SETTLING):
-        if cycle % AGAIN == 0:
-            axes.put_all(Register.TORQUE_ENABLE, dark, 1)
+    """Switch torque on for all of the servos or none.
+
+    The command is repeated for servos that may have missed it and have not moved since.
+    """
+    unpowered, denials, since = list(chosen), 0, axes.now()
+    for cycle in range(MAX_SETTLING_CYCLES):
+        if cycle % REPEAT_CYCLES == 0:
+            axes.put_all(Register.TORQUE_ENABLE, unpowered, 1)
         snapshot = yield goals
         waiting = ~snapshot.torque[chosen]
         if not waiting.any():
             return
-        denials += bool((waiting & (snapshot.times[chosen] > since)).any())  # a late host may have heard nobody
-        if denials == TRIES:
+        denials += bool((waiting & (snapshot.times[chosen] > since)).any())  # a late host may have received no records
+        if denials == STEP_CYCLES:
             break
-        still = np.abs(fold_turns(snapshot.positions[chosen]) - goals) <= STILL
-        dark, since = [chosen[k] for k in np.flatnonzero(waiting & still)], snapshot.time
-    where = axes.where(chosen[int(np.flatnonzero(waiting)[0])])
+        still = np.abs(fold_turns(snapshot.positions[chosen]) - goals) <= STILL_TOLERANCE
+        unpowered, since = [chosen[k] for k in np.flatnonzero(waiting & still)], snapshot.time
+    where = axes.label(chosen[int(np.flatnonzero(waiting)[0])])
     axes.put_all(Register.TORQUE_ENABLE, chosen, 0)
     yield goals
     raise BusError(f"{where}: torque does not come on; has it shut down?")
 
 
 def adopt(axes: Axes, first: Snapshot, earlier: Floats, power: Ticks, *, watchdog: int) -> Procedure:
-    """Takes servos over that have torque, where they are, without dropping it.
+    """Take over servos with torque at their positions, without dropping torque.
 
     Args:
         axes: all servos.
-        first: the last cycle.
-        earlier: (m,) [ticks] goals that they had; those who were stopped get the place where they stopped.
-        power: (m,) GOAL_PWM of full power.
-        watchdog: BUS_WATCHDOG.
+        first: last cycle.
+        earlier: (m,) [ticks] their goals; stopped servos get their position as goal.
+        power: (m,) GOAL_PWM at full power.
+        watchdog: value of BUS_WATCHDOG.
 
     Raises:
-        BusError: a servo does not let itself be adopted.
+        BusError: a servo does not take its watchdog, gains or profile.
     """
     snapshot = first
-    for _ in range(TRIES):
+    for _ in range(STEP_CYCLES):
         if snapshot.recent.all():
             break
         snapshot = yield None
-    away = snapshot.tripped | ~snapshot.torque | (np.abs(earlier - snapshot.positions) > LEAD * axes.manifest.full)
+    away = (
+        snapshot.tripped
+        | ~snapshot.torque
+        | (np.abs(earlier - snapshot.positions) > MAX_LEAD_RATIO * axes.manifest.full)
+    )
     goals = np.clip(np.where(away, snapshot.positions, earlier), *axes.manifest.spans)
     chosen = np.flatnonzero(snapshot.torque & snapshot.recent).tolist()
-    axes.put_all(Register.BUS_WATCHDOG, chosen, 0)  # a servo that was stopped takes goals again
+    axes.put_all(Register.BUS_WATCHDOG, chosen, 0)  # clears a tripped watchdog, so that the servo takes goals again
     yield goals
-    _put_passing(axes, chosen)
+    _put_ram_values(axes, chosen)
     axes.put(Register.GOAL_PWM, {k: int(power[k]) for k in chosen})
     late, denials, since = chosen, 0, axes.now()
-    for _ in range(SETTLING):
+    for _ in range(MAX_SETTLING_CYCLES):
         axes.put_all(Register.BUS_WATCHDOG, late, 0)
         axes.put_all(Register.BUS_WATCHDOG, late, watchdog)
         snapshot = yield goals
         late = [k for k in late if snapshot.records["watchdog"][k] != watchdog and snapshot.torque[k]]
-        denials += bool((snapshot.times[late] > since).any())  # a late host may have heard nobody
+        denials += bool((snapshot.times[late] > since).any())  # a late host may have received no records
         since = snapshot.time
-        if not late or denials == TRIES:
+        if not late or denials == STEP_CYCLES:
             break
     if late:
-        raise BusError(f"{axes.where(late[0])}: its bus watchdog does not come on")
-    for k in chosen:  # one a cycle, as all have torque
-        for _ in range(TRIES):
+        raise BusError(f"{axes.label(late[0])}: its bus watchdog does not come on")
+    for k in chosen:  # one servo per cycle, because all have torque
+        for _ in range(STEP_CYCLES):
             if _has_taken(axes, k) or not snapshot.torque[k]:
                 break
-            _put_passing(axes, [k])
+            _put_ram_values(axes, [k])
             snapshot = yield goals
         else:
-            raise BusError(f"{axes.where(k)}: does not take its gains and profile")
+            raise BusError(f"{axes.label(k)}: does not take its gains and profile")
         snapshot = yield goals
 
 
 def release_torque(axes: Axes, *, tries: int) -> Procedure:
-    """Takes the torque of every servo, and checks that it is gone; no servo is left out because of another.
+    """Switch torque off on every servo, and verify it.
+
+    A silent servo does not delay the others.
 
     Args:
         axes: all servos.
-        tries: cycles to wait for those who do not answer.
+        tries: cycles to wait for silent servos.
 
     Raises:
-        BusError: it is not sure of some that they have no torque.
+        BusError: some servos may still have torque.
     """
-    gone, since = np.zeros(len(axes.everybody), dtype=np.bool_), axes.now()
+    gone, since = np.zeros(len(axes.all_places), dtype=np.bool_), axes.now()
     for _ in range(tries):
-        remaining = [k for k in axes.everybody if not gone[k]]
+        remaining = [k for k in axes.all_places if not gone[k]]
         for _ in range(2):
             axes.put_all(Register.TORQUE_ENABLE, remaining, 0)
         axes.put_all(Register.BUS_WATCHDOG, remaining, 0)
@@ -164,30 +174,35 @@ def release_torque(axes: Axes, *, tries: int) -> Procedure:
         gone |= (snapshot.times >= since) & ~snapshot.torque
         if gone.all():
             return
-    names = ", ".join(axes.where(k) for k in axes.everybody if not gone[k])
+    names = ", ".join(axes.label(k) for k in axes.all_places if not gone[k])
     raise BusError(f"{names}: may still have torque; switch the power off")
 
 
 def keep_watchdogs(axes: Axes, snapshot: Snapshot, watchdog: int) -> None:
-    """Sets BUS_WATCHDOG of servos with torque where it is another; one that has stopped its servo stays."""
-    told = snapshot.records["watchdog"]
+    """Restore BUS_WATCHDOG of servos with torque.
+
+    A watchdog that has stopped its servo is left alone.
+    """
+    watchdogs = snapshot.records["watchdog"]
     axes.put_all(
-        Register.BUS_WATCHDOG, np.flatnonzero(snapshot.torque & (told > 0) & (told != watchdog)).tolist(), watchdog
+        Register.BUS_WATCHDOG,
+        np.flatnonzero(snapshot.torque & (watchdogs > 0) & (watchdogs != watchdog)).tolist(),
+        watchdog,
     )
 
 
-def _put_passing(axes: Axes, places: Sequence[int]) -> None:
+def _put_ram_values(axes: Axes, places: Sequence[int]) -> None:
     members = axes.manifest.members
-    for register in members[places[0]].passing if places else ():
-        axes.put(register, {k: members[k].passing[register] for k in places})
+    for register in members[places[0]].ram_values if places else ():
+        axes.put(register, {k: members[k].ram_values[register] for k in places})
 
 
 def _has_taken(axes: Axes, place: int, goal: float | None = None) -> bool:
-    """Whether a servo holds what it must while it has torque, and a goal if one is given."""
-    wishes = {**axes.manifest.members[place].passing}
+    """Return whether a servo has stored its required RAM values and goal."""
+    required = {**axes.manifest.members[place].ram_values}
     if goal is not None:
-        wishes[Register.GOAL_POSITION] = round(goal)
+        required[Register.GOAL_POSITION] = round(goal)
     try:
-        return axes.read(place, wishes) == wishes
+        return axes.read(place, required) == required
     except BusError:
         return False

@@ -1,1 +1,1 @@
-"""What people do with servos by hand: looking, releasing, calibrating, finding what is wrong."""
+"""Manual operations on servos: survey, release, calibration and diagnosis."""

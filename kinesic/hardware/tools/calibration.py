@@ -1,7 +1,8 @@
-"""Calibrates a robot that is moved by hand: where zero is, which way each servo turns, how far it goes.
+"""Calibration of a robot that is moved by hand.
 
-First the robot is held in its zero posture: that gives the zeros. Then every hinge is turned, the positive way first:
-that gives the directions; and through all its range: where that ends short of the robot's file, the range is narrowed.
+First the robot is held in its zero posture, which gives the zeros. Then every hinge is turned, in positive direction
+first, which gives the directions, and through its full range: where a hinge stops before the end of its range in the
+robot's file, the range is narrowed.
 """
 
 import json
@@ -18,84 +19,94 @@ from kinesic.body.servo import TICKS_PER_RADIAN, TICKS_PER_TURN
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
 
-FIRST = np.radians(8.0)  # [rad] of a hinge by which its first way is seen
-SHORT = np.radians(3.0)  # [rad] by which a hand may miss a stop
-LEAST = 0.6  # share of a range that must be seen before its end is believed to be a stop
-TANDEM = 12  # [ticks] that the servos of one hinge may stand apart
+DIRECTION_THRESHOLD = np.radians(8.0)  # [rad] rotation of a hinge that shows its first direction
+STOP_TOLERANCE = np.radians(3.0)  # [rad] largest error of a person who moves a hinge to its mechanical stop
+MIN_RANGE_FRACTION = 0.6  # Fraction of the range that must be reached before its end counts as a stop
+MAX_TANDEM_OFFSET = 12  # [ticks] largest position difference between the servos of one hinge
 
-Ways = NDArray[np.int64]
-WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))  # x, y, z of the robot
-CLEAR = 0.5  # share of the lever that must move for the words to be about the part itself
-FRONT, TOP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+Signs = NDArray[np.int64]
+DIRECTION_WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))  # along +-x, +-y, +-z
+MIN_MOTION_RATIO = 0.5  # Tip motion / lever length above which the words describe the segment's motion
+FORWARD_AXIS = np.array([1.0, 0.0, 0.0])  # Unit vector forward in the world
+UP_AXIS = np.array([0.0, 0.0, 1.0])  # Unit vector upward in the world
 
 
 @dataclass(frozen=True, eq=False)
 class Travel:
-    """How each servo has been turned since the zero posture, by members of the manifest."""
+    """Range and direction of each servo's motion since the zero posture.
 
-    zeros: Ticks  # (m,) [ticks], of any turn
-    here: Ticks  # (m,) [ticks] from zero
-    least: Ticks  # (m,) [ticks] from zero
-    most: Ticks  # (m,) [ticks] from zero
-    ways: Ways  # (m,) the sign of the first turn; 0: not turned yet
+    Arrays are in manifest order.
+    """
+
+    zeros: Ticks  # (m,) [ticks] zero positions, in any turn
+    present: Ticks  # (m,) [ticks] present positions from zero
+    lowest: Ticks  # (m,) [ticks] lowest positions from zero
+    highest: Ticks  # (m,) [ticks] highest positions from zero
+    directions: Signs  # (m,) sign of the first rotation; 0: not rotated yet
 
     @classmethod
     def begin(cls, positions: Ticks) -> "Travel":
-        """Begins in the zero posture, at (m,) [ticks]."""
+        """Start recording in the zero posture, at positions (m,) [ticks]."""
         nothing = np.zeros(len(positions), dtype=np.int64)
         return cls(positions.copy(), nothing, nothing, nothing, nothing)
 
-    def seen(self, positions: Ticks, manifest: Manifest) -> "Travel":
-        """Adds one more look at (m,) positions [ticks], which count turns without torque."""
-        here = positions - self.zeros
-        far = np.abs(here) >= FIRST * TICKS_PER_RADIAN * reductions(manifest)
+    def with_positions(self, positions: Ticks, manifest: Manifest) -> "Travel":
+        """Update the motion ranges with measured positions (m,) [ticks]."""
+        present = positions - self.zeros
+        far = np.abs(present) >= DIRECTION_THRESHOLD * TICKS_PER_RADIAN * reductions(manifest)
         return replace(
             self,
-            here=here,
-            least=np.minimum(self.least, here),
-            most=np.maximum(self.most, here),
-            ways=np.where((self.ways == 0) & far, np.sign(here), self.ways),
+            present=present,
+            lowest=np.minimum(self.lowest, present),
+            highest=np.maximum(self.highest, present),
+            directions=np.where((self.directions == 0) & far, np.sign(present), self.directions),
         )
 
 
 @dataclass(frozen=True)
 class HingeCalibration:
-    """What is known of one hinge, in degrees of the hinge."""
+    """Measurements of one hinge, in degrees of the hinge."""
 
     hinge: str
     ids: tuple[int, ...]
     zero_ticks: int
-    way: int  # 1: as the hinge, -1: against it, 0: not seen
-    here: float
-    least: float
-    most: float
-    lower: float  # of the robot's file
-    upper: float
+    direction: int  # 1: servo and hinge rotate alike, -1: opposite, 0: unknown
+    present: float
+    lowest: float
+    highest: float
+    lower: float  # lower limit in the robot's file
+    upper: float  # upper limit in the robot's file
 
     @property
-    def whole(self) -> bool:
-        """Whether it was turned through all its range."""
-        short = float(np.degrees(SHORT))
-        return self.way != 0 and self.least <= self.lower + short and self.most >= self.upper - short
+    def is_whole(self) -> bool:
+        """Whether the hinge was turned through its whole configured range."""
+        short = float(np.degrees(STOP_TOLERANCE))
+        return self.direction != 0 and self.lowest <= self.lower + short and self.highest >= self.upper - short
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """[deg] where it ended short of its file; None where it did not, or was not turned far enough to tell."""
-        width, short = self.upper - self.lower, float(np.degrees(SHORT))
-        if self.way == 0 or self.whole or self.most - self.least < LEAST * width:
+        """Measured range [deg] narrower than the configured one, or None.
+
+        None if the full range was reached, or too little of it was seen.
+        """
+        width, short = self.upper - self.lower, float(np.degrees(STOP_TOLERANCE))
+        if self.direction == 0 or self.is_whole or self.highest - self.lowest < MIN_RANGE_FRACTION * width:
             return None
-        least = self.lower if self.least <= self.lower + short else round(self.least, 1)
-        most = self.upper if self.most >= self.upper - short else round(self.most, 1)
-        return least, most
+        lowest = self.lower if self.lowest <= self.lower + short else round(self.lowest, 1)
+        highest = self.upper if self.highest >= self.upper - short else round(self.highest, 1)
+        return lowest, highest
 
 
 def reductions(manifest: Manifest) -> Floats:
-    """Returns (m,) servo turns per hinge turn, without sign."""
+    """Return unsigned servo revolutions per hinge revolution (m,)."""
     return sealed([abs(member.turns) for member in manifest.members])
 
 
-def marks(travel: Travel, manifest: Manifest, robot: Robot) -> tuple[HingeCalibration, ...]:
-    """Returns what is known of each hinge, in joint order; a tandem is judged by its first servo."""
+def measure_hinges(travel: Travel, manifest: Manifest, robot: Robot) -> tuple[HingeCalibration, ...]:
+    """Return the measurements of all hinges, in joint order.
+
+    The first servo of a tandem represents it.
+    """
     return tuple(_mark(joint, travel, manifest, robot) for joint in range(len(robot.skeleton.hinges)))
 
 
@@ -103,46 +114,45 @@ def _mark(joint: int, travel: Travel, manifest: Manifest, robot: Robot) -> Hinge
     places = [k for k, member in enumerate(manifest.members) if member.joint == joint]
     first, hinge = places[0], robot.skeleton.hinges[joint]
     member = manifest.members[first]
-    way = int(travel.ways[first])
-    sign = way or (1 if member.turns > 0 else -1)
+    direction = int(travel.directions[first])
+    sign = direction or (1 if member.turns > 0 else -1)
     scale = float(np.degrees(1.0 / (sign * abs(member.turns) * TICKS_PER_RADIAN)))
-    ends = sorted((float(travel.least[first]) * scale, float(travel.most[first]) * scale))
+    ends = sorted((float(travel.lowest[first]) * scale, float(travel.highest[first]) * scale))
     return HingeCalibration(
         hinge=hinge.name,
         ids=tuple(manifest.members[k].id for k in places),
         zero_ticks=int(travel.zeros[first]) % TICKS_PER_TURN,
-        way=way,
-        here=float(travel.here[first]) * scale,
-        least=ends[0],
-        most=ends[1],
+        direction=direction,
+        present=float(travel.present[first]) * scale,
+        lowest=ends[0],
+        highest=ends[1],
         lower=float(np.degrees(hinge.lower)),
         upper=float(np.degrees(hinge.upper)),
     )
 
 
 def calibration(travel: Travel, manifest: Manifest, robot: Robot, before: Calibration) -> Calibration:
-    """Makes the calibration of a robot from what was seen.
+    """Make the calibration of a robot from its measured travel.
 
     Args:
-        travel: all that was seen.
-        manifest: of the robot.
-        robot: as its file has it, without calibration.
-        before: from which hinges that were not turned keep their direction and range.
+        travel: measured motion.
+        manifest: servos of the robot.
+        robot: robot without calibration.
+        before: previous calibration, whose directions and ranges are kept for hinges that were not turned.
 
     Raises:
-        ConfigError: a range leaves the servo's turn, does not hold the rest posture, or a tandem disagrees; one line
-            each.
+        ConfigError: a range exceeds one servo turn or excludes the rest posture, or a tandem disagrees; one line each.
     """
-    found = marks(travel, manifest, robot)
-    known = {member.hinge: member.turns < 0 for member in manifest.members} | before.inverted
-    inverted = {mark.hinge: mark.way < 0 if mark.way else known[mark.hinge] for mark in found}
-    ranges = before.range_deg | {mark.hinge: mark.range for mark in found if mark.way}
-    lines = [line for mark in found if (line := _fault(mark, inverted[mark.hinge], travel, manifest, robot))]
+    hinges = measure_hinges(travel, manifest, robot)
+    inverted_before = {member.hinge: member.turns < 0 for member in manifest.members} | before.inverted
+    inverted = {mark.hinge: mark.direction < 0 if mark.direction else inverted_before[mark.hinge] for mark in hinges}
+    ranges = before.range_deg | {mark.hinge: mark.range for mark in hinges if mark.direction}
+    lines = [line for mark in hinges if (line := _fault(mark, inverted[mark.hinge], travel, manifest, robot))]
     if lines:
         raise ConfigError("\n".join(lines))
     return Calibration(
         robot=robot.name,
-        zero_ticks={mark.hinge: mark.zero_ticks for mark in found},
+        zero_ticks={mark.hinge: mark.zero_ticks for mark in hinges},
         inverted=inverted,
         range_deg={hinge: ends for hinge, ends in ranges.items() if ends is not None},
     )
@@ -152,60 +162,64 @@ def _fault(mark: HingeCalibration, inverted: bool, travel: Travel, manifest: Man
     where = f"{mark.hinge} (servo {', '.join(str(servo) for servo in mark.ids)})"
     lower, upper = mark.range or (mark.lower, mark.upper)
     places = [k for k, member in enumerate(manifest.members) if member.hinge == mark.hinge]
-    apart = np.ptp((travel.zeros[places] + TICKS_PER_TURN // 2 - mark.zero_ticks) % TICKS_PER_TURN)
-    if apart > TANDEM:
-        return f"{where}: its servos stand {apart} ticks apart; loosen one horn and set it as the other"
+    offset = np.ptp((travel.zeros[places] + TICKS_PER_TURN // 2 - mark.zero_ticks) % TICKS_PER_TURN)
+    if offset > MAX_TANDEM_OFFSET:
+        return f"{where}: its servos differ by {offset} ticks; loosen one horn and align it with the other"
     turns = abs(manifest.members[places[0]].turns) * (-1 if inverted else 1)
     ends = sorted(mark.zero_ticks + turns * TICKS_PER_TURN / 360.0 * angle for angle in (lower, upper))
     if ends[0] < 0 or ends[1] > TICKS_PER_TURN - 1:
-        need = f"{ends[0]:.0f}..{ends[1]:.0f} ticks"
-        return (
-            f"{where}: {lower:g}..{upper:g} deg would be {need}, beyond one turn; set its horn on anew, nearer to 2048"
-        )
+        needed = f"{ends[0]:.0f}..{ends[1]:.0f} ticks"
+        return f"{where}: {lower:g}..{upper:g} deg would be {needed}, beyond one turn; remount its horn nearer to 2048"
     rest = float(np.degrees(robot.skeleton.hinges[robot.skeleton.joint(mark.hinge)].rest))
     if not lower <= rest <= upper:
-        goes = f"goes {lower:g}..{upper:g} deg"
-        return f"{where}: {goes}, which does not hold its rest of {rest:g} deg; free it, or change [rest]"
+        range_text = f"goes {lower:g}..{upper:g} deg"
+        return f"{where}: {range_text}, which excludes its rest of {rest:g} deg; free it, or change [rest]"
     return ""
 
 
-def calibration_text(found: Calibration, robot: Robot) -> str:
-    """Writes the TOML of a calibration."""
+def calibration_text(measured: Calibration, robot: Robot) -> str:
+    """Return a calibration as TOML text."""
     lines = [
-        f"# Written by `kinesic servos calibrate`; laid over {robot.path.name} by the names of hinges.",
-        f"robot = {json.dumps(found.robot)}",
+        f"# Written by `kinesic servos calibrate`; overrides {robot.path.name} by hinge name.",
+        f"robot = {json.dumps(measured.robot)}",
         "",
-        "[zero_ticks]  # where the servo stands when the hinge's angle is 0",
-        *(f"{json.dumps(hinge)} = {ticks}" for hinge, ticks in found.zero_ticks.items()),
+        "[zero_ticks]  # servo position at hinge angle 0",
+        *(f"{json.dumps(hinge)} = {ticks}" for hinge, ticks in measured.zero_ticks.items()),
         "",
-        "[inverted]  # whether the servo turns against the hinge",
-        *(f"{json.dumps(hinge)} = {json.dumps(inverted)}" for hinge, inverted in found.inverted.items()),
+        "[inverted]  # whether servo and hinge rotate in opposite directions",
+        *(f"{json.dumps(hinge)} = {json.dumps(inverted)}" for hinge, inverted in measured.inverted.items()),
     ]
-    if found.range_deg:
-        lines += ["", "[range_deg]  # where the hinge ends short of the robot's file"]
-        lines += [f"{json.dumps(hinge)} = [{least:g}, {most:g}]" for hinge, (least, most) in found.range_deg.items()]
+    if measured.range_deg:
+        lines += ["", "[range_deg]  # measured ranges smaller than those of the robot's file"]
+        lines += [
+            f"{json.dumps(hinge)} = [{lowest:g}, {highest:g}]"
+            for hinge, (lowest, highest) in measured.range_deg.items()
+        ]
     return "\n".join(lines) + "\n"
 
 
-def positive_way(robot: Robot, joint: int) -> str:
-    """Says what moves, and where to, when a hinge of the zero posture turns the positive way."""
+def describe_positive_direction(robot: Robot, joint: int) -> str:
+    """Describe the motion of a hinge in positive direction.
+
+    The motion begins in the zero posture.
+    """
     skeleton = robot.skeleton
     hinge = skeleton.hinges[joint]
-    straight = skeleton.straight
+    zero_frames = skeleton.zero_frames
     segment = skeleton.segment(hinge.segment)
-    axis = straight.rotations[segment] @ hinge.axis
-    lever = _tip(robot, hinge.segment) - straight.origins[segment]
+    axis = zero_frames.rotations[segment] @ hinge.axis
+    lever = _tip(robot, hinge.segment) - zero_frames.origins[segment]
     moved = np.cross(axis, lever)
-    if np.linalg.norm(moved) > CLEAR * np.linalg.norm(lever):
+    if np.linalg.norm(moved) > MIN_MOTION_RATIO * np.linalg.norm(lever):
         return f"{hinge.segment} goes {_word(moved)}"
-    if abs(axis @ FRONT) > CLEAR:
-        return f"the top of {hinge.segment} turns {_word(np.cross(axis, TOP))}"
-    return f"the front of {hinge.segment} turns {_word(np.cross(axis, FRONT))}"
+    if abs(axis @ FORWARD_AXIS) > MIN_MOTION_RATIO:
+        return f"the top of {hinge.segment} turns {_word(np.cross(axis, UP_AXIS))}"
+    return f"the front of {hinge.segment} turns {_word(np.cross(axis, FORWARD_AXIS))}"
 
 
 def _tip(robot: Robot, name: str) -> Floats:
-    """(3,) [m] the middle of a segment's own capsules, in the world."""
-    skeleton, frames = robot.skeleton, robot.skeleton.straight
+    """Return the centre (3,) [m] of the capsules of a segment."""
+    skeleton, frames = robot.skeleton, robot.skeleton.zero_frames
     k = skeleton.segment(name)
     ends = [end for capsule in skeleton.segments[k].capsules for end in (capsule.start, capsule.end)]
     middle = np.mean(ends, axis=0) if ends else np.zeros(3)
@@ -214,4 +228,4 @@ def _tip(robot: Robot, name: str) -> Floats:
 
 def _word(direction: Floats) -> str:
     k = int(np.abs(direction).argmax())
-    return WORDS[k][int(direction[k] < 0)]
+    return DIRECTION_WORDS[k][int(direction[k] < 0)]

@@ -1,1 +1,1 @@
-"""Servos that exist only on a wire: registers, protocol, timing, faults, and a physics to turn their shafts."""
+"""Virtual servos: registers, protocol, timing, faults and motor physics."""

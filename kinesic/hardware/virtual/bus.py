@@ -1,9 +1,10 @@
-"""Simulates a half-duplex wire with virtual servos on it: bytes and their times in, bytes and their times out.
+"""Half-duplex wire with virtual servos.
 
-The clock is the caller's, so that time may be real or virtual. Bytes take ten bits each; the host's adapter hands on
-what it has when `PIECE` bytes are full, or when its latency timer has run since it did so last (FTDI, AN232B-04); the
-last ones wait for the whole timer. Who talks into a reply spoils both: the servos do not understand the packet, and the
-adapter does not hear what they say meanwhile.
+It takes bytes with their send times and returns bytes with their arrival times. The caller owns the clock, so time may
+be real or virtual. A byte takes ten bits; the host's adapter delivers bytes once `USB_PACKET_SIZE` of them are there,
+or when its latency timer has run since the last delivery (FTDI, AN232B-04); the last bytes wait for the full timer. A
+host that transmits during a reply destroys both: the servos do not understand the packet, and the adapter does not
+receive the overlapped part of the reply.
 """
 
 from collections import deque
@@ -11,19 +12,19 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import NamedTuple
 
-from kinesic.hardware.protocol.packet import HEADER, Packet, Reader
+from kinesic.hardware.protocol.packet import PACKET_HEADER, Packet, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, Transmission, WireFaults
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, Transmission, WireFaults
 from kinesic.hardware.virtual.protocol import answers, obey_aliases
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 
-PIECE = 62  # [bytes] of one USB packet of a common adapter
-LATENCY = 0.001  # [s] of its timer, set low as it should be
+USB_PACKET_SIZE = 62  # [bytes] payload of a USB packet of a common adapter
+ADAPTER_LATENCY = 0.001  # [s] latency timer of the adapter in its recommended setting
 
 
 class VirtualBus:
-    """A wire whose servos hear everything that is said on it."""
+    """Wire whose servos receive everything that is sent on it."""
 
     def __init__(
         self,
@@ -31,104 +32,111 @@ class VirtualBus:
         servos: Sequence[VirtualServo],
         *,
         baud: int,
-        latency: float = LATENCY,
-        faults: FaultPlan = CALM,
+        latency: float = ADAPTER_LATENCY,
+        faults: FaultPlan = NO_FAULTS,
     ) -> None:
-        """Connects servos of a plant.
+        """Connect servos of a plant to a wire.
 
         Args:
-            plant: moves them through time.
-            servos: on this wire.
-            baud: [bit/s] that the host talks.
+            plant: simulation of all servos.
+            servos: servos on this wire.
+            baud: [bit/s] of the host.
             latency: [s] of the adapter's timer.
-            faults: of this wire and its servos.
+            faults: faults of this wire and its servos.
         """
         self.baud = baud
         self._plant, self._servos = plant, tuple(servos)
         self._latency = latency
         self._reader = Reader()
-        self._said = self._answered = plant.time  # [s] when host and servos have said all
-        self._coming: deque[Piece] = deque()  # to the host
+        self._sent_until = self._replied_until = plant.time  # [s] end of the transmissions of host and servos
+        self._coming: deque[Burst] = deque()  # bursts in transit to the host
         self.expose(faults)
 
     def expose(self, faults: FaultPlan) -> None:
-        """Exposes the wire and its servos to faults from now on; those of the wire replace earlier ones."""
+        """Simulate the faults of a plan from now on.
+
+        Wire faults replace the earlier ones.
+        """
         now = self._plant.time
         self._wire_faults = WireFaults(faults, since=now)
         self._outages = [(now + fault.start, now + fault.end) for fault in faults.of(frozenset({"unplug"}))]
         self._plant.expose(self._servos, faults)
 
     def plugged(self, time: float) -> bool:
-        """Returns whether the adapter is there at a time [s]."""
+        """Return whether the adapter is plugged in at a time [s]."""
         return not any(start <= time < end for start, end in self._outages)
 
     def next_outage(self, time: float) -> float:
-        """Returns when [s] the adapter is pulled next; infinite if it stays."""
+        """Return the time [s] of the adapter's next unplugging, or infinity."""
         return min((start for start, _ in self._outages if start > time), default=inf)
 
     def unplug(self) -> None:
-        """Forgets everything that is under way."""
+        """Discard all bytes in transit when the adapter is unplugged."""
         self._coming.clear()
         self._reader.clear()
 
     def advance(self, time: float) -> None:
-        """Lets time pass for the servos [s]."""
+        """Advance the servos to a time [s]."""
         self._plant.advance(time)
 
     def send(self, data: bytes | bytearray, time: float) -> None:
-        """Takes what the host sends.
+        """Transmit bytes of the host.
 
         Args:
-            data: its bytes.
-            time: [s] when it hands them over.
+            data: the bytes.
+            time: [s] when the host passes them on.
         """
         byte = BITS_PER_BYTE / self.baud
-        clock = max(time, self._said)
+        clock = max(time, self._sent_until)
         for part in _parts(bytes(data)):
             begun, clock = clock, clock + byte * len(part)
-            if begun < self._answered:
+            if begun < self._replied_until:
                 self._collide(begun, clock)
                 continue
             for packet in self._reader.feed(self._wire_faults.request(part, clock)):
-                self._answered = self._answer(packet, clock, byte)
-        self._said = clock
+                self._replied_until = self._answer(packet, clock, byte)
+        self._sent_until = clock
 
     def arrives(self) -> float:
-        """Returns when [s] the host gets the next bytes; infinite if none are under way."""
+        """Return the time [s] at which the next bytes arrive, or infinity."""
         return self._coming[0].arrival if self._coming else inf
 
     def receive(self, time: float) -> bytes:
-        """Returns all that the host has got by a time [s]."""
-        coming, had = self._coming, bytearray()
+        """Return all bytes that have arrived by a time [s]."""
+        coming, received = self._coming, bytearray()
         while coming and coming[0].arrival <= time:
-            had += coming.popleft().data
-        return bytes(had)
+            received += coming.popleft().data
+        return bytes(received)
 
     def _collide(self, begun: float, ended: float) -> None:
-        """The host talks while servos do: nobody hears what is said meanwhile."""
+        """Drop all bytes of overlapping transmissions."""
         self._reader.clear()
-        spoilt = (piece.without(begun, ended) for piece in self._coming)
-        self._coming = deque(piece for piece in spoilt if piece.data)
+        remaining = (piece.without(begun, ended) for piece in self._coming)
+        self._coming = deque(piece for piece in remaining if piece.data)
 
     def _answer(self, packet: Packet, clock: float, byte: float) -> float:
-        """Lets the servos obey and answer; the time [s] when the wire is silent again."""
+        """Execute a packet on the servos.
+
+        Returns the end [s] of their replies.
+        """
         self._plant.advance(clock)
         hearing: dict[int, list[VirtualServo]] = {}
         aliases: dict[int, list[VirtualServo]] = {}
         for servo in self._servos:
-            if servo.electronics.up and servo.baud == self.baud:
+            baud, id, alias = servo.station
+            if baud == self.baud and servo.electronics.up:
                 servo.electronics.hear(clock)
-                hearing.setdefault(servo.id, []).append(servo)
-                if servo.alias is not None:
-                    aliases.setdefault(servo.alias, []).append(servo)
+                hearing.setdefault(id, []).append(servo)
+                if alias is not None:
+                    aliases.setdefault(alias, []).append(servo)
         transmissions = self._wire_faults.replies(answers(packet, hearing), clock)
         obey_aliases(packet, aliases)
         return self._deliver(transmissions, clock, byte)
 
     def _deliver(self, transmissions: list[Transmission], clock: float, byte: float) -> float:
-        """Cuts what comes along the wire into the adapter's pieces."""
+        """Split transmissions into the adapter's bursts, and return the end time [s]."""
         piece, late = bytearray(), 0.0
-        full = min(PIECE, max(1, int(self._latency / byte))) if self._latency else PIECE
+        full = min(USB_PACKET_SIZE, max(1, int(self._latency / byte))) if self._latency else USB_PACKET_SIZE
         for part in transmissions:
             clock += part.delay
             late = max(late, part.late)
@@ -136,31 +144,37 @@ class VirtualBus:
             while len(piece) + len(data) >= full:
                 room = full - len(piece)
                 clock += byte * room
-                self._post(Piece(clock + late, clock, byte, bytes(piece + data[:room])))
+                self._post(Burst(clock + late, clock, byte, bytes(piece + data[:room])))
                 piece.clear()
                 data = data[room:]
             clock += byte * len(data)
             piece += data
         if piece:
-            self._post(Piece(clock + self._latency + late, clock, byte, bytes(piece)))
+            self._post(Burst(clock + self._latency + late, clock, byte, bytes(piece)))
         return clock
 
-    def _post(self, piece: "Piece") -> None:
-        """Nothing overtakes."""
+    def _post(self, piece: "Burst") -> None:
+        """Queue a burst of bytes for delivery to the host.
+
+        It never arrives before an earlier one.
+        """
         last = self._coming[-1].arrival if self._coming else -inf
         self._coming.append(piece._replace(arrival=max(piece.arrival, last)))
 
 
-class Piece(NamedTuple):
-    """What the adapter hands to the host at once."""
+class Burst(NamedTuple):
+    """Bytes that the adapter delivers at once."""
 
-    arrival: float  # [s]
-    ended: float  # [s] when its last byte was on the wire
-    byte: float  # [s] of each
+    arrival: float  # [s] at the host
+    ended: float  # [s] end of its last byte on the wire
+    byte: float  # [s] transmission time of a byte
     data: bytes
 
-    def without(self, begun: float, ended: float) -> "Piece":
-        """Drops the bytes that were on the wire between two times [s]; gaps in it are neglected."""
+    def without(self, begun: float, ended: float) -> "Burst":
+        """Remove the bytes transmitted between two times [s].
+
+        Pauses inside the burst are neglected.
+        """
         count = len(self.data)
         first, last = (count - round((self.ended - time) / self.byte) for time in (begun, ended))
         first, last = max(0, min(first, count)), max(0, min(last, count))
@@ -168,9 +182,12 @@ class Piece(NamedTuple):
 
 
 def _parts(data: bytes) -> Iterator[bytes]:
-    """Cuts bytes before each header, so that every packet ends at its own time."""
+    """Split transmitted bytes into packets.
+
+    Every packet then has its own end time.
+    """
     start = 0
-    while (end := data.find(HEADER, start + 1)) >= 0:
+    while (end := data.find(PACKET_HEADER, start + 1)) >= 0:
         yield data[start:end]
         start = end
     if start < len(data):

@@ -1,25 +1,29 @@
-"""A servo's control table as bytes: what may be read and written where, which values it takes, and its indirect cells.
+"""Control table of a virtual servo: access rules, values and indirect cells.
 
-Where the manual is silent: a write is checked as a whole before any byte of it counts, and unused addresses inside a
-read are zeros.
+Assumed where the manual is silent: a write is checked completely before any byte takes effect, and unused addresses
+read as zero.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
-from kinesic.hardware.protocol.models import BY_NUMBER, Model
+from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, Model
 from kinesic.hardware.protocol.packet import Fault
 from kinesic.hardware.protocol.registers import RAM_START, WATCHDOG_TRIPPED, Mode, Register
 
-CELL = 2  # [bytes] of an indirect address
-TURNS_MAX = 1_048_575  # [ticks] of goals beyond one turn
-TIME_PROFILE_FIRMWARE = 42
-GOAL_TORQUE_FIRMWARE = 45  # drive mode's torque by goal update
-REVERSE, FOLLOWER, BY_TIME, BY_GOAL = 1, 2, 4, 8  # bits of DRIVE_MODE
+POINTER_SIZE = 2  # [bytes] size of an indirect address
+MAX_MULTI_TURN = 1_048_575  # [ticks] goal limit of multi-turn modes
+TIME_PROFILE_FIRMWARE = 42  # First firmware with time-based profiles
+GOAL_TORQUE_FIRMWARE = 45  # First firmware that can switch torque on by a goal
+REVERSE_BIT = 1  # Bit of DRIVE_MODE for reverse rotation
+FOLLOWER_BIT = 2  # Bit of DRIVE_MODE for slave operation
+TIME_PROFILE_BIT = 4  # Bit of DRIVE_MODE for time-based profiles
+TORQUE_BY_GOAL_BIT = 8  # Bit of DRIVE_MODE for torque switched on by a goal
 
-GOALS = frozenset({Register.GOAL_PWM, Register.GOAL_CURRENT, Register.GOAL_VELOCITY, Register.GOAL_POSITION})
-_LIMITED = {
+GOAL_REGISTERS = frozenset({Register.GOAL_PWM, Register.GOAL_CURRENT, Register.GOAL_VELOCITY, Register.GOAL_POSITION})
+_LIMIT_REGISTERS = {
     Register.GOAL_PWM: Register.PWM_LIMIT,
     Register.GOAL_CURRENT: Register.CURRENT_LIMIT,
     Register.GOAL_VELOCITY: Register.VELOCITY_LIMIT,
@@ -27,7 +31,7 @@ _LIMITED = {
 
 
 class RefusalError(Exception):
-    """An instruction that the servo answers with an error."""
+    """Refusal of an instruction, answered with an error."""
 
     def __init__(self, fault: Fault) -> None:
         super().__init__(fault.name)
@@ -36,26 +40,26 @@ class RefusalError(Exception):
 
 @dataclass(frozen=True)
 class TableLayout:
-    """Where everything of a model stands, for one firmware."""
+    """Addresses of a model's registers and cells, for one firmware."""
 
     starts: Mapping[int, Register]
-    owned: frozenset[int]  # addresses that some register or cell covers
-    shown: Mapping[int, int]  # indirect data -> where its address stands
-    pointers: frozenset[int]  # where indirect addresses stand
+    owned: frozenset[int]  # addresses of registers and cells
+    shown: Mapping[int, int]  # indirect data address -> address of its pointer
+    pointers: frozenset[int]  # addresses of the pointers
     extent: int  # [bytes]
 
 
 @lru_cache
 def table_layout(number: int, firmware: int) -> TableLayout:
-    """Returns the layout of a model by its number, without what its firmware does not know yet."""
-    model = BY_NUMBER[number]
-    known = [r for r in model.registers if model.family == "330" or r.field.firmware <= firmware]
-    shown = {c.data + k: c.addresses + CELL * k for c in model.cells for k in range(c.count)}
+    """Return the layout of a model, without registers of newer firmware."""
+    model = MODELS_BY_NUMBER[number]
+    available = [r for r in model.registers if model.family == "330" or r.field.firmware <= firmware]
+    shown = {c.data + k: c.addresses + POINTER_SIZE * k for c in model.cells for k in range(c.count)}
     pointers = frozenset(shown.values())
-    owned = {a for r in known for a in range(r.field.address, r.field.end)}
-    owned |= set(shown) | {a + k for a in pointers for k in range(CELL)}
+    owned = {a for r in available for a in range(r.field.address, r.field.end)}
+    owned |= set(shown) | {a + k for a in pointers for k in range(POINTER_SIZE)}
     return TableLayout(
-        starts={register.field.address: register for register in known},
+        starts={register.field.address: register for register in available},
         owned=frozenset(owned),
         shown=shown,
         pointers=pointers,
@@ -63,24 +67,34 @@ def table_layout(number: int, firmware: int) -> TableLayout:
     )
 
 
-@dataclass(frozen=True)
-class RegisterWrite:
-    """One thing that a write would change."""
+class RegisterWrite(NamedTuple):
+    """Single change of a write instruction."""
 
     address: int
     data: bytes
-    register: Register | None  # None: a cell, or its address
+    register: Register | None  # None: a cell or its pointer
+
+
+class Piece(NamedTuple):
+    """Part of a write instruction that changes a single register or cell."""
+
+    address: int
+    begin: int  # first byte within the data of the instruction
+    end: int
+    register: Register | None  # None: a cell or its pointer
 
 
 class Memory:
-    """The bytes of one servo; what their values mean is for others to know."""
+    """Bytes of one servo's control table."""
 
     def __init__(self, model: Model, firmware: int) -> None:
         self.model, self.firmware = model, firmware
         self._layout = table_layout(model.number, firmware)
         self._bytes = bytearray(self._layout.extent)
-        self._values: dict[Register, int] = {}  # of those that are not sensors, once asked
-        self._views: dict[tuple[int, int], tuple[int, ...]] = {}  # spans with cells -> where their bytes come from
+        self._values: dict[Register, int] = {}  # cached values of registers other than sensors
+        self._views: dict[tuple[int, int], tuple[int, ...]] = {}  # span -> addresses behind its indirect cells
+        self._splits: dict[tuple[int, int], list[Piece]] = {}  # span -> registers and cells that a write changes
+        self.eeprom_version = 0  # number of changes of the EEPROM
         self.restore_eeprom()
         self.restore_ram()
 
@@ -88,7 +102,10 @@ class Memory:
         return register.field.address in self._layout.starts
 
     def __getitem__(self, register: Register) -> int:
-        """Its value; 0 for one that model or firmware lack."""
+        """Return the value of a register.
+
+        0 if model or firmware lack it.
+        """
         value = self._values.get(register)
         if value is None:
             field = register.field
@@ -101,34 +118,39 @@ class Memory:
         field = register.field
         self._bytes[field.address : field.end] = value.to_bytes(field.size, "little", signed=field.signed)
         self._values.pop(register, None)
+        if field.eeprom:
+            self.eeprom_version += 1
 
     def put(self, address: int, data: bytes) -> None:
-        """Writes bytes of sensors or cells from an address on, unchecked."""
+        """Write bytes of sensor registers or cells without access checks."""
         self._bytes[address : address + len(data)] = data
 
     def restore_eeprom(self) -> None:
-        """Restores the factory values below RAM."""
+        """Restore the factory values of the EEPROM."""
         self._restore(r for r in self._layout.starts.values() if r.field.eeprom)
         self[Register.FIRMWARE_VERSION] = self.firmware
 
     def restore_ram(self) -> None:
-        """Restores what a reboot leaves: initial values, and cells that show themselves."""
+        """Reset RAM as a reboot does.
+
+        Registers get their initial values, and cells point to themselves.
+        """
         self._bytes[RAM_START:] = bytes(self._layout.extent - RAM_START)
         self._values.clear()
         self._restore(r for r in self._layout.starts.values() if not r.field.eeprom)
         for cell, pointer in self._layout.shown.items():
-            self.put(pointer, cell.to_bytes(CELL, "little"))
-        self._views.clear()
+            self.put(pointer, cell.to_bytes(POINTER_SIZE, "little"))
+        self._forget_pointers()
 
     def _restore(self, registers: Iterator[Register]) -> None:
         for register in registers:
-            self[register] = self.model.starts(register)
+            self[register] = self.model.factory_value(register)
 
     def read(self, address: int, size: int) -> bytes:
-        """Reads the bytes of a span through its indirect cells.
+        """Read a span of bytes through its indirect cells.
 
         Raises:
-            RefusalError: it begins at no register, or ends behind the table.
+            RefusalError: the span begins at no register, or exceeds the table.
         """
         origins = self._views.get((address, size))
         if origins is None:
@@ -142,107 +164,126 @@ class Memory:
         return bytes([memory[origin] for origin in origins])
 
     def _origin(self, address: int) -> int:
-        """Where the byte of an address really stands."""
+        """Return the register address that an indirect cell refers to."""
         pointer = self._layout.shown.get(address)
-        return address if pointer is None else int.from_bytes(self._bytes[pointer : pointer + CELL], "little")
+        return address if pointer is None else int.from_bytes(self._bytes[pointer : pointer + POINTER_SIZE], "little")
 
     def entries(self, address: int, data: bytes) -> list[RegisterWrite]:
-        """Lists what a write would change, in order.
+        """Split a write instruction into single register changes.
 
         Raises:
-            RefusalError: it touches what is not there (ACCESS) or only a part of a register (LENGTH).
+            RefusalError: the write touches an unused address (ACCESS) or a part of a register (LENGTH).
         """
-        if not data:
-            raise RefusalError(Fault.LENGTH)
-        places = [self._origin(address + k) for k in range(len(data))]
-        found, k = [], 0
-        while k < len(data):
-            entry = self._entry(places, data, k)
-            found.append(entry)
-            k += len(entry.data)
-        return found
+        pieces = self._splits.get((address, len(data)))
+        if pieces is None:
+            pieces = self._splits[address, len(data)] = self._split(address, len(data))
+        return [RegisterWrite(place, data[begin:end], register) for place, begin, end, register in pieces]
 
-    def _entry(self, places: list[int], data: bytes, k: int) -> RegisterWrite:
+    def _split(self, address: int, size: int) -> list["Piece"]:
+        if size < 1:
+            raise RefusalError(Fault.LENGTH)
+        places = [self._origin(address + k) for k in range(size)]
+        pieces, k = [], 0
+        while k < size:
+            piece = self._piece(places, k)
+            pieces.append(piece)
+            k = piece.end
+        return pieces
+
+    def _piece(self, places: list[int], k: int) -> "Piece":
         place, register = places[k], self._layout.starts.get(places[k])
         if register is not None:
             size = register.field.size
         elif place in self._layout.pointers:
-            size = CELL
+            size = POINTER_SIZE
         elif place in self._layout.shown:
             size = 1
         else:
             raise RefusalError(Fault.ACCESS)
         if places[k : k + size] != list(range(place, place + size)):
             raise RefusalError(Fault.LENGTH)
-        return RegisterWrite(place, data[k : k + size], register)
+        return Piece(place, k, k + size, register)
 
     def is_valid_pointer(self, entry: RegisterWrite) -> bool:
-        """Returns whether an entry that sets an indirect address names RAM; True for any other entry."""
+        """Return whether an indirect address points to RAM.
+
+        True for all other entries.
+        """
         if entry.address not in self._layout.pointers:
             return True
         return RAM_START <= int.from_bytes(entry.data, "little") < self._layout.extent
 
     def store(self, entry: RegisterWrite) -> None:
-        """Stores an entry that was checked."""
+        """Store one write that was already checked."""
         self.put(entry.address, entry.data)
         if entry.register is not None:
             self._values.pop(entry.register, None)
+            if entry.register.field.eeprom:
+                self.eeprom_version += 1
         elif entry.address in self._layout.pointers:
-            self._views.clear()
+            self._forget_pointers()
+
+    def _forget_pointers(self) -> None:
+        """Discard all that was derived from the indirect addresses."""
+        self._views.clear()
+        self._splits.clear()
 
     def ram(self) -> bytes:
-        """Returns all of RAM, for the servo's backup."""
+        """Return the bytes of RAM, for the servo's backup."""
         return bytes(self._bytes[RAM_START:])
 
     def put_ram(self, saved: bytes) -> None:
-        """Restores what `ram` returned."""
+        """Restore RAM from a backup."""
         self._bytes[RAM_START:] = saved
         self._values.clear()
-        self._views.clear()
+        self._forget_pointers()
 
 
 def value_fault(memory: Memory, register: Register, value: int, *, latched: bool) -> Fault:
-    """Returns why a value is not taken; NONE if it is.
+    """Return the protocol fault that a value causes, or Fault.NONE.
 
     Args:
         memory: the servo's registers.
-        register: to be written.
-        value: raw.
-        latched: the servo has shut down and waits for a reboot.
+        register: register to write.
+        value: raw value.
+        latched: whether the servo has shut down until a reboot.
     """
     field = register.field
     if not field.writable or (field.eeprom and memory[Register.TORQUE_ENABLE]):
         return Fault.ACCESS
-    if register in GOALS and memory[Register.BUS_WATCHDOG] == WATCHDOG_TRIPPED:
+    if register in GOAL_REGISTERS and memory[Register.BUS_WATCHDOG] == WATCHDOG_TRIPPED:
         return Fault.RANGE
     if register is Register.TORQUE_ENABLE and value == 1 and latched:
         return Fault.RESULT
     if register is Register.GOAL_POSITION:
-        return _goal_refusal(memory, value)
-    if register in _LIMITED:  # its range is another register's value
-        return Fault.LIMIT if abs(value) > memory[_LIMITED[register]] else Fault.NONE
-    lower, upper = memory.model.range(register)
-    inside = lower <= value <= upper and _meant(memory, register, value)
+        return _goal_fault(memory, value)
+    if register in _LIMIT_REGISTERS:  # its limit is the value of another register
+        return Fault.LIMIT if abs(value) > memory[_LIMIT_REGISTERS[register]] else Fault.NONE
+    lower, upper = memory.model.allowed_range(register)
+    inside = lower <= value <= upper and _is_defined(memory, register, value)
     return Fault.NONE if inside else Fault.RANGE
 
 
-def _goal_refusal(memory: Memory, value: int) -> Fault:
-    """Within the limits in one turn, within 256 turns in the other modes."""
+def _goal_fault(memory: Memory, value: int) -> Fault:
+    """Check a goal position against its limits.
+
+    These are the position limits in position mode, and 256 turns in the other modes.
+    """
     if memory[Register.OPERATING_MODE] != Mode.POSITION.value:
-        return Fault.NONE if abs(value) <= TURNS_MAX else Fault.RANGE
+        return Fault.NONE if abs(value) <= MAX_MULTI_TURN else Fault.RANGE
     inside = memory[Register.MIN_POSITION_LIMIT] <= value <= memory[Register.MAX_POSITION_LIMIT]
     return Fault.NONE if inside else Fault.LIMIT
 
 
-def _meant(memory: Memory, register: Register, value: int) -> bool:
-    """Whether a value inside the range is one of those that mean something."""
+def _is_defined(memory: Memory, register: Register, value: int) -> bool:
+    """Return whether the manual defines a meaning for this register value."""
     model, firmware = memory.model, memory.firmware
     small = model.family == "330"
     if register is Register.OPERATING_MODE:
         return any(mode.value == value for mode in model.modes)
     if register is Register.DRIVE_MODE:
-        known = REVERSE | (FOLLOWER if model.family == "540" else 0)
-        known |= BY_TIME if small or firmware >= TIME_PROFILE_FIRMWARE else 0
-        known |= BY_GOAL if firmware >= GOAL_TORQUE_FIRMWARE + small else 0
-        return not value & ~known
+        available = REVERSE_BIT | (FOLLOWER_BIT if model.family == "540" else 0)
+        available |= TIME_PROFILE_BIT if small or firmware >= TIME_PROFILE_FIRMWARE else 0
+        available |= TORQUE_BY_GOAL_BIT if firmware >= GOAL_TORQUE_FIRMWARE + small else 0
+        return not value & ~available
     return True

@@ -1,127 +1,134 @@
-"""Faults as data (which, where, when, how often), and what they do to the bytes on a wire; a seed repeats a run."""
+"""Fault plans for virtual servos and wires.
+
+The seed makes a run repeatable.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from random import Random
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import msgspec
 
 from kinesic.body.config import ConfigError, read_toml
 from kinesic.hardware.protocol.registers import HardwareError
-from kinesic.hardware.virtual.protocol import Sent
 
-OfWire = Literal["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"]
-OfServo = Literal["silent", "reboot", "alert", "overheat", "undervoltage", "watchdog"]
-OfBuild = Literal["duplicate_id", "wrong_model", "old_firmware"]
-Kind = Literal[OfWire, OfServo, OfBuild, "unplug"]
-Way = Literal["reply", "request"]
+if TYPE_CHECKING:  # The command line names the kinds of faults without loading virtual servos.
+    from kinesic.hardware.virtual.protocol import Sent
 
-WIRE_KINDS, SERVO_KINDS, BUILD_KINDS = (frozenset(get_args(kinds)) for kinds in (OfWire, OfServo, OfBuild))
-KINDS: tuple[str, ...] = get_args(Kind)
-XL430 = 1060
+WireFaultKind = Literal["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"]
+ServoFaultKind = Literal["silent", "reboot", "alert", "overheat", "undervoltage", "watchdog"]
+BuildFaultKind = Literal["duplicate_id", "wrong_model", "old_firmware"]
+FaultKind = Literal[WireFaultKind, ServoFaultKind, BuildFaultKind, "unplug"]
+Direction = Literal["reply", "request"]
 
-DEFAULTS: Mapping[str, float] = {
-    "late": 0.012,  # [s]
-    "noise": 8,  # [bytes] at most
+WIRE_KINDS = frozenset(get_args(WireFaultKind))  # Fault kinds of bytes on the bus
+SERVO_KINDS = frozenset(get_args(ServoFaultKind))  # Fault kinds of a servo during operation
+BUILD_KINDS = frozenset(get_args(BuildFaultKind))  # Fault kinds of a servo from the start
+FAULT_KINDS: tuple[str, ...] = get_args(FaultKind)
+XL430_NUMBER = 1060  # Model number of the XL430
+
+DEFAULT_VALUES: Mapping[str, float] = {
+    "late": 0.012,  # [s] delay
+    "noise": 8,  # [bytes] maximum length
     "reboot": 0.13,  # [s] without power
-    "alert": HardwareError.OVERLOAD.value,  # bits
-    "overheat": 2.0,  # [K/s]
-    "undervoltage": 9.0,  # [V]
-    "duplicate_id": 0,  # number of the second servo's model; 0: the same
-    "wrong_model": XL430,
+    "alert": HardwareError.OVERLOAD.value,  # error bits
+    "overheat": 2.0,  # [K/s] heating rate
+    "undervoltage": 9.0,  # [V] supply
+    "duplicate_id": 0,  # model number of the second servo; 0: the same model
+    "wrong_model": XL430_NUMBER,
     "old_firmware": 41,
 }
-"""What a fault's `value` means, and what it is if not given."""
+"""Default `value` of each fault kind, with its unit."""
 
 
 @dataclass(frozen=True)
 class PlannedFault:
-    """One thing that goes wrong.
+    """Fault with its kind, targets, time and rate.
 
-    Faults of the wire strike each answer, or each request, between `start` and its end with the chance `rate`, at one
-    place of it; a servo's strike once, or last from start to end; those of the build are there from the beginning.
+    Wire faults affect each reply, or each request, between `start` and `end` with probability `rate`, at one place of
+    it. Servo faults happen once, or last from start to end. Build faults exist from the beginning.
     """
 
-    kind: Kind
-    servos: tuple[int, ...] = ()  # ids; all if empty
-    rate: float = 1.0  # 0..1, faults of the wire only
+    kind: FaultKind
+    servos: tuple[int, ...] = ()  # ids; empty: all
+    rate: float = 1.0  # probability 0..1, wire faults only
     start: float = 0.0  # [s]
-    seconds: float = inf  # how long
-    value: float | None = None  # see DEFAULTS
-    way: Way = "reply"  # what is struck, faults of the wire only
+    seconds: float = inf  # [s] duration
+    value: float | None = None  # see DEFAULT_VALUES
+    way: Direction = "reply"  # affected direction, wire faults only
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(f"fault {self.kind} is none; there are {', '.join(KINDS)}")
+        if self.kind not in FAULT_KINDS:
+            raise ValueError(f"unknown fault {self.kind}; there are {', '.join(FAULT_KINDS)}")
         if not 0.0 <= self.rate <= 1.0:
             raise ValueError(f"fault {self.kind}: rate is {self.rate}, must be within 0..1")
         if self.rate != 1.0 and self.kind not in WIRE_KINDS:
             raise ValueError(f"fault {self.kind} has no rate; give it a start")
         if not (self.start >= 0.0 and self.seconds > 0.0):
             raise ValueError(f"fault {self.kind}: start is {self.start} s for {self.seconds} s, must be >= 0 and > 0")
-        if self.value is not None and self.kind not in DEFAULTS:
-            raise ValueError(f"fault {self.kind} has no value; those with one are {', '.join(DEFAULTS)}")
+        if self.value is not None and self.kind not in DEFAULT_VALUES:
+            raise ValueError(f"fault {self.kind} has no value; those with one are {', '.join(DEFAULT_VALUES)}")
 
     @property
     def end(self) -> float:
-        """[s]."""
+        """End time [s]."""
         return self.start + self.seconds
 
     @property
-    def figure(self) -> float:
-        """Its value, or the usual one."""
-        return DEFAULTS.get(self.kind, 0.0) if self.value is None else self.value
+    def effective_value(self) -> float:
+        """Parameter value of the fault, or the default of its kind."""
+        return DEFAULT_VALUES.get(self.kind, 0.0) if self.value is None else self.value
 
-    def strikes(self, servo: int, time: float) -> bool:
-        """Returns whether it may concern a servo at a time [s]."""
+    def affects(self, servo: int, time: float) -> bool:
+        """Return whether the fault may affect a servo at a time [s]."""
         return self.start <= time < self.end and (not self.servos or servo in self.servos)
 
 
 @dataclass(frozen=True)
 class FaultPlan:
-    """All that goes wrong on one wire."""
+    """Faults of one wire."""
 
     faults: tuple[PlannedFault, ...] = ()
     seed: int = 0
 
     @classmethod
     def read(cls, path: Path) -> "FaultPlan":
-        """Reads a TOML file: `seed`, and a `[[fault]]` for each fault.
+        """Read a TOML file with `seed` and one `[[fault]]` per fault.
 
         Raises:
-            ConfigError: the file is missing or wrong.
+            ConfigError: the file is missing or invalid.
         """
-        found = read_toml(path, FaultFile)
+        fault_file = read_toml(path, FaultFile)
         try:
-            faults = tuple(table.fault() for table in found.fault)
+            faults = tuple(table.fault() for table in fault_file.fault)
         except ValueError as error:
             raise ConfigError(f"{path}: {error}") from None
-        return cls(faults, found.seed)
+        return cls(faults, fault_file.seed)
 
     def of(self, kinds: frozenset[str]) -> tuple[PlannedFault, ...]:
-        """Selects the faults of some kinds."""
+        """Select the faults of given kinds."""
         return tuple(fault for fault in self.faults if fault.kind in kinds)
 
 
-CALM = FaultPlan()
+NO_FAULTS = FaultPlan()
 
 
 class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
-    """[[fault]]."""
+    """Schema of one [[fault]] table in a fault file."""
 
-    kind: Kind
-    servos: list[int] = []
-    rate: float = 1.0
-    start: float = 0.0
-    seconds: float | None = None
-    value: float | None = None
-    way: Way = "reply"
+    kind: FaultKind  # kind of the fault
+    servos: list[int] = []  # ids of affected servos; empty: all
+    rate: float = 1.0  # probability 0..1 per message, for wire faults only
+    start: float = 0.0  # [s] time of its beginning
+    seconds: float | None = None  # [s] duration; default: to the end
+    value: float | None = None  # strength, in the unit of its kind: s, bytes, bits, K/s, V or a number
+    way: Direction = "reply"  # affected direction, for wire faults only
 
     def fault(self) -> PlannedFault:
-        """Returns the fault that it describes."""
+        """Convert the table to a fault."""
         return PlannedFault(
             kind=self.kind,
             servos=tuple(self.servos),
@@ -134,30 +141,30 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class FaultFile(msgspec.Struct, forbid_unknown_fields=True):
-    """A file of faults."""
+    """Schema of a TOML file with a fault plan."""
 
-    fault: list[FaultTable] = []
-    seed: int = 0
+    fault: list[FaultTable] = []  # one `[[fault]]` each
+    seed: int = 0  # seed of random faults
 
 
 @dataclass(frozen=True)
 class Transmission:
-    """What arrives of one transmission."""
+    """Bytes of a transmission that arrive, with their delays."""
 
     data: bytes
-    delay: float  # [s] of silence before
-    late: float = 0.0  # [s] that the host gets it later
+    delay: float  # [s] of silence before it
+    late: float = 0.0  # [s] additional delay at the host
 
 
 class WireFaults:
-    """Faults of one wire; the same seed and traffic meet the same faults."""
+    """Faults of one wire, repeatable for the same seed and traffic."""
 
     def __init__(self, plan: FaultPlan, *, since: float = 0.0) -> None:
-        """Faults begin to count.
+        """Start the faults of a plan.
 
         Args:
-            plan: what goes wrong.
-            since: [s] where the plan's times count from.
+            plan: the faults.
+            since: [s] origin of the plan's times.
         """
         self._since = since
         faults = plan.of(WIRE_KINDS)
@@ -166,43 +173,44 @@ class WireFaults:
         self._random = Random(plan.seed)
 
     def request(self, data: bytes, time: float) -> bytes:
-        """Returns what the servos receive of what the host sends."""
+        """Return the bytes that servos receive from the host."""
         for fault in self._on_requests:
             if fault.start <= time - self._since < fault.end and self._random.random() < fault.rate:
-                data = self._struck(fault, data)
+                data = self._damaged(fault, data)
         return data
 
-    def replies(self, sent: Sequence[Sent], time: float) -> list[Transmission]:
-        """Returns what the host receives of the answer to an instruction: one status or several, or a joint reply.
+    def replies(self, sent: "Sequence[Sent]", time: float) -> list[Transmission]:
+        """Return the transmissions that the host receives as reply.
 
-        A fault strikes one place of it. Who waits in vain for the bytes before his own keeps silent.
+        The reply is one status, several, or a common reply. A fault affects one place of it. In a common reply, servos
+        after a lost block stay silent.
         """
         transmissions = [Transmission(answer.data, answer.delay) for answer in sent]
         end = len(sent)
         for fault in self._on_replies:
-            struck = [k for k, answer in enumerate(sent) if fault.strikes(answer.servo, time - self._since)]
-            if not struck or self._random.random() >= fault.rate:
+            affected = [k for k, answer in enumerate(sent) if fault.affects(answer.servo, time - self._since)]
+            if not affected or self._random.random() >= fault.rate:
                 continue
             if fault.kind == "late":
-                k = struck[0]
-                transmissions[k] = replace(transmissions[k], late=transmissions[k].late + fault.figure)
+                k = affected[0]
+                transmissions[k] = replace(transmissions[k], late=transmissions[k].late + fault.effective_value)
                 continue
-            k = self._random.choice(struck)
-            transmissions[k] = replace(transmissions[k], data=self._struck(fault, transmissions[k].data))
+            k = self._random.choice(affected)
+            transmissions[k] = replace(transmissions[k], data=self._damaged(fault, transmissions[k].data))
             if fault.kind == "lost" and sent[k].chained:
                 end = min(end, k)
         return [part for part in transmissions[:end] if part.data]
 
-    def _struck(self, fault: PlannedFault, data: bytes) -> bytes:
-        dice = self._random
+    def _damaged(self, fault: PlannedFault, data: bytes) -> bytes:
+        random = self._random
         if fault.kind == "noise":
-            return dice.randbytes(dice.randint(1, max(1, int(fault.figure)))) + data
+            return random.randbytes(random.randint(1, max(1, int(fault.effective_value)))) + data
         if fault.kind == "duplicate":
             return data + data
         if fault.kind == "lost" or not data:
             return b""
-        place = dice.randrange(len(data))
+        place = random.randrange(len(data))
         if fault.kind == "truncate":
             return data[:place]
-        changed = bytes((data[place] ^ dice.randint(1, 255),)) if fault.kind == "corrupt" else b""
+        changed = bytes((data[place] ^ random.randint(1, 255),)) if fault.kind == "corrupt" else b""
         return data[:place] + changed + data[place + 1 :]

@@ -1,84 +1,95 @@
-"""Simulates what a servo does by itself: it boots, guards, watches the bus, and shows what its sensors feel.
+"""Autonomous behaviour of a servo: boot, shutdown, bus watchdog and sensors.
 
-Assumed where no source says: a reboot takes `BOOT` seconds; any instruction on the wire feeds the bus watchdog; a stall
-of `OVERLOAD` seconds is an overload; an error stays until the reboot.
+Assumed without a source: a reboot takes `BOOT_TIME`; any instruction on the wire feeds the bus watchdog; a stall of
+`OVERLOAD_TIME` is an overload; an error stays until the reboot.
 """
 
+import struct
 from math import inf
 
-from kinesic.hardware.protocol.packet import ALERT
+from kinesic.hardware.protocol.packet import ALERT_BIT
 from kinesic.hardware.protocol.registers import (
     CLOCK_WRAP,
-    TICK,
-    WATCHDOG,
+    TICK_ANGLE,
     WATCHDOG_TRIPPED,
+    WATCHDOG_UNIT,
     HardwareError,
     Mode,
     Register,
 )
 from kinesic.hardware.virtual.control_table import Memory
-from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
+from kinesic.hardware.virtual.physics import NO_TORQUE, Demand, Shaft
 from kinesic.hardware.virtual.set_point import SetPoint
 
-BOOT = 0.13  # [s] from a reboot until it hears again
-OVERLOAD = 1.0  # [s] of full duty without motion
-STALLED = 0.99  # share of the largest duty that counts as full
-SHORTEST_BOOT = 1e-6  # [s]
-NOMINAL_VOLTS, ROOM = 12.0, 25.0  # [V], [C]
-SMALL_VOLTS = 5.0  # [V] for models that do not stand 12 V
-_TORQUE_AT_BOOT, _RAM_AT_BOOT = 1, 2
+BOOT_TIME = 0.13  # [s] time from a reboot until the servo receives instructions
+OVERLOAD_TIME = 1.0  # [s] duration of full duty without motion that causes an overload error
+STALL_DUTY = 0.99  # Duty from which a servo without motion counts as overloaded
+MIN_BOOT_TIME = 1e-6  # [s] lower bound of a given boot time
+NOMINAL_VOLTS = 12.0  # [V] supply voltage of most models
+ROOM_TEMPERATURE = 25.0  # [C] initial temperature of a virtual servo
+SMALL_MODEL_VOLTS = 5.0  # [V] supply voltage of models that do not withstand 12 V
+_SUPPLY_FORMAT = struct.Struct("<HB")  # Consecutive registers PRESENT_INPUT_VOLTAGE and PRESENT_TEMPERATURE
+_SUPPLY_ADDRESS = Register.PRESENT_INPUT_VOLTAGE.field.address
+_TORQUE_AT_BOOT_BIT = 1  # STARTUP_CONFIGURATION bit that switches torque on at boot
+_RAM_AT_BOOT_BIT = 2  # STARTUP_CONFIGURATION bit that restores RAM at boot
 
 
 class Firmware:
-    """Registers, guards and control loop of a servo; its shaft is somebody else's."""
+    """Registers, protection and control loop of a servo, without its shaft."""
 
     def __init__(self, memory: Memory) -> None:
-        """Is not powered before `place`."""
+        """Create the electronics of a servo that is switched off.
+
+        `place` powers it.
+        """
         self.memory = memory
         self.motion = SetPoint(memory, Shaft(0.0))
-        small = memory[Register.MAX_VOLTAGE_LIMIT] < NOMINAL_VOLTS * 10
-        self.volts = SMALL_VOLTS if small else NOMINAL_VOLTS
-        self.celsius, self.heating = ROOM, 0.0  # [C], [K/s]
-        self.latched = False  # shut down until it is rebooted
-        self.backup: bytes | None = None  # of RAM
+        is_small = memory[Register.MAX_VOLTAGE_LIMIT] < NOMINAL_VOLTS * 10
+        self.volts = SMALL_MODEL_VOLTS if is_small else NOMINAL_VOLTS
+        self.celsius, self.heating = ROOM_TEMPERATURE, 0.0  # [C] temperature, [K/s] heating rate
+        self.latched = False  # whether the servo has shut down until a reboot
+        self.backup: bytes | None = None  # backup of RAM
         self.shaft, self.time = Shaft(0.0), 0.0
-        self._instructed = self._started = 0.0  # [s]
-        self._wakes = 0.0  # [s] when it is up again
+        self._instructed = self._started = 0.0  # [s] last instruction, and boot
+        self._wakes = 0.0  # [s] end of the boot
         self._stalled_since = inf
-        self._shown = -1.0  # [s] of the sensors' registers
-        self._steady: Demand | None = None  # what it asks until a register changes
-        self._patience: float | None = None  # [s] of the bus watchdog, likewise
-        self._unharmed: tuple[float, float] | None = None  # volts and temperature that were looked at, likewise
+        self._shown = -1.0  # [s] time of the sensor registers
+        self._steady: Demand | None = None  # demand until a register changes
+        self._watchdog_time: float | None = None  # [s] watchdog time until a register changes
+        self._checked: tuple[float, float] | None = None  # voltage and temperature of the last check without error
 
     @property
     def up(self) -> bool:
-        """Whether it hears."""
+        """Whether the servo has booted and receives instructions."""
         return self._wakes <= self.time
 
     @property
     def alert(self) -> int:
-        """The alert bit of its error byte."""
-        return ALERT if self.memory[Register.HARDWARE_ERROR_STATUS] else 0
+        """Alert bit of the error byte."""
+        return ALERT_BIT if self.memory[Register.HARDWARE_ERROR_STATUS] else 0
 
     def place(self, shaft: Shaft, time: float) -> None:
-        """Puts it on a shaft and powers it: the goal is where it is, in the first turn."""
+        """Mount the servo on a shaft and power it.
+
+        Its goal is the present position within the first turn.
+        """
         self.shaft, self.time = shaft, time
         self._boot(time)
 
     def due(self) -> float:
-        """Returns when [s] it does something by itself; infinite if it waits for instructions."""
-        if not self.up:
+        """Return the time [s] of the servo's next autonomous action, or infinity."""
+        if self._wakes > self.time:
             return self._wakes
-        if self._patience is None:
+        if self._watchdog_time is None:
             watchdog = self.memory[Register.BUS_WATCHDOG]
             watching = watchdog > 0 and self.memory[Register.TORQUE_ENABLE]
-            self._patience = watchdog * WATCHDOG if watching else inf
-        return self._instructed + self._patience
+            self._watchdog_time = watchdog * WATCHDOG_UNIT if watching else inf
+        return self._instructed + self._watchdog_time
 
     def demand(self, time: float) -> Demand:
-        """Returns what it demands of its motor from now on."""
-        if not self.up:
-            return LIMP
+        """Return the motor command of the servo's control loop from now on."""
+        if self._wakes > self.time:
+            return NO_TORQUE
         if self._steady is not None:
             return self._steady
         demand = self.motion.demand(time)
@@ -87,8 +98,8 @@ class Firmware:
         return demand
 
     def update_shaft(self, shaft: Shaft, time: float) -> None:
-        """Takes what the shaft does at a time [s], and lets the guards act."""
-        asleep = not self.up
+        """Take the shaft's state at a time [s], and run the protection."""
+        asleep = self._wakes > self.time
         self.celsius += self.heating * (time - self.time)
         self.shaft, self.time = shaft, time
         if asleep:
@@ -97,14 +108,18 @@ class Firmware:
             return
         if self.due() <= time:
             self.trip()
-        self._guard()
+        if abs(shaft.duty) >= STALL_DUTY or self._checked != (self.volts, self.celsius):
+            self._guard()
 
     def hear(self, time: float) -> None:
-        """Notes an instruction on the wire, for whichever servo."""
+        """Record the time of an instruction to any servo on the wire."""
         self._instructed = time
 
     def trip(self) -> None:
-        """Stops where it is, as the bus watchdog does; torque stays on."""
+        """Stop at the present position, as the bus watchdog does.
+
+        Torque stays on.
+        """
         memory = self.memory
         memory[Register.BUS_WATCHDOG] = WATCHDOG_TRIPPED
         memory[Register.PROFILE_ACCELERATION] = memory[Register.PROFILE_VELOCITY] = 0
@@ -112,7 +127,10 @@ class Firmware:
         self.changed()
 
     def fail(self, bits: int) -> None:
-        """Raises hardware errors: the alert bit is set, and those of the shutdown mask take the torque away."""
+        """Set bits of the hardware error status, and the alert bit.
+
+        Errors of the shutdown mask switch torque off.
+        """
         memory = self.memory
         memory[Register.HARDWARE_ERROR_STATUS] |= bits
         if bits & memory[Register.SHUTDOWN]:
@@ -120,13 +138,13 @@ class Firmware:
             memory[Register.TORQUE_ENABLE] = 0
         self.changed()
 
-    def reboot(self, *, seconds: float = BOOT) -> None:
-        """Takes the power away for a while, and with it RAM, torque and turns."""
+    def reboot(self, *, seconds: float = BOOT_TIME) -> None:
+        """Interrupt the power, which resets RAM, torque and turn count."""
         self.memory.restore_ram()
-        self._wakes = self.time + max(seconds, SHORTEST_BOOT)
+        self._wakes = self.time + max(seconds, MIN_BOOT_TIME)
 
-    def here(self) -> int:
-        """Returns PRESENT_POSITION [ticks]."""
+    def present_position(self) -> int:
+        """Return PRESENT_POSITION [ticks]."""
         return round(self.motion.ticks(self.shaft.angle))
 
     def _boot(self, time: float) -> None:
@@ -138,52 +156,56 @@ class Firmware:
         self.motion.fold(self.shaft)
         self.motion.rest(self.shaft, time)
         startup = memory[Register.STARTUP_CONFIGURATION]
-        if startup & _RAM_AT_BOOT and self.backup is not None:
+        if startup & _RAM_AT_BOOT_BIT and self.backup is not None:
             memory.put_ram(self.backup)
         memory[Register.BACKUP_READY] = self.backup is not None
         memory[Register.GOAL_PWM] = memory[Register.PWM_LIMIT]
         if Register.GOAL_CURRENT in memory:
             memory[Register.GOAL_CURRENT] = memory[Register.CURRENT_LIMIT]
-        memory[Register.GOAL_POSITION] = self.here()
-        memory[Register.TORQUE_ENABLE] = startup & _TORQUE_AT_BOOT
+        memory[Register.GOAL_POSITION] = self.present_position()
+        memory[Register.TORQUE_ENABLE] = startup & _TORQUE_AT_BOOT_BIT
         self.changed()
 
     def fold(self) -> None:
-        """Sets the set point to where the shaft is, within one turn in position mode."""
+        """Reset the motion set point to the shaft's position.
+
+        In position mode it lies within one turn.
+        """
         if self.memory[Register.OPERATING_MODE] == Mode.POSITION.value:
             self.motion.fold(self.shaft)
         self.motion.rest(self.shaft, self.time)
 
     def _guard(self) -> None:
-        strained = abs(self.shaft.duty) >= STALLED
-        if not strained and self._unharmed == (self.volts, self.celsius):
-            return
         memory, bits = self.memory, 0
         volts = round(self.volts * 10)
         if not memory[Register.MIN_VOLTAGE_LIMIT] <= volts <= memory[Register.MAX_VOLTAGE_LIMIT]:
             bits |= HardwareError.VOLTAGE.value
         if self.celsius >= memory[Register.TEMPERATURE_LIMIT]:
             bits |= HardwareError.OVERHEATING.value
-        if not strained or abs(self.shaft.speed) > TICK or not memory[Register.TORQUE_ENABLE]:
+        if (
+            abs(self.shaft.duty) < STALL_DUTY
+            or abs(self.shaft.speed) > TICK_ANGLE
+            or not memory[Register.TORQUE_ENABLE]
+        ):
             self._stalled_since = inf
         else:
             self._stalled_since = min(self._stalled_since, self.time)
-            bits |= HardwareError.OVERLOAD.value if self.time - self._stalled_since >= OVERLOAD else 0
+            bits |= HardwareError.OVERLOAD.value if self.time - self._stalled_since >= OVERLOAD_TIME else 0
         if bits & ~memory[Register.HARDWARE_ERROR_STATUS]:
             self.fail(bits)
-        self._unharmed = (self.volts, self.celsius)
+        self._checked = (self.volts, self.celsius)
 
     def show(self) -> None:
-        """Brings the sensors' registers up to date."""
+        """Write the present sensor values to the registers."""
         if self._shown == self.time:
             return
         memory, self._shown = self.memory, self.time
         self.motion.show(self.shaft, self.time)
         memory[Register.REALTIME_TICK] = int((self.time - self._started) * 1000 + 1e-6) % CLOCK_WRAP
-        memory[Register.PRESENT_INPUT_VOLTAGE] = round(self.volts * 10)
-        memory[Register.PRESENT_TEMPERATURE] = max(0, min(255, round(self.celsius)))
+        volts, celsius = round(self.volts * 10), max(0, min(255, round(self.celsius)))
+        memory.put(_SUPPLY_ADDRESS, _SUPPLY_FORMAT.pack(volts, celsius))
 
     def changed(self) -> None:
-        """Forgets what followed from registers that have changed."""
+        """Invalidate all cached values derived from registers."""
         self._shown = -1.0
-        self._steady = self._patience = self._unharmed = None
+        self._steady = self._watchdog_time = self._checked = None

@@ -1,4 +1,7 @@
-"""Makes a virtual bus a wire in memory, whose clock jumps to whatever happens next: tests take no time."""
+"""Virtual wire in memory, whose clock jumps to the next event.
+
+Tests with it take no time.
+"""
 
 from math import inf
 
@@ -7,15 +10,15 @@ from kinesic.hardware.virtual.bus import VirtualBus
 
 
 class MemoryWire:
-    """A wire in virtual time: nothing ever waits."""
+    """Wire in virtual time that never waits."""
 
     def __init__(self, bus: VirtualBus, *, name: str = "memory", time: float = 0.0) -> None:
-        """Opens the port.
+        """Open the port.
 
         Args:
-            bus: what is on the wire.
-            name: for messages.
-            time: [s] that the clock begins with.
+            bus: bus on the wire.
+            name: name for messages.
+            time: [s] initial time.
 
         Raises:
             BusError: the adapter is not plugged in.
@@ -26,12 +29,12 @@ class MemoryWire:
 
     @property
     def name(self) -> str:
-        """For messages."""
+        """Name of the wire for messages."""
         return self._name
 
     @property
     def baud(self) -> int:
-        """[bit/s]."""
+        """Baud rate [bit/s]."""
         return self._bus.baud
 
     @baud.setter
@@ -39,23 +42,23 @@ class MemoryWire:
         self._bus.baud = value
 
     def now(self) -> float:
-        """Returns the time [s]."""
+        """Return the time [s]."""
         return self._time
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """Hands bytes to the wire.
+        """Transmit bytes.
 
         Raises:
-            BusError: the adapter is pulled.
+            BusError: the adapter was unplugged.
         """
         self._check()
         self._bus.send(data, self._time)
 
     def read(self, deadline: float, /) -> bytes:
-        """Jumps to the next arrival, or to the deadline.
+        """Jump to the next arrival or to the deadline.
 
         Raises:
-            BusError: the adapter is pulled.
+            BusError: the adapter was unplugged.
         """
         self._check()
         arrival = self._bus.arrives()
@@ -71,21 +74,21 @@ class MemoryWire:
         return b""
 
     def sleep(self, until: float, /) -> None:
-        """Jumps to a time [s]."""
+        """Jump to a time [s]."""
         self._time = max(self._time, until)
 
     def reopen(self) -> bool:
-        """Returns whether the adapter is plugged in again."""
-        back = self._bus.plugged(self._time)
-        if back:
+        """Return whether the adapter is plugged in again."""
+        is_plugged = self._bus.plugged(self._time)
+        if is_plugged:
             self._opened = self._time
-        return back
+        return is_plugged
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Do nothing, because memory needs no release."""
 
     def _check(self) -> None:
-        """A port that was pulled since it was opened is gone, even if it is there again."""
+        """Fail if the adapter was unplugged since the port was opened."""
         if self._bus.next_outage(self._opened) <= self._time:
             self._bus.unplug()
             raise BusError(f"{self._name}: the port is gone")

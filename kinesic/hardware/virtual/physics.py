@@ -1,72 +1,75 @@
-"""Turns the shafts of virtual servos: a protocol for physics, and motors of the first order that follow it."""
+"""Physics protocol for the shafts of virtual servos, with first-order motors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import copysign, exp, inf, pi
 from typing import Literal, NamedTuple, Protocol
 
-from kinesic.body.servo import DUTY_FULL, TICKS_PER_RADIAN, ServoModel
+from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_RADIAN, ServoModel
 
-LONGEST = 0.01  # [s] step of motors whose law is integrated exactly: only the way of a profile is sampled
+MAX_STEP = 0.01  # [s] longest time step; motors are integrated exactly, so that it only samples profiles
 
 DemandKind = Literal["limp", "angle", "speed", "current", "duty"]
 
 
 class Demand(NamedTuple):
-    """What a servo's electronics ask of its motor until the next step."""
+    """Motor command of a servo's electronics until the next step."""
 
     kind: DemandKind
-    value: float = 0.0  # [rad], [rad/s], share of the stall current -1..1, or duty -1..1
-    cap: float = 1.0  # largest duty 0..1
+    value: float = 0.0  # [rad], [rad/s], current / stall current -1..1, or duty -1..1
+    cap: float = 1.0  # duty limit 0..1
 
 
 class Shaft(NamedTuple):
-    """What a servo's sensors feel."""
+    """State of an output shaft, as the servo's sensors measure it."""
 
-    angle: float  # [rad] of the output shaft, over all turns
+    angle: float  # [rad] of the output shaft, multi-turn
     speed: float = 0.0  # [rad/s]
-    duty: float = 0.0  # -1..1 of the bridge
-    load: float = 0.0  # motor current over stall current, signed
+    duty: float = 0.0  # PWM duty -1..1
+    load: float = 0.0  # motor current / stall current, signed
 
 
-LIMP = Demand("limp")
+NO_TORQUE = Demand("limp")  # Motor command of a servo with torque off
 
 
 class Physics(Protocol):
-    """The shafts of several servos, always in the same order."""
+    """Physics of several shafts, always in the same order."""
 
-    longest: float  # [s] step that keeps it accurate
+    max_step: float  # [s] largest accurate time step
 
     def shafts(self) -> Sequence[Shaft]:
-        """Returns the shafts as they are now."""
+        """Return the present state of the shafts."""
 
     def advance(self, seconds: float, demands: Sequence[Demand]) -> None:
-        """Moves time on by at most `longest` under constant demands."""
+        """Advance time by at most `max_step` under constant motor commands."""
 
 
 @dataclass(frozen=True)
 class Motor:
-    """A motor without inertia: speed = no_load (duty - load), duty = gain error clipped to the cap."""
+    """Motor without inertia.
 
-    no_load: float = 8.0  # [rad/s]
-    gain: float = 4.6  # duty per error [1/rad]
+    velocity = no_load (duty - load); duty = gain * error, clipped to the cap.
+    """
+
+    no_load: float = 8.0  # [rad/s] no-load velocity
+    gain: float = 4.6  # [1/rad] duty per error
 
     @classmethod
     def of(cls, model: ServoModel) -> "Motor":
-        """Makes the motor of a servo's data sheet, with its factory position gain."""
-        gain = model.p_gain / model.kp_divisor * TICKS_PER_RADIAN / DUTY_FULL
+        """Make the motor of a data sheet, with its factory position gain."""
+        gain = model.p_gain / model.kp_divisor * TICKS_PER_RADIAN / FULL_DUTY_PWM
         return cls(no_load=model.no_load_rpm * 2 * pi / 60, gain=gain)
 
-    def towards(self, error: float, seconds: float, *, cap: float, load: float) -> float:
-        """Returns the position error [rad] that is left after a time, exactly.
+    def advance_error(self, error: float, seconds: float, *, cap: float, load: float) -> float:
+        """Return the exact position error [rad] after some time.
 
         Args:
-            error: goal minus angle [rad].
-            seconds: how long.
+            error: [rad] goal minus angle.
+            seconds: [s] elapsed time.
             cap: largest duty, 0..1.
-            load: that the shaft carries, as a share of the stall torque; positive pulls the angle down.
+            load: load torque / stall torque; positive pulls the angle down.
         """
-        edge = cap / self.gain  # [rad] of error at which the duty saturates
+        edge = cap / self.gain  # [rad] error at which the duty saturates
         if abs(error) > edge:
             speed = self.no_load * (copysign(cap, error) - load)
             reaches = (error - copysign(edge, error)) / speed if speed * error > 0.0 else inf
@@ -78,37 +81,43 @@ class Motor:
 
 
 class FirstOrder:
-    """Independent motors of the first order. Loads and jams are attributes: they may change between two steps."""
+    """Independent first-order motors.
 
-    longest = LONGEST
+    Loads and jams are attributes, which may change between two steps.
+    """
+
+    max_step = MAX_STEP
 
     def __init__(self, motors: Sequence[Motor], angles: Sequence[float]) -> None:
-        """Stands still.
+        """Start at rest.
 
         Args:
             motors: one per servo.
             angles: [rad] of their shafts.
 
         Raises:
-            ValueError: there are not as many angles as motors.
+            ValueError: the numbers of angles and motors differ.
         """
         if len(motors) != len(angles):
-            raise ValueError(f"{len(angles)} angles for {len(motors)} motors, must be as many")
+            raise ValueError(f"{len(angles)} angles for {len(motors)} motors; the numbers must be equal")
         self._motors = tuple(motors)
         self._shafts = [Shaft(angle) for angle in angles]
-        self.loads = [0.0] * len(motors)  # share of the stall torque that each shaft carries
-        self.jammed = [False] * len(motors)  # shafts that something blocks
+        self.loads = [0.0] * len(motors)  # load torque / stall torque of each shaft
+        self.jammed = [False] * len(motors)  # blocked shafts
 
     def shafts(self) -> Sequence[Shaft]:
-        """Returns the shafts as they are now."""
+        """Return the present state of the shafts."""
         return self._shafts
 
     def turn(self, index: int, angle: float) -> None:
-        """Sets a shaft [rad], as a hand would that turns it."""
+        """Set the angle [rad] of a shaft.
+
+        It simulates a hand that turns the shaft.
+        """
         self._shafts[index] = Shaft(angle)
 
     def advance(self, seconds: float, demands: Sequence[Demand]) -> None:
-        """Moves time on under constant demands."""
+        """Advance time under constant motor commands."""
         if seconds <= 0.0:
             return
         moved = zip(self._motors, self._shafts, demands, self.loads, self.jammed, strict=True)
@@ -117,12 +126,12 @@ class FirstOrder:
 
 def _moved(motor: Motor, shaft: Shaft, demand: Demand, seconds: float, load: float, jammed: bool) -> Shaft:
     if demand.kind == "limp":
-        return Shaft(shaft.angle)  # gears hold a limp servo still
+        return Shaft(shaft.angle)  # gear friction holds a servo without torque
     if jammed:
         duty = _duty(motor, shaft, demand, load)
         return Shaft(shaft.angle, 0.0, duty, duty)
     if demand.kind == "angle":
-        error = motor.towards(demand.value - shaft.angle, seconds, cap=demand.cap, load=load)
+        error = motor.advance_error(demand.value - shaft.angle, seconds, cap=demand.cap, load=load)
         angle = demand.value - error
         duty = _clipped(motor.gain * error, demand.cap)
         return Shaft(angle, (angle - shaft.angle) / seconds, duty, load)
@@ -132,16 +141,19 @@ def _moved(motor: Motor, shaft: Shaft, demand: Demand, seconds: float, load: flo
 
 
 def _duty(motor: Motor, shaft: Shaft, demand: Demand, load: float) -> float:
-    """The duty that answers a demand; the current's loop sees the load as friction."""
+    """Compute the motor's duty cycle from a servo's motor command.
+
+    The current loop treats the load as friction.
+    """
     if demand.kind == "angle":
-        wanted = motor.gain * (demand.value - shaft.angle)
+        duty = motor.gain * (demand.value - shaft.angle)
     elif demand.kind == "speed":
-        wanted = demand.value / motor.no_load + load
+        duty = demand.value / motor.no_load + load
     elif demand.kind == "current":
-        wanted = demand.value + shaft.speed / motor.no_load
+        duty = demand.value + shaft.speed / motor.no_load
     else:
-        wanted = demand.value
-    return _clipped(wanted, demand.cap)
+        duty = demand.value
+    return _clipped(duty, demand.cap)
 
 
 def _clipped(value: float, cap: float) -> float:

@@ -1,82 +1,91 @@
-"""Answers instructions as several servos together do by Protocol 2.0: who answers, when, and with which bytes.
+"""Replies of several servos to instructions of Protocol 2.0.
 
-Assumed where no source says: in a fast read each servo waits for the bytes before its own, so that one who keeps silent
-ends the reply; in a plain sync read the others go on without him.
+Assumed without a source: in a fast read each servo waits for the bytes before its own, so a silent servo ends the
+reply; in a plain sync read the other servos continue.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, Packet, crc16, status
+from kinesic.hardware.protocol.packet import BROADCAST_ID, PACKET_HEADER, Instruction, Packet, crc16, status
 from kinesic.hardware.virtual.servo import VirtualServo
 
-TURNAROUND = 20e-6  # [s] that a servo takes between the end of what it waits for and its own first byte
+TURNAROUND_TIME = 20e-6  # [s] time from the end of a packet to the first byte of the reply
 
-Servos = Mapping[int, Sequence[VirtualServo]]  # by id; more than one where an id is given twice
+Servos = Mapping[int, Sequence[VirtualServo]]  # by id; several if an id is given twice
 
 
 @dataclass(frozen=True)
 class Sent:
-    """What one servo puts on the wire."""
+    """Bytes that one servo transmits."""
 
     servo: int
     data: bytes
-    delay: float = 0.0  # [s] of silence before
-    chained: bool = False  # the ones behind it wait for its bytes
+    delay: float = 0.0  # [s] of silence before it
+    chained: bool = False  # whether later servos wait for its bytes
 
 
 def answers(packet: Packet, servos: Servos) -> list[Sent]:
-    """Lets the servos do what a packet says, and returns their answers.
+    """Execute a packet on the servos, and return their replies.
 
     Args:
-        packet: as it came along the wire.
-        servos: those that hear it.
+        packet: received packet.
+        servos: servos that receive it, by id.
 
     Returns:
-        Their answers in the order of the wire.
+        Replies in the order of the wire.
     """
-    collective = _COLLECTIVE.get(packet.instruction)
+    collective = _COLLECTIVE_INSTRUCTIONS.get(packet.instruction)
     if collective is not None:
-        return list(collective(packet, servos)) if packet.id == BROADCAST else []
-    if packet.id == BROADCAST:
+        return list(collective(packet, servos)) if packet.id == BROADCAST_ID else []
+    if packet.id == BROADCAST_ID:
         return list(_broadcast(packet, servos))
     return list(_plain(packet.id, packet.instruction, packet.parameters, servos))
 
 
 def obey_aliases(packet: Packet, aliases: Servos) -> None:
-    """Lets servos do what their secondary id is told, which they never answer."""
-    if aliases and (packet.id != BROADCAST or packet.instruction in _WRITING):
+    """Execute a packet on servos addressed by their secondary id.
+
+    They never reply.
+    """
+    if aliases and (packet.id != BROADCAST_ID or packet.instruction in _WRITE_INSTRUCTIONS):
         answers(packet, aliases)
 
 
 def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> Iterator[Sent]:
-    """One status of one servo, or of several with one id, who talk at the same time."""
-    talking, delay = b"", 0.0
+    """Execute an instruction on servos with one id and yield their reply.
+
+    Statuses of several servos with the same id are mixed.
+    """
+    reply, delay = b"", 0.0
     for requested in servos.get(servo, ()):
-        answering, delay = requested.answers(instruction) and not requested.mute, requested.delay
+        has_reply, delay = requested.answers(instruction) and not requested.mute, requested.delay
         error, data = requested.execute(instruction, parameters)
-        if answering:
-            talking = _mixed(talking, status(servo, error, data))
-    if talking:
-        yield Sent(servo, talking, TURNAROUND + delay)
+        if has_reply:
+            reply = _mixed(reply, status(servo, error, data))
+    if reply:
+        yield Sent(servo, reply, TURNAROUND_TIME + delay)
 
 
 def _mixed(one: bytes, other: bytes) -> bytes:
-    """Two servos talking at once: a low level wins."""
+    """Combine two simultaneous transmissions bit by bit: low levels win."""
     if not one:
         return other
     return bytes(a & b for a, b in zip_longest(one, other, fillvalue=0xFF))
 
 
 def _broadcast(packet: Packet, servos: Servos) -> Iterator[Sent]:
-    """All obey, and only a ping is answered, in the order of ids."""
+    """Execute a broadcast on all servos.
+
+    Only a ping is answered, by id.
+    """
     if packet.instruction == Instruction.PING:
         for requested in sorted(servos):
             yield from _plain(requested, Instruction.PING, b"", servos)
         return
     everything = packet.instruction == Instruction.FACTORY_RESET and packet.parameters == b"\xff"
-    if packet.instruction == Instruction.READ or everything:  # all at once: the firmware refuses
+    if packet.instruction == Instruction.READ or everything:  # the firmware refuses these for all servos at once
         return
     for same in list(servos.values()):
         for servo in same:
@@ -103,7 +112,10 @@ def _bulk_write(packet: Packet, servos: Servos) -> Iterator[Sent]:
 
 
 def _requested(packet: Packet) -> list[tuple[int, bytes]]:
-    """Id and span (address and size, four bytes) of each servo that a collective read asks."""
+    """Return servo id and register span of each queried servo.
+
+    A span is address and size in four bytes.
+    """
     rows = packet.parameters
     if packet.instruction in (Instruction.SYNC_READ, Instruction.FAST_SYNC_READ):
         return [(servo, rows[:4]) for servo in rows[4:]]
@@ -116,11 +128,14 @@ def _read_each(packet: Packet, servos: Servos) -> Iterator[Sent]:
 
 
 def _read_fast(packet: Packet, servos: Servos) -> Iterator[Sent]:
-    """One joint reply; each block ends with the CRC of everything before it, earlier CRCs included."""
+    """Yield the blocks of the reply to a fast read.
+
+    Each block ends with the CRC of everything before it, earlier CRCs included.
+    """
     requested = _requested(packet)
     sizes = [int.from_bytes(span[2:4], "little") for _, span in requested]
     length = 1 + sum(size + 4 for size in sizes)
-    head = HEADER + bytes((BROADCAST, length & 0xFF, length >> 8 & 0xFF, Instruction.STATUS))
+    head = PACKET_HEADER + bytes((BROADCAST_ID, length & 0xFF, length >> 8 & 0xFF, Instruction.STATUS))
     crc = 0
     for k, ((servo, span), size) in enumerate(zip(requested, sizes, strict=True)):
         block, delay = b"", 0.0
@@ -134,11 +149,11 @@ def _read_fast(packet: Packet, servos: Servos) -> Iterator[Sent]:
         crc = crc16(block, crc)
         ended = block + crc.to_bytes(2, "little")
         crc = crc16(ended[-2:], crc)
-        yield Sent(servo, ended, 0.0 if k else TURNAROUND + delay, chained=True)
+        yield Sent(servo, ended, 0.0 if k else TURNAROUND_TIME + delay, chained=True)
 
 
-_WRITING = (Instruction.SYNC_WRITE, Instruction.BULK_WRITE)
-_COLLECTIVE: Mapping[int, Callable[[Packet, Servos], Iterator[Sent]]] = {
+_WRITE_INSTRUCTIONS = (Instruction.SYNC_WRITE, Instruction.BULK_WRITE)
+_COLLECTIVE_INSTRUCTIONS: Mapping[int, Callable[[Packet, Servos], Iterator[Sent]]] = {
     Instruction.SYNC_READ: _read_each,
     Instruction.BULK_READ: _read_each,
     Instruction.FAST_SYNC_READ: _read_fast,

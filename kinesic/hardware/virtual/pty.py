@@ -1,56 +1,68 @@
-"""Puts virtual wires behind pseudo-terminals, in real time: any Dynamixel program can open one.
+"""Virtual wires behind pseudo-terminals, in real time, for any Dynamixel program.
 
-The kernel never paces a pseudo-terminal: bytes are read when they come, count from then on, and go back when the
-virtual wire says. The host's baud rate is that of the terminal's settings, and servos of another rate do not hear it.
+The kernel does not pace a pseudo-terminal: bytes are read when they arrive, count from then on, and return when the
+virtual wire delivers them. The host's baud rate is that of the terminal settings; servos of another rate do not receive
+it.
 """
 
 import os
 import select
 import struct
-import termios
+import sys
 import time
-import tty
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from fcntl import ioctl
 from math import inf
 from pathlib import Path
 
 from kinesic.hardware.virtual.bus import VirtualBus
 
-IDLE = 0.02  # [s] longest wait: the plant moves on at least so often
-TERMINALS = "/dev/pts/"
-CHUNK = 65_536  # [bytes] read at once
-_TCGETS2 = 0x802C542A
-_SETTINGS = struct.Struct("=4I20B2I")  # flags, line discipline and control characters, speeds in and out
+if sys.platform != "win32":
+    import termios
+    import tty
+    from fcntl import ioctl
+
+MAX_WAIT = 0.02  # [s] longest wait between two steps of the plant
+PTY_PREFIX = "/dev/pts/"  # Folder of pseudo-terminals
+READ_SIZE = 65_536  # [bytes] read from the terminal per system call
+_GET_SETTINGS_IOCTL = 0x802C542A  # TCGETS2 of Linux
+_SETTINGS_FORMAT = struct.Struct("=4I20B2I")  # Flags, line discipline and control characters, baud rates in and out
 
 
 class PtyPort:
-    """The host's end of one virtual wire: a link to a pseudo-terminal, which comes and goes with the adapter."""
+    """Host's end of a virtual wire: a link to a pseudo-terminal.
+
+    The link appears and disappears with the adapter.
+    """
 
     def __init__(self, bus: VirtualBus, link: Path) -> None:
-        """Is not there before `exchange` plugs it in.
+        """Create the port with its adapter unplugged.
+
+        `exchange` plugs it in.
 
         Args:
-            bus: what is on the wire.
-            link: where the port is to be found; what a by-id name is to a real one.
+            bus: bus on the wire.
+            link: path of the port, like the by-id name of a real one.
         """
         self._bus, self.link = bus, link
-        self._ends: tuple[int, int] | None = None  # file descriptors of our end and of the host's
+        self._ends: tuple[int, int] | None = None  # file descriptors of both ends, that of the host second
 
     @property
     def descriptor(self) -> int | None:
-        """What to wait for; None while it is unplugged."""
+        """File descriptor to wait for.
+
+        None while unplugged.
+        """
         return None if self._ends is None else self._ends[0]
 
     def exchange(self, now: float) -> float:
-        """Gives the host what has arrived.
+        """Deliver arrived bytes to the host.
 
         Args:
             now: [s] on the plant's clock.
 
         Returns:
-            [s] when there is more to do.
+            [s] time of the next delivery or unplugging.
         """
         self._bus.advance(now)
         if self._bus.plugged(now):
@@ -59,26 +71,29 @@ class PtyPort:
             self.close()
         due = self._bus.receive(now)
         if due and self._ends is not None:
-            with suppress(BlockingIOError):  # nobody reads, and the terminal is full: the bytes are lost
+            with suppress(BlockingIOError):  # the terminal is full because no program reads it, and the bytes are lost
                 os.write(self._ends[0], due)
         return min(self._bus.arrives(), self._bus.next_outage(now))
 
     def listen(self, now: float) -> None:
-        """Takes what the host has written."""
+        """Transmit the bytes that the host has written."""
         if self._ends is None:
             return
-        ours, hosts = self._ends
-        self._bus.baud = _speed(hosts)
-        self._bus.send(os.read(ours, CHUNK), now)
+        virtual_end, host_end = self._ends
+        self._bus.baud = _baud_rate(host_end)
+        self._bus.send(os.read(virtual_end, READ_SIZE), now)
 
     def close(self) -> None:
-        """Pulls the adapter out; may be called twice."""
+        """Unplug the adapter.
+
+        Repeated calls have no effect.
+        """
         if self._ends is None:
             return
-        ours, hosts = self._ends
-        if _leads(self.link) == os.ttyname(hosts):
+        virtual_end, host_end = self._ends
+        if _link_target(self.link) == _terminal_name(host_end):
             self.link.unlink()
-        for end in (ours, hosts):
+        for end in (virtual_end, host_end):
             os.close(end)
         self._ends = None
         self._bus.unplug()
@@ -86,22 +101,19 @@ class PtyPort:
     def _plug(self) -> None:
         if self._ends is not None:
             return
-        ours, hosts = os.openpty()
-        tty.setraw(hosts)
-        _set_speed(hosts, self._bus.baud)
-        os.set_blocking(ours, False)
-        self._ends = ours, hosts
-        if _leads(self.link).startswith(TERMINALS):  # left by a simulation that was killed
+        virtual_end, host_end = _open_terminal(self._bus.baud)
+        self._ends = virtual_end, host_end
+        if _link_target(self.link).startswith(PTY_PREFIX):  # left by a killed simulation
             self.link.unlink()
-        self.link.symlink_to(os.ttyname(hosts))
+        self.link.symlink_to(_terminal_name(host_end))
 
 
 def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start: float = 0.0) -> None:
-    """Plays virtual wires in real time until told to stop.
+    """Simulate virtual wires in real time until stopped.
 
     Args:
-        ports: of one plant.
-        running: asked at least every `IDLE` seconds.
+        ports: ports of one plant.
+        running: returns whether to continue, called at least every `MAX_WAIT` seconds.
         start: [s] on the plant's clock.
     """
     began = time.monotonic() - start
@@ -110,7 +122,7 @@ def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start:
             now = time.monotonic() - began
             next_due = min((port.exchange(now) for port in ports), default=inf)
             waited = {port.descriptor: port for port in ports if port.descriptor is not None}
-            pause = max(0.0, min(next_due - (time.monotonic() - began), IDLE))
+            pause = max(0.0, min(next_due - (time.monotonic() - began), MAX_WAIT))
             ready, _, _ = select.select(list(waited), [], [], pause)
             for descriptor in ready:
                 waited[descriptor].listen(time.monotonic() - began)
@@ -119,24 +131,53 @@ def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start:
             port.close()
 
 
-def _leads(link: Path) -> str:
-    """Where a link leads; empty for anything else."""
+def _link_target(link: Path) -> str:
+    """Return the target of a link.
+
+    "" for anything else.
+    """
     try:
         return os.readlink(link)
     except OSError:
         return ""
 
 
-def _speed(descriptor: int) -> int:
-    """[bit/s] that the terminal's settings say, custom ones too."""
-    settings = ioctl(descriptor, _TCGETS2, bytes(_SETTINGS.size))
-    return int(_SETTINGS.unpack(settings)[-1])
+def _open_terminal(baud: int) -> tuple[int, ...]:
+    """Open a pseudo-terminal and return the descriptors of both ends, that of the host second.
+
+    Empty on Windows, which has none; `VIRTUAL_PORTS` refuses it before.
+    """
+    ends: tuple[int, ...] = ()
+    if sys.platform != "win32":
+        ends = os.openpty()
+        tty.setraw(ends[1])
+        _set_baud_rate(ends[1], baud)
+        os.set_blocking(ends[0], False)
+    return ends
 
 
-def _set_speed(descriptor: int, baud: int) -> None:
-    """Sets a usual baud rate; the host sets its own when it opens the port."""
-    code = getattr(termios, f"B{baud}", None)
-    if code is not None:
-        settings = termios.tcgetattr(descriptor)
-        settings[4] = settings[5] = code
-        termios.tcsetattr(descriptor, termios.TCSANOW, settings)
+def _terminal_name(descriptor: int) -> str:
+    """Return the path of a pseudo-terminal."""
+    name = ""
+    if sys.platform != "win32":
+        name = os.ttyname(descriptor)
+    return name
+
+
+def _baud_rate(descriptor: int) -> int:
+    """Return the terminal's baud rate [bit/s], including custom ones."""
+    rate = 0
+    if sys.platform != "win32":
+        settings = ioctl(descriptor, _GET_SETTINGS_IOCTL, bytes(_SETTINGS_FORMAT.size))
+        rate = int(_SETTINGS_FORMAT.unpack(settings)[-1])
+    return rate
+
+
+def _set_baud_rate(descriptor: int, baud: int) -> None:
+    """Set a standard baud rate until the host sets its own."""
+    if sys.platform != "win32":
+        code = getattr(termios, f"B{baud}", None)
+        if code is not None:
+            settings = termios.tcgetattr(descriptor)
+            settings[4] = settings[5] = code
+            termios.tcsetattr(descriptor, termios.TCSANOW, settings)

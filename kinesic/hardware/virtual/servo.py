@@ -1,26 +1,36 @@
-"""Simulates what a servo of the X series does with instructions.
+"""Reaction of a virtual X series servo to instructions.
 
-Assumed where no source says: a goal from before torque came on still counts, unless `latches_goal`; after a shutdown
-torque is refused as an access error.
+Assumed without a source: a goal from before torque is switched on still counts, unless `latches_goal`; after a shutdown
+torque is refused as a result error.
 """
+
+from typing import NamedTuple
 
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import Fault, Instruction
 from kinesic.hardware.protocol.registers import BAUD_RATES, Register
-from kinesic.hardware.virtual.control_table import BY_GOAL, GOALS, Memory, RefusalError, RegisterWrite, value_fault
-from kinesic.hardware.virtual.firmware import BOOT, Firmware
+from kinesic.hardware.virtual.control_table import (
+    GOAL_REGISTERS,
+    TORQUE_BY_GOAL_BIT,
+    Memory,
+    RefusalError,
+    RegisterWrite,
+    value_fault,
+)
+from kinesic.hardware.virtual.firmware import BOOT_TIME, Firmware
 
-LARGEST_ID = 252
-NEWEST = 52  # firmware unless said otherwise
-CLEAR_FIRMWARE = 42
-_CLEAR_TURNS = bytes((0x01, 0x44, 0x58, 0x4C, 0x22))
-_STORE, _RESTORE = (bytes((option, 0x43, 0x54, 0x52, 0x4C)) for option in (1, 2))
-_KEPT: dict[bytes, tuple[Register, ...]] = {  # by option of the factory reset
+MAX_ID = 252  # Largest id of a servo
+NEWEST_FIRMWARE = 52  # Default firmware version of a virtual servo
+CLEAR_FIRMWARE = 42  # First firmware with the CLEAR instruction
+_CLEAR_TURNS = bytes((0x01, 0x44, 0x58, 0x4C, 0x22))  # Parameters of CLEAR that reset the turn count
+_STORE_BACKUP = bytes((1, 0x43, 0x54, 0x52, 0x4C))  # Parameters of BACKUP that store RAM
+_RESTORE_BACKUP = bytes((2, 0x43, 0x54, 0x52, 0x4C))  # Parameters of BACKUP that restore RAM
+_KEPT_REGISTERS: dict[bytes, tuple[Register, ...]] = {  # kept registers by option of the factory reset
     b"\xff": (),
     b"\x01": (Register.ID,),
     b"\x02": (Register.ID, Register.BAUD_RATE),
 }
-_OF_MODE = (  # what a change of mode resets
+_MODE_REGISTERS = (  # registers that a change of operating mode resets
     Register.VELOCITY_I_GAIN,
     Register.VELOCITY_P_GAIN,
     Register.POSITION_D_GAIN,
@@ -33,67 +43,93 @@ _OF_MODE = (  # what a change of mode resets
 )
 
 
+class Station(NamedTuple):
+    """Baud rate and ids under which a servo receives."""
+
+    baud: int  # [bit/s]
+    id: int
+    alias: int | None  # secondary id
+
+
 class VirtualServo:
-    """A servo that answers instructions as the manual says."""
+    """Servo that answers instructions as the manual describes."""
 
     def __init__(
-        self, model: Model, *, servo: int = 1, baud: int = 57_600, firmware: int = NEWEST, latches_goal: bool = False
+        self,
+        model: Model,
+        *,
+        servo: int = 1,
+        baud: int = 57_600,
+        firmware: int = NEWEST_FIRMWARE,
+        latches_goal: bool = False,
     ) -> None:
-        """As it comes out of its box, but for what is given.
+        """Create a servo with factory settings, except for the given ones.
 
         Args:
-            model: which.
-            servo: its id.
-            baud: [bit/s] that it talks.
-            firmware: version.
-            latches_goal: whether torque coming on sets the goal to where it is; nobody says of which firmware it is
-                true, so that the worse is assumed.
+            model: servo model.
+            servo: id.
+            baud: [bit/s].
+            firmware: firmware version.
+            latches_goal: whether switching torque on sets the goal to the present position; no source names the
+                firmware that does, so the worse case is the default.
         """
         self.memory = Memory(model, firmware)
         self.memory[Register.ID] = servo
         self.memory[Register.BAUD_RATE] = BAUD_RATES.index(baud)
         self.electronics = Firmware(self.memory)
-        self.mute = False  # hears, but does not answer
+        self.mute = False  # whether the servo receives without answering
         self._latches_goal = latches_goal
-        self._registered: bytes | None = None  # parameters of a write that waits for its action
+        self._registered: bytes | None = None  # parameters of a registered write
+        self._station, self._station_version = Station(0, 0, None), -1  # as read from this version of the EEPROM
 
     @property
     def id(self) -> int:
-        """ID."""
+        """Id of the servo."""
         return self.memory[Register.ID]
 
     @property
     def alias(self) -> int | None:
-        """Its secondary id, which it obeys without an answer; None if it has none."""
+        """Secondary id, obeyed without reply.
+
+        None without one.
+        """
         alias = self.memory[Register.SECONDARY_ID]
-        return alias if alias <= LARGEST_ID and alias != self.id else None
+        return alias if alias <= MAX_ID and alias != self.id else None
 
     @property
     def baud(self) -> int:
-        """[bit/s]."""
+        """Baud rate [bit/s]."""
         return BAUD_RATES[self.memory[Register.BAUD_RATE]]
 
     @property
+    def station(self) -> "Station":
+        """Baud rate and ids under which the servo receives."""
+        version = self.memory.eeprom_version
+        if version != self._station_version:
+            self._station, self._station_version = Station(self.baud, self.id, self.alias), version
+        return self._station
+
+    @property
     def delay(self) -> float:
-        """[s] that it waits before it answers."""
+        """Delay between an instruction and the servo's reply [s]."""
         return self.memory[Register.RETURN_DELAY_TIME] * Register.RETURN_DELAY_TIME.field.scale
 
     @property
     def fast(self) -> bool:
-        """Whether its firmware knows the fast reads."""
+        """Whether its firmware supports fast reads."""
         return self.memory.firmware >= self.memory.model.fast_firmware
 
     def answers(self, instruction: int) -> bool:
-        """Returns whether the status return level lets it answer."""
+        """Return whether the status return level allows a reply."""
         if instruction == Instruction.PING:
             return True
         return self.memory[Register.STATUS_RETURN_LEVEL] > (instruction != Instruction.READ)
 
     def execute(self, instruction: int, parameters: bytes) -> tuple[int, bytes]:
-        """Executes an instruction.
+        """Execute an instruction.
 
         Returns:
-            Error byte, and data of the answer.
+            Error byte and data of the reply.
         """
         try:
             data = self._done(instruction, parameters)
@@ -102,19 +138,19 @@ class VirtualServo:
         return self.electronics.alert, data
 
     def read(self, address: int, size: int) -> bytes:
-        """Reads the registers of a span, as they are now.
+        """Read a span of registers with current sensor values.
 
         Raises:
-            RefusalError: there are none.
+            RefusalError: the span has no registers.
         """
         self.electronics.show()
         return self.memory.read(address, size)
 
     def write(self, address: int, data: bytes) -> None:
-        """Changes registers, all or none.
+        """Write registers, all or none.
 
         Raises:
-            RefusalError: a place, a size or a value is wrong.
+            RefusalError: an address, a size or a value is invalid.
         """
         entries = self._checked(address, data)
         for entry in entries:
@@ -164,8 +200,8 @@ class VirtualServo:
             raise RefusalError(Fault.INSTRUCTION)
         return b""
 
-    def reboot(self, *, seconds: float = BOOT) -> None:
-        """Reboots, as when its power fails for a moment."""
+    def reboot(self, *, seconds: float = BOOT_TIME) -> None:
+        """Reboot the servo, as after a short power failure."""
         self._registered = None
         self.electronics.reboot(seconds=seconds)
 
@@ -187,7 +223,7 @@ class VirtualServo:
         electronics.changed()
 
     def _reset(self, parameters: bytes) -> None:
-        kept = _KEPT.get(parameters)
+        kept = _KEPT_REGISTERS.get(parameters)
         if kept is None:
             raise RefusalError(Fault.RANGE)
         values = {register: self.memory[register] for register in kept}
@@ -198,14 +234,14 @@ class VirtualServo:
         self.reboot()
 
     def _keep(self, parameters: bytes) -> None:
-        """The backup of RAM: stored, or brought back."""
+        """Execute the BACKUP instruction: store or restore the RAM."""
         electronics, memory = self.electronics, self.memory
         if memory[Register.TORQUE_ENABLE]:
             raise RefusalError(Fault.RESULT)
-        if parameters == _STORE:
+        if parameters == _STORE_BACKUP:
             memory[Register.BACKUP_READY] = 1
             electronics.backup = memory.ram()
-        elif parameters != _RESTORE:
+        elif parameters != _RESTORE_BACKUP:
             raise RefusalError(Fault.RANGE)
         elif electronics.backup is None:
             raise RefusalError(Fault.RESULT)
@@ -217,14 +253,18 @@ class VirtualServo:
         if register is Register.TORQUE_ENABLE:
             self._energise()
         elif register is Register.OPERATING_MODE:
-            for reset in _OF_MODE:
-                memory[reset] = memory.model.starts(reset)
+            for reset in _MODE_REGISTERS:
+                memory[reset] = memory.model.factory_value(reset)
             memory[Register.GOAL_PWM] = memory[Register.PWM_LIMIT]
             electronics.fold()
         elif register in (Register.DRIVE_MODE, Register.HOMING_OFFSET):
             electronics.fold()
-        elif register in GOALS:
-            if memory[Register.DRIVE_MODE] & BY_GOAL and not memory[Register.TORQUE_ENABLE] and not electronics.latched:
+        elif register in GOAL_REGISTERS:
+            if (
+                memory[Register.DRIVE_MODE] & TORQUE_BY_GOAL_BIT
+                and not memory[Register.TORQUE_ENABLE]
+                and not electronics.latched
+            ):
                 memory[Register.TORQUE_ENABLE] = 1
                 electronics.motion.rest(electronics.shaft, electronics.time)
             if memory[Register.TORQUE_ENABLE]:
@@ -235,5 +275,5 @@ class VirtualServo:
         electronics.fold()
         if memory[Register.TORQUE_ENABLE]:
             if self._latches_goal:
-                memory[Register.GOAL_POSITION] = electronics.here()
+                memory[Register.GOAL_POSITION] = electronics.present_position()
             electronics.motion.aim(electronics.time)

@@ -1,4 +1,4 @@
-"""Moves servos on their shafts through time together, and lets faults befall them."""
+"""Simulation of all servos and their shafts, with planned faults."""
 
 from collections.abc import Callable, Iterator, Sequence
 from math import inf
@@ -7,30 +7,33 @@ from kinesic.hardware.virtual.faults import SERVO_KINDS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.physics import Physics
 from kinesic.hardware.virtual.servo import VirtualServo
 
-SAME_TIME = 1e-12  # [s]
+TIME_TOLERANCE = 1e-12  # [s] rounding tolerance of times
 
 Event = tuple[float, Callable[[], None]]
 
 
 class ShaftSimulation:
-    """All servos of one physics, on whichever wires they are; its clock is the caller's, and never goes back."""
+    """Servos of one physics, on any number of wires.
+
+    The caller owns the clock, which never decreases.
+    """
 
     def __init__(self, servos: Sequence[VirtualServo], physics: Physics, *, time: float = 0.0) -> None:
-        """Powers the servos.
+        """Start with supply voltage on all servos.
 
         Args:
-            servos: in the order of the physics' shafts.
-            physics: what turns them.
-            time: [s] now.
+            servos: servos in the order of the physics' shafts.
+            physics: physics of the shafts.
+            time: [s] current time.
         """
         self.servos, self.physics, self.time = tuple(servos), physics, time
         self._electronics = tuple(servo.electronics for servo in servos)
-        self._events: list[Event] = []  # the next one last
+        self._events: list[Event] = []  # in descending order of time
         for electronics, shaft in zip(self._electronics, physics.shafts(), strict=True):
             electronics.place(shaft, time)
 
     def expose(self, servos: Sequence[VirtualServo], plan: FaultPlan) -> None:
-        """Lets the plan's faults of servos befall some of them; its times count from now."""
+        """Schedule the servo faults of a plan, relative to the present time."""
         for fault in plan.of(SERVO_KINDS):
             for servo in servos:
                 if not fault.servos or servo.id in fault.servos:
@@ -38,14 +41,17 @@ class ShaftSimulation:
         self._events.sort(key=lambda event: -event[0])
 
     def advance(self, time: float) -> None:
-        """Moves everything on to a time [s]; one that has passed changes nothing."""
-        while self.time < time - SAME_TIME:
-            self._step(max(self.time, min(time, self._next(), self.time + self.physics.longest)))
+        """Advance all wires, servos and shafts to a time [s].
+
+        A past time has no effect.
+        """
+        while self.time < time - TIME_TOLERANCE:
+            self._step(max(self.time, min(time, self._next(), self.time + self.physics.max_step)))
 
     def _next(self) -> float:
-        """[s] when something happens that nobody on a wire asks for."""
+        """Return the time [s] of the next fault or autonomous action."""
         event = self._events[-1][0] if self._events else inf
-        return min(event, *(electronics.due() for electronics in self._electronics), inf)
+        return min([event, *[electronics.due() for electronics in self._electronics]])
 
     def _step(self, time: float) -> None:
         demands = [electronics.demand(self.time) for electronics in self._electronics]
@@ -58,24 +64,24 @@ class ShaftSimulation:
 
 
 def _events(fault: PlannedFault, servo: VirtualServo) -> Iterator[Event]:
-    """When a fault begins and ends for a servo, and what it does then."""
-    electronics, figure = servo.electronics, fault.figure
+    """Yield begin and end times of a servo fault, with their effects."""
+    electronics, value = servo.electronics, fault.effective_value
 
-    def sets(place: object, name: str, value: float | bool) -> Callable[[], None]:
-        return lambda: setattr(place, name, value)
+    def setter(target: object, name: str, new_value: float | bool) -> Callable[[], None]:
+        return lambda: setattr(target, name, new_value)
 
     if fault.kind == "reboot":
-        yield fault.start, lambda: servo.reboot(seconds=figure)
+        yield fault.start, lambda: servo.reboot(seconds=value)
     elif fault.kind == "alert":
-        yield fault.start, lambda: electronics.fail(int(figure))
+        yield fault.start, lambda: electronics.fail(int(value))
     elif fault.kind == "watchdog":
         yield fault.start, electronics.trip
     elif fault.kind == "silent":
-        yield fault.start, sets(servo, "mute", True)
-        yield fault.end, sets(servo, "mute", False)
+        yield fault.start, setter(servo, "mute", True)
+        yield fault.end, setter(servo, "mute", False)
     elif fault.kind == "overheat":
-        yield fault.start, sets(electronics, "heating", figure)
-        yield fault.end, sets(electronics, "heating", 0.0)
+        yield fault.start, setter(electronics, "heating", value)
+        yield fault.end, setter(electronics, "heating", 0.0)
     elif fault.kind == "undervoltage":
-        yield fault.start, sets(electronics, "volts", figure)
-        yield fault.end, sets(electronics, "volts", electronics.volts)
+        yield fault.start, setter(electronics, "volts", value)
+        yield fault.end, setter(electronics, "volts", electronics.volts)

@@ -1,37 +1,38 @@
-"""Describes which virtual servos stand on which wires, and builds them."""
+"""Description and construction of virtual servo buses."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.hardware.protocol.models import BY_NUMBER, MODELS
-from kinesic.hardware.protocol.registers import TICK, Register
+from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, SERVO_MODELS, control_table_of
+from kinesic.hardware.protocol.registers import TICK_ANGLE, Register
 from kinesic.hardware.protocol.servo_map import MID_TICKS, ServoMap
-from kinesic.hardware.virtual.bus import LATENCY, VirtualBus
-from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan
+from kinesic.hardware.virtual.bus import ADAPTER_LATENCY, VirtualBus
+from kinesic.hardware.virtual.faults import BUILD_KINDS, NO_FAULTS, FaultPlan
 from kinesic.hardware.virtual.physics import FirstOrder, Motor, Physics, Shaft
-from kinesic.hardware.virtual.servo import NEWEST, VirtualServo
+from kinesic.hardware.virtual.servo import NEWEST_FIRMWARE, VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 
-USUAL = Motor()
+DEFAULT_MOTOR = Motor()  # Default first-order motor of a servo
 
 
 @dataclass(frozen=True)
 class ServoFitting:
-    """One servo as it is mounted."""
+    """Mounted servo with its settings."""
 
-    servo: int  # id
+    servo: int  # id of the servo
     model: str = "xm430_w350"
-    firmware: int = NEWEST
-    ticks: int = MID_TICKS  # where its shaft stands
-    return_delay: int = 0  # [2 us], 250 in a new one
+    firmware: int = NEWEST_FIRMWARE
+    ticks: int = MID_TICKS  # [ticks] position of its shaft
+    return_delay: int = 0  # [2 us], 250 in a new servo
     latches_goal: bool = False  # see `VirtualServo`
-    motor: Motor = USUAL
+    motor: Motor = DEFAULT_MOTOR
 
     def build(self, baud: int) -> VirtualServo:
-        """Builds the servo, which talks at a baud rate."""
+        """Build the servo for a baud rate."""
         servo = VirtualServo(
-            MODELS[self.model],
+            SERVO_MODELS[self.model],
             servo=self.servo,
             baud=baud,
             firmware=self.firmware,
@@ -43,44 +44,58 @@ class ServoFitting:
 
 @dataclass(frozen=True)
 class Cable:
-    """One wire with its servos."""
+    """Virtual bus wire with the servos connected to it."""
 
     name: str
     fittings: tuple[ServoFitting, ...]
     baud: int = 1_000_000  # [bit/s] of servos and host
-    latency: float = LATENCY  # [s] of the adapter
-    faults: FaultPlan = CALM
+    latency: float = ADAPTER_LATENCY  # [s] of the adapter's timer
+    faults: FaultPlan = NO_FAULTS
 
 
-def cables(robot: Robot) -> tuple[Cable, ...]:
-    """Describes the wires of a robot, its servos at rest."""
+def describe_cables(robot: Robot, posture: Floats | None = None) -> tuple[Cable, ...]:
+    """Describe the wires of a robot.
+
+    Args:
+        robot: description.
+        posture: (n,) [rad] posture of its servos; None: the rest posture.
+
+    Raises:
+        ConfigError: the tables of the buses are invalid, or a servo model is unknown.
+    """
     wiring = ServoMap.of(robot)
     if not wiring.buses:
         return ()
-    ticks = wiring.scale.ticks(robot.skeleton.rest)
+    ticks = wiring.scale.ticks(robot.skeleton.rest if posture is None else posture)
     models = [mount.drive.servo for mount in robot.mounts]
     fitted: dict[str, list[ServoFitting]] = {bus.name: [] for bus in wiring.buses}
     for servos, place, model in zip(wiring.servos, ticks, models, strict=True):
         motor = Motor.of(model)
-        fitted[servos.bus] += [ServoFitting(k, model=model.name, ticks=int(place), motor=motor) for k in servos.ids]
+        name = control_table_of(model, f"{robot.path}: {servos.hinge}").name  # the robot's file may name it otherwise
+        fitted[servos.bus] += [ServoFitting(k, model=name, ticks=int(place), motor=motor) for k in servos.ids]
     return tuple(Cable(bus.name, tuple(fitted[bus.name]), baud=bus.baud) for bus in wiring.buses)
+
+
+def independent_motors(wires: Sequence[Cable]) -> FirstOrder:
+    """Make first-order motors for all servos at their fitted positions."""
+    fittings = [fitting for wire in wires for fitting in wire.fittings]
+    return FirstOrder([fitting.motor for fitting in fittings], [fitting.ticks * TICK_ANGLE for fitting in fittings])
 
 
 def build_bus(
     wires: Sequence[Cable], physics: Physics | None = None
 ) -> tuple[ShaftSimulation, Mapping[str, VirtualBus]]:
-    """Builds virtual servos on virtual wires.
+    """Build virtual servos on virtual wires.
 
     Args:
-        wires: what to build.
-        physics: of the shafts, wire by wire in the order of the fittings; motors of the first order if not given.
+        wires: description of the wires.
+        physics: physics of the shafts, wire by wire in the order of the fittings; None: first-order motors.
 
     Returns:
         The plant of all servos, and each wire by name.
     """
-    fittings = [fitting for wire in wires for fitting in wire.fittings]
     if physics is None:
-        physics = FirstOrder([fitting.motor for fitting in fittings], [fitting.ticks * TICK for fitting in fittings])
+        physics = independent_motors(wires)
     groups = [[_altered(fitting, wire.faults).build(wire.baud) for fitting in wire.fittings] for wire in wires]
     for wire, group in zip(wires, groups, strict=True):
         _disguise(group, wire.faults)
@@ -96,27 +111,30 @@ def build_bus(
 
 def _altered(fitting: ServoFitting, faults: FaultPlan) -> ServoFitting:
     for fault in faults.of(frozenset({"old_firmware"})):
-        if fault.strikes(fitting.servo, fault.start):
-            return replace(fitting, firmware=int(fault.figure))
+        if fault.affects(fitting.servo, fault.start):
+            return replace(fitting, firmware=int(fault.effective_value))
     return fitting
 
 
 def _disguise(servos: Sequence[VirtualServo], faults: FaultPlan) -> None:
-    """Servos of another model than the robot's description says."""
+    """Overwrite model numbers of servos as a planned fault requires."""
     for fault in faults.of(frozenset({"wrong_model"})):
         for servo in servos:
-            if fault.strikes(servo.id, fault.start):
-                servo.memory[Register.MODEL_NUMBER] = int(fault.figure)
+            if fault.affects(servo.id, fault.start):
+                servo.memory[Register.MODEL_NUMBER] = int(fault.effective_value)
 
 
 def _intruders(wire: Cable) -> Iterator[VirtualServo]:
-    """Second servos with an id of the wire, on shafts that nothing turns."""
+    """Yield additional servos that duplicate an id on the wire.
+
+    Their shafts do not move.
+    """
     for fault in wire.faults.of(BUILD_KINDS):
         if fault.kind != "duplicate_id":
             continue
         for fitting in wire.fittings:
-            if fault.strikes(fitting.servo, fault.start):
-                model = BY_NUMBER[int(fault.figure)].name if fault.figure else fitting.model
+            if fault.affects(fitting.servo, fault.start):
+                model = MODELS_BY_NUMBER[int(fault.effective_value)].name if fault.effective_value else fitting.model
                 intruder = replace(fitting, model=model).build(wire.baud)
-                intruder.electronics.place(Shaft((fitting.ticks // 2) * TICK), 0.0)
+                intruder.electronics.place(Shaft((fitting.ticks // 2) * TICK_ANGLE), 0.0)
                 yield intruder

@@ -1,13 +1,13 @@
-"""Records of two servos as a test says them, and a filter that has believed the first."""
+"""Records of two servos, and a filter that has accepted the first ones."""
 
 import numpy as np
 import pytest
 
 from kinesic.hardware.bus.bounds import RecordBounds
-from kinesic.hardware.bus.cycle import BLOCK, Records
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, Records
 from kinesic.hardware.bus.plausibility import PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 
 ALL = slice(None)
 PERIOD = 0.01  # [s]
@@ -15,12 +15,12 @@ PERIOD = 0.01  # [s]
 
 def make_filter(model: str = "xm430_w350") -> PlausibilityFilter:
     """Of two servos, that knows no record."""
-    return PlausibilityFilter(RecordBounds.of((MODELS[model],) * 2, ((1000, 3000),) * 2), PERIOD)
+    return PlausibilityFilter(RecordBounds.of((SERVO_MODELS[model],) * 2, ((1000, 3000),) * 2), PERIOD)
 
 
 def blocks(tick: int, place: int = 2048, /, **changes: int) -> Records:
-    """Two servos; the changes are of the second."""
-    made = np.zeros(2, BLOCK)
+    """Make records of two servos, with changes in the second one."""
+    made = np.zeros(2, BLOCK_DTYPE)
     made["tick"], made["position"], made["volts"], made["temperature"] = tick, place, 120, 40
     for name, value in changes.items():
         made[name][1] = value

@@ -2,17 +2,17 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.bus.bounds import RecordBounds
-from kinesic.hardware.bus.cycle import BLOCK
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE
+from kinesic.hardware.protocol.models import SERVO_MODELS
 
 SPAN = (900, 3100)
 
 
-@pytest.mark.parametrize("model", MODELS)
-def test_each_model_may_say_what_it_can_do(model: str):
+@pytest.mark.parametrize("model", SERVO_MODELS)
+def test_record_bounds_of_each_model_allow_its_data_sheet_values(model: str):
     """Its factory limits, a supply that fails, and a joint that hangs a little outside."""
-    bounds = RecordBounds.of([MODELS[model]], [SPAN])
-    record = np.zeros(1, BLOCK)
+    bounds = RecordBounds.of([SERVO_MODELS[model]], [SPAN])
+    record = np.zeros(1, BLOCK_DTYPE)
     for name, value in (("temperature", 80), ("volts", 31), ("torque", 1), ("watchdog", -1)):
         record[name] = value
     for place in (SPAN[0] - 500, SPAN[1] + 500):
@@ -23,9 +23,9 @@ def test_each_model_may_say_what_it_can_do(model: str):
 
 @pytest.mark.parametrize("name", ["position", "velocity", "current"])
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_an_outsider_is_named_with_its_bounds(name: str, sign: int):
-    bounds = RecordBounds.of([MODELS["xm430_w350"], MODELS["xl430_w250"]], [SPAN, SPAN])
-    records = np.zeros(2, BLOCK)
+def test_error_names_the_servo_record_value_outside_its_bounds(name: str, sign: int):
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xl430_w250"]], [SPAN, SPAN])
+    records = np.zeros(2, BLOCK_DTYPE)
     records["volts"] = 120
     records[name][1] = sign * 32_767
     if name == "position":
@@ -49,11 +49,11 @@ MOST = {
 @pytest.mark.parametrize(
     ("model", "name", "ends"), [(model, name, ends) for model in MOST for name, ends in MOST[model].items()]
 )
-def test_the_ends_are_believed_and_what_is_beyond_is_not(model: str, name: str, ends: tuple[int, int]):
+def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str, ends: tuple[int, int]):
     """The second servo has the ends of its own model, whatever the first is."""
-    bounds = RecordBounds.of([MODELS["xm430_w350"], MODELS[model]], [SPAN, (1000, 2000)])
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS[model]], [SPAN, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
-        record = np.zeros(2, BLOCK)
+        record = np.zeros(2, BLOCK_DTYPE)
         record["volts"], record["position"] = 100, 1500
         record[name][1] = value
         assert not bounds.outside(record).any()
@@ -66,12 +66,10 @@ def test_the_ends_are_believed_and_what_is_beyond_is_not(model: str, name: str, 
 
 
 @pytest.mark.parametrize(("torque", "ends"), [(1, (1000 - 512, 2000 + 512)), (0, (-8 * 4096, 8 * 4096))])
-def test_a_joint_with_torque_stands_near_its_range_and_a_limp_one_within_eight_turns(
-    torque: int, ends: tuple[int, int]
-):
-    bounds = RecordBounds.of([MODELS["xm430_w350"]] * 2, [SPAN, (1000, 2000)])
+def test_position_bounds_are_the_range_with_torque_and_eight_turns_without(torque: int, ends: tuple[int, int]):
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"]] * 2, [SPAN, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
-        record = np.zeros(2, BLOCK)
+        record = np.zeros(2, BLOCK_DTYPE)
         record["volts"], record["position"] = 100, 1500
         record["torque"][1], record["position"][1] = torque, value
         assert not bounds.outside(record).any()
@@ -80,6 +78,6 @@ def test_a_joint_with_torque_stands_near_its_range_and_a_limp_one_within_eight_t
         assert bounds.reason(1, record[1]) == f"position is {beyond}, must be {ends[0]}..{ends[1]}"
 
 
-def test_a_joint_seems_to_move_twice_as_fast_as_its_limit_or_two_turns_a_second():
-    bounds = RecordBounds.of([MODELS["xm430_w350"], MODELS["xm540_w270"]], [SPAN, SPAN])
-    assert bounds.pace == pytest.approx([2 * 350 * 0.229 / 60 * 4096, 2 * 4096])
+def test_velocity_bound_is_twice_the_limit_or_two_turns_per_second():
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xm540_w270"]], [SPAN, SPAN])
+    assert bounds.max_velocity == pytest.approx([2 * 350 * 0.229 / 60 * 4096, 2 * 4096])

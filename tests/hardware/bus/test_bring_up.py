@@ -2,18 +2,18 @@ import pytest
 
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Servo
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-MODEL = MODELS["xm430_w350"]
+MODEL = SERVO_MODELS["xm430_w350"]
 
 
-def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> tuple[MemoryWire, ShaftSimulation]:
+def wire_of(faults: FaultPlan = NO_FAULTS, baud: int = 1_000_000, count: int = 3) -> tuple[MemoryWire, ShaftSimulation]:
     plant, buses = build_bus(
         [Cable("body", tuple(ServoFitting(k + 1) for k in range(count)), baud=baud, faults=faults)]
     )
@@ -21,7 +21,7 @@ def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> 
 
 
 def refused(*faults: PlannedFault, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
-    """What is said when a bus does not open; nothing is energised."""
+    """Return the error of a bus that does not open."""
     wire, plant = wire_of(FaultPlan(faults))
     if host_baud is not None:
         wire.baud = host_baud
@@ -32,7 +32,7 @@ def refused(*faults: PlannedFault, ids: tuple[int, ...] = (1, 2, 3), host_baud: 
     return str(error.value)
 
 
-def test_a_bus_opens_limp():
+def test_opening_a_bus_leaves_servo_torque_off():
     wire, plant = wire_of()
     bus = open_bus(wire, [Servo(servo, MODEL) for servo in (3, 1, 2)])
     assert bus.fast
@@ -40,57 +40,57 @@ def test_a_bus_opens_limp():
     assert not any(servo.memory[Register.TORQUE_ENABLE] for servo in plant.servos)
 
 
-def test_opening_again_drops_no_torque():
+def test_reopening_a_bus_keeps_servo_torque_on():
     wire, plant = wire_of()
     servos = [Servo(servo, MODEL) for servo in (1, 2, 3)]
     open_bus(wire, servos)
     for servo in plant.servos:
         servo.memory[Register.TORQUE_ENABLE] = 1
-    assert open_bus(wire, servos).cycle().each("torque").tolist() == [1, 1, 1]
+    assert open_bus(wire, servos).cycle().raw_values("torque").tolist() == [1, 1, 1]
 
 
-def test_no_servo_at_all():
+def test_bus_without_any_servo_is_reported():
     assert refused(host_baud=57_600) == (
         "/dev/ttyUSB0: no servo of ids 1, 2, 3 at 57600 baud; is the power on, is the baud rate right?"
     )
 
 
-def test_other_servos_than_those_wanted():
-    assert "those who answer: 1 (xm430_w350), 2 (xm430_w350), 3 (xm430_w350)" in refused(ids=(11, 12))
+def test_error_names_unexpected_servos_on_a_bus():
+    assert "answering: 1 (xm430_w350), 2 (xm430_w350), 3 (xm430_w350)" in refused(ids=(11, 12))
 
 
-def test_one_servo_missing():
+def test_error_names_a_servo_that_the_bus_lacks():
     assert refused(ids=(1, 2, 3, 4)) == (
-        "/dev/ttyUSB0: servo 4: no answer at 1000000 baud; `kinesic servos scan` tells who is there"
+        "/dev/ttyUSB0: servo 4: no answer at 1000000 baud; `kinesic servos scan` lists the servos"
     )
 
 
-def test_a_wrong_model():
+def test_servo_of_a_wrong_model_is_reported():
     said = refused(PlannedFault("wrong_model", servos=(2,)))
     assert said == "/dev/ttyUSB0: servo 2: is a xl430_w250, must be a xm430_w350; wrong id, or wrong robot?"
 
 
-def test_firmware_without_watchdog():
+def test_firmware_without_watchdog_is_refused():
     said = refused(PlannedFault("old_firmware", servos=(2,), value=36))
     assert "servo 2: firmware 36 has no bus watchdog, must be 38 or newer" in said
 
 
-def test_an_id_twice():
+def test_two_servos_with_one_id_are_reported():
     assert "servo 2:" in refused(PlannedFault("duplicate_id", servos=(2,)))
 
 
-def test_a_supply_that_is_too_low():
+def test_servos_with_low_supply_voltage_are_refused():
     assert refused(PlannedFault("undervoltage", value=9.0)).splitlines() == [
         f"/dev/ttyUSB0: servo {servo}: supply is 9.0 V, must be 9.5 V at least" for servo in (1, 2, 3)
     ]
 
 
-def test_every_problem_has_its_line():
+def test_each_servo_problem_is_reported_on_one_line():
     said = refused(PlannedFault("wrong_model", servos=(1,)), PlannedFault("old_firmware", servos=(3,), value=36))
     assert [line.split(":")[1] for line in said.splitlines()] == [" servo 1", " servo 3"]
 
 
-def test_firmware_that_does_not_answer_fast_reads_is_found_out():
+def test_firmware_without_fast_reads_is_detected():
     wire, _ = wire_of(FaultPlan((PlannedFault("old_firmware", servos=(2,), value=41),)))
     bus = open_bus(wire, [Servo(servo, MODEL) for servo in (1, 2, 3)])
     assert not bus.fast

@@ -1,15 +1,15 @@
-"""One cycle after the other, as heard on the wire: what is written, who is asked, and when it ends."""
+"""Bus cycles on the wire: writes, queried servos and end times."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.bus import REST, Bus, Servo
-from kinesic.hardware.bus.cycle import SIZE, signature
-from kinesic.hardware.bus.late_replies import STUCK
+from kinesic.hardware.bus.bus import MISMATCH_DELAY, Bus, Servo
+from kinesic.hardware.bus.cycle import RECORD_SIZE, signature
+from kinesic.hardware.bus.late_replies import MAX_STALE_CYCLES
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
@@ -17,13 +17,14 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 from ..conftest import Rig, rig_of
+from .test_bus import on_kinesic_servos
 
 Make = Callable[..., Rig]
 BYTE = 1e-5  # [s] at 1 Mbit/s
 
 
 def overhear(made: Rig) -> list[bytes]:
-    """What is written on the wire from now on, write by write."""
+    """Collect the writes on the wire from now on."""
     written: list[bytes] = []
     write = made.wire.write
 
@@ -36,13 +37,13 @@ def overhear(made: Rig) -> list[bytes]:
 
 
 def asked(written: list[bytes], servos: tuple[int, ...]) -> int:
-    """How often these servos, and nobody else, were asked for their records."""
-    cells = MODELS["xm430_w350"].cells[0].data
-    question = packet.sync_read(servos, cells, SIZE, fast=True) if len(servos) > 1 else None
-    return written.count(question or packet.read_packet(servos[0], cells, SIZE))
+    """Count the queries of exactly these servos."""
+    cells = SERVO_MODELS["xm430_w350"].cells[0].data
+    question = packet.sync_read(servos, cells, RECORD_SIZE, fast=True) if len(servos) > 1 else None
+    return written.count(question or packet.read_packet(servos[0], cells, RECORD_SIZE))
 
 
-def test_what_is_put_goes_out_once_and_before_the_goals(rig: Make):
+def test_queued_writes_are_sent_once_before_goals(rig: Make):
     made = rig(2)
     written = overhear(made)
     made.bus.put(Register.PROFILE_VELOCITY, {1: 100, 2: 200})
@@ -51,11 +52,11 @@ def test_what_is_put_goes_out_once_and_before_the_goals(rig: Make):
     puts = packet.sync_write(112, 4, {1: (100).to_bytes(4, "little"), 2: (200).to_bytes(4, "little")})
     puts += packet.sync_write(100, 2, {2: (50).to_bytes(2, "little")})
     goals = packet.sync_write(116, 4, {1: (1000).to_bytes(4, "little"), 2: (2000).to_bytes(4, "little")})
-    question = packet.sync_read([1, 2], MODELS["xm430_w350"].cells[0].data, SIZE, fast=True)
+    question = packet.sync_read([1, 2], SERVO_MODELS["xm430_w350"].cells[0].data, RECORD_SIZE, fast=True)
     assert written == [puts + goals + question, goals + question]
 
 
-def test_several_silent_servos_are_asked_in_turn(rig: Make):
+def test_several_silent_servos_are_queried_in_turn(rig: Make):
     made = rig(7)
     for place in (1, 4):
         made.plant.servos[place].mute = True
@@ -70,7 +71,8 @@ def test_several_silent_servos_are_asked_in_turn(rig: Make):
     assert [(event.kind, event.servo) for event in told] == [("heard", 5)]
 
 
-def test_a_silent_servo_is_asked_by_itself_every_tenth_of_a_second_where_there_is_no_time(rig: Make):
+@on_kinesic_servos
+def test_silent_servo_is_queried_every_tenth_of_a_second_without_spare_time(rig: Make):
     made = rig(14, period=0.0055)
     made.plant.servos[4].mute = True
     made.run(100)
@@ -79,7 +81,7 @@ def test_a_silent_servo_is_asked_by_itself_every_tenth_of_a_second_where_there_i
     assert asked(written, (5,)) in (11, 12)  # in 1.1 s
 
 
-def test_a_lost_port_is_looked_for_twenty_times_a_second(rig: Make):
+def test_lost_port_is_reopened_at_most_twenty_times_a_second(rig: Make):
     made = rig(2, faults=FaultPlan((PlannedFault("unplug", start=0.3, seconds=5.0),)))
     made.run(50)
     looks: list[float] = []
@@ -95,7 +97,7 @@ def test_a_lost_port_is_looked_for_twenty_times_a_second(rig: Make):
     assert np.diff(looks).min() > 0.049
 
 
-def test_a_port_that_is_given_up_is_left_alone_for_a_while(rig: Make):
+def test_port_closed_after_a_servo_mismatch_is_reopened_after_the_mismatch_delay(rig: Make):
     made = rig(2)
     made.run(3)
     closed: list[float] = []
@@ -111,20 +113,20 @@ def test_a_port_that_is_given_up_is_left_alone_for_a_while(rig: Make):
     ]
     lost = [cycle.time - began for cycle in cycles if cycle.lost]
     assert lost == pytest.approx([0.01 * k for k in range(len(lost))])
-    assert lost[-1] == pytest.approx(REST + 0.05, abs=0.021)
+    assert lost[-1] == pytest.approx(MISMATCH_DELAY + 0.05, abs=0.021)
 
 
 @pytest.mark.parametrize(("period", "end"), [(0.005, 0.00475), (0.01, 0.0095), (0.1, 0.0995)])
-def test_a_cycle_ends_half_a_millisecond_before_the_next_at_least(rig: Make, period: float, end: float):
+def test_bus_cycle_ends_at_least_half_a_millisecond_before_the_next_one(rig: Make, period: float, end: float):
     """Of a period below 10 ms it is a twentieth. A cycle that asks nobody listens as long as it may."""
     made = rig(1, period=period)
     made.run(3)
-    made.bus._late._seeming = STUCK
+    made.bus._late._stale_cycles = MAX_STALE_CYCLES
     (cycle,) = made.run(1)
     assert cycle.duration == pytest.approx(end, abs=1e-9)
 
 
-def test_events_say_what_has_changed_and_when(rig: Make):
+def test_bus_events_describe_error_and_torque_changes_with_their_time(rig: Make):
     made = rig(3)
     made.energise()
     made.plant.servos[1].electronics.fail(HardwareError.OVERLOAD.value)
@@ -142,22 +144,22 @@ def test_events_say_what_has_changed_and_when(rig: Make):
     assert texts[-1] == ("torque", 1, "on")
 
 
-def test_a_cycle_says_when_it_began_and_how_long_it_took(rig: Make):
+def test_bus_cycle_has_start_time_and_duration(rig: Make):
     made = rig(3)
     made.run(1)
     before = made.wire.now()
     cycle = made.bus.cycle()
     assert (cycle.time, cycle.time + cycle.duration) == pytest.approx((before, made.wire.now()))
-    question = packet.sync_read([1, 2, 3], MODELS["xm430_w350"].cells[0].data, SIZE, fast=True)
+    question = packet.sync_read([1, 2, 3], SERVO_MODELS["xm430_w350"].cells[0].data, RECORD_SIZE, fast=True)
     assert cycle.times == pytest.approx([before + len(question) * BYTE] * 3), "when it was out"
     assert cycle.signature == signature(cycle.records)
 
 
-def test_a_port_that_is_lost_at_once_is_looked_for_in_the_next_cycle():
+def test_port_that_is_lost_in_the_first_cycle_is_reopened_in_the_next():
     made = Cable("body", (ServoFitting(1),), faults=FaultPlan((PlannedFault("unplug", start=0.001, seconds=0.004),)))
     _, buses = build_bus([made])
     wire = MemoryWire(buses["body"])
-    bus = Bus(wire, [Servo(1, MODELS["xm430_w350"])])
+    bus = Bus(wire, [Servo(1, SERVO_MODELS["xm430_w350"])])
     assert (bus.period, bus.fast, bus.servos[0].span) == (0.01, True, (0, 4095)), "if nobody says otherwise"
     assert bus.cycle().lost
     wire.sleep(bus.period)
@@ -175,9 +177,7 @@ def test_a_port_that_is_lost_at_once_is_looked_for_in_the_next_cycle():
         (41, 1_000_000, 0.0085, range(3, 15)),
     ],
 )
-def test_as_many_are_asked_again_as_the_cycle_has_time_for(
-    rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]
-):
+def test_repeated_query_fits_into_the_cycle(rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]):
     """Each takes 22 bytes and one to be asked for, or 29 of old firmware; the first who is missing is asked last."""
     made, byte = rig(20, baud=baud, period=period, firmware=firmware), 10 / baud
     made.run(30)
@@ -189,17 +189,19 @@ def test_as_many_are_asked_again_as_the_cycle_has_time_for(
     (cycle,) = made.run(1)
     (_, _, first), (time, usual, again), *_ = said
     fast, cells = made.bus.fast, made.bus.servos[0].cells
-    assert first == packet.sync_read(range(1, 21), cells, SIZE, fast=fast)
+    assert first == packet.sync_read(range(1, 21), cells, RECORD_SIZE, fast=fast)
     left = cycle.time + max(0.95 * period, period - 0.0005) - time - usual
     room = max(1, int((left / byte - 22) / (23 if fast else 30)))
     later = [*range(5, 21 if fast else 16), 4][:room]
     assert again == (
-        packet.sync_read(later, cells, SIZE, fast=fast) if room > 1 else packet.read_packet(later[0], cells, SIZE)
+        packet.sync_read(later, cells, RECORD_SIZE, fast=fast)
+        if room > 1
+        else packet.read_packet(later[0], cells, RECORD_SIZE)
     )
 
 
 @pytest.mark.parametrize("mute", [(1,), (0, 1, 2)])
-def test_who_is_missing_is_asked_again_four_times_in_a_cycle_at_most(rig: Make, mute: tuple[int, ...]):
+def test_missing_servo_is_queried_at_most_four_times_per_cycle(rig: Make, mute: tuple[int, ...]):
     made = rig(3, period=0.05)
     made.run(3)
     for place in mute:
@@ -209,13 +211,13 @@ def test_who_is_missing_is_asked_again_four_times_in_a_cycle_at_most(rig: Make, 
     assert len(written) == 1 + 4
 
 
-def test_what_was_heard_in_a_cycle_is_forgotten_in_the_next(rig: Make):
+def test_listener_keeps_only_the_bytes_of_the_last_reply(rig: Make):
     made = rig(3)
     made.run(5)
     assert len(made.bus._listener.received) == 8 + 3 * 22
 
 
-def test_an_answer_that_comes_while_servos_are_asked_again_is_taken_and_nothing_more_expected():
+def test_late_reply_that_arrives_during_a_repeated_query_is_accepted():
     made = rig_of(14, faults=FaultPlan((PlannedFault("late", start=0.6, seconds=0.0095, value=0.005),)))
     durations = []
     for _ in range(60):
@@ -233,31 +235,31 @@ def silence(made: Rig, *places: int) -> None:
 
 
 def lose_question(made: Rig) -> None:
-    """The next that is said is lost on the wire."""
+    """Lose the next write on the wire."""
     write, lost = made.wire.write, [True]
     made.wire.write = lambda data: lost.pop() if lost else write(data)
 
 
-def test_what_is_made_good_by_asking_again_was_lost_and_not_late(rig: Make):
+def test_reply_recovered_by_a_repeated_query_clears_the_late_reply_state(rig: Make):
     made = rig(3, period=0.05)
     made.run(3)
     lose_question(made)
-    made.bus._listener.tardy = True
+    made.bus._listener.replies_late = True
     assert made.run(1)[0].fresh.all()
-    assert not made.bus._listener.tardy
+    assert not made.bus._listener.replies_late
 
 
-def test_most_who_were_late_have_been_spoilt_by_asking_again(rig: Make):
+def test_repeated_query_destroys_most_late_replies(rig: Make):
     """Nobody is heard until all were asked again, and then one of three."""
     made = rig(3, period=0.05)
     made.run(3)
     lose_question(made)
     silence(made, 0, 2)
     assert made.run(1)[0].fresh.tolist() == [False, True, False]
-    assert made.bus._listener.tardy
+    assert made.bus._listener.replies_late
 
 
-def test_who_is_made_good_among_others_tells_nothing_of_what_is_late(rig: Make):
+def test_repeated_query_for_one_of_several_servos_keeps_the_late_reply_state(rig: Make):
     made = rig(3, period=0.05)
     made.run(3)
     write, count = made.wire.write, [0]
@@ -268,26 +270,26 @@ def test_who_is_made_good_among_others_tells_nothing_of_what_is_late(rig: Make):
         write(data)
 
     made.wire.write = speak
-    made.bus._listener.tardy = True
+    made.bus._listener.replies_late = True
     assert made.run(1)[0].fresh.all()
     assert count[0] == 2
-    assert made.bus._listener.tardy
+    assert made.bus._listener.replies_late
 
 
-def test_after_a_silent_cycle_one_who_answers_in_time_tells_that_nothing_was_late(rig: Make):
+def test_punctual_reply_after_a_silent_cycle_clears_the_late_reply_state(rig: Make):
     made = rig(3)
     made.run(3)
     silence(made, 0, 1, 2)
     made.run(1)
-    made.bus._listener.tardy = True
+    made.bus._listener.replies_late = True
     silence(made, 1)
     (cycle,) = made.run(1)
     assert cycle.fresh.any()
     assert not cycle.fresh.all()
-    assert not made.bus._listener.tardy
+    assert not made.bus._listener.replies_late
 
 
-def test_an_earlier_answer_that_comes_while_servos_are_asked_again_is_late(rig: Make):
+def test_reply_of_an_earlier_cycle_during_a_repeated_query_counts_as_late(rig: Make):
     """Its last servo is missing, and it is of a cycle 30 ms ago."""
     made = rig(3)
     made.run(3)
@@ -295,11 +297,11 @@ def test_an_earlier_answer_that_comes_while_servos_are_asked_again_is_late(rig: 
     made.wire.sleep(made.wire.now() + 0.005)
     earlier = made.wire.read(made.wire.now())
     made.wire.sleep(made.wire.now() + 0.03)
-    made.bus._believed.begin()
+    made.bus._accepted.begin()
     made.bus._listener.send(b"")
     made.bus._sent_at = made.bus._listener.sent_at
-    made.bus._late.missed(made.bus._question)
+    made.bus._late.note_missed(made.bus._question)
     made.bus._listener.received = earlier[:-22]
     made.bus._look_again()
-    assert not made.bus._believed.fresh.any()
-    assert made.bus._believed.late.tolist() == [True, True, False]
+    assert not made.bus._accepted.fresh.any()
+    assert made.bus._accepted.late.tolist() == [True, True, False]

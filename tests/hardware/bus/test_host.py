@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.hardware.bus.host import AdapterLatency, Punctuality, latency, ports, stable_name
+from kinesic.hardware.bus.host import AdapterLatency, Punctuality, find_stable_name, list_ports, read_latency
 
 
 def links(folder: Path) -> tuple[Path, Path]:
@@ -14,22 +14,22 @@ def links(folder: Path) -> tuple[Path, Path]:
     return device, names
 
 
-def test_a_port_is_known_by_its_lasting_name(tmp_path: Path):
+def test_port_is_identified_by_its_stable_name(tmp_path: Path):
     device, names = links(tmp_path)
     name = names / "usb-FTDI_U2D2_FT1-if00-port0"
-    assert stable_name(device, names=names) == name
-    assert stable_name(name, names=names) == name
-    assert ports(names=names) == (name,)
+    assert find_stable_name(device, names=names) == name
+    assert find_stable_name(name, names=names) == name
+    assert list_ports(names=names) == (name,)
 
 
-def test_a_port_without_one_keeps_its_name(tmp_path: Path):
+def test_port_without_stable_name_keeps_its_path(tmp_path: Path):
     device, names = links(tmp_path)
     other = tmp_path / "ttyUSB1"
     other.touch()
-    assert stable_name(other, names=names) == other
-    assert stable_name(device, names=tmp_path / "none") == device
-    assert stable_name(tmp_path / "gone", names=names) == tmp_path / "gone"
-    assert ports(names=tmp_path / "none") == ()
+    assert find_stable_name(other, names=names) == other
+    assert find_stable_name(device, names=tmp_path / "none") == device
+    assert find_stable_name(tmp_path / "gone", names=names) == tmp_path / "gone"
+    assert list_ports(names=tmp_path / "none") == ()
 
 
 def timer(folder: Path, value: str) -> Path:
@@ -39,33 +39,33 @@ def timer(folder: Path, value: str) -> Path:
     return setting
 
 
-def test_the_latency_timer_is_read_through_the_lasting_name(tmp_path: Path):
+def test_usb_latency_timer_is_read_through_the_stable_port_name(tmp_path: Path):
     _, names = links(tmp_path)
     setting = timer(tmp_path, "16\n")
     name = names / "usb-FTDI_U2D2_FT1-if00-port0"
-    found = latency(name, system=tmp_path)
+    found = read_latency(name, system=tmp_path)
     assert found == AdapterLatency(name, 16, setting)
-    assert not found.good
-    assert f"{name}: USB latency timer is 16 ms, which limits every bus to about 62 Hz" in found.remedy
+    assert not found.is_good
+    assert f"{name}: USB latency timer is 16 ms, which limits the bus to about 62 Hz" in found.remedy
     assert f"echo 1 | sudo tee {setting}" in found.remedy
     assert "udev" in found.remedy
 
 
-def test_a_timer_of_one_millisecond_is_good(tmp_path: Path):
+def test_latency_timer_of_one_millisecond_is_good(tmp_path: Path):
     timer(tmp_path, "1\n")
-    found = latency(tmp_path / "ttyUSB0", system=tmp_path)
+    found = read_latency(tmp_path / "ttyUSB0", system=tmp_path)
     assert found is not None
-    assert found.good
+    assert found.is_good
 
 
-def test_some_ports_have_no_timer(tmp_path: Path):
-    assert latency(tmp_path / "pts3", system=tmp_path) is None
+def test_pseudo_terminal_has_no_latency_timer(tmp_path: Path):
+    assert read_latency(tmp_path / "pts3", system=tmp_path) is None
     timer(tmp_path, "nonsense")
-    assert latency(tmp_path / "ttyUSB0", system=tmp_path) is None
+    assert read_latency(tmp_path / "ttyUSB0", system=tmp_path) is None
 
 
 def beat(host: Punctuality, gaps: list[float], *, now: float = 100.0) -> list[str]:
-    """What is told when cycles begin with these gaps between them."""
+    """Return the messages for cycles with these gaps."""
     told = [host.note(now, excused=False)]
     for gap in gaps:
         now += gap
@@ -77,26 +77,26 @@ def beat(host: Punctuality, gaps: list[float], *, now: float = 100.0) -> list[st
     ("gap", "stretch", "pace"),
     [(0.01, 1, 1.0), (0.024, 1, 1.0), (0.026, 2, 1.0), (0.049, 2, 1.0), (0.051, 4, 0.5), (0.3, 4, 0.5)],
 )
-def test_a_late_host_gets_longer_watchdogs_before_they_trip_and_slower_time(gap: float, stretch: int, pace: float):
+def test_host_with_late_cycles_gets_longer_watchdog_times_and_slower_motion(gap: float, stretch: int, pace: float):
     host = Punctuality(0.1)
     told = beat(host, [0.01, gap, 0.01])
-    assert (host.stretch, host.pace) == (stretch, pace)
+    assert (host.watchdog_factor, host.pace) == (stretch, pace)
     assert len(told) == (stretch > 1)
     assert all(f"{1e3 * gap:.0f} ms apart: bus watchdogs are {0.1 * stretch:g} s" in line for line in told)
 
 
-def test_a_host_that_is_punctual_again_is_trusted_after_a_while():
+def test_host_with_punctual_cycles_gets_short_watchdog_times_again():
     host = Punctuality(0.1)
     assert len(beat(host, [0.04, *[0.01] * 900])) == 1
-    assert host.stretch == 2
+    assert host.watchdog_factor == 2
     assert "bus watchdogs are 0.1 s" in beat(host, [0.01] * 200, now=109.05)[-1]
-    assert (host.stretch, host.pace) == (1, 1.0)
+    assert (host.watchdog_factor, host.pace) == (1, 1.0)
 
 
-def test_what_the_supervisor_takes_its_time_for_is_not_the_hosts_fault():
+def test_slow_operations_do_not_count_as_host_delay():
     host = Punctuality(0.1)
     beat(host, [0.01])
     assert not host.note(100.02, excused=True)
     assert not host.note(100.5, excused=False)
-    assert host.stretch == 1
+    assert host.watchdog_factor == 1
     assert host.note(100.6, excused=False)

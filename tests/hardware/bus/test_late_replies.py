@@ -1,4 +1,4 @@
-"""Answers that come after their cycle, and clocks that only make them seem to: step by step, and on a bus."""
+"""Late replies and drifted clocks, step by step and on a bus."""
 
 from collections.abc import Callable
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.bus.bounds import RecordBounds
-from kinesic.hardware.bus.cycle import BLOCK, CELLS, Records
-from kinesic.hardware.bus.late_replies import LAG, SETTLED, STUCK, LateReplies
-from kinesic.hardware.bus.listener import STEP, Listener
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, CELL_CONTENTS, Records
+from kinesic.hardware.bus.late_replies import CLOCK_TOLERANCE, MAX_STALE_CYCLES, TRIAL_PAUSE, LateReplies
+from kinesic.hardware.bus.listener import TIMEOUT_TUNING, Listener
 from kinesic.hardware.bus.plausibility import PlausibilityFilter
-from kinesic.hardware.bus.query import ServoReplies, question_to
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.bus.query import ServoReplies, make_query
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
@@ -20,22 +20,22 @@ from ..conftest import Rig
 
 Make = Callable[..., Rig]
 MID = 2048
-ALL, PERIOD, MODEL = slice(None), 0.01, MODELS["xm430_w350"]
-LEEWAY = LAG + (8 + 3 * 22) * 1e-5  # [s] and the time of a whole answer on the wire
+ALL, PERIOD, MODEL = slice(None), 0.01, SERVO_MODELS["xm430_w350"]
+LEEWAY = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] and the time of a whole answer on the wire
 
 
 class Waiting:
-    """Three servos whose clocks agree with the wire's, and what one waits for."""
+    """Three servos with synchronous clocks, and their pending replies."""
 
     def __init__(self) -> None:
         self.plant, buses = build_bus([Cable("body", tuple(ServoFitting(k + 1) for k in range(3)))])
         for servo in self.plant.servos:
-            servo.memory.put(MODEL.cells[0].addresses, CELLS)
+            servo.memory.put(MODEL.cells[0].addresses, CELL_CONTENTS)
         self.wire = MemoryWire(buses["body"])
         self.listener = Listener(self.wire)
         self.believed = PlausibilityFilter(RecordBounds.of([MODEL] * 3, [(1000, 3000)] * 3), PERIOD)
         self.late = LateReplies(self.believed, self.listener)
-        self.question = question_to((1, 2, 3), (MODEL.cells[0].data,) * 3, fast=True)
+        self.question = make_query((1, 2, 3), (MODEL.cells[0].data,) * 3, fast=True)
 
     def ask(self, time: float) -> bytes:
         """What the servos answer to a question at a time [s]."""
@@ -50,23 +50,23 @@ class Waiting:
     def miss(self, time: float) -> float:
         """Until when [s] the answer to a question at a time, which does not come, is waited for."""
         self.listener.sent_at = time
-        self.late.missed(self.question)
+        self.late.note_missed(self.question)
         return time + (8 + 3 * 22) * 1e-5 + 0.05
 
-    def is_of_earlier(self, answer: ServoReplies, sent_at: float) -> bool:
+    def admit_earlier(self, answer: ServoReplies, sent_at: float) -> bool:
         self.listener.sent_at = sent_at
-        return self.late.is_of_earlier(self.question, ALL, answer)
+        return self.late.admit_earlier(self.question, ALL, answer)
 
     def cycle_of_the_past(self) -> None:
         """A cycle that brings nothing but what seems to be older."""
         self.believed.begin()
-        assert self.is_of_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
+        assert self.admit_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
         self.late.note(fresh=False)
         self.late.keep(self.question, ALL, sent_at=1.04, whole=True)
 
 
 def records(*times: float) -> Records:
-    made = np.zeros(3, BLOCK)
+    made = np.zeros(3, BLOCK_DTYPE)
     made["tick"], made["position"] = [round(1000 * time) for time in times], MID
     made["volts"], made["temperature"] = 120, 25
     return made
@@ -85,90 +85,92 @@ def waiting() -> Waiting:
     return made
 
 
-def test_before_anything_was_missed_no_answer_is_of_an_earlier_question(waiting: Waiting):
-    assert not waiting.is_of_earlier(whole(1.001, 1.001, 1.001), 1.04)
-    assert not waiting.late.in_doubt
+def test_reply_without_a_missed_query_is_not_attributed_to_an_earlier_cycle(waiting: Waiting):
+    assert not waiting.admit_earlier(whole(1.001, 1.001, 1.001), 1.04)
+    assert not waiting.late.needs_trial
 
 
 @pytest.mark.parametrize(("after", "earlier"), [(-0.0005, True), (0.0, True), (0.0005, False)])
-def test_a_missed_answer_may_come_fifty_milliseconds_after_its_own_time(waiting: Waiting, after: float, earlier: bool):
-    assert waiting.is_of_earlier(whole(1.001, 1.001, 1.001), waiting.miss(1.02) + after) is earlier
+def test_missed_reply_may_arrive_fifty_milliseconds_late(waiting: Waiting, after: float, earlier: bool):
+    assert waiting.admit_earlier(whole(1.001, 1.001, 1.001), waiting.miss(1.02) + after) is earlier
 
 
 @pytest.mark.parametrize(
     ("times", "earlier"), [((1.001,) * 3, True), ((1.001, 1.001, 1.04), True), ((1.001, 1.04, 1.04), False)]
 )
-def test_most_records_decide_of_which_question_an_answer_is(waiting: Waiting, times: tuple[float, ...], earlier: bool):
+def test_reply_is_assigned_to_the_query_of_most_of_its_servo_records(
+    waiting: Waiting, times: tuple[float, ...], earlier: bool
+):
     waiting.miss(1.03)
-    assert waiting.is_of_earlier(whole(*times), 1.04) is earlier
+    assert waiting.admit_earlier(whole(*times), 1.04) is earlier
     assert waiting.believed.late.any() == earlier
 
 
-def test_half_of_the_records_do_not(waiting: Waiting):
+def test_reply_with_only_half_of_its_records_late_is_not_assigned_to_an_earlier_query(waiting: Waiting):
     waiting.miss(1.03)
     waiting.listener.sent_at = 1.04
     two = ServoReplies(records(1.001, 1.04, 1.04)[:2], np.ones(2, dtype=np.bool_), True, 0)
-    assert not waiting.late.is_of_earlier(waiting.question, np.array([0, 1]), two)
+    assert not waiting.late.admit_earlier(waiting.question, np.array([0, 1]), two)
 
 
 @pytest.mark.parametrize(("sooner", "earlier"), [(0.0002, False), (0.0012, True)])
-def test_an_answer_may_seem_older_by_its_own_time_and_a_few_milliseconds(
+def test_reply_age_tolerance_is_transmission_time_plus_a_few_milliseconds(
     waiting: Waiting, sooner: float, earlier: bool
 ):
     waiting.miss(1.03)
     told = 1.03
-    assert waiting.is_of_earlier(whole(told, told, told), told + LEEWAY - 0.0007 + sooner) is earlier
+    assert waiting.admit_earlier(whole(told, told, told), told + LEEWAY - 0.0007 + sooner) is earlier
 
 
-def test_an_answer_that_comes_before_its_bytes_can_is_of_an_earlier_question(waiting: Waiting):
+def test_reply_faster_than_its_transmission_belongs_to_an_earlier_query(waiting: Waiting):
     waiting.miss(1.03)
     waiting.listener.early = True
     for _ in range(5):
-        assert waiting.is_of_earlier(whole(1.04, 1.04, 1.04), 1.04)
+        assert waiting.admit_earlier(whole(1.04, 1.04, 1.04), 1.04)
         waiting.late.note(fresh=False)
-    assert not waiting.late.in_doubt, "no clock is needed to tell"
+    assert not waiting.late.needs_trial, "no clock is needed to tell"
 
 
-def test_a_broken_answer_is_of_its_question_but_for_single_records(waiting: Waiting):
+def test_records_of_an_earlier_query_are_removed_from_a_damaged_reply(waiting: Waiting):
     broken = whole(1.001, 1.04, 1.04)._replace(whole=False)
-    assert waiting.late.without_earlier(waiting.question, ALL, broken) is broken, "nothing was missed"
+    assert waiting.late.remove_earlier(waiting.question, ALL, broken) is broken, "nothing was missed"
     until = waiting.miss(1.03)
     waiting.listener.sent_at = until + 0.001
-    assert waiting.late.without_earlier(waiting.question, ALL, broken) is broken, "it is too late for that"
-    assert not waiting.is_of_earlier(broken, 1.04)
-    assert waiting.late.without_earlier(waiting.question, ALL, broken).found.tolist() == [False, True, True]
+    assert waiting.late.remove_earlier(waiting.question, ALL, broken) is broken, "it is too late for that"
+    assert not waiting.admit_earlier(broken, 1.04)
+    assert waiting.late.remove_earlier(waiting.question, ALL, broken).received.tolist() == [False, True, True]
     assert waiting.believed.late.tolist() == [True, False, False]
     unbroken = whole(1.001, 1.04, 1.04)
-    assert waiting.late.without_earlier(waiting.question, ALL, unbroken) is unbroken
+    assert waiting.late.remove_earlier(waiting.question, ALL, unbroken) is unbroken
 
 
-def test_two_cycles_in_a_row_that_bring_only_the_past_are_in_doubt(waiting: Waiting):
+def test_two_successive_stale_bus_cycles_trigger_a_cycle_without_query(waiting: Waiting):
     waiting.cycle_of_the_past()
-    assert not waiting.late.in_doubt
+    assert not waiting.late.needs_trial
     waiting.cycle_of_the_past()
-    assert waiting.late.in_doubt
+    assert waiting.late.needs_trial
 
 
-def test_one_that_brings_nothing_or_something_fresh_is_none_of_them(waiting: Waiting):
+def test_bus_cycle_with_fresh_servo_records_or_without_any_is_not_stale(waiting: Waiting):
     waiting.cycle_of_the_past()
     waiting.late.note(fresh=False)
-    assert not waiting.late.in_doubt, "nothing was set aside"
+    assert not waiting.late.needs_trial, "nothing was set aside"
     waiting.late.note(fresh=True)
     waiting.cycle_of_the_past()
-    assert not waiting.late.in_doubt, "not in a row"
+    assert not waiting.late.needs_trial, "not in a row"
 
 
-def test_silence_after_a_cycle_without_a_question_means_that_clocks_have_drifted(waiting: Waiting):
+def test_silence_after_a_cycle_without_query_indicates_clock_drift(waiting: Waiting):
     for _ in range(2):
         waiting.cycle_of_the_past()
     assert waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
     waiting.late.listen_for_late(waiting.question, ALL, 1.05)
     assert waiting.wire.now() == 1.05
-    assert not waiting.late.in_doubt
+    assert not waiting.late.needs_trial
     assert not waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
 
 
-def test_answers_that_come_unasked_are_late_and_settle_it_for_a_second(waiting: Waiting):
+def test_confirmed_late_replies_suppress_another_silent_trial_for_a_second(waiting: Waiting):
     for _ in range(2):
         waiting.cycle_of_the_past()
     waiting.wire.sleep(1.05)
@@ -176,15 +178,15 @@ def test_answers_that_come_unasked_are_late_and_settle_it_for_a_second(waiting: 
     waiting.late.listen_for_late(waiting.question, ALL, 1.059)
     assert waiting.believed.late.all()
     assert waiting.believed.is_late(0, records(1.051, 1.0, 1.0)[0], 1.08, leeway=0.004)
-    for _ in range(SETTLED + 1):
+    for _ in range(TRIAL_PAUSE + 1):
         waiting.late._set_aside = True
         waiting.late.note(fresh=False)
-        assert not waiting.late.in_doubt
+        assert not waiting.late.needs_trial
     waiting.late.note(fresh=False)
-    assert waiting.late.in_doubt
+    assert waiting.late.needs_trial
 
 
-def test_the_rest_of_an_answer_is_taken_when_it_comes_piece_by_piece(waiting: Waiting):
+def test_late_reply_is_completed_from_several_received_parts(waiting: Waiting):
     raw, usual = waiting.ask(1.03), waiting.listener.slack.usual
     waiting.listener.received = raw[:40]
     waiting.late.keep(waiting.question, ALL, sent_at=1.03, whole=False)
@@ -193,7 +195,7 @@ def test_the_rest_of_an_answer_is_taken_when_it_comes_piece_by_piece(waiting: Wa
     assert waiting.listener.slack.usual == usual
     waiting.late.catch_up(raw[60:], 1.05)
     assert waiting.believed.late.all()
-    assert waiting.listener.slack.usual > usual + STEP, "answers take longer than was thought"
+    assert waiting.listener.slack.usual > usual + TIMEOUT_TUNING.quantile_step, "answers take longer than was thought"
     waiting.believed.begin()
     waiting.late.catch_up(raw, 1.06)
     assert not waiting.believed.late.any(), "nothing is expected any more"
@@ -203,7 +205,7 @@ def test_the_rest_of_an_answer_is_taken_when_it_comes_piece_by_piece(waiting: Wa
     assert waiting.listener.slack.usual == slow, "an answer is late once"
 
 
-def test_after_a_whole_answer_nothing_is_expected(waiting: Waiting):
+def test_complete_late_reply_leaves_no_pending_bytes(waiting: Waiting):
     raw = waiting.ask(1.03)
     waiting.late.catch_up(raw, 1.04)
     waiting.listener.received = b""
@@ -212,7 +214,7 @@ def test_after_a_whole_answer_nothing_is_expected(waiting: Waiting):
     assert not waiting.believed.late.any()
 
 
-def test_a_first_record_that_comes_late_counts_from_its_question():
+def test_late_first_record_has_the_time_of_its_query():
     made = Waiting()
     raw = made.ask(0.5)
     made.listener.received = raw[:8]
@@ -232,7 +234,7 @@ def miss_a_cycle(made: Rig) -> None:
         servo.mute = False
 
 
-def test_clocks_that_have_moved_apart_are_compared_anew(rig: Make):
+def test_drifted_servo_clocks_are_synchronised_again(rig: Make):
     made = rig(7)
     made.run(10)
     made.plant.advance(made.wire.now() + 0.03)  # the servos' clocks run ahead, then stand until the wire's has come up
@@ -244,10 +246,10 @@ def test_clocks_that_have_moved_apart_are_compared_anew(rig: Make):
 
 
 @pytest.mark.parametrize("apart", [0.008, 0.02, 0.1])
-def test_records_that_seem_to_be_old_are_put_to_the_test(rig: Make, apart: float):
+def test_servo_records_are_accepted_again_a_few_cycles_after_clock_drift(rig: Make, apart: float):
     made = rig(7)
     made.run(10)
-    made.bus._believed.times = made.bus._believed.times - apart
+    made.bus._accepted.times = made.bus._accepted.times - apart
     miss_a_cycle(made)
     cycles = made.run(20)
     assert not cycles[0].fresh.any()
@@ -255,20 +257,20 @@ def test_records_that_seem_to_be_old_are_put_to_the_test(rig: Make, apart: float
     assert not any(cycle.events for cycle in cycles)
 
 
-def test_goals_go_out_while_nothing_is_asked(rig: Make):
+def test_servo_goals_are_sent_even_in_cycles_without_a_query(rig: Make):
     made = rig(7)
     made.energise()
-    made.bus._late._seeming = STUCK
+    made.bus._late._stale_cycles = MAX_STALE_CYCLES
     (cycle,) = made.run(1, np.full(7, MID + 9))
     assert not cycle.fresh.any()
     assert (made.true(Register.GOAL_POSITION) == MID + 9).all()
     assert made.run(1)[0].fresh.all()
 
 
-def test_answers_that_are_late_indeed_stay_so(rig: Make):
+def test_replies_of_a_slow_adapter_stay_late_with_constant_age(rig: Make):
     made = rig(7, latency=0.016)
     cycles = made.run(150, np.full(7, MID))[20:]
     assert not any(cycle.fresh.all() for cycle in cycles)
-    apart = [cycle.each("tick") / 1000 - cycle.times for cycle in cycles]
+    apart = [cycle.raw_values("tick") / 1000 - cycle.times for cycle in cycles]
     assert np.ptp(apart) < made.bus.period / 2
     assert max(cycle.ages.max() for cycle in cycles) < 0.03

@@ -3,10 +3,15 @@ from collections import deque
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import BLOCK
-from kinesic.hardware.bus.listener import BURST, LEAST, MOST, RESTLESS, Listener, TimeoutEstimate
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE
+from kinesic.hardware.bus.listener import (
+    TIMEOUT_TUNING,
+    USB_BURST_SIZE,
+    Listener,
+    TimeoutEstimate,
+)
 from kinesic.hardware.bus.query import FastQuery, PlainQuery
-from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, crc16, status
+from kinesic.hardware.protocol.packet import BROADCAST_ID, PACKET_HEADER, Instruction, crc16, status
 
 SERVOS = tuple(range(1, 15))
 QUESTION = FastQuery(SERVOS, (224,) * 14)
@@ -16,34 +21,34 @@ END = 0.0095
 def after(excesses: list[float]) -> TimeoutEstimate:
     slack = TimeoutEstimate()
     for excess in excesses:
-        slack.took(excess)
+        slack.learn(excess)
     return slack
 
 
 @pytest.mark.parametrize("usual", [0.0001, 0.001, 0.004, 0.009])
-def test_it_finds_what_nine_in_ten_take(usual: float):
+def test_timeout_estimate_converges_to_ninety_percent_quantile(usual: float):
     rng = np.random.default_rng(0)
     slack = after((usual * rng.uniform(0.0, 1.0, 3000)).tolist())
     assert slack.usual == pytest.approx(0.9 * usual, abs=0.001)
-    assert LEAST <= slack.wait <= MOST
+    assert TIMEOUT_TUNING.min_timeout <= slack.wait <= TIMEOUT_TUNING.max_timeout
     assert slack.wait >= usual
 
 
-def test_a_rare_late_answer_does_not_hold_up_the_others():
+def test_rare_late_reply_does_not_lengthen_the_timeout():
     rng = np.random.default_rng(0)
     slack = after([0.012 if rng.random() < 0.05 else 0.001 for _ in range(2000)])
     assert slack.wait < 0.005
 
 
-def test_answers_that_are_mostly_late_are_waited_for():
+def test_timeout_grows_if_most_replies_are_late():
     rng = np.random.default_rng(0)
     slack = after([0.012 if rng.random() < 0.4 else 0.001 for _ in range(2000)])
     assert slack.wait > 0.012
 
 
-def test_it_stays_within_bounds():
-    assert after([1.0] * 2000).wait == MOST
-    assert after([-1.0] * 2000).wait == LEAST
+def test_learned_reply_timeout_stays_within_bounds():
+    assert after([1.0] * 2000).wait == TIMEOUT_TUNING.max_timeout
+    assert after([-1.0] * 2000).wait == TIMEOUT_TUNING.min_timeout
 
 
 class Arrivals:
@@ -79,8 +84,8 @@ class Arrivals:
 
 
 def joint(mark: int = 0) -> bytes:
-    length = 1 + BLOCK.itemsize * len(SERVOS)
-    raw = bytearray(HEADER + bytes((BROADCAST, length & 0xFF, length >> 8, Instruction.STATUS)))
+    length = 1 + BLOCK_DTYPE.itemsize * len(SERVOS)
+    raw = bytearray(PACKET_HEADER + bytes((BROADCAST_ID, length & 0xFF, length >> 8, Instruction.STATUS)))
     for servo in SERVOS:
         raw += bytes((0, servo, mark)) + bytes(17)
         raw += crc16(raw).to_bytes(2, "little")
@@ -90,7 +95,7 @@ def joint(mark: int = 0) -> bytes:
 def listener(*arrivals: tuple[float, bytes]) -> Listener:
     made = Listener(Arrivals(*arrivals))
     for _ in range(200):
-        made.slack.took(0.001)
+        made.slack.learn(0.001)
     made.send(QUESTION.data)
     return made
 
@@ -98,7 +103,7 @@ def listener(*arrivals: tuple[float, bytes]) -> Listener:
 READY = 28e-5 + QUESTION.length * 1e-5  # [s] when the last byte is out
 
 
-def test_an_answer_in_time_is_heard_when_it_has_come():
+def test_reply_in_time_is_returned_on_arrival():
     made = listener((READY - 0.002, joint()[:186]), (READY + 0.001, joint()[186:]))
     answer = made.receive(QUESTION, end=END)
     assert answer is not None
@@ -109,30 +114,30 @@ def test_an_answer_in_time_is_heard_when_it_has_come():
     assert not made.early
 
 
-def test_an_answer_that_does_not_begin_is_given_up_in_time_to_ask_again():
+def test_missing_reply_times_out_early_enough_for_a_repeated_query():
     made = listener()
     assert made.receive(QUESTION, end=END) is None
     assert made.mute
     assert made.wire.now() < READY + 0.001
 
 
-def test_an_answer_that_breaks_off_is_given_up_when_its_bytes_should_be_here():
-    made = listener((0.002, joint()[:BURST]))
+def test_truncated_reply_ends_when_its_bytes_are_due():
+    made = listener((0.002, joint()[:USB_BURST_SIZE]))
     answer = made.receive(QUESTION, end=END)
     assert answer is not None
-    assert answer.found.sum() == 2
+    assert answer.received.sum() == 2
     assert made.wire.now() == pytest.approx(READY)
 
 
-def test_where_time_is_short_an_answer_that_breaks_off_is_given_up_at_once():
-    made = listener((28e-5 + BURST * 1e-5, joint()[:BURST]), (0.0018, joint()[BURST:100]))
+def test_truncated_reply_is_parsed_immediately_if_the_cycle_has_no_spare_time():
+    made = listener((28e-5 + USB_BURST_SIZE * 1e-5, joint()[:USB_BURST_SIZE]), (0.0018, joint()[USB_BURST_SIZE:100]))
     answer = made.receive(QUESTION, end=READY + 0.003)
     assert answer is not None
-    assert answer.found.sum() == 4
+    assert answer.received.sum() == 4
     assert made.wire.now() < READY - 0.0005
 
 
-def test_an_answer_to_which_bytes_were_added_is_heard_to_its_end():
+def test_reply_with_added_bytes_is_received_to_its_end():
     at = 8 + 22 * 3
     longer = joint()[: at + 22] + joint()[at:]
     made = listener((READY - 0.001, longer[:300]), (READY, longer[300 : len(joint())]), (READY + 0.0013, longer[-22:]))
@@ -141,8 +146,8 @@ def test_an_answer_to_which_bytes_were_added_is_heard_to_its_end():
     assert answer.whole
 
 
-def test_after_a_damaged_answer_every_burst_is_looked_at():
-    made = listener((0.002, joint()[:BURST]), (0.0085, joint()[:30]), (0.2, b""))
+def test_after_a_damaged_reply_the_listener_examines_each_usb_burst():
+    made = listener((0.002, joint()[:USB_BURST_SIZE]), (0.0085, joint()[:30]), (0.2, b""))
     made.receive(QUESTION, end=END)
     made.send(QUESTION.data)
     began = made.wire.now()
@@ -150,24 +155,24 @@ def test_after_a_damaged_answer_every_burst_is_looked_at():
     assert made.wire.now() < began + 0.0065
 
 
-def test_it_calms_down():
-    answers = [((k + 1) * 0.01 - 0.0005, joint()) for k in range(RESTLESS + 3)]
+def test_listener_stops_examining_usb_bursts_after_several_intact_replies():
+    answers = [((k + 1) * 0.01 - 0.0005, joint()) for k in range(TIMEOUT_TUNING.alert_replies + 3)]
     made = Listener(Arrivals((0.0, b"\xff"), *answers))
-    for k in range(RESTLESS + 2):
+    for k in range(TIMEOUT_TUNING.alert_replies + 2):
         made.wire.sleep(k * 0.01 + 0.005)
         made.send(QUESTION.data)
         answer = made.receive(QUESTION, end=k * 0.01 + 0.0149)
         assert answer is not None
 
 
-def test_a_patient_one_waits_to_the_end():
+def test_patient_receive_accepts_a_reply_shortly_before_the_deadline():
     made = listener((0.009, joint()))
     answer = made.receive(QUESTION, end=END, patient=True)
     assert answer is not None
     assert answer.whole
 
 
-def test_two_answers_at_once_are_heard_one_after_the_other():
+def test_two_replies_at_once_are_parsed_in_order():
     made = listener((0.002, joint(1)[:200]), (READY + 0.001, joint(1)[200:] + joint(0)))
     first = made.receive(QUESTION, end=END)
     second = made.receive(QUESTION, end=END, again=True)
@@ -177,16 +182,16 @@ def test_two_answers_at_once_are_heard_one_after_the_other():
     assert made.receive(QUESTION, end=END, again=True) is None
 
 
-def test_an_answer_before_its_time_is_an_earlier_one():
+def test_reply_before_its_earliest_time_belongs_to_an_earlier_query():
     single = PlainQuery((1,), (224,))
     made = Listener(Arrivals((1e-5, status(1, 0, bytes(18)))))
     made.send(single.data)
-    made._restless = 1
+    made._alert_replies = 1
     assert made.receive(single, end=END) is not None
     assert made.early
 
 
-def test_one_servo_is_asked_and_heard():
+def test_single_servo_is_queried_and_answers():
     made = Listener(Arrivals((0.001, status(2, 0, b"\x01")), (0.0015, status(1, 0, b"\x02"))))
     assert made.exchange(b"question", 1, 1) == b"\x02"
     assert made.exchange(b"question", 1, 1) is None

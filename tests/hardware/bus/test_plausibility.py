@@ -3,16 +3,20 @@ from math import inf
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import BLOCK, Records
-from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, RUSH, PlausibilityFilter
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, Records
+from kinesic.hardware.bus.plausibility import PLAUSIBILITY_TUNING, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
 
 from .records import ALL, answer, blocks, gate, make_filter, told
 
 __all__ = ["gate"]
 
+POSITION_TOLERANCE = PLAUSIBILITY_TUNING.position_tolerance  # [ticks]
+TEMPERATURE_TOLERANCE = PLAUSIBILITY_TUNING.temperature_tolerance  # [C]
+MAX_HEATING_RATE = PLAUSIBILITY_TUNING.max_heating_rate  # [C/s]
 
-def test_the_first_record_is_believed():
+
+def test_plausible_first_servo_record_is_accepted():
     opened = make_filter()
     opened.begin()
     assert opened.times.tolist() == [-inf, -inf]
@@ -22,9 +26,9 @@ def test_the_first_record_is_believed():
     assert opened.times.tolist() == [1.0, 1.0]
 
 
-def test_what_a_servo_can_do_is_believed(gate: PlausibilityFilter):
-    assert told(gate, blocks(1010, 2048 + LEEWAY)) == [True, True]
-    assert told(gate, blocks(1020, temperature=40 + LEAP), 1.02) == [True, True]
+def test_servo_record_changes_within_tolerance_are_accepted(gate: PlausibilityFilter):
+    assert told(gate, blocks(1010, 2048 + POSITION_TOLERANCE)) == [True, True]
+    assert told(gate, blocks(1020, temperature=40 + TEMPERATURE_TOLERANCE), 1.02) == [True, True]
     assert told(gate, blocks(1030, hardware_error=0x20, error=0x80, temperature=44), 1.03) == [True, True]
 
 
@@ -38,7 +42,7 @@ def test_what_a_servo_can_do_is_believed(gate: PlausibilityFilter):
         {"error": 0x80},
     ],
 )
-def test_what_surprises_must_be_said_twice(gate: PlausibilityFilter, lie: dict[str, int]):
+def test_implausible_servo_record_is_accepted_only_when_repeated(gate: PlausibilityFilter, lie: dict[str, int]):
     assert told(gate, blocks(1010, **lie)) == [True, False]
     assert gate.doubted == {1}
     assert gate.blocks["position"][1] == 2048
@@ -63,7 +67,7 @@ def test_what_surprises_must_be_said_twice(gate: PlausibilityFilter, lie: dict[s
         ({"hardware_error": 0x40, "error": 0x80}, "hardware_error is 64, must be 0..63"),
     ],
 )
-def test_what_cannot_be_is_not_believed_however_often_it_is_said(gate: PlausibilityFilter, lie: dict, text: str):
+def test_repeated_impossible_servo_record_is_rejected(gate: PlausibilityFilter, lie: dict, text: str):
     heard = [told(gate, blocks(1000 + 10 * k, **lie), 1.0 + 0.01 * k) for k in range(1, 200)]
     assert all(fresh == [True, False] for fresh in heard)
     assert gate.impossible[1].startswith(text)
@@ -73,23 +77,23 @@ def test_what_cannot_be_is_not_believed_however_often_it_is_said(gate: Plausibil
     assert told(gate, blocks(3020), 3.02) == [True, True]
 
 
-def test_what_cannot_be_is_not_believed_first_either(gate: PlausibilityFilter):
+def test_impossible_first_servo_record_is_rejected(gate: PlausibilityFilter):
     gate.forget(1)
     assert told(gate, blocks(1010, position=10**6)) == [True, False]
     assert told(gate, blocks(1020, position=2000), 1.02) == [True, True]
 
 
 @pytest.mark.parametrize("place", [2500, 1200])
-def test_a_joint_with_torque_does_not_leap_however_often_it_is_said(gate: PlausibilityFilter, place: int):
+def test_repeated_jump_of_joint_with_torque_is_rejected(gate: PlausibilityFilter, place: int):
     assert told(gate, blocks(1010, torque=1), 1.01) == [True, True]
     heard = [told(gate, blocks(1000 + 10 * k, position=place, torque=1), 1.0 + 0.01 * k) for k in range(2, 200)]
     assert all(fresh == [True, False] for fresh in heard)
-    assert gate.impossible[1] == f"position leapt from 2048 to {place}, with torque"
+    assert gate.impossible[1] == f"position jumped from 2048 to {place}, with torque"
     assert gate.blocks["position"][1] == 2048
     assert told(gate, blocks(3010, position=2090, torque=1), 3.01) == [True, True]
 
 
-def test_a_joint_with_torque_that_leapt_is_not_believed_for_moving_on_from_there(gate: PlausibilityFilter):
+def test_motion_after_rejected_jump_is_also_rejected(gate: PlausibilityFilter):
     """It creeps on by less than it can in a cycle, and soon is far from where it leapt to."""
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(8):
@@ -98,78 +102,81 @@ def test_a_joint_with_torque_that_leapt_is_not_believed_for_moving_on_from_there
         assert gate.doubted == {1}, "at first"
         assert list(gate.impossible) == ([1] if k else [])
         if k:
-            assert gate.impossible[1] == "position leapt from 2048 to 3300, with torque"
+            assert gate.impossible[1] == "position jumped from 2048 to 3300, with torque"
     gate.doubted.clear()
     for k in range(8, 12):
         assert told(gate, blocks(1020 + 10 * k, position=2600, torque=1), 1.02 + 0.01 * k) == [True, False]
     assert not gate.doubted, "it is no new surprise"
 
 
-def test_a_joint_that_leapt_is_believed_when_it_is_limp(gate: PlausibilityFilter):
+def test_jump_of_joint_without_torque_is_accepted_when_repeated(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(2, 20):
         assert told(gate, blocks(1000 + 10 * k, position=2800, torque=1), 1.0 + 0.01 * k) == [True, False]
     assert told(gate, blocks(1200, position=2800), 1.2) == [True, True]
 
 
-def test_torque_that_comes_on_forgets_whole_turns(gate: PlausibilityFilter):
+def test_switching_torque_on_resets_whole_turns(gate: PlausibilityFilter):
     gate.forget(1)
     assert told(gate, blocks(1010, position=2048 + 4096), 1.01) == [True, True]
     assert told(gate, blocks(1020, position=2050, torque=1), 1.02) == [True, True]
     assert gate.blocks["position"][1] == 2050
 
 
-def test_one_lie_does_not_hide_the_truth_that_follows(gate: PlausibilityFilter):
+def test_false_servo_record_does_not_hide_later_true_records(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2048 + 300, torque=1), 1.02) == [True, False]
     assert told(gate, blocks(1030, position=2048 + 60, torque=1), 1.03) == [True, True]
 
 
-def test_after_lies_and_a_silence_a_joint_may_be_elsewhere(gate: PlausibilityFilter):
+def test_position_far_from_the_last_accepted_one_is_accepted_after_long_silence(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2700, torque=1), 1.02) == [True, False]
     assert told(gate, blocks(1220, position=1500, torque=1), 1.22) == [True, True]
 
 
-def test_a_lie_that_is_not_repeated_is_forgotten(gate: PlausibilityFilter):
+def test_implausible_record_that_returns_after_a_plausible_one_is_unconfirmed(gate: PlausibilityFilter):
     assert told(gate, blocks(1010, position=3000)) == [True, False]
     assert told(gate, blocks(1020), 1.02) == [True, True]
     assert told(gate, blocks(1030, position=3000), 1.03) == [True, False]
 
 
-def test_after_a_silence_a_joint_may_be_elsewhere(gate: PlausibilityFilter):
+def test_large_position_change_is_accepted_after_half_a_second_of_silence(gate: PlausibilityFilter):
     assert told(gate, blocks(1500, position=3500), 1.5) == [True, True]
 
 
-def test_who_has_not_been_heard_for_long_may_have_warmed(gate: PlausibilityFilter):
-    assert told(gate, blocks(1200, temperature=40 + LEAP + 10), 1.2) == [True, True]
-    assert told(gate, blocks(1210, temperature=40 + LEAP + 10 + LEAP + 2), 1.21) == [True, False]
+def test_temperature_may_rise_during_long_silence(gate: PlausibilityFilter):
+    assert told(gate, blocks(1200, temperature=40 + TEMPERATURE_TOLERANCE + 10), 1.2) == [True, True]
+    assert told(gate, blocks(1210, temperature=40 + TEMPERATURE_TOLERANCE + 10 + TEMPERATURE_TOLERANCE + 2), 1.21) == [
+        True,
+        False,
+    ]
 
 
 @pytest.mark.parametrize("tick", [1000, 990, 900])
-def test_a_record_from_the_past_is_none(gate: PlausibilityFilter, tick: int):
+def test_servo_record_with_an_earlier_clock_value_is_rejected(gate: PlausibilityFilter, tick: int):
     assert told(gate, blocks(tick, 2060)) == [False, False]
     assert gate.blocks["position"].tolist() == [2048, 2048]
 
 
-def test_the_clock_of_a_servo_starts_again_after_half_a_minute(gate: PlausibilityFilter):
+def test_servo_clock_wraps_after_half_a_minute(gate: PlausibilityFilter):
     for k in range(1, 4000):
         assert all(told(gate, blocks((1000 + 10 * k) % 32768), 1.0 + 0.01 * k))
 
 
-def test_a_clock_that_stays_in_the_past_has_started_anew(gate: PlausibilityFilter):
+def test_servo_clock_that_repeatedly_reports_earlier_values_counts_as_restarted(gate: PlausibilityFilter):
     heard = [told(gate, blocks(10 * k), 1.0 + 0.01 * k) for k in range(1, 8)]
     assert heard[0] == [False, False]
     assert heard[-1] == [True, True]
 
 
-def test_a_record_from_the_past_that_is_repeated_is_no_new_clock(gate: PlausibilityFilter):
+def test_repeated_old_servo_record_does_not_count_as_a_clock_restart(gate: PlausibilityFilter):
     heard = [told(gate, blocks(990 - k % 2, 2060), 1.0 + 0.01 * k) for k in range(1, 12)]
     assert not np.any(heard)
 
 
 @pytest.mark.parametrize("time", [1.001, 1.01, 2.0, 20.0])
-def test_a_clock_that_stands_still_dates_nothing(gate: PlausibilityFilter, time: float):
+def test_records_of_a_servo_with_a_stopped_clock_are_rejected(gate: PlausibilityFilter, time: float):
     frozen = blocks(1010)
     frozen["tick"][1] = 1000
     heard = []
@@ -180,26 +187,26 @@ def test_a_clock_that_stands_still_dates_nothing(gate: PlausibilityFilter, time:
     assert gate.times[1] == 1.0
 
 
-def test_the_clock_of_every_servo_is_looked_at(gate: PlausibilityFilter):
+def test_clock_of_every_servo_is_checked(gate: PlausibilityFilter):
     mixed = blocks(1010)
     mixed["tick"][1] = 990
     assert told(gate, mixed) == [True, False]
 
 
-def test_a_record_without_voltage_is_none(gate: PlausibilityFilter):
+def test_servo_record_without_voltage_is_rejected(gate: PlausibilityFilter):
     empty = blocks(1010)
-    empty[1] = np.zeros(1, BLOCK)[0]
+    empty[1] = np.zeros(1, BLOCK_DTYPE)[0]
     assert told(gate, empty) == [True, False]
-    assert gate.forgetful == {1}
+    assert gate.unmapped == {1}
     assert gate.blocks["volts"][1] == 120
 
 
-def test_a_servo_that_was_forgotten_may_say_anything(gate: PlausibilityFilter):
+def test_servo_with_discarded_history_may_report_any_position_in_range(gate: PlausibilityFilter):
     gate.forget(1)
     assert told(gate, blocks(5, position=3000)) == [False, True]
 
 
-def test_who_did_not_answer_keeps_the_record(gate: PlausibilityFilter):
+def test_silent_servo_keeps_its_last_record_and_time(gate: PlausibilityFilter):
     gate.begin()
     gate.admit(ALL, ServoReplies(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
     assert gate.blocks["position"].tolist() == [2060, 2048]
@@ -207,7 +214,7 @@ def test_who_did_not_answer_keeps_the_record(gate: PlausibilityFilter):
     assert gate.fresh.tolist() == [True, False]
 
 
-def test_what_was_handed_out_does_not_change(gate: PlausibilityFilter):
+def test_returned_servo_records_are_immutable(gate: PlausibilityFilter):
     before, times = gate.blocks, gate.times
     kept = before.copy()
     told(gate, blocks(1010, 2060))
@@ -217,12 +224,12 @@ def test_what_was_handed_out_does_not_change(gate: PlausibilityFilter):
     assert times.tolist() == [1.0, 1.0]
 
 
-def test_a_joint_may_move_in_a_cycle_as_far_as_its_speed_allows_in_two(gate: PlausibilityFilter):
+def test_position_change_per_cycle_is_plausible_up_to_two_cycles_at_the_velocity_limit(gate: PlausibilityFilter):
     """10943 ticks/s over 20 ms, and the leeway."""
-    assert told(gate, blocks(1010, position=2048 + 218 + LEEWAY)) == [True, True]
+    assert told(gate, blocks(1010, position=2048 + 218 + POSITION_TOLERANCE)) == [True, True]
     assert told(gate, blocks(1020, position=2048), 1.02) == [True, True]
-    assert told(gate, blocks(1030, position=2048 + 219 + LEEWAY), 1.03) == [True, False]
-    assert told(gate, blocks(1040, position=2048 - 219 - LEEWAY), 1.04) == [True, False]
+    assert told(gate, blocks(1030, position=2048 + 219 + POSITION_TOLERANCE), 1.03) == [True, False]
+    assert told(gate, blocks(1040, position=2048 - 219 - POSITION_TOLERANCE), 1.04) == [True, False]
 
 
 def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
@@ -233,9 +240,9 @@ def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_after_a_silence_a_joint_may_be_as_far_as_its_speed_allows(sign: int):
+def test_plausible_motion_after_silence_follows_the_velocity_limit(sign: int):
     """8192 ticks/s; times are sums of powers of two."""
-    most = 8192 // 8 + LEEWAY
+    most = 8192 // 8 + POSITION_TOLERANCE
     for jump, believed in ((most, True), (most + 1, False)):
         made = make_filter("xm540_w270")
         made.admit(ALL, answer(blocks(1000, 0)), 1.0)
@@ -243,8 +250,8 @@ def test_after_a_silence_a_joint_may_be_as_far_as_its_speed_allows(sign: int):
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_after_a_silence_a_servo_may_be_as_much_warmer_as_it_can(gate: PlausibilityFilter, sign: int):
-    most = LEAP + round(RUSH / 4)
+def test_plausible_heating_after_silence_follows_the_heating_rate(gate: PlausibilityFilter, sign: int):
+    most = TEMPERATURE_TOLERANCE + round(MAX_HEATING_RATE / 4)
     assert not alone(gate, blocks(1250, temperature=40 + sign * (most + 1)), 1.25)
     gate.forget(1)
     assert alone(gate, blocks(1260, temperature=40), 1.25)
@@ -254,24 +261,24 @@ def test_after_a_silence_a_servo_may_be_as_much_warmer_as_it_can(gate: Plausibil
 @pytest.mark.parametrize(
     ("first", "second", "same"),
     [
-        ({"position": 3000}, {"position": 3000 + 2 * LEEWAY}, True),
-        ({"position": 3000}, {"position": 3000 + 2 * LEEWAY + 1}, False),
-        ({"temperature": 90}, {"temperature": 90 + LEAP}, True),
-        ({"temperature": 90}, {"temperature": 90 - LEAP - 1}, False),
+        ({"position": 3000}, {"position": 3000 + 2 * POSITION_TOLERANCE}, True),
+        ({"position": 3000}, {"position": 3000 + 2 * POSITION_TOLERANCE + 1}, False),
+        ({"temperature": 90}, {"temperature": 90 + TEMPERATURE_TOLERANCE}, True),
+        ({"temperature": 90}, {"temperature": 90 - TEMPERATURE_TOLERANCE - 1}, False),
         ({"hardware_error": 4}, {"hardware_error": 4}, True),
         ({"hardware_error": 4}, {"hardware_error": 8}, False),
         ({"position": 3000}, {"position": 3000, "temperature": 60}, False),
         ({"position": 3000}, {"position": 3000, "hardware_error": 4}, False),
     ],
 )
-def test_a_surprise_is_confirmed_by_one_of_the_same_kind(
+def test_implausible_record_is_confirmed_only_by_a_similar_next_record(
     gate: PlausibilityFilter, first: dict, second: dict, same: bool
 ):
     assert told(gate, blocks(1010, **first)) == [True, False]
     assert told(gate, blocks(1020, **second), 1.02) == [True, same]
 
 
-def test_records_from_the_past_count_only_in_a_row(gate: PlausibilityFilter):
+def test_interrupted_series_of_old_records_is_not_taken_as_a_clock_restart(gate: PlausibilityFilter):
     """Three from a clock that seems to have started anew, one in time, and three again."""
     for begin in (0, 100):
         for k in range(3):
@@ -280,12 +287,12 @@ def test_records_from_the_past_count_only_in_a_row(gate: PlausibilityFilter):
         assert told(gate, blocks(1050 + begin), 1.05 + begin / 1000) == [True, True]
 
 
-def test_a_clock_that_has_started_anew_is_believed_the_fourth_time(gate: PlausibilityFilter):
+def test_restarted_servo_clock_is_accepted_at_the_fourth_record(gate: PlausibilityFilter):
     heard = [told(gate, blocks(1010 + 10 * k, tick=10 * k), 1.01 + 0.01 * k)[1] for k in range(5)]
     assert heard == [False, False, False, True, True]
 
 
-def test_of_who_was_forgotten_no_doubt_is_left(gate: PlausibilityFilter):
+def test_discarding_a_servo_history_also_discards_its_unconfirmed_records(gate: PlausibilityFilter):
     """Neither what it said of the past, nor a surprise; also where its first record comes late."""
     told(gate, blocks(1010, position=3000), 1.01)
     for k in range(3):
@@ -296,7 +303,7 @@ def test_of_who_was_forgotten_no_doubt_is_left(gate: PlausibilityFilter):
     assert told(gate, blocks(1060, tick=60, position=3000), 1.06) == [True, False]
 
 
-def test_a_clock_that_is_back_after_half_its_turn_is_news(gate: PlausibilityFilter):
+def test_servo_record_received_after_half_a_clock_period_is_new(gate: PlausibilityFilter):
     """After 16.4 s, what seems to be older may be newer."""
     assert not alone(gate, blocks(900), 1.0 + 16.383)
     assert alone(gate, blocks(900), 1.0 + 16.385)

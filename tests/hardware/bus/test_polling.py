@@ -1,6 +1,6 @@
 import numpy as np
 
-from kinesic.hardware.bus.polling import MAX_POLL_INTERVAL, PATIENCE, PollingPlan
+from kinesic.hardware.bus.polling import MAX_MISSES, MAX_POLL_INTERVAL, PollingPlan
 
 
 def missing(count: int, *places: int) -> np.ndarray:
@@ -9,24 +9,24 @@ def missing(count: int, *places: int) -> np.ndarray:
     return fresh
 
 
-def test_all_are_asked_in_order_while_all_answer():
+def test_all_servos_are_queried_in_order_while_all_answer():
     roster = PollingPlan(4)
     assert roster.note(missing(4)) == ((), ())
     assert roster.order == (0, 1, 2, 3)
-    assert roster.whole
+    assert roster.is_natural
     assert roster.next_alone(0.0) is None
 
 
-def test_who_missed_is_asked_last():
+def test_servo_that_missed_a_reply_is_queried_last():
     roster = PollingPlan(4)
     roster.note(missing(4, 1))
     assert roster.order == (0, 2, 3, 1)
-    assert not roster.whole
+    assert not roster.is_natural
     roster.note(missing(4))
     assert roster.order == (0, 1, 2, 3)
 
 
-def test_the_first_who_is_missing_is_asked_last_of_all():
+def test_only_the_first_servo_without_a_reply_moves_to_the_end_of_the_query_order():
     roster = PollingPlan(5)
     roster.note(missing(5, 1, 3, 4))
     assert roster.order == (0, 2, 3, 4, 1)
@@ -34,26 +34,26 @@ def test_the_first_who_is_missing_is_asked_last_of_all():
     assert roster.order == (0, 2, 3, 1, 4)
 
 
-def test_who_misses_five_times_is_asked_alone():
+def test_servo_with_five_misses_is_queried_alone():
     roster = PollingPlan(3)
-    told = [roster.note(missing(3, 1)) for _ in range(PATIENCE)]
+    told = [roster.note(missing(3, 1)) for _ in range(MAX_MISSES)]
     assert told[-1] == ((1,), ())
-    assert told[:-1] == [((), ())] * (PATIENCE - 1)
+    assert told[:-1] == [((), ())] * (MAX_MISSES - 1)
     assert roster.order == (0, 2)
     assert roster.silent.tolist() == [False, True, False]
 
 
-def test_one_answer_brings_back():
+def test_silent_servo_rejoins_the_query_order_after_one_reply():
     roster = PollingPlan(3)
-    for _ in range(PATIENCE + 20):
+    for _ in range(MAX_MISSES + 20):
         roster.note(missing(3, 1))
     assert roster.note(missing(3)) == ((), (1,))
     assert roster.order == (0, 1, 2)
 
 
-def test_the_silent_take_turns():
+def test_silent_servos_are_queried_in_turn():
     roster = PollingPlan(4)
-    for _ in range(PATIENCE):
+    for _ in range(MAX_MISSES):
         roster.note(missing(4, 0, 2))
     turns = []
     for k in range(6):
@@ -67,9 +67,9 @@ def test_the_silent_take_turns():
     assert roster.next_alone(10.05 + MAX_POLL_INTERVAL) == (0, True)
 
 
-def test_nobody_is_silent_when_all_are():
+def test_no_servo_is_excluded_when_all_are_silent():
     roster = PollingPlan(2)
-    for _ in range(3 * PATIENCE):
+    for _ in range(3 * MAX_MISSES):
         assert roster.note(missing(2, 0, 1)) == ((), ())
     assert sorted(roster.order) == [0, 1]
     assert roster.next_alone(0.0) is None

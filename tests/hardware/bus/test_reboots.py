@@ -1,28 +1,28 @@
-"""A servo that has rebooted shows its registers no longer: how a bus makes sure, and sets its cells anew."""
+"""Detection of rebooted servos and restoration of their cells."""
 
 from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware.bus.cycle import CELLS
+from kinesic.hardware.bus.cycle import CELL_CONTENTS
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 
 from ..conftest import Rig
 
 Make = Callable[..., Rig]
-CELLS_AT = MODELS["xm430_w350"].cells[0].addresses
-TOLD = "its RAM is as at power-on: torque off, no profile, no watchdog"
+CELLS_AT = SERVO_MODELS["xm430_w350"].cells[0].addresses
+TOLD = "RAM is as at power-on: torque off, no profile, no watchdog"
 
 
 def look(servo: int) -> bytes:
-    """Asks a servo what its cells show."""
-    return packet.read_packet(servo, CELLS_AT, len(CELLS))
+    """Read the cells of a servo."""
+    return packet.read_packet(servo, CELLS_AT, len(CELL_CONTENTS))
 
 
 def setting(servo: int) -> bytes:
     """Sets its cells."""
-    return packet.write_packet(servo, CELLS_AT, CELLS)
+    return packet.write_packet(servo, CELLS_AT, CELL_CONTENTS)
 
 
 @pytest.fixture
@@ -33,44 +33,44 @@ def made(rig: Make) -> Rig:
 
 
 def overhear(made: Rig) -> list[bytes]:
-    """What is written on the wire from now on."""
+    """Collect the writes on the wire from now on."""
     written: list[bytes] = []
     write = made.wire.write
     made.wire.write = lambda data: (written.append(bytes(data)), write(data))
     return written
 
 
-def test_its_cells_are_looked_at_and_set_once(made: Rig):
+def test_indirect_cells_of_a_rebooted_servo_are_checked_and_set_once(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
     told = [(event.kind, event.servo, event.text) for cycle in made.run(20) for event in cycle.events]
     assert ("rebooted", 2, TOLD) in told
     assert [kind for kind, _, _ in told].count("rebooted") == 1
     assert (written.count(look(2)), written.count(setting(2))) == (1, 1)
-    assert not made.bus._believed.forgetful
+    assert not made.bus._accepted.unmapped
 
 
-def test_who_still_shows_its_registers_has_not_rebooted(made: Rig):
+def test_servo_with_intact_indirect_cells_has_not_rebooted(made: Rig):
     """A record without voltage may be an error that the CRC let pass."""
-    made.bus._believed.forgetful.add(1)
+    made.bus._accepted.unmapped.add(1)
     made.plant.servos[0].mute = True
     written = overhear(made)
     (cycle,) = made.run(1)
     assert (written.count(look(2)), written.count(setting(2))) == (1, 0)
     assert not cycle.events
-    assert not made.bus._believed.forgetful
+    assert not made.bus._accepted.unmapped
 
 
-def test_who_does_not_answer_is_looked_at_again(made: Rig):
-    made.bus._believed.forgetful.add(1)
+def test_indirect_cells_of_a_silent_servo_are_read_in_every_cycle(made: Rig):
+    made.bus._accepted.unmapped.add(1)
     made.plant.servos[1].mute = True
     written = overhear(made)
     made.run(2)
     assert written.count(look(2)) == 2
-    assert made.bus._believed.forgetful == {1}
+    assert made.bus._accepted.unmapped == {1}
 
 
-def test_cells_that_were_not_set_are_set_in_the_next_cycle(made: Rig):
+def test_indirect_cells_whose_write_failed_are_set_in_the_next_cycle(made: Rig):
     """What should set them is lost on the wire."""
     written, lost = overhear(made), [setting(2)]
     write = made.wire.write
@@ -83,7 +83,7 @@ def test_cells_that_were_not_set_are_set_in_the_next_cycle(made: Rig):
     assert made.bus.cycle().fresh.all()
 
 
-def test_who_set_its_cells_and_was_not_heard_has_rebooted_all_the_same(made: Rig):
+def test_reboot_is_reported_although_the_write_of_indirect_addresses_is_unacknowledged(made: Rig):
     """The servo's acknowledgement is lost on the wire."""
     left, deaf = [setting(2)], [False]
     write, read = made.wire.write, made.wire.read
@@ -108,7 +108,7 @@ def test_who_set_its_cells_and_was_not_heard_has_rebooted_all_the_same(made: Rig
     assert made.bus.cycle().fresh.all()
 
 
-def test_no_other_is_asked_whether_it_has_rebooted(made: Rig):
+def test_only_the_silent_servo_is_checked_for_a_reboot(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
     made.run(20)

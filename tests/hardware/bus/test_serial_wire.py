@@ -14,7 +14,7 @@ from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus, Servo
 from kinesic.hardware.bus.cycle import Cycle
 from kinesic.hardware.bus.serial_wire import SerialWire
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
@@ -24,7 +24,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 pytestmark = pytest.mark.realtime
 
-SERVOS = [Servo(k + 1, MODELS["xm430_w350"]) for k in range(4)]
+SERVOS = [Servo(k + 1, SERVO_MODELS["xm430_w350"]) for k in range(4)]
 
 
 @pytest.fixture
@@ -62,7 +62,7 @@ def pulled(tmp_path: Path) -> Iterator[tuple[Path, ShaftSimulation]]:
     yield from serving(tmp_path, FaultPlan((PlannedFault("unplug", start=1.5, seconds=0.3),)))
 
 
-def test_bytes_go_both_ways(ends: tuple[int, Path]):
+def test_serial_port_sends_and_receives_bytes(ends: tuple[int, Path]):
     ours, path = ends
     wire = SerialWire(path, 1_000_000)
     wire.write(bytearray(b"\x00\xff\x11\x13\x0d\x0a"))
@@ -75,7 +75,7 @@ def test_bytes_go_both_ways(ends: tuple[int, Path]):
     wire.close()
 
 
-def test_waiting_ends_with_the_deadline(ends: tuple[int, Path]):
+def test_serial_read_and_sleep_wait_until_their_deadline(ends: tuple[int, Path]):
     wire = SerialWire(ends[1], 57_600)
     began = wire.now()
     assert wire.read(began + 0.02) == b""
@@ -86,7 +86,7 @@ def test_waiting_ends_with_the_deadline(ends: tuple[int, Path]):
     wire.close()
 
 
-def test_a_port_is_one_programs_alone(ends: tuple[int, Path]):
+def test_serial_port_is_opened_exclusively(ends: tuple[int, Path]):
     wire = SerialWire(ends[1], 57_600)
     with pytest.raises(BusError, match="another program uses this port"):
         SerialWire(ends[1], 57_600)
@@ -94,12 +94,12 @@ def test_a_port_is_one_programs_alone(ends: tuple[int, Path]):
     SerialWire(ends[1], 57_600).close()
 
 
-def test_no_such_port():
+def test_opening_a_missing_serial_port_is_refused():
     with pytest.raises(BusError, match="/dev/ttyNONE: no such port; is the adapter plugged in"):
         SerialWire("/dev/ttyNONE", 57_600)
 
 
-def test_a_port_that_may_not_be_used(ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch):
+def test_port_without_permission_is_reported(ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch):
     def refuses(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
@@ -108,14 +108,14 @@ def test_a_port_that_may_not_be_used(ends: tuple[int, Path], monkeypatch: pytest
         SerialWire(ends[1], 57_600)
 
 
-def test_what_is_no_port_does_not_open(tmp_path: Path):
+def test_regular_file_does_not_open_as_port(tmp_path: Path):
     file = tmp_path / "file"
     file.write_text("no port")
     with pytest.raises(BusError, match="does not"):
         SerialWire(file, 57_600)
 
 
-def test_a_port_that_is_gone_is_told(tmp_path: Path):
+def test_serial_port_lost_while_reading_is_reported(tmp_path: Path):
     ours, hosts = os.openpty()
     tty.setraw(hosts)
     wire = SerialWire(os.ttyname(hosts), 57_600)
@@ -129,12 +129,14 @@ def test_a_port_that_is_gone_is_told(tmp_path: Path):
 
 
 def fill(wire: SerialWire) -> None:
-    """Writes far more than a terminal takes that nobody reads."""
+    """Write more bytes than an unread terminal accepts."""
     for _ in range(1000):
         wire.write(b"old" * 100)
 
 
-def test_bytes_that_nobody_takes_mean_that_the_port_is_gone(ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch):
+def test_serial_port_is_lost_if_its_written_bytes_are_never_read(
+    ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch
+):
     flushed: list[int] = []
     monkeypatch.setattr(termios, "tcflush", lambda _, queue: flushed.append(queue))
     ours, path = ends
@@ -148,7 +150,7 @@ def test_bytes_that_nobody_takes_mean_that_the_port_is_gone(ends: tuple[int, Pat
     wire.close()
 
 
-def test_a_bus_that_nobody_hears_is_lost_and_holds_up_no_other(ends: tuple[int, Path]):
+def test_bus_is_lost_if_its_written_bytes_are_never_read(ends: tuple[int, Path]):
     wire = SerialWire(ends[1], 1_000_000)
     bus = Bus(wire, SERVOS, period=0.002)
     cycles: list[Cycle] = []
@@ -159,7 +161,7 @@ def test_a_bus_that_nobody_hears_is_lost_and_holds_up_no_other(ends: tuple[int, 
     wire.close()
 
 
-def test_servos_on_a_pseudo_terminal(port: tuple[Path, ShaftSimulation]):
+def test_servos_answer_through_a_pseudo_terminal(port: tuple[Path, ShaftSimulation]):
     link, plant = port
     wire = SerialWire(link, 1_000_000)
     bus = open_bus(wire, SERVOS, period=0.02)
@@ -170,7 +172,7 @@ def test_servos_on_a_pseudo_terminal(port: tuple[Path, ShaftSimulation]):
     wire.close()
 
 
-def test_a_port_that_comes_back_is_taken_again(pulled: tuple[Path, ShaftSimulation]):
+def test_serial_port_is_reopened_after_its_return(pulled: tuple[Path, ShaftSimulation]):
     wire = SerialWire(pulled[0], 1_000_000)
     bus = open_bus(wire, SERVOS, period=0.02)
     told: list[str] = []

@@ -1,4 +1,4 @@
-"""Lets what was written for kinesic's virtual servos drive those of the manual: wires, plants and planned faults.
+"""Adapter that runs tests of virtual servos on the independent ones.
 
 The names are those of kinesic's own virtual bus, so that one test runs on both.
 """
@@ -44,12 +44,12 @@ class Registers:
 
 
 class Electronics:
-    """What a servo feels and does by itself."""
+    """Sensors and autonomous behaviour of a servo."""
 
     def __init__(self, device: Device) -> None:
         self._device = device
 
-    def here(self) -> int:
+    def present_position(self) -> int:
         """[ticks] where it truly stands."""
         return round(self._device.firmware.position)
 
@@ -99,7 +99,7 @@ class Servo:
 
 
 class Jams:
-    """Who cannot turn."""
+    """Blocked servos."""
 
     def __init__(self, shafts: Sequence[Shaft]) -> None:
         self._shafts = shafts
@@ -247,12 +247,12 @@ def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
     of_servo = {
         "silent": servos.Silent,
         "reboot": servos.Reboot,
-        "alert": partial(servos.Alert, bits=int(planned.figure)),
-        "overheat": partial(servos.TemperatureRamp, rate=planned.figure),
-        "undervoltage": partial(servos.Undervoltage, volts=planned.figure),
+        "alert": partial(servos.Alert, bits=int(planned.effective_value)),
+        "overheat": partial(servos.TemperatureRamp, rate=planned.effective_value),
+        "undervoltage": partial(servos.Undervoltage, volts=planned.effective_value),
         "watchdog": servos.Tripped,
-        "wrong_model": partial(strangers.foreign_model, number=int(planned.figure)),
-        "old_firmware": partial(strangers.foreign_firmware, firmware=int(planned.figure)),
+        "wrong_model": partial(strangers.foreign_model, number=int(planned.effective_value)),
+        "old_firmware": partial(strangers.foreign_firmware, firmware=int(planned.effective_value)),
         "duplicate_id": partial(_double, line),
     }
     return [of_servo[planned.kind](servo) for servo in concerned]

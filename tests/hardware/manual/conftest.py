@@ -1,4 +1,4 @@
-"""Servos of the manual on one wire in memory, and what one says to them."""
+"""Independent servos on one wire in memory."""
 
 from collections.abc import Callable, Sequence
 

@@ -13,7 +13,7 @@ from .conftest import words
 Make = Callable  # of a bench, see conftest
 
 
-def test_ping_tells_model_and_firmware_whatever_the_return_level(bench: Make):
+def test_ping_is_answered_at_every_return_level(bench: Make):
     made = bench()
     made.write("status_return", 0)
     (said,) = made.ask(1, p.PING)
@@ -21,7 +21,7 @@ def test_ping_tells_model_and_firmware_whatever_the_return_level(bench: Make):
     assert made.raw(p.instruct(1, p.READ, words(132, 4))) == b""
 
 
-def test_a_broadcast_ping_is_answered_by_all_in_order(bench: Make):
+def test_broadcast_ping_is_answered_by_all_in_order(bench: Make):
     assert [said.servo for said in bench(7, 2, 5).ask(p.BROADCAST, p.PING)] == [2, 5, 7]
 
 
@@ -38,14 +38,14 @@ def test_a_broadcast_ping_is_answered_by_all_in_order(bench: Make):
         ("profile_velocity", 32_767, 0),
     ],
 )
-def test_values_are_taken_or_refused(bench: Make, name: str, value: int, error: int):
+def test_reference_servo_accepts_only_valid_register_values(bench: Make, name: str, value: int, error: int):
     made = bench()
     before = made.read(name)
     assert made.write(name, value) == error
     assert (made.read(name) == before) is (error != 0)
 
 
-def test_errors_of_form(bench: Make):
+def test_malformed_toml_is_refused(bench: Make):
     made = bench()
     assert made.ask(1, p.WRITE, words(116) + b"\0\0")[0].parameters == bytes([p.LENGTH_ERROR])
     assert made.ask(1, p.WRITE, words(5000) + b"\0")[0].parameters == bytes([p.ACCESS_ERROR])
@@ -74,7 +74,7 @@ def test_reg_write_waits_for_action(bench: Make):
     assert made.read("registered") == (0, 0)
 
 
-def test_indirect_data_is_what_its_address_names(bench: Make):
+def test_indirect_data_mirrors_its_address(bench: Make):
     made = bench()
     made.ask(1, p.WRITE, words(168, 65))
     made.ask(1, p.WRITE, words(224) + b"\1")
@@ -82,7 +82,7 @@ def test_indirect_data_is_what_its_address_names(bench: Make):
     assert made.ask(1, p.WRITE, words(168, 7))[0].parameters == bytes([p.RANGE_ERROR])
 
 
-def test_a_secondary_id_obeys_in_ram_and_says_nothing(bench: Make):
+def test_secondary_id_accepts_ram_writes_without_reply(bench: Make):
     made = bench(1, 2)
     made.devices[1].memory["secondary_id"] = 1
     assert len(made.ask(1, p.WRITE, words(65) + b"\1")) == 1
@@ -91,7 +91,7 @@ def test_a_secondary_id_obeys_in_ram_and_says_nothing(bench: Make):
     assert [device.memory["return_delay"] for device in made.devices] == [9, 0]
 
 
-def test_sync_and_bulk(bench: Make):
+def test_sync_and_bulk_instructions_address_several_servos(bench: Make):
     made = bench(1, 2, 3)
     assert made.ask(p.BROADCAST, p.SYNC_WRITE, words(116, 4) + b"\1" + words(2000, 0) + b"\3" + words(2100, 0)) == []
     bulk = b"\2" + words(65, 1) + b"\1" + b"\3" + words(102, 2) + words(7)
@@ -105,13 +105,13 @@ def test_sync_and_bulk(bench: Make):
     assert [said.parameters for said in told] == [b"\0\1", b"\0" + words(2000)]
 
 
-def test_nobody_answers_behind_a_silent_one(bench: Make):
+def test_reference_servos_listed_after_a_silent_one_do_not_reply_to_a_sync_read(bench: Make):
     made = bench(1, 2, 3)
     made.devices[1].mute = True
     assert [said.servo for said in made.ask(p.BROADCAST, p.SYNC_READ, words(116, 4) + b"\1\2\3")] == [1]
 
 
-def test_the_bus_watchdog_stops_it_and_locks_its_goals(bench: Make):
+def test_bus_watchdog_stops_the_servo_and_locks_its_goals(bench: Make):
     made = bench()
     for name, value in (("profile_velocity", 40), ("torque", 1), ("watchdog", 5), ("goal_position", 3000)):
         assert made.write(name, value) == 0
@@ -127,7 +127,7 @@ def test_the_bus_watchdog_stops_it_and_locks_its_goals(bench: Make):
     assert made.read("torque") == (0, 1)
 
 
-def test_the_profile_of_speed_is_a_trapezoid(bench: Make):
+def test_velocity_based_profile_is_a_trapezoid(bench: Make):
     made = bench()
     made.write("profile_velocity", 64)  # 1000 ticks/s
     made.write("profile_acceleration", 20)  # 4883 ticks/s^2: 0.2 s to full speed
@@ -143,7 +143,7 @@ def test_the_profile_of_speed_is_a_trapezoid(bench: Make):
     assert made.device.shaft.ticks == pytest.approx(3048, abs=5)
 
 
-def test_the_profile_of_time_takes_its_time(bench: Make):
+def test_time_based_profile_takes_its_duration(bench: Make):
     made = bench()
     for name, value in (("drive_mode", 4), ("profile_velocity", 1000), ("profile_acceleration", 200), ("torque", 1)):
         assert made.write(name, value) == 0
@@ -154,7 +154,7 @@ def test_the_profile_of_time_takes_its_time(bench: Make):
     assert made.device.firmware.profile.place == pytest.approx(3000, abs=2)
 
 
-def test_reverse_turns_the_other_way(bench: Make):
+def test_reverse_mode_inverts_rotation(bench: Make):
     made = bench()
     before = made.device.shaft.angle
     made.write("drive_mode", 1)
@@ -165,7 +165,7 @@ def test_reverse_turns_the_other_way(bench: Make):
     assert made.read("present_position")[1] == pytest.approx(2248, abs=5)
 
 
-def test_torque_folds_the_position_into_a_turn(bench: Make):
+def test_torque_on_reduces_the_position_of_the_reference_servo_to_one_turn(bench: Make):
     made = bench()
     made.device.shaft.angle += 2 * pi
     assert made.read("present_position") == (0, 2048 + 4096)
@@ -173,7 +173,7 @@ def test_torque_folds_the_position_into_a_turn(bench: Make):
     assert made.read("present_position")[1] == pytest.approx(2048, abs=2)
 
 
-def test_a_mode_change_resets_gains_and_profiles(bench: Make):
+def test_mode_change_resets_gains_and_profiles(bench: Make):
     made = bench()
     made.write("position_p", 5)
     made.write("profile_velocity", 9)
@@ -182,7 +182,7 @@ def test_a_mode_change_resets_gains_and_profiles(bench: Make):
     assert made.read("profile_velocity") == (0, 0)
 
 
-def test_an_alert_shows_in_every_answer_and_the_mask_decides_on_torque(bench: Make):
+def test_alert_is_in_every_reply_and_the_shutdown_mask_decides_on_torque(bench: Make):
     made = bench()
     made.write("torque", 1)
     made.device.firmware.alert(1)
@@ -197,7 +197,7 @@ def test_an_alert_shows_in_every_answer_and_the_mask_decides_on_torque(bench: Ma
     assert made.write("torque", 1) == 0
 
 
-def test_a_reboot_forgets_ram_and_keeps_eeprom(bench: Make):
+def test_reboot_resets_ram_and_keeps_eeprom(bench: Make):
     made = bench()
     made.write("moving_threshold", 3)
     made.write("profile_velocity", 9)
@@ -208,7 +208,7 @@ def test_a_reboot_forgets_ram_and_keeps_eeprom(bench: Make):
     assert made.read("goal_position")[1] == made.read("present_position")[1]
 
 
-def test_factory_reset_and_backup(bench: Make):
+def test_factory_reset_and_backup_restore_registers(bench: Make):
     made = bench(4)
     made.write("moving_threshold", 3, servo=4)
     assert made.ask(4, p.BACKUP, b"\1CTRL")[0].parameters == b"\0"
@@ -227,7 +227,7 @@ def test_factory_reset_and_backup(bench: Make):
     assert made.device.baud == 57_600
 
 
-def test_clear_folds_a_servo_that_stands(bench: Make):
+def test_clear_resets_the_turn_count_of_a_resting_servo(bench: Make):
     made = bench()
     made.write("operating_mode", 4)
     made.device.shaft.angle += 4 * pi
@@ -238,7 +238,7 @@ def test_clear_folds_a_servo_that_stands(bench: Make):
     assert made.ask(1, p.CLEAR, bytes.fromhex("0144584C22"))[0].parameters == bytes([p.RESULT_FAIL])
 
 
-def test_answers_wait_for_the_return_delay_and_the_baud(bench: Make):
+def test_replies_take_the_return_delay_and_transmission_time(bench: Make):
     made = bench()
     made.device.memory["return_delay"] = 254
     asked = p.instruct(1, p.PING)
@@ -247,14 +247,14 @@ def test_answers_wait_for_the_return_delay_and_the_baud(bench: Make):
     assert made.line.arrives() == pytest.approx(took)
 
 
-def test_the_clock_is_milliseconds(bench: Make):
+def test_realtime_tick_counts_milliseconds(bench: Make):
     made = bench()
     before = made.read("tick")[1]
     made.rest(0.5 - 0.02)
     assert made.read("tick")[1] - before == pytest.approx(500, abs=2)
 
 
-def test_a_limp_arm_falls_and_torque_holds_it(bench: Make):
+def test_arm_falls_without_torque_and_torque_holds_it(bench: Make):
     made = bench(1, 2)
     shoulder, elbow = (device.shaft for device in made.devices)
     made.line.world.arms = (Arm((Link(shoulder, 0.0, 1.0, 0.6), Link(elbow, 0.0, 1.0, 0.2))),)
@@ -268,7 +268,7 @@ def test_a_limp_arm_falls_and_torque_holds_it(bench: Make):
     assert shoulder.angle < 0.9
 
 
-def test_a_stalled_shaft_is_an_overload_in_the_end(bench: Make):
+def test_stalled_shaft_finally_causes_an_overload(bench: Make):
     made = bench()
     made.write("torque", 1)
     made.device.shaft.jammed = True

@@ -1,4 +1,4 @@
-"""Every fault of the independent servos: what one sees of it, and that one does not see it without the fault."""
+"""Each fault of the independent servos has its effect, and only while active."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,17 +22,17 @@ def record(made: Bench) -> bytes:
 
 
 def answers(made: Bench) -> list[int]:
-    """The ids of those who answer a sync read intact."""
+    """Return the ids of servos that answer a sync read intact."""
     return [said.servo for said in p.Decoder().feed(record(made), made.line.world.time) if said.intact]
 
 
 def position(made: Bench, servo: int = 1) -> int:
-    """What a servo says of its place."""
+    """Return the position that a servo reports."""
     return made.read("present_position", servo)[1]
 
 
 def torque(made: Bench) -> int:
-    """Whether servo 1 has torque, beside what it says."""
+    """Return the actual torque state of servo 1, with the reported one."""
     return made.device.memory["torque"]
 
 
@@ -45,7 +45,7 @@ def moves(made: Bench) -> bool:
 
 
 def climbs(made: Bench) -> int:
-    """What the clock of servo 1 counts in a fifth of a second [ms]."""
+    """Return the clock advance [ms] of servo 1 in a fifth of a second."""
     before = made.read("tick")[1]
     made.rest(0.2)
     return made.read("tick")[1] - before
@@ -107,7 +107,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_fault_is_seen_while_it_lasts(bench: Make, name: str):
+def test_each_injected_servo_fault_acts_only_during_its_duration(bench: Make, name: str):
     made, case = bench(1, 2), CASES[name]
     made.write("torque", 1)
     assert not case.seen(made)
@@ -119,7 +119,7 @@ def test_a_fault_is_seen_while_it_lasts(bench: Make, name: str):
 
 
 @pytest.mark.parametrize("bit", [VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD])
-def test_an_alert_is_shown_and_takes_torque_where_the_mask_says_so(bench: Make, bit: int):
+def test_servo_error_sets_the_alert_bit_and_obeys_the_shutdown_mask(bench: Make, bit: int):
     made = bench(1, 2)
     made.write("torque", 1)
     made.line.expose(servo_faults.Alert(1, bit))
@@ -128,7 +128,7 @@ def test_an_alert_is_shown_and_takes_torque_where_the_mask_says_so(bench: Make, 
 
 
 @pytest.mark.parametrize("fault", [servo_faults.Reboot(1), servo_faults.BrownOut()])
-def test_a_servo_that_reboots_has_no_torque_and_is_silent_at_first(bench: Make, fault: Fault):
+def test_rebooted_servo_has_no_torque_and_is_silent_first(bench: Make, fault: Fault):
     made = bench(1, 2)
     made.write("torque", 1)
     made.line.expose(fault)
@@ -138,7 +138,7 @@ def test_a_servo_that_reboots_has_no_torque_and_is_silent_at_first(bench: Make, 
     assert torque(made) == 0
 
 
-def test_torque_may_go_and_watchdogs_trip_without_a_word(bench: Make):
+def test_planned_torque_off_and_watchdog_trip_show_in_registers(bench: Make):
     made = bench(1, 2)
     for servo in (1, 2):
         made.write("torque", 1, servo)
@@ -148,7 +148,7 @@ def test_torque_may_go_and_watchdogs_trip_without_a_word(bench: Make):
     assert made.read("watchdog", 2) == (0, -1)
 
 
-def test_heat_and_supply_move_steadily(bench: Make):
+def test_simulated_temperature_ramp_and_voltage_sag_reach_the_registers(bench: Make):
     made = bench(1, 2)
     made.line.expose(servo_faults.TemperatureRamp(1, rate=10.0))
     made.line.expose(servo_faults.VoltageSag(2, rate=-1.0))
@@ -159,7 +159,7 @@ def test_heat_and_supply_move_steadily(bench: Make):
     assert made.read("error", 2) == (p.ALERT, VOLTAGE)
 
 
-def test_what_came_before_comes_again(bench: Make):
+def test_replay_fault_returns_an_old_reply_first(bench: Make):
     made = bench(1, 2)
     made.line.expose(faults.Replay(age=3, servos=(1,)))
     made.device.firmware.tampers.append(lambda memory: memory.__setitem__("present_position", memory["tick"]))
@@ -167,7 +167,7 @@ def test_what_came_before_comes_again(bench: Make):
     assert told[2:] == [*told[:1], told[0] + 20, told[0] + 40]
 
 
-def test_a_return_delay_makes_answers_later(bench: Make):
+def test_longer_return_delay_time_delays_the_servo_reply(bench: Make):
     made = bench(1, 2)
     made.line.send(RECORD, made.line.world.time)
     soon = made.line.arrives() - made.line.world.time
@@ -178,7 +178,7 @@ def test_a_return_delay_makes_answers_later(bench: Make):
     assert made.line.arrives() - made.line.world.time == pytest.approx(soon + 508e-6, abs=1e-4)
 
 
-def test_another_robot_may_hang_on_the_cable_when_it_is_plugged_in_again(bench: Make):
+def test_another_robot_can_be_connected_when_the_cable_is_plugged_in_again(bench: Make):
     made = bench(1, 2)
     others = [Device(1, "xm540_w270")]
     made.line.expose(faults.Replugged(others), seconds=0.5)

@@ -42,12 +42,12 @@ EXAMPLES = {  # bytes as the manual prints them
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_packets_are_those_of_the_manual(name: str):
+def test_reference_servo_packets_equal_those_of_the_manual(name: str):
     made, printed = EXAMPLES[name]
     assert made == bytes.fromhex(printed)
 
 
-def test_a_header_inside_of_a_packet_is_stuffed():
+def test_header_inside_of_a_packet_is_stuffed():
     body = bytes([p.WRITE]) + bytes.fromhex("FFFFFD FD FFFFFD")
     framed = p.frame(1, body)
     assert framed[5] == len(body) + 2 + 2
@@ -56,7 +56,7 @@ def test_a_header_inside_of_a_packet_is_stuffed():
     assert packet.parameters == body[1:]
 
 
-def test_a_fast_read_is_answered_as_the_manual_prints_it(bench: Make):
+def test_fast_read_is_answered_as_the_manual_prints_it(bench: Make):
     made = bench(3, 7, 4, model="xc330_t288")
     for device, ticks in zip(made.devices, (166, 2079, 1023), strict=True):
         device.firmware.tampers.append(lambda memory, ticks=ticks: memory.__setitem__("present_position", ticks))
@@ -67,13 +67,13 @@ def test_a_fast_read_is_answered_as_the_manual_prints_it(bench: Make):
     assert p.crc(said[:-2]) == int.from_bytes(said[-2:], "little")
 
 
-def test_half_a_packet_is_forgotten_after_a_silence():
+def test_incomplete_packet_is_dropped_after_silence():
     whole, decoder = p.instruct(1, p.PING), Decoder()
     assert not decoder.feed(whole[:6], 0.0)
     assert len(decoder.feed(whole, 1.0)) == 1
 
 
-def test_the_servo_knows_nothing_of_kinesic():
+def test_reference_servo_imports_only_the_standard_library():
     folder = Path(__file__).parents[2] / "manual_servo"
     files = sorted(folder.glob("*.py"))
     assert len(files) >= 9

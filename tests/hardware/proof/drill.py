@@ -1,4 +1,4 @@
-"""A robot with raised arms that is struck by a random fault, under an observer."""
+"""Robot with raised arms under a random fault and an observer."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.virtual.faults import PlannedFault
-from kinesic.hardware.virtual.wiring import cables
+from kinesic.hardware.virtual.wiring import describe_cables
 
 from ...manual_servo import faults, lies, servo_faults, strangers
 from ...manual_servo.faults import Fault
@@ -34,7 +34,7 @@ KIN_OF_WIRE = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "lat
 
 @dataclass(frozen=True)
 class Strike:
-    """One fault: what, on which wire, when and for how long."""
+    """Fault with its wire, time and duration."""
 
     name: str
     bus: str
@@ -44,7 +44,7 @@ class Strike:
 
 
 class TrueShafts:
-    """What servos really do, whatever they say."""
+    """Actual states of the servos."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
@@ -56,7 +56,7 @@ class TrueShafts:
         return self._desk.true(Register.TORQUE_ENABLE) != 0
 
     def ticks(self) -> Floats:
-        return self._desk.here.astype(float)
+        return self._desk.present_position.astype(float)
 
 
 class Drill(Desk):
@@ -120,7 +120,7 @@ def _arms(plant: Plant, manifest: Manifest) -> tuple[Arm, ...]:
 def drill(servos: str, folder: Path) -> Drill:
     """Makes a drill on one of the two kinds of virtual servos."""
     robot = Robot.load(Path(__file__).with_name("arms.toml"))
-    return Drill(Manifest.of(robot), cables(robot), folder / "events.jsonl", settings=SETTINGS, servos=servos)
+    return Drill(Manifest.of(robot), describe_cables(robot), folder / "events.jsonl", settings=SETTINGS, servos=servos)
 
 
 def random_strike(servos: str, seed: int) -> Strike:

@@ -1,4 +1,4 @@
-"""Watches bytes on the wires and shafts of servos, and says which rule was broken; it asks kinesic nothing but beliefs.
+"""Observer of wire bytes and servo shafts that reports broken rules.
 
 The rules: no torque is taken from a servo more than 5 degrees from rest; goals never jump, but to where a servo stands;
 torque comes where it is; after more than a second of standing nothing moves away from rest by itself; what is believed
@@ -34,17 +34,17 @@ BELIEF, BLUR = radians(3), 0.03  # that a belief may be wrong; [s] that its time
 
 
 class TrueServos(Protocol):
-    """What servos really do, by members."""
+    """Actual states of the servos, by member."""
 
     def torque(self) -> Flags:
-        """(m,) who has torque."""
+        """Servos with torque (m,)."""
 
     def ticks(self) -> Floats:
         """(m,) where they stand."""
 
 
 class SpyWire:
-    """A wire that shows an observer what goes out."""
+    """Wire that shows outgoing bytes to an observer."""
 
     def __init__(self, wire: Wire, observer: Observer, bus: str) -> None:
         self._wire, self._observer, self._bus, self._decoder = wire, observer, bus, Decoder()
@@ -66,7 +66,7 @@ class SpyWire:
 
 @dataclass(frozen=True)
 class Moment:
-    """What was true at a time."""
+    """Actual state at one time."""
 
     time: float  # [s]
     torque: Flags
@@ -75,7 +75,7 @@ class Moment:
 
 @dataclass
 class Observer:
-    """Collects what was against the rules."""
+    """Collector of broken rules."""
 
     manifest: Manifest
     true: TrueServos
@@ -132,7 +132,7 @@ class Observer:
 
     def _goal(self, place: int, goal: float, time: float) -> None:
         before, passed = self._goals[place], time - self._sent[place]
-        most = HASTE * self.manifest.speeds[place] * max(passed, 0.0) + ROUNDING
+        most = HASTE * self.manifest.velocities[place] * max(passed, 0.0) + ROUNDING
         moves = self._off(place, goal) > LANDING
         if not moves and self._nearest is not None and abs(goal - before) > most:
             self._nearest[place] = np.inf  # it did not hear the goals before, and stands where it was

@@ -1,4 +1,4 @@
-"""The observer says what was done against the rules: each is broken once, on purpose."""
+"""The observer reports each rule when it is broken on purpose."""
 
 from collections.abc import Iterator
 
@@ -40,43 +40,43 @@ def say(made: Drill, register: Register, value: int, *, bus: str = "left", servo
     made.wires[bus].write(p.instruct(servo, p.WRITE, parameters))
 
 
-def test_arms_are_raised_without_a_fault(raised: Drill):
+def test_observer_reports_nothing_for_raised_arms_without_faults(raised: Drill):
     raised.run(1.0)
     assert raised.observer.broken == []
-    assert (np.abs(raised.observer.angles(raised.here.astype(float)))[[1, 2, 4, 5]] > np.radians(50)).all()
+    assert (np.abs(raised.observer.angles(raised.present_position.astype(float)))[[1, 2, 4, 5]] > np.radians(50)).all()
 
 
-def test_a_goal_that_comes_to_where_its_servo_stands_is_no_jump(raised: Drill):
+def test_goal_moved_to_the_servo_position_causes_no_jump(raised: Drill):
     say(raised, Register.GOAL_POSITION, 2048)
     told = len(raised.observer.broken)
-    here = int(raised.here[1])
+    here = int(raised.present_position[1])
     say(raised, Register.GOAL_POSITION, here)
     assert len(raised.observer.broken) == told == 1
     say(raised, Register.GOAL_POSITION, here + 100)
     assert len(raised.observer.broken) == 2
 
 
-def test_a_wrong_belief_is_told(raised: Drill):
+def test_wrongly_estimated_joint_angle_is_reported(raised: Drill):
     believed = raised.status.angles.copy()
     believed[1] += 0.2
     raised.observer.look(raised.plant.time, believed, np.full(len(believed), raised.plant.time))
     assert any("is believed at" in line for line in raised.observer.broken)
 
 
-def test_motion_after_standing_is_told(raised: Drill):
+def test_observer_reports_motion_after_a_standstill(raised: Drill):
     observer = raised.observer
     observer.watching = True
     for _ in range(150):  # looks without a cycle: nothing moves
         raised.pass_time(0.01)
         observer.look(raised.plant.time, raised.status.angles, raised.status.taken)
     assert observer.broken == []
-    up = raised.status.goals[1] + 0.1
+    up = raised.status.setpoints[1] + 0.1
     say(raised, Register.GOAL_POSITION, round(2048 + up * 2048 / np.pi))
     observer.look(raised.plant.time, raised.status.angles, raised.status.taken)
     assert any("nobody has agreed" in line for line in observer.broken)
 
 
-def test_every_broken_rule_is_told(raised: Drill):
+def test_observer_reports_every_broken_safety_rule(raised: Drill):
     say(raised, Register.TORQUE_ENABLE, 0)
     say(raised, Register.GOAL_PWM, 0, servo=ELBOW)
     say(raised, Register.GOAL_POSITION, 2048, bus="right")

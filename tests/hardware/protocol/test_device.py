@@ -2,7 +2,7 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware.protocol.device import Change, Cold, Found
+from kinesic.hardware.protocol.device import PingReply, RegisterChange, ServoAccess
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
@@ -15,38 +15,38 @@ Make = Callable  # of a rig, see conftest
 
 
 @pytest.fixture
-def cold(rig: Make) -> Cold:
-    return Cold(rig(3).wire)
+def cold(rig: Make) -> ServoAccess:
+    return ServoAccess(rig(3).wire)
 
 
-def test_a_ping_tells_model_and_firmware(cold: Cold):
+def test_ping_returns_model_and_firmware(cold: ServoAccess):
     found = cold.ping(2)
-    assert found == Found(2, 1020, 52)
+    assert found == PingReply(2, 1020, 52)
     assert found.name == "xm430_w350"
-    assert Found(1, 77, 1).name == "model 77"
+    assert PingReply(1, 77, 1).name == "model 77"
     assert cold.ping(9) is None
 
 
-def test_everyone_is_found(cold: Cold):
-    assert [found.id for found in cold.everyone()] == [1, 2, 3]
+def test_scan_finds_all_servos(cold: ServoAccess):
+    assert [found.id for found in cold.ping_all()] == [1, 2, 3]
 
 
-def test_registers_are_read_and_written(cold: Cold):
+def test_servo_registers_are_read_and_written(cold: ServoAccess):
     cold.write(1, Register.HOMING_OFFSET, -5)
     assert cold.read(1, Register.HOMING_OFFSET) == -5
     assert cold.read_span(1, 144, 3) == bytes((120, 0, cold.read(1, Register.PRESENT_TEMPERATURE)))
 
 
-def test_who_does_not_answer_is_named(cold: Cold):
+def test_read_error_names_the_silent_servo_and_register(cold: ServoAccess):
     with pytest.raises(BusError, match=r"memory: servo 9: read of 4 bytes at 132.*is it powered, wired"):
         cold.read(9, Register.PRESENT_POSITION)
 
 
 @pytest.mark.parametrize("latency", [0.001, 0.008, 0.012, 0.016, 0.030])
-def test_a_slow_adapter_answers_no_other_question(servos: str, latency: float):
+def test_late_reply_of_slow_adapter_answers_no_other_query(servos: str, latency: float):
     build, wire_of = BUILDERS[servos]
     plant, buses = build([Cable("body", (ServoFitting(1, model="xm430_w350"),), latency=latency)])
-    cold, right = Cold(wire_of(buses["body"])), list[bool]()
+    cold, right = ServoAccess(wire_of(buses["body"])), list[bool]()
     for register in FOUR_BYTES * 3:
         try:
             right.append(cold.read(1, register) == plant.servos[0].memory[register])
@@ -56,39 +56,32 @@ def test_a_slow_adapter_answers_no_other_question(servos: str, latency: float):
     assert len(right) == 3 * len(FOUR_BYTES) or latency > 0.016
 
 
-def test_a_refusal_is_named(cold: Cold):
+def test_refused_instruction_error_names_the_fault(cold: ServoAccess):
     with pytest.raises(BusError, match=r"servo 1: write of OPERATING_MODE at 11 refused \(range error\)"):
         cold.write(1, Register.OPERATING_MODE, 7)
     with pytest.raises(BusError, match=r"write of PRESENT_POSITION at 132 refused \(access error\)"):
         cold.write(1, Register.PRESENT_POSITION, 1)
 
 
-def test_only_what_differs_is_set(cold: Cold):
+def test_only_differing_registers_are_written(cold: ServoAccess):
     wanted = {Register.MAX_POSITION_LIMIT: 3000, Register.MIN_POSITION_LIMIT: 0, Register.PROFILE_VELOCITY: 100}
     assert cold.configure(1, wanted) == (
-        Change(1, Register.MAX_POSITION_LIMIT, 4095, 3000),
-        Change(1, Register.PROFILE_VELOCITY, 0, 100),
+        RegisterChange(1, Register.MAX_POSITION_LIMIT, 4095, 3000),
+        RegisterChange(1, Register.PROFILE_VELOCITY, 0, 100),
     )
     assert cold.configure(1, wanted) == ()
 
 
-def test_eeprom_is_not_set_while_torque_is_on(cold: Cold):
+def test_eeprom_is_not_set_while_torque_is_on(cold: ServoAccess):
     cold.write(1, Register.TORQUE_ENABLE, 1)
     with pytest.raises(BusError, match="MAX_POSITION_LIMIT cannot be set while its torque is on"):
         cold.configure(1, {Register.MAX_POSITION_LIMIT: 3000})
     assert cold.configure(1, {Register.PROFILE_VELOCITY: 100})
 
 
-def test_a_reboot_forgets_ram(cold: Cold):
-    cold.write(1, Register.PROFILE_VELOCITY, 100)
-    cold.reboot(1)
-    cold.wire.sleep(cold.wire.now() + 1.0)
-    assert cold.read(1, Register.PROFILE_VELOCITY) == 0
-
-
-def test_damaged_answers_are_asked_for_again(rig: Make):
+def test_damaged_replies_are_queried_again(rig: Make):
     made = rig(2, faults=FaultPlan((PlannedFault("corrupt", rate=0.3, start=0.2),), seed=3))
-    cold = Cold(made.wire)
+    cold = ServoAccess(made.wire)
     made.wire.sleep(0.3)
     for _ in range(30):
         assert cold.read(1, Register.MODEL_NUMBER) == 1020

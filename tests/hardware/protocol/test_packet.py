@@ -6,11 +6,11 @@ from dynamixel_sdk import Protocol2PacketHandler
 
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.packet import (
-    ALERT,
-    BROADCAST,
-    HEADER,
+    ALERT_BIT,
+    BROADCAST_ID,
     MAX_LENGTH,
-    OVERHEAD,
+    PACKET_HEADER,
+    PACKET_OVERHEAD,
     STATUS_OVERHEAD,
     Fault,
     Instruction,
@@ -70,7 +70,7 @@ NUMBERS = {  # of the manual
 
 
 @pytest.mark.parametrize("example", MANUAL)
-def test_packets_are_those_of_the_manual(example: str):
+def test_encoded_packets_equal_those_of_the_manual(example: str):
     made, manual = MANUAL[example]
     assert made == bytes.fromhex(manual)
     (read,) = Reader().feed(made)
@@ -84,25 +84,25 @@ def test_instructions_and_faults_have_the_numbers_of_the_manual(numbered: type[I
     assert tuple(numbered) == NUMBERS[numbered]
 
 
-def test_the_sdk_knows_the_same_faults_and_the_same_alert():
+def test_fault_codes_and_alert_bit_equal_those_of_the_manufacturer_sdk():
     names = ("RESULT_FAIL", "INSTRUCTION", "CRC", "DATA_RANGE", "DATA_LENGTH", "DATA_LIMIT", "ACCESS")
     assert tuple(Fault)[1:] == tuple(getattr(sdk_packets, f"ERRNUM_{name}") for name in names)
-    assert sdk_packets.ERRBIT_ALERT == ALERT == 0x80
+    assert sdk_packets.ERRBIT_ALERT == ALERT_BIT == 0x80
 
 
-def test_a_packet_without_parameters_is_all_overhead():
-    assert len(packet.ping(1)) == OVERHEAD
+def test_packet_without_parameters_has_the_length_of_the_overhead():
+    assert len(packet.ping(1)) == PACKET_OVERHEAD
     assert len(packet.status(1, 0)) == STATUS_OVERHEAD
 
 
 def sealed_packet(servo: int, body: bytes) -> bytes:
     """A packet of any id and length, with the CRC that belongs to it, not stuffed."""
-    head = HEADER + bytes((servo,)) + (len(body) + 2).to_bytes(2, "little") + body
+    head = PACKET_HEADER + bytes((servo,)) + (len(body) + 2).to_bytes(2, "little") + body
     return head + crc16(head).to_bytes(2, "little")
 
 
-@pytest.mark.parametrize("servo", [0, 1, 252, BROADCAST])
-def test_ids_of_servos_are_read_and_written(servo: int):
+@pytest.mark.parametrize("servo", [0, 1, 252, BROADCAST_ID])
+def test_packets_are_read_and_written_for_every_servo_id(servo: int):
     assert list(Reader().feed(packet.ping(servo))) == [Packet(servo, 1, b"")]
 
 
@@ -116,11 +116,11 @@ def test_ids_of_servos_are_read_and_written(servo: int):
         sealed_packet(1, bytes((3, *bytes(MAX_LENGTH - 2)))),  # longer than servos read
     ],
 )
-def test_a_right_crc_does_not_make_a_packet(wrong: bytes):
+def test_invalid_packet_with_a_correct_crc_is_skipped(wrong: bytes):
     assert list(Reader().feed(wrong + packet.ping(1))) == [Packet(1, 1, b"")]
 
 
-def test_the_longest_packet_is_read_and_written():
+def test_longest_packet_is_read_and_written():
     longest = bytes(MAX_LENGTH - 2 - 1 - 2)  # without CRC, instruction and address
     made = packet.write_packet(1, 0, longest)
     assert made == sealed_packet(1, bytes((3, 0, 0)) + longest)
@@ -129,13 +129,13 @@ def test_the_longest_packet_is_read_and_written():
         packet.write_packet(1, 0, longest + b"\0")
 
 
-def test_the_length_that_servos_read_counts_what_was_stuffed():
+def test_packet_length_limit_includes_stuffing():
     marks = b"\xff\xff\xfd" * 300
     with pytest.raises(ValueError, match="longer than"):
         packet.write_packet(1, 0, marks)
 
 
-def test_noise_is_not_kept():
+def test_packet_reader_discards_noise():
     """Nobody knows how long a wire is noisy: what can be no packet any more takes no memory."""
     reader, noise = Reader(), bytes(100_000)
     tracemalloc.start()
@@ -147,7 +147,7 @@ def test_noise_is_not_kept():
     assert list(reader.feed(packet.ping(3))) == [Packet(3, 1, b"")]
 
 
-def test_what_is_forgotten_is_no_part_of_the_next_packet():
+def test_bytes_before_clearing_the_packet_reader_are_not_part_of_the_next_packet():
     reader, made = Reader(), packet.ping(3)
     assert list(reader.feed(made[:8])) == []
     reader.clear()
@@ -155,26 +155,26 @@ def test_what_is_forgotten_is_no_part_of_the_next_packet():
     assert list(reader.feed(made)) == [Packet(3, 1, b"")]
 
 
-def test_a_packet_that_is_cut_short_holds_up_nobody():
+def test_truncated_packet_does_not_delay_the_next():
     """The next header tells that it is over, long before its own length has come."""
     reader = Reader()
     cut = packet.write_packet(1, 0, bytes(200))[:11]
     assert list(reader.feed(cut + packet.ping(2))) == [Packet(2, 1, b"")]
 
 
-def test_a_joint_reply_is_left_as_it_is_and_everything_else_is_unstuffed():
+def test_fast_reply_is_not_unstuffed():
     """What looks like a header inside a joint reply is a record's, whether all of the reply has come or not."""
-    body = bytes((Instruction.STATUS, 0, 1)) + HEADER + b"\xff\xff\xfd\xfd"
-    joint, reader = sealed_packet(BROADCAST, body), Reader()
-    assert [found for byte in joint for found in reader.feed(bytes((byte,)))] == [Packet(BROADCAST, 0x55, body[1:])]
+    body = bytes((Instruction.STATUS, 0, 1)) + PACKET_HEADER + b"\xff\xff\xfd\xfd"
+    joint, reader = sealed_packet(BROADCAST_ID, body), Reader()
+    assert [found for byte in joint for found in reader.feed(bytes((byte,)))] == [Packet(BROADCAST_ID, 0x55, body[1:])]
     stuffed = b"\xff\xff\xfd\x01"
     for made in (packet.status(1, 0, stuffed), packet.sync_write(116, 4, {1: stuffed})):
         (found,) = Reader().feed(made)
         assert found.parameters.endswith(stuffed)
-        assert len(found.parameters) == len(made) - OVERHEAD - 1
+        assert len(found.parameters) == len(made) - PACKET_OVERHEAD - 1
 
 
-def test_the_crc_of_a_joint_reply_covers_everything_before_it():
+def test_crc_of_a_fast_reply_covers_all_previous_bytes():
     # the manual's answer of three XC330 to a fast sync read
     first = bytes.fromhex("ff ff fd 00 fe 19 00 55 00 03 a6 00 00 00")
     second = bytes.fromhex("00 07 1f 08 00 00")
@@ -182,19 +182,19 @@ def test_the_crc_of_a_joint_reply_covers_everything_before_it():
     assert crc16(second, crc16(b"\x84\x08", 0x0884)) == 0xCA16
 
 
-def test_stuffing_is_undone():
+def test_packet_reader_removes_stuffing():
     for body in (b"\xff\xff\xfd", b"\xff\xff\xfd\xfd", b"\xff\xff\xff\xfd\xff\xff\xfd", b"\xfd\xff\xff\xfd\xfd\xfd"):
         assert unstuff(stuff(body)) == body
     assert stuff(b"\xff\xff\xfd\x01") == b"\xff\xff\xfd\xfd\x01"
 
 
-def test_a_goal_current_of_minus_one_before_a_velocity_of_minus_three_arrives():
+def test_data_that_looks_like_a_packet_header_arrives_unchanged():
     data = (-1).to_bytes(2, "little", signed=True) + (-3).to_bytes(4, "little", signed=True)
     (read,) = Reader().feed(packet.write_packet(1, 102, data))
     assert read.parameters == bytes((102, 0)) + data
 
 
-def test_what_is_no_packet_is_passed_over():
+def test_invalid_packets_are_skipped():
     good = packet.status(3, 0, b"\x01\x02")
     wrong = bytearray(packet.status(4, 0, b"\x01\x02"))
     wrong[-3] ^= 1
@@ -204,25 +204,25 @@ def test_what_is_no_packet_is_passed_over():
     assert list(reader.feed(stream)) == [Packet(3, 0x55, b"\0\1\2")] * 2
 
 
-def test_a_length_that_no_servo_sends_is_noise():
+def test_impossible_length_counts_as_noise():
     reader = Reader()
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xff\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xfe\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\x02\x00\x55" + packet.ping(1))) == [Packet(1, 1, b"")]
 
 
-def test_a_status_tells_error_and_data():
-    (status,) = Reader().feed(packet.status(9, ALERT | Fault.ACCESS, b"\x05"))
+def test_status_has_error_and_data():
+    (status,) = Reader().feed(packet.status(9, ALERT_BIT | Fault.ACCESS, b"\x05"))
     assert (status.error, status.data) == (0x87, b"\x05")
 
 
 @pytest.mark.parametrize("servo", [-1, 253, 255, 300])
-def test_an_id_that_no_servo_has_is_refused(servo: int):
+def test_invalid_servo_id_is_refused(servo: int):
     with pytest.raises(ValueError, match="id is"):
         packet.ping(servo)
 
 
-def test_what_servos_do_not_read_is_refused():
+def test_too_long_packet_is_refused():
     with pytest.raises(ValueError, match="longer than"):
         packet.write_packet(1, 0, bytes(2000))
     with pytest.raises(ValueError, match="must be 4"):
@@ -230,7 +230,7 @@ def test_what_servos_do_not_read_is_refused():
 
 
 @pytest.mark.parametrize("parameters", [b"", b"\x01", bytes(range(200)), b"\xff\xff\xfe\xfd", b"\xff\xfd"])
-def test_the_sdk_computes_the_same_crc(parameters: bytes):
+def test_packet_crc_equals_that_of_the_manufacturer_sdk(parameters: bytes):
     made = packet.packet(7, Instruction.WRITE, parameters)
     assert Protocol2PacketHandler().updateCRC(0, made, len(made) - 2) == int.from_bytes(made[-2:], "little")
 
@@ -252,7 +252,7 @@ class _Sent:
         pass
 
 
-def test_the_sdk_sends_the_same_where_nothing_is_stuffed():
+def test_sdk_sends_identical_packets_without_stuffing():
     port, sdk = _Sent(), Protocol2PacketHandler()
     sdk.writeTxOnly(port, 5, 116, 4, [1, 2, 3, 4])
     assert port.data == packet.write_packet(5, 116, bytes((1, 2, 3, 4)))

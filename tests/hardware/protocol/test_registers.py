@@ -4,10 +4,10 @@ import pytest
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot_file import servo_models
-from kinesic.hardware.protocol.models import BY_NUMBER, MODELS, NEVER, Model
+from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, SERVO_MODELS, UNREACHABLE_FIRMWARE, Model
 from kinesic.hardware.protocol.registers import BAUD_RATES, Mode, Register
 
-EVERY = pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+EVERY = pytest.mark.parametrize("model", SERVO_MODELS.values(), ids=list(SERVO_MODELS))
 NUMBERS = {
     "xl330_m077": 1190,
     "xl330_m288": 1200,
@@ -37,30 +37,30 @@ def test_no_registers_overlap():
         assert one.end <= next_one.address
 
 
-def test_every_register_has_a_member_of_its_own():
+def test_register_addresses_are_unique():
     assert len(Register) == len(Register.__members__)
     assert len({register.field.address for register in Register}) == len(Register)
 
 
-def test_sizes_are_those_of_the_wire():
+def test_register_sizes_are_one_two_or_four_bytes():
     assert {register.field.size for register in Register} == {1, 2, 4}
 
 
-def test_figures_fit_into_their_registers():
-    for model in MODELS.values():
+def test_factory_values_and_limits_fit_into_their_registers():
+    for model in SERVO_MODELS.values():
         for register in model.registers:
-            lower, upper = model.range(register)
+            lower, upper = model.allowed_range(register)
             assert lower <= upper
-            for value in (model.starts(register), lower, upper):
+            for value in (model.factory_value(register), lower, upper):
                 assert register.field.unpack(register.field.pack(value)) == value
 
 
 @EVERY
 def test_factory_values_are_within_their_ranges(model: Model):
     for register in model.registers:
-        lower, upper = model.range(register)
+        lower, upper = model.allowed_range(register)
         if register.field.writable:
-            assert lower <= model.starts(register) <= upper
+            assert lower <= model.factory_value(register) <= upper
 
 
 @pytest.mark.parametrize(
@@ -85,12 +85,12 @@ def test_factory_values_are_within_their_ranges(model: Model):
         Register.BACKUP_READY,
     ],
 )
-def test_what_the_servo_tells_cannot_be_written(register: Register):
+def test_sensor_registers_are_read_only(register: Register):
     assert not register.field.writable
     assert sum(not other.field.writable for other in Register) == 17
 
 
-def test_eeprom_ends_before_torque_enable():
+def test_eeprom_registers_end_before_the_register_torque_enable():
     assert Register.SHUTDOWN.field.eeprom
     assert not Register.TORQUE_ENABLE.field.eeprom
 
@@ -113,12 +113,12 @@ def test_eeprom_ends_before_torque_enable():
         (Register.PRESENT_TEMPERATURE, 146, 1, False),
     ],
 )
-def test_registers_stand_where_the_manual_says(register: Register, address: int, size: int, signed: bool):
+def test_register_addresses_match_the_manual(register: Register, address: int, size: int, signed: bool):
     field = register.field
     assert (field.address, field.size, field.signed) == (address, size, signed)
 
 
-def test_units():
+def test_register_units_match_the_manual():
     assert Register.PRESENT_VELOCITY.field.scale == pytest.approx(0.229 * 6.283185307 / 60)
     assert Register.PRESENT_INPUT_VOLTAGE.field.scale == pytest.approx(0.1)
     assert Register.BUS_WATCHDOG.field.scale == pytest.approx(0.020)
@@ -126,7 +126,7 @@ def test_units():
     assert 885 * Register.GOAL_PWM.field.scale == pytest.approx(1.0)
 
 
-def test_a_value_that_does_not_fit_is_refused():
+def test_register_rejects_values_that_exceed_its_size():
     with pytest.raises(ValueError, match="does not fit into an unsigned register of 1 bytes at 64"):
         Register.TORQUE_ENABLE.field.pack(300)
     with pytest.raises(ValueError, match="has 4 bytes, not 2"):
@@ -138,16 +138,20 @@ def test_negative_values_are_twos_complement():
     assert Register.BUS_WATCHDOG.field.unpack(b"\xff") == -1
 
 
-def test_model_numbers():
-    assert {name: model.number for name, model in MODELS.items()} == NUMBERS
-    assert {model.name for model in BY_NUMBER.values()} == set(MODELS)
+def test_model_numbers_match_the_manual_and_are_unique():
+    numbers = {name: model.number for name, model in SERVO_MODELS.items()}
+    assert {name: numbers[name] for name in NUMBERS} == NUMBERS
+    assert {model.name for model in MODELS_BY_NUMBER.values()} == set(SERVO_MODELS), "two models have the same number"
 
 
-def test_models_that_the_twin_knows_have_the_same_number():
-    known = servo_models()
-    assert known, CONFIGS
-    for name, model in known.items():
-        assert MODELS[name].number == model.model
+def test_model_numbers_match_the_servo_table():
+    servos = servo_models()
+    assert servos, CONFIGS
+    for name, servo in servos.items():
+        assert name in SERVO_MODELS, f"add a FactorySheet of {name} to kinesic/hardware/protocol/models.py"
+        assert SERVO_MODELS[name].number == servo.model, (
+            f"{name}: kinesic/configs/servos.toml and kinesic/hardware/protocol/models.py differ"
+        )
 
 
 @pytest.mark.parametrize(
@@ -170,43 +174,43 @@ def test_models_that_the_twin_knows_have_the_same_number():
         ("xh540_w270", Register.POSITION_P_GAIN, 800, (0, 16383)),
     ],
 )
-def test_figures_of_the_manual(name: str, register: Register, initial: int, span: tuple[int, int]):
-    assert MODELS[name].starts(register) == initial
-    assert MODELS[name].range(register) == span
+def test_register_values_match_the_manual(name: str, register: Register, initial: int, span: tuple[int, int]):
+    assert SERVO_MODELS[name].factory_value(register) == initial
+    assert SERVO_MODELS[name].allowed_range(register) == span
 
 
-def test_a_servo_without_current_sensor_has_no_current_modes():
-    model = MODELS["xl430_w250"]
+def test_servo_without_current_sensor_lacks_current_modes():
+    model = SERVO_MODELS["xl430_w250"]
     assert model.amperes is None
     assert not model.has(Register.CURRENT_LIMIT)
     assert not model.has(Register.GOAL_CURRENT)
     assert model.modes == {Mode.VELOCITY, Mode.POSITION, Mode.EXTENDED_POSITION, Mode.PWM}
-    assert MODELS["xm430_w350"].amperes == pytest.approx(2.69e-3)
-    assert MODELS["xl330_m288"].amperes == pytest.approx(1e-3)
+    assert SERVO_MODELS["xm430_w350"].amperes == pytest.approx(2.69e-3)
+    assert SERVO_MODELS["xl330_m288"].amperes == pytest.approx(1e-3)
 
 
-def test_what_only_some_models_have():
-    assert MODELS["xm540_w270"].has(Register.EXTERNAL_PORT_MODE_1)
-    assert not MODELS["xm430_w350"].has(Register.EXTERNAL_PORT_MODE_1)
-    assert MODELS["xl330_m288"].has(Register.PWM_SLOPE)
-    assert not MODELS["xw540_t260"].has(Register.LED)
+def test_each_servo_model_has_only_its_optional_registers():
+    assert SERVO_MODELS["xm540_w270"].has(Register.EXTERNAL_PORT_MODE_1)
+    assert not SERVO_MODELS["xm430_w350"].has(Register.EXTERNAL_PORT_MODE_1)
+    assert SERVO_MODELS["xl330_m288"].has(Register.PWM_SLOPE)
+    assert not SERVO_MODELS["xw540_t260"].has(Register.LED)
 
 
 @EVERY
-def test_indirect_cells_stand_behind_everything(model: Model):
+def test_indirect_cells_follow_all_other_registers(model: Model):
     end = max(register.field.end for register in model.registers)
     for cells in model.cells:
         assert cells.addresses >= end
         assert cells.data >= cells.addresses + 2 * cells.count
 
 
-def test_firmware_that_answers_fast_reads():
-    assert MODELS["xl330_m288"].fast_firmware == 46
-    assert MODELS["xm430_w350"].fast_firmware == 45
-    assert MODELS["2xl430_w250"].fast_firmware == NEVER
+def test_first_firmware_with_fast_reads_matches_the_manual():
+    assert SERVO_MODELS["xl330_m288"].fast_firmware == 46
+    assert SERVO_MODELS["xm430_w350"].fast_firmware == 45
+    assert SERVO_MODELS["2xl430_w250"].fast_firmware == UNREACHABLE_FIRMWARE
 
 
-def test_baud_rates():
+def test_baud_rate_values_match_the_manual():
     assert BAUD_RATES[1] == 57_600
     assert BAUD_RATES[3] == 1_000_000
     assert BAUD_RATES[6] == 4_000_000

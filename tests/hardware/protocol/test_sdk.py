@@ -12,7 +12,7 @@ Make = Callable  # of a rig, see conftest
 
 
 class Script:
-    """A wire that answers each write with what was prepared for it."""
+    """Wire that answers each write with prepared bytes."""
 
     name, baud = "script", 4_500_000
 
@@ -48,7 +48,7 @@ class Script:
 
 
 @pytest.mark.parametrize("body", [b"\xff\xff\xfd", b"\xff\xff\xfd\xfd\xff\xfd\xfd", b"\x01\x02", b""])
-def test_stuffing_is_done_and_undone_in_place(body: bytes):
+def test_sdk_adapter_adds_and_removes_byte_stuffing_in_place(body: bytes):
     plain = [0xFF, 0xFF, 0xFD, 0, 1, len(body) + 2, 0, *body, 0, 0]
     packets = Packets()
     made = list(plain)
@@ -59,7 +59,7 @@ def test_stuffing_is_done_and_undone_in_place(body: bytes):
     assert made == plain
 
 
-def test_what_needs_stuffing_arrives(rig: Make):
+def test_stuffed_packet_data_arrives_unchanged(rig: Make):
     made = rig(1)
     port, packets = WirePort(made.wire), Packets()
     data = [0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFF]  # goal current -1, goal velocity -3
@@ -68,32 +68,32 @@ def test_what_needs_stuffing_arrives(rig: Make):
     assert made.true(Register.GOAL_VELOCITY) == [-3]
 
 
-def test_a_late_acknowledgement_is_no_answer_to_a_read():
+def test_late_acknowledgement_is_not_taken_as_read_reply():
     wire = Script(status(1, 0) + status(1, 0, bytes((7, 0, 0, 0))))
     assert Packets().read4ByteTxRx(WirePort(wire), 1, 132) == (7, COMM_SUCCESS, 0)
 
 
-def test_a_late_position_is_no_temperature():
+def test_late_position_reply_is_not_taken_as_temperature():
     wire = Script(status(1, 0, bytes(4)) + status(1, 0, bytes((41,))))
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 146) == (41, COMM_SUCCESS, 0)
 
 
-def test_the_answer_of_another_servo_is_passed_over():
+def test_answer_of_another_servo_is_ignored():
     wire = Script(status(2, 0, bytes((9,))) + status(1, 0, bytes((41,))))
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 146) == (41, COMM_SUCCESS, 0)
 
 
-def test_a_refusal_is_told():
+def test_sdk_reports_a_refused_instruction():
     assert Packets().readTxRx(WirePort(Script(status(1, 7))), 1, 148, 1) == ([], COMM_SUCCESS, 7)
 
 
-def test_an_alert_is_data():
+def test_alert_bit_raises_no_error():
     wire = Script(status(1, 0x80, bytes((0x20,))))
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 70) == (0x20, COMM_SUCCESS, 0x80)
 
 
 @pytest.mark.realtime
-def test_waiting_does_not_burn_a_core():
+def test_sdk_waits_for_a_reply_without_busy_polling():
     wire = Script()
     _, result, _ = Packets().read1ByteTxRx(WirePort(wire), 1, 146)
     assert result == COMM_RX_TIMEOUT
@@ -102,7 +102,7 @@ def test_waiting_does_not_burn_a_core():
 
 
 @pytest.mark.parametrize("way", ["read", "write"])
-def test_a_port_that_failed_is_free_again(way: str):
+def test_sdk_port_is_released_after_a_failed_read_or_write(way: str):
     wire = Script(error=BusError("gone"))
     port, packets = WirePort(wire), Packets()
     with pytest.raises(BusError):
@@ -110,7 +110,7 @@ def test_a_port_that_failed_is_free_again(way: str):
     assert not port.is_using
 
 
-def test_every_baud_rate_is_the_wires_business():
+def test_sdk_port_accepts_every_baud_rate_of_the_wire():
     port = WirePort(Script())
     assert port.getBaudRate() == 4_500_000
     assert port.setBaudRate(4_500_000)
@@ -119,7 +119,7 @@ def test_every_baud_rate_is_the_wires_business():
     assert not port.is_open
 
 
-def test_bytes_can_be_counted_before_they_are_read():
+def test_sdk_port_reports_the_number_of_unread_bytes():
     wire = Script(b"abc")
     port = WirePort(wire)
     port.writePort([1])
@@ -129,7 +129,7 @@ def test_bytes_can_be_counted_before_they_are_read():
     assert port.getBytesAvailable() == 0
 
 
-def test_group_reads_go_through(rig: Make):
+def test_sdk_group_reads_return_the_positions_of_all_servos(rig: Make):
     made = rig(4)
     port = WirePort(made.wire)
     group = GroupSyncRead(port, Packets(), 132, 4)
@@ -140,7 +140,7 @@ def test_group_reads_go_through(rig: Make):
         assert [group.getData(servo, 132, 4) for servo in made.bus.ids] == made.true(Register.PRESENT_POSITION).tolist()
 
 
-def test_a_broadcast_ping_finds_everybody(rig: Make):
+def test_broadcast_ping_finds_all_servos(rig: Make):
     made = rig(5)
     found, result = Packets().broadcastPing(WirePort(made.wire))
     assert result == COMM_SUCCESS
@@ -148,7 +148,7 @@ def test_a_broadcast_ping_finds_everybody(rig: Make):
 
 
 class Ear(Script):
-    """Keeps what is written."""
+    """Collector of written bytes."""
 
     sent = b""
 
@@ -156,7 +156,7 @@ class Ear(Script):
         self.sent = bytes(data)
 
 
-def test_what_is_sent_is_what_the_codec_sends_where_the_sdk_alone_forgets_to_stuff():
+def test_sdk_adapter_and_packet_encoder_stuff_bytes_equally():
     data = [0xFF, 0xFF, 0xFD, 0xFD, 1]
     right = packet(3, Instruction.WRITE, bytes((200, 0, *data)))
     wire = Ear()

@@ -26,7 +26,7 @@ def changed(tmp_path: Path):
     return load
 
 
-def test_servos_stand_in_joint_order():
+def test_servo_map_is_in_joint_order():
     robot = Robot.load()
     wiring = ServoMap.of(robot)
     assert tuple(servos.hinge for servos in wiring.servos) == robot.skeleton.names
@@ -34,20 +34,20 @@ def test_servos_stand_in_joint_order():
     assert sum(len(servos.ids) for servos in wiring.servos) == 23
 
 
-def test_a_tandem_has_two_ids_and_its_belt():
+def test_servo_map_of_a_tandem_has_two_ids_and_its_belt_reduction():
     servos = {s.hinge: s for s in ServoMap.of(Robot.load()).servos}
     assert servos["vl5_tilt"].ids == (2, 3)
     assert servos["vl5_tilt"].reduction == 2.0
 
 
-def test_left_and_right_have_the_same_ticks_at_the_same_angles():
+def test_left_and_right_arm_have_equal_ticks_at_rest():
     robot = Robot.load()
     ticks = ServoMap.of(robot).scale.ticks(robot.skeleton.rest)
     left, right = robot.joints("l_arm"), robot.joints("r_arm")
     assert (ticks[list(left)] == ticks[list(right)]).all()
 
 
-def test_zero_and_direction_come_from_the_file(changed):
+def test_servo_zero_and_direction_come_from_the_robot_file(changed):
     robot = changed(
         ("[bus.ids]", 'zero_ticks = { l_elbow_flexion = 1000 }\ninverted = ["skullbase_tilt"]\n[bus.ids]'),
     )
@@ -57,7 +57,7 @@ def test_zero_and_direction_come_from_the_file(changed):
     assert ticks[robot.skeleton.joint("skullbase_roll")] == 2113
 
 
-def test_the_order_in_the_file_does_not_matter(changed):
+def test_order_of_hinges_in_the_robot_file_does_not_matter(changed):
     robot = changed(("vl5_torsion = 1\n", ""), ("r_wrist_pivot = 28", "r_wrist_pivot = 28\nvl5_torsion = 1"))
     assert ServoMap.of(robot) == ServoMap.of(Robot.load())
 
@@ -85,38 +85,38 @@ def test_the_order_in_the_file_does_not_matter(changed):
         ("l_elbow_flexion = 15", 'l_elbow_flexion = "15"', r"Expected `int \| array`, got `str`"),
     ],
 )
-def test_a_wrong_file_teaches(changed, old: str, new: str, message: str):
+def test_invalid_file_error_names_the_remedy(changed, old: str, new: str, message: str):
     robot = changed((old, new))
     with pytest.raises(ConfigError, match=message):
         ServoMap.of(robot)
 
 
-def test_a_hinge_has_one_bus(changed):
+def test_hinge_on_two_buses_is_refused(changed):
     second = '\n[[bus]]\nname = "arm"\nbaud = 57600\nids = { l_elbow_flexion = 1 }\n'
     with pytest.raises(ConfigError, match="l_elbow_flexion is on the buses body and arm"):
         ServoMap.of(changed(("r_wrist_pivot = 28\n", "r_wrist_pivot = 28\n" + second)))
 
 
-def test_two_buses_may_use_the_same_id(changed):
+def test_servos_on_two_buses_may_have_the_same_id(changed):
     second = '\n[[bus]]\nname = "arm"\nbaud = 57600\nids = { l_elbow_flexion = 1 }\n'
     robot = changed(("l_elbow_flexion = 15\n", ""), ("r_wrist_pivot = 28\n", "r_wrist_pivot = 28\n" + second))
     servos = ServoMap.of(robot).servos[robot.skeleton.joint("l_elbow_flexion")]
     assert (servos.bus, servos.ids) == ("arm", (1,))
 
 
-def test_a_bus_name_is_used_once(changed):
+def test_duplicate_bus_name_is_refused(changed):
     robot = changed(("r_wrist_pivot = 28\n", 'r_wrist_pivot = 28\n[[bus]]\nname = "body"\nbaud = 57600\nids = {}\n'))
     with pytest.raises(ConfigError, match="bus body is described twice"):
         ServoMap.of(robot)
 
 
-def test_a_robot_without_buses_has_no_servos_on_wires(tmp_path: Path):
+def test_robot_without_buses_has_an_empty_servo_map(tmp_path: Path):
     path = tmp_path / "robot.toml"
     path.write_text(UPPER22[: UPPER22.index("[[bus]]")], encoding="utf-8")
     assert ServoMap.of(Robot.load(path)) == ServoMap((), ())
 
 
-def test_a_calibration_moves_zeros_and_turns_directions(tmp_path):
+def test_calibration_file_overrides_zero_ticks_and_inverted_directions(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
     text = 'robot = "upper22"\n[zero_ticks]\nvl5_roll = 2100\n[inverted]\nvl5_roll = true\n'
@@ -129,9 +129,9 @@ def test_a_calibration_moves_zeros_and_turns_directions(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["", "../body", "a/b", ".", "..", "a b", "\\u001b[31m", "x" * 65])
-def test_a_bus_has_a_name_that_a_port_can_have(changed, name: str):
+def test_bus_name_with_invalid_characters_is_refused(changed, name: str):
     robot = changed(
         ("r_wrist_pivot = 28\n", f'r_wrist_pivot = 28\n[[bus]]\nname = "{name}"\nbaud = 57600\nids = {{}}\n')
     )
-    with pytest.raises(ConfigError, match="must be named by letters, digits, - and _"):
+    with pytest.raises(ConfigError, match="must consist of letters, digits, - and _"):
         ServoMap.of(robot)

@@ -14,26 +14,26 @@ def scale(zero: int = 2048, turns: float = 1.0) -> Scale:
 
 @pytest.mark.parametrize("turns", [1.0, -1.0, 2.0, 2.5, -2.5, 0.5])
 @pytest.mark.parametrize("zero", [0, 1000, 2048, 4095])
-def test_ticks_of_the_angle_of_k_is_k(zero: int, turns: float):
+def test_ticks_and_angles_are_inverse(zero: int, turns: float):
     line = scale(zero, turns)
     assert (line.ticks(line.angles(ALL)) == ALL).all()
 
 
-def test_a_quarter_turn_is_1024_ticks():
+def test_quarter_turn_is_1024_ticks():
     assert scale().ticks(np.array([pi / 2])) == [3072]
     assert scale(turns=-1.0).ticks(np.array([pi / 2])) == [1024]
 
 
-def test_a_belt_multiplies():
+def test_belt_reduction_scales_ticks_per_joint_angle():
     assert scale(turns=2.5).ticks(np.array([np.deg2rad(20.0)])) == [2048 + round(20 * 2.5 / 360 * 4096)]
 
 
-def test_it_rounds_to_the_nearest_tick():
+def test_angles_are_rounded_to_the_nearest_tick():
     tick = 2 * pi / 4096
     assert scale().ticks(np.array([[0.4 * tick], [0.6 * tick], [-0.6 * tick]])).ravel().tolist() == [2048, 2049, 2047]
 
 
 @pytest.mark.parametrize("angle", [np.nan, np.inf])
-def test_an_angle_that_is_none_is_refused(angle: float):
+def test_non_finite_angle_is_refused(angle: float):
     with pytest.raises(ValueError, match="must be finite"):
         scale().ticks(np.array([angle]))

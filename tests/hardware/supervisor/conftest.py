@@ -1,4 +1,7 @@
-"""A small robot in virtual time, under a supervisor, on kinesic's own virtual servos and on those of the manual."""
+"""Small robot under a supervisor in virtual time.
+
+It runs on kinesic's virtual servos or on the independent ones.
+"""
 
 import json
 import mmap
@@ -12,7 +15,7 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.hardware.bus.bus import Servo
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.channel import Channel, Note, Status, memory_size
@@ -20,9 +23,9 @@ from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
-from kinesic.hardware.virtual.wiring import Cable, ServoFitting, cables
+from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, PlannedFault
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, describe_cables
 
 from ..conftest import BUILDERS
 from .judged import Room
@@ -45,7 +48,7 @@ def robot() -> Robot:
 
 
 class Desk:
-    """The supervisor, the servos behind it, and what a planner would see."""
+    """Supervisor with its servos, as a planner sees them."""
 
     def __init__(
         self,
@@ -74,7 +77,7 @@ class Desk:
         self.wires = {name: self.wire(bus, name=name, time=self.plant.time) for name, bus in self.buses.items()}
         self.supervisor = Supervisor(
             self.manifest,
-            Surroundings(self.wires.__getitem__, self.channel, lambda: self.alive, self.journal_file),
+            SupervisorContext(self.wires.__getitem__, self.channel, lambda: self.alive, self.journal_file),
             self.settings,
             watchdog=self.settings.watchdog,
         )
@@ -95,12 +98,12 @@ class Desk:
         return self.channel.status()
 
     def true(self, register: Register) -> Ticks:
-        """What the servos' registers really hold, in the manifest's order."""
+        """Return actual register values in manifest order."""
         return np.array([servo.memory[register] for servo in self.plant.servos])
 
     @property
-    def here(self) -> Ticks:
-        return np.array([servo.electronics.here() for servo in self.plant.servos])
+    def present_position(self) -> Ticks:
+        return np.array([servo.electronics.present_position() for servo in self.plant.servos])
 
     def cycle(self) -> None:
         """One period; a goal that differs from its servo when torque comes is a jump."""
@@ -119,7 +122,7 @@ class Desk:
         if (before == after).all():
             return
         came, lost = (before == 0) & (after != 0), (before != 0) & (after == 0) & self.raised
-        self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
+        self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.present_position)[came].tolist()
         if self.channel.word("confirm") or self.channel.word("estop") == 2:
             return
         for k in np.flatnonzero(lost):
@@ -128,19 +131,21 @@ class Desk:
                 self.dropped.append(self.manifest.members[k].hinge)
 
     def pass_time(self, seconds: float) -> None:
-        """Nobody says anything for a while."""
+        """Let time pass without commands."""
         for wire in self.wires.values():
             wire.sleep(wire.now() + seconds)
         self.plant.advance(max(wire.now() for wire in self.wires.values()))
 
     @property
     def raised(self) -> np.ndarray:
-        """(m,) who is more than 5 degrees from rest."""
-        away = self.manifest.scale.angles(self.here.astype(float)) - self.manifest.rest[self.manifest.joints]
+        """Return which servos (m,) are more than 5 degrees from rest."""
+        away = (
+            self.manifest.scale.angles(self.present_position.astype(float)) - self.manifest.rest[self.manifest.joints]
+        )
         return np.abs(away) > np.radians(5.0)
 
     def consent(self) -> None:
-        """Somebody wants it to go on."""
+        """Request a resume, as a person does."""
         self.channel.set("estop", 0)
         self.channel.set("resume", self.channel.word("resume") + 1)
 
@@ -198,8 +203,8 @@ def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., De
     """Makes a desk for the little robot, whose supervisor has not begun."""
     desks: list[Desk] = []
 
-    def made(faults: FaultPlan = CALM, settings: SupervisorSettings = BRISK) -> Desk:
-        first, second = cables(robot)
+    def made(faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = BRISK) -> Desk:
+        first, second = describe_cables(robot)
         wires = (replace(first, faults=faults), second)
         desks.append(Desk(Manifest.of(robot), wires, tmp_path / "events.jsonl", settings=settings, servos=servos))
         return desks[-1]
@@ -212,11 +217,11 @@ def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., De
 
 @pytest.fixture
 def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
-    """Makes a desk for so many servos on one wire, a hinge each."""
+    """Make a desk for some servos on one wire, one per hinge."""
     desks: list[Desk] = []
 
     def made(
-        count: int, *, baud: int = 1_000_000, faults: FaultPlan = CALM, settings: SupervisorSettings = BRISK
+        count: int, *, baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = BRISK
     ) -> Desk:
         fittings = tuple(ServoFitting(k + 1, model=MODEL) for k in range(count))
         wires = (Cable("body", fittings, baud=baud, faults=faults),)
@@ -233,7 +238,7 @@ def manifest_of(count: int, baud: int) -> Manifest:
     members = [
         Member(
             bus="body",
-            servo=Servo(k + 1, MODELS[MODEL]),
+            servo=Servo(k + 1, SERVO_MODELS[MODEL]),
             hinge=f"hinge{k}",
             joint=k,
             zero=2048,

@@ -1,10 +1,10 @@
-"""A monitor of five servos, whose records are what a test says."""
+"""Monitor of five servos with records set by the test."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from kinesic.hardware.bus.cycle import BLOCK, Records, signature
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, Records, signature
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.axes import Snapshot
 from kinesic.hardware.supervisor.manifest import Manifest, Member
@@ -28,14 +28,14 @@ def tables_of(manifest: Manifest) -> list[Given]:
 
 
 class Room:
-    """A monitor of five servos, whose records are what a test says."""
+    """Monitor of five servos with records set by the test."""
 
     def __init__(self, manifest: Manifest) -> None:
         self.manifest, self.time, self.lost = manifest, 0.0, False
         self.monitor = CommunicationMonitor(manifest, tables_of(manifest))
         self.recent = np.ones(5, dtype=bool)
         self.goals = manifest.scale.nearest(manifest.rest.take(manifest.joints))
-        self.records: Records = np.zeros(5, dtype=BLOCK)
+        self.records: Records = np.zeros(5, dtype=BLOCK_DTYPE)
         self.records["torque"], self.records["temperature"], self.records["position"] = 1, 30, np.rint(self.goals)
 
     def look(self, cycles: int = 1, *, goals: bool = True) -> CommunicationMonitor:

@@ -2,6 +2,7 @@
 
 import mmap
 import os
+import pwd
 import stat
 import subprocess
 import sys
@@ -16,8 +17,9 @@ import pytest
 from kinesic.cli.servos import stop
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor import address
-from kinesic.hardware.supervisor.address import ALIVE, find_faults, find_supervisor, find_supervisors, publish
+from kinesic.hardware.supervisor.address import ALIVE_TIMEOUT, find_faults, find_supervisor, find_supervisors, publish
 from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_file, memory_size
+from kinesic.host import account_home
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc, as kinesic says")
 JOINTS, NOW = 3, 1000.0
@@ -26,7 +28,7 @@ NOBODY = 65_534  # an owner who is not us
 
 @dataclass
 class Held:
-    """A port, and the channel of the supervisor that holds it, which is this process."""
+    """Port with the channel of the supervisor that holds it."""
 
     port: Path
     memory: int
@@ -45,7 +47,7 @@ class Held:
 def beat(clock: float) -> Status:
     """A status of this time [s]."""
     nowhere = np.zeros(JOINTS)
-    return Status(clock=clock, angles=nowhere, goals=nowhere, taken=nowhere)
+    return Status(clock=clock, angles=nowhere, setpoints=nowhere, taken=nowhere)
 
 
 @pytest.fixture
@@ -53,7 +55,7 @@ def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
     for name in ("RUNTIME_ROOT", "SHARED_MEMORY"):
         (tmp_path / name).mkdir()
         monkeypatch.setattr(address, name, tmp_path / name)
-    monkeypatch.setattr(address, "_home", lambda _user: tmp_path / "home")
+    monkeypatch.setattr(address, "account_home", lambda _user: tmp_path / "home")
     monkeypatch.setattr(address, "search_processes", lambda: ())  # of other tests
     monkeypatch.setattr(address, "monotonic", lambda: NOW)
     folder = tmp_path / "SHARED_MEMORY" / f"kinesic-{os.geteuid()}"
@@ -65,7 +67,7 @@ def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
     os.close(memory)
 
 
-def test_who_was_published_is_found_and_hears(held: Held):
+def test_published_supervisor_is_found_and_reachable(held: Held):
     assert publish([held.port], held.memory, JOINTS) == (held.file,)
     found = find_supervisor(held.port, JOINTS)
     assert found is not None
@@ -75,23 +77,35 @@ def test_who_was_published_is_found_and_hears(held: Held):
     assert stat.S_IMODE(held.folder.stat().st_mode) == 0o700
 
 
-def test_all_supervisors_are_found_once_each_without_their_ports(held: Held):
+def test_search_without_ports_finds_each_running_supervisor_once(held: Held):
     publish([held.port, held.port.with_name("ttyUSB1")], held.memory, JOINTS)
     octets = memory_size(JOINTS + 1)
     memory = memory_file(octets)
     other = Channel(map_memory(memory, octets), JOINTS + 1)
     more = np.zeros(JOINTS + 1)
-    other.write_status(Status(clock=NOW, angles=more, goals=more, taken=more))
+    other.write_status(Status(clock=NOW, angles=more, setpoints=more, taken=more))
     publish([held.port.with_name("ttyACM0")], memory, JOINTS + 1)
     (held.folder / f"{held.folder.name}-of-another-program").write_text("1 2 3")
     found = find_supervisors()
     assert sorted(len(channel.status().angles) for channel in found) == [JOINTS, JOINTS + 1]
-    held.channel.write_status(beat(NOW - ALIVE))
+    held.channel.write_status(beat(NOW - ALIVE_TIMEOUT))
     assert [len(channel.status().angles) for channel in find_supervisors()] == [JOINTS + 1]
     os.close(memory)
 
 
-def test_finding_leaves_nothing_open(held: Held):
+def test_supervisor_memory_that_is_open_in_several_processes_is_found_once(held: Held, monkeypatch: pytest.MonkeyPatch):
+    publish([held.port], held.memory, JOINTS)
+    copy = os.dup(held.memory)
+    other = memory_file(memory_size(JOINTS))
+    Channel(map_memory(other, memory_size(JOINTS)), JOINTS).write_status(beat(NOW))
+    holders = [address._Address(os.getpid(), memory, JOINTS) for memory in (copy, held.memory, other)]
+    monkeypatch.setattr(address, "search_processes", lambda: holders)
+    assert len(list(find_supervisors())) == 2
+    for memory in (copy, other):
+        os.close(memory)
+
+
+def test_search_for_supervisors_leaves_no_file_open(held: Held):
     publish([held.port], held.memory, JOINTS)
     before = len(os.listdir("/proc/self/fd"))
     kept = [find_supervisor(held.port, JOINTS) for _ in range(3)]
@@ -106,7 +120,7 @@ def test_only_the_user_may_read_and_write_the_address(held: Held):
     assert stat.S_IMODE(held.file.stat().st_mode) == 0o600
 
 
-def test_ports_have_an_address_each_and_another_port_has_none(held: Held):
+def test_supervisor_is_found_only_through_its_published_ports(held: Held):
     others = [held.port.with_name(name) for name in ("ttyUSB1", "ttyUSB2")]
     assert len(set(publish([held.port, others[0]], held.memory, JOINTS))) == 2
     assert held.found()
@@ -114,13 +128,13 @@ def test_ports_have_an_address_each_and_another_port_has_none(held: Held):
     assert find_supervisor(others[1], JOINTS) is None
 
 
-def test_a_port_is_the_same_by_whatever_path(held: Held, monkeypatch: pytest.MonkeyPatch):
+def test_supervisor_is_found_through_a_relative_port_path(held: Held, monkeypatch: pytest.MonkeyPatch):
     publish([held.port], held.memory, JOINTS)
     monkeypatch.chdir(held.port.parent)
     assert find_supervisor("ttyUSB0", JOINTS) is not None
 
 
-def test_the_next_supervisor_takes_the_place_of_one_that_died(held: Held):
+def test_new_supervisor_replaces_the_address_file_of_a_dead_one(held: Held):
     publish([held.port], held.memory, JOINTS)
     held.file.write_text("1 1 3")
     held.file.with_name(f"{held.file.name}.{os.getpid()}").write_text("a draft that was left")
@@ -128,15 +142,15 @@ def test_the_next_supervisor_takes_the_place_of_one_that_died(held: Held):
     assert held.found()
 
 
-def test_where_nothing_can_be_written_the_robot_is_refused(held: Held, monkeypatch: pytest.MonkeyPatch):
+def test_supervisor_without_a_writable_address_folder_is_refused(held: Held, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(address, "SHARED_MEMORY", held.folder / "missing")
-    with pytest.raises(BusError, match=r"`kinesic servos stop` could not find this robot \(there is no folder for it"):
+    with pytest.raises(BusError, match=r"`kinesic servos stop` could not find this robot \(no folder is available"):
         publish([held.port], held.memory, JOINTS)
     assert not held.found()
 
 
 def squat(path: Path, kind: str) -> None:
-    """Takes the name of a folder, as another user can where everybody may write."""
+    """Occupy the name of a folder, as another user can in a shared place."""
     match kind:
         case "file":
             path.write_text("1 2 3")
@@ -155,7 +169,7 @@ KINDS = ["file", "link", "open", *(["foreign"] if os.geteuid() == 0 else [])]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_who_takes_the_name_of_the_folder_first_disables_no_stop(held: Held, kind: str):
+def test_supervisor_is_found_although_another_user_owns_the_address_folder(held: Held, kind: str):
     squat(held.folder, kind)
     home = held.port.parent / "home"
     home.mkdir()
@@ -166,7 +180,7 @@ def test_who_takes_the_name_of_the_folder_first_disables_no_stop(held: Held, kin
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_where_every_name_is_taken_the_robot_is_refused_and_a_stop_says_why(held: Held, kind: str):
+def test_robot_is_refused_without_usable_address_folder(held: Held, kind: str):
     squat(held.folder, kind)
     with pytest.raises(BusError, match=rf"could not find this robot \({held.folder}: "):
         publish([held.port], held.memory, JOINTS)
@@ -175,11 +189,13 @@ def test_where_every_name_is_taken_the_robot_is_refused_and_a_stop_says_why(held
     assert fault.startswith(f"{held.folder}: ")
     if kind == "foreign":
         assert fault.endswith(f"it belongs to another user (uid {NOBODY})")
-    with pytest.raises(BusError, match=rf"no program of yours drives servos from here; {held.folder}: "):
+    with pytest.raises(BusError, match=rf"none of your programs drives servos from this machine; {held.folder}: "):
         stop.stop_robots()
 
 
-def test_the_folder_of_the_session_comes_first_and_all_are_looked_at(held: Held, monkeypatch: pytest.MonkeyPatch):
+def test_address_is_published_in_the_session_folder_and_searched_in_all_folders(
+    held: Held, monkeypatch: pytest.MonkeyPatch
+):
     """Another shell may have another environment, and a session may begin or end meanwhile."""
     session = held.port.parent / "RUNTIME_ROOT" / str(os.geteuid())
     session.mkdir()
@@ -197,7 +213,7 @@ def test_the_folder_of_the_session_comes_first_and_all_are_looked_at(held: Held,
     assert held.found(), "a session that began later hides nothing"
 
 
-def test_a_process_is_found_though_its_address_was_lost(held: Held, monkeypatch: pytest.MonkeyPatch):
+def test_supervisor_is_found_by_process_search_without_its_address_file(held: Held, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.undo()
     found = set(address.search_processes())
     assert (os.getpid(), held.memory, JOINTS) in found
@@ -205,20 +221,20 @@ def test_a_process_is_found_though_its_address_was_lost(held: Held, monkeypatch:
     assert JOINTS in {len(channel.status().angles) for channel in find_supervisors()}
 
 
-@pytest.mark.parametrize(("since", "alive"), [(-1.0, True), (0.5, True), (ALIVE, False), (5.0, False)])
-def test_a_supervisor_whose_clock_stands_is_none(held: Held, since: float, alive: bool):
+@pytest.mark.parametrize(("since", "alive"), [(-1.0, True), (0.5, True), (ALIVE_TIMEOUT, False), (5.0, False)])
+def test_supervisor_with_stopped_clock_is_ignored(held: Held, since: float, alive: bool):
     publish([held.port], held.memory, JOINTS)
     held.channel.write_status(beat(NOW - since))
     assert held.found() is alive
 
 
-def test_a_robot_with_other_joints_is_none_of_ours(held: Held):
+def test_supervisor_of_robot_with_other_joints_is_ignored(held: Held):
     publish([held.port], held.memory, JOINTS)
     assert find_supervisor(held.port, JOINTS + 1) is None
     assert find_supervisor(held.port, JOINTS - 1) is None
 
 
-def test_a_process_that_has_ended_is_not_found(held: Held):
+def test_process_that_has_ended_is_not_found(held: Held):
     publish([held.port], held.memory, JOINTS)
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
@@ -230,13 +246,13 @@ WRONG = ("", "nonsense", "1 3", "1 2 3 4", "-1 4 3", "../.. 4 3", "1 4 0", "1 4 
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_an_address_that_is_none_finds_nobody(held: Held, text: str):
+def test_invalid_address_finds_no_supervisor(held: Held, text: str):
     publish([held.port], held.memory, JOINTS)
     held.file.write_text(text)
     assert not held.found()
 
 
-def test_an_address_behind_a_link_is_not_followed(held: Held):
+def test_address_behind_a_link_is_not_followed(held: Held):
     publish([held.port], held.memory, JOINTS)
     elsewhere = held.folder.with_name("elsewhere")  # in the same file system
     held.file.rename(elsewhere)
@@ -247,13 +263,13 @@ def test_an_address_behind_a_link_is_not_followed(held: Held):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
-def test_an_address_of_somebody_else_is_not_believed(held: Held):
+def test_address_file_of_another_user_is_ignored(held: Held):
     publish([held.port], held.memory, JOINTS)
     os.chown(held.file, NOBODY, NOBODY)
     assert not held.found()
 
 
-def test_memory_that_is_no_channel_is_not_mapped(held: Held):
+def test_shared_memory_of_other_programs_is_not_taken_for_a_supervisor(held: Held):
     """Neither that of another program, nor a file, though it is as large and its clock runs."""
     octets = memory_size(JOINTS)
     copy = bytes(map_memory(held.memory, octets))
@@ -283,9 +299,10 @@ def test_only_processes_of_this_user_are_searched(tmp_path: Path, monkeypatch: p
     assert list(address.search_processes()) == []
 
 
-def test_user_without_a_home_has_no_folder_in_it(monkeypatch: pytest.MonkeyPatch):
+def test_user_without_account_has_no_home_folder(monkeypatch: pytest.MonkeyPatch):
     def fail(user: int) -> None:
         raise KeyError(user)
 
-    monkeypatch.setattr(address.pwd, "getpwuid", fail)
-    assert not address._home(NOBODY).is_dir()
+    assert account_home(os.geteuid()) == Path(pwd.getpwuid(os.geteuid()).pw_dir)
+    monkeypatch.setattr(pwd, "getpwuid", fail)
+    assert account_home(NOBODY) is None

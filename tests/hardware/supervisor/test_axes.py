@@ -9,7 +9,7 @@ Make = Callable  # of a rig, see conftest
 MID = 2048
 
 
-def test_all_buses_are_asked_before_one_is_heard(rig: Make):
+def test_all_buses_are_queried_before_the_first_reply(rig: Make):
     left, right = rig(7), rig(5, baud=4_000_000)
     buses = {"left": left.bus, "right": right.bus}
     said: list[str] = []
@@ -23,7 +23,7 @@ def test_all_buses_are_asked_before_one_is_heard(rig: Make):
     assert cycles["right"].fresh.all()
 
 
-def test_a_bus_that_is_lost_holds_up_no_other(rig: Make):
+def test_lost_bus_does_not_delay_other_buses(rig: Make):
     left, right = rig(3), rig(3)
     left.wire.sleep(left.wire.now() + 0.1)
     for servo in left.plant.servos:

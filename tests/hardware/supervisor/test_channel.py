@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.supervisor.channel import (
-    EVENTS,
-    HISTORY,
+    EVENT_CAPACITY,
+    STATUS_CAPACITY,
     Channel,
     Note,
     Status,
@@ -26,7 +26,7 @@ def ends() -> tuple[Channel, Channel]:
     return Channel(memory, JOINTS, CAPACITY), Channel(memory, JOINTS, CAPACITY)
 
 
-def test_commands_come_once_and_in_order(ends):
+def test_channel_returns_commands_once_and_in_order(ends):
     planner, supervisor = ends
     for k in range(5):
         assert planner.write(k / 10, np.full(JOINTS, float(k)))
@@ -37,7 +37,7 @@ def test_commands_come_once_and_in_order(ends):
     assert supervisor.commands(9) == []
 
 
-def test_a_full_ring_refuses_and_takes_again_what_has_been_read(ends):
+def test_full_command_buffer_refuses_commands_until_some_are_read(ends):
     planner, supervisor = ends
     written = [planner.write(float(k), np.zeros(JOINTS)) for k in range(CAPACITY + 2)]
     assert written == [True] * CAPACITY + [False, False]
@@ -48,7 +48,7 @@ def test_a_full_ring_refuses_and_takes_again_what_has_been_read(ends):
         assert supervisor.commands(1)
 
 
-def test_a_row_that_is_not_complete_is_not_read(ends):
+def test_command_row_written_incompletely_is_not_read(ends):
     planner, supervisor = ends
     planner.write(1.0, np.ones(JOINTS))
     planner._ring[0]["goals"][1] = 7.0
@@ -57,7 +57,7 @@ def test_a_row_that_is_not_complete_is_not_read(ends):
     assert len(supervisor.commands(9)) == 1
 
 
-def test_status_is_what_was_told_last(ends):
+def test_channel_returns_the_latest_status(ends):
     planner, supervisor = ends
     assert planner.status().stage is Stage.CLOSED
     assert np.isnan(planner.status().time)
@@ -70,7 +70,7 @@ def test_status_is_what_was_told_last(ends):
                 scale=0.5,
                 energised=4,
                 angles=np.ones(3),
-                goals=np.zeros(3),
+                setpoints=np.zeros(3),
                 taken=np.zeros(3),
             )
         )
@@ -80,33 +80,33 @@ def test_status_is_what_was_told_last(ends):
     assert told.time_at(7.2) == pytest.approx(3.1)
 
 
-def test_history_is_every_cycle_once_and_of_too_many_the_last(ends):
+def test_history_returns_every_cycle_once_or_the_latest_ones(ends):
     planner, supervisor = ends
-    vectors = {name: np.zeros(3) for name in ("angles", "goals", "taken")}
-    for k in range(HISTORY + 10):
+    vectors = {name: np.zeros(3) for name in ("angles", "setpoints", "taken")}
+    for k in range(STATUS_CAPACITY + 10):
         supervisor.write_status(Status(Stage.HOLD, clock=float(k), **vectors))
     clocks = [told.clock for told in planner.history()]
-    assert clocks == [float(k) for k in range(10, HISTORY + 10)]
+    assert clocks == [float(k) for k in range(10, STATUS_CAPACITY + 10)]
     assert planner.history() == ()
 
 
-def test_events_are_told_once(ends):
+def test_channel_returns_events_once(ends):
     planner, supervisor = ends
     supervisor.note(Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"))
     assert planner.notes() == (Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"),)
     assert planner.notes() == ()
-    for k in range(EVENTS + 5):
+    for k in range(EVENT_CAPACITY + 5):
         supervisor.note(Note(float(k), -1, "stage", "x" * 1000))
-    assert [note.clock for note in planner.notes()] == [float(k) for k in range(5, EVENTS + 5)]
+    assert [note.clock for note in planner.notes()] == [float(k) for k in range(5, EVENT_CAPACITY + 5)]
 
 
-def test_wishes_are_seen_by_the_other_side(ends):
+def test_planner_request_can_be_read_by_the_supervisor(ends):
     planner, supervisor = ends
     planner.set("estop", 2)
     assert supervisor.word("estop") == 2
 
 
-def test_memory_is_shared_through_its_descriptor_and_has_no_name():
+def test_memory_is_shared_by_descriptor_without_a_name():
     octets = memory_size(JOINTS, CAPACITY)
     descriptor = memory_file(octets)
     one, other = (Channel(map_memory(descriptor, octets), JOINTS, CAPACITY) for _ in range(2))

@@ -1,4 +1,4 @@
-"""What is told of servos that fail, and of how long a motion was interrupted."""
+"""Reports of failing servos, and duration of interruptions."""
 
 import pytest
 
@@ -13,7 +13,7 @@ STARTLE = 0.5  # [s]
 
 
 class Watched:
-    """A watch for failures, and what it wrote into the log."""
+    """Failure watch with its log."""
 
     def __init__(self, room: Room, manifest: Manifest) -> None:
         self.room, self.log = room, list[tuple[str, str]]()
@@ -34,34 +34,34 @@ def watched(room: Room, manifest: Manifest) -> Watched:
     return made
 
 
-def test_a_failure_is_told_once_and_by_the_hinges_names(watched: Watched):
+def test_failure_is_reported_once_with_hinge_names(watched: Watched):
     watched.room.records["hardware_error"][1] = HardwareError.OVERLOAD.value
     assert watched.err(3, HardwareError.OVERHEATING) == ("failed",)
-    assert watched.log == [("failed", "torsion, l_twist: shut down, or cannot move")]
+    assert watched.log == [("failed", "torsion, l_twist: shut down or blocked")]
     assert watched.look() == ()
     assert len(watched.log) == 1
 
 
-def test_a_hinge_whose_servos_fail_together_is_named_once(watched: Watched):
+def test_hinge_whose_servos_fail_together_is_named_once(watched: Watched):
     watched.room.records["hardware_error"][0] = HardwareError.OVERLOAD.value
     assert watched.err(1, HardwareError.OVERLOAD) == ("failed",)
-    assert watched.log == [("failed", "torsion: shut down, or cannot move")]
+    assert watched.log == [("failed", "torsion: shut down or blocked")]
 
 
-def test_what_is_so_from_the_first_cycle_on_is_told(room: Room, manifest: Manifest):
+def test_servo_failures_at_the_start_are_reported(room: Room, manifest: Manifest):
     first = Watched(room, manifest)
     room.records["hardware_error"][1] = HardwareError.OVERLOAD.value
     assert first.err(0, HardwareError.VOLTAGE) == ("failed",)
     assert [kind for kind, _ in first.log] == ["failed", "supply"]
 
 
-def test_each_further_failure_is_told_by_itself(watched: Watched):
+def test_each_further_failure_is_reported(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     assert watched.err(4, HardwareError.OVERLOAD) == ("failed",)
-    assert watched.log[1:] == [("failed", "r_flexion: shut down, or cannot move")]
+    assert watched.log[1:] == [("failed", "r_flexion: shut down or blocked")]
 
 
-def test_who_fails_again_is_told_again(watched: Watched):
+def test_repeated_failure_is_reported_again(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     assert watched.err(1, None) == ("mended",)
     assert watched.look() == ()
@@ -69,13 +69,13 @@ def test_who_fails_again_is_told_again(watched: Watched):
     assert len(watched.log) == 2
 
 
-def test_one_may_fail_while_another_is_well_again(watched: Watched):
+def test_servo_failure_and_recovery_in_one_cycle_are_both_reported(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     watched.room.records["hardware_error"][1] = 0
     assert watched.err(2, HardwareError.OVERLOAD) == ("failed", "mended")
 
 
-def test_who_is_heard_again_is_mended_and_had_not_failed(watched: Watched):
+def test_silent_servo_that_answers_again_is_reported_as_recovered(watched: Watched):
     watched.room.recent[2] = False
     assert watched.look() == ()
     watched.room.recent[2] = True
@@ -83,17 +83,17 @@ def test_who_is_heard_again_is_mended_and_had_not_failed(watched: Watched):
     assert watched.log == []
 
 
-def test_who_is_heard_again_but_has_failed_is_not_mended(watched: Watched):
+def test_servo_that_answers_with_an_error_is_not_reported_as_recovered(watched: Watched):
     watched.room.recent[2] = False
     watched.look()
     watched.room.recent[2] = True
     assert watched.err(2, HardwareError.OVERLOAD) == ("failed",)
 
 
-def test_a_weak_supply_is_told_once_with_its_lowest_voltage_and_is_no_event(watched: Watched):
+def test_weak_supply_is_logged_once_with_lowest_voltage(watched: Watched):
     watched.room.records["volts"] = [95, 94, 93, 95, 95]
     assert watched.err(0, HardwareError.VOLTAGE) == ()
-    assert watched.log == [("supply", "9.3 V are not enough: the robot folds")]
+    assert watched.log == [("supply", "9.3 V are too low: the robot folds")]
     assert watched.err(1, HardwareError.VOLTAGE) == ()
     assert len(watched.log) == 1
     watched.room.records["hardware_error"] = 0
@@ -129,63 +129,63 @@ def clock() -> Clock:
     return made
 
 
-def test_before_the_first_cycle_nothing_is_interrupted():
+def test_performance_is_uninterrupted_before_the_first_bus_cycle():
     watch = InterruptionWatch(STARTLE)
-    assert (watch.interrupted, watch.unwell) == (False, 0.0)
+    assert (watch.interrupted, watch.fault_duration) == (False, 0.0)
     watch.note_commands(0.75, stage=Stage.HOLD, before=False, left=True, fresh=False)
-    assert (watch.interrupted, watch.unwell) == (True, 0.75)
-    assert watch.describe("") == "this process stood still (0.8 s and more)"
+    assert (watch.interrupted, watch.fault_duration) == (True, 0.75)
+    assert watch.describe("") == "this process was suspended (0.8 s or more)"
 
 
-def test_all_is_well(clock: Clock):
+def test_healthy_servos_cause_no_interruption(clock: Clock):
     assert not clock.cycle(0.25).interrupted
-    assert clock.watch.unwell == 0.0
+    assert clock.watch.fault_duration == 0.0
 
 
-def test_servos_that_are_unwell_for_longer_than_a_startle_interrupt(clock: Clock):
+def test_long_servo_fault_counts_as_interruption(clock: Clock):
     assert not clock.cycle(0.25, well=False).interrupted
     assert not clock.cycle(0.25, well=False).interrupted
-    assert clock.watch.unwell == STARTLE
+    assert clock.watch.fault_duration == STARTLE
     assert clock.cycle(0.25, well=False).interrupted
-    assert clock.watch.unwell == 0.75
-    assert clock.watch.describe("l_twist: silent") == "l_twist: silent (0.8 s and more)"
+    assert clock.watch.fault_duration == 0.75
+    assert clock.watch.describe("l_twist: silent") == "l_twist: silent (0.8 s or more)"
     assert not clock.cycle(0.25).interrupted
 
 
-def test_a_process_that_stood_still_interrupts_before_servos_are_judged(clock: Clock):
+def test_three_seconds_of_suspension_count_as_an_interruption(clock: Clock):
     clock.watch.note_commands(clock.time + 3.0, stage=Stage.ACTIVE, before=True, left=True, fresh=False)
     assert clock.watch.interrupted
-    assert clock.watch.describe("") == "this process stood still (3.0 s and more)"
+    assert clock.watch.describe("") == "this process was suspended (3.0 s or more)"
 
 
-def test_commands_that_go_on_after_a_long_time_without_interrupt(clock: Clock):
+def test_commands_after_a_long_gap_count_as_interruption(clock: Clock):
     for _ in range(3):
         assert not clock.take(0.25, Stage.HOLD, before=False, left=False).interrupted
     assert clock.take(0.25, Stage.HOLD, before=False).interrupted
-    assert clock.watch.describe("l_twist: silent") == "commands came too late (1.0 s and more)"
+    assert clock.watch.describe("l_twist: silent") == "commands came too late (1.0 s or more)"
     assert clock.take(0.25, Stage.HOLD, before=True).interrupted, "it still stands"
     assert not clock.cycle(0.25).interrupted, "it goes on"
 
 
-def test_commands_that_trickle_in_while_it_stands_interrupt_as_well(clock: Clock):
+def test_slow_commands_at_standstill_count_as_interruption(clock: Clock):
     clock.take(0.25, Stage.HOLD, before=False, left=False)
     assert not clock.take(0.25, Stage.HOLD, before=False).interrupted
     assert clock.take(0.25, Stage.HOLD, before=True).interrupted
 
 
-def test_commands_that_go_on_in_time_do_not(clock: Clock):
+def test_timely_commands_are_no_interruption(clock: Clock):
     assert not clock.take(STARTLE, Stage.HOLD, before=False).interrupted
     assert not clock.cycle(2.0).interrupted
 
 
-def test_who_consents_may_wait_for_commands(clock: Clock):
+def test_resume_before_new_commands_clears_the_interruption(clock: Clock):
     assert clock.take(2.0, Stage.HOLD, before=False).interrupted
-    clock.watch.note_consent()
+    clock.watch.note_resume()
     assert not clock.watch.interrupted
     assert not clock.take(2.0, Stage.HOLD, before=True).interrupted
 
 
-def test_a_new_performance_is_no_interruption_however_long_its_first_commands_take(clock: Clock):
+def test_slow_start_of_new_performance_is_no_interruption(clock: Clock):
     clock.take(9.0, Stage.HOLD, before=False, left=False)
     assert not clock.take(9.0, Stage.HOLD, before=False, fresh=True).interrupted
     assert not clock.take(9.0, Stage.HOLD, before=True).interrupted

@@ -18,14 +18,14 @@ def follow(start: float, wanted: list[float]) -> tuple[list[float], list[bool]]:
     return goals, refusals
 
 
-def test_what_keeps_the_limits_is_granted_to_the_tick():
+def test_servo_goals_within_their_limits_are_unchanged():
     wanted = [2048 + 150 * np.sin(3 * k * STEP) for k in range(300)]
     goals, refusals = follow(2048.0, wanted)
     assert goals[1:] == pytest.approx(wanted)
     assert not any(refusals)
 
 
-def test_a_jump_becomes_the_fastest_way_that_does_not_overshoot():
+def test_goal_jump_becomes_fastest_motion_without_overshoot():
     goals, refusals = follow(1000.0, [3000.0] * 200)
     assert max(np.diff(goals)) == pytest.approx(2000 * STEP)
     assert max(goals) <= 3000.0 + 1e-6
@@ -34,26 +34,26 @@ def test_a_jump_becomes_the_fastest_way_that_does_not_overshoot():
     assert not refusals[-1]
 
 
-def test_goals_stay_in_their_range():
+def test_servo_goals_stay_in_their_position_range():
     goals, _ = follow(3900.0, [9000.0] * 50)
     assert max(goals) <= 4000.0
     goals, _ = follow(200.0, [-9000.0] * 50)
     assert min(goals) >= 100.0
 
 
-def test_a_goal_does_not_run_away_from_a_servo_that_stands():
+def test_goal_stays_near_a_blocked_servo():
     course = GoalCourse.still(np.array([2000.0]))
     for k in range(200):
         course, _ = limit_goals(course, np.array([2000.0 + 10 * k]), np.array([2000.0]), STEP, BOUNDS)
     assert course.goals[0] <= 2300.0
 
 
-def test_a_servo_that_was_pushed_away_is_not_followed_by_a_jump():
+def test_servo_that_was_pushed_away_is_not_followed_by_a_jump():
     course, _ = limit_goals(GoalCourse.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
     assert course.goals[0] == 2000.0
 
 
-def test_what_others_do_changes_nothing_for_a_servo():
+def test_goal_limits_apply_to_each_servo_separately():
     """A servo that is not near its goal, or nobody has heard, makes all be looked at more closely: to the same end."""
     rng, two = np.random.default_rng(1), GoalBounds(*(np.repeat(each, 2) for each in LIMITS))
     for _ in range(400):
@@ -74,26 +74,26 @@ FINE = 0.001  # [s]: in such a step, a goal may gain 200 ticks/s
 def next_of(
     goal: float, desired: float, *, speed: float = 0.0, present: float = np.nan, seconds: float = FINE
 ) -> tuple[float, float, bool]:
-    """The next goal, its speed, and whether what was desired was refused."""
+    """Return the next goal, its velocity, and whether it was limited."""
     course, refused = limit_goals(
         GoalCourse(np.array([goal]), np.array([speed])), np.array([desired]), np.array([present]), seconds, BOUNDS
     )
-    return float(course.goals[0]), float(course.speeds[0]), bool(refused[0])
+    return float(course.goals[0]), float(course.velocities[0]), bool(refused[0])
 
 
-def test_a_goal_has_its_full_speed_after_ten_milliseconds():
+def test_goal_reaches_its_full_velocity_after_ten_milliseconds():
     course, speeds, goals = GoalCourse.still(np.array([1000.0])), [], []
     for _ in range(12):
         course, refused = limit_goals(course, np.array([3000.0]), UNKNOWN, FINE, BOUNDS)
         assert refused.all()
-        speeds.append(float(course.speeds[0]))
+        speeds.append(float(course.velocities[0]))
         goals.append(float(course.goals[0]))
     assert speeds == pytest.approx([*range(200, 2001, 200), 2000, 2000])
     assert goals[:4] == pytest.approx([1000.2, 1000.6, 1001.2, 1002.0])
 
 
 @pytest.mark.parametrize("steps", [3, 4, 7, 10])
-def test_a_goal_brakes_as_late_as_it_can(steps: int):
+def test_goal_decelerates_as_late_as_its_acceleration_limit_allows(steps: int):
     """From 800 ticks/s it stops in 0.8 + 0.6 + 0.4 + 0.2 ticks: there 800 are still right, and nearer no more."""
     speed, way = 200.0 * steps, 0.2 * steps * (steps + 1) / 2
     assert next_of(2000.0, 2000.0 + way, speed=speed)[:2] == pytest.approx((2000.0 + FINE * speed, speed))
@@ -102,7 +102,7 @@ def test_a_goal_brakes_as_late_as_it_can(steps: int):
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_the_full_speed_and_the_full_change_of_speed_are_granted_and_no_more(way: float):
+def test_goal_velocity_and_acceleration_reach_but_never_exceed_limits(way: float):
     for goal in np.linspace(1000.3, 3000.7, 23).tolist():
         assert next_of(goal, goal + way * 2.0, speed=way * 2000.0)[1:] == (pytest.approx(way * 2000.0), False)
         faster = next_of(goal, goal + way * 2.001, speed=way * 2000.0)[1:]
@@ -112,7 +112,7 @@ def test_the_full_speed_and_the_full_change_of_speed_are_granted_and_no_more(way
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_a_goal_is_ahead_of_its_servo_by_the_lead_at_most(way: float):
+def test_goal_is_at_most_the_allowed_distance_ahead_of_its_servo(way: float):
     goal, present = 2000.0 + way * 290.0, 2000.0
     for more, granted, refused in ((10.0, 10.0, False), (10.4, 10.0, False), (10.6, 10.0, True), (50.0, 10.0, True)):
         found = next_of(goal, goal + way * more, present=present, seconds=STEP)
@@ -120,7 +120,7 @@ def test_a_goal_is_ahead_of_its_servo_by_the_lead_at_most(way: float):
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_a_goal_far_from_its_servo_may_come_nearer_and_not_go_farther(way: float):
+def test_goal_far_from_its_servo_may_only_approach_it(way: float):
     present = 2000.0 - way * 1000.0
     for desired, granted in ((-5.0, -5.0), (0.0, 0.0), (5.0, 0.0)):
         assert next_of(2000.0, 2000.0 + way * desired, present=present, seconds=STEP) == (
@@ -131,7 +131,7 @@ def test_a_goal_far_from_its_servo_may_come_nearer_and_not_go_farther(way: float
 
 
 @pytest.mark.parametrize(("edge", "way"), [(4000.0, 1.0), (100.0, -1.0)])
-def test_a_servo_outside_its_range_is_led_to_the_edge(edge: float, way: float):
+def test_goal_outside_its_range_moves_to_the_edge(edge: float, way: float):
     """Be it farther outside than goals may be from servos: then the nearest place of the range counts."""
     for outside in (50.0, 900.0):
         found = next_of(edge + way * 5.0, edge - way * 400.0, present=edge + way * outside, seconds=STEP)
@@ -140,7 +140,7 @@ def test_a_servo_outside_its_range_is_led_to_the_edge(edge: float, way: float):
     assert next_of(edge, edge + way, present=edge, seconds=STEP) == (edge, 0.0, True)
 
 
-def test_what_is_so_upwards_is_so_downwards():
+def test_goal_limits_are_equal_in_both_directions():
     rng = np.random.default_rng(2)
     for _ in range(500):
         goal, speed = rng.uniform(100, 4000), rng.uniform(-2000, 2000)
@@ -151,10 +151,10 @@ def test_what_is_so_upwards_is_so_downwards():
         assert mirrored == (pytest.approx(4100.0 - there, abs=1e-6), pytest.approx(-fast, abs=1e-3), refused)
 
 
-def test_nobody_changes_a_course_behind_its_back():
+def test_limited_goal_positions_and_velocities_are_read_only():
     before = np.array([2000.0])
     course, _ = limit_goals(GoalCourse.still(before), np.array([2001.0]), UNKNOWN, STEP, BOUNDS)
-    for values in (course.goals, course.speeds):
+    for values in (course.goals, course.velocities):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 0.0
     before[0] = 0.0

@@ -1,4 +1,4 @@
-"""Servos behind a port that was lost and is back: those from before, or another robot's."""
+"""Servos behind a reopened port: the previous ones or another robot's."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
-from kinesic.hardware.supervisor.identity import LASTING, TRIES, difference, identify
+from kinesic.hardware.supervisor.identity import IDENTIFY_TRIES, PERSISTENT_REGISTERS, describe_difference, identify
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.preflight import Table, take_over
+from kinesic.hardware.supervisor.preflight import RegisterTable, take_over
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 PERIOD, AWAY = 0.01, 0.2  # [s]
 WATCHDOG = 5
@@ -27,7 +27,7 @@ class Bench:
     """A robot whose left port was lost and is back."""
 
     axes: Axes
-    tables: tuple[Table, ...]
+    tables: tuple[RegisterTable, ...]
     servos: list[VirtualServo]
 
     def cycle(self) -> Snapshot:
@@ -49,7 +49,7 @@ class Bench:
 
 @pytest.fixture
 def bench(robot: Robot) -> Iterator[Bench]:
-    plant, buses = build_bus(cables(robot))
+    plant, buses = build_bus(describe_cables(robot))
     wires = {name: MemoryWire(bus, name=name, time=plant.time) for name, bus in buses.items()}
     axes, tables = take_over(Manifest.of(robot), wires.__getitem__, period=PERIOD)
     made = Bench(axes, tables, list(plant.servos))
@@ -59,72 +59,72 @@ def bench(robot: Robot) -> Iterator[Bench]:
         pass
     while made.cycle().lost:
         pass
-    assert axes.strangers == LEFT
+    assert axes.unidentified == LEFT
     yield made
     axes.close()
 
 
-def test_the_same_servos_are_welcome_after_a_cycle_for_each(bench: Bench):
+def test_unchanged_servos_are_identified_in_one_cycle_each(bench: Bench):
     assert bench.identify() == (4, "")
-    assert bench.axes.strangers == ()
+    assert bench.axes.unidentified == ()
     assert bench.identify() == (0, "")
 
 
-def test_one_that_is_silent_may_still_be_starting(bench: Bench):
+def test_servo_that_is_silent_during_identification_is_accepted_as_booting(bench: Bench):
     bench.servos[0].mute = True
-    assert bench.identify() == (3 + TRIES, "")
-    assert bench.axes.strangers == ()
+    assert bench.identify() == (3 + IDENTIFY_TRIES, "")
+    assert bench.axes.unidentified == ()
 
 
-def test_where_nobody_answers_the_port_is_given_up(bench: Bench):
+def test_port_without_answers_is_closed(bench: Bench):
     for servo in bench.servos[:4]:
         servo.mute = True
     cycles, why = bench.identify()
-    assert cycles == 4 * TRIES + 1, "the last one shows that the port is lost"
-    assert why == "left: servo 1 (torsion): no servo answers since the port is back; is the power on?"
+    assert cycles == 4 * IDENTIFY_TRIES + 1, "the last one shows that the port is lost"
+    assert why == "left: servo 1 (torsion): no servo answers on the reopened port; is the power on?"
     assert bench.cycle().lost
-    assert bench.axes.strangers == LEFT
+    assert bench.axes.unidentified == LEFT
 
 
-def test_another_robot_is_told_by_its_first_servo_that_differs_and_by_no_more(bench: Bench):
+def test_other_robot_is_reported_by_its_first_differing_servo(bench: Bench):
     bench.servos[1].memory[Register.SHUTDOWN] = 53
     cycles, why = bench.identify()
     assert cycles == 3
     assert why.startswith("left: servo 2 (torsion): its SHUTDOWN is 53, must be 52; another robot is behind this port")
     assert bench.cycle().lost
-    assert bench.axes.strangers == LEFT
+    assert bench.axes.unidentified == LEFT
 
 
-def test_who_comes_back_with_torque_must_have_had_our_watchdog(bench: Bench):
+def test_reconnected_servo_with_torque_and_another_watchdog_is_rejected(bench: Bench):
     bench.servos[3].memory[Register.TORQUE_ENABLE] = 1
     bench.servos[3].memory[Register.BUS_WATCHDOG] = 0
     _, why = bench.identify()
-    assert "it has torque and a BUS_WATCHDOG of 0, must be 5, or have tripped; another robot" in why
+    assert "it has torque and a BUS_WATCHDOG of 0, must be 5 or tripped; another robot" in why
 
 
-def changed(table: Table, **values: int) -> Table:
+def changed(table: RegisterTable, **values: int) -> RegisterTable:
     data = bytearray(table.data)
     for name, value in values.items():
         field = Register[name].field
         data[field.address : field.end] = field.pack(value)
-    return Table(table.member, bytes(data))
+    return RegisterTable(table.member, bytes(data))
 
 
-def test_a_servo_is_the_same_though_its_ram_was_lost(bench: Bench):
+def test_servo_with_reset_ram_is_recognised_as_the_same_servo(bench: Bench):
     before = bench.tables[0]
-    assert difference(before, before, watchdog=WATCHDOG) == ""
+    assert describe_difference(before, before, watchdog=WATCHDOG) == ""
     for register in Register:
         field = register.field
         if field.address > 64 and field.end <= len(before.data) and register is not Register.BUS_WATCHDOG:
-            assert difference(before, changed(before, **{register.name: 1}), watchdog=WATCHDOG) == ""
+            assert describe_difference(before, changed(before, **{register.name: 1}), watchdog=WATCHDOG) == ""
 
 
 @pytest.mark.parametrize("register", [r for r in Register if r.field.address < 64], ids=lambda r: r.name)
-def test_what_lasts_without_power_tells_servos_apart(bench: Bench, register: Register):
-    assert register in LASTING
+def test_persistent_registers_identify_servos(bench: Bench, register: Register):
+    assert register in PERSISTENT_REGISTERS
     before = bench.tables[0]
     other = before[register] ^ 1
-    said = difference(before, changed(before, **{register.name: other}), watchdog=WATCHDOG)
+    said = describe_difference(before, changed(before, **{register.name: other}), watchdog=WATCHDOG)
     assert said == f"its {register.name} is {other}, must be {before[register]}"
 
 
@@ -132,7 +132,9 @@ def test_what_lasts_without_power_tells_servos_apart(bench: Bench, register: Reg
     ("torque", "watchdog", "same"),
     [(0, 0, True), (0, 9, True), (1, WATCHDOG, True), (1, WATCHDOG_TRIPPED, True), (1, 0, False), (1, 4, False)],
 )
-def test_torque_without_our_watchdog_is_somebody_elses(bench: Bench, torque: int, watchdog: int, same: bool):
+def test_servo_with_torque_and_an_unexpected_watchdog_belongs_to_another_robot(
+    bench: Bench, torque: int, watchdog: int, same: bool
+):
     before = bench.tables[0]
     now = changed(before, TORQUE_ENABLE=torque, BUS_WATCHDOG=watchdog)
-    assert (difference(before, now, watchdog=WATCHDOG) == "") is same
+    assert (describe_difference(before, now, watchdog=WATCHDOG) == "") is same

@@ -3,11 +3,11 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.hardware.protocol.registers import SPEED, Register
-from kinesic.hardware.supervisor.manifest import MARGIN, Manifest
+from kinesic.hardware.protocol.registers import VELOCITY_UNIT, Register
+from kinesic.hardware.supervisor.manifest import GOAL_MARGIN, Manifest
 
 
-def test_members_stand_bus_by_bus(robot: Robot):
+def test_manifest_lists_servos_bus_by_bus(robot: Robot):
     manifest = Manifest.of(robot)
     assert [(m.bus, m.id, m.hinge) for m in manifest.members] == [
         ("left", 1, "torsion"),
@@ -29,50 +29,50 @@ def test_ticks_and_angles_are_inverses_and_tandems_are_averaged(robot: Robot):
     assert manifest.angles(ticks)[0] == pytest.approx(0.3 + 10 * 2 * np.pi / 4096, abs=1e-3)
 
 
-def test_what_is_not_known_is_nan_and_half_a_tandem_is_enough(robot: Robot):
+def test_joint_angle_needs_the_position_of_at_least_one_tandem_servo(robot: Robot):
     manifest = Manifest.of(robot)
     ticks = np.full(5, 2048.0)
     ticks[[0, 2]] = np.nan
     assert np.isnan(manifest.angles(ticks)).tolist() == [False, True, False, False]
 
 
-def test_known_to_be_whole_it_is_the_same(robot: Robot):
+def test_joint_means_of_complete_values_equal_those_that_skip_nan(robot: Robot):
     manifest, values = Manifest.of(robot), np.array([3.0, 5.0, -1.0, 0.25, 7.0])
     np.testing.assert_allclose(manifest.means(values, whole=True), manifest.means(values), rtol=1e-12)
 
 
-def test_an_inverted_servo_has_its_range_the_other_way_round(robot: Robot):
+def test_inverted_servo_has_mirrored_range(robot: Robot):
     twist = Manifest.of(robot).members[3]
     assert (twist.lower, twist.upper) == (2048 - 967, 2048 + 967)
-    assert twist.span == (twist.lower - MARGIN, twist.upper + MARGIN)
+    assert twist.span == (twist.lower - GOAL_MARGIN, twist.upper + GOAL_MARGIN)
     assert twist.turns == -1.0
 
 
-def test_the_servo_itself_is_told_its_fastest(robot: Robot):
+def test_profile_velocity_is_the_no_load_velocity(robot: Robot):
     for member in Manifest.of(robot).members:
-        pace = member.passing[Register.PROFILE_VELOCITY] * SPEED
-        assert 0.97 * member.speed <= pace <= member.model.starts(Register.VELOCITY_LIMIT) * SPEED
-        assert member.passing[Register.PROFILE_ACCELERATION] == 0
+        pace = member.ram_values[Register.PROFILE_VELOCITY] * VELOCITY_UNIT
+        assert 0.97 * member.speed <= pace <= member.model.factory_value(Register.VELOCITY_LIMIT) * VELOCITY_UNIT
+        assert member.ram_values[Register.PROFILE_ACCELERATION] == 0
 
 
-def test_the_default_robot_has_23_servos_on_one_wire():
+def test_default_robot_has_23_servos_on_one_wire():
     manifest = Manifest.of(Robot.load())
     assert len(manifest.members) == 23
     assert manifest.chains[0] == frozenset({0, 1, 2})
     assert frozenset().union(*manifest.chains) == frozenset(range(22))
 
 
-def test_a_robot_without_a_bus_is_refused(robot: Robot, tmp_path):
+def test_robot_without_a_bus_is_refused(robot: Robot, tmp_path):
     path = tmp_path / "bare.toml"
     path.write_text(robot.path.read_text().split("[[bus]]")[0])
     with pytest.raises(ConfigError, match=r"no \[\[bus\]\]"):
         Manifest.of(Robot.load(path))
 
 
-def test_a_servo_is_told_its_gains_and_to_follow_every_goal_at_once(robot: Robot):
+def test_servo_gets_gains_and_no_profile_acceleration(robot: Robot):
     for member in Manifest.of(robot).members:
         proportional, derivative, *_ = member.gains
-        told = member.passing
+        told = member.ram_values
         assert (told[Register.POSITION_P_GAIN], told[Register.POSITION_D_GAIN]) == (proportional, derivative)
         others = Register.POSITION_I_GAIN, Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN
         assert {told[register] for register in (*others, Register.PROFILE_ACCELERATION)} == {0}

@@ -3,10 +3,10 @@ from math import degrees, radians
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import BLOCK
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
 from kinesic.hardware.supervisor.monitor import (
-    STUCK,
+    LOAD_TUNING,
     LoadRatings,
     LoadState,
     derate,
@@ -22,7 +22,7 @@ STILL = np.zeros(2)
 
 
 def records(*, current: int = 0, celsius: int = 30, position: int = 0, velocity: int = 0, torque: int = 1):
-    blocks = np.zeros(2, dtype=BLOCK)
+    blocks = np.zeros(2, dtype=BLOCK_DTYPE)
     blocks["temperature"] = 30
     for name, value in (("current", current), ("temperature", celsius), ("position", position), ("velocity", velocity)):
         blocks[name][1] = value
@@ -37,18 +37,18 @@ def after(seconds: float, **what: int) -> LoadState:
     return load
 
 
-def test_a_servo_at_ease_slows_nothing():
+def test_lightly_loaded_servo_does_not_slow_the_performance():
     assert derate(after(60.0, current=300), records(current=300), STRENGTH).tolist() == [1.0, 1.0]
 
 
-def test_full_current_for_seconds_slows_and_then_stops():
+def test_sustained_full_current_slows_and_then_stops_the_performance():
     scales = [derate(after(seconds, current=-1000), records(), STRENGTH)[1] for seconds in (1.0, 9.0, 20.0)]
     assert scales[0] == 1.0
     assert 0.0 < scales[1] < 1.0
     assert scales[2] == 0.0
 
 
-def test_work_is_forgotten():
+def test_servo_load_decays_without_current():
     tired = after(20.0, current=1000)
     for k in range(1000):
         tired = update_load(tired, records(), np.full(2, 21.0 + 0.01 * k), STILL, STRENGTH)
@@ -56,26 +56,26 @@ def test_work_is_forgotten():
 
 
 @pytest.mark.parametrize(("celsius", "scale"), [(60, 1.0), (70, 1.0), (74, 3 / 7), (77, 0.0), (79, 0.0)])
-def test_heat_slows_before_the_servo_shuts_down(celsius: int, scale: float):
+def test_hot_servo_slows_the_time_scale_before_it_shuts_down(celsius: int, scale: float):
     assert derate(LoadState.none(2), records(celsius=celsius), STRENGTH) == pytest.approx([1.0, scale])
 
 
-def test_a_servo_far_from_its_goal_that_does_not_move_is_stuck():
-    assert after(STUCK + 0.02, position=200).stuck.tolist() == [False, True]
-    assert not after(STUCK + 0.02, position=100).stuck.any()
-    assert not after(STUCK + 0.02, position=200, velocity=20).stuck.any()
-    assert not after(STUCK + 0.02, position=200, torque=0).stuck.any()
-    assert not after(STUCK - 0.05, position=200).stuck.any()
+def test_servo_far_from_its_goal_that_does_not_move_is_stuck():
+    assert after(LOAD_TUNING.stuck_time + 0.02, position=200).stuck.tolist() == [False, True]
+    assert not after(LOAD_TUNING.stuck_time + 0.02, position=100).stuck.any()
+    assert not after(LOAD_TUNING.stuck_time + 0.02, position=200, velocity=20).stuck.any()
+    assert not after(LOAD_TUNING.stuck_time + 0.02, position=200, torque=0).stuck.any()
+    assert not after(LOAD_TUNING.stuck_time - 0.05, position=200).stuck.any()
 
 
 @pytest.mark.parametrize(("gap", "halted"), [(0.15, True), (0.16, False)])
-def test_who_is_not_heard_for_more_than_fifteen_hundredths_of_a_second_may_have_moved(gap: float, halted: bool):
+def test_stall_time_restarts_after_a_gap_in_servo_records(gap: float, halted: bool):
     load = update_load(LoadState.none(2), records(position=200), np.zeros(2), STILL, STRENGTH)
     load = update_load(load, records(position=200), np.full(2, gap), STILL, STRENGTH)
     assert load.stalled[1] == (gap if halted else 0.0)
 
 
-def test_an_old_record_tells_nothing():
+def test_old_servo_record_does_not_change_the_estimated_load():
     load = after(0.2, position=200, current=1000)
     again = update_load(load, records(position=200), load.taken, np.array([0.0, 200.0]), STRENGTH)
     assert again.stalled.tolist() == load.stalled.tolist()
@@ -83,7 +83,7 @@ def test_an_old_record_tells_nothing():
     assert load.stalled[1] == pytest.approx(0.2)
 
 
-def test_work_is_the_mean_square_of_the_current_over_ten_seconds():
+def test_servo_load_is_the_mean_square_current_over_ten_seconds():
     load = update_load(LoadState.none(2), records(), np.zeros(2), STILL, STRENGTH)
     load = update_load(load, records(current=-500), np.full(2, 0.1), STILL, STRENGTH)
     assert load.work == pytest.approx([0.0, 0.25 * 0.1 / 10.0])
@@ -92,12 +92,12 @@ def test_work_is_the_mean_square_of_the_current_over_ten_seconds():
 
 
 @pytest.mark.parametrize(("work", "scale"), [(0.0, 1.0), (0.5, 1.0), (0.65, 0.5), (0.74, 0.2), (0.8, 0.0), (1.0, 0.0)])
-def test_work_slows_from_half_to_four_fifths_of_what_a_servo_bears(work: float, scale: float):
+def test_performance_slows_between_half_and_four_fifths_of_the_load_limit(work: float, scale: float):
     load = LoadState(np.array([0.0, work]), np.zeros(2), np.zeros(2))
     assert derate(load, records(), STRENGTH) == pytest.approx([1.0, scale])
 
 
-def test_ratings_are_those_of_the_servos(manifest):
+def test_load_ratings_come_from_the_servo_registers(manifest):
     """A servo without current sensor tells its load in thousandths; one whose limit is 0 bears hardly anything."""
     tables = tables_of(manifest)
     tables[3] = Given(manifest.members[3], {Register.TEMPERATURE_LIMIT: 70, Register.CURRENT_LIMIT: 0})
@@ -107,18 +107,18 @@ def test_ratings_are_those_of_the_servos(manifest):
     assert ratings.full.tolist() == manifest.full.tolist()
 
 
-def test_before_the_first_cycle_nothing_is_known(room):
+def test_monitor_knows_no_positions_before_the_first_cycle(room):
     monitor = room.monitor
     assert np.isnan(monitor.present).all()
     assert not monitor.raised.any()
-    known = (monitor.answering, monitor.everybody, monitor.well, monitor.any_energised, monitor.all_energised)
+    known = (monitor.answering, monitor.all_answered, monitor.well, monitor.any_energised, monitor.all_energised)
     assert known == (False,) * 5
     assert (monitor.lost, monitor.tripped, monitor.any_limp, monitor.weak, monitor.scale) == (False,) * 4 + (0.0,)
 
 
-def test_all_is_well(room):
+def test_healthy_servos_report_no_trouble(room):
     monitor = room.look()
-    assert (monitor.answering, monitor.everybody, monitor.well, monitor.any_energised, monitor.all_energised) == (
+    assert (monitor.answering, monitor.all_answered, monitor.well, monitor.any_energised, monitor.all_energised) == (
         True,
     ) * 5
     assert (monitor.lost, monitor.tripped, monitor.any_limp, monitor.weak) == (False,) * 4
@@ -128,37 +128,37 @@ def test_all_is_well(room):
     assert not monitor.raised.any()
 
 
-def test_a_silent_servo_is_named_and_nobody_knows_where_it_is(room):
+def test_silent_servo_is_named_and_has_unknown_position(room):
     room.look(3)
     room.recent[3] = False
     monitor = room.look()
     assert np.isnan(monitor.present).tolist() == np.isnan(monitor.taken).tolist() == [False, False, False, True, False]
-    assert (monitor.answering, monitor.everybody, monitor.well) == (False,) * 3
+    assert (monitor.answering, monitor.all_answered, monitor.well) == (False,) * 3
     assert monitor.trouble() == "l_twist: silent"
     room.recent[3] = True
     assert room.look().well
 
 
-def test_a_lost_port_is_no_silence(room):
+def test_lost_port_does_not_count_as_silent_servos(room):
     room.look()
     room.lost = True
     monitor = room.look()
-    assert (monitor.lost, monitor.everybody, monitor.answering, monitor.well) == (True, True, False, False)
+    assert (monitor.lost, monitor.all_answered, monitor.answering, monitor.well) == (True, True, False, False)
     assert monitor.trouble() == "a port is gone"
 
 
-def test_a_servo_that_has_shut_down_has_failed_and_is_not_called_limp(room):
+def test_servo_after_shutdown_is_reported_as_failed_not_limp(room):
     room.records["hardware_error"][2], room.records["torque"][2] = HardwareError.OVERLOAD.value, 0
     monitor = room.look()
     assert monitor.failed.tolist() == [False, False, True, False, False]
     assert not monitor.limp.any()
     assert (monitor.well, monitor.weak, monitor.any_limp) == (False, False, False)
     assert (monitor.any_energised, monitor.all_energised) == (True, False)
-    assert monitor.trouble() == "l_flexion: shut down, or cannot move"
+    assert monitor.trouble() == "l_flexion: shut down or blocked"
     assert monitor.holding_joints == frozenset()  # the others of its chain may bring it to rest
 
 
-def test_a_servo_that_has_failed_with_torque_holds_its_chain(room):
+def test_servo_that_has_failed_with_torque_holds_its_chain(room):
     room.records["hardware_error"][3] = HardwareError.ENCODER.value | HardwareError.VOLTAGE.value
     monitor = room.look()
     assert monitor.failed.tolist() == [False, False, False, True, False]
@@ -166,13 +166,13 @@ def test_a_servo_that_has_failed_with_torque_holds_its_chain(room):
     assert monitor.holding_joints == frozenset({1, 2})  # of the left arm
 
 
-def test_a_low_voltage_alone_is_weakness_and_no_failure(room):
+def test_low_voltage_alone_does_not_count_as_failure(room):
     room.records["hardware_error"][[0, 4]] = HardwareError.VOLTAGE.value
     monitor = room.look()
     assert (monitor.weak, monitor.well, monitor.failed.any()) == (True, True, False)
 
 
-def test_a_servo_without_torque_is_limp(room):
+def test_servo_without_torque_is_reported_as_limp(room):
     room.records["torque"][1] = 0
     monitor = room.look()
     assert monitor.limp.tolist() == [False, True, False, False, False]
@@ -182,7 +182,7 @@ def test_a_servo_without_torque_is_limp(room):
     assert not room.look().any_energised
 
 
-def test_a_watchdog_that_tripped_counts_where_there_is_torque(room):
+def test_tripped_watchdog_counts_only_with_torque(room):
     room.records["watchdog"][2], room.records["torque"][2] = WATCHDOG_TRIPPED, 0
     assert not room.look().tripped
     room.records["torque"][2] = 1
@@ -191,7 +191,7 @@ def test_a_watchdog_that_tripped_counts_where_there_is_torque(room):
     assert monitor.trouble() == "servos were stopped by their bus watchdog"
 
 
-def test_heat_is_looked_at_every_twentieth_of_a_second(room):
+def test_temperature_is_read_every_twentieth_of_a_second(room):
     room.look()
     room.records["temperature"][4] = 75
     scales = [room.look().scale for _ in range(7)]
@@ -199,10 +199,10 @@ def test_heat_is_looked_at_every_twentieth_of_a_second(room):
     room.records["temperature"][4] = 77
     monitor = room.look(6)
     assert (monitor.scale, monitor.well) == (0.0, False)
-    assert monitor.trouble() == "a servo is too hot, or works too hard"
+    assert monitor.trouble() == "a servo is too hot or overloaded"
 
 
-def test_a_servo_that_pushes_in_vain_is_stuck_until_its_torque_goes(room):
+def test_blocked_servo_is_stuck_until_its_torque_is_off(room):
     room.look()
     room.goals = room.goals + np.array([0.0, 0.0, 200.0, 0.0, 0.0])
     assert not room.look(25).stuck.any()
@@ -214,13 +214,13 @@ def test_a_servo_that_pushes_in_vain_is_stuck_until_its_torque_goes(room):
     assert not room.look(10).failed.any()
 
 
-def test_without_goals_nobody_is_stuck(room):
+def test_servos_without_goals_never_count_as_stuck(room):
     room.records["position"][2] += 500
     assert not room.look(60, goals=False).stuck.any()
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_a_limb_is_raised_more_than_five_degrees_from_rest(room, manifest, way):
+def test_limb_is_raised_more_than_five_degrees_from_rest(room, manifest, way):
     """The last servo turns 1.2 times as far as its hinge."""
     rest = manifest.rest.take(manifest.joints)
     for angle, raised in ((4.8, False), (5.2, True)):
@@ -231,7 +231,7 @@ def test_a_limb_is_raised_more_than_five_degrees_from_rest(room, manifest, way):
     assert room.look().raised.tolist() == [True, False, True, True, True]
 
 
-def test_who_is_silent_may_be_where_its_goal_is(room):
+def test_silent_servo_counts_as_raised_if_its_goal_is_raised(room):
     room.look()
     room.goals = room.goals + 300.0
     assert not room.look().raised.any()

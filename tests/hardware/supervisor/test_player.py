@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.player import GENTLE, Player, TimedMove, TimeScale, advance_time
+from kinesic.hardware.supervisor.player import MAX_MOVE_ACCELERATION, Player, TimedMove, TimeScale, advance_time
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 STEP = 0.01
@@ -18,20 +18,20 @@ def run(
     return scales
 
 
-def test_full_speed_is_reached_evenly_and_kept():
+def test_performance_time_accelerates_evenly_to_its_full_rate():
     scales = run(TimeScale(), 100)
     assert np.allclose(np.diff([each.scale for each in scales[:41]]), STEP / 0.4)
     assert scales[-1].scale == 1.0
     assert np.isclose(scales[-1].time - scales[-2].time, STEP)
 
 
-def test_it_stops_in_the_time_that_is_given():
+def test_performance_time_stops_within_the_given_duration():
     scales = run(TimeScale(1.0, 1.0), 41, target=0.0)
     assert scales[39].scale > 0.0
     assert scales[41].still
 
 
-def test_it_stops_softly_where_nothing_more_is_known():
+def test_performance_time_stops_smoothly_at_the_end_of_commands():
     scales = run(TimeScale(0.0, 1.0), 400, end=1.0)
     assert scales[-1] == TimeScale(1.0, 0.0)
     assert max(np.abs(np.diff([each.scale for each in scales]))) <= STEP / 0.4 + 1e-9
@@ -42,7 +42,9 @@ def test_it_stops_softly_where_nothing_more_is_known():
     st.floats(0.02, 1),
     st.lists(st.tuples(st.floats(0, 1), st.floats(-0.2, 3)), min_size=1, max_size=50),
 )
-def test_time_never_goes_back_nor_beyond_the_end(scale: float, slow: float, story: list[tuple[float, float]]):
+def test_performance_time_never_decreases_or_passes_the_end(
+    scale: float, slow: float, story: list[tuple[float, float]]
+):
     time_scale, end = TimeScale(0.0, scale), 0.0
     for target, more in story:
         end = max(end, time_scale.time + more)
@@ -53,7 +55,7 @@ def test_time_never_goes_back_nor_beyond_the_end(scale: float, slow: float, stor
         time_scale = after
 
 
-def test_it_goes_from_rest_to_rest_and_no_joint_is_faster_than_the_pace():
+def test_move_is_rest_to_rest_within_the_velocity_limit():
     way = TimedMove.between(np.array([0.0, 1.0]), np.array([0.5, -1.0]), pace=0.7)
     times = np.linspace(0.0, way.duration, 2001)
     places = np.array([way.at(float(time)) for time in times])
@@ -64,12 +66,12 @@ def test_it_goes_from_rest_to_rest_and_no_joint_is_faster_than_the_pace():
     assert places[-1].tolist() == [0.5, -1.0]
 
 
-def test_a_little_way_is_gentle_and_none_takes_no_time():
+def test_short_move_reaches_the_acceleration_limit_and_zero_move_lasts_zero_seconds():
     way = TimedMove.between(np.zeros(2), np.full(2, 0.01), pace=1.0)
     times = np.linspace(0.0, way.duration, 2001)
     places = np.array([way.at(time)[0] for time in times])
     speeds = np.gradient(places, times)
-    assert np.abs(np.gradient(speeds, times)).max() == pytest.approx(GENTLE, rel=1e-2)
+    assert np.abs(np.gradient(speeds, times)).max() == pytest.approx(MAX_MOVE_ACCELERATION, rel=1e-2)
     assert speeds.max() < 0.5
     still = TimedMove.between(np.ones(2), np.ones(2), pace=1.0)
     assert still.duration == 0.0
@@ -91,7 +93,7 @@ def play(player: Player, seconds: float, *, target: float = 1.0) -> float:
     return float(angles[0])
 
 
-def test_from_its_first_command_time_runs_at_once():
+def test_performance_time_starts_at_its_first_command_at_full_rate():
     player = player_with(np.arange(2.0, 4.0, STEP))
     assert (player.begun, player.still) == (True, True)
     assert player.left == pytest.approx(1.99)
@@ -100,7 +102,7 @@ def test_from_its_first_command_time_runs_at_once():
     assert player.time_scale.time == pytest.approx(3.0)
 
 
-def test_after_a_pause_it_goes_on_softly_where_it_was():
+def test_performance_resumes_smoothly_after_a_pause():
     player = player_with(np.arange(0.0, 4.0, STEP))
     player.follow()
     play(player, 1.0)
@@ -113,7 +115,7 @@ def test_after_a_pause_it_goes_on_softly_where_it_was():
     assert player.time_scale.time == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_way_ends_where_it_should():
+def test_approach_ends_at_the_first_setpoint():
     player = player_with(np.arange(0.0, 1.0, STEP))
     player.approach(np.array([0.8]))
     assert not player.reached
@@ -122,7 +124,7 @@ def test_a_way_ends_where_it_should():
     assert player.time_scale.time == 0.0
 
 
-def test_what_is_late_or_no_number_is_refused():
+def test_late_or_non_finite_command_is_refused():
     player = player_with(np.arange(0.0, 2.0, STEP))
     player.follow()
     play(player, 1.0)
@@ -132,7 +134,7 @@ def test_what_is_late_or_no_number_is_refused():
     assert player.left == pytest.approx(0.5)
 
 
-def test_a_new_performance_begins_with_its_own_time():
+def test_performance_time_restarts_at_the_first_command_of_a_new_performance():
     for begin in (0.0, 100.0):
         player = player_with(np.arange(0.0, 1.0, STEP))
         player.follow()

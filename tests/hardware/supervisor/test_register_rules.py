@@ -1,4 +1,4 @@
-"""Every register of the X series, as somebody hostile left it: what becomes of it, and whether motion is right."""
+"""Every register with a hostile value: its treatment and the motion."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.bus.bus import Servo
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.packet import Instruction
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.supervisor.register_rules import REGISTER_RULES, Deed
+from kinesic.hardware.supervisor.register_rules import REGISTER_RULES, Treatment
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 
 from .conftest import Desk, manifest_of
 
-DOCS = Path(__file__).parents[3] / "docs" / "servos.md"
+DOCS = Path(__file__).parents[3] / "docs" / "reference" / "servos.md"
 HEAD = ("| register | what is done | why |", "|---|---|---|")
 RULES = {register: rule for rule in REGISTER_RULES for register in rule.registers}
 SECONDS, AMPLITUDE = 0.6, 0.25  # [s], [rad] of the motion that is compared
@@ -93,13 +93,13 @@ LEFT = {
 
 def model_with(register: Register) -> str:
     names = (USUAL, "xc330_t288", "xm540_w270")
-    return next(name for name in names if MODELS[name].has(register))
+    return next(name for name in names if SERVO_MODELS[name].has(register))
 
 
 def two_servos(folder: Path, model: str) -> Desk:
-    """Two hinges, a servo each, that nobody has touched."""
+    """Make two hinges with one factory-fresh servo each."""
     whole = manifest_of(2, 1_000_000)
-    members = tuple(replace(m, servo=Servo(m.id, MODELS[model]), speed=min(m.speed, 3.0)) for m in whole.members)
+    members = tuple(replace(m, servo=Servo(m.id, SERVO_MODELS[model]), speed=min(m.speed, 3.0)) for m in whole.members)
     members = whole.members if model == USUAL else members
     cable = Cable("body", tuple(ServoFitting(member.id, model=model) for member in members))
     return Desk(replace(whole, members=members), (cable,), folder / "events.jsonl")
@@ -113,7 +113,7 @@ def pair(tmp_path: Path) -> Iterator[Desk]:
 
 
 def leave(desk: Desk, register: Register, value: int) -> None:
-    """Leaves a register of the first servo so, as somebody may who had it before."""
+    """Set a register of the first servo, as an earlier owner may have done."""
     servo = desk.plant.servos[0]
     servo.memory[register] = value
     servo.electronics.changed()
@@ -124,7 +124,7 @@ def leave(desk: Desk, register: Register, value: int) -> None:
 
 
 def moved(desk: Desk) -> Ticks:
-    """(k, m) where the servos stand in each cycle of a motion that is released in its middle."""
+    """Return positions (k, m) during a motion that is released in its middle."""
     desk.open()
     assert desk.stage is Stage.LIMP, desk.kinds()
     desk.perform(SECONDS, amplitude=AMPLITUDE)
@@ -148,7 +148,7 @@ def untouched(model: str) -> Ticks:
 
 
 def held_with_torque(desk: Desk, *registers: Register) -> tuple[int, ...]:
-    """What the first servo holds in registers when its torque comes, and for the rest of the motion."""
+    """Return register values of the first servo while it has torque."""
     held = set()
     cycle = desk.cycle
 
@@ -163,40 +163,40 @@ def held_with_torque(desk: Desk, *registers: Register) -> tuple[int, ...]:
     return held.pop()
 
 
-def test_every_register_has_one_rule():
+def test_each_servo_register_is_covered_by_exactly_one_register_rule():
     assert sorted(register.name for rule in REGISTER_RULES for register in rule.registers) == sorted(
         Register.__members__
     )
-    assert {rule.deed for rule in REGISTER_RULES} == set(get_args(Deed))
+    assert {rule.treatment for rule in REGISTER_RULES} == set(get_args(Treatment))
 
 
-def test_the_guide_shows_the_rules():
+def test_servo_guide_lists_all_register_rules():
     rows = [
         f"| {', '.join(register.name for register in rule.registers)} "
-        f"| {rule.deed}{': ' if rule.detail else ''}{rule.detail} | {rule.why} |"
+        f"| {rule.treatment}{': ' if rule.detail else ''}{rule.detail} | {rule.why} |"
         for rule in REGISTER_RULES
     ]
     table = "\n".join((*HEAD, *rows))
-    assert table in DOCS.read_text(), f"docs/servos.md must hold\n{table}"
+    assert table in DOCS.read_text(), f"docs/reference/servos.md must hold\n{table}"
 
 
-def test_every_register_that_can_be_wrong_is_tried():
+def test_register_tests_cover_every_register_that_can_be_wrong():
     cannot = {Register.MODEL_INFORMATION, Register.BAUD_RATE, Register.PROTOCOL_TYPE, Register.TORQUE_ENABLE}
     sensors = {r for r in Register if not r.field.writable} - {Register.MODEL_NUMBER, Register.FIRMWARE_VERSION, *LEFT}
     tried = {r for r, _ in (*SET, *NARROWED, *REFUSED, *DRIVEN)} | set(LEFT)
     assert tried | cannot | (sensors - {Register.HARDWARE_ERROR_STATUS}) == set(Register)
-    for deed, found in (
+    for treatment, found in (
         ("set", {r for r, _ in SET}),
         ("narrowed", {r for r, _ in NARROWED} & {r for r, _ in TOO_NARROW}),
         ("refused", {r for r, _ in REFUSED}),
         ("driven", {r for r, _ in DRIVEN} | {Register.TORQUE_ENABLE}),
     ):
-        assert {r for r in found if RULES[r].deed != deed} == set()
-        assert {r for r in Register if RULES[r].deed == deed} - sensors <= found
+        assert {r for r in found if RULES[r].treatment != treatment} == set()
+        assert {r for r in Register if RULES[r].treatment == treatment} - sensors <= found
 
 
 @pytest.mark.parametrize(("hostile", "value"), (SET | NARROWED).items(), ids=str)
-def test_it_is_set_before_torque_and_the_motion_is_right(tmp_path: Path, hostile: tuple[Register, int], value: int):
+def test_register_is_set_before_torque_and_motion_is_correct(tmp_path: Path, hostile: tuple[Register, int], value: int):
     made = two_servos(tmp_path, model_with(hostile[0]))
     leave(made, *hostile)
     assert held_with_torque(made, hostile[0]) == (value,)
@@ -204,7 +204,9 @@ def test_it_is_set_before_torque_and_the_motion_is_right(tmp_path: Path, hostile
 
 
 @pytest.mark.parametrize(("hostile", "message"), (REFUSED | TOO_NARROW).items(), ids=str)
-def test_it_is_refused_and_nothing_is_energised(pair: Desk, hostile: tuple[Register, int], message: str):
+def test_servo_with_unsuitable_register_values_is_refused_and_gets_no_torque(
+    pair: Desk, hostile: tuple[Register, int], message: str
+):
     leave(pair, *hostile)
     pair.plant.advance(0.01)
     pair.open()
@@ -216,9 +218,9 @@ def test_it_is_refused_and_nothing_is_energised(pair: Desk, hostile: tuple[Regis
 
 
 @pytest.mark.parametrize("model", sorted({model_with(register) for register in LEFT}))
-def test_what_is_left_does_nothing_to_the_motion(tmp_path: Path, model: str):
+def test_unchanged_registers_do_not_affect_motion(tmp_path: Path, model: str):
     values = {register: value for register, value in LEFT.items() if model_with(register) == model}
-    assert {RULES[register].deed for register in values} == {"left"}
+    assert {RULES[register].treatment for register in values} == {"left"}
     made = two_servos(tmp_path, model)
     for register, value in values.items():
         leave(made, register, value)
@@ -227,7 +229,9 @@ def test_what_is_left_does_nothing_to_the_motion(tmp_path: Path, model: str):
 
 
 @pytest.mark.parametrize(("register", "value"), sorted(DRIVEN, key=str), ids=str)
-def test_it_is_driven_whatever_it_was(pair: Desk, register: Register, value: int):
+def test_initial_values_of_registers_that_kinesic_writes_do_not_affect_motion(
+    pair: Desk, register: Register, value: int
+):
     leave(pair, register, value)
     assert np.abs(moved(pair) - untouched(USUAL)).max() <= 3
     assert max(pair.jumps) <= 2
@@ -236,7 +240,7 @@ def test_it_is_driven_whatever_it_was(pair: Desk, register: Register, value: int
 @pytest.mark.parametrize(
     "register", [Register.OPERATING_MODE, Register.DRIVE_MODE, Register.HOMING_OFFSET, Register.SECONDARY_ID]
 )
-def test_a_servo_with_torque_that_cannot_be_set_is_refused(pair: Desk, register: Register):
+def test_servo_with_torque_and_a_deviating_safety_register_is_refused(pair: Desk, register: Register):
     leave(pair, register, 1)
     leave(pair, Register.TORQUE_ENABLE, 1)
     pair.open()
@@ -244,7 +248,7 @@ def test_a_servo_with_torque_that_cannot_be_set_is_refused(pair: Desk, register:
     assert f"has torque, but another {register.name}" in refused
 
 
-def test_gains_of_a_servo_that_is_taken_over_are_set(pair: Desk):
+def test_gains_of_an_adopted_servo_are_set(pair: Desk):
     gains = (Register.POSITION_I_GAIN, Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN)
     pair.active()
     pair.start()
@@ -256,7 +260,7 @@ def test_gains_of_a_servo_that_is_taken_over_are_set(pair: Desk):
     assert pair.true(Register.TORQUE_ENABLE).all()
 
 
-def test_what_is_lost_on_the_way_is_written_again_before_torque(pair: Desk, monkeypatch: pytest.MonkeyPatch):
+def test_lost_writes_are_repeated_before_torque(pair: Desk, monkeypatch: pytest.MonkeyPatch):
     """Gains are written to all at once, which nobody answers."""
     servo, place, lost = pair.plant.servos[0], Register.POSITION_I_GAIN.field.address, [1, 2]
     heard = servo.write
@@ -267,7 +271,7 @@ def test_what_is_lost_on_the_way_is_written_again_before_torque(pair: Desk, monk
     assert (pair.true(Register.POSITION_I_GAIN) == 0).all()
 
 
-def test_an_alias_takes_nothing_that_is_meant_for_another(desk: Callable[..., Desk]):
+def test_secondary_id_of_a_servo_receives_no_writes_for_another(desk: Callable[..., Desk]):
     made = desk()
     made.open()
     lower, upper = made.manifest.spans
@@ -281,11 +285,11 @@ def test_an_alias_takes_nothing_that_is_meant_for_another(desk: Callable[..., De
     assert made.true(Register.MAX_POSITION_LIMIT).tolist() == upper.tolist()
 
 
-def test_where_a_servo_stands_is_judged_when_its_ticks_count(pair: Desk):
+def test_position_is_checked_once_ticks_are_valid(pair: Desk):
     pair.plant.physics.turn(0, 3500 / 4096 * 2 * np.pi)
     leave(pair, Register.HOMING_OFFSET, -1000)
     pair.plant.advance(0.01)
     pair.open()
     (refused,) = [note.text for note in pair.notes() if note.kind == "refused"]
-    assert "stands at 3500 ticks, outside 960..3040" in refused
+    assert "is at 3500 ticks, outside 960..3040" in refused
     assert not pair.true(Register.TORQUE_ENABLE).any()

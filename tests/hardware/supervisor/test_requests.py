@@ -1,4 +1,4 @@
-"""What is asked of the supervisor: the words of the channel, and what of them the state machine gets to know."""
+"""Requests in the channel, and their effect on the state machine."""
 
 import mmap
 from dataclasses import fields
@@ -28,7 +28,7 @@ def asked() -> Asked:
     return Asked()
 
 
-def test_nothing_is_asked_at_first(asked: Asked):
+def test_no_request_exists_initially(asked: Asked):
     requests = asked.requests
     for _ in range(2):
         assert (requests.alone, requests.ended, requests.release, requests.confirmed) == (False,) * 4
@@ -36,7 +36,7 @@ def test_nothing_is_asked_at_first(asked: Asked):
         requests.look()
 
 
-def test_a_planner_is_looked_at_before_its_last_commands_are_taken(asked: Asked):
+def test_planner_is_polled_before_its_last_commands_are_read(asked: Asked):
     asked.alive = False
     asked.channel.set("ended", 1)
     assert not asked.requests.alone, "nobody has looked yet"
@@ -46,14 +46,14 @@ def test_a_planner_is_looked_at_before_its_last_commands_are_taken(asked: Asked)
 
 
 @pytest.mark.parametrize("word", [0, 1])
-def test_a_planner_that_ends_with_a_word_may_live_and_one_that_dies_may_have_said_none(asked: Asked, word: int):
+def test_regular_end_and_death_of_the_planner_are_reported_separately(asked: Asked, word: int):
     asked.channel.set("ended", word)
     asked.alive = bool(word)
     asked.requests.look()
     assert (asked.requests.alone, asked.requests.ended) == (not word, bool(word))
 
 
-def test_each_stop_is_told_once(asked: Asked):
+def test_each_stop_request_is_reported_once(asked: Asked):
     assert asked.ask("estop", 1) == ("estop",)
     assert asked.requests.events() == ()
     assert asked.ask("estop", 2) == ("estop",), "a second one that lets go"
@@ -62,25 +62,25 @@ def test_each_stop_is_told_once(asked: Asked):
     assert asked.ask("estop", 1) == ("estop",)
 
 
-def test_a_consent_is_told_once(asked: Asked):
+def test_each_resume_request_is_reported_once(asked: Asked):
     assert asked.ask("resume", 1) == ("resumed",)
     assert asked.requests.events() == ()
     assert asked.ask("resume", 2) == ("resumed",)
 
 
-def test_a_consent_while_a_stop_stands_is_void(asked: Asked):
+def test_resume_request_during_an_emergency_stop_is_ignored(asked: Asked):
     asked.ask("estop", 1)
     assert asked.ask("resume", 1) == ()
     assert asked.ask("estop", 0) == ()
     assert asked.ask("resume", 2) == ("resumed",)
 
 
-def test_a_stop_and_a_consent_at_once_are_a_stop(asked: Asked):
+def test_emergency_stop_overrides_a_simultaneous_resume_request(asked: Asked):
     asked.channel.set("resume", 1)
     assert asked.ask("estop", 1) == ("estop",)
 
 
-def test_a_stop_makes_earlier_releases_void(asked: Asked):
+def test_emergency_stop_cancels_an_earlier_release_request(asked: Asked):
     asked.channel.set("release", 1)
     assert asked.requests.release
     asked.ask("estop", 1)
@@ -90,18 +90,18 @@ def test_a_stop_makes_earlier_releases_void(asked: Asked):
     assert asked.requests.release, "asked again, while the stop stands"
 
 
-def test_a_consent_makes_no_release_void(asked: Asked):
+def test_resume_request_does_not_cancel_a_release_request(asked: Asked):
     asked.channel.set("release", 1)
     asked.ask("resume", 1)
     assert asked.requests.release
 
 
-def test_only_a_person_confirms(asked: Asked):
+def test_confirmation_request_of_a_person_is_reported(asked: Asked):
     asked.ask("confirm", 1)
     assert asked.requests.confirmed
 
 
-def test_a_stop_says_itself_what_it_is_to_do(asked: Asked):
+def test_stop_request_carries_its_policy(asked: Asked):
     assert [asked.requests.policy("hold"), asked.requests.policy("limp")] == ["hold", "limp"]
     asked.channel.set("estop", 1)
     assert asked.requests.policy("limp") == "hold"
@@ -113,7 +113,7 @@ FLAGS = [field.name for field in fields(Observation) if field.type in (bool, "bo
 
 
 @pytest.mark.parametrize("flag", FLAGS)
-def test_what_ends_a_performance_and_what_a_stop(flag: str):
+def test_only_the_expected_observation_flags_end_a_performance_or_an_emergency_stop(flag: str):
     """Each flag by itself, turned from what it is while all is well and nothing is performed."""
     calm = Observation()
     assert (calm.over, calm.dismissed) == (False, False)
@@ -122,13 +122,13 @@ def test_what_ends_a_performance_and_what_a_stop(flag: str):
     assert seen.dismissed == (flag in {"release", "confirmed", "alone"})
 
 
-def test_at_first_all_answer_and_nobody_has_torque():
+def test_initial_observation_is_healthy_without_torque():
     calm = Observation()
     assert [flag for flag in FLAGS if getattr(calm, flag)] == ["answering", "well", "still"]
     assert calm.policy == "hold"
 
 
-def test_time_runs_as_it_may_until_a_watch_asks_for_less(asked: Asked):
+def test_performance_runs_at_full_rate_until_the_clearance_watch_slows_it(asked: Asked):
     assert asked.requests.pace == 1.0
     for pace in (0.02, 0.5, 0.0, 1.0):
         asked.channel.slow_to(pace)

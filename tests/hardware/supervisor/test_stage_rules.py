@@ -1,4 +1,4 @@
-"""The rules of the state machine, stage by stage: what follows from an event and from what is known."""
+"""Rules of the state machine, stage by stage."""
 
 from dataclasses import replace
 
@@ -117,7 +117,9 @@ RULES = [  # stage, what it remembers, event, what is known; the next stage, wha
 
 
 @pytest.mark.parametrize(("stage", "before", "event", "facts", "after", "actions", "remembered"), RULES)
-def test_what_follows(stage, before, event, facts, after, actions, remembered):
+def test_each_event_leads_to_the_expected_stage_actions_and_flags(
+    stage, before, event, facts, after, actions, remembered
+):
     state, begun = step(at(stage, **before), event, replace(CALM, **facts))
     assert (state.stage, begun) == (after, actions)
     assert {name: getattr(state, name) for name in remembered} == remembered
@@ -134,7 +136,7 @@ def test_what_follows(stage, before, event, facts, after, actions, remembered):
         ({}, {"due": False}),
     ],
 )
-def test_a_performance_comes_to_a_stop_for_each_of_these(stage: Stage, before: dict, facts: dict):
+def test_each_trouble_slows_the_performance_to_a_stop(stage: Stage, before: dict, facts: dict):
     other = Stage.ACTIVE if stage is Stage.APPROACH else Stage.APPROACH
     known = replace(CALM, **facts, reached=True)
     state, begun = step(at(stage, **before, slowed=other), "tick", known)
@@ -145,7 +147,7 @@ def test_a_performance_comes_to_a_stop_for_each_of_these(stage: Stage, before: d
 @pytest.mark.parametrize("policy", ["hold", "limp"])
 @pytest.mark.parametrize("raised", [False, True])
 @pytest.mark.parametrize("stage", Stage)
-def test_an_emergency_stop_in_every_stage(stage: Stage, policy: str, raised: bool):
+def test_emergency_stop_acts_as_expected_in_every_stage(stage: Stage, policy: str, raised: bool):
     state, begun = step(at(stage), "estop", replace(CALM, policy=policy, raised=raised))
     ended = {Stage.CLOSED, Stage.RELEASE}
     waiting = {Stage.LOST, Stage.IDENTIFY, Stage.ADOPT} | ({Stage.ARM} if raised else set())
@@ -162,16 +164,16 @@ def test_an_emergency_stop_in_every_stage(stage: Stage, policy: str, raised: boo
     assert state.paused
 
 
-def test_an_emergency_stop_before_the_servos_are_known_closes():
+def test_emergency_stop_before_check_closes_ports():
     for policy in ("hold", "limp"):
         state, begun = step(SupervisorState(Stage.PROBE), "estop", replace(CALM, policy=policy))
         assert (state.stage, begun) == (Stage.CLOSED, ("close",))
 
 
-def test_performance_time_runs_or_comes_to_a_stop_in_two_stages():
+def test_performance_time_advances_only_in_the_active_and_degraded_stages():
     assert {stage for stage in Stage if stage.runs} == {Stage.ACTIVE, Stage.DEGRADED}
 
 
-def test_who_opens_begins_anew():
+def test_opening_resets_the_supervisor_state():
     after = SupervisorState(Stage.CLOSED, checked=True, armed=True, stopped=True, paused=True, faulty=True, folded=True)
     assert step(after, "open", Observation()) == (SupervisorState(Stage.PROBE), ("check",))

@@ -12,7 +12,7 @@ def at(stage: Stage, **changes: bool) -> SupervisorState:
     return replace(SupervisorState(stage, checked=True, powered=True), **changes)
 
 
-def test_the_way_from_closed_to_a_performance_and_back():
+def test_supervisor_stages_go_from_closed_to_performance_and_back():
     state, actions = step(SupervisorState(), "open", Observation())
     assert (state.stage, actions) == (Stage.PROBE, ("check",))
     state, actions = step(state, "done", Observation())
@@ -43,7 +43,7 @@ def test_the_way_from_closed_to_a_performance_and_back():
 
 
 @pytest.mark.parametrize("stage", [Stage.PROBE, Stage.CONFIGURE])
-def test_wrong_servos_are_closed_at_once(stage: Stage):
+def test_wrong_servos_close_the_ports_at_once(stage: Stage):
     state, actions = step(SupervisorState(stage), "refused", Observation())
     assert (state.stage, actions) == (Stage.CLOSED, ("close",))
 
@@ -54,19 +54,19 @@ def test_servos_that_have_torque_are_adopted_and_not_armed():
     assert step(state, "done", CALM)[0].stage is Stage.HOLD
 
 
-def test_a_short_weakness_only_slows_the_performance():
+def test_short_undervoltage_only_slows_the_performance():
     state, _ = step(at(Stage.ACTIVE), "tick", replace(CALM, due=True, well=False))
     assert state.stage is Stage.DEGRADED
     assert step(state, "tick", replace(CALM, due=True, well=True, still=False))[0].stage is Stage.ACTIVE
     assert step(state, "tick", replace(CALM, due=True, well=False, still=True))[0].stage is Stage.HOLD
 
 
-def test_a_servo_that_has_lost_its_torque_is_armed_again():
+def test_servo_that_has_lost_its_torque_is_armed_again():
     state, actions = step(at(Stage.HOLD), "tick", replace(CALM, limp=True, well=False))
     assert (state.stage, actions) == (Stage.ARM, ("arm",))
 
 
-def test_a_failure_ends_the_performance():
+def test_failed_servo_ends_the_performance():
     state, _ = step(at(Stage.ACTIVE), "failed", replace(CALM, due=True))
     assert state.faulty
     assert state.stage is Stage.DEGRADED
@@ -76,7 +76,7 @@ def test_a_failure_ends_the_performance():
     assert actions == ("release",)
 
 
-def test_holding_for_long_ends_at_rest_with_torque():
+def test_robot_folds_with_torque_after_a_long_hold():
     state, actions = step(at(Stage.HOLD), "tick", replace(CALM, idle=True))
     assert actions == ("fold",)
     state, _ = step(state, "tick", replace(CALM, reached=True))
@@ -84,7 +84,7 @@ def test_holding_for_long_ends_at_rest_with_torque():
     assert step(state, "tick", replace(CALM, idle=True, due=True))[0].stage is Stage.APPROACH
 
 
-def test_a_port_that_comes_back_is_adopted_and_one_that_does_not_is_given_up():
+def test_servos_of_a_reopened_port_are_adopted_and_a_lost_port_is_given_up():
     state, actions = step(at(Stage.ACTIVE), "lost", CALM)
     assert (state.stage, actions) == (Stage.LOST, ("slow",))
     assert step(state, "back", CALM)[1] == ("identify",)
@@ -93,7 +93,7 @@ def test_a_port_that_comes_back_is_adopted_and_one_that_does_not_is_given_up():
     assert step(state, "tick", replace(CALM, hopeless=True))[0].stage is Stage.CLOSED
 
 
-def test_an_emergency_stop_holds_or_lets_go_by_policy():
+def test_emergency_stop_holds_or_releases_torque_by_policy():
     assert step(at(Stage.ACTIVE), "estop", CALM)[0].stage is Stage.STOPPED
     assert step(at(Stage.ACTIVE), "estop", replace(CALM, policy="limp"))[1] == ("release",)
     stopped = step(at(Stage.ACTIVE), "estop", CALM)[0]
@@ -102,7 +102,7 @@ def test_an_emergency_stop_holds_or_lets_go_by_policy():
     assert step(state, "tick", replace(CALM, release=True, raised=True))[1] == ("fold",)
 
 
-def test_an_emergency_stop_outlives_a_lost_port():
+def test_emergency_stop_persists_after_a_port_loss():
     state, _ = step(at(Stage.LOST), "estop", CALM)
     for event in ("back", "done", "done", "tick"):
         state, _ = step(state, event, CALM)
@@ -112,7 +112,7 @@ def test_an_emergency_stop_outlives_a_lost_port():
 RAISED = replace(CALM, raised=True, ended=True)
 
 
-def test_who_cannot_fold_is_held_until_a_person_confirms():
+def test_raised_limb_is_held_until_confirmation():
     state = at(Stage.HOLD, folded=True, faulty=True)
     assert step(state, "tick", RAISED) == (state, ())
     state, actions = step(state, "tick", replace(RAISED, idle=True))
@@ -122,7 +122,7 @@ def test_who_cannot_fold_is_held_until_a_person_confirms():
     assert step(state, "tick", replace(RAISED, raised=False))[1] == ("release",)
 
 
-def test_who_is_mended_is_armed_and_folds_after_a_while():
+def test_recovered_servo_is_armed_again_and_folds_when_idle():
     mended = replace(RAISED, limp=True)
     state, _ = step(at(Stage.WAITING, folded=True, faulty=True), "mended", mended)
     state, actions = step(state, "tick", mended)
@@ -132,13 +132,13 @@ def test_who_is_mended_is_armed_and_folds_after_a_while():
     assert step(state, "tick", replace(RAISED, idle=True))[1] == ("fold",)
 
 
-def test_torque_that_was_refused_is_not_asked_for_again_and_again():
+def test_refused_switching_on_of_torque_is_not_retried():
     state, _ = step(at(Stage.ARM), "refused", replace(RAISED, limp=True))
     assert step(state, "tick", replace(RAISED, limp=True))[1] == ("fold",)
     assert step(replace(state, stage=Stage.WAITING), "tick", replace(RAISED, limp=True))[1] == ()
 
 
-def test_after_a_long_interruption_nothing_goes_on_without_consent():
+def test_performance_needs_a_resume_request_after_a_long_interruption():
     going = replace(CALM, due=True)
     state, _ = step(at(Stage.ACTIVE, armed=True), "tick", replace(going, interrupted=True))
     assert (state.stage, state.paused) == (Stage.DEGRADED, True)
@@ -152,12 +152,12 @@ def test_after_a_long_interruption_nothing_goes_on_without_consent():
     assert state.stage is Stage.APPROACH
 
 
-def test_consent_during_an_interruption_is_void():
+def test_resume_request_during_an_interruption_does_not_end_the_pause():
     state, _ = step(at(Stage.HOLD, armed=True, paused=True), "resumed", replace(CALM, interrupted=True, due=True))
     assert state.paused
 
 
-def test_a_weak_supply_folds_and_lets_go_at_rest():
+def test_weak_supply_folds_the_robot_and_disables_torque_at_rest():
     state, actions = step(at(Stage.ACTIVE), "tick", replace(CALM, due=True, weak=True, raised=True))
     assert actions == ("slow",)
     assert not state.faulty

@@ -7,10 +7,10 @@ import pytest
 
 from kinesic.hardware.supervisor.channel import Note
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.supervisor.status import EventLog, awaited
+from kinesic.hardware.supervisor.status import EventLog, awaited_input
 
 
-def test_every_event_is_a_line(tmp_path: Path):
+def test_event_log_has_one_line_per_event(tmp_path: Path):
     path = tmp_path / "events.jsonl"
     journal = EventLog(path)
     journal.write(Note(1.5, 3, "error", "hardware error"))
@@ -24,7 +24,7 @@ def test_every_event_is_a_line(tmp_path: Path):
     assert all(line["wall"] > 1e9 for line in lines)
 
 
-def test_a_file_goes_on(tmp_path: Path):
+def test_event_log_is_appended_to_an_existing_file(tmp_path: Path):
     path = tmp_path / "events.jsonl"
     for _ in range(2):
         journal = EventLog(path)
@@ -33,7 +33,7 @@ def test_a_file_goes_on(tmp_path: Path):
     assert len(path.read_text().splitlines()) == 2
 
 
-def test_without_a_file_nothing_happens():
+def test_event_log_without_a_file_writes_nothing():
     journal = EventLog(None)
     journal.write(Note(1.0, -1, "stage", "x"))
     journal.close()
@@ -44,7 +44,7 @@ def test_without_a_file_nothing_happens():
     ("path", "why"),
     [("/dev/full", "No space left on device"), ("/nowhere/events.jsonl", "No such file or directory")],
 )
-def test_what_cannot_be_written_is_said_once_and_stops_nobody(path: str, why: str):
+def test_unwritable_log_is_reported_once_and_does_not_stop(path: str, why: str):
     journal = EventLog(Path(path))
     for _ in range(2):
         journal.write(Note(1.0, -1, "stage", "x"))
@@ -52,7 +52,7 @@ def test_what_cannot_be_written_is_said_once_and_stops_nobody(path: str, why: st
     assert journal.failure == f"{path}: {why}; events are lost"
 
 
-def test_no_half_line_is_left_on_a_disk_that_fills_up(tmp_path: Path):
+def test_full_disk_leaves_no_partial_line_in_the_event_log(tmp_path: Path):
     """The size that a file of this process may have stands for the disk."""
     path, limits = tmp_path / "events.jsonl", getrlimit(RLIMIT_FSIZE)
     journal = EventLog(path)
@@ -88,5 +88,7 @@ def test_no_half_line_is_left_on_a_disk_that_fills_up(tmp_path: Path):
         (Stage.FOLD, False, False, "nothing"),
     ],
 )
-def test_what_the_supervisor_waits_for(stage: Stage, paused: bool, well: bool, waits: str):
-    assert awaited(SimpleNamespace(stage=stage, paused=paused), well=well) == waits
+def test_status_names_the_input_that_each_supervisor_stage_waits_for(
+    stage: Stage, paused: bool, well: bool, waits: str
+):
+    assert awaited_input(SimpleNamespace(stage=stage, paused=paused), well=well) == waits

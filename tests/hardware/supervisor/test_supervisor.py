@@ -1,4 +1,4 @@
-"""The supervisor in virtual time, on virtual servos: what happens to them, whatever happens."""
+"""Supervisor on virtual servos in virtual time."""
 
 from collections.abc import Callable
 
@@ -9,14 +9,14 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
+from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
 
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
 
-def test_opening_checks_and_configures_and_energises_nothing(desk: Make):
+def test_opening_configures_servos_without_torque(desk: Make):
     made = desk()
     made.open()
     made.run(0.3)
@@ -30,13 +30,13 @@ def test_opening_checks_and_configures_and_energises_nothing(desk: Make):
     assert sum(line.startswith("configured") for line in made.kinds()) == 10
 
 
-def test_a_robot_that_no_stop_would_find_is_refused_before_anything_is_configured(desk: Make):
+def test_robot_unreachable_by_stop_is_refused_before_configuration(desk: Make):
     made = desk()
 
     def fail() -> None:
         raise BusError("no stop would find this robot")
 
-    around = Surroundings(made.wires.__getitem__, made.channel, lambda: True, made.journal_file, announce=fail)
+    around = SupervisorContext(made.wires.__getitem__, made.channel, lambda: True, made.journal_file, announce=fail)
     made.supervisor = Supervisor(made.manifest, around, made.settings, watchdog=made.settings.watchdog)
     made.open()
     assert made.supervisor.done
@@ -46,7 +46,7 @@ def test_a_robot_that_no_stop_would_find_is_refused_before_anything_is_configure
     assert [note.text for note in made.channel.notes() if note.kind == "refused"] == ["no stop would find this robot"]
 
 
-def test_what_is_set_already_is_not_written_again(desk: Make):
+def test_correct_servo_registers_are_not_written_again(desk: Make):
     made = desk()
     made.open()
     made.channel.set("ended", 1)
@@ -57,7 +57,7 @@ def test_what_is_set_already_is_not_written_again(desk: Make):
     assert not any(line.startswith("configured") for line in made.kinds()[before:])
 
 
-def test_a_planner_that_says_all_at_once_within_a_cycle_is_performed(desk: Make, monkeypatch: pytest.MonkeyPatch):
+def test_all_commands_sent_in_one_cycle_are_performed(desk: Make, monkeypatch: pytest.MonkeyPatch):
     made = desk()
     made.open()
     commands = made.channel.commands
@@ -75,7 +75,7 @@ def test_a_planner_that_says_all_at_once_within_a_cycle_is_performed(desk: Make,
     assert made.status.time == pytest.approx(1.0, abs=PERIOD)
 
 
-def test_a_performance_is_followed_and_ends_at_rest_and_limp(desk: Make):
+def test_servo_goals_follow_the_performance_which_ends_at_rest_without_torque(desk: Make):
     made = desk()
     made.open()
     made.perform(2.0)
@@ -93,10 +93,10 @@ def test_a_performance_is_followed_and_ends_at_rest_and_limp(desk: Make):
     assert made.jumps
     assert max(made.jumps) <= 2
     rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
-    assert np.abs(made.here - rest).max() <= 3
+    assert np.abs(made.present_position - rest).max() <= 3
 
 
-def test_a_watch_slows_time_down_soon_and_lets_it_run_again(desk: Make):
+def test_clearance_watch_slows_the_performance_and_restores_its_rate(desk: Make):
     made = desk().active(6.0)
     made.channel.slow_to(0.1)
     made.run(0.2)
@@ -110,7 +110,7 @@ def test_a_watch_slows_time_down_soon_and_lets_it_run_again(desk: Make):
     assert made.status.scale == 1.0
 
 
-def test_goals_of_slowed_time_lead_by_less(desk: Make):
+def test_feedforward_is_reduced_in_proportion_to_a_slowed_performance(desk: Make):
     """All joints turn at 0.5 rad/s, led by 0.1 rad: at a tenth of the pace a tenth of it is left."""
     made = desk()
     made.open()
@@ -121,15 +121,15 @@ def test_goals_of_slowed_time_lead_by_less(desk: Make):
         assert made.channel.write(time, made.manifest.rest + way + led, np.full(len(made.manifest.rest), led))
     made.until(Stage.ACTIVE)
     made.run(0.8)
-    ahead = made.status.goals - made.manifest.rest - 0.5 * (made.status.time - 0.15)
+    ahead = made.status.setpoints - made.manifest.rest - 0.5 * (made.status.time - 0.15)
     assert ahead == pytest.approx(0.1, abs=0.005)
     made.channel.slow_to(0.1)
     made.run(0.4)
-    ahead = made.status.goals - made.manifest.rest - 0.5 * (made.status.time - 0.15)
+    ahead = made.status.setpoints - made.manifest.rest - 0.5 * (made.status.time - 0.15)
     assert ahead == pytest.approx(0.01, abs=0.005)
 
 
-def test_time_is_performance_time(desk: Make):
+def test_status_time_is_performance_time(desk: Make):
     made = desk()
     made.open()
     made.perform(2.0, begin=7.0)
@@ -140,14 +140,14 @@ def test_time_is_performance_time(desk: Make):
     assert made.status.scale == 1.0
 
 
-def test_positions_are_told_in_radians_and_joint_order(desk: Make):
+def test_status_angles_are_in_radians_and_joint_order(desk: Make):
     made = desk().active()
-    turned = made.manifest.angles(made.here.astype(float))
+    turned = made.manifest.angles(made.present_position.astype(float))
     assert made.status.angles == pytest.approx(turned, abs=0.05)
     assert made.status.energised == 5
 
 
-def test_power_comes_slowly(desk: Make):
+def test_motor_power_is_ramped_up_after_torque_on(desk: Make):
     made = desk()
     made.open()
     made.perform(2.0)
@@ -163,22 +163,22 @@ def test_power_comes_slowly(desk: Make):
     assert len(powers) >= 25
 
 
-def test_servos_that_stand_elsewhere_do_not_jump_when_torque_comes(desk: Make):
+def test_servos_away_from_their_goals_do_not_jump_at_torque_on(desk: Make):
     made = desk()
     for k, servo in enumerate(made.plant.servos):
         made.plant.physics.turn(k, made.plant.physics.shafts()[k].angle + 0.3)
         servo.memory[GOAL] = 500
     made.plant.advance(0.01)
-    before = made.here
+    before = made.present_position
     made.open()
     made.perform(2.0)
     made.until(Stage.HOLD, Stage.APPROACH)
     assert len(made.jumps) == 5
     assert max(made.jumps) <= 2
-    assert np.abs(made.here - before).max() <= 2
+    assert np.abs(made.present_position - before).max() <= 2
 
 
-def test_goals_never_leave_ranges_nor_jump(desk: Make):
+def test_goals_stay_in_range_without_jumps(desk: Make):
     made = desk()
     made.open()
     rng = np.random.default_rng(1)
@@ -194,14 +194,14 @@ def test_goals_never_leave_ranges_nor_jump(desk: Make):
         assert (goals >= lower).all()
         assert (goals <= upper).all()
         if made.true(TORQUE).all():
-            step = made.manifest.speeds * PERIOD  # and half as much for the servos' own profiles
+            step = made.manifest.velocities * PERIOD  # and half as much for the servos' own profiles
             assert (np.abs(goals - before) <= 1.6 * step + 2).all()
         before = goals
     assert any("limited" in line for line in made.kinds())
     assert not made.true(TORQUE).any()
 
 
-def test_an_empty_ring_is_held_then_folded_and_wakes_again(desk: Make):
+def test_robot_without_commands_holds_then_folds_and_restarts_with_new_ones(desk: Make):
     made = desk(settings=SupervisorSettings(patience=1.0))
     made.open()
     for k in range(120):
@@ -220,7 +220,7 @@ def test_an_empty_ring_is_held_then_folded_and_wakes_again(desk: Make):
     assert made.status.time > 60.0
 
 
-def test_time_waits_for_a_planner_that_is_slow(desk: Make):
+def test_performance_time_waits_for_a_slow_planner(desk: Make):
     """Never a jump of goals: time slows before the end of what is known."""
     made = desk()
     made.open()
@@ -239,7 +239,7 @@ def test_time_waits_for_a_planner_that_is_slow(desk: Make):
 
 
 @pytest.mark.parametrize("ended", [False, True])
-def test_a_planner_that_dies_stops_the_performance_even_where_it_had_handed_over_all_of_it(desk: Make, ended: bool):
+def test_dead_planner_stops_even_a_fully_buffered_performance(desk: Make, ended: bool):
     made = desk().active(20.0)
     made.channel.set("ended", int(ended))
     made.run(0.5)
@@ -253,7 +253,7 @@ def test_a_planner_that_dies_stops_the_performance_even_where_it_had_handed_over
     assert not made.true(TORQUE).any()
 
 
-def test_release_folds_and_lets_go(desk: Make):
+def test_release_folds_the_robot_and_switches_torque_off(desk: Make):
     made = desk().active()
     made.channel.set("release", 1)
     made.until(Stage.CLOSED)
@@ -261,7 +261,7 @@ def test_release_folds_and_lets_go(desk: Make):
     assert any("fold" in line for line in made.kinds())
 
 
-def test_every_event_is_a_line_with_its_time(desk: Make):
+def test_event_log_of_a_supervisor_has_a_timestamp_in_each_line(desk: Make):
     made = desk().active()
     made.channel.set("release", 1)
     made.until(Stage.CLOSED)
@@ -271,14 +271,14 @@ def test_every_event_is_a_line_with_its_time(desk: Make):
     assert times == sorted(times)
 
 
-def test_a_command_that_is_no_number_is_dropped_and_told(desk: Make):
+def test_non_finite_command_is_dropped_and_reported(desk: Make):
     made = desk().active()
     made.channel.write(9.0, np.full(4, np.nan))
     made.run(1.0)
     assert any(line.startswith("dropped") for line in made.kinds())
 
 
-def test_every_cycle_is_told(desk: Make):
+def test_supervisor_writes_a_status_in_every_cycle(desk: Make):
     made = desk().active()
     history = made.channel.history()
     assert [told.stage for told in history[-20:]] == [Stage.ACTIVE] * 20

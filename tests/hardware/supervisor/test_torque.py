@@ -1,4 +1,4 @@
-"""Procedures that give and take torque, on virtual servos: cycle by cycle, as the supervisor runs them."""
+"""Procedures that switch torque on and off, cycle by cycle."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -11,8 +11,8 @@ from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError,
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Snapshot
 from kinesic.hardware.supervisor.torque import (
-    RAMP,
-    TRIES,
+    POWER_RAMP_TIME,
+    STEP_CYCLES,
     adopt,
     energise,
     release_torque,
@@ -31,12 +31,12 @@ def bench() -> Iterator[Bench]:
 
 
 @pytest.mark.parametrize(("seconds", "counts"), [(0.02, 1), (0.1, 5), (0.1001, 6), (0.2, 10), (0.0, 0)])
-def test_a_watchdog_waits_at_least_as_long_as_is_asked(seconds: float, counts: int):
+def test_watchdog_time_is_rounded_up_to_register_counts(seconds: float, counts: int):
     assert watchdog_counts(seconds) == counts
 
 
-def test_torque_comes_where_servos_are_with_little_power_first(bench: Bench):
-    here = [servo.electronics.here() for servo in bench.plant.servos]
+def test_torque_starts_at_present_positions_with_low_power(bench: Bench):
+    here = [servo.electronics.present_position() for servo in bench.plant.servos]
     bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
     powers = [seen[Register.GOAL_PWM][2] for seen in bench.seen if seen[Register.TORQUE_ENABLE][2]]
     assert list(dict.fromkeys(powers)) == [round(share * FULL) for share in (0.1, 0.4, 0.7, 1.0)]
@@ -45,60 +45,60 @@ def test_torque_comes_where_servos_are_with_little_power_first(bench: Bench):
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
     for k, member in enumerate(bench.axes.manifest.members):
-        for register, value in member.passing.items():
+        for register, value in member.ram_values.items():
             assert bench.true(register)[k] == value
 
 
-def test_power_is_full_three_tenths_of_a_second_after_torque_came(bench: Bench):
-    steps = round(RAMP / PERIOD)
+def test_motor_power_is_full_0_3_seconds_after_torque_on(bench: Bench):
+    steps = round(POWER_RAMP_TIME / PERIOD)
     bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=steps))
     rising = [seen for seen in bench.seen if seen[Register.TORQUE_ENABLE][2] and seen[Register.GOAL_PWM][2] < FULL]
     assert len(rising) * PERIOD == pytest.approx(0.3, abs=0.02)
 
 
-def test_gains_and_profile_go_out_with_the_first_goals(bench: Bench):
+def test_gains_and_profile_are_written_with_the_first_goals(bench: Bench):
     members = bench.axes.manifest.members
-    for register in members[0].passing:
+    for register in members[0].ram_values:
         bench.axes.put_all(register, EVERYBODY, 1)
     bench.cycle()
     begun = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     bench.goals = np.rint(next(begun)).astype(np.int64)
     bench.cycle()
-    for register in members[0].passing:
-        assert bench.true(register) == [member.passing[register] for member in members]
+    for register in members[0].ram_values:
+        assert bench.true(register) == [member.ram_values[register] for member in members]
 
 
-def test_gains_and_profile_that_were_lost_are_said_again_before_torque(bench: Bench):
+def test_lost_gains_and_profile_are_rewritten_before_torque(bench: Bench):
     members = bench.axes.manifest.members
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
 
     def forget_once(snapshot: Snapshot, cycle: int) -> Snapshot:
         if cycle == 1:
             for k, servo in enumerate(bench.plant.servos):
-                for register, value in members[k].passing.items():
+                for register, value in members[k].ram_values.items():
                     servo.memory[register] = value + 1
         return snapshot
 
     bench.run(procedure, forget_once)
-    for register in members[0].passing:
-        assert bench.true(register) == [member.passing[register] for member in members]
+    for register in members[0].ram_values:
+        assert bench.true(register) == [member.ram_values[register] for member in members]
 
 
-def test_only_those_who_are_chosen_get_torque(bench: Bench):
+def test_only_chosen_servos_get_torque(bench: Bench):
     bench.energised(0, 2)
     assert bench.true(Register.TORQUE_ENABLE) == [1, 0, 1, 0]
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, 0, WATCHDOG, 0]
 
 
-def test_a_servo_that_does_not_stand_still_stays_limp_and_so_do_all(bench: Bench):
+def test_moving_servo_prevents_torque_on_all(bench: Bench):
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
-    with pytest.raises(BusError, match=r"servo 2 \(hinge1\).* some of them move.* they stay limp"):
+    with pytest.raises(BusError, match=r"servo 2 \(hinge1\).* some of them move.* torque stays off"):
         bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 2.0 * cycle))
     assert len(bench.seen) == 200  # two seconds
     assert not any(any(seen[Register.TORQUE_ENABLE]) for seen in bench.seen)
 
 
-def test_torque_waits_until_servos_stand_still_and_then_comes_where_they_are(bench: Bench):
+def test_torque_is_switched_on_only_at_standstill(bench: Bench):
     start = bench.true(Register.PRESENT_POSITION)[1]
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 3.0 * min(cycle, 30)))
@@ -107,12 +107,12 @@ def test_torque_waits_until_servos_stand_still_and_then_comes_where_they_are(ben
     assert bench.seen[first][Register.GOAL_POSITION][1] == start + 90
 
 
-def test_a_tick_is_no_motion(bench: Bench):
+def test_motion_of_one_tick_counts_as_rest(bench: Bench):
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     assert bench.run(procedure, lambda snapshot, cycle: moved(snapshot, cycle % 2)) < 15
 
 
-def test_nothing_is_judged_by_records_from_before_the_goals_went_out(bench: Bench):
+def test_servo_records_older_than_the_goals_do_not_confirm_torque(bench: Bench):
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     old = replace(bench.last, times=bench.last.times.copy())
     old.times[3] -= 0.5
@@ -120,12 +120,12 @@ def test_nothing_is_judged_by_records_from_before_the_goals_went_out(bench: Benc
     def late(snapshot: Snapshot, cycle: int) -> Snapshot:
         return replace(snapshot, times=np.where(np.arange(COUNT) == 3, old.times, snapshot.times))
 
-    with pytest.raises(BusError, match="they stay limp"):
+    with pytest.raises(BusError, match="torque stays off"):
         bench.run(procedure, late)
     assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
 
 
-def test_where_torque_does_not_come_nobody_keeps_it(bench: Bench):
+def test_failed_switch_on_leaves_no_servo_with_torque(bench: Bench):
     bench.plant.servos[2].electronics.fail(HardwareError.OVERLOAD.value)
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 3 \(hinge2\): torque does not come on"):
@@ -137,7 +137,10 @@ def test_where_torque_does_not_come_nobody_keeps_it(bench: Bench):
 
 @pytest.fixture
 def deaf_once(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> list[list[int]]:
-    """The second servo does not hear the first request for torque; collects whose torque was asked for."""
+    """Make the second servo miss the first torque command.
+
+    Collects the servos of each torque command.
+    """
     asked: list[list[int]] = []
     put_all = bench.axes.put_all
 
@@ -151,13 +154,13 @@ def deaf_once(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> list[list[int]]:
     return asked
 
 
-def test_who_did_not_hear_the_request_for_torque_is_asked_again(bench: Bench, deaf_once: list[list[int]]):
+def test_missed_torque_command_is_repeated(bench: Bench, deaf_once: list[list[int]]):
     bench.energised()
     assert deaf_once == [list(EVERYBODY), [1]]
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
 
-def test_who_has_moved_since_is_not_asked_again(bench: Bench, deaf_once: list[list[int]]):
+def test_moved_servo_gets_no_repeated_torque_command(bench: Bench, deaf_once: list[list[int]]):
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 2 \(hinge1\): torque does not come on"):
         bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 50 if deaf_once else 0))
@@ -165,18 +168,18 @@ def test_who_has_moved_since_is_not_asked_again(bench: Bench, deaf_once: list[li
     assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
 
 
-def test_a_host_that_hears_nobody_for_a_while_waits_for_torque(bench: Bench, deaf_once: list[list[int]]):
+def test_torque_procedure_waits_until_the_host_receives_new_records(bench: Bench, deaf_once: list[list[int]]):
     told: list[Snapshot] = []
     limp = bench.last
 
     def late(snapshot: Snapshot, cycle: int) -> Snapshot:
-        if not deaf_once or len(told) > 2 * TRIES:
+        if not deaf_once or len(told) > 2 * STEP_CYCLES:
             return snapshot
         told.append(replace(snapshot, records=limp.records, times=limp.times))
         return told[-1]
 
     bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3), late)
-    assert len(told) > 2 * TRIES
+    assert len(told) > 2 * STEP_CYCLES
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
 
@@ -193,7 +196,7 @@ def test_servos_with_torque_are_adopted_with_their_goals(bench: Bench):
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
 
 
-def test_who_is_far_from_its_goal_or_was_stopped_is_adopted_where_it_is(bench: Bench):
+def test_stopped_servo_is_adopted_at_its_position(bench: Bench):
     bench.energised()
     here = bench.last.positions.copy()
     records = bench.last.records.copy()
@@ -204,7 +207,7 @@ def test_who_is_far_from_its_goal_or_was_stopped_is_adopted_where_it_is(bench: B
     assert bench.goals.tolist() == [*here[:3], here[3] + 50.0]
 
 
-def test_goals_of_the_adopted_lie_in_their_ranges(bench: Bench):
+def test_goals_of_adopted_servos_are_within_their_ranges(bench: Bench):
     bench.energised()
     lower, upper = bench.axes.manifest.spans
     outside = bench.last.records.copy()
@@ -214,7 +217,7 @@ def test_goals_of_the_adopted_lie_in_their_ranges(bench: Bench):
     assert next(procedure).tolist() == [lower[0], upper[1], 2000.0, 2000.0]
 
 
-def test_who_is_limp_is_not_adopted(bench: Bench):
+def test_servo_without_torque_is_not_adopted(bench: Bench):
     bench.energised(0, 1, 3)
     bench.axes.put_all(Register.GOAL_PWM, EVERYBODY, 300)
     bench.cycle()
@@ -224,14 +227,14 @@ def test_who_is_limp_is_not_adopted(bench: Bench):
     assert bench.true(Register.GOAL_PWM) == [FULL, FULL, 300, FULL]
 
 
-def test_torque_goes_of_everybody(bench: Bench):
+def test_torque_is_switched_off_on_all_servos(bench: Bench):
     bench.energised()
     assert bench.run(release_torque(bench.axes, tries=10)) <= 2
     assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
     assert bench.true(Register.BUS_WATCHDOG) == [0] * COUNT
 
 
-def test_that_torque_must_go_is_said_twice_in_a_cycle(bench: Bench):
+def test_torque_off_is_sent_twice_per_cycle(bench: Bench):
     """What is written to all is not answered, and may be lost."""
     bench.energised()
     written: list[bytes] = []
@@ -242,7 +245,7 @@ def test_that_torque_must_go_is_said_twice_in_a_cycle(bench: Bench):
     assert written[0].count(off) == 2
 
 
-def test_who_does_not_answer_keeps_nobody_else_from_release_and_is_named(bench: Bench):
+def test_torque_release_skips_and_names_a_silent_servo(bench: Bench):
     bench.energised()
     bench.plant.servos[1].mute = True
     with pytest.raises(BusError, match=r"^memory: servo 2 \(hinge1\): may still have torque; switch the power off$"):
@@ -252,7 +255,7 @@ def test_who_does_not_answer_keeps_nobody_else_from_release_and_is_named(bench: 
     assert bench.seen[0][Register.TORQUE_ENABLE][0] == 0
 
 
-def test_records_from_before_the_release_prove_nothing(bench: Bench):
+def test_servo_records_older_than_the_release_do_not_confirm_torque_off(bench: Bench):
     before = bench.last
     bench.energised()
 

@@ -6,10 +6,10 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.virtual.faults import CALM, FaultPlan
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 
 @dataclass
@@ -29,9 +29,9 @@ class Bench:
         return [servo.id for servo in self.servos.values() if servo.memory[Register.TORQUE_ENABLE]]
 
 
-def bench_of(faults: FaultPlan = CALM) -> Bench:
+def bench_of(faults: FaultPlan = NO_FAULTS) -> Bench:
     robot = Robot.load()
-    (cable,) = cables(robot)
+    (cable,) = describe_cables(robot)
     plant, buses = build_bus([cable])
     buses[cable.name].expose(faults)
     wire = MemoryWire(buses[cable.name])

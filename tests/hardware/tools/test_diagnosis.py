@@ -14,13 +14,13 @@ def to_mend(table) -> list[str]:
     return [finding.text for finding in found(table) if not finding.well]
 
 
-def test_all_is_well(bench):
+def test_diagnosis_finds_no_problem_with_healthy_servos(bench):
     findings = found(bench())
     assert all(finding.well for finding in findings)
-    assert findings[-1].text == "23 of 23 are as they should be"
+    assert findings[-1].text == "23 of 23 are ready"
 
 
-def test_each_fault_has_its_line_and_the_others_are_counted(bench):
+def test_each_faulty_servo_has_a_line_and_healthy_ones_are_counted(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)),)))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.FIRMWARE_VERSION, 37)
@@ -39,23 +39,23 @@ def test_each_fault_has_its_line_and_the_others_are_counted(bench):
     ):
         (line,) = [line for line in lines if line.startswith(start)]
         assert remedy in line
-    assert found(table)[-1].text == "17 of 23 are as they should be"
+    assert found(table)[-1].text == "17 of 23 are ready"
 
 
-def test_nobody_answers_is_one_line(bench):
+def test_unanswered_bus_is_reported_in_one_line(bench):
     table = bench(FaultPlan((PlannedFault("silent"),)))
     (line,) = to_mend(table)
     assert "no servo of ids" in line
 
 
-def test_a_low_supply_is_told(bench):
+def test_diagnosis_reports_a_low_supply_voltage(bench):
     table = bench(FaultPlan((PlannedFault("undervoltage", start=0.0, value=5.0),)))
     table.wire.sleep(0.1)
     lines = to_mend(table)
     assert any("supply is 5.0 V" in line for line in lines)
 
 
-def test_a_slow_adapter_gets_its_remedy(bench, tmp_path: Path):
+def test_diagnosis_names_the_remedy_for_a_slow_adapter(bench, tmp_path: Path):
     setting = tmp_path / "bus/usb-serial/devices/ttyUSB7/latency_timer"
     setting.parent.mkdir(parents=True)
     setting.write_text("16\n")
@@ -66,11 +66,11 @@ def test_a_slow_adapter_gets_its_remedy(bench, tmp_path: Path):
     assert all(finding.well for finding in found(bench(), tmp_path))
 
 
-def test_ports_that_are_missing_or_shut_are_findings(bench):
+def test_diagnosis_reports_missing_or_closed_ports(bench):
     table = bench()
 
     def shut(bus: str):
         raise BusError(f"{bus}: no permission")
 
-    assert [f.text for f in diagnose(table.manifest, {}, shut)] == ["none given; --port body=PATH"]
+    assert [f.text for f in diagnose(table.manifest, {}, shut)] == ["missing; give --port body=PATH"]
     assert [f.text for f in diagnose(table.manifest, {"body": Path("x")}, shut)] == ["body: no permission"]

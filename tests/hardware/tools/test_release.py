@@ -2,7 +2,7 @@ import pytest
 
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.tools.release import release_servos
-from kinesic.hardware.virtual.faults import FaultPlan, Kind, PlannedFault
+from kinesic.hardware.virtual.faults import FaultKind, FaultPlan, PlannedFault
 
 
 def energise(table) -> None:
@@ -14,7 +14,7 @@ def released(table) -> tuple[str, ...]:
     return release_servos({"body": table.wire}, {"body": list(table.servos)})
 
 
-def test_nobody_is_left_energised(bench):
+def test_release_tool_switches_torque_off_on_all_servos(bench):
     table = bench()
     energise(table)
     assert len(table.energised) == 23
@@ -25,7 +25,7 @@ def test_nobody_is_left_energised(bench):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("kind", ["corrupt", "lost", "drop", "noise"])
 @pytest.mark.parametrize("way", ["reply", "request"])
-def test_faults_of_the_wire_leave_nobody_energised(bench, kind: Kind, seed: int, way):
+def test_wire_faults_leave_no_servo_with_torque(bench, kind: FaultKind, seed: int, way):
     table = bench(FaultPlan((PlannedFault(kind, rate=0.1, way=way),), seed))
     energise(table)
     doubts = released(table)
@@ -35,35 +35,35 @@ def test_faults_of_the_wire_leave_nobody_energised(bench, kind: Kind, seed: int,
 
 
 @pytest.mark.parametrize("error", list(HardwareError))
-def test_alerts_do_not_keep_the_others_energised(bench, error: HardwareError):
+def test_release_tool_switches_torque_off_despite_an_alert_of_one_servo(bench, error: HardwareError):
     table = bench(FaultPlan((PlannedFault("alert", (3,), start=0.0, value=error.value),)))
     energise(table)
     assert released(table) == ()
     assert table.energised == []
 
 
-def test_who_was_stopped_by_a_watchdog_is_released_too(bench):
+def test_release_tool_switches_torque_off_on_a_servo_stopped_by_its_watchdog(bench):
     table = bench(FaultPlan((PlannedFault("watchdog", (2,), start=0.0),)))
     energise(table)
     assert released(table) == ()
     assert table.energised == []
 
 
-def test_a_silent_servo_is_told_and_doubted(bench):
+def test_release_tool_reports_a_silent_servo(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)),)))
     energise(table)
     assert released(table) == ("memory: servo 7: does not answer, and may still have torque; switch the power off",)
     assert table.energised == []
 
 
-def test_a_stranger_is_released_too(bench):
+def test_release_tool_also_switches_torque_off_on_unexpected_servos(bench):
     table = bench()
     energise(table)
     assert release_servos({"body": table.wire}, {"body": [1, 2]}) == ()
     assert table.energised == []
 
 
-def test_a_lost_port_is_told(bench):
+def test_release_tool_reports_a_lost_port(bench):
     table = bench(FaultPlan((PlannedFault("unplug", start=0.01, seconds=100.0),)))
     energise(table)
     (line,) = released(table)

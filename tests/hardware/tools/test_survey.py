@@ -1,15 +1,15 @@
 import pytest
 
-from kinesic.hardware.protocol.device import Found
+from kinesic.hardware.protocol.device import PingReply
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.wire import Wire
-from kinesic.hardware.tools.survey import Sighting, find_unexpected_servos, open_slow_access, scan_bus, survey
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
+from kinesic.hardware.tools.survey import FoundServo, find_unexpected_servos, open_slow_access, scan_bus, survey
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 
-def port(baud: int = 1_000_000, faults: FaultPlan = CALM):
+def port(baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS):
     """Opens a wire with three servos at any baud rate."""
     _, buses = build_bus(
         [
@@ -35,25 +35,25 @@ def test_servos_are_found_at_their_baud_rate(baud: int):
     steps: list[int] = []
     found = scan_bus(port(baud), bauds=(57_600, 1_000_000, 4_000_000), step=lambda: steps.append(1))
     assert found == (
-        Sighting(Found(1, 1020, 52), baud, shared=False),
-        Sighting(Found(7, 1060, 52), baud, shared=False),
-        Sighting(Found(20, 1020, 52), baud, shared=False),
+        FoundServo(PingReply(1, 1020, 52), baud, shared=False),
+        FoundServo(PingReply(7, 1060, 52), baud, shared=False),
+        FoundServo(PingReply(20, 1020, 52), baud, shared=False),
     )
     assert len(steps) == 3
 
 
-def test_ids_that_are_given_are_asked_one_by_one():
+def test_scan_pings_given_ids_one_by_one():
     found = scan_bus(port(), bauds=(1_000_000,), ids=(7, 8))
     assert [sighting.servo.id for sighting in found] == [1, 7, 20]
 
 
-def test_an_id_that_two_servos_have_is_told():
+def test_survey_reports_an_id_of_several_servos():
     faults = FaultPlan((PlannedFault("duplicate_id", servos=(20,)),))
     found = scan_bus(port(faults=faults), bauds=(1_000_000,), ids=(20,))
     assert [sighting.servo.id for sighting in found if not sighting.shared] == [1, 7]
 
 
-def test_everybody_is_seen_at_rest(bench):
+def test_survey_reads_all_servos_at_rest(bench):
     table = bench()
     seen = survey(table.manifest, {"body": table.wire})
     assert [each.member.id for each in seen] == [member.id for member in table.manifest.members]
@@ -64,34 +64,34 @@ def test_everybody_is_seen_at_rest(bench):
     assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
 
 
-def test_what_is_wrong_is_seen_and_hides_nobody(bench):
+def test_survey_of_a_wrong_servo_does_not_hide_others(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)), PlannedFault("alert", (5,), start=0.001))))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.RETURN_DELAY_TIME, 250)
     table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")
     table.wire.sleep(0.1)
     seen = {each.member.id: each for each in survey(table.manifest, {"body": table.wire})}
-    assert seen[7].found == ""
-    assert (seen[4].found, seen[4].right) == ("xl430_w250", False)
+    assert seen[7].model_name == ""
+    assert (seen[4].model_name, seen[4].right) == ("xl430_w250", False)
     assert seen[5].errors == ("overload",)
     assert any((c.register, c.before, c.after) == (Register.RETURN_DELAY_TIME, 250, 0) for c in seen[6].differs)
     assert seen[12].torque
     assert sum(each.right for each in seen.values()) == 21
 
 
-def test_servos_that_keep_quiet_are_asked_to_talk(bench):
+def test_servos_without_replies_are_set_to_reply(bench):
     table = bench()
     for servo in table.servos:
         table.set(servo, Register.STATUS_RETURN_LEVEL, 0)
     assert all(each.right for each in survey(table.manifest, {"body": table.wire}))
 
 
-def test_strangers_are_named(bench):
+def test_survey_reports_unexpected_servos(bench):
     table = bench()
     expected = [servo for servo in table.servos if servo != 28]
     assert find_unexpected_servos(open_slow_access(table.wire), expected) == ("28 (xc330_t288)",)
 
 
-def test_error_bits_have_names():
+def test_hardware_error_bits_have_names():
     assert HardwareError.names(HardwareError.OVERLOAD.value | HardwareError.VOLTAGE.value) == ("voltage", "overload")
     assert HardwareError.names(0) == ()

@@ -13,7 +13,7 @@ WAIT = 0.004
 
 
 class Line:
-    """A wire in memory with servos on it, and what one says to them."""
+    """Wire in memory with servos."""
 
     def __init__(self, cable: Cable) -> None:
         self.plant, buses = build_bus([cable])
@@ -41,7 +41,7 @@ class Line:
         return status.error
 
     def set(self, register: Register, value: int, servo: int = 1) -> int:
-        """Writes a register; the error byte."""
+        """Write a register, and return the error byte."""
         return self.error(packet.write_packet(servo, register.field.address, register.field.pack(value)))
 
     def get(self, register: Register, servo: int = 1) -> int:
@@ -50,7 +50,7 @@ class Line:
         return register.field.unpack(status.data)
 
     def pass_time(self, seconds: float) -> None:
-        """Nobody says anything for a while."""
+        """Let time pass without instructions."""
         self.wire.sleep(self.wire.now() + seconds)
         self.bus.advance(self.wire.now())
 

@@ -3,12 +3,12 @@ from collections.abc import Callable
 import pytest
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, crc16
+from kinesic.hardware.protocol.packet import BROADCAST_ID, PACKET_HEADER, Instruction, crc16
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.virtual.bus import PIECE
+from kinesic.hardware.virtual.bus import USB_PACKET_SIZE
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
-from kinesic.hardware.virtual.protocol import TURNAROUND
+from kinesic.hardware.virtual.protocol import TURNAROUND_TIME
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 
 from .conftest import Line
@@ -23,8 +23,11 @@ def troubled(*faults: PlannedFault, count: int = 3, **changes: object) -> Line:
 
 
 def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:
-    """Error, id and data of each block of a joint reply, its CRCs checked."""
-    assert reply.startswith(HEADER + bytes((BROADCAST,)))
+    """Return error, id and data of each block of a joint reply.
+
+    CRCs are checked.
+    """
+    assert reply.startswith(PACKET_HEADER + bytes((BROADCAST_ID,)))
     assert reply[7] == Instruction.STATUS
     found = []
     for start in range(8, len(reply), size + 4):
@@ -36,7 +39,7 @@ def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:
 
 @pytest.mark.parametrize("baud", [57_600, 1_000_000, 4_000_000])
 @pytest.mark.parametrize("count", [7, 14, 20, 26])
-def test_a_cycle_takes_what_its_bytes_take_and_the_latency(count: int, baud: int):
+def test_bus_cycle_takes_transmission_time_plus_latency(count: int, baud: int):
     """84 + 28 + 204 bytes for 14 servos and 10 bytes of each: the figures of the table of wire limits."""
     line = troubled(count=count, baud=baud, latency=0.001)
     ids = list(range(1, count + 1))
@@ -47,22 +50,22 @@ def test_a_cycle_takes_what_its_bytes_take_and_the_latency(count: int, baud: int
         got += line.wire.read(9.0)
     total = len(asked) + len(got)
     assert total == 14 + 5 * count + 14 + count + 8 + 14 * count
-    full = min(PIECE, int(0.001 * baud / 10))  # [bytes] when its timer has run, or there is no more room
+    full = min(USB_PACKET_SIZE, int(0.001 * baud / 10))  # [bytes] when its timer has run, or there is no more room
     waits = 0.001 if len(got) % full else 0.0  # a full piece goes at once
-    assert line.wire.now() == pytest.approx(total * 10 / baud + waits + TURNAROUND, abs=1e-9)
+    assert line.wire.now() == pytest.approx(total * 10 / baud + waits + TURNAROUND_TIME, abs=1e-9)
 
 
-def test_a_plain_sync_read_turns_around_for_each_servo():
+def test_plain_sync_read_takes_one_turnaround_time_per_servo():
     line = troubled(count=7, latency=0.0)
     asked = packet.sync_read(list(range(1, 8)), 126, 10, fast=False)
     line.wire.write(asked)
     got = b""
     while len(got) < 7 * 21:
         got += line.wire.read(9.0)
-    assert line.wire.now() == pytest.approx((len(asked) + len(got)) * 1e-5 + 7 * TURNAROUND)
+    assert line.wire.now() == pytest.approx((len(asked) + len(got)) * 1e-5 + 7 * TURNAROUND_TIME)
 
 
-def test_a_fast_read_is_one_reply_with_growing_crcs_and_no_stuffing(line: Lines):
+def test_fast_read_is_one_reply_with_running_crcs_without_stuffing(line: Lines):
     three = line(1, 2, 3)
     for servo, value in ((1, 0xFD), (2, 0), (3, 7)):
         three.set(Register.PROFILE_VELOCITY, value, servo=servo)
@@ -83,11 +86,11 @@ def test_payloads_that_look_like_headers_are_stuffed_but_not_in_fast_replies(lin
     assert blocks(fast, 4) == [(0, 1, b"\xff\xff\xfd\x00")]
 
 
-def test_bulk_reads_and_writes_concern_each_servo_differently(line: Lines):
+def test_bulk_reads_and_writes_access_a_different_register_of_each_servo(line: Lines):
     two = line(1, 2)
     rows = bytes((1,)) + (65).to_bytes(2, "little") + b"\1\0" + b"\1"
     rows += bytes((2,)) + (112).to_bytes(2, "little") + b"\4\0" + (9).to_bytes(4, "little")
-    assert two.ask(packet.packet(BROADCAST, Instruction.BULK_WRITE, rows)) == []
+    assert two.ask(packet.packet(BROADCAST_ID, Instruction.BULK_WRITE, rows)) == []
     statuses = two.ask(packet.bulk_read({1: (65, 1), 2: (112, 4)}, fast=False))
     assert [(status.id, status.data) for status in statuses] == [(1, b"\1"), (2, b"\x09\0\0\0")]
     fast = two.bytes(packet.bulk_read({1: (65, 1), 2: (112, 4)}, fast=True))
@@ -95,7 +98,7 @@ def test_bulk_reads_and_writes_concern_each_servo_differently(line: Lines):
     assert crc16(fast[:-2]) == int.from_bytes(fast[-2:], "little")
 
 
-def test_a_silent_servo_ends_a_joint_reply_and_leaves_a_gap_in_a_plain_one():
+def test_silent_servo_ends_a_fast_reply_but_not_plain_replies():
     line = troubled(PlannedFault("silent", servos=(2,)))
     line.pass_time(0.01)
     assert len(line.bytes(packet.sync_read([1, 2, 3], 132, 4, fast=True))) == 8 + 8
@@ -111,7 +114,7 @@ def test_old_firmware_does_not_know_fast_reads():
     assert line.ask(packet.ping(1))[0].data[2] == 41
 
 
-def test_two_servos_with_one_id_spoil_their_answers():
+def test_replies_of_two_servos_with_one_id_collide():
     twins, strangers = (troubled(PlannedFault("duplicate_id", servos=(2,), value=value)) for value in (None, 1060))
     assert len(twins.ask(packet.ping(2))) == 1, "what two say alike is one answer"
     assert twins.ask(packet.read_packet(2, 132, 4)) == []
@@ -120,12 +123,12 @@ def test_two_servos_with_one_id_spoil_their_answers():
     assert len(strangers.ask(packet.ping(1))) == 1
 
 
-def test_another_model_than_the_file_says():
+def test_servo_with_wrong_model_number_is_simulated():
     line = troubled(PlannedFault("wrong_model", servos=(3,), value=1020 + 100))
-    assert [status.data[:2] for status in line.ask(packet.ping(BROADCAST))][2] == (1120).to_bytes(2, "little")
+    assert [status.data[:2] for status in line.ask(packet.ping(BROADCAST_ID))][2] == (1120).to_bytes(2, "little")
 
 
-def test_servos_of_another_baud_rate_hear_nothing(line: Lines):
+def test_servos_of_another_baud_rate_receive_nothing(line: Lines):
     one = line()
     one.set(Register.BAUD_RATE, 1)
     assert one.ask(packet.ping(1)) == []
@@ -133,17 +136,17 @@ def test_servos_of_another_baud_rate_hear_nothing(line: Lines):
     assert len(one.bytes(packet.ping(1), wait=0.02)) == 14
 
 
-def test_late_replies_come_late_and_nothing_overtakes():
+def test_late_replies_keep_their_order():
     line = troubled(PlannedFault("late", servos=(1,), value=0.012))
     line.wire.write(packet.ping(1))
     assert line.wire.read(0.010) == b""
     line.wire.write(packet.ping(2))
     got = line.wire.read(0.1)
-    assert line.wire.now() == pytest.approx(0.012 + 0.001 + 24e-5 + TURNAROUND)
+    assert line.wire.now() == pytest.approx(0.012 + 0.001 + 24e-5 + TURNAROUND_TIME)
     assert [status.id for status in packet.Reader().feed(got + line.wire.read(0.1))] == [1, 2]
 
 
-def test_an_unplugged_port_is_gone_until_it_is_opened_again():
+def test_unplugged_port_raises_errors_until_it_is_reopened():
     line = troubled(PlannedFault("unplug", start=1.0, seconds=0.5))
     line.wire.write(packet.ping(1))
     assert line.wire.read(0.5)
@@ -158,7 +161,7 @@ def test_an_unplugged_port_is_gone_until_it_is_opened_again():
     assert len(line.ask(packet.ping(1))) == 1
 
 
-def test_who_talks_into_a_reply_spoils_both():
+def test_simultaneous_transmissions_destroy_packet_and_reply():
     """14 bytes of a ping's answer are on the wire from 0.12 ms on; the second ping covers all but the first of them."""
     line = troubled(latency=0.0)
     line.wire.write(packet.ping(1))
@@ -169,31 +172,31 @@ def test_who_talks_into_a_reply_spoils_both():
     assert [status.id for status in line.ask(packet.ping(2))] == [2], "then all is well again"
 
 
-def test_what_the_host_says_in_one_breath_does_not_collide_with_itself(line: Lines):
+def test_packets_of_one_write_do_not_collide(line: Lines):
     one = line()
     one.wire.write(packet.sync_write(116, 4, {1: bytes(4)}))
     assert len(one.ask(packet.ping(1))) == 1
 
 
-def test_a_packet_in_pieces_is_one_packet(line: Lines):
+def test_virtual_bus_joins_a_packet_written_in_two_parts(line: Lines):
     one = line()
     data = packet.ping(1)
     assert one.bytes(data[:5]) == b""
     assert len(one.ask(data[5:])) == 1
 
 
-def test_goals_reach_the_servos_before_the_question_does(line: Lines):
+def test_goals_written_with_a_query_take_effect_before_the_query(line: Lines):
     one = line()
     one.set(Register.TORQUE_ENABLE, 1)
     both = packet.sync_write(116, 4, {1: (2200).to_bytes(4, "little")}) + packet.read_packet(1, 116, 4)
     assert one.ask(both)[0].data == (2200).to_bytes(4, "little")
 
 
-def test_a_servo_obeys_its_alias_but_never_answers_for_it(line: Lines):
+def test_servo_obeys_its_secondary_id_but_replies_only_to_its_primary_id(line: Lines):
     both = line(1, 2)
     both.set(Register.SECONDARY_ID, 1, servo=2)
     assert both.set(Register.LED, 1) == 0
     assert both.get(Register.LED, servo=2) == 1
     both.bytes(packet.sync_write(Register.LED.field.address, 1, {1: b"\0"}))
     assert [servo.memory[Register.LED] for servo in both.plant.servos] == [0, 0]
-    assert len(both.ask(packet.ping(BROADCAST))) == 2
+    assert len(both.ask(packet.ping(BROADCAST_ID))) == 2

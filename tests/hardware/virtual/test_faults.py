@@ -4,13 +4,13 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.hardware.virtual.faults import DEFAULTS, KINDS, FaultPlan, Kind, PlannedFault, WireFaults
+from kinesic.hardware.virtual.faults import DEFAULT_VALUES, FAULT_KINDS, FaultKind, FaultPlan, PlannedFault, WireFaults
 from kinesic.hardware.virtual.protocol import Sent
 
 DATA = bytes(range(20))
 
 
-def test_a_file_is_a_plan(tmp_path: Path):
+def test_fault_plan_is_read_from_file(tmp_path: Path):
     path = tmp_path / "faults.toml"
     path.write_text(
         'seed = 7\n[[fault]]\nkind = "corrupt"\nrate = 0.01\n'
@@ -39,32 +39,32 @@ def test_a_file_is_a_plan(tmp_path: Path):
         ('[[fault]]\nkind = "silent"\nsecond = 1.0', "unknown field `second`.*did you mean seconds"),
     ],
 )
-def test_a_wrong_file_teaches(tmp_path: Path, text: str, message: str):
+def test_invalid_file_error_names_the_remedy(tmp_path: Path, text: str, message: str):
     path = tmp_path / "faults.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ConfigError, match=message):
         FaultPlan.read(path)
 
 
-def test_a_figure_is_the_usual_one_unless_given():
-    assert PlannedFault("late").figure == DEFAULTS["late"]
-    assert PlannedFault("late", value=0.1).figure == 0.1
-    assert set(DEFAULTS) < set(KINDS)
+def test_planned_fault_without_a_value_uses_the_default_of_its_kind():
+    assert PlannedFault("late").effective_value == DEFAULT_VALUES["late"]
+    assert PlannedFault("late", value=0.1).effective_value == 0.1
+    assert set(DEFAULT_VALUES) < set(FAULT_KINDS)
 
 
-def test_a_fault_lasts_from_its_start_for_its_seconds():
+def test_planned_fault_lasts_for_its_duration_from_its_start_time():
     fault = PlannedFault("silent", servos=(2,), start=1.0, seconds=0.5)
-    assert [fault.strikes(2, time) for time in (0.9, 1.0, 1.4, 1.5)] == [False, True, True, False]
-    assert not fault.strikes(3, 1.2)
+    assert [fault.affects(2, time) for time in (0.9, 1.0, 1.4, 1.5)] == [False, True, True, False]
+    assert not fault.affects(3, 1.2)
     assert PlannedFault("silent").end == inf
 
 
-def struck(kind: Kind, *, seed: int = 1, **changes: object) -> list[bytes]:
+def struck(kind: FaultKind, *, seed: int = 1, **changes: object) -> list[bytes]:
     weather = WireFaults(FaultPlan((PlannedFault(kind, **changes),), seed))
     return [heard.data for heard in weather.replies([Sent(1, DATA)], 0.0)]
 
 
-def test_each_fault_does_what_its_name_says():
+def test_each_wire_fault_changes_the_reply_as_described():
     for seed in range(20):
         corrupt, drop, cut, noise = (struck(kind, seed=seed)[0] for kind in ("corrupt", "drop", "truncate", "noise"))
         assert sum(a != b for a, b in zip(corrupt, DATA, strict=True)) == 1
@@ -77,12 +77,12 @@ def test_each_fault_does_what_its_name_says():
     assert struck("lost") == []
 
 
-def test_only_the_servos_named_are_struck_and_only_in_time():
+def test_planned_faults_affect_only_named_servos_during_their_time():
     assert struck("lost", servos=(2,)) == [DATA]
     assert struck("lost", start=1.0) == [DATA]
 
 
-def test_an_answer_of_several_servos_is_struck_at_one_place():
+def test_common_reply_of_several_servos_is_damaged_in_one_place():
     weather = WireFaults(FaultPlan((PlannedFault("corrupt", servos=(2, 3)),), 3))
     places = set()
     for _ in range(40):
@@ -92,14 +92,14 @@ def test_an_answer_of_several_servos_is_struck_at_one_place():
     assert places == {1, 2}
 
 
-def test_a_lost_block_ends_a_chain():
+def test_lost_block_ends_a_fast_reply():
     weather = WireFaults(FaultPlan((PlannedFault("lost", servos=(2,)),)))
     chain = [Sent(servo, DATA, chained=True) for servo in (1, 2, 3)]
     assert len(weather.replies(chain, 0.0)) == 1
     assert len(weather.replies([Sent(servo, DATA) for servo in (1, 2, 3)], 0.0)) == 2
 
 
-def test_rates_are_rates_and_seeds_are_seeds():
+def test_fault_rates_and_seeds_are_respected():
     def lost(seed: int) -> list[int]:
         weather = WireFaults(FaultPlan((PlannedFault("lost", rate=0.05),), seed))
         return [len(weather.replies([Sent(1, DATA)], 0.0)) for _ in range(4000)]
@@ -109,7 +109,7 @@ def test_rates_are_rates_and_seeds_are_seeds():
     assert lost(1) != lost(2)
 
 
-def test_late_is_a_time_and_requests_have_faults_of_their_own():
+def test_late_fault_delays_replies_and_request_fault_drops_requests():
     weather = WireFaults(FaultPlan((PlannedFault("late", value=0.02), PlannedFault("lost", way="request"))))
     (heard,) = weather.replies([Sent(1, DATA)], 0.0)
     assert (heard.data, heard.late) == (DATA, 0.02)

@@ -1,4 +1,4 @@
-"""Byte by byte against the packets that ROBOTIS's e-Manual prints for Protocol 2.0."""
+"""Comparison with packets printed in ROBOTIS's e-Manual."""
 
 from collections.abc import Callable
 
@@ -47,12 +47,12 @@ def manual(line: Lines) -> Line:
     [PING, PING_ALL, WRITE, REG_WRITE, RESET, REBOOT, READ, SYNC_READ],
     ids=["ping", "ping all", "write", "reg write", "reset", "reboot", "read", "sync read"],
 )
-def test_it_answers_as_the_manual_prints(manual: Line, example: tuple[str, str]):
+def test_virtual_servo_replies_match_the_manual(manual: Line, example: tuple[str, str]):
     asked, answered = example
     assert manual.bytes(octets(asked)) == octets(answered)
 
 
-def test_an_action_does_what_was_registered(manual: Line):
+def test_action_instruction_executes_the_registered_write(manual: Line):
     manual.set(Register.OPERATING_MODE, Mode.VELOCITY.value)
     manual.set(Register.TORQUE_ENABLE, 1)
     manual.bytes(octets(REG_WRITE[0]))

@@ -1,4 +1,4 @@
-"""Virtual wires in real time. No time is asserted but that something takes at least what the wire takes."""
+"""Virtual wires in real time, with lower bounds of durations only."""
 
 import os
 import select
@@ -73,13 +73,13 @@ def wire(*faults: PlannedFault, count: int = 3, baud: int = 1_000_000) -> Cable:
     return Cable("body", fittings, baud=baud, faults=FaultPlan(faults))
 
 
-def test_a_program_on_the_terminal_talks_to_the_servos(opened: Opens):
+def test_program_on_the_terminal_talks_to_the_servos(opened: Opens):
     host = Host(opened(wire()))
-    got = host.ask(packet.ping(packet.BROADCAST), 42)
+    got = host.ask(packet.ping(packet.BROADCAST_ID), 42)
     assert [status.id for status in Reader().feed(got)] == [1, 2, 3]
 
 
-def test_bytes_take_their_time(opened: Opens):
+def test_bytes_on_a_pseudo_terminal_take_their_transmission_time(opened: Opens):
     """20 reads of 100 bytes at 57600 baud are 134 bytes each: at least 0.4 s on the wire."""
     host = Host(opened(wire(count=1, baud=57_600)))
     began = time.monotonic()
@@ -88,7 +88,7 @@ def test_bytes_take_their_time(opened: Opens):
     assert time.monotonic() - began > 20 * (111 + 14) * 10 / 57_600
 
 
-def test_another_baud_rate_is_not_understood(opened: Opens):
+def test_servos_ignore_bytes_at_another_baud_rate(opened: Opens):
     host = Host(opened(wire(count=1)))
     host.speak(57_600)
     os.write(host.end, packet.ping(1))
@@ -97,7 +97,7 @@ def test_another_baud_rate_is_not_understood(opened: Opens):
     assert len(host.ask(packet.ping(1), 14)) == 14
 
 
-def test_an_adapter_that_is_pulled_comes_back_under_its_name(opened: Opens):
+def test_replugged_adapter_has_its_previous_name(opened: Opens):
     path = opened(wire(PlannedFault("unplug", start=0.2, seconds=0.1), count=1))
     first = Host(path)
     assert len(first.ask(packet.ping(1), 14)) == 14
@@ -119,7 +119,7 @@ def test_an_adapter_that_is_pulled_comes_back_under_its_name(opened: Opens):
     assert len(back.ask(packet.ping(1), 14)) == 14
 
 
-def test_nothing_is_left_behind(tmp_path: Path):
+def test_closed_virtual_port_leaves_no_link_or_descriptor(tmp_path: Path):
     _, buses = build_bus([wire()])
     port = PtyPort(buses["body"], tmp_path / "body")
     rounds = iter([True, True, False])

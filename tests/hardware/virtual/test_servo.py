@@ -1,14 +1,14 @@
-"""Register by register against what the e-Manual says."""
+"""Comparison of registers with the e-Manual."""
 
 from collections.abc import Callable
 
 import pytest
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.packet import BROADCAST, Fault, Instruction
+from kinesic.hardware.protocol.packet import BROADCAST_ID, Fault, Instruction
 from kinesic.hardware.protocol.registers import Mode, Register
-from kinesic.hardware.virtual.control_table import BY_GOAL, BY_TIME
-from kinesic.hardware.virtual.firmware import BOOT
+from kinesic.hardware.virtual.control_table import TIME_PROFILE_BIT, TORQUE_BY_GOAL_BIT
+from kinesic.hardware.virtual.firmware import BOOT_TIME
 
 from .conftest import Line
 
@@ -41,7 +41,7 @@ def test_eeprom_is_locked_while_torque_is_on(line: Lines):
         (168, (63).to_bytes(2, "little"), Fault.RANGE),
     ],
 )
-def test_a_wrong_write_is_refused_and_changes_nothing(line: Lines, address: int, data: bytes, fault: Fault):
+def test_invalid_write_is_refused_without_changes(line: Lines, address: int, data: bytes, fault: Fault):
     one = line()
     before = one.servo.memory.read(0, 120)
     assert one.error(packet.write_packet(1, address, data)) == fault
@@ -66,7 +66,7 @@ def test_goals_obey_the_limits_that_other_registers_set(line: Lines):
         assert one.get(register) == good
 
 
-def test_a_write_of_several_registers_counts_as_a_whole(line: Lines):
+def test_write_of_several_registers_succeeds_or_fails_as_a_whole(line: Lines):
     one = line()
     good = (7).to_bytes(4, "little")
     assert one.error(packet.write_packet(1, 108, good + good + (5000).to_bytes(4, "little"))) == Fault.LIMIT
@@ -76,7 +76,7 @@ def test_a_write_of_several_registers_counts_as_a_whole(line: Lines):
 
 
 @pytest.mark.parametrize(("level", "answers"), [(0, (1, 0, 0)), (1, (1, 1, 0)), (2, (1, 1, 1))])
-def test_the_status_return_level_says_what_is_answered(line: Lines, level: int, answers: tuple[int, int, int]):
+def test_status_return_level_controls_replies(line: Lines, level: int, answers: tuple[int, int, int]):
     one = line()
     one.bytes(packet.write_packet(1, Register.STATUS_RETURN_LEVEL.field.address, bytes((level,))))
     asked = (packet.ping(1), packet.read_packet(1, 132, 4), packet.write_packet(1, 65, b"\1"))
@@ -84,7 +84,7 @@ def test_the_status_return_level_says_what_is_answered(line: Lines, level: int, 
     assert one.servo.memory[Register.LED] == 1, "it obeys all the same"
 
 
-def test_it_waits_before_it_answers(line: Lines):
+def test_servo_waits_its_return_delay(line: Lines):
     slow, quick = line(return_delay=250), line()
     waits = []
     for one in (slow, quick):
@@ -94,34 +94,38 @@ def test_it_waits_before_it_answers(line: Lines):
     assert waits[0] - waits[1] == pytest.approx(500e-6)
 
 
-def test_an_unknown_instruction_is_an_error(line: Lines):
+def test_unknown_instruction_causes_an_error(line: Lines):
     assert line().error(packet.packet(1, 0x77)) == Fault.INSTRUCTION
 
 
-def test_nobody_answers_a_broadcast_but_everybody_obeys(line: Lines):
+def test_broadcast_is_obeyed_without_reply(line: Lines):
     two = line(1, 2)
-    assert two.ask(packet.write_packet(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\1")) == []
+    assert two.ask(packet.write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.field.address, b"\1")) == []
     assert [servo.memory[Register.TORQUE_ENABLE] for servo in two.plant.servos] == [1, 1]
 
 
 @pytest.mark.parametrize(("option", "servo", "baud"), [(0xFF, 1, 57_600), (1, 7, 57_600), (2, 7, 1_000_000)])
-def test_a_factory_reset_keeps_what_its_option_says(line: Lines, option: int, servo: int, baud: int):
+def test_factory_reset_option_determines_whether_id_and_baud_rate_are_kept(
+    line: Lines, option: int, servo: int, baud: int
+):
     one = line(7)
     one.set(Register.HOMING_OFFSET, 100, servo=7)
     assert one.error(packet.packet(7, Instruction.FACTORY_RESET, bytes((option,)))) == Fault.NONE
-    one.pass_time(BOOT)
+    one.pass_time(BOOT_TIME)
     assert (one.servo.id, one.servo.baud) == (servo, baud)
     assert one.servo.memory[Register.HOMING_OFFSET] == 0
     assert one.servo.memory[Register.RETURN_DELAY_TIME] == 250
+    one.bus.baud = baud
+    assert one.bytes(packet.ping(servo), wait=0.02), "it answers under its new id at its new baud rate"
 
 
-def test_resetting_all_servos_at_once_is_not_done(line: Lines):
+def test_broadcast_factory_reset_of_everything_is_ignored(line: Lines):
     two = line(1, 2)
-    two.bytes(packet.packet(BROADCAST, Instruction.FACTORY_RESET, b"\xff"))
+    two.bytes(packet.packet(BROADCAST_ID, Instruction.FACTORY_RESET, b"\xff"))
     assert [servo.id for servo in two.plant.servos] == [1, 2]
 
 
-def test_a_change_of_mode_resets_gains_profiles_and_caps(line: Lines):
+def test_change_of_mode_resets_gains_profiles_and_caps(line: Lines):
     one = line()
     one.set(Register.POSITION_P_GAIN, 100)
     one.set(Register.PROFILE_VELOCITY, 100)
@@ -132,11 +136,11 @@ def test_a_change_of_mode_resets_gains_profiles_and_caps(line: Lines):
     assert one.get(Register.GOAL_PWM) == 885
 
 
-def test_a_goal_switches_torque_on_when_the_drive_mode_says_so(line: Lines):
+def test_goal_position_enables_torque_in_the_torque_by_goal_drive_mode(line: Lines):
     one = line()
-    one.set(Register.DRIVE_MODE, BY_GOAL)
+    one.set(Register.DRIVE_MODE, TORQUE_BY_GOAL_BIT)
     one.set(Register.GOAL_POSITION, 2100)
     assert one.get(Register.TORQUE_ENABLE) == 1
-    assert line(firmware=44).set(Register.DRIVE_MODE, BY_GOAL) == Fault.RANGE
-    assert line(firmware=41).set(Register.DRIVE_MODE, BY_TIME) == Fault.RANGE
-    assert line(model="xl330_m288", firmware=41).set(Register.DRIVE_MODE, BY_TIME) == Fault.NONE
+    assert line(firmware=44).set(Register.DRIVE_MODE, TORQUE_BY_GOAL_BIT) == Fault.RANGE
+    assert line(firmware=41).set(Register.DRIVE_MODE, TIME_PROFILE_BIT) == Fault.RANGE
+    assert line(model="xl330_m288", firmware=41).set(Register.DRIVE_MODE, TIME_PROFILE_BIT) == Fault.NONE

@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.packet import Fault, Instruction
 from kinesic.hardware.protocol.registers import Mode, Register
-from kinesic.hardware.virtual.control_table import BY_TIME, REVERSE
-from kinesic.hardware.virtual.set_point import Profile, by_speed, by_time, still_profile
+from kinesic.hardware.virtual.control_table import REVERSE_BIT, TIME_PROFILE_BIT
+from kinesic.hardware.virtual.set_point import Profile, still_profile, time_profile, velocity_profile
 
 from .conftest import Line
 
@@ -27,32 +27,34 @@ def sampled(profile: Profile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return times, places, speeds
 
 
-def test_the_four_forms():
-    assert by_speed(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).form == "step"
-    assert by_speed(0.0, 0.0, 1.0, limit=2.0, acceleration=inf).form == "rectangle"
-    assert by_speed(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).form == "triangle"
-    assert by_speed(0.0, 0.0, 9.0, limit=2.0, acceleration=1.0).form == "trapezoid"
-    assert by_time(0.0, 1.0, duration=1.0, rise=0.0).form == "rectangle"
-    assert by_time(0.0, 1.0, duration=1.0, rise=0.7).form == "triangle"
-    assert by_time(0.0, 1.0, duration=1.0, rise=0.2).form == "trapezoid"
-    assert by_time(0.0, 1.0, duration=0.0, rise=0.2).form == "step"
+def test_profile_form_depends_on_limits_and_distance():
+    assert velocity_profile(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).form == "step"
+    assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=inf).form == "rectangle"
+    assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).form == "triangle"
+    assert velocity_profile(0.0, 0.0, 9.0, limit=2.0, acceleration=1.0).form == "trapezoid"
+    assert time_profile(0.0, 1.0, duration=1.0, rise=0.0).form == "rectangle"
+    assert time_profile(0.0, 1.0, duration=1.0, rise=0.7).form == "triangle"
+    assert time_profile(0.0, 1.0, duration=1.0, rise=0.2).form == "trapezoid"
+    assert time_profile(0.0, 1.0, duration=0.0, rise=0.2).form == "step"
 
 
-def test_times_from_rest_are_those_of_the_textbook():
-    assert by_speed(0.0, 0.0, 9.0, limit=2.0, acceleration=1.0).duration == pytest.approx(9 / 2 + 2 / 1)
-    assert by_speed(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).duration == pytest.approx(2 * sqrt(1.0))
-    assert by_speed(0.0, 0.0, -3.0, limit=2.0, acceleration=inf).duration == 1.5
-    assert by_time(0.0, 5.0, duration=1.25, rise=0.3).duration == 1.25
+def test_profile_durations_match_the_textbook():
+    assert velocity_profile(0.0, 0.0, 9.0, limit=2.0, acceleration=1.0).duration == pytest.approx(9 / 2 + 2 / 1)
+    assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).duration == pytest.approx(2 * sqrt(1.0))
+    assert velocity_profile(0.0, 0.0, -3.0, limit=2.0, acceleration=inf).duration == 1.5
+    assert time_profile(0.0, 5.0, duration=1.25, rise=0.3).duration == 1.25
 
 
-def test_a_step_is_at_its_goal_at_once():
-    assert by_speed(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).at(0.0) == (1.0, 0.0)
+def test_step_profile_reaches_its_goal_immediately():
+    assert velocity_profile(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).at(0.0) == (1.0, 0.0)
     assert still_profile(0.3).at(0.0) == (0.3, 0.0)
 
 
 @given(PLACES, st.floats(-3.0, 3.0), PLACES, st.floats(0.1, 5.0), st.floats(0.5, 50.0))
-def test_it_keeps_its_limits_and_arrives(start: float, speed: float, goal: float, limit: float, acceleration: float):
-    profile = by_speed(start, speed, goal, limit=limit, acceleration=acceleration)
+def test_servo_profile_keeps_velocity_and_acceleration_limits_and_reaches_its_goal(
+    start: float, speed: float, goal: float, limit: float, acceleration: float
+):
+    profile = velocity_profile(start, speed, goal, limit=limit, acceleration=acceleration)
     times, places, speeds = sampled(profile)
     assert places[0] == pytest.approx(start, abs=1e-9)
     assert places[-1] == pytest.approx(goal, abs=1e-6)
@@ -63,8 +65,8 @@ def test_it_keeps_its_limits_and_arrives(start: float, speed: float, goal: float
 
 
 @given(PLACES, PLACES, st.floats(0.05, 5.0), st.floats(0.0, 5.0))
-def test_by_time_it_takes_as_long_as_asked(start: float, goal: float, duration: float, rise: float):
-    profile = by_time(start, goal, duration=duration, rise=rise)
+def test_time_profile_takes_requested_duration(start: float, goal: float, duration: float, rise: float):
+    profile = time_profile(start, goal, duration=duration, rise=rise)
     assert profile.duration == pytest.approx(duration)
     _, places, _ = sampled(profile)
     assert places[-1] == goal
@@ -72,7 +74,7 @@ def test_by_time_it_takes_as_long_as_asked(start: float, goal: float, duration: 
     assert places[1000] == pytest.approx((start + goal) / 2, abs=1e-6)
 
 
-def test_torque_in_position_mode_folds_the_turns_and_the_extended_mode_keeps_them(line: Lines):
+def test_torque_on_discards_whole_turns_in_position_mode_but_not_in_extended_mode(line: Lines):
     one = line()
     turn = 4096 * Register.PRESENT_POSITION.field.scale
     one.plant.physics.turn(0, 1.5 * turn)
@@ -89,7 +91,7 @@ def test_torque_in_position_mode_folds_the_turns_and_the_extended_mode_keeps_the
     assert other.set(Register.GOAL_POSITION, 1_048_576) == Fault.RANGE
 
 
-def test_clear_forgets_turns_but_not_in_motion(line: Lines):
+def test_clear_resets_the_turn_count_only_at_standstill(line: Lines):
     one = line()
     one.set(Register.OPERATING_MODE, Mode.EXTENDED_POSITION.value)
     one.set(Register.TORQUE_ENABLE, 1)
@@ -102,7 +104,7 @@ def test_clear_forgets_turns_but_not_in_motion(line: Lines):
     assert one.get(Register.PRESENT_POSITION) == pytest.approx(2048, abs=1)
 
 
-def test_homing_offset_is_added_and_ignored_when_it_is_wide(line: Lines):
+def test_homing_offset_above_1024_is_ignored_in_position_mode(line: Lines):
     one = line()
     one.set(Register.HOMING_OFFSET, 100)
     assert one.get(Register.PRESENT_POSITION) == 2148
@@ -112,9 +114,9 @@ def test_homing_offset_is_added_and_ignored_when_it_is_wide(line: Lines):
     assert one.get(Register.PRESENT_POSITION) == 2048 + 1025
 
 
-def test_reverse_turns_the_other_way_and_keeps_the_offsets_sign(line: Lines):
+def test_reverse_mode_inverts_rotation_but_not_the_offset(line: Lines):
     one = line(ticks=1000)
-    one.set(Register.DRIVE_MODE, REVERSE)
+    one.set(Register.DRIVE_MODE, REVERSE_BIT)
     assert one.get(Register.PRESENT_POSITION) == 3096
     one.set(Register.HOMING_OFFSET, 50)
     assert one.get(Register.PRESENT_POSITION) == 3146
@@ -125,7 +127,7 @@ def test_reverse_turns_the_other_way_and_keeps_the_offsets_sign(line: Lines):
     assert one.servo.electronics.shaft.angle == pytest.approx(900 * Register.PRESENT_POSITION.field.scale, abs=1e-3)
 
 
-def test_a_stale_goal_jumps_unless_the_firmware_latches(line: Lines):
+def test_outdated_goal_causes_a_jump_at_torque_on_unless_the_firmware_resets_it(line: Lines):
     for latches, ended in ((False, 1000), (True, 2048)):
         one = line(latches_goal=latches)
         one.set(Register.GOAL_POSITION, 1000)
@@ -134,11 +136,11 @@ def test_a_stale_goal_jumps_unless_the_firmware_latches(line: Lines):
         assert one.get(Register.PRESENT_POSITION) == ended
 
 
-@pytest.mark.parametrize("name", sorted(MODELS))
+@pytest.mark.parametrize("name", sorted(SERVO_MODELS))
 def test_every_model_answers_with_its_number_and_moves(line: Lines, name: str):
     one = line(model=name)
     (status,) = one.ask(packet.ping(1))
-    assert int.from_bytes(status.data[:2], "little") == MODELS[name].number
+    assert int.from_bytes(status.data[:2], "little") == SERVO_MODELS[name].number
     one.set(Register.TORQUE_ENABLE, 1)
     one.set(Register.GOAL_POSITION, 1500)
     one.pass_time(1.0)
@@ -148,7 +150,7 @@ def test_every_model_answers_with_its_number_and_moves(line: Lines, name: str):
 
 
 def watched(one: Line, seconds: float, step: float = 0.01) -> tuple[np.ndarray, np.ndarray]:
-    """(k,) [ticks] of the set point, (k,) [counts] of its speed, every step."""
+    """Return set point (k,) [ticks] and velocity (k,) [counts] of every step."""
     places, speeds = [], []
     for _ in range(round(seconds / step)):
         one.bus.advance(one.plant.time + step)
@@ -168,7 +170,7 @@ def profiled(line: Lines, *, mode: int, acceleration: int, velocity: int, goal: 
     return one
 
 
-def test_a_velocity_based_profile_keeps_velocity_and_acceleration(line: Lines):
+def test_velocity_based_profile_keeps_velocity_and_acceleration(line: Lines):
     """100 counts are 22.9 rpm: a quarter turn in 0.66 s, and 10 counts of acceleration are 2145.77 rev/min^2."""
     one = profiled(line, mode=0, acceleration=10, velocity=100, goal=3072)
     places, speeds = watched(one, 1.5)
@@ -181,15 +183,15 @@ def test_a_velocity_based_profile_keeps_velocity_and_acceleration(line: Lines):
     assert ended == pytest.approx(1024 / 4096 / (22.9 / 60) + rise, abs=0.03)
 
 
-def test_a_time_based_profile_takes_the_time_it_is_given(line: Lines):
-    one = profiled(line, mode=BY_TIME, acceleration=200, velocity=1000, goal=1048)
+def test_time_based_profile_takes_the_requested_time(line: Lines):
+    one = profiled(line, mode=TIME_PROFILE_BIT, acceleration=200, velocity=1000, goal=1048)
     places, speeds = watched(one, 1.2)
     assert places[50] == pytest.approx(1548, abs=15)
     assert 0.97 <= 0.01 * (np.flatnonzero(places == 1048)[0] + 1) <= 1.01
     assert speeds.min() == pytest.approx(-1000 / 4096 / 0.8 * 60 / 0.229, abs=1)
 
 
-def test_moving_and_its_status_tell_what_goes_on(line: Lines):
+def test_moving_registers_show_profile_state(line: Lines):
     one = profiled(line, mode=0, acceleration=10, velocity=50, goal=3072)
     assert one.get(Register.MOVING) == 1
     assert one.get(Register.MOVING_STATUS) == 0b110010, "a trapezoid, going on, not there, following"
@@ -201,7 +203,7 @@ def test_moving_and_its_status_tell_what_goes_on(line: Lines):
     assert (one.get(Register.MOVING), one.get(Register.MOVING_STATUS)) == (0, 1)
 
 
-def test_a_new_goal_turns_a_profile_without_a_jump(line: Lines):
+def test_new_goal_turns_a_profile_without_a_jump(line: Lines):
     one = profiled(line, mode=0, acceleration=5, velocity=100, goal=4000)
     watched(one, 0.5)
     one.set(Register.GOAL_POSITION, 2048)

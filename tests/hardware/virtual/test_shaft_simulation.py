@@ -1,10 +1,10 @@
 import pytest
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.packet import ALERT
+from kinesic.hardware.protocol.packet import ALERT_BIT
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
-from kinesic.hardware.virtual.firmware import ROOM
+from kinesic.hardware.virtual.firmware import ROOM_TEMPERATURE
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 
 from .conftest import Line
@@ -14,13 +14,13 @@ def struck(*faults: PlannedFault) -> Line:
     return Line(Cable("body", (ServoFitting(1), ServoFitting(2)), faults=FaultPlan(faults)))
 
 
-def test_an_alert_comes_at_its_time_and_takes_the_torque():
+def test_planned_alert_switches_torque_off_at_its_time():
     line = struck(PlannedFault("alert", servos=(2,), start=1.0))
     line.set(Register.TORQUE_ENABLE, 1, servo=2)
     line.pass_time(0.9)
     assert line.error(packet.ping(2)) == 0
     line.pass_time(0.2)
-    assert line.error(packet.ping(2)) == ALERT
+    assert line.error(packet.ping(2)) == ALERT_BIT
     assert line.get(Register.HARDWARE_ERROR_STATUS, servo=2) == HardwareError.OVERLOAD.value
     assert line.get(Register.TORQUE_ENABLE, servo=2) == 0
     assert line.error(packet.ping(1)) == 0
@@ -30,16 +30,16 @@ def test_heat_rises_until_the_servo_shuts_down():
     line = struck(PlannedFault("overheat", servos=(1,), start=1.0, seconds=20.0, value=5.0))
     line.set(Register.TORQUE_ENABLE, 1)
     line.pass_time(11.0)
-    assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM + 50, abs=1)
+    assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM_TEMPERATURE + 50, abs=1)
     assert line.get(Register.TORQUE_ENABLE) == 1
     line.pass_time(1.1)
     assert line.get(Register.HARDWARE_ERROR_STATUS) == HardwareError.OVERHEATING.value
     assert line.get(Register.TORQUE_ENABLE) == 0
     line.pass_time(20.0)
-    assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM + 100, abs=1), "it ends"
+    assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM_TEMPERATURE + 100, abs=1), "it ends"
 
 
-def test_voltage_sags_and_recovers_and_the_error_stays():
+def test_planned_undervoltage_recovers_but_its_hardware_error_stays():
     line = struck(PlannedFault("undervoltage", start=0.5, seconds=0.5, value=8.0))
     line.pass_time(0.7)
     assert line.get(Register.PRESENT_INPUT_VOLTAGE) == 80
@@ -48,7 +48,7 @@ def test_voltage_sags_and_recovers_and_the_error_stays():
     assert line.get(Register.HARDWARE_ERROR_STATUS) == HardwareError.VOLTAGE.value
 
 
-def test_a_reboot_a_trip_and_a_silence_happen_when_planned():
+def test_reboot_watchdog_trip_and_silence_happen_when_planned():
     line = struck(
         PlannedFault("reboot", servos=(1,), start=1.0, value=0.5),
         PlannedFault("watchdog", servos=(2,), start=1.0),
@@ -65,7 +65,7 @@ def test_a_reboot_a_trip_and_a_silence_happen_when_planned():
     assert len(line.ask(packet.ping(2))) == 1
 
 
-def test_a_rebooted_arm_keeps_its_goal_where_it_fell():
+def test_goal_of_rebooted_arm_stays_at_its_position():
     line = struck(PlannedFault("reboot", servos=(1,), start=0.5))
     line.set(Register.TORQUE_ENABLE, 1)
     line.set(Register.GOAL_POSITION, 2500)
@@ -75,7 +75,7 @@ def test_a_rebooted_arm_keeps_its_goal_where_it_fell():
     assert line.get(Register.GOAL_POSITION) == 1000
 
 
-def test_the_watchdog_trips_to_the_tick_whatever_the_steps():
+def test_watchdog_trips_at_the_same_time_for_all_step_sizes():
     line = struck()
     line.set(Register.TORQUE_ENABLE, 1)
     line.set(Register.BUS_WATCHDOG, 3)
@@ -87,7 +87,7 @@ def test_the_watchdog_trips_to_the_tick_whatever_the_steps():
     assert trips == [pytest.approx(heard + 0.06)]
 
 
-def test_time_never_goes_back():
+def test_simulation_time_never_decreases():
     line = struck()
     line.plant.advance(2.0)
     line.plant.advance(1.0)

@@ -1,4 +1,4 @@
-"""Virtual servos behind pseudo-terminals in a process of their own, and what they did."""
+"""Virtual servos behind pseudo-terminals in a separate process."""
 
 import json
 import os
@@ -38,7 +38,7 @@ ON_THE_WAY = 0.05  # [s] until servos have what was written to them
 
 @dataclass
 class Record:
-    """What the servos did, and when."""
+    """Recorded motion of the servos with times."""
 
     times: np.ndarray  # (m,) [s]
     plugged: np.ndarray  # (m, 2)
@@ -58,18 +58,18 @@ class Record:
 
 
 def longest_gap(times: Iterable[float], start: float, end: float) -> float:
-    """[s] between two times that follow one another, from a moment to another."""
+    """Return the longest gap [s] between successive times in a period."""
     near = [each for each in times if start - 0.05 <= each <= end + 0.05]
     return float(np.diff(near).max())
 
 
 def lateness(history: Iterable[Status], start: float, end: float) -> float:
-    """[s] by which the supervisor began a cycle too late at most."""
+    """Return the largest delay [s] of a supervisor cycle."""
     return max(0.0, longest_gap((told.clock for told in history), start, end) - SETTINGS.period)
 
 
 class Table:
-    """Virtual servos in a process of their own, for one test after another until one leaves them out of order."""
+    """Virtual servos in a separate process, reused while they are in order."""
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         self.folder, self.in_order = folder, True
@@ -101,7 +101,7 @@ class Table:
 
 
 class Rig:
-    """What a test does with the servos on a table, and what it learns of them."""
+    """Access of a test to the servos of a table."""
 
     def __init__(self, robot: Robot, table: Table, folder: Path) -> None:
         self.robot, self.folder, self.log = robot, table.folder, folder / "events.jsonl"
@@ -118,7 +118,7 @@ class Rig:
 
     @staticmethod
     def kill(pid: int) -> float:
-        """kill -9; when [s]."""
+        """Kill a process with SIGKILL, and return the time [s]."""
         os.kill(pid, signal.SIGKILL)
         return time.monotonic()
 
@@ -127,13 +127,16 @@ class Rig:
         self.wait(lambda: self.goes_on(servos) and servos.state().time > 0.4)
 
     def raised(self) -> bool:
-        """Whether some servo is far from where it was when the test began."""
+        """Return whether a servo is far from its position at the test's start."""
         places = self.record().places
         return bool(np.abs(places[-1] - places[0]).max() > FAR)
 
     @staticmethod
     def goes_on(servos: Servos) -> bool:
-        """Whether it performs; where this machine stood still for so long that somebody has to consent, we do."""
+        """Return whether the performance continues.
+
+        After a long stall of this machine, the test gives its consent.
+        """
         status = servos.state()
         if status.waits == "consent":
             servos.resume()
@@ -156,7 +159,7 @@ class Rig:
         return self._opened[-1]
 
     def planner(self, *seconds: str, **environment: str) -> subprocess.Popen[bytes]:
-        """A planner in a process of its own, in the middle of a performance."""
+        """Start a planner process in the middle of a performance."""
         arguments = [str(self.robot.path), str(self.folder), str(self.log), *seconds]
         command = [sys.executable, "-m", f"{__package__}.planner", *arguments]
         process = subprocess.Popen(command, env=os.environ | environment, cwd=ROOT)
@@ -170,15 +173,15 @@ class Rig:
         return process
 
     def supervisor(self) -> Channel:
-        """What somebody sees who looks on, also after it has ended."""
+        """Return the channel of the supervisor, even after its end."""
         found = find_supervisor(self.ports["left"], JOINTS)
         assert found is not None
         return found
 
     def freeze(self, servos: Servos) -> float:
-        """Stops the supervisor in the middle of its performance, while bus watchdogs watch; when [s].
+        """Suspend the supervisor in its performance, and return the time [s].
 
-        They do not for a moment, after they have tripped since this machine was late: it must not stop in that.
+        Bus watchdogs are active then.
         """
         while True:
             self.moving(servos)
@@ -194,11 +197,11 @@ class Rig:
         self._table.tell(line)
 
     def record(self) -> Record:
-        """What the servos have done in this test."""
+        """Return the recorded motion of the servos in this test."""
         return self._table.record(self._began)
 
     def ends_at_rest(self) -> None:
-        """Asserts that the arms are at rest in the end, and no servo has torque."""
+        """Assert that the arms end at rest without torque."""
         record, manifest = self.record(), Manifest.of(self.robot)
         rest = manifest.scale.ticks(manifest.rest[manifest.joints])
         told = "\n".join(text for _, _, text in self.events()[-20:])
@@ -217,7 +220,10 @@ class Rig:
         return None
 
     def end(self) -> None:
-        """Kills what a test that failed has left running; its table is not in order any more."""
+        """Kill the remaining processes of a failed test.
+
+        Its table is then not in order any more.
+        """
         for planner in self._planners:
             if planner.poll() is None:
                 self._table.in_order = False

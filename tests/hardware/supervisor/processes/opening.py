@@ -1,4 +1,4 @@
-"""Opens the servos of a table, once more where this machine did not let them answer in time."""
+"""Opening of servos with one retry on a slow machine."""
 
 import os
 from pathlib import Path
@@ -14,10 +14,9 @@ TRIES = 4
 
 
 def open_servos(robot: Robot, folder: Path, *, settings: SupervisorSettings, log: Path) -> Servos:
-    """Returns servos whose ports are in a folder; the log tells of the opening that succeeded alone.
+    """Open servos with ports in a folder.
 
-    Raises:
-        BusError: they do not open for another reason, or were late each time.
+    The log contains only the successful opening.
     """
     ports = {name: folder / name for name in BUSES}
     for tries in range(1, TRIES + 1):

@@ -1,6 +1,6 @@
-"""A program for tests: a planner that writes a motion 0.7 s ahead for ever, or all at once so many seconds of it.
+"""Planner program that writes a motion continuously or all at once.
 
-`python -m tests.hardware.supervisor.processes.planner ROBOT FOLDER LOG [SECONDS]`
+A continuous motion is written 0.7 s ahead.
 """
 
 import sys

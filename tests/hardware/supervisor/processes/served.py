@@ -1,4 +1,4 @@
-"""A program for tests: a robot's virtual servos behind pseudo-terminals, in real time, and a record of what they did.
+"""Program that serves virtual servos on pseudo-terminals and records them.
 
 `python served.py ROBOT FOLDER [SECONDS]`: ports appear in FOLDER under the names of the buses. Lines on standard input
 strike: `unplug BUS SECONDS`, `reboot BUS ID SECONDS`, `alert BUS ID BITS`; its end ends the program. Each line of
@@ -18,7 +18,7 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
-from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 EVERY = 0.002  # [s] between lines, unless told otherwise
@@ -33,13 +33,13 @@ def fault(kind: str, *figures: float) -> PlannedFault:
 def main(robot: str, folder: Path, every: float) -> None:
     with suppress(OSError):  # servos are never late, whatever else the machine does, where it allows that
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(30))
-    plant, buses = build_bus(cables(Robot.load(Path(robot))))
+    plant, buses = build_bus(describe_cables(Robot.load(Path(robot))))
     ports = [PtyPort(bus, folder / name) for name, bus in buses.items()]
     began, written = time.monotonic(), 0.0
     with (folder / "record").open("w") as record:
 
         def show() -> None:
-            rows = [[*(s.memory[r] for r in SHOWN), s.electronics.here()] for s in plant.servos]
+            rows = [[*(s.memory[r] for r in SHOWN), s.electronics.present_position()] for s in plant.servos]
             figures = [int(port.descriptor is not None) for port in ports] + [v for row in rows for v in row]
             record.write(f"{began + plant.time:.6f} " + " ".join(map(str, figures)) + "\n")
 

@@ -1,4 +1,4 @@
-"""The time of day jumps by an hour, forth and back, under a performance's processes: nothing that moves sees it."""
+"""Jumps of the time of day by an hour do not affect the motion."""
 
 import json
 import shutil
@@ -24,7 +24,7 @@ AWAY = 0.3  # [rad] of its amplitude
 
 @pytest.fixture(scope="module")
 def jumping_clock(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A library that moves the time of day of whoever preloads it."""
+    """Build a preloadable library that shifts the time of day."""
     compiler = shutil.which("cc")
     if compiler is None:
         pytest.skip("no C compiler: the time of day of a process cannot be moved")
@@ -33,7 +33,7 @@ def jumping_clock(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return library
 
 
-def test_a_clock_that_jumps_moves_no_goal_and_no_end(rig, robot: Robot, jumping_clock: Path, tmp_path: Path):
+def test_wall_clock_jump_changes_no_goal_and_no_end_time(rig, robot: Robot, jumping_clock: Path, tmp_path: Path):
     offset = tmp_path / "clock"
     offset.write_bytes(bytes(8))
     planner = rig.planner(str(SECONDS), LD_PRELOAD=str(jumping_clock), KINESIC_CLOCK=str(offset))
@@ -55,7 +55,7 @@ def test_a_clock_that_jumps_moves_no_goal_and_no_end(rig, robot: Robot, jumping_
 
 
 def follows_the_plan(rig, robot: Robot, begun: float) -> None:
-    """Compares the goals of servos with what the planner wrote, second by second."""
+    """Compare the servos' goals with the planner's setpoints over time."""
     record, manifest = rig.record(), Manifest.of(robot)
     rows = (record.times > begun + EARLY) & (record.times < begun + SECONDS - EARLY)
     sent = manifest.scale.angles(record.goals[rows]) - manifest.rest[manifest.joints]

@@ -1,4 +1,7 @@
-"""Planner or supervisor end while servos perform. Times are compared with what the machine's own stalls allow."""
+"""Death of planner or supervisor during a performance.
+
+Times are compared with the machine's own stalls.
+"""
 
 import time
 
@@ -16,7 +19,7 @@ PATIENCE = 60.0  # [s] that a loaded machine may take for anything
 WATCHDOG, COUNT = 0.2, 0.02  # [s] of the watchdogs where this machine is punctual; of one of their counts
 
 
-def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_one_adopts_them(rig):
+def test_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_one_adopts_them(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.freeze(servos)
@@ -44,8 +47,10 @@ def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_on
     assert not record.torque[-1].any()
 
 
-@pytest.mark.parametrize("handed_over", [(), ("60",)], ids=["0.7 s", "all"])
-def test_the_planner_killed_is_held_and_then_folded_and_released(rig, handed_over: tuple[str, ...]):
+@pytest.mark.parametrize(
+    "handed_over", [pytest.param((), id="0.7 s"), pytest.param(("60",), id="all", marks=pytest.mark.soak)]
+)
+def test_robot_holds_folds_and_releases_after_its_planner_is_killed(rig, handed_over: tuple[str, ...]):
     planner, supervisor = rig.planner(*handed_over), rig.supervisor()
     rig.wait(rig.raised)
     killed = rig.kill(planner.pid)

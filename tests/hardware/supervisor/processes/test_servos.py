@@ -1,4 +1,4 @@
-"""Servos over pseudo-terminals, with the supervisor in its own process: a performance, and what is refused."""
+"""Performance on pseudo-terminals with the supervisor in a separate process."""
 
 import os
 import signal
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.realtime
 BUSES = ("left", "right")
 
 
-def test_a_performance_ends_at_rest_and_no_servo_is_energised(rig):
+def test_performance_ends_at_rest_without_torque(rig):
     servos = rig.opened()
     assert servos.state().energised == 0
     rig.write(servos, 1.2)
@@ -27,7 +27,7 @@ def test_a_performance_ends_at_rest_and_no_servo_is_energised(rig):
     assert np.isfinite(servos.positions()).all()
     time.sleep(0.2)
     history = servos.history()
-    assert all(np.abs(told.angles - told.goals).max() < 0.2 for told in history if told.stage is Stage.ACTIVE)
+    assert all(np.abs(told.angles - told.setpoints).max() < 0.2 for told in history if told.stage is Stage.ACTIVE)
     assert len({told.time for told in history}) > 30
     servos.close()
     assert not servos.running
@@ -51,7 +51,7 @@ def test_writing_never_waits_for_the_supervisor(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_a_port_is_for_one_supervisor_only(rig):
+def test_port_is_held_by_one_supervisor_only(rig):
     servos = rig.opened()
     with pytest.raises(BusError, match="another program uses this port") as refused:
         rig.opened()
@@ -59,7 +59,7 @@ def test_a_port_is_for_one_supervisor_only(rig):
     servos.close()
 
 
-def test_ports_that_are_not_there_are_refused_in_one_line_each(robot: Robot, tmp_path: Path):
+def test_missing_ports_are_refused_in_one_line_each(robot: Robot, tmp_path: Path):
     with pytest.raises(BusError) as refused:
         Servos(robot, {name: tmp_path / name for name in BUSES})
     assert [line.split(";")[0] for line in str(refused.value).splitlines()] == [
@@ -72,7 +72,7 @@ def test_every_bus_needs_a_port(robot: Robot, tmp_path: Path):
         Servos(robot, {"left": tmp_path})
 
 
-def test_goals_that_are_no_numbers_are_refused(rig):
+def test_non_finite_setpoints_are_refused(rig):
     servos = rig.opened()
     still = np.zeros(4)
     with pytest.raises(BusError, match="must be 4 finite numbers"):

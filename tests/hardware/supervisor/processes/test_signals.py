@@ -1,4 +1,4 @@
-"""Signals to planner and supervisor, and a full disk: with real processes, and the posture of the arms afterwards."""
+"""Signals to planner and supervisor, and a full disk, with real processes."""
 
 import os
 import signal
@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.host import STRETCHES
+from kinesic.hardware.bus.host import WATCHDOG_FACTORS
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -20,17 +20,19 @@ pytestmark = pytest.mark.realtime
 TOO_LONG = 1.2  # [s] out of hand, after which somebody has to consent
 WATCHED = 0.5  # [s] in which it would begin to move again
 LAG = 20  # [ticks] that a servo in motion is behind its goal, to which it goes when its watchdog lets it
-LONGEST_WATCHDOG = STRETCHES[-1] * WATCHDOG
+LONGEST_WATCHDOG = WATCHDOG_FACTORS[-1] * WATCHDOG
 
 
 @pytest.mark.parametrize(
     ("number", "handed_over"),
-    [(signal.SIGINT, ()), (signal.SIGINT, ("60",)), (signal.SIGTERM, ()), (signal.SIGHUP, ())],
-    ids=["SIGINT", "SIGINT, all handed over", "SIGTERM", "SIGHUP"],
+    [
+        pytest.param(signal.SIGINT, (), id="SIGINT", marks=pytest.mark.soak),
+        pytest.param(signal.SIGINT, ("60",), id="SIGINT, all handed over"),
+        pytest.param(signal.SIGTERM, (), id="SIGTERM", marks=pytest.mark.soak),
+        pytest.param(signal.SIGHUP, (), id="SIGHUP"),
+    ],
 )
-def test_a_planner_that_gets_a_signal_leaves_the_arms_at_rest(
-    rig, number: signal.Signals, handed_over: tuple[str, ...]
-):
+def test_planner_that_gets_a_signal_leaves_the_arms_at_rest(rig, number: signal.Signals, handed_over: tuple[str, ...]):
     planner = rig.planner(*handed_over)
     rig.wait(rig.raised)
     planner.send_signal(number)
@@ -40,7 +42,7 @@ def test_a_planner_that_gets_a_signal_leaves_the_arms_at_rest(
     rig.ends_at_rest()
 
 
-def test_a_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig):
+def test_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.moving(servos)
@@ -53,8 +55,10 @@ def test_a_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig):
     rig.ends_at_rest()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_to_a_supervisor_that_drives_nobody_ends_it_in_order(rig, number: signal.Signals):
+@pytest.mark.parametrize(
+    "number", [signal.SIGTERM, *(pytest.param(each, marks=pytest.mark.soak) for each in (signal.SIGINT, signal.SIGHUP))]
+)
+def test_signal_to_an_idle_supervisor_releases_the_servos_before_it_ends(rig, number: signal.Signals):
     servos = rig.opened()
     os.kill(servos.pid, number)
     rig.wait(lambda: not servos.running)
@@ -64,7 +68,7 @@ def test_a_signal_to_a_supervisor_that_drives_nobody_ends_it_in_order(rig, numbe
     assert rig.entered(Stage.CLOSED)
 
 
-def test_a_planner_that_is_stopped_is_held_and_goes_on_only_with_consent(rig):
+def test_robot_with_a_suspended_planner_holds_until_a_resume_request(rig):
     planner = rig.planner()
     rig.wait(rig.raised)
     stopped = time.monotonic()
@@ -85,7 +89,7 @@ def test_a_planner_that_is_stopped_is_held_and_goes_on_only_with_consent(rig):
     rig.ends_at_rest()
 
 
-def test_servos_of_a_stopped_supervisor_stop_with_torque_and_go_on_only_with_consent(rig):
+def test_servos_of_a_suspended_supervisor_hold_with_torque_until_a_resume_request(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     stopped = rig.freeze(servos)
@@ -108,7 +112,7 @@ def test_servos_of_a_stopped_supervisor_stop_with_torque_and_go_on_only_with_con
     rig.ends_at_rest()
 
 
-def test_a_full_disk_stops_no_robot(rig):
+def test_full_disk_does_not_interrupt_the_performance(rig):
     """/dev/full opens, and refuses every byte."""
     servos = Servos(rig.robot, rig.ports, settings=SETTINGS, log=Path("/dev/full"))
     rig.write(servos, 20.0)

@@ -1,4 +1,4 @@
-"""`kinesic servos stop`, beside a program that performs on servos in real time."""
+"""Stop command during a performance of another program in real time."""
 
 import os
 import signal
@@ -22,7 +22,7 @@ JOINTS = 4
 
 @pytest.fixture
 def moving(rig, monkeypatch: pytest.MonkeyPatch) -> Servos:
-    """A performance; robots of other tests beside this one are not to be stopped."""
+    """Start a performance, shielded from the robots of other tests."""
 
     def of_this_test() -> tuple[Channel, ...]:
         channel = find_supervisor(next(iter(rig.ports.values())), JOINTS)
@@ -35,7 +35,7 @@ def moving(rig, monkeypatch: pytest.MonkeyPatch) -> Servos:
     return servos
 
 
-def test_a_stop_of_another_program_holds_the_robot_until_somebody_consents(rig, moving: Servos):
+def test_stop_by_another_program_holds_the_robot_until_a_resume_request(rig, moving: Servos):
     assert stop.stop_robots() == 0
     stopped = time.monotonic()
     time.sleep(STILL)
@@ -50,14 +50,14 @@ def test_a_stop_of_another_program_holds_the_robot_until_somebody_consents(rig, 
     moving.release()
     moving.close()
     assert not rig.record().torque[-1].any()
-    with pytest.raises(BusError, match=r"no program of yours drives servos from here.*switch the power off"):
+    with pytest.raises(BusError, match=r"none of your programs drives servos from this machine.*switch the power off"):
         stop.stop_robots()
 
 
-def test_a_supervisor_that_does_not_stop_is_told(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
+def test_supervisor_that_does_not_stop_is_reported(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(stop, "STANDSTILL_TIMEOUT", STILL)
     rig.freeze(moving)
-    with pytest.raises(BusError, match=r"1 of 1 have not stopped in 0.3 s \(active\); switch the power off"):
+    with pytest.raises(BusError, match=r"1 of 1 robots have not stopped in 0.3 s \(active\); switch the power off"):
         stop.stop_robots()
     os.kill(moving.pid, signal.SIGCONT)
     rig.wait(lambda: moving.state().stage is Stage.STOPPED)

@@ -1,4 +1,7 @@
-"""Wires and servos fail in the middle of a performance. Times are compared with what the machine's stalls allow."""
+"""Faults of wires and servos during a performance.
+
+Times are compared with the machine's own stalls.
+"""
 
 import time
 from dataclasses import replace
@@ -15,7 +18,7 @@ from .conftest import SETTINGS, lateness
 pytestmark = pytest.mark.realtime
 
 
-def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
+def test_robot_holds_while_its_port_is_unplugged_and_continues_afterwards(rig):
     servos = rig.opened()
     rig.write(servos, 30.0)
     rig.moving(servos)
@@ -36,7 +39,7 @@ def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
     assert not record.torque[-1].any()
 
 
-def test_a_servo_that_reboots_rejoins_without_a_jump(rig):
+def test_servo_that_reboots_rejoins_without_a_jump(rig):
     servos = rig.opened()
     rig.write(servos, 30.0)
     rig.moving(servos)
@@ -56,7 +59,7 @@ def test_a_servo_that_reboots_rejoins_without_a_jump(rig):
     assert torque[-1] == 1
 
 
-def test_a_servo_that_fails_is_the_reason_that_is_given(rig):
+def test_failed_servo_is_named_as_reason_of_the_stop(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.moving(servos)
@@ -69,7 +72,7 @@ def test_a_servo_that_fails_is_the_reason_that_is_given(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_a_port_that_is_away_for_long_is_held_until_somebody_consents(rig):
+def test_robot_waits_for_a_resume_request_after_a_long_port_loss(rig):
     servos = rig.opened()
     rig.write(servos, 30.0)
     rig.moving(servos)
@@ -88,7 +91,7 @@ def test_a_port_that_is_away_for_long_is_held_until_somebody_consents(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_a_limb_that_cannot_fold_is_held_until_somebody_lets_it_fall(rig):
+def test_limb_that_cannot_fold_is_held_until_confirmation(rig):
     servos = rig.opened(replace(SETTINGS, patience=0.5))
     rig.write(servos, 20.0)
     rig.moving(servos)
@@ -107,7 +110,7 @@ def test_a_limb_that_cannot_fold_is_held_until_somebody_lets_it_fall(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_an_emergency_stop_holds_until_it_is_released(rig):
+def test_emergency_stop_holds_until_it_is_released(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.moving(servos)

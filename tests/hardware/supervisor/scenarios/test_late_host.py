@@ -1,4 +1,4 @@
-"""A host that lets cycles begin late: what becomes of bus watchdogs and time, before any watchdog trips."""
+"""Bus watchdogs and time scale on a host with late cycles."""
 
 from collections.abc import Callable
 
@@ -27,9 +27,9 @@ def test_watchdogs_are_longer_and_time_is_slower_while_cycles_are_late(
     assert [line for line in made.kinds() if line.startswith("host: cycles begin up to")]
 
 
-def test_a_punctual_host_gets_its_watchdogs_back(desk: Make, monkeypatch: pytest.MonkeyPatch):
+def test_punctual_host_gets_its_watchdogs_back(desk: Make, monkeypatch: pytest.MonkeyPatch):
     """After ten seconds (tests/hardware/bus/test_host.py), of which one is enough here."""
-    monkeypatch.setattr(host, "CALM", 1.0)
+    monkeypatch.setattr(host, "GAP_MEMORY", 1.0)
     made = desk().active(20.0)
     made.pass_time(0.03)
     made.run(0.1)
@@ -41,7 +41,7 @@ def test_a_punctual_host_gets_its_watchdogs_back(desk: Make, monkeypatch: pytest
     assert made.stage is Stage.ACTIVE
 
 
-def test_a_watchdog_that_got_lost_on_the_way_is_set_again(desk: Make):
+def test_lost_watchdog_write_is_repeated(desk: Make):
     made = desk().active(20.0)
     made.plant.servos[1].memory[WATCHDOG] = 100
     made.run(0.05)

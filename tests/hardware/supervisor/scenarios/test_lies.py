@@ -1,4 +1,4 @@
-"""A servo that says the same nonsense again and again, each record with a right CRC, in the middle of a performance."""
+"""Servo that repeats nonsense with a valid CRC during a performance."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ LIAR, SECONDS = 2, 0.6
 
 @contextmanager
 def lying(made: Desk, register: Register, lie: int) -> Iterator[None]:
-    """One of the servos shows another value than it has, be it kinesic's own or the manual's."""
+    """Make one servo report a false value."""
     servo, (start, end) = made.plant.servos[LIAR], (register.field.address, register.field.end)
     if made.servos == "manual":
         tampers = servo.device.firmware.tampers
@@ -48,16 +48,16 @@ def lying(made: Desk, register: Register, lie: int) -> Iterator[None]:
         (Register.PRESENT_CURRENT, -32_768),
     ],
 )
-def test_nonsense_moves_nothing_and_is_told_once(desk: Make, register: Register, lie: int):
+def test_impossible_register_values_move_nothing_and_are_reported_once(desk: Make, register: Register, lie: int):
     made = desk().active(6.0)
-    before, pace = made.true(Register.GOAL_POSITION), made.manifest.speeds * made.settings.period
+    before, pace = made.true(Register.GOAL_POSITION), made.manifest.velocities * made.settings.period
     with lying(made, register, lie):
         for _ in range(round(SECONDS / made.settings.period)):
             made.cycle()
             goals = made.true(Register.GOAL_POSITION)
             assert (np.abs(goals - before) <= 1.6 * pace + 2).all()
             before = goals
-        assert np.abs(goals - made.here).max() <= 10
+        assert np.abs(goals - made.present_position).max() <= 10
         assert made.status.scale == 0.0
         assert made.true(Register.TORQUE_ENABLE).all()
         assert sum(line.startswith("impossible") for line in made.kinds()) == 1

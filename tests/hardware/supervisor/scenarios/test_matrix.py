@@ -1,10 +1,13 @@
-"""Every fault of the matrix strikes a performance: no exception, no jump, and after the release no servo has torque."""
+"""Every fault of the matrix during a performance.
+
+There is no exception, no jump, and no torque after the release.
+"""
 
 from collections.abc import Callable
 
 import pytest
 
-from kinesic.bench.bus.matrix import STRIKE, FaultCase, cases
+from kinesic.bench.bus.matrix import FAULT_START, FaultCase, list_cases
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -18,7 +21,7 @@ SIZES, BAUDS, SEEDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000), (1, 2, 3)
 
 
 def settings(count: int, baud: int) -> SupervisorSettings:
-    """A period that the wire allows, and a watchdog of ten of them at least."""
+    """Return a period within the wire's limits and a sufficient watchdog."""
     period = max(0.01, 1.6 * ((36 + 28 * count) * 10 / baud + 0.001))
     watchdog = max(0.1, 10 * period)
     return SupervisorSettings(
@@ -46,7 +49,7 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
     desk.channel.set("ended", 1)
     desk.until(Stage.ACTIVE)
     desk.buses["body"].expose(FaultPlan(later, seed))
-    desk.run(STRIKE + 0.8)
+    desk.run(FAULT_START + 0.8)
     desk.channel.set("release", 1)
     desk.until(Stage.CLOSED, Stage.WAITING, within=60.0)
     assert (desk.stage is Stage.WAITING) == (case.name in HELD)
@@ -57,8 +60,8 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
     assert max(desk.jumps) <= 2
 
 
-@pytest.mark.parametrize("case", [case for case in cases() if "1%" not in case.name], ids=lambda case: case.name)
-def test_a_performance_survives_every_fault(crowd: Make, case: FaultCase):
+@pytest.mark.parametrize("case", [case for case in list_cases() if "1%" not in case.name], ids=lambda case: case.name)
+def test_performance_survives_every_fault(crowd: Make, case: FaultCase):
     struck(crowd, case, FEW, 1_000_000, 1)
 
 
@@ -67,13 +70,15 @@ COMBINATIONS = [(count, baud, seed) for count in SIZES for baud in BAUDS for see
 
 @pytest.mark.soak
 @pytest.mark.parametrize(("count", "baud", "seed"), COMBINATIONS)
-@pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
-def test_every_size_and_rate_survives_every_fault(crowd: Make, case: FaultCase, count: int, baud: int, seed: int):
+@pytest.mark.parametrize("case", list_cases(), ids=lambda case: case.name)
+def test_performance_with_any_servo_count_and_baud_rate_survives_every_fault(
+    crowd: Make, case: FaultCase, count: int, baud: int, seed: int
+):
     struck(crowd, case, count, baud, seed)
 
 
 @pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.soak)])
-def test_every_outage_is_adopted(crowd: Make, count: int):
+def test_servos_are_adopted_after_every_port_outage(crowd: Make, count: int):
     desk = crowd(FEW)
     desk.open()
     desk.perform(100.0)
@@ -89,7 +94,7 @@ def test_every_outage_is_adopted(crowd: Make, count: int):
 
 
 @pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.soak)])
-def test_every_supervisor_that_is_killed_has_an_heir(crowd: Make, count: int):
+def test_killed_supervisor_is_replaced_by_the_next(crowd: Make, count: int):
     desk = crowd(FEW)
     for _ in range(count):
         desk.open()

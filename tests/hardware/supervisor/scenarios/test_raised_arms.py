@@ -1,4 +1,4 @@
-"""What becomes of two raised arms, with weight, when something fails: the twin's body behind virtual servos."""
+"""Raised arms with weight during faults, simulated by the twin."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,7 +13,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import PlannedFault
-from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 from ....reduced_robots import write_robot
 from ..conftest import PERIOD, Desk
@@ -34,7 +34,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Robot:
 
 
 def raised(robot: Robot, log: Path) -> Desk:
-    """Both arms up, in the middle of a performance that keeps them there."""
+    """Raise both arms in the middle of a performance."""
     names, rest = robot.skeleton.names, robot.skeleton.rest
     there = rest.copy()
     for hinge, angle in RAISED.items():
@@ -44,7 +44,7 @@ def raised(robot: Robot, log: Path) -> Desk:
     def assemble(wires):
         return build_bus(wires, TwinPhysics(robot, wires))
 
-    desk = Desk(Manifest.of(robot), cables(robot), log, settings=BRIEF, assemble=assemble)
+    desk = Desk(Manifest.of(robot), describe_cables(robot), log, settings=BRIEF, assemble=assemble)
     desk.open()
     for k in range(1800):
         share = min(1.0, k * PERIOD / UP)
@@ -63,16 +63,16 @@ def arms(robot: Robot, tmp_path: Path) -> Iterator[Desk]:
 
 
 def behind(desk: Desk) -> float:
-    """[deg] by which the servo with torque that is farthest from its goal misses it."""
+    """Return the largest goal error [deg] of a servo with torque."""
     turns = np.abs([member.turns for member in desk.manifest.members])
     away = np.degrees(
-        np.abs(desk.here - desk.true(Register.GOAL_POSITION)) / turns * Register.GOAL_POSITION.field.scale
+        np.abs(desk.present_position - desk.true(Register.GOAL_POSITION)) / turns * Register.GOAL_POSITION.field.scale
     )
     return float(np.max(away[desk.true(Register.TORQUE_ENABLE) != 0], initial=0.0))
 
 
 def follow(desk: Desk, *stages: Stage, within: float = 30.0) -> None:
-    """Runs until a stage; no limb with torque falls meanwhile."""
+    """Run until a stage, and check that no limb with torque falls."""
     began = desk.plant.time
     while desk.stage not in stages and not desk.supervisor.done:
         desk.cycle()
@@ -121,7 +121,7 @@ ORDINARY = 2  # of them in every run
         for k, (name, strike) in enumerate(FOLDED.items())
     ],
 )
-def test_torque_goes_only_when_all_that_has_it_rests(arms: Desk, strike: Callable[[Desk], None]):
+def test_torque_is_switched_off_only_when_all_energised_servos_rest(arms: Desk, strike: Callable[[Desk], None]):
     assert {"l_shoulder_flexion", "r_shoulder_flexion"} <= hinges_up(arms)
     strike(arms)
     follow(arms, Stage.RELEASE)
@@ -130,7 +130,7 @@ def test_torque_goes_only_when_all_that_has_it_rests(arms: Desk, strike: Callabl
     assert not arms.true(Register.TORQUE_ENABLE).any()
 
 
-def test_an_arm_that_may_not_be_moved_is_held_without_a_planner_until_a_person_lets_it_fall(arms: Desk):
+def test_immovable_raised_arm_is_held_until_a_person_confirms(arms: Desk):
     alert(ENCODER, "l_elbow_flexion")(arms)
     arms.run(0.5)
     arms.alive = False
@@ -158,9 +158,7 @@ OUTAGES = [
 
 @pytest.mark.soak
 @pytest.mark.parametrize(("kind", "seconds"), OUTAGES)
-def test_arms_are_held_through_an_outage_and_move_on_by_themselves_after_a_short_one_alone(
-    arms: Desk, kind: str, seconds: float
-):
+def test_raised_arms_continue_without_a_resume_request_only_after_a_short_outage(arms: Desk, kind: str, seconds: float):
     arms.expose(PlannedFault(kind, seconds=seconds))
     for _ in range(round((seconds + 4.0) / PERIOD)):
         arms.cycle()

@@ -1,4 +1,4 @@
-"""What the supervisor refuses to drive, in one clear line each, with nothing energised."""
+"""Refusals of the supervisor, one line each, without torque."""
 
 from collections.abc import Callable
 
@@ -48,7 +48,7 @@ def test_wrong_servos_are_refused_in_one_clear_line_and_nothing_is_energised(
         (Register.VELOCITY_LIMIT, 10, "velocity limit"),
     ],
 )
-def test_limits_outside_of_the_servos_are_refused(desk: Make, register: Register, value: int, message: str):
+def test_joint_limits_beyond_the_servo_range_are_refused(desk: Make, register: Register, value: int, message: str):
     made = desk()
     made.plant.servos[2].memory[register] = value
     made.open()
@@ -58,15 +58,15 @@ def test_limits_outside_of_the_servos_are_refused(desk: Make, register: Register
     assert not made.true(TORQUE).any()
 
 
-def test_a_servo_that_stands_outside_of_its_range_is_refused(desk: Make):
+def test_servo_positioned_outside_its_range_is_refused(desk: Make):
     made = desk()
     made.plant.physics.turn(2, 0.1)
     made.open()
     (refused,) = [note.text for note in made.notes() if note.kind == "refused"]
-    assert "stands at 65 ticks, outside 1894..3624" in refused
+    assert "is at 65 ticks, outside 1894..3624" in refused
 
 
-def test_a_servo_with_torque_in_another_mode_is_refused(desk: Make):
+def test_servo_with_torque_in_another_mode_is_refused(desk: Make):
     made = desk()
     servo = made.plant.servos[2]
     servo.memory[Register.OPERATING_MODE] = 1

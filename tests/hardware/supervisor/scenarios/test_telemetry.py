@@ -1,4 +1,4 @@
-"""What is told of every servo: as it is, one by one, often enough, and cheap."""
+"""Telemetry of every servo: correct, frequent and cheap."""
 
 from collections.abc import Callable
 from time import process_time
@@ -6,16 +6,16 @@ from time import process_time
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import HEALTH
+from kinesic.hardware.bus.cycle import RECORD_DTYPE
 from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.registers import HardwareError
-from kinesic.hardware.supervisor.channel import TOLD
-from kinesic.hardware.supervisor.settings import USUAL
-from kinesic.hardware.supervisor.status import SLOWLY
+from kinesic.hardware.supervisor.channel import MAX_TELEMETRY_SERVOS
+from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
+from kinesic.hardware.supervisor.status import TELEMETRY_INTERVAL
 from kinesic.hardware.virtual.faults import PlannedFault
 
 
-def test_each_servo_is_told_by_itself(desk: Callable):
+def test_telemetry_contains_the_values_of_each_servo(desk: Callable):
     made = desk()
     assert not made.channel.telemetry().celsius.size
     for k, servo in enumerate(made.plant.servos):
@@ -31,15 +31,15 @@ def test_each_servo_is_told_by_itself(desk: Callable):
     assert made.channel.telemetry().errors.tolist() == [0.0, 0.0, HardwareError.OVERLOAD.value, 0.0, 0.0]
 
 
-def test_loads_are_shares_of_the_limit_in_the_direction_of_the_hinge():
-    records = np.zeros(3, dtype=HEALTH)
+def test_loads_are_relative_to_the_limit_in_hinge_direction():
+    records = np.zeros(3, dtype=RECORD_DTYPE)
     records["current"] = [455, 455, -910]
     everybody, full = np.ones(3, dtype=np.bool_), np.full(3, 910.0)
     told = Telemetry.of(2.0, records, everybody, full=full, turns=np.array([1.0, -1.2, -1.0]))
     assert told.load.tolist() == [0.5, -0.5, 1.0]
 
 
-def test_a_servo_that_does_not_answer_is_not_made_up(desk: Callable):
+def test_telemetry_of_a_silent_servo_is_nan(desk: Callable):
     made = desk()
     made.open()
     made.run(0.3)
@@ -49,22 +49,22 @@ def test_a_servo_that_does_not_answer_is_not_made_up(desk: Callable):
     assert np.isnan(told.figures).sum(axis=0).tolist() == [0, 5, 0, 0, 0]
 
 
-def test_it_is_told_twenty_times_a_second_and_costs_next_to_nothing(crowd: Callable):
+def test_telemetry_is_updated_twenty_times_a_second_cheaply(crowd: Callable):
     made = crowd(37, baud=4_000_000)
     made.open()
     made.run(0.2)
     before = made.channel.word("tellings")
     made.run(1.0)
-    assert made.channel.word("tellings") - before == pytest.approx(1.0 / SLOWLY, abs=1)
+    assert made.channel.word("tellings") - before == pytest.approx(1.0 / TELEMETRY_INTERVAL, abs=1)
     monitor, channel = made.supervisor._monitor, made.channel
     began = process_time()
     for _ in range(200):
         channel.write_telemetry(monitor.telemetry(1.0))
-    assert (process_time() - began) / 200 < 0.05 * USUAL.period  # of a cycle, every fifth cycle
+    assert (process_time() - began) / 200 < 0.05 * DEFAULT_SETTINGS.period  # of a cycle, every fifth cycle
 
 
-def test_of_too_many_servos_the_first_are_told(crowd: Callable):
+def test_telemetry_beyond_the_maximum_number_of_servos_is_truncated(crowd: Callable):
     made = crowd(2)
-    figures = (np.arange(TOLD + 3.0),) * 5
+    figures = (np.arange(MAX_TELEMETRY_SERVOS + 3.0),) * 5
     made.channel.write_telemetry(Telemetry(1.0, *figures))
-    assert made.channel.telemetry().celsius.tolist() == list(range(TOLD))
+    assert made.channel.telemetry().celsius.tolist() == list(range(MAX_TELEMETRY_SERVOS))
