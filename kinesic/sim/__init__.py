@@ -1,4 +1,4 @@
-"""The virtual robot: a MuJoCo twin of the same skeleton."""
+"""Simulated twin of the robot in MuJoCo."""
 
 from kinesic.sim import gl
 

@@ -1,55 +1,54 @@
-"""How close the robot comes to itself: exact distances between capsules, for a whole motion at once.
+"""Self-distance of a robot: smallest distances between capsules of its segments.
 
-The fingers of a hand are one body. A ball about all that they can reach stands for them, so that they cost nothing
-where the hand is far from everything; where the ball is near, the fingers themselves are measured.
+All postures of a motion are measured at once. The fingers of a hand count as one body. A ball around everything that
+they can reach stands for them, so that they cost nothing while the hand is far away. Once the ball is near another
+capsule, the fingers themselves are measured.
 """
 
 from collections.abc import Sequence
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, Indices, distinct_rows, sealed
+from kinesic._kernel import sim as kernel
+from kinesic.body.arrays import Flags, Floats, Indices, find_distinct_rows, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Capsule
-from kinesic.sim.fingers import FingerPlaces, finger_hull
-from kinesic.sim.kinematics import KERNEL, MotionFrames, body_frames, compiled_frames
-from kinesic.sim.reaches import capsule_reach, reaches_of_pairs, suspects
-from kinesic.sim.segment_distances import segment_distances
+from kinesic.sim.fingers import FingerPlaces, compute_finger_hull
+from kinesic.sim.kinematics import MotionFrames, body_frames, compile_frames
+from kinesic.sim.reaches import compute_capsule_reach, compute_pair_reaches, suspects
 
-if KERNEL == "compiled":
-    from kinesic.sim import _kernel
-
-POSTURES_PER_BATCH = 512  # postures whose kinematics are computed at once
-POSTURES_PER_STRIP = 128  # of them for all pairs, so that arrays stay in the cache
-POSTURES_PER_WINDOW = 4096  # postures whose frames are kept together while a whole motion is looked at
-SAME_POSTURE = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
-NEAR_FINGERS = 0.03  # [m] the ball about fingers comes to something, from which on they are measured in a motion
-SIGHT = 0.13  # [m] likewise where gaps are asked for: those that are wider are no less than they are said to be
+POSTURES_PER_BATCH = 512  # number of postures per call of the forward kinematics
+POSTURES_PER_WINDOW = 4096  # number of postures whose frames are in memory at the same time
+SAME_POSTURE_TOLERANCE = 1e-5  # [rad] angle difference of equal postures; moves capsules by 0.01 mm per hinge at most
+FINGER_BALL_DISTANCE = 0.03  # [m] distance from a hand's bounding ball below which its fingers are measured
+MAX_EXACT_FINGER_GAP = 0.13  # [m] finger distance up to which `gaps` is exact; larger ones are lower bounds
 
 
 class CapsuleDistances:
-    """Self-distance of a robot over its counted pairs; implements `body.dynamics.Distances`."""
+    """Distances between all pairs of segments that the collision check measures.
+
+    Implements `body.dynamics.Distances`.
+    """
 
     def __init__(self, robot: Robot) -> None:
-        """Lists the pairs of capsules that count.
+        """List the capsule pairs whose distances are checked.
 
         Args:
-            robot: whose capsules, and whose counted pairs of bodies.
+            robot: Description with capsules and counted pairs of segments.
         """
         self._robot, self._skeleton, segment = robot, robot.skeleton, robot.skeleton.segment
-        hands = _hands(robot)
+        hands = _find_hands(robot)
         self._fingers = [FingerPlaces(robot, side) for side, _ in hands]
         fingers = {segment(name) for side, _ in hands for name in robot.fingers(side)}
-        every = [(k, c) for k, part in enumerate(robot.skeleton.segments) for c in part.capsules]
-        plain = [(k, c) for k, c in every if k not in fingers]
-        hulls = {f"{side}_fingers": finger_hull(robot, side) for side in SIDES if robot.fingers(side)}
-        self._capsules = [*plain, *((robot.arm(side).wrist, hulls[name]) for side, name in _hands(robot))]
+        capsules = [(k, c) for k, part in enumerate(robot.skeleton.segments) for c in part.capsules]
+        plain_capsules = [(k, c) for k, c in capsules if k not in fingers]
+        hulls = {f"{side}_fingers": compute_finger_hull(robot, side) for side in SIDES if robot.fingers(side)}
+        self._capsules = [*plain_capsules, *((robot.arm(side).wrist, hulls[name]) for side, name in _find_hands(robot))]
         self._owners = [k for k, _ in self._capsules]
-        self._starts, self._ends = _sides(self._capsules)
-        owners = [robot.skeleton.segments[k].name for k, _ in plain] + list(hulls)
+        self._starts, self._ends = _stack_ends(self._capsules)
+        owners = [robot.skeleton.segments[k].name for k, _ in plain_capsules] + list(hulls)
         counted = {pair: k for k, pair in enumerate(robot.counted_pairs)}
         pairs = [(i, j) for i, a in enumerate(owners) for j, b in enumerate(owners) if (a, b) in counted]
         self._first, self._second = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
@@ -59,24 +58,23 @@ class CapsuleDistances:
         halves = np.array([np.linalg.norm(capsule.end - capsule.start) / 2 for _, capsule in self._capsules])
         self._radii = radii[self._first] + radii[self._second]  # (p,) [m]
         self._halves = halves[self._first] + halves[self._second]  # (p,) [m]
-        members = [[k] for k in range(len(plain))]  # capsules that each one stands for
-        self._members = list(plain)
+        members = [[k] for k in range(len(plain_capsules))]  # measured capsules represented by each capsule or ball
+        self._members = list(plain_capsules)
         for hand in self._fingers:
             members.append([*range(len(self._members), len(self._members) + len(hand.capsules))])
             self._members += hand.capsules
-        self._plain_owners, self._plain_sides = [k for k, _ in plain], _sides(plain)
+        self._plain_owners, self._plain_sides = [k for k, _ in plain_capsules], _stack_ends(plain_capsules)
         self._member_radii = np.array([capsule.radius for _, capsule in self._members])
-        self._begins = np.cumsum([0, *map(len, members)])  # (b + 1,) of each body's own among all members
-        self._hulled = np.array([max(pair) >= len(plain) for pair in pairs], dtype=np.bool_)  # (p,)
-        within = [np.array(list(product(members[i], members[j])), dtype=np.intp).T for i, j in pairs]
-        # rows of pairs with as many pairs of capsules within, and these (2, r, k)
-        self._within = _by_size(within, self._hulled)
-        reach = [capsule_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
+        self._begins = np.cumsum([0, *map(len, members)])  # (b + 1,) first member of each capsule or ball
+        self._hulled = np.array([max(pair) >= len(plain_capsules) for pair in pairs], dtype=np.bool_)  # (p,)
+        reach = [compute_capsule_reach(robot.skeleton, k, capsule) for k, capsule in self._members]
         reaches = np.array([np.max([reach[k] for k in row], axis=0) for row in members])
-        self._reaches = reaches_of_pairs(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
+        self._reaches = compute_pair_reaches(reaches.reshape(-1, len(robot.skeleton.hinges)), pairs)  # (p, n) [m]
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Finds the smallest distance between the capsules of counted pairs; a posture that lasts is measured once.
+        """Compute the smallest distance between checked capsules in each posture.
+
+        Consecutive equal postures are measured once.
 
         Args:
             angles: (m, n) [rad] in joint order.
@@ -84,59 +82,53 @@ class CapsuleDistances:
         Returns:
             Distance and pair of segments for each posture; infinite for a robot without counted pairs.
         """
-        chosen, back = distinct_rows(angles, SAME_POSTURE)
-        distances, pairs = self._nearest(angles, chosen)
+        chosen, back = find_distinct_rows(angles, SAME_POSTURE_TOLERANCE)
+        distances, pairs = self._find_nearest(angles, chosen)
         return self._named(distances[back], pairs[back])
 
     def gaps(self, angles: Floats) -> Floats:
-        """Measures the distances between the segments of every counted pair.
+        """Measure the distances between the segments of every checked pair.
 
         Args:
             angles: (m, n) [rad] in joint order.
 
         Returns:
-            (m, p) [m] in the order of `Robot.counted_pairs`; infinite where a segment has no capsule. Those of fingers
-            that are wider than `SIGHT` may be wider still.
+            (m, p) [m] in the order of `Robot.counted_pairs`; infinite where a segment has no capsule. For fingers,
+            values above `MAX_EXACT_FINGER_GAP` are lower bounds.
         """
         gaps = np.full((self._counted, len(angles)), np.inf)
         if self._names:
             frames = body_frames(self._robot, angles)
-            found = np.empty((len(self._names), len(angles)))
-            if KERNEL == "compiled":
-                placed = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
-                _compiled(self).gaps(*placed, found)
-            else:
-                found[:] = self._gaps(frames)
-            self._measure_fingers(found, (found < SIGHT) & self._hulled[:, None], frames, angles)
-            np.minimum.at(gaps, self._of, found)
+            pair_distances = np.empty((len(self._names), len(angles)))
+            placements = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
+            _compile_pairs(self).gaps(*placements, pair_distances)
+            self._measure_fingers(
+                pair_distances, (pair_distances < MAX_EXACT_FINGER_GAP) & self._hulled[:, None], frames, angles
+            )
+            np.minimum.at(gaps, self._of, pair_distances)
         return sealed(gaps.T)
-
-    def _gaps(self, frames: MotionFrames) -> Floats:
-        """(p, m) [m] of all pairs of capsules."""
-        starts, ends = (side.transpose(0, 2, 1) for side in self._axes(frames))
-        first, second = self._first, self._second
-        axes = (side.reshape(-1, 3) for side in (starts[first], ends[first], starts[second], ends[second]))
-        found: Floats = segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None]
-        return found
 
     def approach(
         self, angles: Floats, ends: Indices, *, near: float, least: float = np.inf, lowest: Floats | None = None
     ) -> Clearance:
-        """Finds the closest approach in each stretch of a motion, and measures only postures that may count.
+        """Find the closest approach in each interval of a motion.
 
-        A turn of a hinge brings no two capsules nearer than by its angle times what the hinge can reach, so most
-        postures between two measured ones are known to be further.
+        Only postures that can be the closest are measured: a rotation of a hinge brings two capsules closer by at
+        most its angle times the reach of the hinge, so most postures between two measured ones are certainly farther
+        apart.
 
         Args:
-            angles: (s, n) [rad] the postures of the motion.
-            ends: (m,) where each stretch ends among them, never decreasing; it begins after the one before.
-            near: [m] every approach below this is found.
-            least: [m] the smallest that was found elsewhere.
-            lowest: (p, m) [m] of the postures at the ends, when `lowest` was asked already.
+            angles: (s, n) [rad] postures of the motion.
+            ends: (m,) non-decreasing index of the last posture of each interval; an interval begins after the
+                previous one.
+            near: [m] every approach below this distance is found.
+            least: [m] smallest distance found in other parts of the motion.
+            lowest: (p, m) [m] result of `lowest` for the postures at the ends, if already computed.
 
         Returns:
-            Distance and pair for each stretch: the smallest of all its postures wherever that is below `near`, or below
-            `least` and that of every end, and so the smallest of all; elsewhere that of its end.
+            Distance and pair for each interval. The distance is the minimum over all postures of the interval if that
+            minimum is below `near`, or below `least` and below the distance at every end. Otherwise it is the
+            distance at the end of the interval. The smallest returned distance is that of the whole motion.
         """
         if not self._names or not len(ends):
             return self.clearance(angles[ends])
@@ -145,20 +137,24 @@ class CapsuleDistances:
         distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
         pairs[ends] = lowest.argmin(axis=0)
         distances[ends] = lowest.min(axis=0)
-        between = suspects(angles, ends, lowest, self._reaches, limit=max(near, min(least, float(lowest.min()))))
-        distances[between], pairs[between] = self._nearest(angles, between)
-        chosen, stretches = ends.copy(), np.searchsorted(ends, between)
-        nearer = np.flatnonzero(distances[between] < distances[ends[stretches]])
-        nearer = nearer[np.argsort(-distances[between][nearer], kind="stable")]
-        chosen[stretches[nearer]] = between[nearer]  # of several in a stretch the last, which is the nearest, stays
+        candidates = suspects(angles, ends, lowest, self._reaches, limit=max(near, min(least, float(lowest.min()))))
+        distances[candidates], pairs[candidates] = self._find_nearest(angles, candidates)
+        chosen, stretches = ends.copy(), np.searchsorted(ends, candidates)
+        nearer = np.flatnonzero(distances[candidates] < distances[ends[stretches]])
+        nearer = nearer[np.argsort(-distances[candidates][nearer], kind="stable")]
+        chosen[stretches[nearer]] = candidates[
+            nearer
+        ]  # of several in an interval the last one stays, which is the nearest
         return self._named(distances[chosen], pairs[chosen])
 
     def bounds(self, angles: Floats, turns: Floats) -> Floats:
-        """Bounds the distances of postures from below, by what the hinges between each pair reach.
+        """Compute a lower bound of the self-distance near each posture.
+
+        The bound subtracts the largest approach that the hinges between the segments of a pair can cause.
 
         Args:
             angles: (m, n) [rad].
-            turns: (m, n) [rad] by which each hinge may be elsewhere at most, this way or that.
+            turns: (m, n) [rad] largest deviation of each hinge from its angle, in either direction.
 
         Returns:
             (m,) [m].
@@ -172,66 +168,86 @@ class CapsuleDistances:
         names = self._names or [("", "")]
         return Clearance(sealed(distances), [names[k] for k in pairs])
 
-    def _nearest(self, angles: Floats, chosen: Indices) -> tuple[Floats, Indices]:
-        """(c,) [m] and index of the closest pair of capsules, for some of the postures (m, n) [rad]."""
+    def _find_nearest(self, angles: Floats, chosen: Indices) -> tuple[Floats, Indices]:
+        """Return distance and index of the closest pair in selected postures.
+
+        Args:
+            angles: (m, n) [rad] postures.
+            chosen: (c,) indices of the selected postures.
+
+        Returns:
+            (c,) [m] and (c,) index among the counted pairs of capsules.
+        """
         distances, pairs = np.full(len(chosen), np.inf), np.zeros(len(chosen), dtype=np.int64)
         count = len(chosen) if self._names else 0
         for block in (slice(k, k + POSTURES_PER_BATCH) for k in range(0, count, POSTURES_PER_BATCH)):
             postures = angles[chosen[block]]
-            if KERNEL == "compiled" and not self._fingers:
-                _compiled(self).nearest(*self._turned(postures), distances[block], pairs[block])
+            if not self._fingers:
+                _compile_pairs(self).nearest(*self._pack_postures(postures), distances[block], pairs[block])
                 continue
             lowest = self.lowest(body_frames(self._robot, postures), postures)
             distances[block], pairs[block] = lowest.min(axis=0), lowest.argmin(axis=0)
         return distances, pairs
 
     def lowest(self, frames: MotionFrames, angles: Floats) -> Floats:
-        """(p, m) [m] distance of each pair in m postures; for those that cannot be the closest, a lower bound."""
+        """Compute the distance of each pair of capsules in each posture.
+
+        Args:
+            frames: Frames of all segments except fingers in m postures.
+            angles: (m, n) [rad] of the same postures.
+
+        Returns:
+            (p, m) [m]; for pairs that cannot be the closest of a posture, a lower bound.
+        """
         if not self._names:
             return np.empty((0, len(angles)))
-        if KERNEL == "compiled":
-            lowest = np.empty((len(self._names), len(angles)))
-            placed = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
-            _compiled(self).closest(*placed, lowest)
-        else:
-            starts, ends = self._axes(frames)
-            strips = (slice(k, k + POSTURES_PER_STRIP) for k in range(0, len(angles), POSTURES_PER_STRIP))
-            lowest = np.concatenate([self._closest(starts[:, :, strip], ends[:, :, strip]) for strip in strips], axis=1)
-        near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), NEAR_FINGERS)
+        lowest = np.empty((len(self._names), len(angles)))
+        placements = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
+        _compile_pairs(self).closest(*placements, lowest)
+        near = np.maximum(lowest[~self._hulled].min(axis=0, initial=np.inf), FINGER_BALL_DISTANCE)
         self._measure_fingers(lowest, (lowest <= near) & self._hulled[:, None], frames, angles)
         return lowest
 
     def survey(self, angles: Floats, segments: Sequence[int]) -> tuple[Floats, Floats]:
-        """Finds what `lowest` says, and where segments are; the frames of all postures are never all there.
+        """Compute pair distances and segment origins in all postures.
+
+        The frames of all postures are never in memory at the same time.
 
         Args:
             angles: (m, n) [rad] in joint order.
-            segments: whose origins are asked for.
+            segments: Indices of the segments whose origins are returned.
 
         Returns:
-            (p, m) [m] between the pairs, and (k, m, 3) [m] in the world.
+            (p, m) [m] distance of each pair, and (k, m, 3) [m] origins in the world.
         """
-        if KERNEL == "compiled" and self._names and not self._fingers:
+        if self._names and not self._fingers:
             lowest, origins = np.empty((len(self._names), len(angles))), np.empty((len(segments), len(angles), 3))
-            asked = np.array(segments, dtype=np.intp)
-            _compiled(self).survey(*self._turned(angles), asked, lowest, origins)
+            origin_segments = np.array(segments, dtype=np.intp)
+            _compile_pairs(self).survey(*self._pack_postures(angles), origin_segments, lowest, origins)
             return lowest, origins
-        found = []
+        pair_distances = []
         for block in (angles[k : k + POSTURES_PER_WINDOW] for k in range(0, len(angles), POSTURES_PER_WINDOW)):
             frames = body_frames(self._robot, block)
-            found.append((self.lowest(frames, block), frames.origins[list(segments)].transpose(0, 2, 1)))
-        lowest, origins = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+            pair_distances.append((self.lowest(frames, block), frames.origins[list(segments)].transpose(0, 2, 1)))
+        lowest, origins = (np.concatenate(parts, axis=1) for parts in zip(*pair_distances, strict=True))
         return lowest, origins
 
-    def _turned(self, angles: Floats) -> tuple["_kernel.MotionFrames", Flags, Floats, Floats]:
-        """What the kernel needs to place all segments in postures (m, n) [rad]."""
-        turns = np.ascontiguousarray(self._skeleton.turns(angles).T)
-        chosen = np.ones(len(self._skeleton.segments), dtype=np.bool_)
-        return compiled_frames(self._skeleton), chosen, np.sin(turns), np.cos(turns)
+    def _pack_postures(self, angles: Floats) -> tuple[kernel.MotionFrames, Flags, Floats, Floats]:
+        """Pack the skeleton and the postures' sines and cosines for the kernel.
 
-    def compiled(self) -> "_kernel.CapsulePairs":
-        """Makes what the kernel measures; not kept in the object, which other processes get."""
-        return _kernel.make_pairs(
+        Args:
+            angles: (m, n) [rad].
+        """
+        turns = np.ascontiguousarray(self._skeleton.with_couplings(angles).T)
+        chosen = np.ones(len(self._skeleton.segments), dtype=np.bool_)
+        return compile_frames(self._skeleton), chosen, np.sin(turns), np.cos(turns)
+
+    def compiled(self) -> kernel.CapsulePairs:
+        """Pack the pairs of capsules for the kernel.
+
+        The result is not stored in the object, which is pickled for other processes.
+        """
+        return kernel.make_pairs(
             np.array(self._owners, dtype=np.int64),
             self._starts,
             self._ends,
@@ -242,78 +258,45 @@ class CapsuleDistances:
             self._hulled,
         )
 
-    def _closest(self, starts: Floats, ends: Floats) -> Floats:
-        """The same from the capsules' axes, (c, 3, m) [m] each."""
-        middles = (starts + ends) / 2
-        between = middles[self._first] - middles[self._second]
-        above = np.sqrt(np.einsum("pkm,pkm->pm", between, between)) - self._radii[:, None]
-        # the axes' middles bound the distance from above, less their half lengths from below
-        lowest: Floats = above - self._halves[:, None]
-        pairs, postures = np.nonzero(lowest <= above[~self._hulled].min(axis=0, initial=np.inf))
-        i, j = self._first[pairs], self._second[pairs]
-        axes = (starts[i, :, postures], ends[i, :, postures], starts[j, :, postures], ends[j, :, postures])
-        lowest[pairs, postures] = segment_distances(*axes) - self._radii[pairs]
-        return lowest
-
     def _measure_fingers(self, gaps: Floats, near: Flags, frames: MotionFrames, angles: Floats) -> None:
-        """Puts the distance of fingers in place of that of the ball about them.
+        """Replace distances to the fingers' bounding ball by exact finger distances.
 
         Args:
-            gaps: (p, m) [m] of all pairs.
-            near: (p, m) where the ball is so near that fingers count.
-            frames: of all segments but fingers.
+            gaps: (p, m) [m] of all pairs; updated in place.
+            near: (p, m) true where the ball is so near that the fingers must be measured.
+            frames: Frames of all segments except fingers.
             angles: (m, n) [rad].
         """
         postures = np.flatnonzero(near.any(axis=0))
         if not len(postures):
             return
-        placed = frames.at(postures)
-        asked = {body for row in np.flatnonzero(near.any(axis=1)) for body in (self._first[row], self._second[row])}
-        parts = [placed.axes(self._plain_owners, *self._plain_sides)]
+        placements = frames.at(postures)
+        origin_segments = {
+            body for row in np.flatnonzero(near.any(axis=1)) for body in (self._first[row], self._second[row])
+        }
+        parts = [placements.axes(self._plain_owners, *self._plain_sides)]
         for body, hand in enumerate(self._fingers, start=len(self._plain_owners)):
             nowhere = np.zeros((len(hand.capsules), 3, len(postures)))
-            parts.append(hand.ends(angles[postures], placed) if body in asked else (nowhere, nowhere))
+            parts.append(hand.ends(angles[postures], placements) if body in origin_segments else (nowhere, nowhere))
         starts, ends = (np.concatenate(side) for side in zip(*parts, strict=True))
-        if KERNEL == "compiled":
-            first, second, reaches = self._first, self._second, self._member_radii
-            _kernel.measure_bodies(self._begins, reaches, first, second, starts, ends, postures, near, gaps)
-            return
-        starts, ends = starts.transpose(0, 2, 1), ends.transpose(0, 2, 1)
-        for rows, within in self._within:
-            cells, here = np.nonzero(near[rows[:, None], postures])
-            if not len(cells):
-                continue
-            first, second = within[:, cells]
-            axes = (
-                side[capsules, here[:, None]].reshape(-1, 3) for capsules in (first, second) for side in (starts, ends)
-            )
-            apart = segment_distances(*axes).reshape(first.shape)
-            reach = self._member_radii[first] + self._member_radii[second]
-            gaps[rows[cells], postures[here]] = (apart - reach).min(axis=1)
-
-    def _axes(self, frames: MotionFrames) -> tuple[Floats, Floats]:
-        """(c, 3, m) [m] starts and ends of the capsules' axes in the world."""
-        return frames.axes(self._owners, self._starts, self._ends)
+        first, second, radii = self._first, self._second, self._member_radii
+        kernel.measure_bodies(self._begins, radii, first, second, starts, ends, postures, near, gaps)
 
 
 @lru_cache(maxsize=8)
-def _compiled(distances: CapsuleDistances) -> "_kernel.CapsulePairs":
+def _compile_pairs(distances: CapsuleDistances) -> kernel.CapsulePairs:
     return distances.compiled()
 
 
-def _by_size(within: Sequence[Indices], counted: Flags) -> list[tuple[Indices, Indices]]:
-    """Puts counted pairs of bodies with as many pairs of capsules within together."""
-    sizes = np.array([pairs.shape[1] for pairs in within], dtype=np.intp)
-    rows = [np.flatnonzero((sizes == size) & counted) for size in sorted({*sizes[counted].tolist()})]
-    return [(row, np.stack([within[int(k)] for k in row], axis=1)) for row in rows]
-
-
-def _hands(robot: Robot) -> list[tuple[Side, str]]:
-    """Sides with fingers, and how these are called together."""
+def _find_hands(robot: Robot) -> list[tuple[Side, str]]:
+    """Return the sides with fingers and their finger group names."""
     return [(side, f"{side}_fingers") for side in SIDES if robot.fingers(side)]
 
 
-def _sides(capsules: Sequence[tuple[int, Capsule]]) -> tuple[Floats, Floats]:
-    """(c, 3) [m] starts and ends of capsules in their segments."""
+def _stack_ends(capsules: Sequence[tuple[int, Capsule]]) -> tuple[Floats, Floats]:
+    """Return start and end points of capsules in segment frames.
+
+    Each array is (c, 3) [m].
+    """
     starts, ends = ([getattr(capsule, side) for _, capsule in capsules] for side in ("start", "end"))
     return np.array(starts).reshape(-1, 3), np.array(ends).reshape(-1, 3)

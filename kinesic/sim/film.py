@@ -1,4 +1,4 @@
-"""Moving and still pictures of the robot, drawn off screen."""
+"""Films and still pictures of the robot, rendered off screen."""
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -13,42 +13,48 @@ from PIL import Image
 from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken, caption_box, words_at, write_caption
-from kinesic.files.film_file import EncodingError, PixelBox, durations, open_film
+from kinesic.files.film_file import EncodingError, PixelBox, open_film, picture_durations
 from kinesic.sim.filming.canvas import Canvas, CanvasError
 from kinesic.sim.filming.framing import (
     bounding_box,
-    motion_view,
-    moving_balls,
-    robot_boxes,
-    seen_at,
-    shadow_boxes,
-    sunk_balls,
+    clip_below_floor,
+    find_capsule_balls,
+    find_motion_view,
+    find_robot_boxes,
+    find_shadow_boxes,
+    project_points,
 )
-from kinesic.sim.filming.soft_shadow import shade, shadow_outlines
+from kinesic.sim.filming.soft_shadow import compute_shadow_outlines, shade
 from kinesic.sim.gl import missing_libraries, opengl_fault
-from kinesic.sim.model import turn_order
-from kinesic.sim.scene_layout import SceneView, view_of
+from kinesic.sim.model import find_turn_indices
+from kinesic.sim.scene_layout import SceneView, find_scene_view
 from kinesic.sim.scene_style import styled_model
 
 __all__ = ["FilmError", "film", "moments", "opengl_fault", "write_still"]
 
-T = TypeVar("T")
-Faces = Callable[[int, float], Picture]  # the face that is seen in a picture, by its number and time [s]
-SIZE = (480, 360)  # [pixels] width and height of a still
-FILM_SIZE = (1280, 720)
-FILM_RATE = 30.0  # [Hz]
-FINER = 2  # pixels that are drawn along a side of one
-MOST_PICTURES = 3600  # of one film: two minutes; a longer one has fewer a second
-REACH = 0.08  # arm lengths that the screen of the head and servos may be seen beyond a robot's shapes
+ItemT = TypeVar("ItemT")
+Faces = Callable[[int, float], Picture]  # picture number and time [s] -> picture of the face
+STILL_SIZE = (480, 360)  # [pixels] width and height of a still picture
+FILM_SIZE = (1280, 720)  # [pixels] width and height of a film
+FILM_RATE = 30.0  # [Hz] picture rate of films
+SUPERSAMPLING_FACTOR = 2  # rendered pixels per picture pixel along each side
+MAX_FILM_PICTURES = 3600  # largest number of pictures of a film, two minutes; a longer film has a lower rate
+DRAWN_MARGIN = 0.08  # [arm lengths] extent of drawn head screen and servos beyond the robot's capsules
 
 
 class FilmError(RuntimeError):
-    """Pictures cannot be drawn here: says what is missing and the line that mends it."""
+    """Failure to draw pictures, with the cause and a remedy."""
 
 
 def moments(begin: float, end: float, rate: float = FILM_RATE) -> Floats:
-    """[s] of the pictures of a motion at a rate [Hz], or at a lower one where they would be more than MOST_PICTURES."""
-    period = max(1 / rate, (end - begin) / MOST_PICTURES)
+    """Return the times [s] of a film's pictures.
+
+    Args:
+        begin: [s].
+        end: [s].
+        rate: [Hz] reduced if the film would exceed `MAX_FILM_PICTURES` pictures.
+    """
+    period = max(1 / rate, (end - begin) / MAX_FILM_PICTURES)
     return np.arange(begin, end + 1e-9, period)
 
 
@@ -63,23 +69,25 @@ def film(
     faces: Faces | None = None,
     spoken: Sequence[Spoken] = (),
     sound: Path | None = None,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Callable[[float], None] = lambda fraction: None,
     guarded: bool = True,
 ) -> None:
-    """Writes a motion as a film, whose camera frames the hands and the head.
+    """Render a motion as a film.
+
+    The camera frames the hands and the head.
 
     Args:
-        robot: who moves.
+        robot: Robot that moves.
         times: (m,) [s] increasing.
         angles: (m, n) [rad] at these times.
-        path: of the film, ending in .webp, or .mp4 where an encoder is installed.
-        size: width and height of a picture, in pixels; both even.
-        rate: pictures per second; less when there would be more than MOST_PICTURES.
-        faces: what the screen of the head shows; None: a plain face that does nothing.
-        spoken: captions.
-        sound: a WAV that begins with the film, for .mp4.
-        progress: gets the share of the pictures that are drawn, after each of them.
-        guarded: whether OpenGL is first tried in another process, as a broken driver may end the one that draws.
+        path: Output file ending in .webp, or in .mp4 if an encoder is installed.
+        size: Width and height of a picture [pixels]; both even.
+        rate: [Hz] pictures per second; less if there would be more than `MAX_FILM_PICTURES`.
+        faces: Pictures for the screen on the head; None: a plain face without motion.
+        spoken: Captions.
+        sound: WAV file that starts with the film, for .mp4.
+        progress: Callback with the fraction of pictures drawn, called after each picture.
+        guarded: Whether to test OpenGL in another process first, as a broken driver may end the process that draws.
 
     Raises:
         FilmError: OpenGL does not draw on this machine, or there is no encoder.
@@ -88,75 +96,99 @@ def film(
     if len(times) != len(angles) or not len(times):
         raise ValueError(f"a film of {len(angles)} postures at {len(times)} times: both must be the same, at least 1")
     _check_opengl(guarded=guarded)
-    shot = moments(float(times[0]), float(times[-1]), rate)
-    postures = np.column_stack([np.interp(shot, times, column) for column in angles.T])
-    period = float(shot[1] - shot[0]) if len(shot) > 1 else 1 / rate
-    said = [words_at(spoken, time + period / 2) for time in shot.tolist()]
-    shown = (lambda k: None) if faces is None else (lambda k: faces(k, float(shot[k])))
-    view = motion_view(robot, postures, aspect=size[0] / size[1])
-    pictures = _one_ahead(_draw_frames(robot, postures, size, shown, view=view))
+    picture_times = moments(float(times[0]), float(times[-1]), rate)
+    postures = np.column_stack([np.interp(picture_times, times, column) for column in angles.T])
+    period = float(picture_times[1] - picture_times[0]) if len(picture_times) > 1 else 1 / rate
+    captions = [words_at(spoken, time + period / 2) for time in picture_times.tolist()]
+    face_at = (lambda k: None) if faces is None else (lambda k: faces(k, float(picture_times[k])))
+    view = find_motion_view(robot, postures, aspect=size[0] / size[1])
+    pictures = _draw_ahead(_draw_frames(robot, postures, size, face_at, view=view))
     try:
         with open_film(path, size, rate=1 / period, sound=sound) as writer:
-            before = ""
-            for k, ((picture, box), shown_for) in enumerate(
-                zip(pictures, durations(len(shot), 1 / period), strict=True)
+            last_caption = ""
+            for k, ((picture, box), duration) in enumerate(
+                zip(pictures, picture_durations(len(picture_times), 1 / period), strict=True)
             ):
-                write_caption(picture, said[k])
-                bands = [caption_box(text, size) or box for text in {before, said[k]} if before != said[k]]
-                writer.write(picture, reduce(bounding_box, bands, box), shown_for)
-                before = said[k]
-                progress((k + 1) / len(shot))
+                write_caption(picture, captions[k])
+                bands = [
+                    caption_box(text, size) or box
+                    for text in {last_caption, captions[k]}
+                    if last_caption != captions[k]
+                ]
+                writer.write(picture, reduce(bounding_box, bands, box), duration)
+                last_caption = captions[k]
+                progress((k + 1) / len(picture_times))
     except (CanvasError, EncodingError) as error:
         raise FilmError(str(error)) from None
 
 
-def write_still(robot: Robot, angles: Floats, path: Path, *, size: tuple[int, int] = SIZE) -> None:
-    """Writes one posture (n,) [rad] as a PNG.
+def write_still(robot: Robot, angles: Floats, path: Path, *, size: tuple[int, int] = STILL_SIZE) -> None:
+    """Write a picture of one posture (n,) [rad] as a PNG file.
 
     Raises:
         FilmError: OpenGL does not draw on this machine.
     """
     _check_opengl(guarded=True)
     try:
-        ((picture, _),) = _draw_frames(robot, angles[None], size, lambda k: None, view=view_of(robot))
+        ((picture, _),) = _draw_frames(robot, angles[None], size, lambda k: None, view=find_scene_view(robot))
         Image.fromarray(picture).save(path, format="PNG")
     except CanvasError as error:
         raise FilmError(str(error)) from None
 
 
-def _one_ahead(pictures: Generator[T, None, None]) -> Iterator[T]:
-    """Draws each picture while the one before is written, all in one thread, as OpenGL wants."""
+def _draw_ahead(pictures: Generator[ItemT, None, None]) -> Iterator[ItemT]:
+    """Yield pictures while the next one is drawn in a worker thread.
+
+    All pictures are drawn in that one thread, as OpenGL requires.
+    """
     with ThreadPoolExecutor(1) as thread:
-        coming = thread.submit(next, pictures, None)
+        upcoming = thread.submit(next, pictures, None)
         try:
-            while (found := coming.result()) is not None:
-                coming = thread.submit(next, pictures, None)
-                yield found
+            while (picture := upcoming.result()) is not None:
+                upcoming = thread.submit(next, pictures, None)
+                yield picture
         finally:
             thread.submit(pictures.close).result()
 
 
 def _draw_frames(
-    robot: Robot, postures: Floats, size: tuple[int, int], shown: Callable[[int], Picture | None], *, view: SceneView
+    robot: Robot, postures: Floats, size: tuple[int, int], face_at: Callable[[int], Picture | None], *, view: SceneView
 ) -> Generator[tuple[Picture, PixelBox], None, None]:
-    """Draws postures (m, n) [rad]; of all but the first only what changes: yields a picture, and where it did."""
-    width, height = (FINER * side for side in size)
-    places, radii = moving_balls(robot, postures, [segment.name for segment in robot.skeleton.segments])
-    outlines = shadow_outlines(places, radii, view, size=size)
-    seen, reach = seen_at(view, places, size=size), radii + REACH * robot.arm_length
-    boxes, shadows = robot_boxes(seen, reach, size=size), shadow_boxes(outlines, size=size)
-    below, around = sunk_balls(places, reach, view.floor)
-    sunk = robot_boxes(seen_at(view, below, size=size), around, size=size) if len(around) else [None] * len(boxes)
+    """Draw postures and yield each picture with its changed region.
+
+    After the first picture only the changed region is drawn.
+
+    Args:
+        robot: Robot that is drawn.
+        postures: (m, n) [rad].
+        size: Width and height of a picture [pixels].
+        face_at: Picture on the screen of the head, by picture number; None: the previous one stays.
+        view: Part of the scene that the camera shows.
+
+    Yields:
+        The picture, and the region that differs from the previous picture [pixels].
+    """
+    width, height = (SUPERSAMPLING_FACTOR * side for side in size)
+    places, radii = find_capsule_balls(robot, postures, [segment.name for segment in robot.skeleton.segments])
+    outlines = compute_shadow_outlines(places, radii, view, size=size)
+    seen, reach = project_points(view, places, size=size), radii + DRAWN_MARGIN * robot.arm_length
+    boxes, shadows = find_robot_boxes(seen, reach, size=size), find_shadow_boxes(outlines, size=size)
+    below, around = clip_below_floor(places, reach, view.floor)
+    sunk = (
+        find_robot_boxes(project_points(view, below, size=size), around, size=size)
+        if len(around)
+        else [None] * len(boxes)
+    )
     changing = [bounding_box(*both) for both in zip(boxes, shadows, strict=True)]
     model = styled_model(robot, width=width, height=height, view=view)
-    data, order = mujoco.MjData(model), turn_order(robot, model)
-    with Canvas(model, size, finer=FINER) as canvas:
+    data, order = mujoco.MjData(model), find_turn_indices(robot, model)
+    with Canvas(model, size, supersampling=SUPERSAMPLING_FACTOR) as canvas:
         mujoco.mj_forward(model, data)
         empty = canvas.draw_empty(data)
         for k, box in enumerate(boxes):
-            data.qpos[order] = robot.skeleton.turns(postures[k])
+            data.qpos[order] = robot.skeleton.with_couplings(postures[k])
             mujoco.mj_forward(model, data)
-            face = shown(k)
+            face = face_at(k)
             if face is not None:
                 canvas.show(face)
             picture = empty.copy()
@@ -167,5 +199,5 @@ def _draw_frames(
 
 
 def _check_opengl(*, guarded: bool) -> None:
-    if why := opengl_fault() if guarded else missing_libraries():
-        raise FilmError(why)
+    if reason := opengl_fault() if guarded else missing_libraries():
+        raise FilmError(reason)

@@ -1,80 +1,105 @@
-"""Where the fingers of a hand are, found in the hand once for each way in which they are bent; a ball about them."""
+"""Positions of finger capsules, cached by finger posture.
+
+Also the ball that contains all fingers of a hand.
+"""
 
 from dataclasses import replace
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, distinct_rows, sealed
+from kinesic.body.arrays import Floats, find_distinct_rows, sealed
 from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Capsule, Skeleton
-from kinesic.sim.kinematics import MotionFrames, motion_frames
+from kinesic.sim.kinematics import MotionFrames, compute_motion_frames
 
-BENDS_KEPT = 32  # ways in which fingers are bent whose places are kept
-ALIKE = 1e-5  # [rad] fingers that are bent by so much differently are where they were, but for a micrometre
+MAX_CACHED_BENDINGS = 32  # number of finger postures whose positions are cached
+SAME_BENDING_TOLERANCE = 1e-5  # [rad] angle difference of equal bendings; positions differ by less than 1 um
 
 
 class FingerPlaces:
-    """The fingers of one hand: they are bent much more seldom than the arm moves."""
+    """Capsule positions of the fingers of one hand.
+
+    Fingers bend much less often than the arm moves, so their positions in the hand are cached.
+    """
 
     def __init__(self, robot: Robot, side: Side) -> None:
-        """Cuts the hand off.
+        """Extract the hand and its fingers as a skeleton of their own.
 
         Args:
-            robot: with fingers on that side.
-            side: of the hand.
+            robot: Robot with fingers on that side.
+            side: Side of the hand.
         """
-        self.capsules, self._hand = finger_capsules(robot, side), robot.arm(side).wrist
+        self.capsules, self._hand = list_finger_capsules(robot, side), robot.arm(side).wrist
         self._joints = list(robot.arm(side).fingers)
-        self._skeleton = _cut_off(robot, side)
+        self._skeleton = _extract_hand(robot, side)
         self._owners = [self._skeleton.segment(robot.skeleton.segments[k].name) for k, _ in self.capsules]
         self._sides = [
             np.array([getattr(c, side) for _, c in self.capsules]).reshape(-1, 3) for side in ("start", "end")
         ]
-        self._known: dict[bytes, tuple[Floats, Floats]] = {}
+        self._cache: dict[bytes, tuple[Floats, Floats]] = {}
 
     def ends(self, angles: Floats, frames: MotionFrames) -> tuple[Floats, Floats]:
-        """Finds where the axes of all capsules begin and end, (c, 3, m) [m] in the world.
+        """Compute start and end points of all finger capsules in the world.
 
         Args:
             angles: (m, n) [rad] of all hinges.
-            frames: of the hand in the same postures.
+            frames: Frames of the hand in the same postures.
+
+        Returns:
+            Starts and ends, each (c, 3, m) [m].
         """
-        bent = angles[:, self._joints]
-        alike = not np.ptp(bent, axis=0).any()
-        chosen, back = (np.zeros(1, dtype=np.intp), None) if alike else distinct_rows(bent, ALIKE)
-        here = self._in_hand(np.ascontiguousarray(bent[chosen]))
+        finger_angles = angles[:, self._joints]
+        is_constant = not np.ptp(finger_angles, axis=0).any()
+        chosen, back = (
+            (np.zeros(1, dtype=np.intp), None)
+            if is_constant
+            else find_distinct_rows(finger_angles, SAME_BENDING_TOLERANCE)
+        )
+        in_hand = self._locate_in_hand(np.ascontiguousarray(finger_angles[chosen]))
         rotation, origin = frames.rotations[self._hand], frames.origins[self._hand]
         first, last = (
             origin + (side[:, None, None, :, 0] @ rotation)[:, :, 0, :]
             if back is None
             else origin + np.einsum("ikm,ckm->cim", rotation, side[:, :, back])
-            for side in here
+            for side in in_hand
         )
         return first, last
 
-    def _in_hand(self, bent: Floats) -> tuple[Floats, Floats]:
-        """(c, 3, m) [m] the same in the hand, for (m, f) [rad]; what was asked lately is remembered."""
-        asked = bent.tobytes()
-        found = self._known.pop(asked, None)
-        if found is None:
-            frames = motion_frames(self._skeleton, bent)
+    def _locate_in_hand(self, finger_angles: Floats) -> tuple[Floats, Floats]:
+        """Return start and end points of finger capsules in the hand's frame.
+
+        Recent results are cached.
+
+        Args:
+            finger_angles: (m, f) [rad] angles of the finger joints.
+
+        Returns:
+            Starts and ends, each (c, 3, m) [m].
+        """
+        key = finger_angles.tobytes()
+        positions = self._cache.pop(key, None)
+        if positions is None:
+            frames = compute_motion_frames(self._skeleton, finger_angles)
             rotations, origins = frames.rotations[self._owners], frames.origins[self._owners]
             first, last = (origins + np.einsum("ck,cikm->cim", side, rotations) for side in self._sides)
-            found = first, last
-            if len(self._known) >= BENDS_KEPT:
-                self._known.pop(next(iter(self._known)), None)  # the one that was asked longest ago
-        self._known[asked] = found
-        return found
+            positions = first, last
+            if len(self._cache) >= MAX_CACHED_BENDINGS:
+                self._cache.pop(next(iter(self._cache)), None)  # least recently used
+        self._cache[key] = positions
+        return positions
 
 
-def finger_capsules(robot: Robot, side: Side) -> list[tuple[int, Capsule]]:
-    """Lists the capsules of a hand's fingers with the segments that own them."""
+def list_finger_capsules(robot: Robot, side: Side) -> list[tuple[int, Capsule]]:
+    """List a hand's finger capsules with the indices of their segments."""
     segments = [robot.skeleton.segment(name) for name in robot.fingers(side)]
     return [(k, capsule) for k in segments for capsule in robot.skeleton.segments[k].capsules]
 
 
-def _cut_off(robot: Robot, side: Side) -> Skeleton:
-    """The hand and its fingers for themselves; their hinges are in the order of the robot's."""
+def _extract_hand(robot: Robot, side: Side) -> Skeleton:
+    """Return a skeleton of the hand and its fingers alone.
+
+    Its hinges keep the robot's order.
+    """
     skeleton, joints = robot.skeleton, robot.arm(side).fingers
     names = {skeleton.segments[robot.arm(side).wrist].name, *robot.fingers(side)}
     root = replace(skeleton.segments[robot.arm(side).wrist], parent=None, origin_in_parent=np.zeros(3))
@@ -89,12 +114,14 @@ def _cut_off(robot: Robot, side: Side) -> Skeleton:
     )
 
 
-def finger_hull(robot: Robot, side: Side) -> Capsule:
-    """Finds a ball, fixed to the hand's segment, that holds its fingers however they are bent.
+def compute_finger_hull(robot: Robot, side: Side) -> Capsule:
+    """Compute a ball that contains the fingers at all bend angles.
+
+    It is fixed to the hand's segment.
 
     Args:
-        robot: with fingers on that side.
-        side: of the hand.
+        robot: Robot with fingers on that side.
+        side: Side of the hand.
     """
     hand = robot.skeleton.segments[robot.arm(side).wrist].name
     roots: list[Floats] = []

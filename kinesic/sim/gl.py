@@ -1,7 +1,7 @@
-"""Decides how MuJoCo may draw, before MuJoCo is imported: a wrong MUJOCO_GL breaks `import mujoco` itself.
+"""Selection of MuJoCo's OpenGL backend before MuJoCo is imported.
 
-Importing `kinesic.sim` calls `prepare`, which only asks the loader for libraries; `opengl_fault` draws once in another
-process and is asked only by those who want pictures.
+A wrong MUJOCO_GL breaks `import mujoco` itself. Importing `kinesic.sim` calls `prepare`, which only loads libraries.
+`opengl_fault` draws once in another process; only callers that need pictures call it.
 """
 
 import ctypes
@@ -12,10 +12,10 @@ import sys
 from collections.abc import MutableMapping
 from functools import cache
 
-APT_LINE = "apt-get install libegl1 libgl1-mesa-dri libopengl0"
-_OFF = ("disable", "disabled", "off", "false", "0")
-_HARMLESS = (*_OFF, "enable", "enabled", "on", "true", "1", "glfw", "glx")  # these never break the import
-_PROBE = """
+INSTALL_COMMAND = "apt-get install libegl1 libgl1-mesa-dri libopengl0"
+_OFF_VALUES = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that disable drawing
+_SAFE_VALUES = (*_OFF_VALUES, "enable", "enabled", "on", "true", "1", "glfw", "glx")  # values that allow the import
+_DRAWING_TEST = """
 import mujoco
 model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
 renderer = mujoco.Renderer(model, 8, 8)
@@ -26,63 +26,82 @@ renderer.close()
 
 
 def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
-    """Sets MUJOCO_GL so that `import mujoco` works: `egl` where its libraries are, else `disable`.
+    """Set MUJOCO_GL so that `import mujoco` works.
 
-    A value set by the user stays unless its libraries are missing. Only Linux needs this.
+    The value is `egl` if its libraries are installed, otherwise `disable`. A value set by the user stays unless its
+    libraries are missing. Only Linux needs this.
 
     Args:
-        environment: where the variable is read and set.
+        environment: Mapping from which the variable is read and in which it is set.
 
     Returns:
         The value now in force.
     """
-    asked = environment.get("MUJOCO_GL", "").lower().strip()
-    if platform.system() != "Linux" or asked in _HARMLESS or (asked == "osmesa" and _loads("libOSMesa.so.8")):
-        return asked
-    environment["MUJOCO_GL"] = "disable" if _absent(environment) else "egl"
+    requested = environment.get("MUJOCO_GL", "").lower().strip()
+    if (
+        platform.system() != "Linux"
+        or requested in _SAFE_VALUES
+        or (requested == "osmesa" and _can_load("libOSMesa.so.8"))
+    ):
+        return requested
+    environment["MUJOCO_GL"] = "disable" if _find_missing_backends(environment) else "egl"
     return environment["MUJOCO_GL"]
 
 
 def missing_libraries() -> str | None:
-    """Finds what hinders drawing as far as it shows without trying, with the line that mends it."""
+    """Return the reason why OpenGL cannot draw, judged from installed libraries.
+
+    Returns:
+        The reason with a remedy; None if no obstacle was found.
+    """
     if platform.system() == "Linux":
-        if absent := _absent(os.environ):
-            return f"OpenGL is missing ({', '.join(absent)}): {APT_LINE}"
-        if os.environ.get("MUJOCO_GL", "").lower().strip() in _OFF:
+        if missing := _find_missing_backends(os.environ):
+            return f"OpenGL is missing ({', '.join(missing)}): {INSTALL_COMMAND}"
+        if os.environ.get("MUJOCO_GL", "").lower().strip() in _OFF_VALUES:
             return f"drawing is switched off by MUJOCO_GL={os.environ['MUJOCO_GL']}: unset it"
     return None
 
 
 @cache
 def opengl_fault() -> str | None:
-    """Finds what hinders drawing, with the line that mends it; None when a picture was really drawn.
+    """Test whether OpenGL draws, in another process.
 
-    Draws once in another process, since a missing driver may end the process that tries.
+    A missing driver may end the process that tries.
+
+    Returns:
+        The reason that prevents drawing, with a remedy; None if a picture was drawn.
     """
-    if why := missing_libraries():
-        return why
+    if reason := missing_libraries():
+        return reason
     try:
         probe = subprocess.run(
-            [sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=60, check=False, env=os.environ
+            [sys.executable, "-c", _DRAWING_TEST],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+            env=os.environ,
         )
     except subprocess.TimeoutExpired:
-        return f"OpenGL did not draw within 60 s: {APT_LINE}"
+        return f"OpenGL did not draw within 60 s: {INSTALL_COMMAND}"
     if probe.returncode == 0:
         return None
     last = (probe.stderr.strip().splitlines() or [f"exit code {probe.returncode}"])[-1]
-    return f"OpenGL does not draw ({last}): {APT_LINE}"
+    return f"OpenGL does not draw ({last}): {INSTALL_COMMAND}"
 
 
-def _absent(environment: MutableMapping[str, str]) -> list[str]:
-    absent = [] if _loads("libEGL.so.1") else ["libEGL.so.1"]
-    if not (_loads("libOpenGL.so.0") or _loads("libGL.so.1")):
-        absent.append("libOpenGL.so.0")
+def _find_missing_backends(environment: MutableMapping[str, str]) -> list[str]:
+    missing = [] if _can_load("libEGL.so.1") else ["libEGL.so.1"]
+    if not (_can_load("libOpenGL.so.0") or _can_load("libGL.so.1")):
+        missing.append("libOpenGL.so.0")
     platform_requested = environment.get("PYOPENGL_PLATFORM", "egl").lower()
-    return absent if platform_requested == "egl" else [*absent, f"EGL, since PYOPENGL_PLATFORM is {platform_requested}"]
+    return (
+        missing if platform_requested == "egl" else [*missing, f"EGL, since PYOPENGL_PLATFORM is {platform_requested}"]
+    )
 
 
 @cache
-def _loads(library: str) -> bool:
+def _can_load(library: str) -> bool:
     try:
         ctypes.CDLL(library)
     except OSError:

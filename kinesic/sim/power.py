@@ -1,143 +1,61 @@
-"""What the servos draw and how warm they get, by the law of a DC motor behind a PWM bridge.
+"""Current, supply voltage and winding temperature of servos.
 
-A servo's stall figures are those of its motor at full duty: current per torque is stall current over stall torque, and
-the winding's resistance is the voltage over the stall current. The bridge draws the motor's current for the share of
-time that it is on. What a braking motor gives back is not counted: most supplies cannot take it.
+Each servo is a DC motor behind a PWM bridge. Its stall figures are those of the motor at full duty: current per torque
+is stall current / stall torque, and the winding's resistance is voltage / stall current. The bridge draws the motor's
+current for the fraction of time that it is on. Regenerated current is ignored: most supplies cannot absorb it.
 
-A supply may sag. Per step of the physics: with a share v of the open voltage U, a servo of duty d whose speed is the
-share w of that without load has the share v d - w of its stall torque, and draws d (v d - w) of its stall current. So
-the sum I of all currents grows with v, in straight pieces, and v = 1 - R I(v) / U has one solution; Newton's steps
-from v = 1 come to it from above, exactly, after as many steps as servos begin to brake on the way. The same holds for
-the v at which a supply that limits its current gives just that.
+A supply may sag. In each physics step: at the fraction v of the open-circuit voltage U, a servo with duty d that turns
+at the fraction w of its no-load speed has the fraction v d - w of its stall torque, and draws d (v d - w) of its stall
+current. The sum I of all currents therefore grows with v, piecewise linearly, and v = 1 - R I(v) / U has one solution.
+Newton's method from v = 1 approaches it from above and is exact after as many steps as servos begin to brake on the
+way. The same holds for the v at which a current-limited supply delivers exactly its limit.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, sealed
-from kinesic.body.command import Power
+from kinesic.body.arrays import Floats
 from kinesic.body.servo import Drives
 from kinesic.sim.servo_factors import Factors
 
-FULL_SUPPLY = sealed([1.0])  # share of its voltage that a stiff supply has
-LOWEST_VOLTAGE = 0.4  # share of the voltage at which servos would go out: the twin's do not, they only stay as weak
-CLOSE = 1e-6  # change of the share that is none
-
-
-@dataclass(frozen=True, eq=False)
-class DriveEffort:
-    """What the servos' law says for each step of the physics, in joint order."""
-
-    duties: Floats  # (s, n) demanded, may exceed 1
-    applied: Floats  # (s, n) within -1..1
-    loads: Floats  # (s, n) torque over stall torque, which is motor current over stall current
-    supplied: Floats  # (s,) or (1,) share of its voltage that the supply had
-
-
-def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats = FULL_SUPPLY) -> DriveEffort:
-    """Computes demanded duty, applied duty and share of stall torque of each drive at each step of the physics.
-
-    Args:
-        drives: in joint order.
-        errors: (s, n) [rad] goals minus angles.
-        speeds: (s, n) [rad/s].
-        supplied: (s,) or (1,) share of its voltage that the supply had.
-    """
-    duties = drives.demanded(errors, speeds)
-    applied = np.clip(duties, -1.0, 1.0)
-    return DriveEffort(duties, applied, drives.loads(applied, speeds, supplied), supplied)
+MIN_VOLTAGE_FRACTION = 0.4  # smallest voltage / open-circuit voltage; below it real servos would switch off
+VOLTAGE_TOLERANCE = 1e-6  # change of the voltage fraction at which Newton's method has converged
 
 
 @dataclass(frozen=True, eq=False)
 class Spent:
-    """What servos have taken up to a step of the physics, and how warm that left them."""
+    """Charge drawn by servos, and the heating of their windings."""
 
-    charge: Floats  # (n,) [As] of each drive's supply
-    warmth: Floats  # (w,) [K] of the windings whose thermal figures are known
-
-
-def power(
-    names: tuple[str, ...],
-    drives: Drives,
-    given: DriveEffort,
-    *,
-    spans: Floats,
-    counts: list[int],
-    before: Spent | None = None,
-) -> tuple[Power, Spent]:
-    """Sums up what the servos took from the supply.
-
-    Args:
-        names: of the hinges.
-        drives: in joint order.
-        given: what the servos did on each step.
-        spans: (s,) [s] how long each step was.
-        counts: (m,) steps so far at each command.
-        before: what was spent up to the first of these steps, if that is counted already.
-    """
-    windings, new = windings_of(names, drives), 0 if before is None else 1
-    charge, warmth = (before.charge, before.warmth) if before else (0.0, np.zeros(len(windings)))
-    drawn = given.applied * given.loads
-    np.maximum(drawn, 0.0, out=drawn)
-    drawn *= drives.stall_current
-    drawn += drives.idle_current  # (s, n) [A]
-    current = drawn.sum(axis=1)
-    edges = _edges(counts, new)
-    lasting = np.add.reduceat(np.append(spans, 0.0), edges)[::2]
-    mean = current[edges[1::2] - 1]  # of an interval without length, as on the step before
-    np.divide(np.add.reduceat(np.append(current * spans, 0.0), edges)[::2], lasting, out=mean, where=lasting > 0.0)
-    charge = charge + (spans * given.supplied)[new:] @ drawn[new:]
-    rises = [
-        np.append([rise] * new, each.warm(given.loads[new:, each.hinge], spans[new:], rise))
-        for each, rise in zip(windings, warmth.tolist(), strict=True)
-    ]
-    spent = Spent(sealed(charge), sealed([rise[-1] for rise in rises]))
-    return Power(
-        mean=sealed(mean),
-        peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),
-        energy=float(spent.charge @ drives.volt),
-        volts=float(given.supplied.min() * drives.volt.max()),
-        warming={each.name: sealed(rise[edges[1::2] - 1]) for each, rise in zip(windings, rises, strict=True)},
-    ), spent
-
-
-def _edges(counts: list[int], first: int) -> Indices:
-    """(2 m,) first step and end of each command's interval; of one without length, the step before."""
-    ends = np.array(counts, dtype=np.intp)
-    return np.stack([np.minimum(np.concatenate([[first], ends[:-1]]), ends - 1), ends], axis=1).ravel()
+    charge: Floats  # (n,) [As] drawn by each drive from the supply
+    warmth: Floats  # (w,) [K] temperature rise of windings with known thermal parameters
 
 
 @dataclass(frozen=True)
 class Winding:
-    """The winding of a servo whose thermal figures are known."""
+    """Winding of a servo with known thermal parameters."""
 
-    name: str  # of the hinge
-    hinge: int
-    loss: float  # [W] of one servo that gives its stall torque
-    resistance: float  # [K/W]
-    capacity: float  # [J/K]
+    name: str  # name of the hinge
+    hinge: int  # index of the hinge
+    loss: float  # [W] heat of one servo at stall torque
+    resistance: float  # [K/W] thermal resistance
+    capacity: float  # [J/K] thermal capacity
 
-    def kept(self, spans: Floats) -> Floats:
-        """Computes what each of some steps, (s,) [s], leaves of the warmth before it."""
+    def remaining_fraction(self, spans: Floats) -> Floats:
+        """Compute the remaining fraction of the winding's temperature rise after each step.
+
+        Args:
+            spans: (s,) [s] durations of the steps.
+        """
         return np.exp(-spans / (self.resistance * self.capacity))
 
-    def warm(self, loads: Floats, spans: Floats, rise: float) -> Floats:
-        """Computes the rise (s,) [K] of a winding, from one [K] on, for shares (s,) of the stall torque."""
-        settled = self.loss * loads**2 * self.resistance  # [K] where each loss alone would lead
-        rises = []
-        for goal, share in zip(settled.tolist(), self.kept(spans).tolist(), strict=True):
-            rise = goal + (rise - goal) * share
-            rises.append(rise)
-        return np.array(rises)
 
-
-def windings_of(names: tuple[str, ...], drives: Drives) -> tuple[Winding, ...]:
-    """Lists the windings whose thermal figures are known.
+def list_windings(names: tuple[str, ...], drives: Drives) -> tuple[Winding, ...]:
+    """List the windings with known thermal parameters.
 
     Args:
-        names: of the hinges.
-        drives: in joint order.
+        names: Names of the hinges.
+        drives: Drives in joint order.
     """
     return tuple(
         Winding(name, k, float(drives.volt[k] * drives.servo_current[k]), *drive.servo.thermal)
@@ -148,55 +66,67 @@ def windings_of(names: tuple[str, ...], drives: Drives) -> tuple[Winding, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Supply:
-    """The supply that feeds the servos, whose voltage sags under load."""
+    """Power supply of the servos with a voltage that sags under load."""
 
     drives: Drives
-    resistance: float  # [ohm]
-    amps: float  # [A] at most
-    volts: float  # [V] without load
+    resistance: float  # [ohm] internal resistance
+    amps: float  # [A] current limit
+    volts: float  # [V] open-circuit voltage
 
     @classmethod
     def of(cls, drives: Drives, factors: Factors) -> "Supply | None":
-        """Makes the supply that factors describe, for drives at its open voltage; None where it holds its voltage."""
+        """Return the power supply described by servo factors.
+
+        None if its voltage is constant.
+
+        Args:
+            drives: Drives at the open-circuit voltage of the supply.
+            factors: Deviations with resistance and current limit of the supply.
+        """
         sags = factors.resistance > 0.0 or np.isfinite(factors.amps)
         return cls(drives, factors.resistance, factors.amps, float(drives.volt.max())) if sags else None
 
-    def share(self, duties: Floats, speeds: Floats) -> float:
-        """Finds the share of its voltage that is left.
+    def voltage_fraction(self, duties: Floats, velocities: Floats) -> float:
+        """Compute the supply voltage as a fraction of the open-circuit voltage.
 
         Args:
             duties: (n,) -1..1 that the servos apply.
-            speeds: (n,) [rad/s].
+            velocities: (n,) [rad/s].
         """
         drives, drop = self.drives, self.resistance / self.volts
-        asked, back = drives.stall_current * duties**2, drives.stall_current * duties * speeds / drives.no_load
-        idle, share = float(drives.idle_current.sum()), 1.0
+        stall_currents, back_emf_currents = (
+            drives.stall_current * duties**2,
+            drives.stall_current * duties * velocities / drives.no_load,
+        )
+        idle, fraction = float(drives.idle_current.sum()), 1.0
         while True:
-            drawing = share * asked > back
-            slope, rest = float(asked[drawing].sum()), idle - float(back[drawing].sum())
-            fallen = (1.0 - drop * rest) / (1.0 + drop * slope)
-            if slope > 0.0 and fallen * slope + rest > self.amps:
-                fallen = (self.amps - rest) / slope
-            if fallen < LOWEST_VOLTAGE:
-                return LOWEST_VOLTAGE
-            if fallen > share - CLOSE:
-                return min(share, fallen)
-            share = fallen
+            is_drawing = fraction * stall_currents > back_emf_currents
+            slope, constant = float(stall_currents[is_drawing].sum()), idle - float(back_emf_currents[is_drawing].sum())
+            new_fraction = (1.0 - drop * constant) / (1.0 + drop * slope)
+            if slope > 0.0 and new_fraction * slope + constant > self.amps:
+                new_fraction = (self.amps - constant) / slope
+            if new_fraction < MIN_VOLTAGE_FRACTION:
+                return MIN_VOLTAGE_FRACTION
+            if new_fraction > fraction - VOLTAGE_TOLERANCE:
+                return min(fraction, new_fraction)
+            fraction = new_fraction
 
-    def goals(self, goals: Floats, angles: Floats, speeds: Floats, caps: Floats | float = 1.0) -> tuple[Floats, float]:
-        """Finds the goals with which servos at their full voltage would do what these do at what is left of it.
+    def equivalent_setpoints(
+        self, goals: Floats, angles: Floats, velocities: Floats, caps: Floats | float = 1.0
+    ) -> tuple[Floats, float]:
+        """Compute setpoints that mimic the sagged voltage at full voltage.
 
         Args:
-            goals: (n,) [rad] of the servos.
-            angles: (n,) [rad] as they measure them.
-            speeds: (n,) [rad/s] likewise.
-            caps: (n,) 0..1 of the duty that each may use.
+            goals: (n,) [rad] setpoints of the servos.
+            angles: (n,) [rad] measured by the servos.
+            velocities: (n,) [rad/s] measured by the servos.
+            caps: (n,) 0..1 largest duty of each servo.
 
         Returns:
-            (n,) [rad], and the share of the voltage.
+            (n,) [rad] setpoints, and the voltage as a fraction of the open-circuit voltage.
         """
         drives = self.drives
-        rate = drives.rate_gain / drives.stall * speeds
+        rate = drives.rate_gain / drives.stall * velocities
         duties = np.clip(drives.gain * (goals - angles) - rate, -np.asarray(caps), caps)
-        share = self.share(duties, speeds)
-        return angles + (share * duties + rate) / drives.gain, share
+        fraction = self.voltage_fraction(duties, velocities)
+        return angles + (fraction * duties + rate) / drives.gain, fraction

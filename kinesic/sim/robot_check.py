@@ -1,4 +1,4 @@
-"""Checks a robot's description before anything moves: torque, mass and room to itself."""
+"""Checks of a robot's description before it moves: torque, mass and clearance."""
 
 from dataclasses import dataclass
 
@@ -10,46 +10,48 @@ from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.worst_postures import random_postures
 
-POSTURES = 2000
+CHECKED_POSTURES = 2000  # number of random postures whose clearance is measured
 
 
 @dataclass(frozen=True)
 class ClosestPair:
-    """The two segments that are closest in a posture."""
+    """Closest pair of segments in a posture."""
 
-    distance: float  # [m] negative when they overlap
+    distance: float  # [m] negative if they overlap
     pair: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False)
 class RobotCheck:
-    """The figures of merit of a robot, in joint order."""
+    """Static torque, mass and clearance of a robot, in joint order."""
 
-    rest_ratios: Floats  # (n,) share of the stall torque that holds the rest posture
-    worst_ratios: Floats  # (n,) the largest share found in any posture
-    worst_postures: Floats  # (n, n) [rad] row j: the posture where hinge j needs that share
-    mass: float  # [kg] of everything, servos and base included
-    moving_mass: float  # [kg] without what stands on the ground
-    arm_length: float  # [m]
-    rest_gap: ClosestPair
-    zero_gap: ClosestPair  # all hinges at 0, or at the stop nearest to it
-    clear_share: float  # of uniformly random postures that keep the robot's least clearance
+    rest_ratios: Floats  # (n,) holding torque / stall torque in the rest posture
+    worst_ratios: Floats  # (n,) largest holding torque / stall torque over all postures
+    worst_postures: Floats  # (n, n) [rad] row j: the posture with the largest ratio of hinge j
+    mass: float  # [kg] total, including servos and base
+    moving_mass: float  # [kg] total without the fixed base
+    arm_length: float  # [m] from shoulder to wrist
+    rest_gap: ClosestPair  # in the rest posture
+    zero_gap: ClosestPair  # with all hinges at 0, or at the stop closest to 0
+    clear_share: float  # fraction of uniformly random postures with at least the robot's minimum clearance
 
 
 def check_robot(robot: Robot) -> RobotCheck:
-    """Weighs a robot and searches its worst postures.
+    """Check a robot's masses, clearances and worst static torques.
 
     Args:
-        robot: the description.
+        robot: Description.
 
     Returns:
-        The same figures for the same robot: random postures are seeded.
+        The same values for the same robot: random postures are seeded.
     """
     dynamics, distances = MujocoDynamics(robot), CapsuleDistances(robot)
-    postures = random_postures(robot.skeleton, POSTURES)  # first rest and zero; every other one has no stops
+    postures = random_postures(
+        robot.skeleton, CHECKED_POSTURES
+    )  # rest and zero first; every second posture is uniform, without hinges at stops
     clearance = distances.clearance(postures)
     worst = dynamics.worst_static
-    mass = _mass(robot)
+    mass = _sum_masses(robot)
     return RobotCheck(
         rest_ratios=sealed(dynamics.static_ratios(postures[:1])[0]),
         worst_ratios=worst.values,
@@ -59,12 +61,12 @@ def check_robot(robot: Robot) -> RobotCheck:
         arm_length=robot.arm_length,
         rest_gap=ClosestPair(float(clearance.distances[0]), clearance.pairs[0]),
         zero_gap=ClosestPair(float(clearance.distances[1]), clearance.pairs[1]),
-        clear_share=float(np.mean(clearance.distances[::2] >= robot.least_clearance)),
+        clear_share=float(np.mean(clearance.distances[::2] >= robot.min_clearance)),
     )
 
 
-def _mass(robot: Robot) -> dict[str, float]:
-    """Segment -> [kg] of its structure and the servos mounted on it."""
+def _sum_masses(robot: Robot) -> dict[str, float]:
+    """Return each segment's mass [kg] with the servos mounted on it."""
     mass = {segment.name: segment.mass for segment in robot.skeleton.segments}
     for mount in robot.mounts:
         mass[mount.segment] += mount.drive.count * mount.drive.servo.mass

@@ -1,98 +1,112 @@
-"""The robot's hinges as its servos turn them: each driven to an angle with a share of its torque, or limp."""
+"""Physics of the robot's hinges for virtual servos.
+
+Each hinge follows a setpoint with limited torque, or has its torque off.
+"""
 
 import mujoco
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.robot import Robot
-from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
+from kinesic.sim.model import (
+    build_model,
+    find_actuator_indices,
+    find_joint_indices,
+    find_play_indices,
+    sum_hinge_values,
+)
 from kinesic.sim.power import Supply
-from kinesic.sim.servo_factors import NOMINAL, Factors
-from kinesic.sim.twin import STEP
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
+from kinesic.sim.twin import MAX_PHYSICS_STEP
 
-GROUPS = 31  # of actuators that MuJoCo can disable
+ACTUATOR_GROUPS = 31  # number of actuator groups that MuJoCo can disable
 
 
 class Shafts:
-    """The same physics as the twin's, without its measurements, and with torque that comes and goes."""
+    """Twin physics for virtual servos, with a torque limit per servo."""
 
-    def __init__(self, robot: Robot, *, factors: Factors = NOMINAL, start: Floats | None = None) -> None:
-        """Stands still, limp.
+    def __init__(self, robot: Robot, *, factors: Factors = NOMINAL_FACTORS, start: Floats | None = None) -> None:
+        """Build the physics at rest, with torque off.
 
         Args:
-            robot: what is simulated.
-            factors: how far its servos and masses are from the description.
+            robot: Description.
+            factors: Deviations of servos and masses from the description.
             start: (n,) [rad] first posture; the robot's rest posture if not given.
 
         Raises:
-            ValueError: there are more hinges than torque can be taken from one by one.
+            ValueError: the robot has more hinges than MuJoCo can switch off individually.
         """
-        if len(robot.skeleton.hinges) > GROUPS:
-            raise ValueError(f"{robot.name} has {len(robot.skeleton.hinges)} hinges, must be at most {GROUPS}")
+        if len(robot.skeleton.hinges) > ACTUATOR_GROUPS:
+            raise ValueError(f"{robot.name} has {len(robot.skeleton.hinges)} hinges, must be at most {ACTUATOR_GROUPS}")
         self._drives = factors.applied(robot).drives
         self._model = build_model(robot, servos=factors)
         self._data = mujoco.MjData(self._model)
-        self._joints: Indices = joint_order(robot, self._model)
-        self._play = play_order(robot, self._model)
+        self._joints: Indices = find_joint_indices(robot, self._model)
+        self._play = find_play_indices(robot, self._model)
         self._supply = Supply.of(self._drives, factors)
-        self._actuators: Indices = actuator_order(robot, self._model)
+        self._actuators: Indices = find_actuator_indices(robot, self._model)
         self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
         self._goals = np.array(robot.skeleton.rest if start is None else start)
-        self._shares = np.zeros(len(self._goals))
+        self._ratios = np.zeros(len(self._goals))
         self._data.qpos[self._joints] = self._goals
 
     @property
     def angles(self) -> Floats:
-        """(n,) [rad]."""
-        # MuJoCo's semi-implicit steps run half a step ahead of the held goals; its speeds lie on time
+        """Current angles of the hinges, (n,) [rad]."""
+        # MuJoCo's semi-implicit angles are half a step ahead of constant setpoints, its velocities are not
         now = self._data.qpos - self._model.opt.timestep / 2 * self._data.qvel
-        return sealed(of_hinges(now, self._joints, self._play))
+        return sealed(sum_hinge_values(now, self._joints, self._play))
 
     @property
-    def speeds(self) -> Floats:
-        """(n,) [rad/s]."""
-        return sealed(of_hinges(self._data.qvel, self._joints, self._play))
+    def velocities(self) -> Floats:
+        """Current velocities of the hinges, (n,) [rad/s]."""
+        return sealed(sum_hinge_values(self._data.qvel, self._joints, self._play))
 
     @property
     def duties(self) -> Floats:
-        """(n,) -1..1 of the servos' law."""
-        return sealed(np.clip(self._drives.gain * (self._goals - self.angles), -self._shares, self._shares))
+        """Duty cycles of the servos' position loops, (n,) -1..1."""
+        return sealed(np.clip(self._drives.gain * (self._goals - self.angles), -self._ratios, self._ratios))
 
     @property
     def loads(self) -> Floats:
-        """(n,) torque over stall torque."""
+        """Torque / stall torque of each servo, (n,)."""
         return sealed(self._data.actuator_force[self._actuators] / self._drives.stall)
 
-    def advance(self, seconds: float, goals: Floats, shares: Floats) -> None:
-        """Moves time on, in steps no longer than the twin's.
+    def advance(self, seconds: float, goals: Floats, ratios: Floats) -> None:
+        """Advance the physics in steps no longer than the twin's time step.
 
         Args:
-            seconds: [s].
-            goals: (n,) [rad] that the servos hold.
-            shares: (n,) 0..1 of the stall torque that each may use; 0: limp.
+            seconds: [s] duration.
+            goals: (n,) [rad] setpoints of the servos.
+            ratios: (n,) 0..1 fraction of the stall torque that each servo may use; 0: torque off.
         """
         if seconds <= 0.0:
             return
-        self._goals, self._shares = np.array(goals), np.array(shares)
-        limp: Flags = self._shares <= 0.0
+        self._goals, self._ratios = np.array(goals), np.array(ratios)
+        is_off: Flags = self._ratios <= 0.0
         self._data.ctrl[self._actuators] = self._goals
-        self._model.opt.disableactuator = int(np.sum(1 << np.flatnonzero(limp)))
-        self._model.actuator_forcelimited[self._actuators] = self._shares < 1.0
-        limits = (self._drives.stall * self._shares)[:, None] * [-1.0, 1.0]
+        self._model.opt.disableactuator = int(np.sum(1 << np.flatnonzero(is_off)))
+        self._model.actuator_forcelimited[self._actuators] = self._ratios < 1.0
+        limits = (self._drives.stall * self._ratios)[:, None] * [-1.0, 1.0]
         self._model.actuator_forcerange[self._actuators] = limits
-        count = int(np.ceil(seconds / STEP - 1e-9))
+        count = int(np.ceil(seconds / MAX_PHYSICS_STEP - 1e-9))
         self._model.opt.timestep = seconds / count
         if not self._supply and not len(self._play):
             mujoco.mj_step(self._model, self._data, count)
             return
         for _ in range(count):
-            self._data.ctrl[self._actuators] = self._asked(self._supply)
+            self._data.ctrl[self._actuators] = self._find_motor_setpoints(self._supply)
             mujoco.mj_step(self._model, self._data)
 
-    def _asked(self, supply: Supply | None) -> Floats:
-        """(n,) [rad] goals of motors, whose position is not the hinge's where gears have play; servos measure it."""
+    def _find_motor_setpoints(self, supply: Supply | None) -> Floats:
+        """Return the setpoints (n,) [rad] of the motors.
+
+        With backlash the position of a motor differs from that of its hinge, which the servo measures.
+        """
         data, goals = self._data, self._goals
         if supply:
-            angles, speeds = (of_hinges(values, self._joints, self._play) for values in (data.qpos, data.qvel))
-            goals, _ = supply.goals(goals, angles, speeds, self._shares)
+            angles, velocities = (
+                sum_hinge_values(values, self._joints, self._play) for values in (data.qpos, data.qvel)
+            )
+            goals, _ = supply.equivalent_setpoints(goals, angles, velocities, self._ratios)
         return goals - data.qpos[self._play] if len(self._play) else goals

@@ -1,4 +1,4 @@
-"""A robot without its couplings, as physics takes it: what they turn stands straight and belongs to what carries it."""
+"""Robot without coupled joints, as used by the physics."""
 
 from dataclasses import replace
 
@@ -10,45 +10,47 @@ from kinesic.body.skeleton import Capsule, Segment
 
 
 def uncouple(robot: Robot) -> Robot:
-    """Folds segments that only couplings turn into those before them.
+    """Merge segments that only couplings move into their parent segments.
 
-    What they weigh is a hundredth of what a drive feels of its own rotor, so that nothing but time is lost.
+    Their inertia is a hundredth of the reflected rotor inertia of a drive, so the error is negligible.
     """
     skeleton = robot.skeleton
     if not skeleton.couplings:
         return robot
     driven = {hinge.segment for hinge in skeleton.hinges}
     folded = {coupling.segment for coupling in skeleton.couplings} - driven
-    home: dict[str, tuple[str, Floats]] = {}  # where each segment is kept, and where its origin is there
+    locations: dict[
+        str, tuple[str, Floats]
+    ] = {}  # segment -> containing segment, and the position [m] of its origin there
     kept: dict[str, Segment] = {}
     for segment in skeleton.segments:
         if segment.name in folded and segment.parent is not None:
-            carrier, place = home[segment.parent]
-            home[segment.name] = carrier, place + segment.origin_in_parent
-            kept[carrier] = _carrying(kept[carrier], segment, home[segment.name][1])
+            carrier, place = locations[segment.parent]
+            locations[segment.name] = carrier, place + segment.origin_in_parent
+            kept[carrier] = _merge_fixed_part(kept[carrier], segment, locations[segment.name][1])
         else:
-            home[segment.name] = segment.name, np.zeros(3)
+            locations[segment.name] = segment.name, np.zeros(3)
             kept[segment.name] = segment
             if segment.parent is not None:
-                carrier, place = home[segment.parent]
+                carrier, place = locations[segment.parent]
                 origin = sealed(place + segment.origin_in_parent)
                 kept[segment.name] = replace(segment, parent=carrier, origin_in_parent=origin)
     return replace(
         robot,
         skeleton=replace(skeleton, segments=tuple(kept.values()), couplings=()),
         mounts=tuple(
-            replace(m, segment=home[m.segment][0], position=sealed(home[m.segment][1] + m.position))
+            replace(m, segment=locations[m.segment][0], position=sealed(locations[m.segment][1] + m.position))
             for m in robot.mounts
         ),
         sites={
-            name: replace(s, segment=home[s.segment][0], position=sealed(home[s.segment][1] + s.position))
+            name: replace(s, segment=locations[s.segment][0], position=sealed(locations[s.segment][1] + s.position))
             for name, s in robot.sites.items()
         },
         chains={name: tuple(part for part in parts if part in kept) for name, parts in robot.chains.items()},
     )
 
 
-def _carrying(carrier: Segment, part: Segment, place: Floats) -> Segment:
-    """A segment together with a part that is fixed to it."""
+def _merge_fixed_part(carrier: Segment, part: Segment, place: Floats) -> Segment:
+    """Return a segment merged with a part that is fixed to it."""
     capsules = (Capsule(sealed(place + c.start), sealed(place + c.end), c.radius) for c in part.capsules)
     return replace(carrier, mass=carrier.mass + part.mass, capsules=(*carrier.capsules, *capsules))

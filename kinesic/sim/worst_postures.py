@@ -1,4 +1,4 @@
-"""Searches the worst posture of each hinge: random ones, often at stops, then a climb from the worst."""
+"""Search for the worst posture of each hinge."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,26 +8,28 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.skeleton import Skeleton
 
-POSTURES = 400
-ROUNDS = 2  # of the climb over all hinges
-CHOICES = 5  # angles of one hinge that the climb tries
+RANDOM_POSTURES = 400  # number of random postures before the coordinate ascent
+ASCENT_ROUNDS = 2  # passes of the coordinate ascent over all hinges
+ANGLES_PER_HINGE = 5  # number of angles of one hinge that the coordinate ascent tries
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """The largest value found for each hinge, and where."""
+    """Largest value of a measure for each hinge, with its posture."""
 
-    values: Floats  # (n,)
-    postures: Floats  # (n, n) [rad], row j: the posture that is the worst for hinge j
+    values: Floats  # (n,) largest values
+    postures: Floats  # (n, n) [rad] row j: the posture with the largest value of hinge j
 
 
 def random_postures(skeleton: Skeleton, count: int, *, seed: int = 0) -> Floats:
-    """Draws random postures after rest and zero; in every second one about half the hinges stand at a stop.
+    """Draw random postures after the rest and zero postures.
+
+    In every second posture about half the hinges are at a stop.
 
     Args:
-        skeleton: whose ranges.
-        count: how many, at least 2.
-        seed: same seed, same postures.
+        skeleton: Skeleton with joint ranges.
+        count: Number of postures, at least 2.
+        seed: Same seed, same postures.
 
     Returns:
         (count, n) [rad].
@@ -44,37 +46,37 @@ def random_postures(skeleton: Skeleton, count: int, *, seed: int = 0) -> Floats:
 
 
 def extremes(skeleton: Skeleton, measure: Callable[[Floats], Floats]) -> Extremes:
-    """Searches the largest value that each hinge meets anywhere in the ranges.
+    """Search for the posture with the largest measure of each hinge.
 
     Args:
-        skeleton: whose ranges.
+        skeleton: Skeleton with joint ranges.
         measure: (m, n) [rad] -> (m, n), a value per hinge.
 
     Returns:
         The same for the same robot: the random postures are seeded.
     """
-    postures = random_postures(skeleton, POSTURES)
+    postures = random_postures(skeleton, RANDOM_POSTURES)
     values = measure(postures)
-    return _climbed(skeleton, measure, Extremes(values.max(axis=0), postures[values.argmax(axis=0)]))
+    return _climb(skeleton, measure, Extremes(values.max(axis=0), postures[values.argmax(axis=0)]))
 
 
-def _climbed(skeleton: Skeleton, measure: Callable[[Floats], Floats], start: Extremes) -> Extremes:
-    """From each hinge's posture upwards, turning one hinge at a time to its best of a few angles.
+def _climb(skeleton: Skeleton, measure: Callable[[Floats], Floats], start: Extremes) -> Extremes:
+    """Improve each hinge's posture by coordinate ascent over a few angles.
 
-    All climb at once: what is to be measured for one turn is measured together.
+    All hinges climb at once: the postures of one turn are measured together.
     """
     values, postures = start.values.copy(), start.postures.copy()
     hinges = np.arange(len(values))
-    choices = np.linspace(skeleton.lower, skeleton.upper, CHOICES)  # (choices, n) [rad]
-    for turned in np.tile(hinges, ROUNDS):
-        # where a posture already has an angle, its value is known
+    choices = np.linspace(skeleton.lower, skeleton.upper, ANGLES_PER_HINGE)  # (choices, n) [rad]
+    for turned in np.tile(hinges, ASCENT_ROUNDS):
+        # A posture that already has an angle needs no new measurement.
         climber, choice = np.nonzero(postures[:, turned, None] != choices[:, turned])
-        tried = postures[climber]
-        tried[:, turned] = choices[choice, turned]
-        found = np.full((len(hinges), CHOICES), -np.inf)
-        found[climber, choice] = measure(tried)[np.arange(len(tried)), climber]
-        best = found.argmax(axis=1)
-        better = np.flatnonzero(found[hinges, best] > values)
-        values[better] = found[better, best[better]]
-        postures[better, turned] = choices[best[better], turned]
+        trial_postures = postures[climber]
+        trial_postures[:, turned] = choices[choice, turned]
+        candidates = np.full((len(hinges), ANGLES_PER_HINGE), -np.inf)
+        candidates[climber, choice] = measure(trial_postures)[np.arange(len(trial_postures)), climber]
+        best = candidates.argmax(axis=1)
+        improved = np.flatnonzero(candidates[hinges, best] > values)
+        values[improved] = candidates[improved, best[improved]]
+        postures[improved, turned] = choices[best[improved], turned]
     return Extremes(sealed(values), sealed(postures))

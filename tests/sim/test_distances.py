@@ -9,18 +9,20 @@ from kinesic.body.arrays import sealed
 from kinesic.body.description import Exclusion
 from kinesic.body.robot import Robot
 from kinesic.sim.distances import POSTURES_PER_BATCH, CapsuleDistances
-from kinesic.sim.kinematics import motion_frames
+from kinesic.sim.kinematics import compute_motion_frames
 from kinesic.sim.model import build_model, capsule_name
-from kinesic.sim.reaches import capsule_reach
-from kinesic.sim.segment_distances import segment_distances
+from kinesic.sim.reaches import compute_capsule_reach
 from kinesic.sim.worst_postures import random_postures
+
+from ..reference.sim.distances import ReferenceDistances
+from ..reference.sim.segment_distances import segment_distances
 
 ROBOT = Robot.load()
 DISTANCES = CapsuleDistances(ROBOT)
 
 
-def by_mujoco(postures):
-    """Smallest distance [m] and pair over counted pairs, by MuJoCo's own collision code."""
+def find_closest_with_mujoco(postures):
+    """Return the smallest distance [m] and its pair from MuJoCo's collision code."""
     model = build_model(ROBOT)
     data = mujoco.MjData(model)
     capsules = {segment.name: len(segment.capsules) for segment in ROBOT.skeleton.segments}
@@ -36,15 +38,15 @@ def by_mujoco(postures):
         yield min((mujoco.mj_geomDistance(model, data, i, j, 10.0, None), pair) for i, j, pair in pairs)
 
 
-def test_mujoco_measures_the_same():
+def test_segment_distances_equal_those_of_mujoco():
     postures = random_postures(ROBOT.skeleton, 150, seed=2)
     found = DISTANCES.clearance(postures)
-    for k, (distance, pair) in enumerate(by_mujoco(postures)):
+    for k, (distance, pair) in enumerate(find_closest_with_mujoco(postures)):
         assert found.distances[k] == pytest.approx(distance, abs=1e-6)
-        assert k < 2 or found.pairs[k] == pair  # rest and zero have two equal sides
+        assert k < 2 or found.pairs[k] == pair  # rest and zero are symmetric, so both sides have equal pairs
 
 
-def test_gaps_are_those_of_mujoco_for_every_pair():
+def test_distances_of_each_segment_pair_equal_those_of_mujoco():
     model = build_model(ROBOT)
     data = mujoco.MjData(model)
     postures = random_postures(ROBOT.skeleton, 40, seed=7)
@@ -69,13 +71,13 @@ def side_free(name):
     return name.removeprefix("l_").removeprefix("r_")
 
 
-def test_rest_and_zero_are_as_far_as_computed_once():
+def test_clearances_of_rest_and_zero_posture_have_the_recorded_values():
     found = DISTANCES.clearance(np.array([ROBOT.skeleton.rest, np.zeros(22)]))
     assert found.distances == pytest.approx([0.0271, 0.0280], abs=1e-4)
     assert [{side_free(n) for n in pair} for pair in found.pairs] == [{"vt1", "shoulder"}, {"vt1", "shoulder"}]
 
 
-def test_long_motions_are_measured_like_short_ones():
+def test_long_motion_gives_the_same_clearances_as_short_ones():
     postures = random_postures(ROBOT.skeleton, POSTURES_PER_BATCH + 70, seed=3)
     whole = DISTANCES.clearance(postures)
     part = DISTANCES.clearance(postures[POSTURES_PER_BATCH - 5 : POSTURES_PER_BATCH + 5])
@@ -84,13 +86,13 @@ def test_long_motions_are_measured_like_short_ones():
     assert len(whole.pairs) == len(whole.distances) == POSTURES_PER_BATCH + 70
 
 
-def test_no_posture_has_no_distance():
+def test_motion_without_postures_has_no_distances():
     found = DISTANCES.clearance(np.empty((0, 22)))
     assert found.distances.shape == (0,)
     assert list(found.pairs) == []
 
 
-def test_a_robot_that_counts_no_pair_is_never_near_itself():
+def test_robot_without_checked_pairs_has_infinite_clearance():
     names = [segment.name for segment in ROBOT.skeleton.segments]
     everything = tuple(Exclusion(frozenset((a, b)), "test") for a in names for b in names)
     alone = CapsuleDistances(replace(ROBOT, exclusions=everything))
@@ -100,8 +102,8 @@ def test_a_robot_that_counts_no_pair_is_never_near_itself():
     assert alone.gaps(np.zeros((3, 22))).shape == (3, 0)
 
 
-def wander(count, seed):
-    """A smooth motion through random postures, `count` of them."""
+def make_smooth_motion(count, seed):
+    """Return a smooth motion of `count` postures through random postures."""
     keys = random_postures(ROBOT.skeleton, 8, seed=seed)[2:]
     path = make_interp_spline(np.linspace(0.0, 1.0, len(keys)), keys, k=3)
     return ROBOT.skeleton.clamp(path(np.linspace(0.0, 1.0, count)))
@@ -109,8 +111,8 @@ def wander(count, seed):
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("near", [-1.0, 0.01, 0.05])
-def test_an_approach_finds_all_that_is_near_and_the_nearest(seed, near):
-    angles, ends = wander(301, seed), np.arange(0, 301, 3)
+def test_closest_approach_finds_all_near_postures_and_the_minimum(seed, near):
+    angles, ends = make_smooth_motion(301, seed), np.arange(0, 301, 3)
     every = DISTANCES.clearance(angles)
     found = DISTANCES.approach(angles, ends, near=near)
     smallest = np.minimum.reduceat(every.distances, np.concatenate([[0], ends[:-1] + 1]))
@@ -124,21 +126,21 @@ def test_an_approach_finds_all_that_is_near_and_the_nearest(seed, near):
     assert (found.distances <= every.distances[ends] + 1e-14).all()
 
 
-def test_an_approach_measures_few_postures(monkeypatch):
-    slow, ends = wander(3001, 0), np.arange(0, 3001, 3)  # ten seconds of steps
+def test_closest_approach_measures_only_few_postures(monkeypatch):
+    slow, ends = make_smooth_motion(3001, 0), np.arange(0, 3001, 3)  # steps of ten seconds
     measured = []
-    nearest = CapsuleDistances._nearest
+    nearest = CapsuleDistances._find_nearest
     monkeypatch.setattr(
         CapsuleDistances,
-        "_nearest",
+        "_find_nearest",
         lambda self, angles, chosen: measured.append(len(chosen)) or nearest(self, angles, chosen),
     )
     DISTANCES.approach(slow, ends, near=0.01)
     assert sum(measured) < 0.6 * len(slow)
 
 
-def test_an_approach_may_have_stretches_of_one_posture_and_of_none():
-    angles = wander(30, 1)
+def test_closest_approach_accepts_intervals_of_one_or_no_posture():
+    angles = make_smooth_motion(30, 1)
     ends = np.array([0, 0, 5, 6, 6, 29])
     found = DISTANCES.approach(angles, ends, near=1.0)
     every = DISTANCES.clearance(angles).distances
@@ -147,28 +149,28 @@ def test_an_approach_may_have_stretches_of_one_posture_and_of_none():
     assert len(DISTANCES.approach(angles, ends[:0], near=0.0).distances) == 0
 
 
-def of_each_pair(postures):
-    """(p, m) [m] exact distances."""
-    starts, ends = DISTANCES._axes(motion_frames(ROBOT.skeleton, postures))
+def measure_all_pairs(postures):
+    """Return the exact distances (p, m) [m] of all pairs."""
+    starts, ends = ReferenceDistances(ROBOT).capsule_axes(compute_motion_frames(ROBOT.skeleton, postures))
     i, j = DISTANCES._first, DISTANCES._second
     axes = [np.moveaxis(points, 2, 1).reshape(-1, 3) for points in (starts[i], ends[i], starts[j], ends[j])]
     return segment_distances(*axes).reshape(len(i), -1) - DISTANCES._radii[:, None]
 
 
-def test_no_turn_brings_a_pair_nearer_than_the_reach_of_its_hinges():
+def test_hinge_rotation_changes_distance_by_at_most_its_reach():
     random = np.random.default_rng(4)
     before = random_postures(ROBOT.skeleton, 300, seed=4)
     after = ROBOT.skeleton.clamp(before + random.normal(0.0, 0.1, before.shape) * (random.random(before.shape) < 0.3))
-    nearer = of_each_pair(before) - of_each_pair(after)
+    nearer = measure_all_pairs(before) - measure_all_pairs(after)
     assert (nearer <= DISTANCES._reaches @ np.abs(after - before).T + 1e-12).all()
     assert nearer.max() > 0.01
 
 
-def test_a_hinge_reaches_no_further_than_the_links_it_moves():
+def test_hinge_reach_is_bounded_by_the_moved_links():
     names = [segment.name for segment in ROBOT.skeleton.segments]
     owner = names.index("l_wrist")
     capsule = ROBOT.skeleton.segments[owner].capsules[0]
-    reach = dict(zip(ROBOT.skeleton.names, capsule_reach(ROBOT.skeleton, owner, capsule), strict=True))
+    reach = dict(zip(ROBOT.skeleton.names, compute_capsule_reach(ROBOT.skeleton, owner, capsule), strict=True))
     hand = max(np.linalg.norm(capsule.start), np.linalg.norm(capsule.end))
     assert reach["l_wrist_pivot"] == pytest.approx(hand)
     assert reach["l_shoulder_flexion"] == pytest.approx(0.42 + hand)
@@ -182,26 +184,26 @@ def row(*points):
 @pytest.mark.parametrize(
     ("ends", "distance"),
     [
-        (((0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, 2, 0)), 1.0),  # end against middle
+        (((0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, 2, 0)), 1.0),  # end point against midpoint
         (((0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1)), 1.0),  # skew lines
-        (((0, 0, 0), (1, 0, 0), (0.5, -1, 0), (0.5, 1, 0)), 0.0),  # they cross
-        (((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)), 1.0),  # one line
+        (((0, 0, 0), (1, 0, 0), (0.5, -1, 0), (0.5, 1, 0)), 0.0),  # crossing
+        (((0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)), 1.0),  # collinear
         (((0, 0, 0), (1, 0, 0), (-5, 2, 0), (5, 2, 0)), 2.0),  # parallel
         (((0, 0, 0), (0, 0, 0), (3, 4, 0), (3, 4, 0)), 5.0),  # two points
         (((0, 0, 0), (0, 0, 0), (-1, 1, 0), (1, 1, 0)), 1.0),  # a point and a segment
         (((-1, 1, 0), (1, 1, 0), (0, 0, 0), (0, 0, 0)), 1.0),
     ],
 )
-def test_segments_of_every_kind(ends, distance):
+def test_segment_distance_equals_known_values(ends, distance):
     assert segment_distances(*row(*ends)) == pytest.approx([distance], abs=1e-12)
 
 
-def test_a_posture_that_lasts_is_measured_once(monkeypatch):
+def test_clearance_of_repeated_postures_is_computed_once_per_posture_change(monkeypatch):
     measured: list[int] = []
-    nearest = CapsuleDistances._nearest
+    nearest = CapsuleDistances._find_nearest
     monkeypatch.setattr(
         CapsuleDistances,
-        "_nearest",
+        "_find_nearest",
         lambda self, angles, chosen: measured.append(len(chosen)) or nearest(self, angles, chosen),
     )
     first, second = random_postures(ROBOT.skeleton, 2, seed=4)
@@ -214,7 +216,7 @@ def test_a_posture_that_lasts_is_measured_once(monkeypatch):
 
 
 @pytest.mark.parametrize("robot", [ROBOT, Robot.load("upper36")], ids=["upper22", "upper36"])
-def test_bounds_hold_however_hinges_turn_and_are_near_where_they_hardly_do(robot):
+def test_distance_bounds_hold_and_are_tight_for_small_rotations(robot):
     rng, distances = np.random.default_rng(5), CapsuleDistances(robot)
     postures = random_postures(robot.skeleton, 30, seed=6)
     for widest in (0.002, 0.05, 0.4):

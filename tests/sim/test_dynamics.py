@@ -2,25 +2,36 @@ import mujoco
 import numpy as np
 import pytest
 
-from kinesic.body.limits import LEAST_ACCELERATION, LEAST_DUTY, Limits
+from kinesic.body.limits import MIN_ACCELERATION, MIN_DUTY, Limits
 from kinesic.body.robot import Robot
-from kinesic.sim.dynamics import FRICTION_SPEED, MujocoDynamics
-from kinesic.sim.model import build_model, joint_order
+from kinesic.sim.dynamics import COULOMB_FADE_VELOCITY, MujocoDynamics
+from kinesic.sim.model import build_model, find_joint_indices
 from kinesic.sim.servo_factors import Factors
 from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()
 DYNAMICS = MujocoDynamics(ROBOT)
-POSTURES = random_postures(ROBOT.skeleton, 40, seed=6)
-STILL = np.zeros_like(POSTURES)
+RANDOM_POSTURES = random_postures(ROBOT.skeleton, 40, seed=6)
+ZERO_VELOCITIES = np.zeros_like(RANDOM_POSTURES)
 
-# [rad/s^2] and shares of stall that the robot's sheet gives, computed with other code
-SHEET_ACCELERATION = [13, 17, 11, 93, 68, 71, *[32, 59, 59, 80, 81, 139, 350, 350] * 2]
-SHEET_RATIO = [0, 0.215, 0.251, 0.105, 0.220, 0.201, *[0.217, 0.177, 0.177, 0.127, 0.127, 0.020, 0.043, 0.043] * 2]
+# Documented accelerations [rad/s^2] and holding torque / stall torque, computed independently.
+DOCUMENTED_ACCELERATIONS = [13, 17, 11, 93, 68, 71, *[32, 59, 59, 80, 81, 139, 350, 350] * 2]
+DOCUMENTED_RATIOS = [
+    0,
+    0.215,
+    0.251,
+    0.105,
+    0.220,
+    0.201,
+    *[0.217, 0.177, 0.177, 0.127, 0.127, 0.020, 0.043, 0.043] * 2,
+]
 
 
 def potential_energy(angles):
-    """[J] of all segments and their servos, from the skeleton and the model's centres of mass."""
+    """Return the potential energy [J] of all segments and servos.
+
+    Computed from the skeleton and the model's centres of mass.
+    """
     model = build_model(ROBOT)
     frames = ROBOT.skeleton.frames(angles)
     energy = 0.0
@@ -30,8 +41,8 @@ def potential_energy(angles):
     return energy
 
 
-def test_holding_torque_is_the_slope_of_the_potential_energy():
-    posture, step = POSTURES[4], 1e-5
+def test_holding_torque_is_the_gradient_of_potential_energy():
+    posture, step = RANDOM_POSTURES[4], 1e-5
     slope = [
         (potential_energy(posture + step * unit) - potential_energy(posture - step * unit)) / (2 * step)
         for unit in np.eye(22)
@@ -40,77 +51,88 @@ def test_holding_torque_is_the_slope_of_the_potential_energy():
 
 
 def test_torque_grows_with_inertia_times_acceleration():
-    inertias = DYNAMICS.inertias(POSTURES)
+    inertias = DYNAMICS.inertias(RANDOM_POSTURES)
     for hinge in (1, 7, 13, 20):
-        pushed = STILL.copy()
+        pushed = ZERO_VELOCITIES.copy()
         pushed[:, hinge] = 3.0
-        more = DYNAMICS.torques(POSTURES, STILL, pushed) - DYNAMICS.holding(POSTURES)
+        more = DYNAMICS.torques(RANDOM_POSTURES, ZERO_VELOCITIES, pushed) - DYNAMICS.holding(RANDOM_POSTURES)
         assert more[:, hinge] == pytest.approx(3.0 * inertias[:, hinge], rel=1e-9)
 
 
 def test_inertia_includes_the_armature():
-    assert (DYNAMICS.inertias(POSTURES) > [drive.armature for drive in ROBOT.drives]).all()
+    assert (DYNAMICS.inertias(RANDOM_POSTURES) > [drive.armature for drive in ROBOT.drives]).all()
 
 
-def test_friction_and_damping_are_added_smoothly():
-    drive, hinge = ROBOT.drives[13], 13  # a wrist hinge alone feels no other
-    for speed in (-2.0, 0.5 * FRICTION_SPEED, 1.0):
-        speeds = STILL[:1].copy()
+def test_friction_and_damping_are_continuous_in_velocity():
+    drive, hinge = ROBOT.drives[13], 13  # the last wrist hinge carries no other hinge
+    for speed in (-2.0, 0.5 * COULOMB_FADE_VELOCITY, 1.0):
+        speeds = ZERO_VELOCITIES[:1].copy()
         speeds[0, hinge] = speed
-        more = DYNAMICS.torques(POSTURES[:1], speeds, STILL[:1])[0, hinge] - DYNAMICS.holding(POSTURES[:1])[0, hinge]
-        expected = drive.frictionloss * np.tanh(speed / FRICTION_SPEED) + drive.damping * speed
+        more = (
+            DYNAMICS.torques(RANDOM_POSTURES[:1], speeds, ZERO_VELOCITIES[:1])[0, hinge]
+            - DYNAMICS.holding(RANDOM_POSTURES[:1])[0, hinge]
+        )
+        expected = drive.frictionloss * np.tanh(speed / COULOMB_FADE_VELOCITY) + drive.damping * speed
         assert more == pytest.approx(expected, abs=1e-6)
 
 
-def test_a_touching_posture_gets_no_help():
+def test_contacts_do_not_reduce_holding_torque():
     inside = ROBOT.skeleton.rest.copy()
     inside[ROBOT.skeleton.joint("l_shoulder_abduct")] = -0.6
     held = DYNAMICS.holding(inside[None])[0]
     assert np.abs(held).max() < 3.0
 
 
-def test_acceleration_limits_agree_with_the_sheet():
+def test_acceleration_limits_agree_with_the_documented_values():
     limits = Limits.of(ROBOT, DYNAMICS.load).acceleration
-    assert limits == pytest.approx(SHEET_ACCELERATION, rel=0.06)
+    assert limits == pytest.approx(DOCUMENTED_ACCELERATIONS, rel=0.06)
     assert np.array_equal(limits[6:14], limits[14:22])
     assert np.array_equal(limits, Limits.of(ROBOT, MujocoDynamics(ROBOT).load).acceleration)
 
 
-def test_no_hinge_needs_more_than_two_fifths_of_its_stall_torque():
+def test_holding_needs_at_most_two_fifths_of_stall_torque():
     worst = DYNAMICS.worst_static
-    assert worst.values == pytest.approx(SHEET_RATIO, abs=0.005)
+    assert worst.values == pytest.approx(DOCUMENTED_RATIOS, abs=0.005)
     assert worst.values.max() <= 0.40
     again = DYNAMICS.static_ratios(worst.postures).diagonal()
     assert worst.values == pytest.approx(again)
 
 
-def test_a_drive_that_cannot_hold_itself_still_gets_a_positive_limit():
+def test_overloaded_drive_still_gets_a_positive_acceleration_limit():
     weak = Factors(stall=0.1).applied(ROBOT)
     limits = Limits.of(weak, MujocoDynamics(weak).load)
-    assert limits.acceleration.min() == LEAST_ACCELERATION
-    assert limits.duty.min() == LEAST_DUTY
+    assert limits.acceleration.min() == MIN_ACCELERATION
+    assert limits.duty.min() == MIN_DUTY
 
 
-def test_mujoco_finds_the_same_torques():
-    """`mj_inverse` adds armature and damping by itself; friction is a constraint, and so not among them."""
+def test_torques_equal_mujoco_inverse_dynamics():
+    """`mj_inverse` includes armature and damping; friction is a constraint and not included."""
     random = np.random.default_rng(5)
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     speeds, accelerations = random.normal(0.0, 2.0, (2, 40, 22))
     model = build_model(ROBOT)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
-    data, order = mujoco.MjData(model), joint_order(ROBOT, model)
+    data, order = mujoco.MjData(model), find_joint_indices(ROBOT, model)
     friction = ROBOT.drives.frictionloss
     found = MujocoDynamics(ROBOT).torques(postures, speeds, accelerations)
     for k in range(40):
         data.qpos[order], data.qvel[order], data.qacc[order] = postures[k], speeds[k], accelerations[k]
         mujoco.mj_inverse(model, data)
-        rubbing = friction * np.tanh(speeds[k] / FRICTION_SPEED)
+        rubbing = friction * np.tanh(speeds[k] / COULOMB_FADE_VELOCITY)
         assert found[k] == pytest.approx(data.qfrc_inverse[order] + rubbing, abs=1e-11)
 
 
-def test_mujoco_called_from_python_finds_the_same(monkeypatch: pytest.MonkeyPatch):
-    found = DYNAMICS.holding(POSTURES), DYNAMICS.inertias(POSTURES), DYNAMICS.torques(POSTURES, POSTURES, POSTURES)
-    monkeypatch.setattr("kinesic.sim.dynamics.KERNEL", "numpy")
-    again = DYNAMICS.holding(POSTURES), DYNAMICS.inertias(POSTURES), DYNAMICS.torques(POSTURES, POSTURES, POSTURES)
+def test_python_fallback_gives_equal_torques(monkeypatch: pytest.MonkeyPatch):
+    found = (
+        DYNAMICS.holding(RANDOM_POSTURES),
+        DYNAMICS.inertias(RANDOM_POSTURES),
+        DYNAMICS.torques(RANDOM_POSTURES, RANDOM_POSTURES, RANDOM_POSTURES),
+    )
+    monkeypatch.setattr("kinesic.sim.dynamics.function_address", lambda name: None)
+    again = (
+        DYNAMICS.holding(RANDOM_POSTURES),
+        DYNAMICS.inertias(RANDOM_POSTURES),
+        DYNAMICS.torques(RANDOM_POSTURES, RANDOM_POSTURES, RANDOM_POSTURES),
+    )
     for kernel, python in zip(found, again, strict=True):
         assert np.array_equal(kernel, python)

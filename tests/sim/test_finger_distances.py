@@ -1,4 +1,4 @@
-"""Distances of fingers: a ball stands for them where they are far, and nothing is lost by it."""
+"""Distances of fingers, which distant fingers approximate by a ball."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import SIDES, Robot
-from kinesic.sim.distances import NEAR_FINGERS, SIGHT, CapsuleDistances
-from kinesic.sim.fingers import finger_hull
-from kinesic.sim.segment_distances import segment_distances
+from kinesic.sim.distances import FINGER_BALL_DISTANCE, MAX_EXACT_FINGER_GAP, CapsuleDistances
+from kinesic.sim.fingers import compute_finger_hull
 from kinesic.sim.worst_postures import random_postures
+
+from ..reference.sim.segment_distances import segment_distances
 
 ROBOT = Robot.load("upper36")
 DISTANCES = CapsuleDistances(ROBOT)
 
 
-def by_hand(posture):
-    """[m] of every counted pair, from all capsules."""
+def measure_all_pairs(posture):
+    """Return the distance [m] of every counted pair from all capsules."""
     frames = ROBOT.skeleton.frames(posture)
     axes: dict[str, list[tuple]] = {}
     for body, parts in ROBOT.bodies.items():
@@ -33,23 +34,23 @@ def by_hand(posture):
         yield float((segment_distances(a0, a1, b0, b1) - ra - rb).min())
 
 
-def test_every_finger_counts():
+def test_every_finger_affects_the_distance():
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     gaps, nearest = DISTANCES.gaps(postures), DISTANCES.clearance(postures)
     for posture, found, least in zip(postures, gaps, nearest.distances, strict=True):
-        expected = np.array(list(by_hand(posture)))
-        near = expected < SIGHT
+        expected = np.array(list(measure_all_pairs(posture)))
+        near = expected < MAX_EXACT_FINGER_GAP
         np.testing.assert_allclose(found[near], expected[near], atol=1e-9)
         assert np.all(found <= expected + 1e-9)
-        if expected.min() < NEAR_FINGERS:
+        if expected.min() < FINGER_BALL_DISTANCE:
             assert least == pytest.approx(expected.min(), abs=1e-9)
         else:
-            assert NEAR_FINGERS <= least <= expected.min() + 1e-9
+            assert FINGER_BALL_DISTANCE <= least <= expected.min() + 1e-9
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_the_ball_holds_the_fingers_however_they_are_bent(side):
-    ball, hand = finger_hull(ROBOT, side), ROBOT.skeleton.segment(f"{side}_wrist")
+def test_finger_ball_contains_the_fingers_in_every_bending(side):
+    ball, hand = compute_finger_hull(ROBOT, side), ROBOT.skeleton.segment(f"{side}_wrist")
     frames = ROBOT.skeleton.frames(random_postures(ROBOT.skeleton, 300, seed=6))
     centre = frames.origins[:, hand] + frames.rotations[:, hand] @ ball.start
     for name in ROBOT.fingers(side):
@@ -59,7 +60,7 @@ def test_the_ball_holds_the_fingers_however_they_are_bent(side):
             assert (np.linalg.norm(ends - centre, axis=1) + capsule.radius).max() <= ball.radius + 1e-12
 
 
-def test_what_a_motion_comes_nearest_is_found_between_its_samples():
+def test_closest_finger_approach_between_samples_is_found():
     postures = random_postures(ROBOT.skeleton, 12, seed=8)
     motion = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(postures)])
     ends = np.arange(0, len(motion), 4)
@@ -71,7 +72,7 @@ def test_what_a_motion_comes_nearest_is_found_between_its_samples():
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_fingers_stay_away_from_their_own_forearm(side):
+def test_fingers_cannot_reach_their_own_forearm(side):
     everything = replace(ROBOT, exclusions=tuple(e for e in ROBOT.exclusions if f"{side}_elbow" not in e.pair))
     pair = everything.counted_pairs.index((f"{side}_elbow", f"{side}_fingers"))
     assert CapsuleDistances(everything).gaps(random_postures(ROBOT.skeleton, 1000, seed=9))[:, pair].min() > 0.005

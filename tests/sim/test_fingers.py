@@ -1,4 +1,4 @@
-"""Where fingers are, whatever the arm does and however they are bent."""
+"""Finger positions for any arm posture and finger bending."""
 
 import numpy as np
 import pytest
@@ -13,12 +13,12 @@ ROBOT = Robot.load("upper36")
 
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("still", [True, False])
-def test_fingers_are_where_the_whole_skeleton_has_them(side, still):
+def test_finger_positions_equal_full_forward_kinematics(side, still):
     postures = random_postures(ROBOT.skeleton, 7, seed=3)
     if still:
         postures[:, list(ROBOT.arm(side).fingers)] = postures[0, list(ROBOT.arm(side).fingers)]
     places, frames = FingerPlaces(ROBOT, side), ROBOT.skeleton.frames(postures)
-    for _ in range(2):  # the second time from memory
+    for _ in range(2):  # the second result comes from the cache
         starts, ends = places.ends(postures, body_frames(ROBOT, postures))
         for k, (owner, capsule) in enumerate(places.capsules):
             for found, point in ((starts[k], capsule.start), (ends[k], capsule.end)):
@@ -26,7 +26,7 @@ def test_fingers_are_where_the_whole_skeleton_has_them(side, still):
                 np.testing.assert_allclose(found.T, true, atol=1e-12)
 
 
-def test_what_is_remembered_is_not_taken_for_other_fingers():
+def test_finger_cache_distinguishes_bendings():
     places = FingerPlaces(ROBOT, "l")
     one, other = random_postures(ROBOT.skeleton, 2, seed=4)[:, None]
     first, _ = places.ends(one, body_frames(ROBOT, one))

@@ -9,7 +9,7 @@ from kinesic.sim import gl
 
 @pytest.fixture
 def no_libraries(monkeypatch):
-    monkeypatch.setattr(gl, "_loads", lambda library: False)
+    monkeypatch.setattr(gl, "_can_load", lambda library: False)
     gl.opengl_fault.cache_clear()
     yield
     gl.opengl_fault.cache_clear()
@@ -17,42 +17,42 @@ def no_libraries(monkeypatch):
 
 @pytest.fixture
 def all_libraries(monkeypatch):
-    monkeypatch.setattr(gl, "_loads", lambda library: True)
+    monkeypatch.setattr(gl, "_can_load", lambda library: True)
 
 
 @pytest.mark.parametrize("asked", ["disable", "off", "glfw", "glx"])
-def test_a_harmless_wish_of_the_user_stays(asked, all_libraries):
+def test_harmless_user_value_of_mujoco_gl_is_kept(asked, all_libraries):
     environment = {"MUJOCO_GL": asked}
     assert gl.prepare(environment) == asked
     assert environment == {"MUJOCO_GL": asked}
 
 
 @pytest.mark.parametrize("asked", ["", "egl", "EGL", "nonsense"])
-def test_egl_is_chosen_where_its_libraries_are(asked, all_libraries):
+def test_egl_is_selected_if_its_libraries_exist(asked, all_libraries):
     environment = {"MUJOCO_GL": asked}
     assert gl.prepare(environment) == environment["MUJOCO_GL"] == "egl"
 
 
 @pytest.mark.parametrize("asked", ["", "egl", "osmesa", "nonsense"])
-def test_without_libraries_drawing_is_off(asked, no_libraries):
+def test_mujoco_rendering_is_disabled_without_opengl_libraries(asked, no_libraries):
     environment = {"MUJOCO_GL": asked}
     assert gl.prepare(environment) == environment["MUJOCO_GL"] == "disable"
 
 
-def test_another_platform_of_pyopengl_rules_out_egl(all_libraries):
+def test_other_pyopengl_platform_rules_out_egl(all_libraries):
     assert gl.prepare({"PYOPENGL_PLATFORM": "osmesa"}) == "disable"
 
 
-def test_the_fault_names_the_libraries_and_the_line_that_mends(no_libraries):
+def test_fault_names_missing_libraries_and_install_command(no_libraries):
     why = gl.opengl_fault()
     assert why is not None
     assert "libEGL.so.1" in why
-    assert gl.APT_LINE in why
+    assert gl.INSTALL_COMMAND in why
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux reads MUJOCO_GL this way")
 @pytest.mark.parametrize("asked", ["egl", "nonsense"])
-def test_mujoco_imports_after_this_room_whatever_was_asked(asked):
+def test_mujoco_imports_after_kinesic_sim_for_any_mujoco_gl(asked):
     program = "import kinesic.sim, mujoco; print(mujoco.mj_version() > 0)"
     environment = {**os.environ, "MUJOCO_GL": asked}
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment, check=False)

@@ -10,15 +10,22 @@ from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
-from kinesic.sim.model import actuator_order, build_model, describe, joint_order, of_hinges, play_order
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
+from kinesic.sim.model import (
+    build_model,
+    describe,
+    find_actuator_indices,
+    find_joint_indices,
+    find_play_indices,
+    sum_hinge_values,
+)
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, DriveFactors, Factors
 from kinesic.sim.uncoupled import uncouple
 
 ROBOT = Robot.load()
 MODEL = build_model(ROBOT)
 
-# [deg] the least ranges that the default robot may have
-LEAST_RANGES = {
+# Smallest allowed ranges of the default robot [deg].
+REQUIRED_RANGES = {
     "vl5_torsion": (-50, 50),
     "vl5_tilt": (-15, 35),
     "vl5_roll": (-20, 20),
@@ -40,65 +47,67 @@ def side_free(name):
     return name.removeprefix("l_").removeprefix("r_")
 
 
-def test_the_orders_of_joints_are_the_same_by_name():
-    assert list(joint_order(ROBOT, MODEL)) == list(range(22))
+def test_mujoco_joints_and_actuators_have_the_order_of_the_skeleton():
+    assert list(find_joint_indices(ROBOT, MODEL)) == list(range(22))
     assert [MODEL.actuator(k).name for k in range(MODEL.nu)] == list(ROBOT.skeleton.names)
     assert (MODEL.nq, MODEL.nv, MODEL.nu, MODEL.na) == (22, 22, 22, 0)
 
 
-def test_compiled_ranges_are_radians_and_no_narrower_than_they_may_be():
+def test_compiled_ranges_match_the_description_and_required_minimum():
     for name, lower, upper in zip(ROBOT.skeleton.names, ROBOT.skeleton.lower, ROBOT.skeleton.upper, strict=True):
         compiled = MODEL.joint(name).range
         assert compiled == pytest.approx([lower, upper], abs=1e-12)
-        least = np.radians(LEAST_RANGES[side_free(name)])
+        least = np.radians(REQUIRED_RANGES[side_free(name)])
         assert compiled[0] <= least[0] + 1e-12
         assert compiled[1] >= least[1] - 1e-12
         assert MODEL.joint(name).limited
 
 
-def test_without_play_no_joint_is_added():
-    assert len(play_order(ROBOT, MODEL)) == 0
+def test_no_joint_is_added_without_backlash():
+    assert len(find_play_indices(ROBOT, MODEL)) == 0
     values = np.arange(22.0)
-    np.testing.assert_array_equal(of_hinges(values, joint_order(ROBOT, MODEL), play_order(ROBOT, MODEL)), values)
+    np.testing.assert_array_equal(
+        sum_hinge_values(values, find_joint_indices(ROBOT, MODEL), find_play_indices(ROBOT, MODEL)), values
+    )
 
 
-def test_play_lets_a_hinge_that_carries_something_lie_against_its_stop():
-    """Held by their motors, forearms that stick out forwards hang half the play lower."""
+def test_loaded_hinge_with_backlash_rests_at_its_backlash_stop():
+    """With motors holding, horizontal forearms hang lower by half the backlash."""
     play = np.radians(0.5).item()
     model = build_model(ROBOT, servos=Factors(play=play))
     data = mujoco.MjData(model)
-    motors, gaps = joint_order(ROBOT, model), play_order(ROBOT, model)
+    motors, gaps = find_joint_indices(ROBOT, model), find_play_indices(ROBOT, model)
     assert model.body_mass.sum() == pytest.approx(MODEL.body_mass.sum(), abs=1e-12)
     posture = np.array(ROBOT.skeleton.rest)
     elbows = [ROBOT.skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
     posture[elbows] = np.pi / 2
     data.qpos[motors] = posture
-    data.ctrl[actuator_order(ROBOT, model)] = posture
+    data.ctrl[find_actuator_indices(ROBOT, model)] = posture
     mujoco.mj_step(model, data, 500)
     np.testing.assert_allclose(data.qpos[gaps][elbows], -play / 2, rtol=0.07)
-    np.testing.assert_array_equal(of_hinges(data.qpos, motors, gaps), data.qpos[motors] + data.qpos[gaps])
+    np.testing.assert_array_equal(sum_hinge_values(data.qpos, motors, gaps), data.qpos[motors] + data.qpos[gaps])
     assert np.abs(data.qpos[gaps]).max() < 0.55 * play
 
 
-def test_total_mass_is_structure_and_servos():
+def test_total_mass_is_structure_plus_servos():
     structure = sum(segment.mass for segment in ROBOT.skeleton.segments)
     servos = sum(drive.count * drive.servo.mass for drive in ROBOT.drives)
     assert MODEL.body_mass.sum() == pytest.approx(structure + servos, abs=1e-9)
     assert MODEL.body_mass.sum() == pytest.approx(5.945, abs=1e-9)
-    assert build_model(ROBOT, servos=PESSIMISTIC).body_mass.sum() == pytest.approx(1.1 * 5.945, abs=1e-9)
+    assert build_model(ROBOT, servos=PESSIMISTIC_FACTORS).body_mass.sum() == pytest.approx(1.1 * 5.945, abs=1e-9)
 
 
-def test_every_segment_outweighs_the_servos_it_carries():
+def test_segments_weigh_at_least_1_3_times_their_servos():
     for segment in ROBOT.skeleton.segments:
         carried = sum(m.drive.count * m.drive.servo.mass for m in ROBOT.mounts if m.segment == segment.name)
         assert MODEL.body(segment.name).mass[0] >= 1.3 * carried, segment.name
 
 
-def test_the_arm_is_of_a_plausible_length():
+def test_arm_length_is_plausible():
     assert 0.42 - 1e-9 <= ROBOT.arm_length <= 0.55
 
 
-def test_left_is_the_mirror_of_right():
+def test_left_side_mirrors_the_right_side():
     flip = np.array([1, -1, 1])
     for segment in ROBOT.skeleton.segments:
         if segment.name.startswith("l_"):
@@ -114,7 +123,7 @@ def test_left_is_the_mirror_of_right():
             assert left.range == pytest.approx(right.range, abs=1e-15)
 
 
-def test_hinges_have_the_drives_figures():
+def test_joints_have_the_drive_parameters():
     for k, drive in enumerate(ROBOT.drives):
         assert MODEL.dof_armature[k] == pytest.approx(drive.armature)
         assert MODEL.dof_frictionloss[k] == pytest.approx(drive.frictionloss)
@@ -123,7 +132,7 @@ def test_hinges_have_the_drives_figures():
 
 @pytest.mark.parametrize("duty", [-3.0, -1.0, -0.4, 0.0, 0.7, 1.0, 2.5])
 @pytest.mark.parametrize("speed", [-1.5, 0.0, 2.0])
-def test_actuators_follow_the_servos_law(duty, speed):
+def test_actuators_follow_the_servo_control_law(duty, speed):
     data = mujoco.MjData(MODEL)
     drives = ROBOT.drives
     data.qvel[:] = speed
@@ -135,7 +144,7 @@ def test_actuators_follow_the_servos_law(duty, speed):
         assert data.actuator_force[k] == pytest.approx(torque, rel=1e-9, abs=1e-9), ROBOT.skeleton.names[k]
 
 
-def test_only_counted_pairs_may_touch():
+def test_only_segment_pairs_of_the_collision_check_can_collide():
     excluded = {
         frozenset((MODEL.body(int(signature) >> 16).name, MODEL.body(int(signature) & 0xFFFF).name))
         for signature in MODEL.exclude_signature
@@ -145,7 +154,7 @@ def test_only_counted_pairs_may_touch():
     assert everything - excluded == {frozenset(pair) for pair in ROBOT.counted_pairs}
 
 
-def test_nothing_touches_at_zero_and_a_hand_in_the_chest_does():
+def test_mujoco_contacts_occur_only_in_the_colliding_posture():
     data = mujoco.MjData(MODEL)
     mujoco.mj_forward(MODEL, data)
     assert data.ncon == 0
@@ -156,7 +165,7 @@ def test_nothing_touches_at_zero_and_a_hand_in_the_chest_does():
     assert data.ncon > 0
 
 
-def test_sites_lie_where_the_robot_says():
+def test_sites_are_at_the_described_positions():
     data = mujoco.MjData(MODEL)
     mujoco.mj_forward(MODEL, data)
     frames = ROBOT.skeleton.frames(np.zeros(22))
@@ -166,8 +175,10 @@ def test_sites_lie_where_the_robot_says():
         assert data.site(name).xpos == pytest.approx(where, abs=1e-12)
 
 
-LINK_MASS, LENGTH, RADIUS = 0.5, 0.2, 0.03  # of the pendulum's capsule
-SERVO = ServoModel(
+LINK_MASS = 0.5  # [kg] of the pendulum
+LINK_LENGTH = 0.2  # [m] of the pendulum's capsule
+LINK_RADIUS = 0.03  # [m] of the pendulum's capsule
+PENDULUM_SERVO = ServoModel(
     name="test",
     model=1,
     volt=12.0,
@@ -193,17 +204,17 @@ def pendulum(capsules):
         name="pendulum",
         path=ROBOT.path,
         skeleton=Skeleton((Segment("base", None, sealed([0, 0, 0]), 1.0, ()), link), (hinge,)),
-        mounts=(Mount(Drive(SERVO, 1, 1.5), "base", sealed([0, 0, 0])),),
+        mounts=(Mount(Drive(PENDULUM_SERVO, 1, 1.5), "base", sealed([0, 0, 0])),),
         chains={},
         sites={},
         exclusions=(),
-        least_clearance=0.01,
+        min_clearance=0.01,
         targets={},
     )
 
 
-def swung_by_hand(drive, inertia, moment, goal, duration):
-    """Angles [rad] every millisecond of a pendulum whose servo is told a goal, by small Runge-Kutta steps."""
+def integrate_pendulum(drive, inertia, moment, goal, duration):
+    """Integrate a servo-driven pendulum with small Runge-Kutta steps; angles [rad] per millisecond."""
 
     def change(state):
         angle, speed = state
@@ -223,15 +234,15 @@ def swung_by_hand(drive, inertia, moment, goal, duration):
     return np.array(angles)
 
 
-def test_a_pendulum_swings_as_integrated_by_hand():
-    capsule = Capsule(sealed([0, 0, -0.1]), sealed([0, 0, -0.1 - LENGTH]), RADIUS)
+def test_simulated_pendulum_equals_independent_integration():
+    capsule = Capsule(sealed([0, 0, -0.1]), sealed([0, 0, -0.1 - LINK_LENGTH]), LINK_RADIUS)
     robot = pendulum((capsule,))
-    cylinder, balls = pi * RADIUS**2 * LENGTH, 4 / 3 * pi * RADIUS**3
+    cylinder, balls = pi * LINK_RADIUS**2 * LINK_LENGTH, 4 / 3 * pi * LINK_RADIUS**3
     tube, caps = LINK_MASS * cylinder / (cylinder + balls), LINK_MASS * balls / (cylinder + balls)
-    own = tube * (LENGTH**2 / 12 + RADIUS**2 / 4)
-    own += caps * (2 / 5 * RADIUS**2 + LENGTH**2 / 4 + 3 / 8 * LENGTH * RADIUS)
+    own = tube * (LINK_LENGTH**2 / 12 + LINK_RADIUS**2 / 4)
+    own += caps * (2 / 5 * LINK_RADIUS**2 + LINK_LENGTH**2 / 4 + 3 / 8 * LINK_LENGTH * LINK_RADIUS)
     inertia = own + LINK_MASS * 0.2**2 + robot.drives[0].armature
-    expected = swung_by_hand(robot.drives[0], inertia, LINK_MASS * 9.81 * 0.2, 1.2, 1.0)
+    expected = integrate_pendulum(robot.drives[0], inertia, LINK_MASS * 9.81 * 0.2, 1.2, 1.0)
     model = build_model(robot)
     model.opt.timestep = 5e-4
     data = mujoco.MjData(model)
@@ -244,24 +255,24 @@ def test_a_pendulum_swings_as_integrated_by_hand():
     assert np.degrees(np.abs(np.array(angles) - expected).max()) < 0.1
 
 
-def test_a_ball_and_a_bare_segment_have_their_mass():
-    ball = Capsule(sealed([0, 0, -0.2]), sealed([0, 0, -0.2]), RADIUS)
+def test_ball_and_segment_without_shapes_have_their_mass():
+    ball = Capsule(sealed([0, 0, -0.2]), sealed([0, 0, -0.2]), LINK_RADIUS)
     for capsules in ((ball,), ()):
         model = build_model(pendulum(capsules))
         assert model.body("link").mass[0] == pytest.approx(LINK_MASS)
-        assert model.body("base").mass[0] == pytest.approx(1.0 + SERVO.mass)
+        assert model.body("base").mass[0] == pytest.approx(1.0 + PENDULUM_SERVO.mass)
 
 
-def saved(model):
-    """All bytes that MuJoCo writes of a model."""
+def model_bytes(model):
+    """Return all bytes that MuJoCo writes for a model."""
     whole = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
     mujoco.mj_saveModel(model, None, whole)
     return whole
 
 
-VARIANTS = [
-    NOMINAL,
-    PESSIMISTIC,
+FACTOR_VARIANTS = [
+    NOMINAL_FACTORS,
+    PESSIMISTIC_FACTORS,
     Factors(gain=1.1, friction=1.5, latency=0.01),
     Factors(armature=1.3, play=0.01, supply=0.9),
     Factors(mass=1.2, servos={"xm540_w150": DriveFactors(armature=2.0, no_load=0.9), "muscle": DriveFactors(gain=0.8)}),
@@ -269,12 +280,12 @@ VARIANTS = [
 
 
 @pytest.mark.parametrize("name", ["upper22", "human"])
-def test_a_model_whose_drives_were_exchanged_is_that_which_would_have_been_compiled(name):
+def test_model_with_replaced_drives_equals_a_new_model(name):
     robot = Robot.load(name)
     known = {drive.servo.name for drive in robot.drives}
-    for factors in VARIANTS:
+    for factors in FACTOR_VARIANTS:
         servos = {servo: own for servo, own in factors.servos.items() if servo in known}
         factors = msgspec.structs.replace(factors, servos=servos)  # noqa: PLW2901 - of this robot
         spec = describe(uncouple(factors.applied(robot)), play=factors.play)
         spec.compiler.discardvisual = True
-        np.testing.assert_array_equal(saved(build_model(robot, servos=factors)), saved(spec.compile()))
+        np.testing.assert_array_equal(model_bytes(build_model(robot, servos=factors)), model_bytes(spec.compile()))

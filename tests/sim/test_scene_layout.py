@@ -1,4 +1,4 @@
-"""Where robots of any size stand in pictures, what of them is seen, and what holds their parts together."""
+"""Floor, view and rods of robots of different sizes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -13,16 +13,18 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Segment
 from kinesic.sim.film import write_still
 from kinesic.sim.gl import opengl_fault
-from kinesic.sim.model import joint_order
-from kinesic.sim.scene_layout import ASPECT, VIEW_ANGLE, rods, view_of
-from kinesic.sim.scene_style import CAMERA, styled_model
+from kinesic.sim.model import find_joint_indices
+from kinesic.sim.scene_layout import PICTURE_ASPECT, VIEW_ANGLE, find_scene_view, rods
+from kinesic.sim.scene_style import CAMERA_NAME, styled_model
 
 UPPER22 = Robot.load()
-PLANE, BALL, CAPSULE = (int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in ("PLANE", "SPHERE", "CAPSULE"))
+PLANE_GEOM, BALL_GEOM, CAPSULE_GEOM = (
+    int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in ("PLANE", "SPHERE", "CAPSULE")
+)
 
 
 def resized(scale: float, lift: float = 0.0) -> Robot:
-    """The robot `scale` times as large, its root `lift` [m] higher in the world."""
+    """Return the robot scaled by `scale` and lifted by `lift` [m]."""
 
     def segment(old: Segment) -> Segment:
         shapes = tuple(Capsule(scale * c.start, scale * c.end, scale * c.radius) for c in old.capsules)
@@ -35,7 +37,7 @@ def resized(scale: float, lift: float = 0.0) -> Robot:
 
 
 def without_column(robot: Robot) -> Robot:
-    """The robot without the column that its trunk stands on."""
+    """Return the robot without the column below its trunk."""
     root, *others = robot.skeleton.segments
     return replace(
         robot, skeleton=replace(robot.skeleton, segments=(replace(root, capsules=root.capsules[-1:]), *others))
@@ -53,38 +55,38 @@ every_robot = pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
 
 
 def geoms(robot: Robot, posture: Floats) -> tuple[mujoco.MjModel, mujoco.MjData, list[int]]:
-    """The model of pictures in a posture, and its balls and capsules."""
+    """Return the picture model in a posture, with its balls and capsules."""
     model = styled_model(robot, width=320, height=240)
     data = mujoco.MjData(model)
-    data.qpos[joint_order(robot, model)] = posture
+    data.qpos[find_joint_indices(robot, model)] = posture
     mujoco.mj_forward(model, data)
-    return model, data, [k for k in range(model.ngeom) if model.geom_type[k] in (CAPSULE, BALL)]
+    return model, data, [k for k in range(model.ngeom) if model.geom_type[k] in (CAPSULE_GEOM, BALL_GEOM)]
 
 
 def ends(model: mujoco.MjModel, data: mujoco.MjData, k: int) -> Floats:
     half = data.geom_xmat[k].reshape(3, 3)[:, 2] * model.geom_size[k, 1]
-    if model.geom_type[k] == BALL:
+    if model.geom_type[k] == BALL_GEOM:
         half = np.zeros(3)
     return np.stack([data.geom_xpos[k] - half, data.geom_xpos[k] + half])
 
 
 @every_robot
-def test_it_stands_on_the_floor_and_nothing_is_below(robot: Robot):
+def test_robot_stands_on_the_floor_with_nothing_below(robot: Robot):
     model, data, round_ones = geoms(robot, robot.skeleton.rest)
-    (plane,) = [k for k in range(model.ngeom) if model.geom_type[k] == PLANE]
+    (plane,) = [k for k in range(model.ngeom) if model.geom_type[k] == PLANE_GEOM]
     floor = data.geom_xpos[plane, 2]
-    assert floor == pytest.approx(view_of(robot).floor)
+    assert floor == pytest.approx(find_scene_view(robot).floor)
     lowest = {k: (ends(model, data, k)[:, 2] - model.geom_size[k, 0]).min() for k in round_ones}
     arms = {model.body(segment).id for side in ("l", "r") for segment in robot.chains[f"{side}_arm"]}
     assert min(low for k, low in lowest.items() if model.geom_bodyid[k] in arms) > floor, "hands hang free"
     assert min(lowest.values()) <= floor + 1e-6, "it touches the floor"
 
 
-def test_one_whose_hands_hang_below_its_trunk_has_a_column():
+def test_robot_with_hands_below_its_trunk_stands_on_a_drawn_column():
     robot = without_column(UPPER22)
     (column,) = [rod for rod in rods(robot) if rod.segment == robot.skeleton.segments[0].name and _down(rod.shape)]
-    foot = robot.skeleton.straight.origins[0] + column.shape.end
-    assert foot[2] == pytest.approx(view_of(robot).floor)
+    foot = robot.skeleton.zero_frames.origins[0] + column.shape.end
+    assert foot[2] == pytest.approx(find_scene_view(robot).floor)
 
 
 def _down(shape: Capsule) -> bool:
@@ -92,13 +94,13 @@ def _down(shape: Capsule) -> bool:
 
 
 @every_robot
-def test_the_camera_sees_the_whole_robot_and_a_hand_that_is_raised(robot: Robot):
+def test_camera_view_contains_the_robot_and_a_raised_hand(robot: Robot):
     raised = robot.skeleton.rest.copy()
     raised[robot.skeleton.joint("r_shoulder_flexion")] = 2.8
     half = np.tan(np.radians(VIEW_ANGLE) / 2)
     for posture in (robot.skeleton.rest, raised):
         model, data, round_ones = geoms(robot, posture)
-        eye, frame = data.camera(CAMERA).xpos, data.camera(CAMERA).xmat.reshape(3, 3)
+        eye, frame = data.camera(CAMERA_NAME).xpos, data.camera(CAMERA_NAME).xmat.reshape(3, 3)
         arms = {model.body(segment).id for side in ("l", "r") for segment in robot.chains[f"{side}_arm"]}
         head = model.body(robot.chains["neck"][-1]).id
         seen = [k for k in round_ones if model.geom_bodyid[k] in arms | {head}]
@@ -106,16 +108,16 @@ def test_the_camera_sees_the_whole_robot_and_a_hand_that_is_raised(robot: Robot)
         for k in seen:
             for place in ends(model, data, k):
                 x, y, z = (place - eye) @ frame
-                assert max(abs(x) / ASPECT, abs(y)) < -z * half
+                assert max(abs(x) / PICTURE_ASPECT, abs(y)) < -z * half
 
 
-def test_what_is_seen_grows_with_the_robot():
-    small, large = view_of(resized(0.5)), view_of(UPPER22)
+def test_camera_view_scales_with_the_robot_size():
+    small, large = find_scene_view(resized(0.5)), find_scene_view(UPPER22)
     assert small.height == pytest.approx(large.height / 2)
     assert small.middle == pytest.approx(large.middle / 2)
 
 
-def test_rods_join_all_shapes_of_a_segment_and_its_children():
+def test_rods_connect_all_shapes_of_a_segment_and_its_children():
     lone = [Capsule(sealed([0.0, 0.0, z]), sealed([0.0, 0.1, z]), 0.02) for z in (0.3, 0.6)]
     root, *others = UPPER22.skeleton.segments
     apart = replace(root, capsules=tuple(lone))
@@ -128,7 +130,7 @@ def test_rods_join_all_shapes_of_a_segment_and_its_children():
 
 
 @pytest.mark.parametrize("name", ["sunk", "bust"])
-def test_the_floor_is_free_of_specks(name: str, tmp_path: Path):
+def test_drawn_floor_has_no_stray_pixels(name: str, tmp_path: Path):
     if why := opengl_fault():
         pytest.skip(why)
     robot = ROBOTS[name]
@@ -138,7 +140,7 @@ def test_the_floor_is_free_of_specks(name: str, tmp_path: Path):
     assert np.abs(corner - np.median(corner)).max() < 12.0
 
 
-def test_rods_are_no_thicker_than_fingers():
+def test_rods_are_not_thicker_than_fingers():
     robot = Robot.load("upper36")
     segments = robot.skeleton.segments
     for rod in rods(robot):

@@ -6,21 +6,21 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.sim.model import build_model
-from kinesic.sim.scene_style import CAMERA, eyeballs, parts, styled_model
+from kinesic.sim.scene_style import CAMERA_NAME, eyeballs, parts, styled_model
 
 ROBOT = Robot.load()
 MODEL = styled_model(ROBOT, width=320, height=240)
 
 
-def test_scenery_has_no_weight_and_touches_nothing():
+def test_scenery_has_no_mass_and_no_contacts():
     plain = build_model(ROBOT)
     assert MODEL.body_mass.sum() == pytest.approx(plain.body_mass.sum())
     solid = [k for k in range(MODEL.ngeom) if MODEL.geom_contype[k] or MODEL.geom_conaffinity[k]]
     assert len(solid) == sum(len(segment.capsules) for segment in ROBOT.skeleton.segments)
 
 
-def test_the_camera_stands_before_the_face():
-    camera = MODEL.camera(CAMERA)
+def test_camera_is_in_front_of_the_face():
+    camera = MODEL.camera(CAMERA_NAME)
     assert camera.pos[0] > 1.0
     assert abs(camera.pos[1]) < camera.pos[0]
     view = np.empty(9)
@@ -29,11 +29,11 @@ def test_the_camera_stands_before_the_face():
     assert view.reshape(3, 3)[2, 0] == pytest.approx(0.0, abs=1e-9), "the horizon is level"
 
 
-def test_pictures_of_the_asked_size_fit():
+def test_offscreen_buffer_fits_the_requested_picture_size():
     assert (MODEL.vis.global_.offwidth, MODEL.vis.global_.offheight) == (320, 240)
 
 
-def test_every_segment_is_painted_as_what_it_is():
+def test_segments_have_the_colour_of_their_body_part():
     painted = parts(ROBOT)
     assert set(painted) == {segment.name for segment in ROBOT.skeleton.segments}
     assert painted[ROBOT.chains["l_arm"][-1]] == "l_hand"
@@ -41,7 +41,7 @@ def test_every_segment_is_painted_as_what_it_is():
     assert painted[ROBOT.skeleton.segments[0].name] == "trunk"
 
 
-def test_pupils_look_where_the_face_does():
+def test_pupils_point_in_the_facing_direction():
     white, pupil = eyeballs(ROBOT)[:2]
     eyes = ROBOT.sites["eyes"]
     assert (white.dark, pupil.dark) == (False, True)

@@ -4,18 +4,18 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, DriveFactors, Factors
 
 ROBOT = Robot.load()
 
 
-def test_the_factors_of_both_twins_are_pinned():
-    assert Factors(stall=1.0, no_load=1.0, friction=1.0, armature=1.0, mass=1.0) == NOMINAL
-    assert Factors(stall=0.8, no_load=0.9, friction=1.5, armature=1.3, mass=1.1) == PESSIMISTIC
+def test_nominal_and_pessimistic_servo_factors_have_the_documented_values():
+    assert Factors(stall=1.0, no_load=1.0, friction=1.0, armature=1.0, mass=1.0) == NOMINAL_FACTORS
+    assert Factors(stall=0.8, no_load=0.9, friction=1.5, armature=1.3, mass=1.1) == PESSIMISTIC_FACTORS
 
 
-def test_each_factor_scales_its_own_figure():
-    weak = PESSIMISTIC.applied(ROBOT)
+def test_each_servo_factor_scales_only_its_parameter():
+    weak = PESSIMISTIC_FACTORS.applied(ROBOT)
     for changed, drive in zip(weak.drives, ROBOT.drives, strict=True):
         assert changed.stall == pytest.approx(0.8 * drive.stall)
         assert changed.no_load == pytest.approx(0.9 * drive.no_load)
@@ -29,27 +29,27 @@ def test_each_factor_scales_its_own_figure():
         assert changed_segment.mass == pytest.approx(1.1 * segment.mass)
 
 
-def test_nominal_changes_nothing():
-    same = NOMINAL.applied(ROBOT)
+def test_nominal_servo_factors_return_the_same_robot():
+    same = NOMINAL_FACTORS.applied(ROBOT)
     assert same.drives == ROBOT.drives
     assert np.array_equal(same.skeleton.lower, ROBOT.skeleton.lower)
 
 
-def test_factors_are_read_from_a_file(tmp_path):
+def test_servo_factors_are_read_from_toml(tmp_path):
     path = tmp_path / "tired.toml"
     path.write_text("stall = 0.7\nmass = 1.2\n")
     assert Factors.read(path) == Factors(stall=0.7, mass=1.2)
 
 
 @pytest.mark.parametrize("text", ["stal = 0.7", "stall = 0.0", "mass = -1.0", "mass = 'heavy'", "mass = nan"])
-def test_wrong_factors_are_refused(tmp_path, text):
+def test_invalid_servo_factors_are_rejected(tmp_path, text):
     path = tmp_path / "wrong.toml"
     path.write_text(text)
     with pytest.raises(ConfigError, match=r"wrong\.toml"):
         Factors.read(path)
 
 
-def test_a_factor_of_zero_is_named():
+def test_error_of_a_servo_factor_of_zero_names_the_factor():
     with pytest.raises(ValueError, match="factor armature is 0"):
         Factors(armature=0.0)
 
@@ -62,29 +62,29 @@ def test_a_factor_of_zero_is_named():
         ("amps = 0.0", "factor amps is 0.0"),
     ],
 )
-def test_a_supply_that_cannot_be_is_refused(tmp_path, text, why):
+def test_impossible_supply_values_are_rejected(tmp_path, text, why):
     path = tmp_path / "weak.toml"
     path.write_text(text)
     with pytest.raises(ConfigError, match=why):
         Factors.read(path)
 
 
-def test_all_factors_are_pinned_by_name_and_leave_things_as_they_are():
+def test_servo_factors_have_the_documented_names_and_neutral_defaults():
     figures = ("stall", "no_load", "friction", "armature", "gain")
     assert DriveFactors.__struct_fields__ == figures
     assert Factors.__struct_fields__ == (*figures, "mass", "supply", "resistance", "amps", "latency", "play", "servos")
-    assert all(getattr(NOMINAL, name) == 1.0 for name in (*figures, "mass", "supply"))
-    assert NOMINAL.latency == NOMINAL.play == 0.0
-    assert NOMINAL.servos == {}
+    assert all(getattr(NOMINAL_FACTORS, name) == 1.0 for name in (*figures, "mass", "supply"))
+    assert NOMINAL_FACTORS.latency == NOMINAL_FACTORS.play == 0.0
+    assert NOMINAL_FACTORS.servos == {}
 
 
-def test_gain_is_duty_per_error():
+def test_gain_factor_scales_duty_per_error():
     for changed, drive in zip(Factors(gain=0.9).applied(ROBOT).drives, ROBOT.drives, strict=True):
         assert changed.gain == pytest.approx(0.9 * drive.gain)
         assert changed.stall == drive.stall
 
 
-def test_torque_current_and_speed_follow_the_supply():
+def test_torque_current_and_velocity_scale_with_supply_voltage():
     low = Factors(supply=11.1 / 12)
     for changed, drive in zip(low.applied(ROBOT).drives, ROBOT.drives, strict=True):
         assert changed.servo.volt == pytest.approx(11.1 / 12 * drive.servo.volt)
@@ -94,7 +94,7 @@ def test_torque_current_and_speed_follow_the_supply():
         assert winding == pytest.approx(same)
 
 
-def test_single_servos_have_factors_of_their_own():
+def test_servo_models_can_have_separate_factors():
     some = Factors(stall=0.8, mass=1.1, servos={"xm430_w210": DriveFactors(friction=2.0)})
     for changed, drive in zip(some.applied(ROBOT).drives, ROBOT.drives, strict=True):
         own = drive.servo.name == "xm430_w210"
@@ -103,40 +103,40 @@ def test_single_servos_have_factors_of_their_own():
         assert changed.servo.mass == pytest.approx(1.1 * drive.servo.mass)
 
 
-def test_a_file_may_name_everything(tmp_path):
+def test_factor_file_may_contain_all_keys(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("supply = 0.95\nlatency = 0.004\ngain = 0.9\n[servos.xc430_w240]\nstall = 0.7\n")
     read = Factors.read(path)
     assert read == Factors(supply=0.95, latency=0.004, gain=0.9, servos={"xc430_w240": DriveFactors(stall=0.7)})
-    assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL)
+    assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL_FACTORS)
 
 
-def test_factors_are_written_as_they_are_read(tmp_path):
+def test_written_factors_are_read_back(tmp_path):
     own = {"xm540_w270": DriveFactors(gain=0.5), "a b": DriveFactors()}
     path = tmp_path / "own.toml"
-    for factors in (NOMINAL, PESSIMISTIC, Factors(mass=1.1, latency=0.01, amps=3.0, servos=own)):
+    for factors in (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors(mass=1.1, latency=0.01, amps=3.0, servos=own)):
         path.write_text(factors.text(), encoding="utf-8")
         assert Factors.read(path) == factors
     assert "stall" not in path.read_text(encoding="utf-8")
 
 
-def test_a_servo_that_the_robot_has_not_is_refused():
+def test_factors_of_an_unknown_servo_are_rejected():
     with pytest.raises(ConfigError, match="xm430_w21: upper22 has none; did you mean xm430_w210"):
         Factors(servos={"xm430_w21": DriveFactors()}).applied(ROBOT)
 
 
-def test_a_latency_below_zero_is_refused():
+def test_negative_latency_is_rejected():
     with pytest.raises(ValueError, match=r"latency is -0\.001"):
         Factors(latency=-0.001)
 
 
 @pytest.mark.parametrize("play", [-0.001, 0.5])
-def test_play_that_no_gear_has_is_refused(play):
+def test_implausible_backlash_is_rejected(play):
     with pytest.raises(ValueError, match=f"play is {play} rad"):
         Factors(play=play)
 
 
-def test_the_same_robot_is_changed_once():
+def test_robot_with_applied_servo_factors_is_cached_per_robot():
     robot = Robot.load()
-    assert PESSIMISTIC.applied(robot) is Factors(**msgspec.structs.asdict(PESSIMISTIC)).applied(robot)
-    assert PESSIMISTIC.applied(Robot.load()) is not PESSIMISTIC.applied(robot)
+    assert PESSIMISTIC_FACTORS.applied(robot) is Factors(**msgspec.structs.asdict(PESSIMISTIC_FACTORS)).applied(robot)
+    assert PESSIMISTIC_FACTORS.applied(Robot.load()) is not PESSIMISTIC_FACTORS.applied(robot)

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import Twin
 
@@ -13,9 +13,9 @@ def robot() -> Robot:
     return Robot.load()
 
 
-@pytest.mark.parametrize("factors", [NOMINAL, Factors(play=0.01)], ids=["as made", "with play"])
-def test_with_all_torque_it_is_the_twin(robot: Robot, factors: Factors):
-    """The same motion for the same goals, over a second of a swinging arm."""
+@pytest.mark.parametrize("factors", [NOMINAL_FACTORS, Factors(play=0.01)], ids=["as made", "with play"])
+def test_shafts_with_full_torque_move_like_the_twin(robot: Robot, factors: Factors):
+    """Equal setpoints give equal motion over one second of a swinging arm."""
     rest = robot.skeleton.rest
     twin, shafts = Twin(robot, factors=factors, rounds=False), Shafts(robot, factors=factors)
     moving = robot.joints("l_arm")
@@ -23,14 +23,14 @@ def test_with_all_torque_it_is_the_twin(robot: Robot, factors: Factors):
     for k in range(101):
         goals = np.array(rest)
         goals[list(moving)] += 0.2 * np.sin(k / 100 * 2 * np.pi)
-        twin.write(Command(time=k / 100, angles=goals, speeds=zeros, accelerations=zeros, goals=goals))
+        twin.write(Command(time=k / 100, angles=goals, velocities=zeros, accelerations=zeros, setpoints=goals))
         if k < 100:
             shafts.advance(0.01, goals, ones)
     np.testing.assert_allclose(shafts.angles, twin.state().angles, atol=1e-12)
-    assert np.abs(shafts.speeds[list(moving)]).max() > 0.5
+    assert np.abs(shafts.velocities[list(moving)]).max() > 0.5
 
 
-def test_limp_it_falls_and_held_it_stays(robot: Robot):
+def test_arm_falls_with_torque_off_and_holds_with_torque_on(robot: Robot):
     rest = np.array(robot.skeleton.rest)
     start = rest.copy()
     raised = robot.skeleton.joint("l_shoulder_flexion")
@@ -46,7 +46,7 @@ def test_limp_it_falls_and_held_it_stays(robot: Robot):
     assert held.duties[raised] == pytest.approx(held.loads[raised], abs=0.02)
 
 
-def test_a_share_of_torque_bounds_the_torque(robot: Robot):
+def test_torque_ratio_limits_the_shaft_torque(robot: Robot):
     rest = np.array(robot.skeleton.rest)
     far = rest.copy()
     elbow = robot.skeleton.joint("l_elbow_flexion")
@@ -57,7 +57,7 @@ def test_a_share_of_torque_bounds_the_torque(robot: Robot):
         assert np.abs(weak.loads).max() <= 0.3 + 1e-9
 
 
-def test_no_time_moves_nothing(robot: Robot):
+def test_advancing_by_zero_duration_changes_no_shaft(robot: Robot):
     shafts = Shafts(robot)
     before = shafts.angles
     shafts.advance(0.0, before + 1.0, np.ones(len(before)))

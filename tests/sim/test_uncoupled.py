@@ -3,18 +3,18 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.sim.model import build_model, describe, joint_order, turn_order
+from kinesic.sim.model import build_model, describe, find_joint_indices, find_turn_indices
 from kinesic.sim.uncoupled import uncouple
 
 ROBOT = Robot.load("upper36")
 
 
-def test_a_robot_without_couplings_is_itself():
+def test_robot_without_couplings_is_returned_unchanged():
     plain = Robot.load("upper22")
     assert uncouple(plain) is plain
 
 
-def test_nothing_is_lost_by_weight_and_straight_fingers_stay_where_they_are():
+def test_uncoupling_keeps_mass_and_positions_of_straight_fingers():
     folded = uncouple(ROBOT)
     assert folded.skeleton.names == ROBOT.skeleton.names
     assert folded.skeleton.couplings == ()
@@ -22,7 +22,7 @@ def test_nothing_is_lost_by_weight_and_straight_fingers_stay_where_they_are():
     assert weight[0] == pytest.approx(weight[1])
     ends = []
     for robot in (ROBOT, folded):
-        frames = robot.skeleton.straight
+        frames = robot.skeleton.zero_frames
         ends.append(
             [
                 frames.origins[k] + frames.rotations[k] @ capsule.end
@@ -35,18 +35,18 @@ def test_nothing_is_lost_by_weight_and_straight_fingers_stay_where_they_are():
     assert len(ends[0]) == len(ends[1])
 
 
-def test_physics_has_a_joint_for_each_drive_and_pictures_for_each_turn():
+def test_physics_model_omits_coupled_joints_and_drawing_model_contains_them():
     physics, picture = build_model(ROBOT), describe(ROBOT).compile()
     assert physics.nv == len(ROBOT.skeleton.hinges)
-    assert len(joint_order(ROBOT, physics)) == 36
-    assert sorted(turn_order(ROBOT, picture)) == list(range(36 + len(ROBOT.skeleton.couplings)))
+    assert len(find_joint_indices(ROBOT, physics)) == 36
+    assert sorted(find_turn_indices(ROBOT, picture)) == list(range(36 + len(ROBOT.skeleton.couplings)))
 
 
-def test_a_picture_stands_as_forward_kinematics_has_it():
+def test_picture_pose_equals_forward_kinematics():
     model = describe(ROBOT).compile()
     data = mujoco.MjData(model)
     posture = np.random.default_rng(4).uniform(ROBOT.skeleton.lower, ROBOT.skeleton.upper)
-    data.qpos[turn_order(ROBOT, model)] = ROBOT.skeleton.turns(posture)
+    data.qpos[find_turn_indices(ROBOT, model)] = ROBOT.skeleton.with_couplings(posture)
     mujoco.mj_kinematics(model, data)
     frames = ROBOT.skeleton.frames(posture)
     for k, segment in enumerate(ROBOT.skeleton.segments):

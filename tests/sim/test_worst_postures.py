@@ -7,7 +7,7 @@ from kinesic.sim.worst_postures import extremes, random_postures
 SKELETON = Robot.load().skeleton
 
 
-def test_postures_are_seeded_and_inside_the_ranges():
+def test_random_postures_are_seeded_and_within_joint_ranges():
     postures = random_postures(SKELETON, 200, seed=4)
     assert np.array_equal(postures, random_postures(SKELETON, 200, seed=4))
     assert not np.array_equal(postures, random_postures(SKELETON, 200, seed=5))
@@ -17,14 +17,14 @@ def test_postures_are_seeded_and_inside_the_ranges():
     assert not postures[1].any()
 
 
-def test_every_second_posture_has_stops():
+def test_every_second_random_posture_has_hinges_at_stops():
     postures = random_postures(SKELETON, 200)
     at_stop = (postures == SKELETON.lower) | (postures == SKELETON.upper)
     assert not at_stop[2::2].any()
     assert 0.4 < at_stop[3::2].mean() < 0.6
 
 
-def test_the_climb_finds_the_top():
+def test_coordinate_ascent_finds_the_maximum():
     def measure(postures):
         return 1.0 - (postures - SKELETON.upper) ** 2 - np.abs(postures[:, ::-1] - SKELETON.lower[::-1])
 

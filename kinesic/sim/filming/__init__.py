@@ -1,1 +1,1 @@
-"""How pictures of the robot are made: what the camera frames, the screen of its face, light and shadow."""
+"""Rendering of robot pictures: camera framing, face screen, light and shadow."""

@@ -1,4 +1,4 @@
-"""Where the camera of a film stands, and which part of its picture changes."""
+"""Camera position of a film, and changed regions of its pictures."""
 
 from collections.abc import Sequence
 
@@ -7,54 +7,68 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 from kinesic.files.film_file import PixelBox
-from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, SceneView, rods, view_of
+from kinesic.sim.scene_layout import CAMERA_DIRECTION, VIEW_ANGLE, SceneView, find_scene_view, rods
 
-FRAME = 1.2  # times the hands and the head in a picture: 10 % of its width or height is free on every side
-SHADOW_PIXELS = 4.0  # pixels beyond it, as shadows are drawn coarsely
-TINY = 1e-9  # [m]
-BLURRED = 0.04  # heights of the picture that the edge of a shadow reaches
+FRAME_MARGIN = 1.2  # picture size / size of hands and head, which leaves 10 % free on each side
+SHADOW_MARGIN = 4.0  # [pixels] margin around the shadow's region, because shadows are drawn at low resolution
+MIN_RISE = 1e-9  # [m] smallest height difference of a capsule's ends used as a divisor
+SHADOW_BLUR_REACH = 0.04  # [picture heights] extent of the blurred edge of a shadow
 
 
-def camera_axes() -> Floats:
-    """(3, 3) what is right, up, and towards the camera in the world, as rows."""
-    towards = np.array(VIEW_FROM) / np.linalg.norm(VIEW_FROM)
+def compute_camera_axes() -> Floats:
+    """Return the camera's right, up and backward axes as rows.
+
+    Unit vectors in the world.
+    """
+    towards = np.array(CAMERA_DIRECTION) / np.linalg.norm(CAMERA_DIRECTION)
     right = np.cross([0.0, 0.0, 1.0], towards)
     right /= np.linalg.norm(right)
     return sealed(np.stack([right, np.cross(towards, right), towards]))
 
 
-def motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneView:
-    """Finds the picture that holds the hands and the head of a motion, with a margin.
+def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneView:
+    """Find the view that contains hands and head during a motion.
 
     Args:
-        robot: who moves.
+        robot: Robot that moves.
         postures: (m, n) [rad].
-        aspect: width to height of the picture.
+        aspect: Width / height of the picture.
     """
-    places, radii = moving_balls(robot, postures, watched_segments(robot))
+    places, radii = find_capsule_balls(robot, postures, list_watched_segments(robot))
     if not len(radii):
-        return view_of(robot)
-    turned = (places @ camera_axes().T).reshape(-1, 3)
+        return find_scene_view(robot)
+    turned = (places @ compute_camera_axes().T).reshape(-1, 3)
     grown = np.broadcast_to(radii, places.shape[:2]).ravel()
-    half = np.tan(np.radians(VIEW_ANGLE) / 2) / FRAME
-    towards = float(camera_axes()[2] @ robot.gesture_origin)
+    half = np.tan(np.radians(VIEW_ANGLE) / 2) / FRAME_MARGIN
+    towards = float(compute_camera_axes()[2] @ robot.gesture_origin)
     centre, away = [0.0, 0.0], 0.0
     for k, slope in enumerate((half * aspect, half)):
         slack = grown * np.sqrt(1 + slope**2) + slope * turned[:, 2]
-        high, low = float(np.max(turned[:, k] + slack)), float(np.max(-turned[:, k] + slack))
-        centre[k], away = (high - low) / 2, max(away, (high + low) / (2 * slope))
-    height = 2 * FRAME * half * (away - towards)
-    return SceneView(view_of(robot).floor, sealed(np.array([*centre, towards]) @ camera_axes()), float(height))
+        high, is_below = float(np.max(turned[:, k] + slack)), float(np.max(-turned[:, k] + slack))
+        centre[k], away = (high - is_below) / 2, max(away, (high + is_below) / (2 * slope))
+    height = 2 * FRAME_MARGIN * half * (away - towards)
+    return SceneView(
+        find_scene_view(robot).floor, sealed(np.array([*centre, towards]) @ compute_camera_axes()), float(height)
+    )
 
 
-def watched_segments(robot: Robot) -> list[str]:
-    """Names what a film has to show: hands, fingers and head."""
+def list_watched_segments(robot: Robot) -> list[str]:
+    """List the segments that a film must show: hands, fingers and head."""
     names = [segment for side in SIDES for segment in (robot.arm(side).segments[-1], *robot.fingers(side))]
     return names + list(robot.chains.get("neck", ())[-1:])
 
 
-def moving_balls(robot: Robot, postures: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
-    """The ends of the capsules of some segments: (m, k, 3) [m] in the world, and (k,) [m] radii."""
+def find_capsule_balls(robot: Robot, postures: Floats, names: Sequence[str]) -> tuple[Floats, Floats]:
+    """Return centres and radii of the balls at the ends of capsules.
+
+    Args:
+        robot: Description.
+        postures: (m, n) [rad].
+        names: Segments; their rods are included.
+
+    Returns:
+        (m, k, 3) [m] centres in the world, and (k,) [m] radii.
+    """
     frames = robot.skeleton.frames(postures)
     bars = {name: [rod.shape for rod in rods(robot) if rod.segment == name] for name in names}
     places, radii = [], []
@@ -70,62 +84,91 @@ def moving_balls(robot: Robot, postures: Floats, names: Sequence[str]) -> tuple[
     return sealed(np.stack(places, axis=1)), sealed(np.array(radii))
 
 
-def seen_at(view: SceneView, places: Floats, *, size: tuple[int, int]) -> Floats:
-    """(..., 3) pixels to the right and down, and pixels for a metre there, of (..., 3) [m] places in the world."""
+def project_points(view: SceneView, places: Floats, *, size: tuple[int, int]) -> Floats:
+    """Project points of the world into the picture.
+
+    Args:
+        view: View of the camera.
+        places: (..., 3) [m] in the world.
+        size: Width and height of the picture [pixels].
+
+    Returns:
+        (..., 3) pixels to the right, pixels downwards, and pixels per metre at the point.
+    """
     width, height = size
     distance = view.height / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)
-    x, y, near = np.moveaxis((places - view.middle) @ camera_axes().T, -1, 0)
+    x, y, near = np.moveaxis((places - view.middle) @ compute_camera_axes().T, -1, 0)
     scale = height / view.height * distance / np.maximum(distance - near, 0.05 * distance)
     return sealed(np.stack([width / 2 + scale * x, height / 2 - scale * y, scale], axis=-1))
 
 
-def robot_boxes(seen: Floats, reach: Floats, *, size: tuple[int, int]) -> list[PixelBox]:
-    """The part of each picture that holds the robot; sides are even, as films want them.
+def find_robot_boxes(seen: Floats, reach: Floats, *, size: tuple[int, int]) -> list[PixelBox]:
+    """Return the region of each picture that contains the robot.
+
+    The sides of a region are even, as film encoders require.
 
     Args:
-        seen: (m, k, 3) balls of the robot as `seen_at` finds them.
-        reach: (k,) [m] that is drawn around each.
-        size: of the picture.
+        seen: (m, k, 3) projected balls of the robot, from `project_points`.
+        reach: (k,) [m] radius that is drawn around each centre.
+        size: Width and height of the picture [pixels].
     """
     grown = (seen[..., 2] * reach)[..., None]
-    return _boxes((seen[..., :2] - grown).min(axis=1), (seen[..., :2] + grown).max(axis=1), size)
+    return _round_boxes((seen[..., :2] - grown).min(axis=1), (seen[..., :2] + grown).max(axis=1), size)
 
 
-def sunk_balls(places: Floats, reach: Floats, floor: float) -> tuple[Floats, Floats]:
-    """Cuts off what is above the floor, of the shapes that are ever below it: the ends of the rest.
+def clip_below_floor(places: Floats, reach: Floats, floor: float) -> tuple[Floats, Floats]:
+    """Clip capsules to their parts below the floor.
+
+    Capsules that stay above the floor in all postures are left out.
 
     Args:
-        places: (m, 2 k, 3) [m] the two ends of one shape after another, in m postures.
-        reach: (2 k,) [m] that is drawn around each.
-        floor: [m] its height.
+        places: (m, 2 k, 3) [m] start and end of one capsule after another, in m postures.
+        reach: (2 k,) [m] radius that is drawn around each end.
+        floor: [m] height of the floor.
 
     Returns:
-        (m, 2 j, 3) [m], and (2 j,) [m] that is drawn around each; none where nothing is ever below the floor.
+        (m, 2 j, 3) [m] ends of the clipped capsules and (2 j,) [m] their radii; empty if none is ever below the floor.
     """
-    low = np.any(places[..., 2] - reach < floor, axis=0)
-    kept = np.repeat(low[0::2] | low[1::2], 2)
+    is_below = np.any(places[..., 2] - reach < floor, axis=0)
+    kept = np.repeat(is_below[0::2] | is_below[1::2], 2)
     ends, level = places[:, kept].reshape(len(places), -1, 2, 3), floor + reach[kept].reshape(-1, 2)
     others = ends[:, :, ::-1]
-    rise = np.maximum(ends[..., 2] - others[..., 2], TINY)
-    share = np.where(ends[..., 2] > level, np.clip((level - others[..., 2]) / rise, 0.0, 1.0), 1.0)
-    cut = others + share[..., None] * (ends - others)
+    rise = np.maximum(ends[..., 2] - others[..., 2], MIN_RISE)
+    fraction = np.where(ends[..., 2] > level, np.clip((level - others[..., 2]) / rise, 0.0, 1.0), 1.0)
+    cut = others + fraction[..., None] * (ends - others)
     return sealed(cut.reshape(len(places), -1, 3)), sealed(reach[kept])
 
 
-def shadow_boxes(outlines: Floats, *, size: tuple[int, int]) -> list[PixelBox]:
-    """The part of each picture that holds the shadow, of (m, j, corners, 2) outlines [pixels]."""
+def find_shadow_boxes(outlines: Floats, *, size: tuple[int, int]) -> list[PixelBox]:
+    """Return the region of each picture that contains the shadow.
+
+    Args:
+        outlines: (m, j, corners, 2) [pixels] shadow outlines.
+        size: Width and height of the picture [pixels].
+    """
     corners = outlines.reshape(len(outlines), -1, 2)
-    soft = BLURRED * size[1] + SHADOW_PIXELS
-    return _boxes(corners.min(axis=1) - soft, corners.max(axis=1) + soft, size)
+    soft = SHADOW_BLUR_REACH * size[1] + SHADOW_MARGIN
+    return _round_boxes(corners.min(axis=1) - soft, corners.max(axis=1) + soft, size)
 
 
-def _boxes(least: Floats, most: Floats, size: tuple[int, int]) -> list[PixelBox]:
-    """Boxes in a picture from (m, 2) their upper left and lower right corners, at least two pixels wide and high."""
-    least = 2 * np.floor(np.clip(least, 0, np.array(size) - 2) / 2).astype(int)
-    most = np.minimum(2 * np.ceil(np.clip(most, least + 2, size) / 2).astype(int), size)
-    return [(left, top, right, low) for (left, top), (right, low) in zip(least.tolist(), most.tolist(), strict=True)]
+def _round_boxes(lower: Floats, upper: Floats, size: tuple[int, int]) -> list[PixelBox]:
+    """Round corner coordinates outwards to boxes inside the picture.
+
+    Boxes have even sides of at least two pixels.
+
+    Args:
+        lower: (m, 2) [pixels] upper left corners.
+        upper: (m, 2) [pixels] lower right corners.
+        size: Width and height of the picture [pixels].
+    """
+    lower = 2 * np.floor(np.clip(lower, 0, np.array(size) - 2) / 2).astype(int)
+    upper = np.minimum(2 * np.ceil(np.clip(upper, lower + 2, size) / 2).astype(int), size)
+    return [
+        (left, top, right, is_below)
+        for (left, top), (right, is_below) in zip(lower.tolist(), upper.tolist(), strict=True)
+    ]
 
 
-def bounding_box(one: PixelBox, other: PixelBox) -> PixelBox:
-    """Finds the smallest box that holds two boxes."""
-    return (min(one[0], other[0]), min(one[1], other[1]), max(one[2], other[2]), max(one[3], other[3]))
+def bounding_box(first: PixelBox, second: PixelBox) -> PixelBox:
+    """Return the smallest box that contains two boxes."""
+    return (min(first[0], second[0]), min(first[1], second[1]), max(first[2], second[2]), max(first[3], second[3]))

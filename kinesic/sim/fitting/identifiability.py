@@ -1,4 +1,4 @@
-"""Identifiability: which unknowns of a robot a log determines, whatever the others are."""
+"""Robot parameters that a log determines independently."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,66 +8,80 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.sim.fitting.parameters import Unknown
 
-SHEET = 0.5  # standard deviation of a value about the data sheet's, before any log
-KNOWN = 0.02  # standard deviation up to which a value is known
+DATASHEET_DEVIATION = 0.5  # prior standard deviation of a parameter, relative to its data sheet value
+MAX_KNOWN_DEVIATION = 0.02  # largest relative standard deviation of an identified parameter
 
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """Which unknowns a log determines, and how well."""
+    """Unknown parameters that a log determines, with their standard deviations."""
 
-    known: Flags  # (u,)
-    deviations: Floats  # (u,) standard deviation of each value, whatever the others are
-    reasons: Mapping[int, str]  # why the others are not
+    is_identified: Flags  # (u,) whether the log determines each unknown
+    deviations: Floats  # (u,) standard deviation of each value, for unknown values of the others
+    reasons: Mapping[int, str]  # reason for each unknown that is not identified, by index
 
 
-def assumptions(of: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
-    """Finds gains that a log cannot tell from stall torques, and which are therefore taken as described.
+def find_assumed_gains(unknowns: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
+    """Find servo gains that a log cannot distinguish from stall torques.
+
+    Such gains are taken from the description.
 
     Args:
-        of: (u,) unknowns.
+        unknowns: (u,) unknowns of the fit.
         slopes: (r, u) derivatives of the errors, in units of the noise.
 
     Returns:
-        Position -> why.
+        Index of the unknown -> reason.
     """
-    deviations, likest = _spread(slopes, scatter=1.0)
+    deviations, most_correlated = _compute_deviations(slopes, scatter=1.0)
     return {
-        k: f"the log cannot tell it from {of[likest[k]]}"
-        for k, unknown in enumerate(of)
-        if unknown.figure == "gain" and deviations[k] > KNOWN
+        k: f"the log cannot tell it from {unknowns[most_correlated[k]]}"
+        for k, unknown in enumerate(unknowns)
+        if unknown.figure == "gain" and deviations[k] > MAX_KNOWN_DEVIATION
     }
 
 
-def identifiable(
-    of: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int, str], scatter: float
+def find_identifiable(
+    unknowns: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int, str], scatter: float
 ) -> Identifiability:
-    """Finds the unknowns that a log determines.
+    """Find the unknown parameters that a log determines.
 
     Args:
-        of: (u,) unknowns.
+        unknowns: (u,) unknowns of the fit.
         slopes: (r, u) derivatives of the errors, in units of the noise.
-        assumed: those that are taken as described, with the reason.
-        scatter: RMS of the errors that remain, in units of the noise.
+        assumed: Unknowns that are taken from the description, with the reason.
+        scatter: RMS of the remaining errors, in units of the noise.
     """
-    free = [k for k in range(len(of)) if k not in assumed]
-    deviations, reasons = np.full(len(of), SHEET), dict(assumed)
-    spread, likest = _spread(slopes[:, free], scatter=scatter)
-    deviations[free] = spread
-    for place, k in enumerate(free):
-        if deviations[k] <= KNOWN:
+    free_indices = [k for k in range(len(unknowns)) if k not in assumed]
+    deviations, reasons = np.full(len(unknowns), DATASHEET_DEVIATION), dict(assumed)
+    spread, most_correlated = _compute_deviations(slopes[:, free_indices], scatter=scatter)
+    deviations[free_indices] = spread
+    for column, k in enumerate(free_indices):
+        if deviations[k] <= MAX_KNOWN_DEVIATION:
             continue
-        alone = scatter / max(float(np.linalg.norm(slopes[:, k])), np.finfo(float).tiny)
-        twin = of[free[likest[place]]]
-        reasons[k] = "the log hardly depends on it" if alone > KNOWN else f"the log cannot tell it from {twin}"
-    known = np.array([k not in reasons for k in range(len(of))])
-    return Identifiability(known, sealed(deviations), reasons)
+        lone_deviation = scatter / max(float(np.linalg.norm(slopes[:, k])), np.finfo(float).tiny)
+        partner = unknowns[free_indices[most_correlated[column]]]
+        reasons[k] = (
+            "the log hardly depends on it"
+            if lone_deviation > MAX_KNOWN_DEVIATION
+            else f"the log cannot tell it from {partner}"
+        )
+    is_identified = np.array([k not in reasons for k in range(len(unknowns))])
+    return Identifiability(is_identified, sealed(deviations), reasons)
 
 
-def _spread(slopes: Floats, *, scatter: float) -> tuple[Floats, list[int]]:
-    """(u,) standard deviations of unknowns that are all open, and with which other one each is most confounded."""
+def _compute_deviations(slopes: Floats, *, scatter: float) -> tuple[Floats, list[int]]:
+    """Compute each unknown parameter's standard deviation and most correlated other parameter.
+
+    Args:
+        slopes: (r, u) derivatives of the errors, in units of the noise.
+        scatter: RMS of the remaining errors, in units of the noise.
+
+    Returns:
+        (u,) standard deviations, and the index of the most correlated other unknown.
+    """
     count = slopes.shape[1]
-    covariance = np.linalg.inv(slopes.T @ slopes / scatter**2 + np.eye(count) / SHEET**2)
+    covariance = np.linalg.inv(slopes.T @ slopes / scatter**2 + np.eye(count) / DATASHEET_DEVIATION**2)
     deviations = np.sqrt(covariance.diagonal())
-    alike = np.abs(covariance / np.outer(deviations, deviations)) - np.eye(count)
-    return deviations, [int(k) for k in alike.argmax(axis=0)]
+    correlations = np.abs(covariance / np.outer(deviations, deviations)) - np.eye(count)
+    return deviations, [int(k) for k in correlations.argmax(axis=0)]

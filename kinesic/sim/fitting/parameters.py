@@ -1,4 +1,7 @@
-"""Figures of servos that a log may tell, as a vector: logarithms of factors, and the latency in a unit of its own."""
+"""Servo parameters of a fit as a vector of unknowns.
+
+Factors are represented by their logarithms, the latency by a multiple of `LATENCY_UNIT`.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,36 +15,41 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.sim.servo_factors import DriveFactors, Factors
 
-ServoFigure = Literal["stall", "no_load", "friction", "latency", "armature", "gain", "mass"]
-FIGURES: tuple[ServoFigure, ...] = get_args(ServoFigure)  # last yields first
-OF_THE_ROBOT = ("latency", "mass")
-DEFAULT: tuple[ServoFigure, ...] = FIGURES[:-1]
-LARGEST_LOG_FACTOR = log(4.0)  # a factor is between a quarter and four
-LATENCY_UNIT = 0.01  # [s]
-MOST_LATENCY = 0.05  # [s]
+ServoParameter = Literal["stall", "no_load", "friction", "latency", "armature", "gain", "mass"]
+FIT_PARAMETERS: tuple[ServoParameter, ...] = get_args(ServoParameter)  # in order of priority; the last are fixed first
+ROBOT_PARAMETERS = ("latency", "mass")  # parameters of the whole robot, not of a servo model
+DEFAULT_PARAMETERS: tuple[ServoParameter, ...] = FIT_PARAMETERS[:-1]  # default fitted parameters: all but mass
+MAX_LOG_FACTOR = log(4.0)  # limit of the logarithm of a factor: factors are between a quarter and four
+LATENCY_UNIT = 0.01  # [s] latency per unit of the optimisation variable
+MAX_LATENCY = 0.05  # [s] upper bound of the fitted latency
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """One figure of a servo model, or of the whole robot."""
+    """Parameter of a servo model or robot that a fit determines."""
 
-    figure: ServoFigure
-    servo: str = ""  # empty: of the whole robot
+    figure: ServoParameter  # the parameter; `kinesic twin fit --json` writes it under this key
+    servo: str = ""  # servo model; empty: the whole robot
 
     def __str__(self) -> str:
         return f"{self.figure} of {self.servo}" if self.servo else self.figure
 
-    def figure_of(self, value: float) -> float:
-        """Factor, or latency [s], for a value of the vector."""
+    def to_physical(self, value: float) -> float:
+        """Convert the fitted variable to a parameter factor or a latency [s]."""
         return value * LATENCY_UNIT if self.figure == "latency" else exp(value)
 
     def scale(self, value: float) -> float:
-        """Returns the derivative of the factor, or latency [s], with respect to the value."""
+        """Return the derivative of the physical value by the fitted variable.
+
+        The physical value is a factor or a latency [s].
+        """
         return LATENCY_UNIT if self.figure == "latency" else exp(value)
 
 
-def unknowns(robot: Robot, free: Sequence[ServoFigure]) -> tuple[Unknown, ...]:
-    """Lists the free figures of each servo model of a robot; those first that yield last to others.
+def list_unknowns(robot: Robot, free: Sequence[ServoParameter]) -> tuple[Unknown, ...]:
+    """List the free parameters of each servo model of a robot.
+
+    Parameters that give way last to others come first.
 
     Raises:
         ValueError: both stall and mass are free.
@@ -51,25 +59,27 @@ def unknowns(robot: Robot, free: Sequence[ServoFigure]) -> tuple[Unknown, ...]:
     servos = dict.fromkeys(drive.servo.name for drive in robot.drives)
     return tuple(
         Unknown(figure, servo)
-        for figure in FIGURES
+        for figure in FIT_PARAMETERS
         if figure in free
-        for servo in (("",) if figure in OF_THE_ROBOT else servos)
+        for servo in (("",) if figure in ROBOT_PARAMETERS else servos)
     )
 
 
-def bounds(of: Sequence[Unknown]) -> tuple[Floats, Floats]:
-    """Finds the lowest and highest values (u,)."""
-    late = np.array([unknown.figure == "latency" for unknown in of])
-    return np.where(late, -1e-9, -LARGEST_LOG_FACTOR), np.where(late, MOST_LATENCY / LATENCY_UNIT, LARGEST_LOG_FACTOR)
+def value_bounds(parameters: Sequence[Unknown]) -> tuple[Floats, Floats]:
+    """Return the lower and upper bounds of the fitted variables, each (u,)."""
+    is_latency = np.array([unknown.figure == "latency" for unknown in parameters])
+    return np.where(is_latency, -1e-9, -MAX_LOG_FACTOR), np.where(
+        is_latency, MAX_LATENCY / LATENCY_UNIT, MAX_LOG_FACTOR
+    )
 
 
-def factors_of(of: Sequence[Unknown], values: Floats) -> Factors:
-    """Translates a vector (u,) into factors."""
-    whole: dict[str, float] = {}
-    servos: dict[str, dict[str, float]] = {}
-    for unknown, value in zip(of, values.tolist(), strict=True):
-        place = servos.setdefault(unknown.servo, {}) if unknown.servo else whole
+def to_factors(parameters: Sequence[Unknown], values: Floats) -> Factors:
+    """Convert a vector (u,) of fitted variables to servo factors."""
+    robot_factors: dict[str, float] = {}
+    servo_values: dict[str, dict[str, float]] = {}
+    for unknown, value in zip(parameters, values.tolist(), strict=True):
+        target = servo_values.setdefault(unknown.servo, {}) if unknown.servo else robot_factors
         if value != 0.0:
-            place[unknown.figure] = max(0.0, unknown.figure_of(value))
-    rows = {name: DriveFactors(**row) for name, row in servos.items()}
-    return msgspec.structs.replace(Factors(servos=rows), **whole)
+            target[unknown.figure] = max(0.0, unknown.to_physical(value))
+    servo_factors = {name: DriveFactors(**row) for name, row in servo_values.items()}
+    return msgspec.structs.replace(Factors(servos=servo_factors), **robot_factors)

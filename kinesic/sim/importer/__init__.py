@@ -1,1 +1,1 @@
-"""Other people's robots: from an MJCF or URDF file to a robot's TOML."""
+"""Conversion of MJCF and URDF robots to robot TOML files."""

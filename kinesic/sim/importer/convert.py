@@ -1,4 +1,4 @@
-"""Converts a foreign robot's file to a robot's tables, with remarks for whoever reviews them."""
+"""Convert an MJCF or URDF file to robot tables with review notes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,129 +13,148 @@ from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.hand import MappedHand, find_hand
 from kinesic.sim.importer.hand_tables import Hands, with_hands
-from kinesic.sim.importer.hinges import MappedHinge, named_hinges, spell_angle
+from kinesic.sim.importer.hinges import MappedHinge, name_hinges, spell_angle
 from kinesic.sim.importer.load import load_model
-from kinesic.sim.importer.rest_pose import nearest_to_zero, rest_pose, with_exclusions
+from kinesic.sim.importer.rest_pose import find_limits_nearest_to_zero, rest_pose, with_exclusions
 from kinesic.sim.importer.segments import lay_out_segments
 from kinesic.sim.importer.servos import servo
-from kinesic.sim.importer.tables import robot_tables, servo_of
-from kinesic.sim.importer.zero_pose import HumanoidGeometry, geometry_of
+from kinesic.sim.importer.tables import name_servo, robot_tables
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, analyse_geometry
 
-REVIEW_BELOW = 0.6  # confidence
-PLAIN, SURE = 1.0, 3.0  # likeness of a split at which confidence is 0, and 1
-LEANING = 0.5  # [rad] an arm that hangs so far off takes two thirds of the confidence
-UNEVEN = 0.5  # arm lengths of asymmetry that do so
-UNTOLD = 0.7  # times the confidence where nothing says which side is left
-UNIT = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 0.0, 0.0, 0.0)  # of 1 Nm
+REVIEW_CONFIDENCE = 0.6  # confidence in the joint mapping below which a person must review it
+ZERO_CONFIDENCE_LIKENESS = 1.0  # similarity score to a human arm at which the confidence is 0
+FULL_CONFIDENCE_LIKENESS = 3.0  # similarity score to a human arm at which the confidence is 1
+LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divides the confidence by e
+ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
+GUESSED_SIDE_FACTOR = 0.7  # factor on the confidence if the left side is guessed
+UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 0.0, 0.0, 0.0)  # 1 Nm stall
 
 
 @dataclass(frozen=True, eq=False)
 class Mapped:
-    """A foreign robot as kinesic's, to be written and reviewed."""
+    """Converted robot with the mapping of its hinges and a confidence."""
 
-    file: RobotFile
-    figure: HumanoidGeometry
-    hinges: tuple[MappedHinge, ...]  # without fingers
-    hands: Mapping[Side, MappedHand]  # those that have fingers
-    remarks: Mapping[str, str]  # hinge, or name of its servo -> where its figures come from
-    confidence: float  # 0..1
+    file: RobotFile  # robot tables to be written
+    figure: HumanoidGeometry  # geometry in the zero pose
+    hinges: tuple[MappedHinge, ...]  # hinges without fingers
+    hands: Mapping[Side, MappedHand]  # hands with fingers, by side
+    remarks: Mapping[str, str]  # hinge or servo name -> source of its values
+    confidence: float  # 0..1, of the mapping
 
     @property
     def doubtful(self) -> bool:
-        """Whether a person must look at it before it moves."""
-        return self.confidence < REVIEW_BELOW
+        """Whether a person must review the mapping before the robot moves."""
+        return self.confidence < REVIEW_CONFIDENCE
 
 
 def import_humanoid(path: Path) -> Mapped:
-    """Maps an MJCF or URDF humanoid.
+    """Convert an MJCF or URDF humanoid to kinesic robot tables.
 
     Raises:
-        ConfigError: the file cannot be read, or has no two arms.
+        ConfigError: the file cannot be read, or no two arms are found.
     """
-    found = geometry_of(load_model(path))
-    hinges = named_hinges(found)
-    where = lay_out_segments(found, hinges)
-    hands = {side: hand for side in SIDES if (hand := find_hand(found, side)) is not None}
+    geometry = analyse_geometry(load_model(path))
+    hinges = name_hinges(geometry)
+    layout = lay_out_segments(geometry, hinges)
+    hands = {side: hand for side in SIDES if (hand := find_hand(geometry, side)) is not None}
     fingers = tuple(hinge for hand in hands.values() for finger in hand.fingers for hinge in finger.hinges)
-    alike = {servo_of(hinge): UNIT for hinge in (*hinges, *fingers)}
-    plain = robot_tables(found, where, hinges, alike, nearest_to_zero(hinges))
-    draft = with_hands(plain, hands, found.tree, where)
-    servos, sources = _servos(found, (*hinges, *fingers), draft, path)
+    unit_servos = {name_servo(hinge): UNIT_SERVO for hinge in (*hinges, *fingers)}
+    tables_without_hands = robot_tables(geometry, layout, hinges, unit_servos, find_limits_nearest_to_zero(hinges))
+    draft = with_hands(tables_without_hands, hands, geometry.tree, layout)
+    servos, sources = _choose_servos(geometry, (*hinges, *fingers), draft, path)
     file = msgspec.structs.replace(draft, servos=servos)
     rest = {name: angle for name, angle in draft.rest.items() if name in {hinge.name for hinge in fingers}}
-    rest = {name: angle for name, angle in (rest_pose(found, hinges, file, path) | rest).items() if angle}
+    rest = {name: angle for name, angle in (rest_pose(geometry, hinges, file, path) | rest).items() if angle}
     file = with_exclusions(msgspec.structs.replace(file, rest=rest), path)
-    confidence = _confidence(found)
-    file.robot.imported = ImportTable(path.name, round(confidence, 2), _review(found, hinges, hands))
-    joints = found.tree.joints
+    confidence = _rate_confidence(geometry)
+    file.robot.imported = ImportTable(path.name, round(confidence, 2), _review(geometry, hinges, hands))
+    joints = geometry.tree.joints
     remarks = {hinge.name: spell_angle(hinge, joints[hinge.joint].name) for hinge in (*hinges, *fingers)}
-    return Mapped(file, found, hinges, hands, remarks | sources, confidence)
+    return Mapped(file, geometry, hinges, hands, remarks | sources, confidence)
 
 
-def _servos(
+def _choose_servos(
     figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], draft: RobotFile, path: Path
 ) -> tuple[dict[str, ServoTable], dict[str, str]]:
-    """A servo model for each pair of hinges, strong enough for the worse side, and where its figures come from."""
+    """Choose a servo model for each left-right pair of hinges.
+
+    Each model is strong enough for the side with the larger load.
+
+    Returns:
+        Servo tables and the sources of their values, both by servo name.
+    """
     robot = Robot.of(robot_from_tables(draft, path))
     load = MujocoDynamics(robot).load
-    found: dict[str, tuple[ServoTable, str]] = {}
+    geometry: dict[str, tuple[ServoTable, str]] = {}
     for hinge in hinges:
         joint = robot.skeleton.joint(hinge.name)
         foreign = figure.tree.joints[hinge.joint]
         model = servo(foreign, gravity=float(load.holding[joint]), inertia=float(load.inertia[joint]))
-        found.setdefault(servo_of(hinge), model)
-    return {name: table for name, (table, _) in found.items()}, {name: why for name, (_, why) in found.items()}
+        geometry.setdefault(name_servo(hinge), model)
+    return {name: table for name, (table, _) in geometry.items()}, {
+        name: source for name, (_, source) in geometry.items()
+    }
 
 
-def _confidence(figure: HumanoidGeometry) -> float:
-    """How far geometry speaks for the mapping, 0 to 1."""
-    split = min(max((figure.likeness - PLAIN) / (SURE - PLAIN), 0.0), 1.0)
+def _rate_confidence(figure: HumanoidGeometry) -> float:
+    """Compute the confidence in the mapping from its geometry, 0..1."""
+    split = min(
+        max((figure.likeness - ZERO_CONFIDENCE_LIKENESS) / (FULL_CONFIDENCE_LIKENESS - ZERO_CONFIDENCE_LIKENESS), 0.0),
+        1.0,
+    )
     leaning = max(arm.off for arm in figure.arms.values())
-    sides = 1.0 if figure.sides.certain else UNTOLD
-    return split * sides * exp(-leaning / LEANING) * exp(-figure.asymmetry / UNEVEN)
+    sides = 1.0 if figure.sides.certain else GUESSED_SIDE_FACTOR
+    return split * sides * exp(-leaning / LEANING_SCALE) * exp(-figure.asymmetry / ASYMMETRY_SCALE)
 
 
 def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:
     assumed = [hinge.name for hinge in hinges if hinge.assumed]
     leaning = degrees(max(arm.off for arm in figure.arms.values()))
-    said = {
-        f"ranges of {', '.join(assumed)} are assumed, as the file tells none": bool(assumed),
+    notes = {
+        f"ranges of {', '.join(assumed)} are assumed, as the file gives none": bool(assumed),
         "which side is left is a guess": not figure.sides.certain,
         "pairs of hinges were found by name, as the file's pose is not symmetric": figure.sides.by_names,
         f"arms hang {leaning:.0f} deg off the vertical at best": leaning > 10.0,
         f"the arms differ by {100 * figure.asymmetry:.0f} % of their length": figure.asymmetry > 0.02,
         "palms are assumed to face the thighs": not hands,
-        _words(hands): bool(hands),
-        f"{_without_fingers(figure, hands)}": len(hands) < len(SIDES),
+        _describe_fingers(hands): bool(hands),
+        f"{_describe_fixed_joints(figure, hands)}": len(hands) < len(SIDES),
         "legs are left out, the trunk stands on a fixed base": True,
     }
-    led = [f"{name} follows another hinge in its file, and has a motor here" for name in _unled(figure, hinges, hands)]
-    return [*(text for text, applies in said.items() if applies), *led, *figure.tree.left_out]
+    uncoupled_notes = [
+        f"{name} follows another hinge in its file, and has a motor here"
+        for name in _list_uncoupled_hinges(figure, hinges, hands)
+    ]
+    return [*(text for text, applies in notes.items() if applies), *uncoupled_notes, *figure.tree.left_out]
 
 
-def _words(hands: Hands) -> str:
-    """Which fingers were found."""
-    each = {side: ", ".join(finger.name for finger in hand.fingers) for side, hand in hands.items()}
-    found = "; ".join(f"{SIDE_NAMES[side]}: {names}" for side, names in each.items())
-    return f"fingers, and where palms look, were found by geometry, straight at zero ({found})"
+def _describe_fingers(hands: Hands) -> str:
+    """Describe the fingers that were found, for the review notes."""
+    finger_names = {side: ", ".join(finger.name for finger in hand.fingers) for side, hand in hands.items()}
+    geometry = "; ".join(f"{SIDE_NAMES[side]}: {names}" for side, names in finger_names.items())
+    return f"fingers, and where palms look, were found by geometry, straight at zero ({geometry})"
 
 
-def _without_fingers(figure: HumanoidGeometry, hands: Hands) -> str:
-    """Says of what hangs on the last hinge of an arm that it is held."""
+def _describe_fixed_joints(figure: HumanoidGeometry, hands: Hands) -> str:
+    """Describe the fixed joints beyond the last hinge of an arm."""
     tree = figure.tree
-    held = [
+    fixed_joints = [
         tree.joints[k].name
         for side in SIDES
         if side not in hands
         for k in tree.below(figure.arms[side].joints[-1])
         if k not in figure.arms[side].joints
     ]
-    return f"{', '.join(held)} are held: a hand needs a thumb and two fingers" if held else "hands have no fingers"
+    return (
+        f"{', '.join(fixed_joints)} are held: a hand needs a thumb and two fingers"
+        if fixed_joints
+        else "hands have no fingers"
+    )
 
 
-def _unled(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:
-    """Hinges that follow another one in the file, but not here."""
+def _list_uncoupled_hinges(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:
+    """List the joints whose coupling to another joint is not imported."""
     follows = {name for hand in hands.values() for finger in hand.fingers for name in finger.follows}
-    every = [*hinges, *(turn for hand in hands.values() for finger in hand.fingers for turn in finger.turns)]
+    all_turns = [*hinges, *(turn for hand in hands.values() for finger in hand.fingers for turn in finger.turns)]
     joints = figure.tree.joints
-    return [joints[turn.joint].name for turn in every if joints[turn.joint].follows and turn.name not in follows]
+    return [joints[turn.joint].name for turn in all_turns if joints[turn.joint].follows and turn.name not in follows]

@@ -1,4 +1,4 @@
-"""Tables of a hand with fingers: its segments, couplings, rest, and what does not count as a collision."""
+"""Robot tables of a hand with fingers: segments, couplings, rest and exclusions."""
 
 from collections.abc import Mapping, Sequence
 from math import degrees
@@ -20,23 +20,24 @@ from kinesic.body.robot_schema import (
 from kinesic.sim.importer.hand import MappedFinger, MappedHand
 from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.model_tree import Tree
-from kinesic.sim.importer.segments import SegmentLayout, own_capsules, rounded_triple
+from kinesic.sim.importer.segments import SegmentLayout, convert_capsules, round_triple
 
 Hands = Mapping[Side, MappedHand]
-BENT, OPPOSED = 0.3, 0.35  # shares of the ranges at rest: of flexion, of the thumb before the palm
-SHORTEST_PART = 0.003  # [m] a shorter part has no shape of its own
-SLACK = 1e-3  # [deg] that rounding may add to what a coupling is led to
-ROUGH = 0.5  # times the way from the wrist to the knuckles: where the palm is
+REST_FLEXION_FRACTION = 0.3  # flexion of a resting finger / upper limit of its range
+REST_OPPOSITION_FRACTION = 0.35  # abduction of a resting thumb, as a fraction of its range
+MIN_PART_LENGTH = 0.003  # [m] shortest finger segment that gets a capsule
+RANGE_SLACK = 1e-3  # [deg] margin added to a coupled joint's range for rounding errors
+PALM_FRACTION = 0.5  # position of the palm between wrist (0) and knuckles (1)
 
 
-def with_hands(file: RobotFile, hands: Hands, tree: Tree, where: SegmentLayout) -> RobotFile:
-    """Adds the fingers of hands to a robot's tables.
+def with_hands(file: RobotFile, hands: Hands, tree: Tree, layout: SegmentLayout) -> RobotFile:
+    """Add the fingers of hands to a robot's tables.
 
     Args:
-        file: of the robot, without them; its hands' segments carry their weight.
-        hands: by side.
-        tree: the robot, arms hanging.
-        where: its segments.
+        file: Tables of the robot without fingers, whose mass is part of the hands' segments.
+        hands: Hands by side.
+        tree: Robot with hanging arms.
+        layout: Segments of the robot.
     """
     body, hinge, coupling = [*file.body], [*file.hinge], [*file.coupling]
     chains, sites, rest = dict(file.chains), dict(file.sites), dict(file.rest)
@@ -44,14 +45,14 @@ def with_hands(file: RobotFile, hands: Hands, tree: Tree, where: SegmentLayout) 
     for side, hand in hands.items():
         wrist = f"{side}_wrist"
         turns = [turn for finger in hand.fingers for turn in finger.turns]
-        parts = [part for finger in hand.fingers for part in _bodies(finger, tree, where, wrist)]
-        body = [_lighter(each, sum(part.mass for part in parts)) if each.name == wrist else each for each in body]
+        parts = [part for finger in hand.fingers for part in _bodies(finger, tree, layout, wrist)]
+        body = [_reduce_mass(row, sum(part.mass for part in parts)) if row.name == wrist else row for row in body]
         body += parts
-        hinge += [_hinge(turn, where, wrist) for finger in hand.fingers for turn in finger.hinges]
+        hinge += [_hinge(turn, layout, wrist) for finger in hand.fingers for turn in finger.hinges]
         coupling += [row for finger in hand.fingers for row in _couplings(finger, turns)]
         chains[f"{side}_fingers"] = [turn.segment for turn in turns]
-        sites[f"{side}_palm"] = _palm(hand, where, wrist)
-        rest |= {turn.name: round(_resting(turn), 2) for finger in hand.fingers for turn in finger.hinges}
+        sites[f"{side}_palm"] = _palm(hand, layout, wrist)
+        rest |= {turn.name: round(_find_rest_angle(turn), 2) for finger in hand.fingers for turn in finger.hinges}
         exclude += [
             ExclusionTable((part, f"{side}_fingers"), "fingers close over their palm")
             for part in (wrist, f"{side}_elbow")
@@ -68,28 +69,31 @@ def with_hands(file: RobotFile, hands: Hands, tree: Tree, where: SegmentLayout) 
     )
 
 
-def _lighter(body: BodyTable, mass: float) -> BodyTable:
+def _reduce_mass(body: BodyTable, mass: float) -> BodyTable:
     return msgspec.structs.replace(body, mass=round(max(body.mass - mass, 0.0), 4))
 
 
-def _bodies(finger: MappedFinger, tree: Tree, where: SegmentLayout, wrist: str) -> list[BodyTable]:
-    found, parent, origin = [], wrist, where.origins[wrist]
+def _bodies(finger: MappedFinger, tree: Tree, layout: SegmentLayout, wrist: str) -> list[BodyTable]:
+    bodies, parent, origin = [], wrist, layout.origins[wrist]
     ends = [*(turn.anchor for turn in finger.turns[1:]), finger.tip]
     for turn, end in zip(finger.turns, ends, strict=True):
         part = tree.parts[turn.joint]
-        capsules = own_capsules(part.shapes, turn.anchor)
-        if not capsules and np.linalg.norm(end - turn.anchor) > SHORTEST_PART:
-            bone = rounded_triple(end - turn.anchor)
+        capsules = convert_capsules(part.shapes, turn.anchor)
+        if not capsules and np.linalg.norm(end - turn.anchor) > MIN_PART_LENGTH:
+            bone = round_triple(end - turn.anchor)
             capsules = [CapsuleTable((0.0, 0.0, 0.0), bone, round(finger.radius, 6))]
-        found.append(
-            BodyTable(turn.segment, parent, rounded_triple(turn.anchor - origin), round(part.mass, 4), capsules)
+        bodies.append(
+            BodyTable(turn.segment, parent, round_triple(turn.anchor - origin), round(part.mass, 4), capsules)
         )
         parent, origin = turn.segment, turn.anchor
-    return found
+    return bodies
 
 
-def _hinge(turn: MappedHinge, where: SegmentLayout, wrist: str) -> HingeTable:
-    """Writes the table of a finger's hinge, whose motor sits in the hand."""
+def _hinge(turn: MappedHinge, layout: SegmentLayout, wrist: str) -> HingeTable:
+    """Return the TOML table of a finger's hinge.
+
+    Its motor is mounted in the hand.
+    """
     return HingeTable(
         name=turn.name,
         body=turn.segment,
@@ -106,10 +110,10 @@ def _couplings(finger: MappedFinger, turns: Sequence[MappedHinge]) -> list[Coupl
     for turn in finger.turns:
         if turn.name in finger.follows:
             driver, ratio, offset = finger.follows[turn.name]
-            ratio, away = round(ratio, 6), round(degrees(offset), 4)
-            ends = sorted(away + ratio * end for end in ranges[driver])
-            span = (round(ends[0] - SLACK, 3), round(ends[1] + SLACK, 3))
-            rows.append(CouplingTable(turn.name, turn.segment, _axis(turn), span, driver, ratio, away))
+            ratio, offset_deg = round(ratio, 6), round(degrees(offset), 4)
+            ends = sorted(offset_deg + ratio * end for end in ranges[driver])
+            span = (round(ends[0] - RANGE_SLACK, 3), round(ends[1] + RANGE_SLACK, 3))
+            rows.append(CouplingTable(turn.name, turn.segment, _axis(turn), span, driver, ratio, offset_deg))
     return rows
 
 
@@ -118,18 +122,21 @@ def _axis(turn: MappedHinge) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _palm(hand: MappedHand, where: SegmentLayout, wrist: str) -> SiteTable:
-    along = ROUGH * (hand.knuckles - where.origins[wrist])
+def _palm(hand: MappedHand, layout: SegmentLayout, wrist: str) -> SiteTable:
+    along = PALM_FRACTION * (hand.knuckles - layout.origins[wrist])
     direction = along / np.linalg.norm(along)
     facing = hand.facing - direction * (direction @ hand.facing)
-    return SiteTable(wrist, rounded_triple(along), rounded_triple(facing / np.linalg.norm(facing)))
+    return SiteTable(wrist, round_triple(along), round_triple(facing / np.linalg.norm(facing)))
 
 
-def _resting(turn: MappedHinge) -> float:
-    """[deg] a little bent, the thumb a little before the palm, and nothing else turned."""
+def _find_rest_angle(turn: MappedHinge) -> float:
+    """Return the rest angle [deg] of a finger's hinge.
+
+    Fingers are slightly bent, the thumb is slightly in front of the palm, and other hinges are at 0.
+    """
     lower, upper = round(degrees(turn.lower), 3), round(degrees(turn.upper), 3)
-    finger, turned = turn.name.split("_")[1:3]
-    share = BENT * max(upper, 0.0) if turned.startswith("flexion") else 0.0
-    if (finger, turned) == ("thumb", "abduct"):
-        share = lower + OPPOSED * (upper - lower)
-    return min(max(share, lower), upper)
+    finger, turn_name = turn.name.split("_")[1:3]
+    angle = REST_FLEXION_FRACTION * max(upper, 0.0) if turn_name.startswith("flexion") else 0.0
+    if (finger, turn_name) == ("thumb", "abduct"):
+        angle = lower + REST_OPPOSITION_FRACTION * (upper - lower)
+    return min(max(angle, lower), upper)

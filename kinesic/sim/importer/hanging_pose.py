@@ -1,4 +1,4 @@
-"""Poses by geometry: the angles at which an arm hangs, whatever the pose of its file."""
+"""Joint angles of a hanging arm, found by geometry from any pose."""
 
 from dataclasses import dataclass
 
@@ -9,140 +9,164 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.sim.importer.arm import Split, centres
 from kinesic.sim.importer.hinge_row import HingeRow, unit_vector
 
-STARTS = 10
-ROUNDS = 60
-SLACK = 1e-9  # [rad] so that a hinge without room has a box
-NEARLY = 1.02  # times the least cost: the first of equals is taken
-ELBOW_WEIGHT = 0.5  # the elbow's axis beside the directions of the bones
-HAND_WEIGHT = 0.1
-CHOOSING, FINE = 0.1, 0.05  # per radian away from the pose of the file, to choose; from the chosen one, to refine
-CALM = 3.0  # times that for forearm and wrist, which hardly move the bones
-OUTSIDE_WEIGHT = 0.3  # per radian outside its range
-CENTRED = 0.05  # of its range: an elbow whose middle is nearer to straight bends both ways
-FULL_TURN = 2 * np.pi
+RANDOM_STARTS = 10  # number of random start postures of the search
+MAX_EVALUATIONS = 60  # largest number of evaluations in one least-squares search
+BOX_SLACK = 1e-9  # [rad] margin added to bounds, so that a fixed hinge has a box of positive size
+EQUAL_COST_RATIO = 1.02  # cost / least cost up to which the first solution is preferred
+ELBOW_WEIGHT = 0.5  # weight of the elbow's axis relative to the directions of the bones
+HAND_WEIGHT = 0.1  # weight of the hand's direction relative to the directions of the bones
+SEARCH_STAY_WEIGHT = 0.1  # [1/rad] weight of the distance from the file's pose during the search
+REFINEMENT_STAY_WEIGHT = 0.05  # [1/rad] weight of the distance from the chosen solution during refinement
+DISTAL_STAY_FACTOR = 3.0  # factor on the stay weights of forearm and wrist, which hardly move the bones
+OUTSIDE_WEIGHT = 0.3  # [1/rad] weight of the angle outside a hinge's range
+SYMMETRIC_RANGE_FRACTION = 0.05  # elbows whose mid-range is closer to straight than this may bend both ways
+FULL_TURN = 2 * np.pi  # [rad] angle of one revolution
 
 
 @dataclass(frozen=True, eq=False)
 class HangingPose:
-    """Directions that an arm should have."""
+    """Desired directions of an arm's bones and elbow axis."""
 
-    upper: Floats  # (3,) unit, along the upper arm
-    fore: Floats  # (3,) unit, along the forearm
-    hinge: Floats  # (3,) unit, about which the elbow bends
+    upper: Floats  # (3,) unit vector along the upper arm
+    fore: Floats  # (3,) unit vector along the forearm
+    hinge: Floats  # (3,) unit vector of the elbow's axis
 
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
-    """Ranges of an arm's hinges, about the pose of the file."""
+    """Ranges of an arm's hinges relative to their angles in the file."""
 
-    lower: Floats  # (k,) [rad], -inf where none is told
-    upper: Floats  # (k,) [rad]
-    strict: bool  # never leave them
+    lower: Floats  # (k,) [rad], -inf if unknown
+    upper: Floats  # (k,) [rad], inf if unknown
+    strict: bool  # whether angles must stay within the ranges
 
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """Angles and how well they serve."""
+    """Angles of an arm with the remaining direction error."""
 
-    angles: Floats  # (k,) [rad] from the pose of the file
-    off: float  # [rad] of the worse of both bones from its wish
+    angles: Floats  # (k,) [rad] relative to the pose of the file
+    off: float  # [rad] larger direction error of both bones
 
 
-def elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> float:
-    """Finds in which sense an elbow bends: +1 by positive angles, -1 by negative ones, 0 when its range says neither.
+def find_elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> float:
+    """Return the sign of angles that bend an elbow.
+
+    0 if its range is symmetric around the straight arm, or unknown.
 
     Args:
-        limb: of the arm, in any pose.
-        split: of its hinges.
-        lower: [rad] of the elbow's range, from this pose; -inf where none is told.
-        upper: [rad]
+        limb: Hinges of the arm in any pose.
+        split: Division of its hinges.
+        lower: [rad] lower limit of the elbow relative to this pose; -inf if unknown.
+        upper: [rad] upper limit of the elbow relative to this pose; inf if unknown.
     """
     at, axis = centres(limb, split), limb.axes[split.elbow]
     fore = at.fore - axis * (axis @ at.fore)
     upper_arm = at.upper - axis * (axis @ at.upper)
-    straight = float(np.arctan2(axis @ np.cross(fore, upper_arm), fore @ upper_arm))
-    low, high = lower - straight, upper - straight
-    if not np.isfinite([low, high]).all():
+    straight_angle = float(np.arctan2(axis @ np.cross(fore, upper_arm), fore @ upper_arm))
+    lower, upper = lower - straight_angle, upper - straight_angle
+    if not np.isfinite([lower, upper]).all():
         return 0.0
-    turns = FULL_TURN * np.round((low + high) / 2 / FULL_TURN)
-    middle = (low + high) / 2 - turns
-    return float(np.sign(middle)) if abs(middle) > CENTRED * (high - low) else 0.0
+    turns = FULL_TURN * np.round((lower + upper) / 2 / FULL_TURN)
+    middle = (lower + upper) / 2 - turns
+    return float(np.sign(middle)) if abs(middle) > SYMMETRIC_RANGE_FRACTION * (upper - lower) else 0.0
 
 
-def pose_arm(limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
-    """Finds angles that bring an arm nearest to a wish, close to the pose of its file where that leaves a choice.
+def pose_arm(limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
+    """Find the angles that bring an arm closest to desired directions.
+
+    Among equivalent solutions the one closest to the pose of the file is preferred.
 
     Args:
-        limb: in the pose of the file.
-        split: of its hinges.
-        wish: directions of its bones.
-        ranges: of its hinges.
-        first: (k,) [rad] angles to begin with, before random ones.
+        limb: Hinges in the pose of the file.
+        split: Division of the hinges.
+        target: Desired directions of the bones.
+        ranges: Ranges of the hinges.
+        first: (k,) [rad] start angles that are tried before random ones.
     """
-    model = _Arm(limb, split, wish, ranges)
+    model = _Arm(limb, split, target, ranges)
     random = np.random.default_rng(0)
-    low, high = (np.clip(side, -np.pi, np.pi) for side in (ranges.lower, ranges.upper))
-    starts = [*first, np.zeros(len(low)), *(random.uniform(low, high) for _ in range(STARTS))]
-    bounds = (ranges.lower - SLACK, ranges.upper + SLACK) if ranges.strict else (-np.inf, np.inf)
-    found = [
+    lower, upper = (np.clip(side, -np.pi, np.pi) for side in (ranges.lower, ranges.upper))
+    starts = [*first, np.zeros(len(lower)), *(random.uniform(lower, upper) for _ in range(RANDOM_STARTS))]
+    bounds = (ranges.lower - BOX_SLACK, ranges.upper + BOX_SLACK) if ranges.strict else (-np.inf, np.inf)
+    solutions = [
         least_squares(
-            model.residuals, np.clip(start, *bounds), bounds=bounds, max_nfev=ROUNDS, args=(CHOOSING, model.home)
+            model.residuals,
+            np.clip(start, *bounds),
+            bounds=bounds,
+            max_nfev=MAX_EVALUATIONS,
+            args=(SEARCH_STAY_WEIGHT, model.home),
         )
         for start in starts
     ]
-    least = min(one.cost for one in found)
-    chosen = next(one.x for one in found if one.cost <= NEARLY * least)
-    fine = least_squares(
-        model.residuals, np.clip(chosen, *bounds), bounds=bounds, max_nfev=ROUNDS, args=(FINE, chosen)
+    least_cost = min(solution.cost for solution in solutions)
+    chosen = next(solution.x for solution in solutions if solution.cost <= EQUAL_COST_RATIO * least_cost)
+    refined = least_squares(
+        model.residuals,
+        np.clip(chosen, *bounds),
+        bounds=bounds,
+        max_nfev=MAX_EVALUATIONS,
+        args=(REFINEMENT_STAY_WEIGHT, chosen),
     ).x
-    best = fine if ranges.strict else _unwound(fine, ranges)
-    return Posed(sealed(best), model.off(best))
+    final_angles = refined if ranges.strict else _unwind(refined, ranges)
+    return Posed(sealed(final_angles), model.off(final_angles))
 
 
-def _unwound(angles: Floats, ranges: Ranges) -> Floats:
-    """The same pose with each hinge turned by whole turns to where it is nearest to the middle of its range."""
+def _unwind(angles: Floats, ranges: Ranges) -> Floats:
+    """Shift angles by full turns to the middle of their ranges."""
     bounded = np.isfinite(ranges.lower)
     middle = np.where(bounded, np.where(bounded, ranges.lower, 0.0) + np.where(bounded, ranges.upper, 0.0), 0.0) / 2
-    found: Floats = angles - FULL_TURN * np.round((angles - middle) / FULL_TURN)
-    return found
+    solutions: Floats = angles - FULL_TURN * np.round((angles - middle) / FULL_TURN)
+    return solutions
 
 
 class _Arm:
-    """What is wanted of an arm as residuals."""
+    """Least-squares residuals of an arm's pose."""
 
-    def __init__(self, limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges) -> None:
-        self._limb, self._split, self._wish, self._ranges = limb, split, wish, ranges
+    def __init__(self, limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges) -> None:
+        self._limb, self._split, self._target, self._ranges = limb, split, target, ranges
         e = split.elbow
-        self._sense = elbow_sense(limb, split, ranges.lower[e], ranges.upper[e]) or _forward(limb, split)
-        self._calm = np.where(np.arange(len(ranges.lower)) > split.elbow, CALM, 1.0)
+        self._sense = find_elbow_sense(limb, split, ranges.lower[e], ranges.upper[e]) or _find_forward_sense(
+            limb, split
+        )
+        self._stay_factors = np.where(np.arange(len(ranges.lower)) > split.elbow, DISTAL_STAY_FACTOR, 1.0)
         self.home = np.clip(np.zeros(len(ranges.lower)), ranges.lower, ranges.upper)
 
     def residuals(self, angles: Floats, stay: float, home: Floats) -> Floats:
-        """(m,) for (k,) angles [rad]."""
-        wish, split = self._wish, self._split
+        """Compute the residuals (m,) at angles (k,) [rad].
+
+        Args:
+            angles: (k,) [rad] relative to the pose of the file.
+            stay: Weight per radian of the distance from `home`.
+            home: (k,) [rad] preferred angles.
+        """
+        target, split = self._target, self._split
         pose = self._limb.turned(angles)
         at = centres(pose, split)
-        low, high = self._ranges.lower, self._ranges.upper
-        outside = np.maximum(angles - high, 0.0) + np.maximum(low - angles, 0.0)
+        lower, upper = self._ranges.lower, self._ranges.upper
+        excess = np.maximum(angles - upper, 0.0) + np.maximum(lower - angles, 0.0)
         rows = [
-            at.upper - wish.upper,
-            at.fore - wish.fore,
-            ELBOW_WEIGHT * (self._sense * pose.axes[split.elbow] - wish.hinge),
-            stay * self._calm * (angles - home),
-            OUTSIDE_WEIGHT * outside,
+            at.upper - target.upper,
+            at.fore - target.fore,
+            ELBOW_WEIGHT * (self._sense * pose.axes[split.elbow] - target.hinge),
+            stay * self._stay_factors * (angles - home),
+            OUTSIDE_WEIGHT * excess,
         ]
         if split.wrist:
-            rows.append(HAND_WEIGHT * (unit_vector(pose.centre - at.wrist) - wish.fore))
+            rows.append(HAND_WEIGHT * (unit_vector(pose.centre - at.wrist) - target.fore))
         return np.concatenate(rows)
 
     def off(self, angles: Floats) -> float:
-        """[rad] of the worse bone."""
+        """Compute the larger direction error [rad] of both bones."""
         at = centres(self._limb.turned(angles), self._split)
-        cosines = [at.upper @ self._wish.upper, at.fore @ self._wish.fore]
+        cosines = [at.upper @ self._target.upper, at.fore @ self._target.fore]
         return float(np.arccos(np.clip(min(cosines), -1.0, 1.0)))
 
 
-def _forward(limb: HingeRow, split: Split) -> float:
-    """The sense in which the elbow bends forward in the pose of the file."""
+def _find_forward_sense(limb: HingeRow, split: Split) -> float:
+    """Return the sign of rotation that bends the elbow forward.
+
+    Valid in the pose of the file.
+    """
     at, axis = centres(limb, split), limb.axes[split.elbow]
     return 1.0 if np.cross(axis, at.fore)[0] >= 0 else -1.0

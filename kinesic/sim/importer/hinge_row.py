@@ -1,4 +1,4 @@
-"""A row of hinges that turns: lines in space and what is fixed to them."""
+"""Serial chain of hinges as lines in space, with its forward kinematics."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,23 +7,23 @@ from math import sqrt
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.rotation import UNTURNED, about
+from kinesic.body.rotation import IDENTITY_ROTATION, rotation_about
 from kinesic.sim.importer.model_tree import Tree
 
-NOWHERE = np.zeros(3)
+ZERO_VECTOR = np.zeros(3)  # [m] origin of a coordinate frame
 
 
 @dataclass(frozen=True, eq=False)
 class HingeRow:
-    """Hinges from the base outward, in one pose."""
+    """Hinges of a limb from the base outwards, in one pose."""
 
-    anchors: Floats  # (k, 3) [m]
-    axes: Floats  # (k, 3) unit
-    centre: Floats  # (3,) [m] of mass of what the last hinge moves, fingers included
+    anchors: Floats  # (k, 3) [m] points on the axes
+    axes: Floats  # (k, 3) unit vectors of the axes
+    centre: Floats  # (3,) [m] centre of mass of the parts moved by the last hinge, including fingers
 
     @classmethod
     def of(cls, tree: Tree, joints: Sequence[int]) -> "HingeRow":
-        """Takes a limb in the pose of the file."""
+        """Return the hinge lines of a limb in the tree's current pose."""
         return cls(
             sealed([tree.joints[k].anchor for k in joints]),
             sealed([tree.joints[k].axis for k in joints]),
@@ -31,70 +31,83 @@ class HingeRow:
         )
 
     def turned(self, angles: Floats) -> "HingeRow":
-        """Turns each hinge of the limb by (k,) [rad]."""
+        """Return the limb with each hinge rotated by angles (k,) [rad]."""
         motion = self.motion(angles)
-        rotations = np.array([UNTURNED, *(rotation for rotation, _ in motion[:-1])])
-        shifts = np.array([NOWHERE, *(shift for _, shift in motion[:-1])])
+        rotations = np.array([IDENTITY_ROTATION, *(rotation for rotation, _ in motion[:-1])])
+        shifts = np.array([ZERO_VECTOR, *(shift for _, shift in motion[:-1])])
         return HingeRow(
-            sealed(_each(rotations, self.anchors) + shifts),
-            sealed(_each(rotations, self.axes)),
+            sealed(_multiply(rotations, self.anchors) + shifts),
+            sealed(_multiply(rotations, self.axes)),
             sealed(motion[-1][0] @ self.centre + motion[-1][1]),
         )
 
     def motion(self, angles: Floats) -> list[tuple[Floats, Floats]]:
-        """Finds rotation (3, 3) and shift (3,) [m] of what each hinge moves, from this pose."""
-        rotation, shift = UNTURNED, NOWHERE
-        turns = about(self.axes, angles)
-        found = []
-        for turn, moved in zip(turns, self.anchors - _each(turns, self.anchors), strict=True):
-            shift = shift + rotation @ moved
+        """Compute the rigid motion of the links for hinge rotations (k,) [rad].
+
+        Returns:
+            Rotation (3, 3) and translation (3,) [m] of the link after each hinge, from this pose.
+        """
+        rotation, shift = IDENTITY_ROTATION, ZERO_VECTOR
+        turns = rotation_about(self.axes, angles)
+        result = []
+        for turn, translation in zip(turns, self.anchors - _multiply(turns, self.anchors), strict=True):
+            shift = shift + rotation @ translation
             rotation = rotation @ turn
-            found.append((rotation, shift))
-        return found
+            result.append((rotation, shift))
+        return result
 
 
-def common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3) -> Floats:
-    """Finds the point (3,) [m] nearest to all lines; where they leave it open, nearest to a point."""
-    across = UNTURNED - axes[:, :, None] * axes[:, None, :]
-    matrix = sum(across, pull * UNTURNED)
-    right = sum(_each(across, anchors), pull * near)
+def find_common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3) -> Floats:
+    """Compute the point (3,) [m] nearest to all lines.
+
+    The point nearest to `near` is chosen if the lines leave it undetermined.
+    """
+    projection = IDENTITY_ROTATION - axes[:, :, None] * axes[:, None, :]
+    matrix = sum(projection, pull * IDENTITY_ROTATION)
+    right = sum(_multiply(projection, anchors), pull * near)
     return sealed(np.linalg.solve(matrix, right))
 
 
 def distances(point: Floats, anchors: Floats, axes: Floats) -> Floats:
-    """Measures the distance [m] of a point from each line, (k,)."""
-    found: Floats = np.linalg.norm(_cross(point - anchors, axes), axis=1)
-    return found
+    """Compute the distance (k,) [m] of a point from each line."""
+    result: Floats = np.linalg.norm(_cross(point - anchors, axes), axis=1)
+    return result
 
 
 def foot(point: Floats, anchor: Floats, axis: Floats) -> Floats:
-    """Finds the point (3,) [m] of a line that is nearest to a point."""
+    """Project a point onto a line, (3,) [m]."""
     return sealed(anchor + axis * (axis @ (point - anchor)))
 
 
-def nearest_to_line(anchor: Floats, axis: Floats, other: Floats, direction: Floats) -> Floats:
-    """Finds the point (3,) [m] of a line that is nearest to another line; its anchor where they are parallel."""
-    across = _cross(axis, direction)
-    size = float(across @ across)
+def find_nearest_on_line(anchor: Floats, axis: Floats, second: Floats, direction: Floats) -> Floats:
+    """Compute the point (3,) [m] of a line nearest to another line.
+
+    For parallel lines, the point nearest to the anchor of the other line.
+    """
+    projection = _cross(axis, direction)
+    size = float(projection @ projection)
     if size < 1e-6:
-        return foot(other, anchor, axis)
-    along = float(_cross(other - anchor, direction) @ across) / size
+        return foot(second, anchor, axis)
+    along = float(_cross(second - anchor, direction) @ projection) / size
     return sealed(anchor + along * axis)
 
 
 def unit_vector(vector: Floats) -> Floats:
-    """Scales a vector to length 1; zero stays zero."""
+    """Scale a vector to length 1, except a zero vector."""
     length = sqrt(vector @ vector)
     return vector / length if length > 0 else vector
 
 
-def _each(matrices: Floats, vectors: Floats) -> Floats:
-    """(k, 3) products of (k, 3, 3) and (k, 3)."""
-    found: Floats = (matrices @ vectors[:, :, None])[:, :, 0]
-    return found
+def _multiply(matrices: Floats, vectors: Floats) -> Floats:
+    """Multiply k matrices (k, 3, 3) by k vectors (k, 3)."""
+    result: Floats = (matrices @ vectors[:, :, None])[:, :, 0]
+    return result
 
 
-def _cross(one: Floats, other: Floats) -> Floats:
-    """(3,) or (k, 3) as `np.cross`, which spends ten times as long on choosing axes."""
-    (a, b, c), (d, e, f) = one.T, other.T
+def _cross(first: Floats, second: Floats) -> Floats:
+    """Compute cross products of (3,) or (k, 3) vectors.
+
+    Ten times as fast as `np.cross`, which checks its axes.
+    """
+    (a, b, c), (d, e, f) = first.T, second.T
     return np.array([b * f - c * e, c * d - a * f, a * e - b * d]).T

@@ -1,4 +1,7 @@
-"""Hinges with MPEG-4 BAP names: named, signed and measured by their axes in the hanging figure."""
+"""MPEG-4 BAP names, signs and ranges of an imported robot's hinges.
+
+They follow from the axes in the hanging pose.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -8,16 +11,16 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
-from kinesic.sim.importer.arm import LENGTHWISE
-from kinesic.sim.importer.hanging_pose import elbow_sense
-from kinesic.sim.importer.zero_pose import ACROSS, HumanoidGeometry
+from kinesic.sim.importer.arm import MIN_TWIST_COSINE
+from kinesic.sim.importer.hanging_pose import find_elbow_sense
+from kinesic.sim.importer.zero_pose import MIRROR_SIGNS, HumanoidGeometry
 
-KINDS = ("roll", "tilt", "torsion")  # of trunk and head, by the axis x, y, z that is nearest
-VERTEBRAE = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
-WHOLE_TURN = radians(350)  # a wider range is none
+SPINE_TURNS = ("roll", "tilt", "torsion")  # name suffixes of trunk and head hinges, by their nearest axis x, y, z
+VERTEBRA_NAMES = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
+MAX_USEFUL_RANGE = radians(350)  # [rad] widest joint range that is used; a wider one counts as none
 
-# Of a hinge without range in its file, after human anatomy [deg].
-ANATOMY = {
+# Default ranges [deg] of hinges without a range in their file, after human anatomy.
+ANATOMICAL_RANGES = {
     "torsion": (-60.0, 60.0),
     "tilt": (-20.0, 35.0),
     "roll": (-25.0, 25.0),
@@ -33,43 +36,43 @@ ANATOMY = {
     "wrist_pivot": (-30.0, 30.0),
     "wrist_twisting": (-90.0, 90.0),
 }
-_POSITIVE = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}  # of left hinges
-_ASIDE = (1, -1, 1)  # of the others
+_POSITIVE_AXES = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}  # left side
+_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # sign of the positive rotation axis of all other hinges, left side
 
 
 @dataclass(frozen=True, eq=False)
 class MappedHinge:
-    """A hinge of the foreign robot as kinesic's."""
+    """Imported hinge with its name and conversion to kinesic's angle."""
 
     name: str
     segment: str
-    joint: int  # of the tree
-    sign: float  # of the foreign angle against kinesic's
-    zero: float  # [rad] foreign angle where kinesic's is zero
-    anchor: Floats  # (3,) [m] in the world, hanging
-    axis: Floats  # (3,) unit, in the world, hanging
-    lower: float  # [rad]
-    upper: float  # [rad]
-    assumed: bool  # the range is not the file's
+    joint: int  # index in the tree
+    sign: float  # sign of the file's angle relative to kinesic's
+    zero: float  # [rad] the file's angle where kinesic's is zero
+    anchor: Floats  # (3,) [m] point on the axis in the world, with hanging arms
+    axis: Floats  # (3,) unit vector in the world, with hanging arms
+    lower: float  # [rad] lower limit
+    upper: float  # [rad] upper limit
+    assumed: bool  # whether the range is a default, as the file gives none
 
 
-def named_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
-    """Names all hinges that kinesic moves, trunk and neck first."""
-    found = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
+def name_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
+    """Name all hinges that kinesic moves, trunk and neck first."""
+    mapped = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
     for side in SIDES:
-        found += _arm(figure, side)
-    return tuple(found)
+        mapped += _arm(figure, side)
+    return tuple(mapped)
 
 
 def _spine(figure: HumanoidGeometry, segment: str, joints: Sequence[int]) -> Iterator[MappedHinge]:
-    used: set[str] = set()
+    used_names: set[str] = set()
     for k in joints:
         axis = figure.tree.joints[k].axis
         lateral = int(np.argmax(np.abs(axis)))
-        names = [f"{vertebra}_{KINDS[lateral]}" for vertebra in VERTEBRAE[segment]]
-        name = next(name for name in names if name not in used)
-        used.add(name)
-        yield _named(figure, k, name, segment, float(np.sign(axis[lateral])))
+        names = [f"{vertebra}_{SPINE_TURNS[lateral]}" for vertebra in VERTEBRA_NAMES[segment]]
+        name = next(name for name in names if name not in used_names)
+        used_names.add(name)
+        yield _map_hinge(figure, k, name, segment, float(np.sign(axis[lateral])))
 
 
 def _arm(figure: HumanoidGeometry, side: Side) -> Iterator[MappedHinge]:
@@ -81,7 +84,7 @@ def _arm(figure: HumanoidGeometry, side: Side) -> Iterator[MappedHinge]:
         "elbow": arm.joints[split.elbow : split.elbow + 1],
         "wrist": arm.joints[split.elbow + 1 :],
     }
-    if split.wrist and abs(axes[rows["wrist"][0]] @ arm.centres.fore) > LENGTHWISE:
+    if split.wrist and abs(axes[rows["wrist"][0]] @ arm.centres.fore) > MIN_TWIST_COSINE:
         rows["elbow"], rows["wrist"] = (*rows["elbow"], rows["wrist"][0]), rows["wrist"][1:]
     along = {
         "sternoclavicular": arm.centres.upper,
@@ -90,55 +93,57 @@ def _arm(figure: HumanoidGeometry, side: Side) -> Iterator[MappedHinge]:
         "wrist": arm.centres.fore,
     }
     for part, row in rows.items():
-        turns = _turns(part, [axes[k] for k in row], along[part])
+        turns = _choose_suffixes(part, [axes[k] for k in row], along[part])
         for k, turn in zip(row, turns, strict=True):
-            sign = _sense(figure, side, k) if turn == "flexion" and part == "elbow" else 0.0
-            sign = sign or _sign(f"{part}_{turn}", axes[k], side)
-            yield _named(figure, k, f"{side}_{part}_{turn}", f"{side}_{part}", sign)
+            sign = _find_elbow_sign(figure, side, k) if turn == "flexion" and part == "elbow" else 0.0
+            sign = sign or _find_axis_sign(f"{part}_{turn}", axes[k], side)
+            yield _map_hinge(figure, k, f"{side}_{part}_{turn}", f"{side}_{part}", sign)
 
 
-def _turns(part: str, axes: list[Floats], along: Floats) -> list[str]:
-    """The last words of the names of one part's hinges, each once."""
+def _choose_suffixes(part: str, axes: list[Floats], along: Floats) -> list[str]:
+    """Return the distinct suffixes of the names of one body part's hinges."""
     if part == "sternoclavicular":
-        return _distinct(["abduct" if abs(x[0]) >= abs(x[2]) else "rotate" for x in axes])
+        return _make_distinct(["abduct" if abs(x[0]) >= abs(x[2]) else "rotate" for x in axes])
     if part == "elbow":
         return ["flexion", "twisting"][: len(axes)]
     lengthwise = [abs(float(x @ along)) for x in axes]
-    twist = max((k for k, share in enumerate(lengthwise) if share > LENGTHWISE), default=-1)
-    rest = [k for k in range(len(axes)) if k != twist]
-    main = 1 if part == "shoulder" else 0  # the flexion's axis: y of a shoulder, x of a wrist
-    flexion = max(rest, key=lambda k: abs(axes[k][main]), default=-1)
+    twist = max((k for k, cosine in enumerate(lengthwise) if cosine > MIN_TWIST_COSINE), default=-1)
+    other_hinges = [k for k in range(len(axes)) if k != twist]
+    flexion_axis = 1 if part == "shoulder" else 0  # index of the flexion's axis: y for a shoulder, x for a wrist
+    flexion = max(other_hinges, key=lambda k: abs(axes[k][flexion_axis]), default=-1)
     other = "abduct" if part == "shoulder" else "pivot"
-    return _distinct(["twisting" if k == twist else "flexion" if k == flexion else other for k in range(len(axes))])
+    return _make_distinct(
+        ["twisting" if k == twist else "flexion" if k == flexion else other for k in range(len(axes))]
+    )
 
 
-def _distinct(names: list[str]) -> list[str]:
+def _make_distinct(names: list[str]) -> list[str]:
     return [name if name not in names[:k] else f"{name}{names[:k].count(name) + 1}" for k, name in enumerate(names)]
 
 
-def _sense(figure: HumanoidGeometry, side: Side, joint: int) -> float:
-    """The sign in which an elbow bends, by its range."""
+def _find_elbow_sign(figure: HumanoidGeometry, side: Side, joint: int) -> float:
+    """Return the sign of angles that bend an elbow within its range."""
     elbow = figure.tree.joints[joint]
     lower = -np.inf if elbow.lower is None else elbow.lower - elbow.zero
     upper = np.inf if elbow.upper is None else elbow.upper - elbow.zero
-    return elbow_sense(figure.arms[side].limb, figure.split, lower, upper)
+    return find_elbow_sense(figure.arms[side].limb, figure.split, lower, upper)
 
 
-def _sign(name: str, axis: Floats, side: Side) -> float:
-    """+1 when the axis already points as kinesic's does."""
-    mirror = np.ones(3) if side == "l" else -ACROSS
-    key = name if name in _POSITIVE else name.rpartition("_")[2]
+def _find_axis_sign(name: str, axis: Floats, side: Side) -> float:
+    """Return +1 for an axis in kinesic's direction, otherwise -1."""
+    mirror = np.ones(3) if side == "l" else -MIRROR_SIGNS
+    key = name if name in _POSITIVE_AXES else name.rpartition("_")[2]
     lateral = int(np.argmax(np.abs(axis)))
-    wanted = np.array(_POSITIVE.get(key, _ASIDE), dtype=float) * mirror
-    if not wanted[lateral]:
-        wanted = np.array(_ASIDE) * mirror
-    return float(np.sign(axis[lateral] * wanted[lateral]))
+    positive_axis = np.array(_POSITIVE_AXES.get(key, _DEFAULT_POSITIVE_AXES), dtype=float) * mirror
+    if not positive_axis[lateral]:
+        positive_axis = np.array(_DEFAULT_POSITIVE_AXES) * mirror
+    return float(np.sign(axis[lateral] * positive_axis[lateral]))
 
 
-def _named(figure: HumanoidGeometry, joint: int, name: str, segment: str, sign: float) -> MappedHinge:
+def _map_hinge(figure: HumanoidGeometry, joint: int, name: str, segment: str, sign: float) -> MappedHinge:
     foreign = figure.tree.joints[joint]
-    lower, upper, assumed, zero = *_default(name), True, foreign.zero
-    if foreign.lower is not None and foreign.upper is not None and foreign.upper - foreign.lower < WHOLE_TURN:
+    lower, upper, assumed, zero = *_find_default_range(name), True, foreign.zero
+    if foreign.lower is not None and foreign.upper is not None and foreign.upper - foreign.lower < MAX_USEFUL_RANGE:
         turns = np.round(((foreign.lower + foreign.upper) / 2 - zero) / (2 * pi))
         zero += 2 * pi * turns
         ends = sorted((sign * (foreign.lower - zero), sign * (foreign.upper - zero)))
@@ -148,12 +153,14 @@ def _named(figure: HumanoidGeometry, joint: int, name: str, segment: str, sign: 
     )
 
 
-def _default(name: str) -> tuple[float, float]:
-    """[rad] of a hinge whose range nobody tells."""
-    low, high = next(ANATOMY[key] for key in sorted(ANATOMY, key=len, reverse=True) if key in name)
-    return radians(low), radians(high)
+def _find_default_range(name: str) -> tuple[float, float]:
+    """Return the default range [rad] of a hinge without given range."""
+    lower_deg, upper_deg = next(
+        ANATOMICAL_RANGES[key] for key in sorted(ANATOMICAL_RANGES, key=len, reverse=True) if key in name
+    )
+    return radians(lower_deg), radians(upper_deg)
 
 
 def spell_angle(hinge: MappedHinge, joint: str) -> str:
-    """Spells how the foreign robot's angle follows from kinesic's."""
+    """Write the file's joint angle as a function of kinesic's angle."""
     return f"{joint} = {'' if hinge.sign > 0 else '-'}angle {degrees(hinge.zero):+.4f} deg"

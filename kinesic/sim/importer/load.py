@@ -1,4 +1,4 @@
-"""Loads an MJCF or URDF file: kinematics, weights, primitive shapes, what its motors can do, and how it looks."""
+"""Load kinematics, masses, shapes, motors and meshes of MJCF or URDF."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -13,26 +13,37 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.looks import Looks, load_looks
-from kinesic.sim.importer.model_tree import BASE, Follow, Joint, ModelPart, Tree
+from kinesic.sim.importer.model_tree import BASE_INDEX, Follow, Joint, ModelPart, Tree
 from kinesic.sim.importer.reading.robot_files import RobotFiles, read_robot_files
 
-MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
-NOT_NEEDED = ("keys", "sensors", "tendons", "equalities", "pairs", "excludes", "skins", "flexes", "meshes", "hfields")
-LOOKS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
-MAX_BODIES = 2000
-MAX_GEOMS = 20_000
-GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
-GHOST_INERTIA = 1e-6  # [kg m^2]
-FLAT = 1e-9  # of a coupling, coefficients of its curve that are none
-LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
+MESH_GEOM_TYPES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
+UNUSED_ELEMENTS = (
+    "keys",
+    "sensors",
+    "tendons",
+    "equalities",
+    "pairs",
+    "excludes",
+    "skins",
+    "flexes",
+    "meshes",
+    "hfields",
+)
+APPEARANCE_ELEMENTS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
+MAX_BODIES = 2000  # largest number of bodies in a robot file
+MAX_GEOMS = 20_000  # largest number of geoms in a robot file
+DEFAULT_BODY_MASS = 1e-3  # [kg] mass of a body without inertial data or geoms
+DEFAULT_BODY_INERTIA = 1e-6  # [kg m^2] inertia of a body without inertial data or geoms
+CURVE_TOLERANCE = 1e-9  # largest non-linear coefficient of a coupling that counts as linear
+MIN_SHAPE_RADIUS = 0.005  # [m] radius below which a shape is ignored
 
 
 @dataclass(frozen=True)
 class UrdfJoint:
-    """The attributes of a URDF joint that MuJoCo drops when it reads the file."""
+    """Attributes of a URDF joint that MuJoCo drops."""
 
-    speed: float | None  # [rad/s]
-    follows: Follow | None
+    speed: float | None  # [rad/s] velocity limit
+    follows: Follow | None  # coupling of a mimic joint
 
 
 def urdf_joints(root: ElementTree.Element) -> dict[str, UrdfJoint]:
@@ -43,12 +54,12 @@ def urdf_joints(root: ElementTree.Element) -> dict[str, UrdfJoint]:
     """
     if root.tag != "robot":
         return {}
-    found = {}
+    values = {}
     for joint in root.findall("joint"):
         limit = joint.find("limit")
         speed = 0.0 if limit is None else float(limit.get("velocity", 0.0))
-        found[joint.get("name", "")] = UrdfJoint(speed if speed > 0 else None, _mimic(joint.find("mimic")))
-    return found
+        values[joint.get("name", "")] = UrdfJoint(speed if speed > 0 else None, _mimic(joint.find("mimic")))
+    return values
 
 
 def _mimic(mimic: ElementTree.Element | None) -> Follow | None:
@@ -58,26 +69,26 @@ def _mimic(mimic: ElementTree.Element | None) -> Follow | None:
 
 
 def load_model(path: Path) -> Tree:
-    """Reads a robot.
+    """Load a robot as a tree of hinges.
 
     Args:
-        path: of an MJCF or URDF file; its meshes need not exist.
+        path: MJCF or URDF file; its meshes need not exist.
 
     Returns:
-        Its hinges in the pose of the file. Slides, balls and the free joint of the root are held where they are, and
-        so are joints of a URDF that mimic others and carry some that do not.
+        Hinges in the pose of the file. Slide and ball joints and the free joint of the root are fixed in place, and so
+        are URDF joints that mimic others and carry independent joints.
 
     Raises:
-        ConfigError: the file is missing, MuJoCo cannot read it, or it reads or makes more than a robot may.
+        ConfigError: the file is missing, MuJoCo cannot read it, or it is larger than a robot may be.
     """
     try:
         files = read_robot_files(path)
         urdf = urdf_joints(files.root)
-        mujoco.set_mju_user_warning(_unheard)  # by default they go to a file in the present folder
+        mujoco.set_mju_user_warning(_ignore_warning)  # by default MuJoCo writes them to a file in the current folder
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of bodies without weight: they get some
+            warnings.simplefilter("ignore")  # massless bodies get a default mass below
             spec = _read_spec(files.root, files)
-            equal = _equalities(spec)
+            equalities = _read_equalities(spec)
             model = _without_meshes(spec, path)
             looks = load_looks(files, _read_spec, lambda spec: _without_meshes(spec, path))
     except ConfigError:
@@ -85,55 +96,65 @@ def load_model(path: Path) -> Tree:
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except (ValueError, OSError, ExpatError) as error:
-        raise ConfigError(f"{path}: neither MJCF nor URDF that can be read: {' '.join(str(error).split())}") from None
+        raise ConfigError(f"{path}: not a readable MJCF or URDF file: {' '.join(str(error).split())}") from None
     except mujoco.FatalError as error:
-        raise ConfigError(f"{path}: MuJoCo makes no model of it: {' '.join(str(error).split())}") from None
+        raise ConfigError(f"{path}: MuJoCo cannot build a model from it: {' '.join(str(error).split())}") from None
     finally:
         mujoco.set_mju_user_warning(None)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    follows = {name: told.follows for name, told in urdf.items() if told.follows} or _from_zero(equal.follows, model)
+    follows = {name: urdf_joint.follows for name, urdf_joint in urdf.items() if urdf_joint.follows} or _to_absolute(
+        equalities.follows, model
+    )
     tree = _tree(path.stem, model, data, urdf, follows, looks)
-    return replace(tree, left_out=(*tree.left_out, *equal.left_out))
+    return replace(tree, left_out=(*tree.left_out, *equalities.left_out))
 
 
-def _unheard(_: str) -> None:
-    """Drops a warning of MuJoCo about a URDF: the importer checks the same itself."""
+def _ignore_warning(_: str) -> None:
+    """Ignore a MuJoCo warning about a URDF.
+
+    The importer does the same checks itself.
+    """
 
 
 def _read_spec(root: ElementTree.Element, files: RobotFiles) -> mujoco.MjSpec:
-    """Describe a robot to MuJoCo by text and bytes alone."""
+    """Create a MuJoCo specification from XML text and attached models."""
     return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), include=dict(files.models))
 
 
 @dataclass(frozen=True)
 class Equalities:
-    """The hinges of an MJCF that equality constraints tie to others."""
+    """Couplings between hinges from the equality constraints of an MJCF file."""
 
-    follows: dict[str, Follow]  # by the name of the hinge that is led; both as turns away from the file's pose
-    left_out: tuple[str, ...]
+    follows: dict[str, Follow]  # coupled hinge -> coupling, with angles relative to the file's pose
+    left_out: tuple[str, ...]  # notes on omitted constraints
 
 
-def _equalities(spec: mujoco.MjSpec) -> Equalities:
-    """Reads couplings of joints; curves count as the straight line at their beginning."""
+def _read_equalities(spec: mujoco.MjSpec) -> Equalities:
+    """Read couplings of joints.
+
+    A polynomial coupling is approximated by its constant and linear terms.
+    """
     follows: dict[str, Follow] = {}
     left_out = []
-    for tie in spec.equalities:
-        is_coupling = tie.type == mujoco.mjtEq.mjEQ_JOINT and bool(tie.name2)
+    for equality in spec.equalities:
+        is_coupling = equality.type == mujoco.mjtEq.mjEQ_JOINT and bool(equality.name2)
         if not is_coupling:
-            left_out.append(f"the equality {tie.name or tie.name1} is left out: only couplings of two joints are known")
+            left_out.append(
+                f"the equality {equality.name or equality.name1} is left out: only joint couplings are supported"
+            )
             continue
-        offset, ratio, *curve = (float(value) for value in tie.data[:5])
-        follows[tie.name1] = Follow(tie.name2, ratio, offset)
-        if any(abs(value) > FLAT for value in curve):
-            left_out.append(f"{tie.name1} follows {tie.name2} in a straight line, in its file in a curve")
+        offset, ratio, *curve = (float(value) for value in equality.data[:5])
+        follows[equality.name1] = Follow(equality.name2, ratio, offset)
+        if any(abs(value) > CURVE_TOLERANCE for value in curve):
+            left_out.append(f"{equality.name1} follows {equality.name2} linearly, but non-linearly in the file")
     if len(spec.tendons):
-        left_out.append(f"{len(spec.tendons)} tendons are left out: hinges that they lead move by themselves")
+        left_out.append(f"{len(spec.tendons)} tendons are left out: hinges that they drive move independently")
     return Equalities(follows, tuple(left_out))
 
 
-def _from_zero(follows: dict[str, Follow], model: mujoco.MjModel) -> dict[str, Follow]:
-    """The same between angles as they are."""
+def _to_absolute(follows: dict[str, Follow], model: mujoco.MjModel) -> dict[str, Follow]:
+    """Convert couplings from angles relative to the file's pose to absolute angles."""
 
     def zero(name: str) -> float:
         return float(model.qpos0[model.jnt_qposadr[model.joint(name).id]])
@@ -149,21 +170,21 @@ def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
         raise ConfigError(
             f"{path}: {len(spec.bodies)} bodies and {len(spec.geoms)} shapes; at most {MAX_BODIES} and {MAX_GEOMS}"
         )
-    spec.memory, spec.nuserdata, spec.nkey = -1, 0, 0  # nothing is simulated
+    spec.memory, spec.nuserdata, spec.nkey = -1, 0, 0  # the model is not simulated
     for geom in list(spec.geoms):
-        if geom.type in MESHES:
+        if geom.type in MESH_GEOM_TYPES:
             spec.delete(geom)
         else:
             geom.material = ""
-    for kind in (*NOT_NEEDED, *LOOKS):
+    for kind in (*UNUSED_ELEMENTS, *APPEARANCE_ELEMENTS):
         for element in list(getattr(spec, kind)):
             spec.delete(element)
     for body in spec.bodies[1:]:
         if not body.explicitinertial and not len(body.geoms):
-            body.mass, body.inertia, body.explicitinertial = GHOST_MASS, [GHOST_INERTIA] * 3, True
-    spec.compiler.LRopt.mode = mujoco.mjtLRMode.mjLRMODE_NONE  # muscles are not simulated either
-    spec.compiler.boundmass = GHOST_MASS
-    spec.compiler.boundinertia = GHOST_INERTIA
+            body.mass, body.inertia, body.explicitinertial = DEFAULT_BODY_MASS, [DEFAULT_BODY_INERTIA] * 3, True
+    spec.compiler.LRopt.mode = mujoco.mjtLRMode.mjLRMODE_NONE  # muscles need no length range without simulation
+    spec.compiler.boundmass = DEFAULT_BODY_MASS
+    spec.compiler.boundinertia = DEFAULT_BODY_INERTIA
     spec.compiler.balanceinertia = True
     return spec.compile()
 
@@ -176,42 +197,47 @@ def _tree(
     follows: dict[str, Follow],
     looks: Looks,
 ) -> Tree:
-    held = _held(model, {name for name, told in urdf.items() if told.follows})
+    fixed_joints = _find_fixed_mimics(model, {name for name, urdf_joint in urdf.items() if urdf_joint.follows})
     joints: list[Joint] = []
-    owner: dict[int, int] = {0: BASE}  # body -> the hinge that moves it
+    owner: dict[int, int] = {0: BASE_INDEX}  # body -> index of the hinge that moves it
     for body in range(1, model.nbody):
         last = owner[int(model.body_parentid[body])]
         first = int(model.body_jntadr[body])
         for k in range(first, first + int(model.body_jntnum[body])):
-            called = model.joint(k).name
-            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and called not in held:
-                joint = _joint(model, data, k, last, urdf.get(called))
-                joints.append(replace(joint, follows=follows.get(called)))
+            joint_name = model.joint(k).name
+            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and joint_name not in fixed_joints:
+                joint = _joint(model, data, k, last, urdf.get(joint_name))
+                joints.append(replace(joint, follows=follows.get(joint_name)))
                 last = len(joints) - 1
         owner[body] = last
-    rows: dict[int, list[int]] = {k: [] for k in range(BASE, len(joints))}
+    rows: dict[int, list[int]] = {k: [] for k in range(BASE_INDEX, len(joints))}
     for body, k in owner.items():
         rows[k].append(body)
-    parts = {k: _part(model, data, bodies, joints[k].anchor if k != BASE else None) for k, bodies in rows.items()}
+    parts = {k: _part(model, data, bodies, joints[k].anchor if k != BASE_INDEX else None) for k, bodies in rows.items()}
     for k, bodies in rows.items():
-        seen = tuple(surface for body in bodies for surface in looks.surfaces.get(body, ()))
-        parts[k] = replace(parts[k], surfaces=seen)
-    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE], looks.left_out)
+        visible = tuple(surface for body in bodies for surface in looks.surfaces.get(body, ()))
+        parts[k] = replace(parts[k], surfaces=visible)
+    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE_INDEX], looks.left_out)
 
 
-def _held(model: mujoco.MjModel, mimics: set[str]) -> set[str]:
-    """Joints of a URDF that mimic others and carry some that do not: a limb goes on behind them."""
-    held: set[str] = set()
+def _find_fixed_mimics(model: mujoco.MjModel, mimics: set[str]) -> set[str]:
+    """Return the mimic joints of a URDF that carry independent joints.
+
+    They are fixed, because a limb continues after them.
+    """
+    fixed_joints: set[str] = set()
     for k in range(model.njnt):
         if model.joint(k).name not in mimics:
             body = int(model.jnt_bodyid[k])
             while body := int(model.body_parentid[body]):
                 first = int(model.body_jntadr[body])
-                held |= {model.joint(j).name for j in range(first, first + int(model.body_jntnum[body]))} & mimics
-    return held
+                fixed_joints |= {
+                    model.joint(j).name for j in range(first, first + int(model.body_jntnum[body]))
+                } & mimics
+    return fixed_joints
 
 
-def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, told: UrdfJoint | None) -> Joint:
+def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, urdf_joint: UrdfJoint | None) -> Joint:
     dof = int(model.jnt_dofadr[k])
     limited = bool(model.jnt_limited[k])
     return Joint(
@@ -222,29 +248,32 @@ def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, told
         zero=float(model.qpos0[model.jnt_qposadr[k]]),
         lower=float(model.jnt_range[k, 0]) if limited else None,
         upper=float(model.jnt_range[k, 1]) if limited else None,
-        effort=_effort(model, k),
-        speed=told.speed if told else None,
-        gain=_gain(model, k),
+        effort=_find_effort(model, k),
+        speed=urdf_joint.speed if urdf_joint else None,
+        gain=_find_gain(model, k),
         armature=_positive(model.dof_armature[dof]),
         friction=_positive(model.dof_frictionloss[dof]),
         damping=_positive(model.dof_damping[dof]),
     )
 
 
-def _effort(model: mujoco.MjModel, joint: int) -> float | None:
-    """The torque that the joint or its actuator is limited to [Nm]."""
-    found = [float(model.jnt_actfrcrange[joint, 1])] if model.jnt_actfrclimited[joint] else []
+def _find_effort(model: mujoco.MjModel, joint: int) -> float | None:
+    """Return the torque limit [Nm] of a joint, or None.
+
+    The limits of its actuators are included.
+    """
+    values = [float(model.jnt_actfrcrange[joint, 1])] if model.jnt_actfrclimited[joint] else []
     for a in _actuators(model, joint):
         gear = abs(float(model.actuator_gear[a, 0]))
         if model.actuator_forcelimited[a]:
-            found.append(gear * float(model.actuator_forcerange[a, 1]))
+            values.append(gear * float(model.actuator_forcerange[a, 1]))
         elif model.actuator_ctrllimited[a] and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE:
-            found.append(gear * abs(float(model.actuator_gainprm[a, 0] * model.actuator_ctrlrange[a, 1])))
-    return _positive(min(found, default=0.0))
+            values.append(gear * abs(float(model.actuator_gainprm[a, 0] * model.actuator_ctrlrange[a, 1])))
+    return _positive(min(values, default=0.0))
 
 
-def _gain(model: mujoco.MjModel, joint: int) -> float | None:
-    """Of a position actuator, whose bias undoes its gain [Nm/rad]."""
+def _find_gain(model: mujoco.MjModel, joint: int) -> float | None:
+    """Return the gain [Nm/rad] of a joint's position actuator, or None."""
     for a in _actuators(model, joint):
         gain = float(model.actuator_gainprm[a, 0])
         if model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_AFFINE and model.actuator_biasprm[a, 1] == -gain:
@@ -271,7 +300,10 @@ def _part(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], anchor:
 
 
 def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule | None:
-    """A primitive shape as the capsule that holds nearly all of it."""
+    """Approximate a primitive shape by a capsule.
+
+    None for other shapes and for very small ones.
+    """
     kind, size = model.geom_type[geom], model.geom_size[geom]
     centre, frame = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
     if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
@@ -285,4 +317,4 @@ def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule |
         half = frame[:, longest] * max(float(sizes[longest]) - radius, 0.0)
     else:
         return None
-    return Capsule(sealed(centre - half), sealed(centre + half), radius) if radius >= LEAST_SHAPE else None
+    return Capsule(sealed(centre - half), sealed(centre + half), radius) if radius >= MIN_SHAPE_RADIUS else None

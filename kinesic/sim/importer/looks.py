@@ -1,6 +1,6 @@
-"""What a foreign robot looks like: the mesh files that its MJCF or URDF names, as triangles of its bodies.
+"""Meshes of an imported robot, as triangles of its bodies.
 
-Only files inside the robot's folder are read, and of what is not read the importer tells why.
+Only files inside the robot's folder are read. Files that are not read are reported with the reason.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,21 +14,21 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.mesh_file import FORMATS, Triangles, read_mesh, simplify
+from kinesic.sim.importer.mesh_file import MESH_SUFFIXES, Triangles, read_mesh, simplify
 from kinesic.sim.importer.model_tree import Surface
 from kinesic.sim.importer.reading.model_text import MeshReference
 from kinesic.sim.importer.reading.robot_files import RobotFiles
 
-MOST_FILES = 300
-MOST_BYTES = 200_000_000  # of all mesh files together
-MOST_TRIANGLES = 3000  # of one mesh, before meshes of a segment are joined
-DARK = 0.35  # luminance below which a shape is dark
-POINT = 1e-3  # [m] radius of what stands for a mesh while its place is found
+MAX_MESH_FILES = 300  # largest number of mesh files of one robot
+MAX_MESH_BYTES = 200_000_000  # [bytes] largest total size of a robot's mesh files
+MAX_MESH_TRIANGLES = 3000  # largest number of triangles of a simplified mesh
+DARK_LUMINANCE = 0.35  # luminance below which a shape is drawn dark
+POINT_RADIUS = 1e-3  # [m] radius of the ball that marks the position of a mesh
 
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """What could be read: body -> surfaces, in the pose of the file; and what could not."""
+    """Visible surfaces of an imported robot's bodies, with omitted meshes."""
 
     surfaces: Mapping[int, tuple[Surface, ...]] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
@@ -42,38 +42,38 @@ def load_looks(
     """Read the meshes of a robot, if it has any.
 
     Args:
-        files: of the robot.
-        describe: makes a description of a robot's XML.
-        compiled: makes a model of a description, without its meshes.
+        files: XML of the robot.
+        describe: Function that makes a MuJoCo specification from XML.
+        compiled: Function that compiles a specification without its meshes.
     """
-    spec = describe(_with_looks(files), files)
+    spec = describe(_keep_visuals(files), files)
     named = {mesh.name: mesh for mesh in spec.meshes}
-    shown = [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_MESH and geom.meshname in named]
-    unsolid = [geom for geom in shown if not geom.contype and not geom.conaffinity]
+    mesh_geoms = [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_MESH and geom.meshname in named]
+    visual_geoms = [geom for geom in mesh_geoms if not geom.contype and not geom.conaffinity]
     reader = _Reader(files.path)
-    wanted: list[tuple[str, Triangles, bool]] = []
-    for k, geom in enumerate(unsolid or shown):
+    meshes_to_place: list[tuple[str, Triangles, bool]] = []
+    for k, geom in enumerate(visual_geoms or mesh_geoms):
         mesh = named[geom.meshname]
         triangles = reader.read(files.meshes[mesh.file])
         if triangles is not None:
-            wanted.append((f"look_{k}", _scaled(triangles, mesh), _is_dark(spec, geom)))
+            meshes_to_place.append((f"look_{k}", _scale_mesh(triangles, mesh), _is_dark(spec, geom)))
             _make_point(geom, f"look_{k}")
-    if not wanted:
+    if not meshes_to_place:
         return Looks({}, tuple(reader.left_out))
     model = compiled(spec)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    return Looks(_placed(model, data, wanted), tuple(reader.left_out))
+    return Looks(_place_surfaces(model, data, meshes_to_place), tuple(reader.left_out))
 
 
 def _make_point(geom: mujoco.MjsGeom, name: str) -> None:
-    """Lets a ball without weight stand where a mesh does."""
+    """Replace a mesh geom by a massless point, which marks its position."""
     geom.name, geom.meshname, geom.material = name, "", ""
-    geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [POINT, 0, 0]
+    geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [POINT_RADIUS, 0, 0]
     geom.mass, geom.contype, geom.conaffinity = 0.0, 0, 0
 
 
-def _with_looks(files: RobotFiles) -> ElementTree.Element:
+def _keep_visuals(files: RobotFiles) -> ElementTree.Element:
     """Return the robot's XML with visuals, which MuJoCo drops by default."""
     if not files.is_urdf:
         return files.root
@@ -87,68 +87,71 @@ def _with_looks(files: RobotFiles) -> ElementTree.Element:
 
 
 class _Reader:
-    """Read files of one robot, each once."""
+    """Reader of a robot's mesh files with limits and a cache."""
 
     def __init__(self, path: Path) -> None:
         self.left_out: list[str] = []
         self._folder, self._bytes = path.parent.resolve(), 0
-        self._known: dict[MeshReference, Triangles | None] = {}
+        self._cache: dict[MeshReference, Triangles | None] = {}
 
     def read(self, mesh: MeshReference) -> Triangles | None:
-        if mesh not in self._known:
+        if mesh not in self._cache:
             try:
-                self._known[mesh] = self._read(mesh)
-            except (ConfigError, OSError, RuntimeError) as error:  # the last of links that form a circle
-                self._known[mesh] = None
+                self._cache[mesh] = self._read(mesh)
+            except (ConfigError, OSError, RuntimeError) as error:  # RuntimeError: symbolic links form a cycle
+                self._cache[mesh] = None
                 self.left_out.append(str(error))
-        return self._known[mesh]
+        return self._cache[mesh]
 
     def _read(self, mesh: MeshReference) -> Triangles:
         if not mesh.file:
-            raise ConfigError(f"mesh {mesh.name}: without a file; only {' and '.join(FORMATS)} files are drawn")
-        if len(self._known) >= MOST_FILES:
-            raise ConfigError(f"{mesh.file}: more than {MOST_FILES} mesh files")
+            raise ConfigError(f"mesh {mesh.name}: without a file; only {' and '.join(MESH_SUFFIXES)} files are drawn")
+        if len(self._cache) >= MAX_MESH_FILES:
+            raise ConfigError(f"{mesh.file}: more than {MAX_MESH_FILES} mesh files")
         path = self._find(mesh)
         self._bytes += path.stat().st_size
-        if self._bytes > MOST_BYTES:
-            raise ConfigError(f"{mesh.file}: more than {MOST_BYTES // 1_000_000} MB of meshes")
-        return simplify(read_mesh(path, folder=self._folder), MOST_TRIANGLES)
+        if self._bytes > MAX_MESH_BYTES:
+            raise ConfigError(f"{mesh.file}: more than {MAX_MESH_BYTES // 1_000_000} MB of meshes")
+        return simplify(read_mesh(path, folder=self._folder), MAX_MESH_TRIANGLES)
 
     def _find(self, mesh: MeshReference) -> Path:
         """Find the file whose path best matches the end of a reference."""
         parts = Path(mesh.file.replace("\\", "/").rsplit("://", maxsplit=1)[-1]).parts
         for k in range(len(parts)):
             for start in (self._folder / mesh.below, self._folder):
-                place = start.joinpath(*parts[k:]).resolve()
-                if place.is_relative_to(self._folder) and place.is_file():
-                    return place
+                candidate = start.joinpath(*parts[k:]).resolve()
+                if candidate.is_relative_to(self._folder) and candidate.is_file():
+                    return candidate
         folder = self._folder.name
         raise ConfigError(f"{mesh.file}: not in the folder {folder}; copy it there, or the robot's file above it")
 
 
-def _scaled(triangles: Triangles, mesh: mujoco.MjsMesh) -> Triangles:
-    """Moves the triangles of a mesh file to where the model has them: scaled, and in the mesh's own frame."""
+def _scale_mesh(triangles: Triangles, mesh: mujoco.MjsMesh) -> Triangles:
+    """Apply the scale and reference frame of a mesh to its triangles."""
     scale, turn = np.array(mesh.scale), np.empty(9)
     mujoco.mju_quat2Mat(turn, np.array(mesh.refquat))
-    places = (triangles.vertices * scale - np.array(mesh.refpos)) @ turn.reshape(3, 3)
+    vertices = (triangles.vertices * scale - np.array(mesh.refpos)) @ turn.reshape(3, 3)
     corners = triangles.corners if np.prod(scale) > 0 else triangles.corners[:, ::-1]
-    return Triangles(sealed(places), corners)
+    return Triangles(sealed(vertices), corners)
 
 
 def _is_dark(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:
     paint = spec.material(geom.material) if geom.material else None
     red, green, blue = np.array(geom.rgba if paint is None else paint.rgba)[:3]
-    return bool(0.3 * red + 0.6 * green + 0.1 * blue < DARK)
+    return bool(0.3 * red + 0.6 * green + 0.1 * blue < DARK_LUMINANCE)
 
 
-def _placed(
-    model: mujoco.MjModel, data: mujoco.MjData, wanted: list[tuple[str, Triangles, bool]]
+def _place_surfaces(
+    model: mujoco.MjModel, data: mujoco.MjData, meshes_to_place: list[tuple[str, Triangles, bool]]
 ) -> dict[int, tuple[Surface, ...]]:
-    """Surfaces by body, in the world."""
-    found: dict[int, tuple[Surface, ...]] = {}
-    for name, triangles, dark in wanted:
+    """Return the surfaces of each body in the world."""
+    placed_surfaces: dict[int, tuple[Surface, ...]] = {}
+    for name, triangles, dark in meshes_to_place:
         geom = model.geom(name).id
-        places = triangles.vertices @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+        vertices = triangles.vertices @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
         body = int(model.geom_bodyid[geom])
-        found[body] = (*found.get(body, ()), Surface(Triangles(sealed(places), triangles.corners), dark))
-    return found
+        placed_surfaces[body] = (
+            *placed_surfaces.get(body, ()),
+            Surface(Triangles(sealed(vertices), triangles.corners), dark),
+        )
+    return placed_surfaces

@@ -1,4 +1,4 @@
-"""Reads the triangles of a mesh file, STL or Wavefront OBJ, and makes fewer of them."""
+"""Read and simplify triangle meshes from STL and Wavefront OBJ files."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,57 +9,58 @@ from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.config import ConfigError
 from kinesic.files.input_file import read_inside
 
-LARGEST_MESH = 20_000_000  # [bytes] of one file
-FORMATS = (".stl", ".obj")
-STL_HEAD, STL_ROW = 84, 50  # [bytes]
-FARTHEST_VERTEX = 100.0  # [m] from the origin that anything of a robot is
-HALVINGS = 14  # of the size of cells until triangles are few enough
-FINEST = 100_000  # cells along a side, at most
+MAX_MESH_SIZE = 20_000_000  # [bytes] largest mesh file
+MESH_SUFFIXES = (".stl", ".obj")  # supported mesh formats
+STL_HEADER_SIZE = 84  # [bytes] size of the header of a binary STL file
+STL_TRIANGLE_SIZE = 50  # [bytes] size of each triangle in a binary STL file
+MAX_VERTEX_COORDINATE = 100.0  # [m] largest accepted coordinate; farther triangles are removed
+CELL_BISECTIONS = 14  # bisection steps for the cell size of simplification
+MAX_GRID_CELLS = 100_000  # cells along a side of the simplification grid
 
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """A surface, or a part of one."""
+    """Triangle mesh of a surface or a part of one."""
 
-    vertices: Floats  # (v, 3) [m]
-    corners: Indices  # (t, 3)
+    vertices: Floats  # (v, 3) [m] positions
+    corners: Indices  # (t, 3) vertex indices of each triangle
 
 
 def read_mesh(path: Path, *, folder: Path) -> Triangles:
     """Read a mesh file.
 
     Args:
-        path: of the file.
-        folder: in which it must lie, or below.
+        path: Mesh file.
+        folder: Folder that must contain the file, directly or in a subfolder.
 
     Raises:
-        ConfigError: the file is outside, too large, of another format, or broken.
+        ConfigError: the file is outside the folder, too large, of another format, or broken.
         OSError: the file cannot be read.
     """
     kind = path.suffix.lower()
-    if kind not in FORMATS:
-        raise ConfigError(f"{path.name}: only {' and '.join(FORMATS)} are read; convert it to one of them")
-    data = read_inside(folder, path, max_size=LARGEST_MESH)
+    if kind not in MESH_SUFFIXES:
+        raise ConfigError(f"{path.name}: only {' and '.join(MESH_SUFFIXES)} are read; convert it to one of them")
+    data = read_inside(folder, path, max_size=MAX_MESH_SIZE)
     try:
-        found = _stl(data) if kind == ".stl" else _obj(data.decode("utf-8", errors="replace"))
+        mesh = _parse_stl(data) if kind == ".stl" else _parse_obj(data.decode("utf-8", errors="replace"))
     except (ValueError, IndexError, OverflowError) as error:
-        raise ConfigError(f"{path.name}: no {kind[1:].upper()} that can be read: {error}") from None
-    if not len(found.corners) or not np.isfinite(found.vertices).all():
+        raise ConfigError(f"{path.name}: not a readable {kind[1:].upper()} file: {error}") from None
+    if not len(mesh.corners) or not np.isfinite(mesh.vertices).all():
         raise ConfigError(f"{path.name}: it has no triangles, or numbers that are not finite")
-    return found
+    return mesh
 
 
-def _stl(data: bytes) -> Triangles:
-    count = int.from_bytes(data[STL_HEAD - 4 : STL_HEAD], "little")
-    if len(data) != STL_HEAD + count * STL_ROW:
+def _parse_stl(data: bytes) -> Triangles:
+    count = int.from_bytes(data[STL_HEADER_SIZE - 4 : STL_HEADER_SIZE], "little")
+    if len(data) != STL_HEADER_SIZE + count * STL_TRIANGLE_SIZE:
         raise ValueError(f"{len(data)} bytes are not {count} triangles; it must be a binary STL")
-    rows = np.frombuffer(data, dtype=np.uint8, offset=STL_HEAD).reshape(count, STL_ROW)
+    rows = np.frombuffer(data, dtype=np.uint8, offset=STL_HEADER_SIZE).reshape(count, STL_TRIANGLE_SIZE)
     corners = rows[:, 12:48].copy().view("<f4").reshape(-1, 3)
     vertices, placed = np.unique(corners, axis=0, return_inverse=True)
     return Triangles(sealed(vertices), placed.reshape(-1, 3))
 
 
-def _obj(text: str) -> Triangles:
+def _parse_obj(text: str) -> Triangles:
     vertices: list[list[float]] = []
     corners: list[tuple[int, int, int]] = []
     for line in text.splitlines():
@@ -70,61 +71,64 @@ def _obj(text: str) -> Triangles:
             ring = [int(word.split("/")[0]) for word in rest.split()]
             ring = [k - 1 if k > 0 else len(vertices) + k for k in ring]
             corners += [(ring[0], ring[k], ring[k + 1]) for k in range(1, len(ring) - 1)]
-    found = np.array(corners, dtype=np.intp).reshape(-1, 3)
-    if found.size and not 0 <= found.min() <= found.max() < len(vertices):
-        raise ValueError("a face has a corner that is none")
-    return Triangles(sealed(np.array(vertices).reshape(-1, 3)), found)
+    mesh = np.array(corners, dtype=np.intp).reshape(-1, 3)
+    if mesh.size and not 0 <= mesh.min() <= mesh.max() < len(vertices):
+        raise ValueError("a face has an invalid vertex index")
+    return Triangles(sealed(np.array(vertices).reshape(-1, 3)), mesh)
 
 
 def simplify(surface: Triangles, most: int) -> Triangles:
-    """Merges vertices that are near one another until there are at most so many triangles.
+    """Merge nearby vertices down to a given number of triangles.
 
     Args:
-        surface: with more or fewer.
-        most: triangles.
+        surface: Mesh of any size.
+        most: Largest number of triangles.
     """
-    surface = _kept(surface, FARTHEST_VERTEX)
+    surface = _remove_far_triangles(surface, MAX_VERTEX_COORDINATE)
     size = float(np.ptp(surface.vertices, axis=0).max()) if len(surface.vertices) else 0.0
-    low, high, best = size / FINEST, size, surface
+    low, high, best = size / MAX_GRID_CELLS, size, surface
     if len(surface.corners) <= most or size == 0.0:
         return surface
-    for _ in range(HALVINGS):
+    for _ in range(CELL_BISECTIONS):
         cell = (low + high) / 2
-        tried = _merged(surface, cell)
-        if len(tried.corners) <= most:
-            high, best = cell, tried
+        candidate = _merge_vertices(surface, cell)
+        if len(candidate.corners) <= most:
+            high, best = cell, candidate
         else:
             low = cell
-    return best if len(best.corners) <= most else _merged(surface, size)
+    return best if len(best.corners) <= most else _merge_vertices(surface, size)
 
 
-def _kept(surface: Triangles, far: float) -> Triangles:
-    """Without triangles that are farther away than anything of a robot."""
-    near: Flags = np.all(np.abs(surface.vertices) < far, axis=1)
-    return Triangles(surface.vertices, surface.corners[near[surface.corners].all(axis=1)])
+def _remove_far_triangles(surface: Triangles, max_coordinate: float) -> Triangles:
+    """Remove triangles with coordinates beyond the size of a robot."""
+    is_near: Flags = np.all(np.abs(surface.vertices) < max_coordinate, axis=1)
+    return Triangles(surface.vertices, surface.corners[is_near[surface.corners].all(axis=1)])
 
 
-def _merged(surface: Triangles, cell: float) -> Triangles:
+def _merge_vertices(surface: Triangles, cell: float) -> Triangles:
     cells = np.floor(surface.vertices / cell + 0.5).astype(np.int64)
-    _, place = np.unique(_numbered(cells - cells.min(axis=0)), return_inverse=True)
+    _, place = np.unique(_number_rows(cells - cells.min(axis=0)), return_inverse=True)
     count = int(place.max()) + 1
     sums = np.stack([np.bincount(place, surface.vertices[:, k], count) for k in range(3)], axis=1)
     vertices = sealed(sums / np.bincount(place, minlength=count)[:, None])
     corners = place[surface.corners]
-    wide = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-    return Triangles(vertices, _outermost(vertices, corners[wide]))
+    is_proper = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    return Triangles(vertices, _keep_outermost(vertices, corners[is_proper]))
 
 
-def _outermost(vertices: Floats, corners: Indices) -> Indices:
-    """One of the triangles that have the same corners: the walls of a hollow part may have become one."""
+def _keep_outermost(vertices: Floats, corners: Indices) -> Indices:
+    """Keep only the outermost of triangles with the same corners.
+
+    Opposite walls of a hollow part may have been merged.
+    """
     a, b, c = (vertices[corners[:, k]] for k in range(3))
     outward = np.einsum("ti,ti->t", np.cross(b - a, c - a), (a + b + c) / 3 - vertices.mean(axis=0))
     order = np.argsort(-outward, kind="stable")
-    _, first = np.unique(_numbered(np.sort(corners[order], axis=1)), return_index=True)
+    _, first = np.unique(_number_rows(np.sort(corners[order], axis=1)), return_index=True)
     return corners[order][np.sort(first)]
 
 
-def _numbered(rows: Indices) -> Indices:
-    """One number for each row (n, 3) of small whole numbers, equal for equal rows."""
-    _, high, wide = (int(most) + 1 for most in rows.max(axis=0, initial=0))
-    return (rows[:, 0] * high + rows[:, 1]) * wide + rows[:, 2]
+def _number_rows(rows: Indices) -> Indices:
+    """Map rows (n, 3) of small non-negative integers to unique integers."""
+    _, high, is_proper = (int(most) + 1 for most in rows.max(axis=0, initial=0))
+    return (rows[:, 0] * high + rows[:, 1]) * is_proper + rows[:, 2]

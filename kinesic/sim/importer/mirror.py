@@ -1,4 +1,4 @@
-"""Which hinges are mirror images of one another, and which side is left."""
+"""Left-right pairs of hinges, found by mirror symmetry or by name."""
 
 import re
 from dataclasses import dataclass
@@ -6,51 +6,58 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.sim.importer.model_tree import BASE, Joint, Tree
+from kinesic.sim.importer.model_tree import BASE_INDEX, Joint, Tree
 
-GEOMETRIC_PAIRS = 6  # pairs found by geometry that need no names
-NEAR = 0.02  # [m] between a point of an axis and the mirror image of its partner's
-ALIKE = 0.98  # cosine between an axis and the mirror image of its partner
-ASIDE = 0.01  # [m] from the plane at which a hinge is on a side
-UP = np.array([0.0, 0.0, 1.0])
+MIN_GEOMETRIC_PAIRS = 6  # number of pairs found by symmetry below which pairs by joint name are tried
+MAX_MIRROR_OFFSET = 0.02  # [m] largest distance between an axis and the mirror image of its partner's
+MIN_MIRROR_COSINE = 0.98  # smallest cosine between an axis and the mirror image of its partner
+MIN_FORWARD_EXTENT = 0.01  # [m] forward extent of toes and head below which the forward direction is undecided
+UP_AXIS = np.array([0.0, 0.0, 1.0])  # unit vector upward in the world
 
-_WORDS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"))
-_LETTERS = (("l", "r"), ("L", "R"))
+_SIDE_WORDS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"))  # left and right words in joint names
+_SIDE_LETTERS = (("l", "r"), ("L", "R"))  # left and right letters in joint names
 
 
 @dataclass(frozen=True)
 class Sides:
-    """Pairs of hinges and the direction of left."""
+    """Left-right pairs of hinges and the direction to the left."""
 
-    pairs: dict[int, int]  # left -> right
+    pairs: dict[int, int]  # left hinge -> right hinge
     left: tuple[float, float]  # unit direction to the left, x and y of the file's world
-    certain: bool  # names or the sense of the feet and the head say which side is left
-    by_names: bool  # the pose of the file is not symmetric, so names told the pairs
+    certain: bool  # whether names, or the direction of feet and head, determine the left side
+    by_names: bool  # whether pairs were found by name, as the file's pose is not symmetric
 
     @property
     def upright(self) -> Floats:
-        """(3, 3) that turns the file's world to x forward, y left, z up."""
+        """Rotation (3, 3) from the file's world to x forward, y left."""
         y = np.array([*self.left, 0.0])
-        return np.array([np.cross(y, UP), y, UP])
+        return np.array([np.cross(y, UP_AXIS), y, UP_AXIS])
 
 
 def sides(tree: Tree) -> Sides:
-    """Finds the pairs by geometry (a plane about which axes mirror), by names where that finds too few."""
-    found = max((_mirrored(tree, lateral, plane) for lateral, plane in _planes(tree)), key=len)
-    named = _named(tree)
-    by_names = len(found) < GEOMETRIC_PAIRS and len(named) > len(found)
-    pairs = named if by_names else found
-    vote = sum(_side_of(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items())
-    across = sum(((tree.joints[a].anchor - tree.joints[b].anchor)[:2] for a, b in pairs.items()), np.zeros(2))
-    left = _axis(across)
-    if vote < 0 or (vote == 0 and _sense(tree, pairs, left) < 0.0):
+    """Find left-right pairs of hinges and the direction to the left.
+
+    Pairs are found by mirror symmetry of the axes, or by name if symmetry finds too few.
+    """
+    geometric_pairs = max((_pair_by_symmetry(tree, lateral, plane) for lateral, plane in _list_planes(tree)), key=len)
+    name_pairs = _pair_by_name(tree)
+    by_names = len(geometric_pairs) < MIN_GEOMETRIC_PAIRS and len(name_pairs) > len(geometric_pairs)
+    pairs = name_pairs if by_names else geometric_pairs
+    vote = sum(_find_side(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items())
+    left_sum = sum(((tree.joints[a].anchor - tree.joints[b].anchor)[:2] for a, b in pairs.items()), np.zeros(2))
+    left = _axis(left_sum)
+    if vote < 0 or (vote == 0 and _measure_forward_extent(tree, pairs, left) < 0.0):
         pairs = {b: a for a, b in pairs.items()}
         left = (-left[0], -left[1])
-    return Sides(pairs, left, vote != 0 or _sense(tree, pairs, left) != 0.0, by_names)
+    return Sides(pairs, left, vote != 0 or _measure_forward_extent(tree, pairs, left) != 0.0, by_names)
 
 
-def _planes(tree: Tree) -> list[tuple[int, float]]:
-    """Candidates for the mirror plane: across which axis of the world (1: y, 0: x), and where [m]."""
+def _list_planes(tree: Tree) -> list[tuple[int, float]]:
+    """Return candidates for the mirror plane.
+
+    Returns:
+        Index of the normal axis in the world (1: y, 0: x) and position [m] of each plane.
+    """
     anchors = np.array([joint.anchor for joint in tree.joints])
     return [
         (lateral, float(plane))
@@ -59,79 +66,88 @@ def _planes(tree: Tree) -> list[tuple[int, float]]:
     ]
 
 
-def _mirrored(tree: Tree, lateral: int, plane: float) -> dict[int, int]:
-    """Pairs of hinges whose axes mirror about a plane, and whose parents do too."""
+def _pair_by_symmetry(tree: Tree, lateral: int, plane: float) -> dict[int, int]:
+    """Return pairs of hinges with mirrored axes and mirrored parents."""
     flip = np.ones(3)
     flip[lateral] = -1.0
     pairs: dict[int, int] = {}
-    partner: dict[int, int] = {BASE: BASE}
+    partners: dict[int, int] = {BASE_INDEX: BASE_INDEX}
     for k, joint in enumerate(tree.joints):
-        if k in partner or joint.parent not in partner:
+        if k in partners or joint.parent not in partners:
             continue
         image = joint.anchor * flip + (1.0 - flip) * plane
-        rivals = [
-            (_off(other, image, joint.axis * flip), j)
+        candidates = [
+            (_measure_mirror_offset(other, image, joint.axis * flip), j)
             for j, other in enumerate(tree.joints)
-            if j not in partner and other.parent == partner[joint.parent]
+            if j not in partners and other.parent == partners[joint.parent]
         ]
-        miss, best = min(rivals)
-        if best == k or miss > NEAR:
-            if _off(joint, image, joint.axis * flip) <= NEAR:
-                partner[k] = k
+        offset, nearest = min(candidates)
+        if nearest == k or offset > MAX_MIRROR_OFFSET:
+            if _measure_mirror_offset(joint, image, joint.axis * flip) <= MAX_MIRROR_OFFSET:
+                partners[k] = k
             continue
-        partner[k], partner[best] = best, k
-        side = joint.anchor[lateral] - tree.joints[best].anchor[lateral]
-        pairs |= {k: best} if side >= 0 else {best: k}
+        partners[k], partners[nearest] = nearest, k
+        side = joint.anchor[lateral] - tree.joints[nearest].anchor[lateral]
+        pairs |= {k: nearest} if side >= 0 else {nearest: k}
     return pairs
 
 
-def _off(joint: Joint, point: Floats, axis: Floats) -> float:
-    """How far a hinge is from a line [m]; infinite where the directions differ."""
-    if abs(joint.axis @ axis) < ALIKE:
+def _measure_mirror_offset(joint: Joint, point: Floats, axis: Floats) -> float:
+    """Return a hinge's weighted offset [m] from a mirrored hinge axis.
+
+    Infinite if their directions differ.
+    """
+    if abs(joint.axis @ axis) < MIN_MIRROR_COSINE:
         return np.inf
     return float(np.linalg.norm(joint.anchor - point)) * 0.1 + float(
         np.linalg.norm(np.cross(point - joint.anchor, axis))
     )
 
 
-def _named(tree: Tree) -> dict[int, int]:
-    """Pairs of hinges whose names differ in nothing but the side."""
+def _pair_by_name(tree: Tree) -> dict[int, int]:
+    """Return pairs of hinges whose names differ only in the side."""
     names = {joint.name: k for k, joint in enumerate(tree.joints)}
     pairs = {}
     for name, k in names.items():
-        for image in _images(name):
+        for image in _list_images(name):
             if image in names:
                 pairs[k] = names[image]
                 break
     return pairs
 
 
-def _images(name: str) -> list[str]:
-    words = [name.replace(left, right) for left, right in _WORDS if left in name]
-    letters = [re.sub(rf"(^|_){left}(?=_|$|[A-Z])", rf"\g<1>{right}", name) for left, right in _LETTERS]
+def _list_images(name: str) -> list[str]:
+    words = [name.replace(left, right) for left, right in _SIDE_WORDS if left in name]
+    letters = [re.sub(rf"(^|_){left}(?=_|$|[A-Z])", rf"\g<1>{right}", name) for left, right in _SIDE_LETTERS]
     return [image for image in (*words, *letters) if image != name]
 
 
-def _side_of(a: str, b: str) -> int:
-    """+1: the first name says left, -1: right, 0: neither."""
-    return int(b in _images(a)) - int(a in _images(b))
+def _find_side(a: str, b: str) -> int:
+    """Return the side that the first of two joint names mentions.
+
+    +1: left, -1: right, 0: neither.
+    """
+    return int(b in _list_images(a)) - int(a in _list_images(b))
 
 
-def _axis(across: Floats) -> tuple[float, float]:
-    lateral = int(np.argmax(np.abs(across)))
-    sign = 1.0 if across[lateral] >= 0 else -1.0
+def _axis(left_sum: Floats) -> tuple[float, float]:
+    lateral = int(np.argmax(np.abs(left_sum)))
+    sign = 1.0 if left_sum[lateral] >= 0 else -1.0
     return (sign, 0.0) if lateral == 0 else (0.0, sign)
 
 
-def _sense(tree: Tree, pairs: dict[int, int], left: tuple[float, float]) -> float:
-    """How far toes and head reach forward [m], if left is left; zero when nothing does."""
-    forward = np.cross([*left, 0.0], UP)
+def _measure_forward_extent(tree: Tree, pairs: dict[int, int], left: tuple[float, float]) -> float:
+    """Return the forward extent [m] of toes and head.
+
+    It is positive if the assumed left side is correct, and zero if it is too small to decide.
+    """
+    forward = np.cross([*left, 0.0], UP_AXIS)
     ends = [k for k in range(len(tree.joints)) if not tree.children[k]]
     lowest = min(ends, key=lambda k: tree.joints[k].anchor[2], default=None)
-    reach = 0.0
+    extent = 0.0
     for k in [] if lowest is None else [lowest, pairs.get(lowest, lowest)]:
-        reach += float((tree.parts[k].centre - tree.joints[k].anchor) @ forward)
+        extent += float((tree.parts[k].centre - tree.joints[k].anchor) @ forward)
     for k in ends:
         if k not in pairs and k not in pairs.values():
-            reach += float((tree.parts[k].centre - tree.joints[k].anchor) @ forward)
-    return reach if abs(reach) > ASIDE else 0.0
+            extent += float((tree.parts[k].centre - tree.joints[k].anchor) @ forward)
+    return extent if abs(extent) > MIN_FORWARD_EXTENT else 0.0

@@ -1,4 +1,4 @@
-"""A foreign robot as data: its hinges in one pose, at first that of its file, and what moves with each."""
+"""Tree of an imported robot's hinges and moving parts in one pose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,95 +7,107 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.rotation import about
+from kinesic.body.rotation import rotation_about
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.mesh_file import Triangles
 
 Transform = tuple[Floats, Floats]  # rotation (3, 3) and shift (3,) [m]
 
-BASE = -1  # stands for the base where an index of a joint is asked
+BASE_INDEX = -1  # index of the base among joints and parts
 
 
 @dataclass(frozen=True)
 class Follow:
-    """How a hinge without a motor follows another one: its angle is offset + ratio times that one's."""
+    """Linear coupling of one hinge to another that drives it.
 
-    driver: str  # name of a hinge
-    ratio: float
+    angle = offset + ratio * driver angle
+    """
+
+    driver: str  # name of the driving hinge
+    ratio: float  # angle per angle of the driver
     offset: float  # [rad]
 
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """One hinge; what the file does not say is None."""
+    """Hinge of an imported robot.
+
+    Values missing in the file are None.
+    """
 
     name: str
-    parent: int  # index of the hinge before it, or BASE
-    anchor: Floats  # (3,) [m] a point of its axis in the world
-    axis: Floats  # (3,) unit, in the world
-    zero: float  # [rad] its angle in this pose
-    lower: float | None  # [rad]
-    upper: float | None  # [rad]
-    effort: float | None  # [Nm]
-    speed: float | None  # [rad/s]
-    gain: float | None  # [Nm/rad] of its position actuator
+    parent: int  # index of the previous hinge, or BASE_INDEX
+    anchor: Floats  # (3,) [m] point on the axis in the world
+    axis: Floats  # (3,) unit vector in the world
+    zero: float  # [rad] joint angle in this pose
+    lower: float | None  # [rad] lower limit
+    upper: float | None  # [rad] upper limit
+    effort: float | None  # [Nm] torque limit
+    speed: float | None  # [rad/s] velocity limit
+    gain: float | None  # [Nm/rad] gain of the position actuator
     armature: float | None  # [kg m^2]
-    friction: float | None  # [Nm]
+    friction: float | None  # [Nm] Coulomb friction
     damping: float | None  # [Nm s/rad]
-    follows: Follow | None = None  # of one that no motor turns
+    follows: Follow | None = None  # coupling of a hinge without motor
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Triangles that are seen of a part."""
+    """Visible mesh of a part."""
 
-    mesh: Triangles  # in the world
-    dark: bool
+    mesh: Triangles  # in world coordinates
+    dark: bool  # whether it is drawn dark
 
 
 @dataclass(frozen=True, eq=False)
 class ModelPart:
-    """What moves with one hinge, up to the next: bodies on joints that are not motorised hinges belong to it."""
+    """Rigid part between a hinge and the next ones.
+
+    Bodies on joints that are not motorised hinges belong to it.
+    """
 
     mass: float  # [kg]
-    centre: Floats  # (3,) [m] of mass, in the world
+    centre: Floats  # (3,) [m] centre of mass in the world
     shapes: tuple[Capsule, ...]  # in the world
     surfaces: tuple[Surface, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """Hinges with parents first; `parts[k]` moves with `joints[k]`."""
+    """Tree of hinges, parents first, each with the part it moves."""
 
     name: str
     joints: tuple[Joint, ...]
     parts: tuple[ModelPart, ...]
     base: ModelPart
-    left_out: tuple[str, ...] = ()  # what of the file has no place here, in words
+    left_out: tuple[str, ...] = ()  # notes on parts of the file that are not imported
 
     @cached_property
     def children(self) -> dict[int, tuple[int, ...]]:
-        """Index of a hinge (or BASE) -> the hinges that hang on it."""
-        found: dict[int, tuple[int, ...]] = dict.fromkeys(range(BASE, len(self.joints)), ())
+        """Child hinges of each hinge index, or of BASE_INDEX."""
+        result: dict[int, tuple[int, ...]] = dict.fromkeys(range(BASE_INDEX, len(self.joints)), ())
         for k, joint in enumerate(self.joints):
-            found[joint.parent] += (k,)
-        return found
+            result[joint.parent] += (k,)
+        return result
 
-    def way(self, joint: int) -> tuple[int, ...]:
-        """Lists the hinges from the base to one, itself included."""
+    def path_from_base(self, joint: int) -> tuple[int, ...]:
+        """List the hinges from the base to a hinge, which is included."""
         row: list[int] = []
-        while joint != BASE:
+        while joint != BASE_INDEX:
             row.append(joint)
             joint = self.joints[joint].parent
         return tuple(reversed(row))
 
     def below(self, joint: int) -> tuple[int, ...]:
-        """Lists a hinge and all that hang on it."""
+        """List a hinge and all its descendants."""
         return (joint, *(k for child in self.children[joint] for k in self.below(child)))
 
     def lump(self, parts: Sequence[int]) -> ModelPart:
-        """Joins several parts to one; BASE stands for the base."""
-        rows = [self.base if k == BASE else self.parts[k] for k in parts]
+        """Merge several rigid parts into one.
+
+        BASE_INDEX is the index of the base.
+        """
+        rows = [self.base if k == BASE_INDEX else self.parts[k] for k in parts]
         mass = sum(row.mass for row in rows)
         weighted = sum((row.mass * row.centre for row in rows), np.zeros(3))
         centre = weighted / mass if mass > 0 else rows[0].centre
@@ -103,46 +115,68 @@ class Tree:
         return ModelPart(mass, sealed(centre), shapes, tuple(surface for row in rows for surface in row.surfaces))
 
     def moved(self, rotation: Floats, shift: Floats) -> "Tree":
-        """Turns the whole robot by (3, 3), then shifts it by (3,) [m]."""
-        motion = dict.fromkeys(range(BASE, len(self.joints)), (rotation, shift))
-        return self._with(motion, motion, {})
+        """Return the whole robot rotated, then translated.
+
+        Args:
+            rotation: (3, 3).
+            shift: (3,) [m].
+        """
+        motion = dict.fromkeys(range(BASE_INDEX, len(self.joints)), (rotation, shift))
+        return self._transform(motion, motion, {})
 
     def turned(self, turns: Mapping[int, float]) -> "Tree":
-        """Brings the robot into another pose: hinge -> [rad] from this one."""
+        """Return the robot in another pose.
+
+        Args:
+            turns: Hinge index -> [rad] rotation from this pose.
+        """
         before: dict[int, Transform] = {}
-        after: dict[int, Transform] = {BASE: (np.eye(3), np.zeros(3))}
+        after: dict[int, Transform] = {BASE_INDEX: (np.eye(3), np.zeros(3))}
         for k, joint in enumerate(self.joints):
             rotation, shift = before[k] = after[joint.parent]
-            turn = about(joint.axis, turns.get(k, 0.0))
+            turn = rotation_about(joint.axis, turns.get(k, 0.0))
             after[k] = rotation @ turn, shift + rotation @ (joint.anchor - turn @ joint.anchor)
-        return self._with(before, after, turns)
+        return self._transform(before, after, turns)
 
-    def _with(
+    def _transform(
         self, before: Mapping[int, Transform], after: Mapping[int, Transform], turns: Mapping[int, float]
     ) -> "Tree":
-        """Hinges moved as they are before they turn, parts as they are after."""
+        """Return the tree with hinges and parts transformed.
+
+        Args:
+            before: Motion of each hinge's axis.
+            after: Motion of each hinge's part, including the rotation of the hinge.
+            turns: Hinge index -> [rad] rotation.
+        """
         joints = tuple(
             replace(
                 joint,
-                anchor=_point(joint.anchor, before[k]),
+                anchor=_transform_point(joint.anchor, before[k]),
                 axis=sealed(before[k][0] @ joint.axis),
                 zero=joint.zero + turns.get(k, 0.0),
             )
             for k, joint in enumerate(self.joints)
         )
-        parts = tuple(_moved(part, after[k]) for k, part in enumerate(self.parts))
-        return replace(self, joints=joints, parts=parts, base=_moved(self.base, after[BASE]))
+        parts = tuple(_transform_part(part, after[k]) for k, part in enumerate(self.parts))
+        return replace(self, joints=joints, parts=parts, base=_transform_part(self.base, after[BASE_INDEX]))
 
 
-def _point(point: Floats, motion: Transform) -> Floats:
+def _transform_point(point: Floats, motion: Transform) -> Floats:
     return sealed(motion[0] @ point + motion[1])
 
 
-def _moved(part: ModelPart, motion: Transform) -> ModelPart:
-    shapes = tuple(Capsule(_point(s.start, motion), _point(s.end, motion), s.radius) for s in part.shapes)
-    return ModelPart(part.mass, _point(part.centre, motion), shapes, tuple(_turned(s, motion) for s in part.surfaces))
+def _transform_part(part: ModelPart, motion: Transform) -> ModelPart:
+    shapes = tuple(
+        Capsule(_transform_point(s.start, motion), _transform_point(s.end, motion), s.radius) for s in part.shapes
+    )
+    return ModelPart(
+        part.mass,
+        _transform_point(part.centre, motion),
+        shapes,
+        tuple(_transform_surface(s, motion) for s in part.surfaces),
+    )
 
 
-def _turned(surface: Surface, motion: Transform) -> Surface:
+def _transform_surface(surface: Surface, motion: Transform) -> Surface:
     places = surface.mesh.vertices @ motion[0].T + motion[1]
     return replace(surface, mesh=Triangles(sealed(places), surface.mesh.corners))

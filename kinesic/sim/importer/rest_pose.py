@@ -1,4 +1,4 @@
-"""How an imported robot rests, arms hanging as near to its body as their shapes allow, and what is then too near."""
+"""Rest pose and collision exclusions of an imported robot."""
 
 from math import degrees
 from pathlib import Path
@@ -16,89 +16,98 @@ from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, hang_arm, mirror_angles
 from kinesic.sim.worst_postures import random_postures
 
-TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] away from the body, tried in turn
-BENT = 25.0  # [deg] of the elbow
-ARM_FORWARD = 5.0  # [deg] of the upper arm, forward
-AIR = 0.025  # [m] between forearms or hands and everything else
-POSTURES = 300
-NEARLY_ALWAYS = 0.9  # of random postures
-REST_ROOM = 0.008  # [m] beyond the clearance that a pair must have at rest
+REST_TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] angles of the arms away from the body, tried in turn
+REST_ELBOW_ANGLE = 25.0  # [deg] flexion of the elbow at rest
+REST_FORWARD_ANGLE = 5.0  # [deg] forward angle of the resting upper arm from the vertical
+MIN_ARM_GAP = 0.025  # [m] smallest distance of resting forearms and hands from other segments
+SAMPLED_POSTURES = 300  # number of random postures in which overlaps are counted
+MAX_OVERLAP_FRACTION = 0.9  # fraction of random postures with overlap, above which a pair is excluded
+EXTRA_REST_CLEARANCE = 0.008  # [m] clearance at rest beyond the required one, otherwise a pair is excluded
 
 
-def nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
-    """Finds the angle [deg] nearest to zero of each hinge whose range does not hold zero."""
-    return {h.name: _inside(h, 0.0) for h in hinges if not h.lower <= 0.0 <= h.upper}
+def find_limits_nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
+    """Return the limit nearest zero [deg] of hinges whose range excludes zero."""
+    return {h.name: _round_into_range(h, 0.0) for h in hinges if not h.lower <= 0.0 <= h.upper}
 
 
 def rest_pose(
     figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], file: RobotFile, path: Path
 ) -> dict[str, float]:
-    """Lets the arms hang, a little ahead, elbows a little bent, as near to the body as their shapes allow."""
+    """Return rest angles [deg] of arms that hang close to the body.
+
+    Upper arms are slightly forward and elbows slightly bent. The arms are as close to the body as their shapes allow.
+    """
     rest: dict[str, float] = {}
-    for tilt in TILTS:
-        rest = nearest_to_zero(hinges) | _resting_arms(figure, hinges, np.radians(tilt))
+    for tilt in REST_TILTS:
+        rest = find_limits_nearest_to_zero(hinges) | _rest_arms(figure, hinges, np.radians(tilt))
         robot = Robot.of(robot_from_tables(msgspec.structs.replace(file, rest=rest), path))
-        if _arm_air(robot) >= AIR:
+        if _measure_arm_gap(robot) >= MIN_ARM_GAP:
             break
     return {name: angle for name, angle in rest.items() if angle}
 
 
-def _resting_arms(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], tilt: float) -> dict[str, float]:
+def _rest_arms(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], tilt: float) -> dict[str, float]:
     turns: dict[int, float] = {}
     left = figure.arms["l"].joints
     for side in SIDES:
         row = figure.arms[side].joints
-        first = (
+        start_angles = (
             mirror_angles(figure.tree, left, row, np.array([turns[k] for k in left])) if turns else np.zeros(len(row))
         )
-        wish = _wish(tilt if side == "l" else -tilt)
-        angles = hang_arm(figure.tree, row, figure.split, wish, strict=True, first=first).angles
+        target = _make_hanging_target(tilt if side == "l" else -tilt)
+        angles = hang_arm(figure.tree, row, figure.split, target, strict=True, first=start_angles).angles
         turns |= dict(zip(row, angles.tolist(), strict=True))
-    found = {}
+    rest_angles = {}
     for hinge in hinges:
         if hinge.joint in turns:
             foreign = figure.tree.joints[hinge.joint].zero + turns[hinge.joint]
             turned = hinge.sign * (foreign - hinge.zero)
-            found[hinge.name] = _inside(hinge, float(np.arctan2(np.sin(turned), np.cos(turned))))
-    return found
+            rest_angles[hinge.name] = _round_into_range(hinge, float(np.arctan2(np.sin(turned), np.cos(turned))))
+    return rest_angles
 
 
-def _wish(tilt: float) -> HangingPose:
-    def down(ahead: float) -> Floats:
-        line = np.array([np.sin(ahead), np.sin(tilt) * np.cos(ahead), -np.cos(ahead) * np.cos(tilt)])
+def _make_hanging_target(tilt: float) -> HangingPose:
+    def down(forward_angle: float) -> Floats:
+        line = np.array(
+            [np.sin(forward_angle), np.sin(tilt) * np.cos(forward_angle), -np.cos(forward_angle) * np.cos(tilt)]
+        )
         return sealed(line / np.linalg.norm(line))
 
-    upper, fore = down(np.radians(ARM_FORWARD)), down(np.radians(ARM_FORWARD + BENT))
+    upper, fore = down(np.radians(REST_FORWARD_ANGLE)), down(np.radians(REST_FORWARD_ANGLE + REST_ELBOW_ANGLE))
     bend = np.cross(upper, fore)
     return HangingPose(upper, fore, sealed(bend / np.linalg.norm(bend)))
 
 
-def _arm_air(robot: Robot) -> float:
-    """Least distance of forearms and hands from everything at rest [m]."""
+def _measure_arm_gap(robot: Robot) -> float:
+    """Return the smallest distance [m] of forearms and hands at rest.
+
+    It is measured to all other segments.
+    """
     ends = {f"{side}_{part}" for side in SIDES for part in ("elbow", "wrist")}
     gaps = CapsuleDistances(robot).gaps(robot.skeleton.rest[None])[0]
     return min(float(gap) for gap, pair in zip(gaps, robot.counted_pairs, strict=True) if ends & set(pair))
 
 
-def _inside(hinge: MappedHinge, angle: float) -> float:
-    """[deg] of an angle [rad] as a file holds it, inside the range as that file holds it."""
-    low, high = round(degrees(hinge.lower), 3), round(degrees(hinge.upper), 3)
-    return min(max(round(degrees(angle), 2), low), high)
+def _round_into_range(hinge: MappedHinge, angle: float) -> float:
+    """Convert an angle [rad] to degrees, rounded and within the rounded range."""
+    lower, upper = round(degrees(hinge.lower), 3), round(degrees(hinge.upper), 3)
+    return min(max(round(degrees(angle), 2), lower), upper)
 
 
 def with_exclusions(file: RobotFile, path: Path) -> RobotFile:
-    """Lists the pairs of segments that are too near at rest, or overlap in nearly all postures.
+    """Exclude pairs of segments that are close at rest or overlap.
 
-    Their distance says nothing: their shapes are rough.
+    Pairs that overlap in most random postures are excluded. The distance of excluded pairs is meaningless, because
+    their shapes are approximate.
     """
     robot = Robot.of(robot_from_tables(file, path))
-    gaps = CapsuleDistances(robot).gaps(random_postures(robot.skeleton, POSTURES))
-    least = file.collision.clearance + REST_ROOM
+    gaps = CapsuleDistances(robot).gaps(random_postures(robot.skeleton, SAMPLED_POSTURES))
+    min_gap = file.collision.clearance + EXTRA_REST_CLEARANCE
     overlaps = np.mean(gaps < 0.0, axis=0)
-    listed = [*file.collision.exclude]
-    for pair, rest, share in zip(robot.counted_pairs, gaps[0], overlaps, strict=True):
-        if rest < least:
-            listed.append(ExclusionTable(pair, f"{1000 * rest:.0f} mm apart at rest: their shapes are rough"))
-        elif share > NEARLY_ALWAYS:
-            listed.append(ExclusionTable(pair, f"overlap in {100 * share:.0f} % of random postures"))
-    return msgspec.structs.replace(file, collision=CollisionTable(file.collision.clearance, listed))
+    exclusions = [*file.collision.exclude]
+    for pair, rest, overlap_fraction in zip(robot.counted_pairs, gaps[0], overlaps, strict=True):
+        if rest < min_gap:
+            exclusions.append(ExclusionTable(pair, f"{1000 * rest:.0f} mm apart at rest: their shapes are rough"))
+        elif overlap_fraction > MAX_OVERLAP_FRACTION:
+            exclusions.append(ExclusionTable(pair, f"overlap in {100 * overlap_fraction:.0f} % of random postures"))
+    return msgspec.structs.replace(file, collision=CollisionTable(file.collision.clearance, exclusions))

@@ -1,4 +1,4 @@
-"""The segments of a foreign robot: where each begins, what it weighs and what shape it has."""
+"""Origins, masses and shapes of an imported robot's segments."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,193 +9,221 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.body.robot_schema import BodyTable, CapsuleTable, Triple
 from kinesic.body.skeleton import Capsule
-from kinesic.sim.importer.hinge_row import common_point
+from kinesic.sim.importer.hinge_row import find_common_point
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.model_tree import BASE, ModelPart
+from kinesic.sim.importer.model_tree import BASE_INDEX, ModelPart
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
-# radius, as a share of the length: of the upper arm, of the forearm, again of the forearm, of the arm
-UPPER_GIRTH, FORE_GIRTH, HAND_GIRTH, HEAD_GIRTH = 0.15, 0.14, 0.12, 0.17
-HAND_LENGTH = 0.45  # of the forearm
-BETWEEN = 0.035  # [m] air between the trunk and a hanging arm
-LEAST_GIRTH = 0.01  # [m]
-ROOT, TRUNK, HEAD = "humanoid_root", "vl5", "skullbase"
-FIXED_HEAD = (0.15, 0.45, 0.14)  # arm lengths above the shoulders from and to, and radius, of a head without neck
-WAIST = 0.9  # arm lengths below the shoulders where the trunk has no hinge
-DIGITS = 6
+UPPER_ARM_GIRTH = 0.15  # radius / length of the upper arm
+FOREARM_GIRTH = 0.14  # radius / length of the forearm
+HAND_GIRTH = 0.12  # radius of the hand / length of the forearm
+HEAD_GIRTH = 0.17  # radius of the head / length of the arm
+HAND_LENGTH_RATIO = 0.45  # length of the hand / length of the forearm
+ARM_TRUNK_GAP = 0.035  # [m] distance between the trunk and a hanging arm
+MIN_RADIUS = 0.01  # [m] smallest radius of a generated capsule
+ROOT_SEGMENT = "humanoid_root"  # name of the root segment in robot files
+TRUNK_SEGMENT = "vl5"  # name of the trunk segment in robot files
+HEAD_SEGMENT = "skullbase"  # name of the head segment in robot files
+FIXED_HEAD = (0.15, 0.45, 0.14)  # [arm lengths] head without hinges: lower and upper end over the shoulders, radius
+WAIST_DEPTH = 0.9  # [arm lengths] height of the shoulders over the waist of a trunk without hinges
+COORDINATE_DIGITS = 6  # decimal digits of coordinates in robot files
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentLayout:
-    """Segments and where they begin when the arms hang."""
+    """Parents and origins of the segments when the arms hang."""
 
     parents: Mapping[str, str]  # segment -> parent, parents first
     origins: Mapping[str, Floats]  # segment -> (3,) [m] in the world
 
     @property
     def carrier(self) -> str:
-        """The name of the segment that carries arms and neck."""
-        return TRUNK if TRUNK in self.parents else ROOT
+        """Name of the segment that carries arms and neck."""
+        return TRUNK_SEGMENT if TRUNK_SEGMENT in self.parents else ROOT_SEGMENT
 
     def inside(self, segment: str, point: Floats) -> Floats:
-        """(3,) [m] of a point of the world in a segment."""
+        """Convert a point (3,) [m] from the world to a segment's frame."""
         return sealed(point - self.origins[segment])
 
 
 def lay_out_segments(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> SegmentLayout:
-    """Names the segments and places their origins at the centres of their hinges."""
+    """Name the segments and place their origins at joint centres."""
     left = figure.arms["l"].centres.shoulder
     shoulders = np.array([left[0], 0.0, left[2]])
-    waist = shoulders - np.array([0.0, 0.0, WAIST * figure.arm_length])
-    parents, origins = {ROOT: "world"}, {ROOT: sealed(waist)}
+    waist = shoulders - np.array([0.0, 0.0, WAIST_DEPTH * figure.arm_length])
+    parents, origins = {ROOT_SEGMENT: "world"}, {ROOT_SEGMENT: sealed(waist)}
     if figure.trunk:
-        rows = [hinge for hinge in hinges if hinge.segment == TRUNK]
-        parents[TRUNK], origins[TRUNK] = ROOT, _centre(rows, shoulders)
-        origins[ROOT] = origins[TRUNK]
-    carrier = TRUNK if figure.trunk else ROOT
+        rows = [hinge for hinge in hinges if hinge.segment == TRUNK_SEGMENT]
+        parents[TRUNK_SEGMENT], origins[TRUNK_SEGMENT] = ROOT_SEGMENT, _centre(rows, shoulders)
+        origins[ROOT_SEGMENT] = origins[TRUNK_SEGMENT]
+    carrier = TRUNK_SEGMENT if figure.trunk else ROOT_SEGMENT
     if figure.neck:
-        rows = [hinge for hinge in hinges if hinge.segment == HEAD]
-        parents[HEAD], origins[HEAD] = carrier, _centre(rows, rows[-1].anchor)
+        rows = [hinge for hinge in hinges if hinge.segment == HEAD_SEGMENT]
+        parents[HEAD_SEGMENT], origins[HEAD_SEGMENT] = carrier, _centre(rows, rows[-1].anchor)
     for side in SIDES:
-        at = figure.arms[side].centres
+        arm_centres = figure.arms[side].centres
         girdle = housing(figure, side)
         rows = [hinge for hinge in hinges if hinge.segment == girdle]
         parents[girdle] = carrier
-        origins[girdle] = _centre(rows, rows[-1].anchor) if rows else at.shoulder
-        centres = {"shoulder": at.shoulder, "elbow": at.elbow, "wrist": at.wrist}
-        for part, before in zip(centres, (girdle, f"{side}_shoulder", f"{side}_elbow"), strict=True):
-            parents[f"{side}_{part}"], origins[f"{side}_{part}"] = before, centres[part]
+        origins[girdle] = _centre(rows, rows[-1].anchor) if rows else arm_centres.shoulder
+        centres = {"shoulder": arm_centres.shoulder, "elbow": arm_centres.elbow, "wrist": arm_centres.wrist}
+        for part, parent_name in zip(centres, (girdle, f"{side}_shoulder", f"{side}_elbow"), strict=True):
+            parents[f"{side}_{part}"], origins[f"{side}_{part}"] = parent_name, centres[part]
     return SegmentLayout(parents, origins)
 
 
 def housing(figure: HumanoidGeometry, side: Side) -> str:
-    """Names what carries the shoulder: a collar bone that moves, or the motors' housing that does not."""
+    """Return the name of the segment that carries the shoulder.
+
+    This is a moving collar bone or a fixed housing of the motors.
+    """
     return f"{side}_sternoclavicular" if figure.split.girdle else f"{side}_acromioclavicular"
 
 
 def _centre(rows: list[MappedHinge], near: Floats) -> Floats:
     anchors, axes = (np.array([getattr(hinge, name) for hinge in rows]) for name in ("anchor", "axis"))
-    return sealed(common_point(anchors, axes, near))
+    return sealed(find_common_point(anchors, axes, near))
 
 
-def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
-    """Makes the [[body]] tables."""
-    carried = carried_parts(figure, where, hinges)
+def bodies(figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
+    """Create the [[body]] tables."""
+    carried = assign_parts(figure, layout, hinges)
     tables = []
-    for name, parent in where.parents.items():
-        part = figure.tree.lump(carried.get(name, ())) if carried.get(name) else ModelPart(0.0, where.origins[name], ())
-        origin = where.origins[name] - (where.origins[parent] if parent != "world" else np.zeros(3))
-        made = own_capsules(part.shapes, where.origins[name]) or _made(figure, where, name, part)
+    for name, parent in layout.parents.items():
+        part = (
+            figure.tree.lump(carried.get(name, ())) if carried.get(name) else ModelPart(0.0, layout.origins[name], ())
+        )
+        origin = layout.origins[name] - (layout.origins[parent] if parent != "world" else np.zeros(3))
+        capsules = convert_capsules(part.shapes, layout.origins[name]) or _generate_capsules(figure, layout, name, part)
         tables.append(
             BodyTable(
                 name=name,
                 parent=parent,
-                pos=rounded_triple(origin),
+                pos=round_triple(origin),
                 mass=round(part.mass, 4),
-                capsules=made,
+                capsules=capsules,
             )
         )
     return tables
 
 
-def carried_parts(
-    figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]
+def assign_parts(
+    figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[MappedHinge, ...]
 ) -> dict[str, list[int]]:
-    """Finds the parts of the tree that each segment is made of. Legs are left out.
+    """Return the indices of the tree's parts that belong to each segment.
 
-    What a shoulder hinge moves before the last one sits at the shoulder: it counts as the shoulder's housing.
+    Legs are left out. Parts between the first and last shoulder hinges belong to the shoulder's housing.
     """
     tree = figure.tree
-    found: dict[str, list[int]] = {name: [] for name in where.parents}
-    found[ROOT].append(BASE)
+    carried: dict[str, list[int]] = {name: [] for name in layout.parents}
+    carried[ROOT_SEGMENT].append(BASE_INDEX)
     owner = {hinge.joint: hinge.segment for hinge in hinges}
     for side in SIDES:
         shoulder = figure.arms[side].joints[figure.split.girdle : figure.split.elbow]
         owner |= dict.fromkeys(shoulder[:-1], housing(figure, side))
     for k in range(len(tree.joints)):
-        carriers = [owner[j] for j in tree.way(k) if j in owner]
+        carriers = [owner[j] for j in tree.path_from_base(k) if j in owner]
         if carriers:
-            found[carriers[-1]].append(k)
-    return found
+            carried[carriers[-1]].append(k)
+    return carried
 
 
-def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: ModelPart) -> list[CapsuleTable]:
+def _generate_capsules(
+    figure: HumanoidGeometry, layout: SegmentLayout, name: str, part: ModelPart
+) -> list[CapsuleTable]:
     arm = figure.arms["l"].centres
     upper, fore = arm.lengths
     side, _, kind = name.rpartition("_")
     zero = np.zeros(3)
     if kind == "shoulder":
-        end = where.origins[f"{side}_elbow"] - where.origins[name]
-        return [bone_capsule(zero, end, UPPER_GIRTH * upper, spared=0.2)]
+        end = layout.origins[f"{side}_elbow"] - layout.origins[name]
+        return [make_bone_capsule(zero, end, UPPER_ARM_GIRTH * upper, free_fraction=0.2)]
     if kind == "elbow":
-        return [bone_capsule(zero, where.origins[f"{side}_wrist"] - where.origins[name], FORE_GIRTH * fore)]
+        return [make_bone_capsule(zero, layout.origins[f"{side}_wrist"] - layout.origins[name], FOREARM_GIRTH * fore)]
     if kind == "wrist":
         return [
-            bone_capsule(zero, hand_vector(figure, where, "l" if side == "l" else "r"), HAND_GIRTH * fore, spared=0.3)
+            make_bone_capsule(
+                zero,
+                compute_hand_vector(figure, layout, "l" if side == "l" else "r"),
+                HAND_GIRTH * fore,
+                free_fraction=0.3,
+            )
         ]
     if kind in ("acromioclavicular", "sternoclavicular"):
-        return [bone_capsule(zero, where.origins[f"{side}_shoulder"] - where.origins[name], UPPER_GIRTH * upper)]
-    if name == HEAD:
-        centre, radius = part.centre - where.origins[name], HEAD_GIRTH * figure.arm_length
-        return [bone_capsule(centre - np.array([0, 0, 0.2 * radius]), centre + np.array([0, 0, 0.2 * radius]), radius)]
-    if name == ROOT and where.carrier == TRUNK:
         return [
-            bone_capsule(-0.1 * arm.shoulder * [0, 1, 0], 0.1 * arm.shoulder * [0, 1, 0], 0.4 * float(arm.shoulder[1]))
+            make_bone_capsule(zero, layout.origins[f"{side}_shoulder"] - layout.origins[name], UPPER_ARM_GIRTH * upper)
         ]
-    return _trunk(figure, where, name)
+    if name == HEAD_SEGMENT:
+        centre, radius = part.centre - layout.origins[name], HEAD_GIRTH * figure.arm_length
+        return [
+            make_bone_capsule(centre - np.array([0, 0, 0.2 * radius]), centre + np.array([0, 0, 0.2 * radius]), radius)
+        ]
+    if name == ROOT_SEGMENT and layout.carrier == TRUNK_SEGMENT:
+        return [
+            make_bone_capsule(
+                -0.1 * arm.shoulder * [0, 1, 0], 0.1 * arm.shoulder * [0, 1, 0], 0.4 * float(arm.shoulder[1])
+            )
+        ]
+    return _trunk(figure, layout, name)
 
 
-def _trunk(figure: HumanoidGeometry, where: SegmentLayout, name: str) -> list[CapsuleTable]:
+def _trunk(figure: HumanoidGeometry, layout: SegmentLayout, name: str) -> list[CapsuleTable]:
     arm = figure.arms["l"].centres
-    shoulders = where.inside(name, np.array([arm.shoulder[0], 0.0, arm.shoulder[2]]))
-    made = trunk_capsules(np.zeros(3), shoulders, float(arm.shoulder[1]), UPPER_GIRTH * arm.lengths[0])
+    shoulders = layout.inside(name, np.array([arm.shoulder[0], 0.0, arm.shoulder[2]]))
+    capsules = make_trunk_capsules(np.zeros(3), shoulders, float(arm.shoulder[1]), UPPER_ARM_GIRTH * arm.lengths[0])
     if not figure.neck:
-        low, high, radius = (share * figure.arm_length for share in FIXED_HEAD)
+        low, high, radius = (ratio * figure.arm_length for ratio in FIXED_HEAD)
         up = np.array([0.0, 0.0, 1.0])
-        made.append(bone_capsule(shoulders + low * up, shoulders + high * up, radius))
-    return made
+        capsules.append(make_bone_capsule(shoulders + low * up, shoulders + high * up, radius))
+    return capsules
 
 
-def hand_vector(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> Floats:
-    """Finds the vector (3,) [m] from the wrist along the hand, in the last segment."""
-    at = figure.arms[side].centres
-    return sealed(at.fore * HAND_LENGTH * at.lengths[1])
+def compute_hand_vector(figure: HumanoidGeometry, layout: SegmentLayout, side: Side) -> Floats:
+    """Return the vector (3,) [m] from the wrist along the hand."""
+    arm_centres = figure.arms[side].centres
+    return sealed(arm_centres.fore * HAND_LENGTH_RATIO * arm_centres.lengths[1])
 
 
-def bone_capsule(start: Floats, end: Floats, radius: float, *, spared: float = 0.0) -> CapsuleTable:
-    """Makes a capsule along a bone that keeps a share of it free at its start."""
-    begin = start + spared * (end - start)
-    return CapsuleTable(rounded_triple(begin), rounded_triple(end), round(max(radius, LEAST_GIRTH), DIGITS))
+def make_bone_capsule(start: Floats, end: Floats, radius: float, *, free_fraction: float = 0.0) -> CapsuleTable:
+    """Return a capsule along a bone.
+
+    A fraction of the bone is left free at its start.
+    """
+    begin = start + free_fraction * (end - start)
+    return CapsuleTable(round_triple(begin), round_triple(end), round(max(radius, MIN_RADIUS), COORDINATE_DIGITS))
 
 
-def own_capsules(shapes: Sequence[Capsule], origin: Floats) -> list[CapsuleTable]:
-    """Moves the model's shapes into the frame of a segment."""
+def convert_capsules(shapes: Sequence[Capsule], origin: Floats) -> list[CapsuleTable]:
+    """Convert the model's shapes to the frame of a segment."""
     return [
-        CapsuleTable(rounded_triple(s.start - origin), rounded_triple(s.end - origin), round(s.radius, DIGITS))
+        CapsuleTable(round_triple(s.start - origin), round_triple(s.end - origin), round(s.radius, COORDINATE_DIGITS))
         for s in shapes
     ]
 
 
-def trunk_capsules(waist: Floats, shoulders: Floats, half_width: float, arm_radius: float) -> list[CapsuleTable]:
-    """Makes chest and belly between the shoulders and the waist.
+def make_trunk_capsules(waist: Floats, shoulders: Floats, half_width: float, arm_radius: float) -> list[CapsuleTable]:
+    """Create chest and belly capsules between the shoulders and the waist.
 
     Args:
         waist: (3,) [m] in the segment.
-        shoulders: (3,) [m] the point between both, in the segment.
+        shoulders: (3,) [m] midpoint of both shoulders, in the segment.
         half_width: [m] from the midline to a shoulder.
-        arm_radius: [m] of an upper arm.
+        arm_radius: [m] radius of an upper arm.
     """
-    reach = max(half_width - arm_radius - BETWEEN, LEAST_GIRTH)
+    reach = max(half_width - arm_radius - ARM_TRUNK_GAP, MIN_RADIUS)
     radius = 0.62 * reach
     side = np.array([0.0, reach - radius, 0.0])
     chest = shoulders - np.array([0.0, 0.0, 0.8 * radius])
     belly = waist + np.array([0.0, 0.0, radius])
     if belly[2] > chest[2] - 0.5 * radius:
-        return [bone_capsule(chest - side, chest + side, radius)]
-    return [bone_capsule(chest - side, chest + side, radius), bone_capsule(belly, (belly + chest) / 2, 0.9 * radius)]
+        return [make_bone_capsule(chest - side, chest + side, radius)]
+    return [
+        make_bone_capsule(chest - side, chest + side, radius),
+        make_bone_capsule(belly, (belly + chest) / 2, 0.9 * radius),
+    ]
 
 
-def rounded_triple(point: Floats) -> Triple:
-    """Rounds a place or direction (3,) as a file holds it."""
-    x, y, z = (round(float(value), DIGITS) + 0.0 for value in point)
+def round_triple(point: Floats) -> Triple:
+    """Round a point or direction (3,) to a robot file's precision."""
+    x, y, z = (round(float(value), COORDINATE_DIGITS) + 0.0 for value in point)
     return x, y, z

@@ -1,4 +1,4 @@
-"""The figure that a foreign robot makes when it stands upright and its arms hang: kinesic's zero pose."""
+"""Zero pose of an imported humanoid: upright with hanging arms."""
 
 from dataclasses import dataclass
 
@@ -11,18 +11,18 @@ from kinesic.sim.importer.arm import Centres, Split, centres, likeness, splits
 from kinesic.sim.importer.hanging_pose import HangingPose, Posed, Ranges, pose_arm
 from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.mirror import Sides, sides
-from kinesic.sim.importer.model_tree import BASE, Tree
+from kinesic.sim.importer.model_tree import BASE_INDEX, Tree
 
-FEWEST_HINGES = 3  # hinges of an arm
-FINGER = 0.15  # of the mass of what carries it: a hinge that moves less moves a finger
-ACROSS = sealed([1.0, -1.0, 1.0])
-HANGING = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
-RIVAL = 0.8  # likeness behind the best at which a split is still hung up and looked at again
+MIN_ARM_HINGES = 3  # smallest number of hinges of an arm
+FINGER_MASS_RATIO = 0.15  # links lighter than this fraction of their parent count as fingers
+MIRROR_SIGNS = sealed([1.0, -1.0, 1.0])  # signs that mirror a vector at the x-z plane
+HANGING_ARM = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
+RIVAL_LIKENESS_GAP = 0.8  # similarity below the best up to which arm divisions are tried in the hanging pose
 
 
 @dataclass(frozen=True)
 class Branches:
-    """Indices of the hinges of trunk, neck and arms, from the base outward."""
+    """Hinge indices of trunk, neck and arms, from the base outwards."""
 
     trunk: tuple[int, ...]  # carries the arms
     neck: tuple[int, ...]  # moves the head; without the eyes
@@ -31,54 +31,59 @@ class Branches:
 
 
 def branches(tree: Tree, sides: Sides) -> Branches:
-    """Finds arms, trunk and head: arms are the pair of limbs that begins highest, the trunk carries them.
+    """Find the hinges of arms, trunk and neck.
+
+    The arms are the pair of limbs that begins highest. The trunk carries them.
 
     Raises:
         ConfigError: there is no pair of limbs with enough hinges.
     """
-    limbs = [_limb(tree, sides, k) for k in sides.pairs if tree.joints[k].parent not in _both(sides)]
-    arms = [limb for limb in limbs if len(limb) >= FEWEST_HINGES]
+    limbs = [_find_limb(tree, sides, k) for k in sides.pairs if tree.joints[k].parent not in _both(sides)]
+    arms = [limb for limb in limbs if len(limb) >= MIN_ARM_HINGES]
     if not arms:
         raise ConfigError(
             f"robot {tree.name}: no arms found: among {len(tree.joints)} hinges there are {len(sides.pairs)} mirror "
-            f"pairs, but no pair of limbs with {FEWEST_HINGES} hinges each"
+            f"pairs, but no pair of limbs with {MIN_ARM_HINGES} hinges each"
         )
     left = max(arms, key=lambda limb: tree.joints[limb[0]].anchor[2])
-    trunk = tree.way(tree.joints[left[0]].parent)
-    return Branches(trunk, _neck(tree, sides, trunk, left), left, tuple(sides.pairs[k] for k in left))
+    trunk = tree.path_from_base(tree.joints[left[0]].parent)
+    return Branches(trunk, _find_neck(tree, sides, trunk, left), left, tuple(sides.pairs[k] for k in left))
 
 
 def _both(sides: Sides) -> set[int]:
     return set(sides.pairs) | set(sides.pairs.values())
 
 
-def _limb(tree: Tree, sides: Sides, first: int) -> tuple[int, ...]:
-    """From its first hinge to where it parts or only a finger is left, as long as both sides go along."""
+def _find_limb(tree: Tree, sides: Sides, first: int) -> tuple[int, ...]:
+    """Return the hinges of a limb up to its hand.
+
+    The limb ends where it branches, where only a finger is left, or where the other side differs.
+    """
     row = [first]
     while True:
-        onward = [k for k in tree.children[row[-1]] if k in sides.pairs and tree.joints[k].follows is None]
-        least = FINGER * tree.parts[row[-1]].mass
-        if len(onward) != 1 or tree.lump(tree.below(onward[0])).mass < least:
+        next_joints = [k for k in tree.children[row[-1]] if k in sides.pairs and tree.joints[k].follows is None]
+        min_mass = FINGER_MASS_RATIO * tree.parts[row[-1]].mass
+        if len(next_joints) != 1 or tree.lump(tree.below(next_joints[0])).mass < min_mass:
             return tuple(row)
-        row.append(onward[0])
+        row.append(next_joints[0])
 
 
-def _neck(tree: Tree, sides: Sides, trunk: tuple[int, ...], arm: tuple[int, ...]) -> tuple[int, ...]:
-    """The unpaired branch that ends highest above the shoulders."""
-    paired, carriers = _both(sides), (trunk[-1] if trunk else BASE,)
-    ways = []
+def _find_neck(tree: Tree, sides: Sides, trunk: tuple[int, ...], arm: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the unpaired branch that ends highest above the shoulders."""
+    paired, carriers = _both(sides), (trunk[-1] if trunk else BASE_INDEX,)
+    paths = []
     for first in (k for carrier in carriers for k in tree.children[carrier] if k not in paired):
-        way = [first]
-        while onward := [k for k in tree.children[way[-1]] if k not in paired]:
-            way.append(max(onward, key=lambda k: tree.joints[k].anchor[2]))
-        ways.append(tuple(k for k in way if "eye" not in tree.joints[k].name.lower()))
-    above = [way for way in ways if way and tree.joints[way[-1]].anchor[2] > tree.joints[arm[0]].anchor[2]]
-    return max(above, key=lambda way: tree.joints[way[-1]].anchor[2], default=())
+        path = [first]
+        while next_joints := [k for k in tree.children[path[-1]] if k not in paired]:
+            path.append(max(next_joints, key=lambda k: tree.joints[k].anchor[2]))
+        paths.append(tuple(k for k in path if "eye" not in tree.joints[k].name.lower()))
+    above = [path for path in paths if path and tree.joints[path[-1]].anchor[2] > tree.joints[arm[0]].anchor[2]]
+    return max(above, key=lambda path: tree.joints[path[-1]].anchor[2], default=())
 
 
 @dataclass(frozen=True, eq=False)
 class HangingArm:
-    """One arm, hanging."""
+    """Hinges and joint centres of one hanging arm."""
 
     joints: tuple[int, ...]  # of the tree, fingers left out
     limb: HingeRow
@@ -88,7 +93,10 @@ class HangingArm:
 
 @dataclass(frozen=True, eq=False)
 class HumanoidGeometry:
-    """Everything that geometry tells, in x forward, y left, z up, the midline at y = 0, arms hanging."""
+    """Branches, sides and arms of a humanoid in its zero pose.
+
+    Axes are x forward, y left and z up, with the midline at y = 0 and hanging arms.
+    """
 
     tree: Tree
     sides: Sides
@@ -100,29 +108,29 @@ class HumanoidGeometry:
 
     @property
     def arm_length(self) -> float:
-        """Shoulder to wrist of the left arm [m]."""
+        """Length [m] of the left arm from shoulder to wrist."""
         return sum(self.arms["l"].centres.lengths)
 
     @property
     def asymmetry(self) -> float:
-        """How far the right arm's centres are from the left's mirror images, in arm lengths."""
+        """Largest distance between mirrored joint centres of both arms, in arm lengths."""
         left, right = (np.array([a.centres.shoulder, a.centres.elbow, a.centres.wrist]) for a in self.arms.values())
-        return float(np.linalg.norm(left - right * ACROSS, axis=1).max()) / self.arm_length
+        return float(np.linalg.norm(left - right * MIRROR_SIGNS, axis=1).max()) / self.arm_length
 
 
-def geometry_of(tree: Tree) -> HumanoidGeometry:
-    """Finds trunk, neck and arms of a robot, and lets the arms hang.
+def analyse_geometry(tree: Tree) -> HumanoidGeometry:
+    """Find trunk, neck and arms of a robot in its zero pose.
 
     Raises:
-        ConfigError: it has no arms.
+        ConfigError: the robot has no arms.
     """
-    found = sides(tree)
-    upright = tree.moved(found.upright, np.zeros(3))
-    rows = branches(upright, found)
-    split, left = _best(upright, rows)
-    row, image = rows.left[: split.hinges], rows.right[: split.hinges]
+    sides_found = sides(tree)
+    upright = tree.moved(sides_found.upright, np.zeros(3))
+    branch_rows = branches(upright, sides_found)
+    split, left = _choose_split(upright, branch_rows)
+    row, image = branch_rows.left[: split.hinges], branch_rows.right[: split.hinges]
     right = hang_arm(
-        upright, image, split, HANGING, strict=False, first=mirror_angles(upright, row, image, left.angles)
+        upright, image, split, HANGING_ARM, strict=False, first=mirror_angles(upright, row, image, left.angles)
     )
     turns = dict(zip((*row, *image), (*left.angles, *right.angles), strict=True))
     hanging = upright.turned(turns)
@@ -130,34 +138,45 @@ def geometry_of(tree: Tree) -> HumanoidGeometry:
     middle = np.mean([centres(limb, split).shoulder[1] for limb in limbs.values()])
     standing = hanging.moved(np.eye(3), np.array([0.0, -float(middle), 0.0]))
     arms: dict[Side, HangingArm] = {"l": _arm(standing, row, split, left), "r": _arm(standing, image, split, right)}
-    return HumanoidGeometry(standing, found, rows.trunk, rows.neck, split, likeness(arms["l"].limb, split), arms)
+    return HumanoidGeometry(
+        standing, sides_found, branch_rows.trunk, branch_rows.neck, split, likeness(arms["l"].limb, split), arms
+    )
 
 
 def hang_arm(
-    tree: Tree, row: tuple[int, ...], split: Split, wish: HangingPose, *, strict: bool, first: Floats | None = None
+    tree: Tree, row: tuple[int, ...], split: Split, target: HangingPose, *, strict: bool, first: Floats | None = None
 ) -> Posed:
-    """Finds the angles that bring an arm of a tree nearest to a wish."""
-    return pose_arm(HingeRow.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
+    """Find the angles with which an arm hangs in a desired pose."""
+    return pose_arm(
+        HingeRow.of(tree, row), split, target, _find_ranges(tree, row, strict), [] if first is None else [first]
+    )
 
 
 def mirror_angles(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: Floats) -> Floats:
-    """Mirrors an arm's angles (k,) [rad] to the other one, if the tree's pose is symmetric."""
+    """Mirror the angles (k,) [rad] of one arm to the other.
+
+    Valid if the tree's pose is symmetric.
+    """
     signs = [
-        np.sign(tree.joints[a].axis * -ACROSS @ tree.joints[b].axis) or 1.0 for a, b in zip(row, image, strict=True)
+        np.sign(tree.joints[a].axis * -MIRROR_SIGNS @ tree.joints[b].axis) or 1.0
+        for a, b in zip(row, image, strict=True)
     ]
     return np.array(signs) * angles
 
 
-def _best(tree: Tree, rows: Branches) -> tuple[Split, Posed]:
-    """The split that looks most like an arm when it hangs; those that look best in the file's pose are tried."""
-    limb = HingeRow.of(tree, rows.left)
-    ranked = {split: likeness(limb, split) for split in splits(len(rows.left))}
-    tried = []
-    for split in (split for split, like in ranked.items() if like >= max(ranked.values()) - RIVAL):
-        row = rows.left[: split.hinges]
-        pose = hang_arm(tree, row, split, HANGING, strict=False)
-        tried.append((likeness(HingeRow.of(tree, row).turned(pose.angles), split), split, pose))
-    _, split, pose = max(tried, key=lambda one: one[0])
+def _choose_split(tree: Tree, branch_rows: Branches) -> tuple[Split, Posed]:
+    """Return the hinge division most similar to a hanging human arm.
+
+    Only the best candidates in the pose of the file are tried.
+    """
+    limb = HingeRow.of(tree, branch_rows.left)
+    ranked = {split: likeness(limb, split) for split in splits(len(branch_rows.left))}
+    candidates = []
+    for split in (split for split, score in ranked.items() if score >= max(ranked.values()) - RIVAL_LIKENESS_GAP):
+        row = branch_rows.left[: split.hinges]
+        pose = hang_arm(tree, row, split, HANGING_ARM, strict=False)
+        candidates.append((likeness(HingeRow.of(tree, row).turned(pose.angles), split), split, pose))
+    _, split, pose = max(candidates, key=lambda candidate: candidate[0])
     return split, pose
 
 
@@ -166,8 +185,8 @@ def _arm(tree: Tree, row: tuple[int, ...], split: Split, pose: Posed) -> Hanging
     return HangingArm(row, limb, centres(limb, split), pose.off)
 
 
-def _ranges(tree: Tree, row: tuple[int, ...], strict: bool) -> Ranges:
-    """Ranges [rad] as angles from the tree's pose."""
+def _find_ranges(tree: Tree, row: tuple[int, ...], strict: bool) -> Ranges:
+    """Return the hinge ranges [rad] relative to the tree's pose."""
     joints = [tree.joints[k] for k in row]
     lower = sealed([-np.inf if joint.lower is None else joint.lower - joint.zero for joint in joints])
     upper = sealed([np.inf if joint.upper is None else joint.upper - joint.zero for joint in joints])

@@ -1,4 +1,4 @@
-// Distances between capsules in many postures: `sim/distances.py`, compiled.
+// Distances between capsules in many postures, for `sim/distances.py`.
 
 #pragma once
 
@@ -15,12 +15,12 @@ inline double share(double part, double whole) {
 
 inline double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// Between two straight segments, each from a point along a vector: Ericson, Real-Time Collision Detection, 5.1.9.
+// Distance between two line segments, each a point and a vector (Ericson, Real-Time Collision Detection, 5.1.9).
 inline double segment_distance(const double* a, const double* along_a, const double* b, const double* along_b) {
     const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     const double aa = dot(along_a, along_a), bb = dot(along_b, along_b), ab = dot(along_a, along_b);
     const double ar = dot(along_a, apart), br = dot(along_b, apart);
-    double s = share(ab * br - ar * bb, aa * bb - ab * ab);  // of the unbounded lines; any s serves parallel ones
+    double s = share(ab * br - ar * bb, aa * bb - ab * ab);  // nearest parameter on infinite lines; arbitrary if parallel
     const double t = share(ab * s + br, bb);
     s = share(ab * t - ar, aa);
     double gap[3];
@@ -28,9 +28,9 @@ inline double segment_distance(const double* a, const double* along_a, const dou
     return std::sqrt(dot(gap, gap));
 }
 
-constexpr int STRIP = 64;  // postures at once, so that everything about them stays in the nearest cache
+constexpr int STRIP = 64;  // postures processed together, so that their data fit into the L1 cache
 
-// Rotations (s, 3, 3, stride) and origins (s, 3, stride) of some postures.
+// Segment frames of several postures: rotations (s, 3, 3, stride) and origins (s, 3, stride).
 struct Frames {
     const double *rotations, *origins;
     size_t stride;
@@ -38,13 +38,13 @@ struct Frames {
 
 struct CapsulePairs {
     int capsules = 0, pairs = 0;
-    std::vector<int> owners;            // (c,) segments
-    std::vector<double> starts, ends;   // (c, 3) [m] in them
-    std::vector<int> first, second;     // (p,) capsules
-    std::vector<double> radii, halves;  // (p,) [m] sums of radii and of half lengths
-    std::vector<char> hulled;           // (p,) whether a ball about fingers takes part: it bounds nothing from above
+    std::vector<int> owners;            // (c,) segment of each capsule
+    std::vector<double> starts, ends;   // (c, 3) [m] axis ends in the segment's frame
+    std::vector<int> first, second;     // (p,) capsule indices of each pair
+    std::vector<double> radii, halves;  // (p,) [m] sums of the radii and of the half lengths of a pair
+    std::vector<char> hulled;           // (p,) whether a pair contains a finger ball, whose distance is no upper bound
 
-    // Distance [m] of each pair in at most STRIP postures, (p, stride); for those that cannot be the closest, a bound.
+    // Computes distances (p, stride) [m] in at most STRIP postures, but only lower bounds for pairs that cannot be closest.
     void closest(const Frames& frames, int count, double* lowest, size_t stride) {
         axes.resize(6 * STRIP * size_t(capsules));
         double bound[STRIP];
@@ -68,7 +68,7 @@ struct CapsulePairs {
         }
     }
 
-    // Distance [m] of each pair in at most STRIP postures, (p, stride).
+    // Computes the distances (p, stride) [m] of all pairs in at most STRIP postures.
     void gaps(const Frames& frames, int count, double* found, size_t stride) {
         axes.resize(6 * STRIP * size_t(capsules));
         for (int c = 0; c < capsules; ++c) place(c, frames, count);
@@ -77,7 +77,7 @@ struct CapsulePairs {
     }
 
 private:
-    std::vector<double> axes;  // (c, 2, 3, STRIP) [m] one end of each capsule's axis, and the way to the other
+    std::vector<double> axes;  // (c, 2, 3, STRIP) [m] start of each capsule's axis, and the vector to its end
 
     double* from(int capsule) { return &axes[6 * STRIP * size_t(capsule)]; }
     double* along(int capsule) { return from(capsule) + 3 * STRIP; }
@@ -97,7 +97,7 @@ private:
         }
     }
 
-    // The axes' middles bound the distance from above, less their half lengths from below.
+    // Computes the distances of the axes' midpoints: upper bounds, and after subtracting half lengths lower bounds.
     void middles(int pair, int count, double* above) {
         const double *a = from(first[pair]), *b = from(second[pair]), *u = along(first[pair]), *v = along(second[pair]);
         for (int m = 0; m < count; ++m) {
@@ -120,15 +120,15 @@ private:
     }
 };
 
-// Bodies of one capsule or, as fingers, of several.
+// Bodies that consist of one or, like fingers, several capsules.
 struct Bodies {
-    std::vector<int> begins;    // (b + 1,) which capsules each one has
-    std::vector<double> radii;  // (c,) [m]
-    // Ends of all capsules' axes, (c, 3, count) [m] in some postures.
+    std::vector<int> begins;    // (b + 1,) first capsule of each body
+    std::vector<double> radii;  // (c,) [m] radius of each capsule
+    // Axis ends of all capsules in several postures, (c, 3, count) [m].
     const double *starts, *ends;
     size_t count;
 
-    // Distance [m] of two bodies in a posture.
+    // Returns the distance [m] of two bodies in a posture.
     double apart(int first, int second, size_t posture) const {
         double nearest = std::numeric_limits<double>::infinity();
         for (int i = begins[first]; i < begins[first + 1]; ++i) {
@@ -153,21 +153,22 @@ private:
     }
 };
 
-// A posture whose distances (p,) [m] are known.
+// Measured posture with the distances (p,) [m] of all pairs.
 struct Neighbour {
     const double* angles = nullptr;  // (n,) [rad]
     std::vector<double> lowest;      // (p,) [m]
-    double least = 0.0;              // [m] of these
+    double least = 0.0;              // [m] smallest distance
 };
 
-// How near postures may be, by the turns of hinges since neighbours: a pair comes no nearer than by what each reaches.
+// Bound on the distances in unmeasured postures: a pair approaches at most by its reach times the hinge rotations from a
+// measured posture.
 struct Reaches {
     int hinges = 0, pairs = 0;
-    const double* of_pairs = nullptr;  // (p, n) [m]
-    std::vector<double> farthest;      // (n,) [m] of any pair
-    std::vector<double> turned[2];     // (n,) [rad] since both neighbours
+    const double* of_pairs = nullptr;  // (p, n) [m/rad] largest approach of each pair per angle of each hinge
+    std::vector<double> farthest;      // (n,) [m/rad] largest reach of any pair
+    std::vector<double> turned[2];     // (n,) [rad] hinge rotations from both neighbours
 
-    // Whether any pair may be nearer than a limit [m], as far as both neighbours tell.
+    // Returns whether any pair may be closer than a limit [m], judged from both neighbours.
     bool may_be_near(const double* now, const Neighbour* const (&neighbours)[2], double limit) {
         double most[2] = {};
         for (int k = 0; k < 2; ++k) {

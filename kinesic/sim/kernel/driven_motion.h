@@ -1,4 +1,4 @@
-// What hinges and servos did on each step of the physics: `sim/stepping/driven_motion.py`, compiled.
+// Postures, servo quantities and power of each physics step, for `sim/stepping/driven_motion.py`.
 
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace kinesic::sim {
 
-// Rows (n,) of constants of the drives: their law, and what they draw.
+// Constants (n,) of the drives: control law and current.
 struct DriveRows {
     const double *gain, *rate, *no_load, *stall_current, *idle_current;
 };
 
-// All that a log keeps: s steps of q joints, and g rows of goals, each in force from a step on.
+// Content of a step log: s steps of q joints, and g setpoint rows, each valid from a certain step on.
 struct KeptSteps {
     const double *angles, *speeds, *spans, *supplied, *aims;
     const int64_t* begins;
@@ -22,29 +22,30 @@ struct KeptSteps {
     double share(size_t step) const { return supplied[shares == 1 ? 0 : step]; }
 };
 
-// A winding that warms: which hinge's, [W] of full load, [K/W], and (s,) what each step leaves of its warmth.
+// Thermal model of a winding: its hinge, copper loss [W] at full load, thermal resistance [K/W], and the fraction (s,)
+// of the temperature rise that remains after each step.
 struct Winding {
     size_t hinge;
     double loss, resistance;
     const double* kept;
 };
 
-// Where (m,) commands read: postures (s, n) [rad] of all steps; angles, speeds, duties and loads (m, n); currents (m,) [A]
-// on average and at most; warmth (w, m) [K].
+// Output arrays for m commands: postures (s, n) [rad] of all steps; angles, velocities, duties and loads (m, n); mean and
+// largest currents (m,) [A]; temperature rises (w, m) [K].
 struct DrivenRows {
     double *postures, *angles, *speeds, *duties, *loads, *mean, *peak, *warmth;
 };
 
 struct DrivenMotion {
     const KeptSteps& kept;
-    const std::vector<int>& motors;  // (n,) places of joints
-    const std::vector<int>& play;    // likewise, or none
+    const std::vector<int>& motors;  // (n,) indices of the joints that the motors drive
+    const std::vector<int>& play;    // (n,) indices of the backlash joints, or empty
     const DriveRows drives;
     const std::vector<Winding>& windings;
-    std::vector<double> now;  // (6, n) angles, speeds, duties, loads, currents, duties applied
+    std::vector<double> now;  // (6, n) angles, velocities, duties, loads, currents, clipped duties
 
-    // Measures all up to the last of (m,) commands, at each of which so many steps were made. Steps before the first were
-    // counted already; adds the others to the charge (n,) [As] of each drive's supply and the warmth (w,) [K] of windings.
+    // Measures all steps up to the last command. `ends` (m,) has the step count at each command. Steps before `first` were
+    // counted earlier; the others add to the charge (n,) [As] of each drive and the temperature rise (w,) [K] of windings.
     void measure(const int64_t* ends, size_t commands, size_t first, const DrivenRows& to, double* warmth, double* charge) {
         const size_t n = motors.size();
         std::vector<double> current(kept.count), counted(n);
@@ -68,7 +69,7 @@ struct DrivenMotion {
     }
 
   private:
-    // One step; [A] of all drives together.
+    // Measures one step and returns the total current [A] of all drives.
     double step(size_t s, const double* __restrict goals, double* __restrict posture, double* __restrict charge) {
         const size_t n = motors.size();
         const double *angles = kept.angles + s * kept.joints, *speeds = kept.speeds + s * kept.joints;
@@ -87,7 +88,7 @@ struct DrivenMotion {
             posture[i] = angle[i];
             duty[i] = drives.gain[i] * (goals[i] - angle[i]) - drives.rate[i] * speed[i];
         }
-        for (size_t i = 0; i < n; ++i) applied[i] = duty[i] < -1.0 ? -1.0 : duty[i];  // loops without branches
+        for (size_t i = 0; i < n; ++i) applied[i] = duty[i] < -1.0 ? -1.0 : duty[i];  // branchless, so vectorised
         for (size_t i = 0; i < n; ++i) applied[i] = applied[i] > 1.0 ? 1.0 : applied[i];
         for (size_t i = 0; i < n; ++i) {
             load[i] = share * applied[i] - speed[i] / drives.no_load[i];
@@ -103,7 +104,7 @@ struct DrivenMotion {
         return current;
     }
 
-    // Mean and largest current of the steps of an interval; of one without length, as on its last step.
+    // Computes the mean and largest current of an interval; the mean of a zero-length interval is that of its last step.
     void draw(size_t begin, size_t end, const double* current, double& mean, double& peak) const {
         double lasting = 0.0, sum = 0.0;
         peak = current[begin];

@@ -1,5 +1,5 @@
-// kinesic.sim._kernel: kinematics, distances and inverse dynamics of many postures. Arrays are contiguous; results are
-// written into the caller's.
+// kinesic._kernel.sim: kinematics, distances and inverse dynamics of many postures. All arrays are contiguous; results
+// are written into arrays of the caller.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -37,7 +37,7 @@ std::vector<int> copy(const Places& from, int64_t below) {
     return places;
 }
 
-// Adds a segment, after its parent: turns (t,) with axes (t, 3) and offsets (t, 3) from its origin.
+// Adds a segment after its parent, with hinges (t,), their axes (t, 3) and offsets (t, 3) from the segment's origin.
 void add_link(MotionFrames& frames, int parent, const Numbers& origin, const std::vector<int>& joints, const Numbers& axes,
               const Numbers& offsets) {
     require(parent < int(frames.links.size()) && origin.size() == 3);
@@ -86,7 +86,7 @@ CapsulePairs make_pairs(const Places& owners, const Numbers& starts, const Numbe
 
 using Measure = void (CapsulePairs::*)(const Frames&, int, double*, size_t);
 
-// (p, m) distances of m postures whose frames are known.
+// Computes distances (p, m) in m postures from the segment frames.
 void measure(CapsulePairs& self, Measure way, const Numbers& rotations, const Numbers& origins, Result& found) {
     const size_t count = self.pairs ? found.size() / self.pairs : 0, segments = count ? origins.size() / 3 / count : 0;
     require(found.size() == self.pairs * count && origins.size() == 3 * segments * count);
@@ -97,18 +97,18 @@ void measure(CapsulePairs& self, Measure way, const Numbers& rotations, const Nu
                     found.data() + k, count);
 }
 
-// The same where a pair may be the closest; elsewhere a lower bound.
+// Computes the distances of pairs that may be the closest, and lower bounds of the others.
 void closest(CapsulePairs& self, const Numbers& rotations, const Numbers& origins, Result& lowest) {
     measure(self, &CapsulePairs::closest, rotations, origins, lowest);
 }
 
-// All of them.
+// Computes the exact distances of all pairs.
 void gaps(CapsulePairs& self, const Numbers& rotations, const Numbers& origins, Result& found) {
     measure(self, &CapsulePairs::gaps, rotations, origins, found);
 }
 
-// Calls use(first posture, count, frames, distances (p, STRIP)) for strips of m postures, whose turns have sines and cosines
-// (n, m): what is known of a strip stays in the cache, and no more is kept.
+// Calls use(first posture, count, frames, distances (p, STRIP)) for strips of m postures, given the sines and cosines (n, m)
+// of their hinge angles. Only one strip is in memory, which fits into the cache.
 template <typename Use>
 void measure_strips(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
                     const Numbers& cosines, size_t count, const Use& use) {
@@ -128,7 +128,7 @@ void measure_strips(CapsulePairs& self, const MotionFrames& frames, const Flags&
     }
 }
 
-// (m,) distance and index of the closest pair in m postures.
+// Computes the distance and index (m,) of the closest pair in m postures.
 void nearest(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
              const Numbers& cosines, Result& distances, nb::ndarray<int64_t, nb::ndim<1>, nb::c_contig>& closest_pairs) {
     require(closest_pairs.size() == distances.size());
@@ -144,7 +144,7 @@ void nearest(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen
                    });
 }
 
-// (p, m) what `closest` says of all pairs, and (s, m, 3) [m] where the origins of some segments are.
+// Computes the result of `closest` (p, m), and the origins (s, m, 3) [m] of some segments.
 void survey(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen, const Numbers& sines,
             const Numbers& cosines, const Places& segments, Result& lowest, Result& origins) {
     const size_t count = self.pairs ? lowest.size() / self.pairs : 0;
@@ -162,7 +162,7 @@ void survey(CapsulePairs& self, const MotionFrames& frames, const Flags& chosen,
                    });
 }
 
-// Puts the distances of bodies (b,) of several capsules, whose ends are known in k of m postures, where pairs are near.
+// Replaces the distances of flagged pairs of bodies (b,) by exact ones in k of m postures, given their capsules' ends.
 void measure_bodies(const Places& begins, const Numbers& radii, const Places& first, const Places& second,
                     const Numbers& starts, const Numbers& ends, const Places& postures, const Marks& near, Result& gaps) {
     const size_t count = postures.size(), pairs = first.size(), all = pairs ? gaps.size() / pairs : 0;
@@ -177,7 +177,7 @@ void measure_bodies(const Places& begins, const Numbers& radii, const Places& fi
             if (near.data()[p * all + where[k]]) gaps.data()[p * all + where[k]] = bodies.apart(from[p], to[p], k);
 }
 
-// Marks those of (s, n) postures, between known ones with distances (p, k), that may be nearer than a limit [m] to contact.
+// Flags postures (s, n), between measured ones with distances (p, k), whose distance may be below a limit [m].
 void suspect(const Numbers& angles, const Places& known, const Numbers& lowest, const Numbers& reaches, double limit,
              nb::ndarray<bool, nb::ndim<1>, nb::c_contig>& near) {
     const size_t count = near.size(), hinges = count ? angles.size() / count : 0, knowns = known.size();
@@ -201,7 +201,7 @@ void suspect(const Numbers& angles, const Places& known, const Numbers& lowest, 
     }
 }
 
-// Calls MuJoCo's inverse dynamics, known by addresses, for each row of positions, speeds and accelerations (m, q).
+// Calls MuJoCo's inverse dynamics, given by function addresses, for each row of positions, velocities, accelerations (m, q).
 void inverse(const std::vector<uintptr_t>& before, uintptr_t newton_euler, uintptr_t model, uintptr_t data,
              bool accelerating, Result& qpos, Result& qvel, Result& qacc, const Numbers& positions, const Numbers& speeds,
              const Numbers& accelerations, Result& torques) {
@@ -222,8 +222,8 @@ void inverse(const std::vector<uintptr_t>& before, uintptr_t newton_euler, uintp
     }
 }
 
-// Calls stages of MuJoCo, known by addresses, for each row of positions (m, q), and keeps of what they leave behind the
-// numbers at some places, (m, places).
+// Calls MuJoCo stages, given by function addresses, for each row of positions (m, q), and stores selected numbers of the
+// resulting data, (m, places).
 void keep_left(const std::vector<uintptr_t>& stages, uintptr_t model, uintptr_t data, Result& qpos, const Numbers& left,
                const Places& places, const Numbers& positions, Result& kept) {
     using Stage = void (*)(const void*, void*);
@@ -239,8 +239,8 @@ void keep_left(const std::vector<uintptr_t>& stages, uintptr_t model, uintptr_t 
     }
 }
 
-// Measures what hinges and servos did on each of s steps, from what a log keeps of them: `measure_drives`. Steps before
-// the first are counted already.
+// Measures postures, servo quantities and power of s logged steps, for `measure_drives`. Steps before `first` were counted
+// earlier.
 void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 5>& places, const Numbers& law,
                     const Numbers& figures, const Numbers& left, size_t first, const std::array<Result, 6>& found) {
     const auto& [angles, speeds, spans, supplied, aims] = log;
@@ -276,7 +276,7 @@ void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 
 
 }  // namespace
 
-NB_MODULE(_kernel, module) {
+void bind_sim(nb::module_& module) {
     nb::class_<MotionFrames>(module, "MotionFrames")
         .def(nb::init<>())
         .def("add_link", &add_link)

@@ -1,4 +1,4 @@
-// Forward kinematics of a whole motion: `sim/kinematics.py`, compiled. Postures are contiguous, so that lanes run along.
+// Forward kinematics of a whole motion, for `sim/kinematics.py`. Postures are contiguous in memory for SIMD lanes.
 
 #pragma once
 
@@ -10,17 +10,17 @@ namespace kinesic::sim {
 struct Turn {
     int joint;
     double axis[3];
-    bool aside;    // whether the axis misses the segment's origin
-    double at[3];  // [m] by how much
+    bool aside;    // whether the axis does not pass through the segment's origin
+    double at[3];  // [m] offset of the axis from the origin
 };
 
 struct Link {
     int parent;  // -1: the world
-    double origin[3];  // [m] in the parent
+    double origin[3];  // [m] in the parent's frame
     std::vector<Turn> turns;
 };
 
-// Rotations (s, 3, 3, m) and origins (s, 3, m) of the chosen segments, from sines and cosines (n, stride) of all turns.
+// Computes rotations (s, 3, 3, m) and origins (s, 3, m) of chosen segments from sines and cosines (n, stride) of hinges.
 struct MotionFrames {
     std::vector<Link> links;
 
@@ -66,7 +66,7 @@ private:
             if (a[(i + 1) % 3] == 0.0 && a[(i + 2) % 3] == 0.0) along = i;
         for (int i = 0; i < 3; ++i) {
             double* row = rotation + size_t(3 * i) * count;
-            if (along >= 0) {  // two columns turn in their plane
+            if (along >= 0) {  // the rotation only mixes two columns
                 double *first = row + size_t((along + 1) % 3) * count, *second = row + size_t((along + 2) % 3) * count;
                 for (int m = 0; m < count; ++m) {
                     const double s = sine[m] * a[along], u = first[m], v = second[m];

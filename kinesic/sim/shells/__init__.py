@@ -1,1 +1,1 @@
-"""Smooth housings that robots are drawn in: baked from their descriptions, read, and put into pictures."""
+"""Smooth outer shells of robots for pictures: design, meshing, files and drawing."""

@@ -1,7 +1,8 @@
-"""Bakes the shell of a robot: reads its TOML, writes NAME.npz beside it.
+"""Build the shell of a robot and write it to NAME.npz.
 
-Run by whoever changes a robot's shape, as `python -m kinesic.sim.shells.bake upper22 my_robot.toml`; nothing imports
-this at run time. Until then the robot is drawn as its capsules.
+The shell is built from the robot's TOML file and stored next to it. Run
+`python -m kinesic.sim.shells.bake upper22 my_robot.toml` after a change of a robot's shape. Nothing imports this module
+at run time. Without a current shell the robot is drawn with its capsules.
 """
 
 import sys
@@ -12,46 +13,46 @@ from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Segment
 from kinesic.sim.shells.distance import DistanceField, gradient
-from kinesic.sim.shells.housing import housings, plain_housing
-from kinesic.sim.shells.part import LINE, Housing
-from kinesic.sim.shells.shell import SUFFIX, SegmentShell, Shell, fingerprint, write_shell
-from kinesic.sim.shells.surface import cut, mesh_of
+from kinesic.sim.shells.housing import design_plain_housing, housings
+from kinesic.sim.shells.part import LINE_WIDTH, Housing
+from kinesic.sim.shells.shell import SHELL_SUFFIX, SegmentShell, Shell, fingerprint, write_shell
+from kinesic.sim.shells.surface import cut, triangulate
 
 
 def bake_shell(robot: Robot) -> Shell:
-    """Makes the shell of a robot."""
-    return Shell({name: _surface(housing) for name, housing in housings(robot)}, fingerprint(robot))
+    """Build the shell of a robot."""
+    return Shell({name: _make_surface(housing) for name, housing in housings(robot)}, fingerprint(robot))
 
 
 def bake_segment(robot: Robot, segment: Segment) -> SegmentShell:
-    """Makes the surface of one segment, of its shapes and servos alone."""
-    return _surface(plain_housing(robot, segment))
+    """Build the surface of one segment from its shapes and servos alone."""
+    return _make_surface(design_plain_housing(robot, segment))
 
 
-def _surface(housing: Housing) -> SegmentShell:
-    low, high = housing.held.min(axis=0) - 0.02, housing.held.max(axis=0) + 0.02
-    mesh = mesh_of(housing.solid, low, high, most=housing.triangles)
-    edges = [shifted for line in housing.lines for shifted in _edges(line)]
+def _make_surface(housing: Housing) -> SegmentShell:
+    lower, upper = housing.extreme_points.min(axis=0) - 0.02, housing.extreme_points.max(axis=0) + 0.02
+    mesh = triangulate(housing.solid, lower, upper, most=housing.triangles)
+    edges = [shifted for line in housing.lines for shifted in _list_edges(line)]
     mesh = cut(mesh, housing.solid, [*([] if housing.dark is None else [housing.dark]), *edges])
     middles = mesh.vertices[mesh.triangles].mean(axis=1)
     dark = np.zeros(len(middles), dtype=bool) if housing.dark is None else housing.dark(middles) < 0.0
     for line in housing.lines:
-        dark |= np.abs(line(middles)) < LINE / 2
+        dark |= np.abs(line(middles)) < LINE_WIDTH / 2
     normals = gradient(housing.solid, mesh.vertices)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
     corners = mesh.triangles.astype(np.uint16)
     return SegmentShell(sealed(mesh.vertices), sealed(normals), corners[~dark], corners[dark])
 
 
-def _edges(line: DistanceField) -> tuple[DistanceField, DistanceField]:
-    return lambda points: line(points) - LINE / 2, lambda points: line(points) + LINE / 2
+def _list_edges(line: DistanceField) -> tuple[DistanceField, DistanceField]:
+    return lambda points: line(points) - LINE_WIDTH / 2, lambda points: line(points) + LINE_WIDTH / 2
 
 
 def main(names: list[str]) -> None:
-    """Bakes the robots of these names or files."""
+    """Build and write the shells of robots given by name or file."""
     for name in names:
         robot = Robot.load(name, calibrated=False)
-        shell, out = bake_shell(robot), robot.path.with_suffix(SUFFIX)
+        shell, out = bake_shell(robot), robot.path.with_suffix(SHELL_SUFFIX)
         write_shell(shell, out)
         count = sum(len(surface.triangles) for surface in shell.segments.values())
         sys.stdout.write(f"{out}: {len(shell.segments)} surfaces, {count} triangles, {out.stat().st_size} bytes\n")

@@ -1,4 +1,4 @@
-"""Puts a shell into MuJoCo's model, in place of capsules, servos and rods."""
+"""Shell geoms in the MuJoCo model, which replace capsules, servos and rods."""
 
 from collections.abc import Mapping
 
@@ -9,37 +9,37 @@ from kinesic.body.robot import Robot
 from kinesic.sim.model import capsule_name
 from kinesic.sim.shells.shell import Corners, SegmentShell, Shell
 
-GROUP = 2  # of shapes that are only seen
-INVISIBLE = (0.0, 0.0, 0.0, 0.0)
+SHELL_GROUP = 2  # MuJoCo geom group of shapes without contacts
+INVISIBLE_COLOUR = (0.0, 0.0, 0.0, 0.0)  # RGBA colour that hides shapes inside the shell
 Colour = tuple[float, ...]
 
 
 def add_shell(spec: mujoco.MjSpec, robot: Robot, shell: Shell, *, colours: Mapping[str, Colour], joint: Colour) -> None:
-    """Draws a robot in its shell: it weighs nothing, and what it hides is no longer drawn.
+    """Add a shell's massless meshes and hide the shapes inside.
 
     Args:
-        spec: that grows.
-        robot: whose model it describes.
-        shell: of the robot.
-        colours: segment -> colour of its housing.
-        joint: colour of what is dark.
+        spec: Model that is changed.
+        robot: Robot of the model.
+        shell: Shell of the robot.
+        colours: Segment -> colour of its housing.
+        joint: Colour of joints and panel lines.
     """
     for segment in robot.skeleton.segments:
         for k in range(len(segment.capsules)):
-            spec.geom(capsule_name(segment.name, k)).rgba = INVISIBLE
+            spec.geom(capsule_name(segment.name, k)).rgba = INVISIBLE_COLOUR
     for name in robot.skeleton.names:
-        spec.geom(f"{name}_servo").rgba = INVISIBLE
+        spec.geom(f"{name}_servo").rgba = INVISIBLE_COLOUR
     for name, surface in shell.segments.items():
         for kind, corners, colour in (("shell", surface.shell, colours[name]), ("joint", surface.joint, joint)):
             if len(corners):
-                _add_surface(spec, name, f"{name}_{kind}", _part(surface, corners), colour)
+                _add_surface(spec, name, f"{name}_{kind}", _extract_triangles(surface, corners), colour)
 
 
-def _part(surface: SegmentShell, corners: Corners) -> SegmentShell:
-    """The vertices that some triangles need, alone."""
-    used, placed = np.unique(corners, return_inverse=True)
-    triangles = placed.reshape(-1, 3).astype(np.uint16)
-    return SegmentShell(surface.vertices[used], surface.normals[used], triangles, triangles[:0])
+def _extract_triangles(surface: SegmentShell, corners: Corners) -> SegmentShell:
+    """Return the given triangles with only the vertices that they use."""
+    used_vertices, new_indices = np.unique(corners, return_inverse=True)
+    triangles = new_indices.reshape(-1, 3).astype(np.uint16)
+    return SegmentShell(surface.vertices[used_vertices], surface.normals[used_vertices], triangles, triangles[:0])
 
 
 def _add_surface(spec: mujoco.MjSpec, segment: str, name: str, surface: SegmentShell, colour: Colour) -> None:
@@ -57,7 +57,7 @@ def _add_surface(spec: mujoco.MjSpec, segment: str, name: str, surface: SegmentS
         type=mujoco.mjtGeom.mjGEOM_MESH,
         meshname=name,
         rgba=colour,
-        group=GROUP,
+        group=SHELL_GROUP,
         mass=0,
         contype=0,
         conaffinity=0,

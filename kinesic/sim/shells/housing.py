@@ -1,8 +1,8 @@
-"""The design of a robot's shells: which solids make up each segment, what of it is dark, and where its lines are.
+"""Shell design: solids, dark regions and panel lines of each segment.
 
-Everything is derived from the description: shapes and servos are enclosed, limbs are tapered from joint to joint, the
-trunk is as wide and as deep at each height as its shapes, the head has a front on which a curved screen can sit.
-Segments that no hinge parts share one surface, that of the one nearest to the root.
+All of it follows from the description: shapes and servos are enclosed, limbs taper from joint to joint, the trunk is as
+wide and as deep at each height as its shapes, and the head has a front that fits a curved screen. Segments without a
+hinge between them have one common surface, that of the segment nearest to the root.
 """
 
 from collections.abc import Iterator
@@ -11,12 +11,12 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.body.skeleton import Segment
 from kinesic.sim.shells.distance import blended_union
 from kinesic.sim.shells.limbs import finger, hand, limb
-from kinesic.sim.shells.part import BLEND, BUDGET, Housing, ShellPart, boxed, own_shape
+from kinesic.sim.shells.part import BLEND_RADIUS, TRIANGLE_BUDGET, Housing, ShellPart, enclose_capsule, enclose_in_box
 from kinesic.sim.shells.trunk import head, trunk
 
 
 def housings(robot: Robot) -> Iterator[tuple[str, Housing]]:
-    """Yields the housing of each segment that has one."""
+    """Yield the name and housing of each segment that has a housing."""
     moving = {hinge.segment for hinge in robot.skeleton.hinges}
     moving |= {coupling.segment for coupling in robot.skeleton.couplings}
     skull = robot.chains.get("neck", ("",))[-1]
@@ -39,8 +39,8 @@ def housings(robot: Robot) -> Iterator[tuple[str, Housing]]:
             yield segment.name, trunk(part, moving | arms)
 
 
-def plain_housing(robot: Robot, segment: Segment) -> Housing:
-    """Encloses shapes and servos of a segment as they are, flowing into one another."""
+def design_plain_housing(robot: Robot, segment: Segment) -> Housing:
+    """Return a smooth housing around a segment's shapes and servos."""
     part = ShellPart(robot, segment)
-    solids = [*(own_shape(c) for c in part.capsules), *(boxed(servo) for servo in part.servos)]
-    return Housing(blended_union(solids, BLEND), None, (), part.held, BUDGET["limb"])
+    solids = [*(enclose_capsule(c) for c in part.capsules), *(enclose_in_box(servo) for servo in part.servos)]
+    return Housing(blended_union(solids, BLEND_RADIUS), None, (), part.extreme_points, TRIANGLE_BUDGET["limb"])

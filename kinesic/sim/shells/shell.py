@@ -1,7 +1,7 @@
-"""The housing of a robot: one smooth mesh for each segment, kept in a file beside the robot's TOML.
+"""Shell of a robot: one smooth mesh for each segment.
 
-Nothing of it weighs or touches anything: physics keeps the capsules. A file says which description it was made from;
-that of another one is not drawn.
+It is stored next to the robot's TOML file. The shell has no mass and no contacts: physics uses the capsules. A shell
+file contains a fingerprint of the description from which it was built. A shell of a different description is not drawn.
 """
 
 from collections.abc import Mapping
@@ -17,61 +17,71 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.files.array_file import integers_of, numbers_of, read_arrays, text_of
 
-SUFFIX = ".npz"
-LARGEST_SHELL = 2_000_000  # [bytes] of a file
-UNPACKED = 20_000_000  # [bytes] of what it holds
-MOST_VERTICES = 60_000  # of one segment: its triangles count them with 16 bits
-TINY = 1e-7  # [m] below which descriptions are the same
+SHELL_SUFFIX = ".npz"  # suffix of shell files
+MAX_FILE_SIZE = 2_000_000  # [bytes] largest shell file
+MAX_UNPACKED_SIZE = 20_000_000  # [bytes] largest total size of a shell file's arrays
+FINGERPRINT_RESOLUTION = 1e-7  # [m] smaller differences do not change the fingerprint
 Corners = NDArray[np.uint16]
 
 
 @dataclass(frozen=True, eq=False)
 class SegmentShell:
-    """The surface of one segment: the housing and, darker, what turns or parts it."""
+    """Surface of one segment: light housing, and dark joints and panel lines."""
 
-    vertices: Floats  # (v, 3) [m] in the segment
-    normals: Floats  # (v, 3) unit, outward
-    shell: Corners  # (t, 3) anticlockwise from outside
-    joint: Corners  # (u, 3) likewise: joints and panel lines
+    vertices: Floats  # (v, 3) [m] in the segment's frame
+    normals: Floats  # (v, 3) outward unit vectors
+    shell: Corners  # (t, 3) light triangles, counterclockwise from outside
+    joint: Corners  # (u, 3) dark triangles of joints and panel lines
 
     @property
     def triangles(self) -> Corners:
-        """(t + u, 3) all of it."""
+        """All triangles of the housing and the joints, (t + u, 3)."""
         return np.concatenate([self.shell, self.joint])
 
 
 @dataclass(frozen=True, eq=False)
 class Shell:
-    """The surfaces of a robot, by segment; one that is missing is hidden by another one."""
+    """Surfaces of a robot by segment.
+
+    A segment without a surface is hidden inside another one.
+    """
 
     segments: Mapping[str, SegmentShell]
     made_from: str  # fingerprint of the description
 
 
-def shell_of(robot: Robot) -> Shell | None:
-    """Reads the shell of a robot; None where there is none, where it is another's, or where the robot has a skin.
+def load_shell(robot: Robot) -> Shell | None:
+    """Read the shell of a robot.
+
+    Returns:
+        None if there is no file, if it belongs to another description, or if the robot has a skin.
 
     Raises:
-        ConfigError: its file is broken.
+        ConfigError: the file is broken.
     """
-    if robot.skin is not None or not (path := robot.path.with_suffix(SUFFIX)).is_file():
+    if robot.skin is not None or not (path := robot.path.with_suffix(SHELL_SUFFIX)).is_file():
         return None
     shell = read_shell(path)
     if shell.made_from != fingerprint(robot):
         return None
-    if unknown := shell.segments.keys() - {segment.name for segment in robot.skeleton.segments}:
-        raise ConfigError(f"{path}: a shell of {min(unknown)}, which {robot.path.name} has not; delete it")
+    if extra_segments := shell.segments.keys() - {segment.name for segment in robot.skeleton.segments}:
+        raise ConfigError(
+            f"{path}: has a shell of segment {min(extra_segments)}, which {robot.path.name} lacks; delete it"
+        )
     return shell
 
 
 def is_stale(robot: Robot) -> bool:
-    """Says whether there is a shell beside the robot's file that was made from another description."""
-    path = robot.path.with_suffix(SUFFIX)
+    """Return whether the shell file belongs to another version of the description."""
+    path = robot.path.with_suffix(SHELL_SUFFIX)
     return robot.skin is None and path.is_file() and read_shell(path).made_from != fingerprint(robot)
 
 
 def fingerprint(robot: Robot) -> str:
-    """Tells apart what shells are made from: segments, their shapes, hinges, servos and eyes."""
+    """Return a hash of the description that determines the shell.
+
+    It covers segments with their shapes, hinges, servos and eyes.
+    """
     skeleton, eyes = robot.skeleton, robot.sites.get("eyes")
     words: list[str] = []
     for segment in skeleton.segments:
@@ -88,11 +98,14 @@ def fingerprint(robot: Robot) -> str:
 
 
 def _spell(values: Floats) -> str:
-    return " ".join(str(round(float(value) / TINY)) for value in values)
+    return " ".join(str(round(float(value) / FINGERPRINT_RESOLUTION)) for value in values)
 
 
 def write_shell(shell: Shell, path: Path) -> None:
-    """Writes a shell: places in steps of a 32767th of the largest one, normals in steps of a 127th."""
+    """Write a shell file.
+
+    Positions are rounded to the largest coordinate / 32767, normals to 1 / 127.
+    """
     surfaces = shell.segments.values()
     step = max((float(np.abs(s.vertices).max()) for s in surfaces if len(s.vertices)), default=1.0) / 32767
     counts = [(len(s.vertices), len(s.shell), len(s.joint)) for s in surfaces]
@@ -110,26 +123,26 @@ def write_shell(shell: Shell, path: Path) -> None:
 
 
 def read_shell(path: Path) -> Shell:
-    """Reads a shell.
+    """Read a shell file.
 
     Raises:
-        ConfigError: the file is broken, or holds more than a robot's shell does.
+        ConfigError: the file is broken or larger than a shell can be.
     """
     try:
-        if (size := path.stat().st_size) > LARGEST_SHELL:
-            raise ValueError(f"{size} bytes: at most {LARGEST_SHELL} are taken")
-        return _unpacked(read_arrays(path, max_size=UNPACKED))
+        if (size := path.stat().st_size) > MAX_FILE_SIZE:
+            raise ValueError(f"{size} bytes, must be at most {MAX_FILE_SIZE}")
+        return _unpack(read_arrays(path, max_size=MAX_UNPACKED_SIZE))
     except (ValueError, OSError, OverflowError) as error:
         raise ConfigError(
-            f"{path}: no shell of a robot ({error}); delete it, or make it anew: python -m kinesic.sim.shells.bake "
+            f"{path}: not a valid robot shell ({error}); delete it or rebuild it: python -m kinesic.sim.shells.bake "
             f"{path.with_suffix('.toml').name}"
         ) from None
 
 
-def _unpacked(data: Mapping[str, NDArray[np.generic]]) -> Shell:
+def _unpack(data: Mapping[str, NDArray[np.generic]]) -> Shell:
     step, made_from = float(numbers_of(data, "step", 0)), str(text_of(data, "made_from", 0))
     if not 0.0 < step < 1.0:
-        raise ValueError(f"its step is {step} m")
+        raise ValueError(f"step is {step} m, must be in (0, 1)")
     names, counts = text_of(data, "names", 1), integers_of(data, "counts", 2).astype(np.int64)
     vertices = numbers_of(data, "vertices", 2).astype(np.float64) * step
     normals = numbers_of(data, "normals", 2).astype(np.float64) / 127
@@ -143,13 +156,13 @@ def _unpacked(data: Mapping[str, NDArray[np.generic]]) -> Shell:
         or normals.shape != (sums[0], 3)
         or triangles.shape != (sums[1] + sums[2], 3)
     ):
-        raise ValueError("its numbers are not as many as it says")
-    found, v, t = {}, 0, 0
-    for name, (many, light, dark) in zip(names, counts.tolist(), strict=True):
-        corners = triangles[t : t + light + dark]
-        if len(corners) and int(corners.max()) >= many:
-            raise ValueError(f"a triangle of {name} has a corner that is none")
-        places, directions = sealed(vertices[v : v + many]), sealed(normals[v : v + many])
-        found[str(name)] = SegmentShell(places, directions, corners[:light], corners[light:])
-        v, t = v + many, t + light + dark
-    return Shell(found, made_from)
+        raise ValueError("array sizes contradict the counts")
+    segments, v, t = {}, 0, 0
+    for name, (vertex_count, shell_count, joint_count) in zip(names, counts.tolist(), strict=True):
+        corners = triangles[t : t + shell_count + joint_count]
+        if len(corners) and int(corners.max()) >= vertex_count:
+            raise ValueError(f"a triangle of {name} has an invalid vertex index")
+        places, directions = sealed(vertices[v : v + vertex_count]), sealed(normals[v : v + vertex_count])
+        segments[str(name)] = SegmentShell(places, directions, corners[:shell_count], corners[shell_count:])
+        v, t = v + vertex_count, t + shell_count + joint_count
+    return Shell(segments, made_from)

@@ -1,4 +1,4 @@
-"""The design of what stands, bends and looks: pelvis, trunk and head."""
+"""Shell design of pelvis, trunk and head."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -23,87 +23,111 @@ from kinesic.sim.shells.distance import (
     sharp_union,
 )
 from kinesic.sim.shells.part import (
-    BLEND,
-    BUDGET,
-    FOOT,
+    BLEND_RADIUS,
+    EDGE_ROUNDING,
+    FOOT_PLATE,
     FRONT_RADIUS,
-    SKIN,
-    SOFT,
-    VISOR,
+    SKIN_THICKNESS,
+    TRIANGLE_BUDGET,
+    VISOR_HALF_SIZE,
     Housing,
     ShellPart,
-    boxed,
-    drum_about,
+    enclose_in_box,
+    enclose_in_drum,
 )
 
-MIDLINE = 0.004  # [m] nearer to it is on it
-SHAPE_SPACING = 0.005  # [m] between the heights of two lateral shapes, at least
-UP = sealed([0.0, 0.0, 1.0])
+MIDLINE_TOLERANCE = 0.004  # [m] largest distance of a point on the midline
+MIN_SHAPE_SPACING = 0.005  # [m] smallest height difference of two lateral shapes
+UP_AXIS = sealed([0.0, 0.0, 1.0])  # unit vector in the world and in trunk segments
 
 
 def head(part: ShellPart) -> Housing:
-    """A rounded block with a front that is bent about the upright axis, and a visor where the eyes are."""
-    big, size = max(part.capsules, key=lambda c: c.radius), part.robot.arm_length
-    middle, tall = (big.start + big.end) / 2, abs(float((big.end - big.start)[2])) / 2
-    half = np.array([0.975 * big.radius, 1.08 * big.radius, tall + 0.99 * big.radius])
-    block = box(middle, half, 0.72 * big.radius)
+    """Design the housing of the head.
+
+    It is a rounded block with a front bent around the vertical axis, and a visor around the eyes.
+    """
+    largest, size = max(part.capsules, key=lambda c: c.radius), part.robot.arm_length
+    middle, half_height_of_head = (largest.start + largest.end) / 2, abs(float((largest.end - largest.start)[2])) / 2
+    half = np.array([0.975 * largest.radius, 1.08 * largest.radius, half_height_of_head + 0.99 * largest.radius])
+    block = box(middle, half, 0.72 * largest.radius)
     eyes = part.robot.sites.get("eyes")
-    bend = max(FRONT_RADIUS * size, 1.2 * big.radius)
+    bend = max(FRONT_RADIUS * size, 1.2 * largest.radius)
     front = middle + (half[0] - bend) * np.array([1.0, 0.0, 0.0])
-    solids = [rounded_intersection(block, drum(front, UP, bend, 4 * big.radius, 0.01), 0.008)]
-    solids += [boxed(servo, 2 * SOFT) for servo in part.servos]
-    seam = half_space(np.array([1.0, 0.0, 0.0]), float(middle[0] - 0.3 * big.radius))
+    solids = [rounded_intersection(block, drum(front, UP_AXIS, bend, 4 * largest.radius, 0.01), 0.008)]
+    solids += [enclose_in_box(servo, 2 * EDGE_ROUNDING) for servo in part.servos]
+    seam = half_space(np.array([1.0, 0.0, 0.0]), float(middle[0] - 0.3 * largest.radius))
     dark = None
     if eyes is not None and eyes.segment == part.segment.name and eyes.facing[0] > 0.9:
-        dark = _visor(eyes.position, VISOR[0] * size, VISOR[1] * size)
-    return Housing(blended_union(solids, 2.5 * BLEND), dark, (seam,), part.held, BUDGET["head"])
+        dark = _make_visor(eyes.position, VISOR_HALF_SIZE[0] * size, VISOR_HALF_SIZE[1] * size)
+    return Housing(
+        blended_union(solids, 2.5 * BLEND_RADIUS), dark, (seam,), part.extreme_points, TRIANGLE_BUDGET["head"]
+    )
 
 
-def _visor(eyes: Floats, wide: float, high: float) -> DistanceField:
-    """Makes the solid in front of a rounded rectangle about the eyes."""
+def _make_visor(eyes: Floats, half_width: float, half_height: float) -> DistanceField:
+    """Return the distance field of a rounded rectangular prism at the eyes."""
 
     def field(points: Floats) -> Floats:
-        across, up = (points[:, 1] - eyes[1]) / wide, (points[:, 2] - eyes[2]) / high
-        rim = ((across**4 + up**4) ** 0.25 - 1.0) * high
-        return np.asarray(np.where(points[:, 0] > eyes[0] - 0.6 * wide, rim, high))
+        across, up = (points[:, 1] - eyes[1]) / half_width, (points[:, 2] - eyes[2]) / half_height
+        rim = ((across**4 + up**4) ** 0.25 - 1.0) * half_height
+        return np.asarray(np.where(points[:, 0] > eyes[0] - 0.6 * half_width, rim, half_height))
 
     return field
 
 
 def trunk(part: ShellPart, moving: set[str]) -> Housing:
-    """Designs the shell of a part of the trunk: a loft through lateral shapes, bars, and drums and boxes for servos."""
-    parts, standing = list(_rigid(part, moving)), part.segment.parent is None
-    capsules = [c for each in parts for c in each.capsules]
-    lateral = _lateral(capsules)
+    """Design the housing of a part of the trunk.
+
+    It is a loft through lateral shapes, with bars, and drums and boxes around servos.
+    """
+    parts, standing = list(_list_rigid_parts(part, moving)), part.segment.parent is None
+    capsules = [c for member in parts for c in member.capsules]
+    lateral = _select_lateral(capsules)
     others = [c for c in capsules if c not in lateral]
-    solids = [*_bars(others, standing=standing)]
+    solids = [*_list_bars(others, standing=standing)]
     if lateral:
-        solids.insert(0, _lofted(lateral, standing=standing))
-    for servo in (servo for each in parts for servo in each.servos):
-        centred = np.linalg.norm(servo.centre[:2]) < MIDLINE
-        solids.append(drum_about(servo, servo.centre, UP)[0] if centred else boxed(servo))
-    dark = [*_joints(parts), *_waists(lateral, others, standing=standing)]
-    lines = [half_space(UP, (float(a.start[2]) + float(b.start[2])) / 2) for a, b in pairwise(lateral)]
-    held = np.concatenate([each.held for each in parts])
-    return Housing(blended_union(solids, 1.5 * BLEND), sharp_union(dark), tuple(lines), held, BUDGET["trunk"])
+        solids.insert(0, _loft_capsules(lateral, standing=standing))
+    for servo in (servo for member in parts for servo in member.servos):
+        centred = np.linalg.norm(servo.centre[:2]) < MIDLINE_TOLERANCE
+        solids.append(enclose_in_drum(servo, servo.centre, UP_AXIS)[0] if centred else enclose_in_box(servo))
+    dark = [*_list_joint_balls(parts), *_list_waists(lateral, others, standing=standing)]
+    lines = [half_space(UP_AXIS, (float(a.start[2]) + float(b.start[2])) / 2) for a, b in pairwise(lateral)]
+    extreme_points = np.concatenate([member.extreme_points for member in parts])
+    return Housing(
+        blended_union(solids, 1.5 * BLEND_RADIUS),
+        sharp_union(dark),
+        tuple(lines),
+        extreme_points,
+        TRIANGLE_BUDGET["trunk"],
+    )
 
 
-def _lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
-    """Picks the capsules that lie across the midline, from below, each clearly above the one before."""
-    found: list[Capsule] = []
+def _select_lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
+    """Select the capsules that lie across the midline.
+
+    They are sorted upwards, each clearly above the previous one.
+    """
+    selected: list[Capsule] = []
     for shape in sorted(capsules, key=lambda c: float(c.start[2])):
-        way, middle = np.abs(shape.end - shape.start), (shape.start + shape.end) / 2
-        across = way[1] >= way[2] and way[0] < MIDLINE and np.abs(middle[:2]).max() < MIDLINE
-        if across and (not found or shape.start[2] - found[-1].start[2] > SHAPE_SPACING):
-            found.append(shape)
-    return found
+        axis_vector, middle = np.abs(shape.end - shape.start), (shape.start + shape.end) / 2
+        across = (
+            axis_vector[1] >= axis_vector[2]
+            and axis_vector[0] < MIDLINE_TOLERANCE
+            and np.abs(middle[:2]).max() < MIDLINE_TOLERANCE
+        )
+        if across and (not selected or shape.start[2] - selected[-1].start[2] > MIN_SHAPE_SPACING):
+            selected.append(shape)
+    return selected
 
 
-def _lofted(lateral: Sequence[Capsule], *, standing: bool) -> DistanceField:
-    """A trunk through its shapes: a single one gets some height, and what bends reaches down to what bears it."""
+def _loft_capsules(lateral: Sequence[Capsule], *, standing: bool) -> DistanceField:
+    """Return the distance field of a loft through lateral capsules.
+
+    A single capsule gets some height. The loft of a moving part is extended down to the segment below.
+    """
     heights = np.array([float(c.start[2]) for c in lateral])
     widths = np.array([abs(float((c.end - c.start)[1])) / 2 for c in lateral])
-    radii = np.array([c.radius + SKIN for c in lateral])
+    radii = np.array([c.radius + SKIN_THICKNESS for c in lateral])
     if len(lateral) == 1:
         return loft(heights[0] + np.array([-0.3, 0.22]) * radii[0], np.tile(widths, 2), np.tile(radii, 2))
     if not standing:
@@ -112,41 +136,52 @@ def _lofted(lateral: Sequence[Capsule], *, standing: bool) -> DistanceField:
     return loft(heights, widths, radii)
 
 
-def _bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yields what is not lateral, a little slimmer, and the plate on which a column stands."""
+def _list_bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
+    """Yield bars along capsules, and a standing column's base plate."""
     for shape in shapes:
         yield cone(shape.start, shape.end, 0.95 * shape.radius, 0.95 * shape.radius)
     columns = [c for c in shapes if np.ptp([c.start[2], c.end[2]]) > 4 * c.radius]
     if standing and columns:
         radius = columns[0].radius
-        low = min(columns[0].start, columns[0].end, key=lambda end: float(end[2]))
-        yield drum(low - (radius - 2 * FOOT[1]) * UP, UP, FOOT[0] * radius, FOOT[1], 0.8 * FOOT[1])
+        lowest = min(columns[0].start, columns[0].end, key=lambda end: float(end[2]))
+        yield drum(
+            lowest - (radius - 2 * FOOT_PLATE[1]) * UP_AXIS,
+            UP_AXIS,
+            FOOT_PLATE[0] * radius,
+            FOOT_PLATE[1],
+            0.8 * FOOT_PLATE[1],
+        )
 
 
-def _waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yields what is dark: a neck, the lower end of what bends, the upper end of what bears it."""
+def _list_waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
+    """Yield the dark regions of a trunk part.
+
+    These are the neck, the lower end of a moving part and the upper end of a standing part.
+    """
     if not lateral:
         return
-    low, high = lateral[0], lateral[-1]
-    if any(c.end[2] > high.start[2] + high.radius for c in others):
-        yield half_space_above(float(high.start[2]) + 0.93 * high.radius)
+    lowest, half_height = lateral[0], lateral[-1]
+    if any(c.end[2] > half_height.start[2] + half_height.radius for c in others):
+        yield half_space_above(float(half_height.start[2]) + 0.93 * half_height.radius)
     yield (
-        half_space_above(float(high.start[2]) + 0.85 * high.radius)
+        half_space_above(float(half_height.start[2]) + 0.85 * half_height.radius)
         if standing
-        else half_space_below(float(low.start[2]) - 0.55 * low.radius)
+        else half_space_below(float(lowest.start[2]) - 0.55 * lowest.radius)
     )
 
 
-def _rigid(part: ShellPart, moving: set[str]) -> Iterator[ShellPart]:
-    """Yields a part and all that is fixed to it."""
+def _list_rigid_parts(part: ShellPart, moving: set[str]) -> Iterator[ShellPart]:
+    """Yield a part and all parts fixed to it."""
     yield part
     for child in part.children:
         if child.name not in moving:
-            yield from _rigid(ShellPart(part.robot, child, sealed(part.origin + child.origin_in_parent)), moving)
+            yield from _list_rigid_parts(
+                ShellPart(part.robot, child, sealed(part.origin + child.origin_in_parent)), moving
+            )
 
 
-def _joints(parts: Sequence[ShellPart]) -> Iterator[DistanceField]:
-    """Yields balls about the places where arms begin."""
+def _list_joint_balls(parts: Sequence[ShellPart]) -> Iterator[DistanceField]:
+    """Yield balls around the positions where arms begin."""
     for part in parts:
         arms = {name for side in SIDES for name in part.robot.arm(side).segments}
         for child in part.children:

@@ -1,1 +1,1 @@
-"""Steps the twin's physics, and keeps what each step did."""
+"""Physics steps of the twin and the log of each step."""

@@ -1,4 +1,4 @@
-"""Finds where MuJoCo keeps what a compiled loop needs, so that it steps the physics without Python between."""
+"""Addresses of MuJoCo functions and options for a compiled loop."""
 
 import ctypes
 from dataclasses import dataclass
@@ -9,61 +9,81 @@ import mujoco
 
 from kinesic.body.arrays import Floats, Indices
 
-MARK = 0.0012345678912345  # [s] a timestep that nothing else is
-OPTIONS = 32  # numbers at most from the timestep, which is the first of MuJoCo's options, to gravity
-WORD = ctypes.sizeof(ctypes.c_double)
+MARKER_TIMESTEP = 0.0012345678912345  # [s] distinctive timestep, by which its address is found
+MAX_OPTION_WORDS = 32  # largest number of doubles between the addresses of MuJoCo's timestep and gravity
+DOUBLE_SIZE = ctypes.sizeof(ctypes.c_double)  # [bytes] size of a C double
 
 
 @dataclass(frozen=True, eq=False)
 class TwinParts:
-    """A twin's physics for a compiled loop; the arrays are MuJoCo's own."""
+    """Addresses and arrays of a twin's physics for a compiled loop.
+
+    MuJoCo owns the arrays.
+    """
 
     step: int  # address of the function `mj_step`
-    model: int  # address
-    data: int  # address
-    clock: int  # address of the pointer to the function by which MuJoCo times its stages; 0: there is none
-    timestep: int  # address, within the model
+    model: int  # address of mjModel
+    data: int  # address of mjData
+    clock: int  # address of MuJoCo's timer callback `mjcb_time`; 0: none
+    timestep: int  # address within the model
     positions: Floats  # (q,) [rad] qpos
-    speeds: Floats  # (q,) [rad/s] qvel
+    velocities: Floats  # (q,) [rad/s] qvel
     control: Floats  # (u,) [rad] ctrl
-    hinges: Indices  # (n,) places in qpos
-    play: Indices  # (n,) places of the play of gears in qpos; (0,) where they have none
-    actuators: Indices  # (n,) places in ctrl
-    ticks: Floats  # (n,) [rad] to which goals and positions are rounded; (0,): they are not
-    longest: float  # [s] of a step
-    latency: float  # [s] of goals
+    hinges: Indices  # (n,) indices in qpos
+    play: Indices  # (n,) indices of backlash joints in qpos; (0,) without backlash
+    actuators: Indices  # (n,) indices in ctrl
+    ticks: Floats  # (n,) [rad] rounding unit of setpoints and positions; (0,): no rounding
+    longest: float  # [s] longest step
+    latency: float  # [s] from a command until its setpoints act
 
 
 @cache
 def function_address(name: str) -> int | None:
-    """Finds the address of a function or a variable of the library that Python's MuJoCo has loaded; None: no such."""
+    """Return the address of a name in the loaded MuJoCo library.
+
+    The name belongs to a function or a variable.
+
+    Returns:
+        None if the library has no such name.
+    """
     for library in sorted(Path(mujoco.__file__).parent.glob("libmujoco*")):
         try:
-            found = getattr(ctypes.CDLL(str(library)), name)
+            value = getattr(ctypes.CDLL(str(library)), name)
         except (OSError, AttributeError):
             continue
-        return ctypes.cast(found, ctypes.c_void_p).value
+        return ctypes.cast(value, ctypes.c_void_p).value
     return None
 
 
 def timestep_address(model: mujoco.MjModel) -> int | None:
-    """Finds the address of a model's timestep; None where it does not stand a little before gravity."""
-    offset = _timestep_offset()
+    """Return the address of a model's timestep.
+
+    Returns:
+        None if the timestep is not stored shortly before gravity.
+    """
+    offset = _find_timestep_offset()
     if offset is None:
         return None
     address = int(model._address) + offset
-    found = ctypes.c_double.from_address(address).value
-    return address if found == model.opt.timestep else None
+    value = ctypes.c_double.from_address(address).value
+    return address if value == model.opt.timestep else None
 
 
 @cache
-def _timestep_offset() -> int | None:
-    """Bytes from the start of any model to its timestep, by looking for a mark among its options."""
+def _find_timestep_offset() -> int | None:
+    """Return the timestep's offset [bytes] from the start of a model.
+
+    The timestep is found by a marker value that is unique among the options.
+    """
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
     gravity = model.opt.gravity.__array_interface__["data"][0]
-    if gravity - OPTIONS * WORD < model._address:
+    if gravity - MAX_OPTION_WORDS * DOUBLE_SIZE < model._address:
         return None
-    model.opt.timestep = MARK
-    words = (ctypes.c_double * OPTIONS).from_address(gravity - OPTIONS * WORD)
-    marked = [k for k, word in enumerate(words) if word == MARK]
-    return gravity - OPTIONS * WORD + marked[0] * WORD - int(model._address) if len(marked) == 1 else None
+    model.opt.timestep = MARKER_TIMESTEP
+    words = (ctypes.c_double * MAX_OPTION_WORDS).from_address(gravity - MAX_OPTION_WORDS * DOUBLE_SIZE)
+    marker_indices = [k for k, word in enumerate(words) if word == MARKER_TIMESTEP]
+    return (
+        gravity - MAX_OPTION_WORDS * DOUBLE_SIZE + marker_indices[0] * DOUBLE_SIZE - int(model._address)
+        if len(marker_indices) == 1
+        else None
+    )

@@ -1,99 +1,83 @@
-"""Measures what hinges and servos did: postures of all steps of the physics, and the law of the servos on each.
-
-The compiled kernel does it in one pass over the steps; without it NumPy does the same.
-"""
+"""Postures, duties, torques and power from a log of physics steps."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, seal_own
+from kinesic._kernel import sim as kernel
+from kinesic.body.arrays import Floats, Indices, seal_in_place
 from kinesic.body.command import Power
 from kinesic.body.servo import Drives
-from kinesic.sim.kinematics import KERNEL
-from kinesic.sim.model import of_hinges
-from kinesic.sim.power import Spent, effort, power, windings_of
-from kinesic.sim.stepping.step_log import KeptSteps
-
-if KERNEL == "compiled":
-    from kinesic.sim import _kernel
+from kinesic.sim.power import Spent, list_windings
+from kinesic.sim.stepping.step_log import LoggedSteps
 
 
 @dataclass(frozen=True, eq=False)
 class DrivenMotion:
-    """Postures of all steps; the rest at the step of each command, for the goals that were in force."""
+    """Postures of all steps, and servo quantities at each command.
 
-    postures: Floats  # (s, n) [rad]
-    angles: Floats  # (m, n) [rad]
-    speeds: Floats  # (m, n) [rad/s]
-    duties: Floats  # (m, n) demanded, may exceed 1
-    torques: Floats  # (m, n) [Nm]
-    power: Power  # its energy is that of the stretches before, too
-    spent: Spent  # up to the last step
+    The servo quantities belong to the setpoints in force at the command.
+    """
+
+    postures: Floats  # (s, n) [rad] after each step
+    angles: Floats  # (m, n) [rad] at each command
+    velocities: Floats  # (m, n) [rad/s] at each command
+    duties: Floats  # (m, n) demanded duty cycle, may exceed 1
+    torques: Floats  # (m, n) [Nm] at each command
+    power: Power  # its energy includes previous windows
+    spent: Spent  # at the last step
 
 
 @dataclass(frozen=True, eq=False)
 class HingePlaces:
-    """Where hinges are among the joints of the physics."""
+    """Indices of the hinges among the joints of the physics."""
 
-    motors: Indices  # (n,) joints that servos drive
-    play: Indices  # (n,) joints of the gears' play; (0,) where they have none
+    motors: Indices  # (n,) joints driven by servos
+    play: Indices  # (n,) backlash joints; (0,) if gears have no backlash
 
 
 def measure_drives(
-    kept: KeptSteps, places: HingePlaces, names: tuple[str, ...], drives: Drives, before: Spent | None = None
+    log: LoggedSteps, places: HingePlaces, names: tuple[str, ...], drives: Drives, previous: Spent | None = None
 ) -> DrivenMotion:
-    """Measures a stretch of a motion up to its last command.
+    """Compute postures, servo quantities and power of one window of a motion.
+
+    The window ends at its last command.
 
     Args:
-        kept: all that the steps left.
-        places: of the hinges.
-        names: of the hinges.
-        drives: in joint order.
-        before: what was spent in the stretch before, whose last step is the first of these.
+        log: Logged steps of the physics.
+        places: Indices of the hinges.
+        names: Names of the hinges.
+        drives: Drives in joint order.
+        previous: Charge and temperature rise at the end of the previous window, whose last step is the first one here.
     """
-    if KERNEL == "compiled":
-        return _measure_compiled(kept, places, names, drives, before)
-    at, spans = kept.ends - 1, kept.spans
-    halves = kept.angles - (spans / 2)[:, None] * kept.speeds
-    postures, speeds = (of_hinges(values, places.motors, places.play) for values in (halves, kept.speeds))
-    in_force = np.repeat(kept.aims, np.diff(np.append(kept.begins, len(spans))), axis=0)
-    given = effort(drives, in_force - postures, speeds, supplied=kept.supplied)
-    drawn, spent = power(names, drives, given, spans=spans, counts=kept.ends.tolist(), before=before)
-    return DrivenMotion(
-        postures=seal_own(postures),
-        angles=seal_own(postures[at]),
-        speeds=seal_own(speeds[at]),
-        duties=seal_own(given.duties[at]),
-        torques=seal_own(given.loads[at] * drives.stall),
-        power=drawn,
-        spent=spent,
-    )
-
-
-def _measure_compiled(
-    kept: KeptSteps, places: HingePlaces, names: tuple[str, ...], drives: Drives, before: Spent | None
-) -> DrivenMotion:
-    shape, windings = (len(kept.ends), len(drives)), windings_of(names, drives)
-    postures, rows = np.empty((len(kept.spans), len(drives))), np.empty((4, *shape))
+    shape, windings = (len(log.ends), len(drives)), list_windings(names, drives)
+    postures, rows = np.empty((len(log.spans), len(drives))), np.empty((4, *shape))
     currents, rises = np.empty((2, shape[0])), np.empty((len(windings), shape[0]))
-    charge, warmth = (before.charge, before.warmth) if before else (np.zeros(len(drives)), np.zeros(len(windings)))
+    charge, warmth = (
+        (previous.charge, previous.warmth) if previous else (np.zeros(len(drives)), np.zeros(len(windings)))
+    )
     charge, warmth = charge.copy(), warmth.copy()
-    law = (drives.gain, drives.rate_gain / drives.stall, drives.no_load, drives.stall_current, drives.idle_current)
-    _kernel.measure_drives(
-        (kept.angles, kept.speeds, kept.spans, kept.supplied, kept.aims),
-        (kept.begins, kept.ends, places.motors, places.play, np.array([w.hinge for w in windings], dtype=np.intp)),
-        np.stack(law),
+    servo_parameters = (
+        drives.gain,
+        drives.rate_gain / drives.stall,
+        drives.no_load,
+        drives.stall_current,
+        drives.idle_current,
+    )
+    kernel.measure_drives(
+        (log.angles, log.velocities, log.spans, log.supplied, log.aims),
+        (log.begins, log.ends, places.motors, places.play, np.array([w.hinge for w in windings], dtype=np.intp)),
+        np.stack(servo_parameters),
         np.array([(w.loss, w.resistance) for w in windings]).reshape(-1, 2),
-        np.array([w.kept(kept.spans) for w in windings]).reshape(-1, len(kept.spans)),
-        0 if before is None else 1,
+        np.array([w.remaining_fraction(log.spans) for w in windings]).reshape(-1, len(log.spans)),
+        0 if previous is None else 1,
         (postures, rows, currents, rises, warmth, charge),
     )
-    volts = float(kept.supplied.min() * drives.volt.max())
-    mean, peak = (seal_own(row) for row in currents)
-    warming = {w.name: seal_own(rise) for w, rise in zip(windings, rises, strict=True)}
-    drawn = Power(mean=mean, peak=peak, energy=float(charge @ drives.volt), volts=volts, warming=warming)
+    volts = float(log.supplied.min() * drives.volt.max())
+    mean, peak = (seal_in_place(row) for row in currents)
+    temperature_rises = {w.name: seal_in_place(rise) for w, rise in zip(windings, rises, strict=True)}
+    power = Power(mean=mean, peak=peak, energy=float(charge @ drives.volt), volts=volts, warming=temperature_rises)
     rows[3] *= drives.stall
-    angles, speeds, duties, torques = (seal_own(row) for row in rows)
-    spent = Spent(seal_own(charge), seal_own(warmth))
-    return DrivenMotion(seal_own(postures), angles, speeds, duties, torques, drawn, spent)
+    angles, velocities, duties, torques = (seal_in_place(row) for row in rows)
+    spent = Spent(seal_in_place(charge), seal_in_place(warmth))
+    return DrivenMotion(seal_in_place(postures), angles, velocities, duties, torques, power, spent)

@@ -1,7 +1,7 @@
-"""Finds the stages of a step of the physics whose constraints are the friction of hinges alone.
+"""Stages of a physics step whose only constraints are hinge friction.
 
-The rows of friction are the same in any posture, and each is a hinge of its own: a compiled loop has MuJoCo make them
-once, and only replaces the matrix A + R that couples them. Where a hinge is beyond its stop, MuJoCo makes all anew.
+The rows of friction are the same in every posture, and each belongs to one hinge. A compiled loop has MuJoCo build them
+once and only updates the matrix A + R that couples them. When a hinge is beyond its stop, MuJoCo rebuilds all rows.
 
 Source: MuJoCo's documentation, chapter Computation: A = J M^-1 J^T is the inverse inertia of constraints with the
 Jacobian J, which is the identity here; R makes them soft; M = L^T D L. Names of fields are those of `mjData`.
@@ -17,8 +17,8 @@ from kinesic.body.arrays import Floats, Indices
 from kinesic.sim.stepping.addresses import function_address
 
 # Stages of `mj_step` in its order, without `mj_makeConstraint` and `mj_projectConstraint`.
-BEFORE = ("mj_checkPos", "mj_checkVel", "mj_kinematics", "mj_comPos", "mj_makeM", "mj_factorM")
-AFTER = (
+STAGES_BEFORE_CONSTRAINTS = ("mj_checkPos", "mj_checkVel", "mj_kinematics", "mj_comPos", "mj_makeM", "mj_factorM")
+STAGES_AFTER_CONSTRAINTS = (
     "mj_transmission",
     "mj_fwdVelocity",
     "mj_fwdActuation",
@@ -28,7 +28,7 @@ AFTER = (
     "mj_implicit",
 )
 
-PENDULUM = """
+PENDULUM_XML = """
 <mujoco>
   <option solver="PGS" jacobian="dense" integrator="implicitfast"/>
   <worldbody>
@@ -46,31 +46,42 @@ PENDULUM = """
 
 @dataclass(frozen=True, eq=False)
 class FrictionParts:
-    """Stages of a step, stops, and what A + R is made of; from `positions` on, arrays are MuJoCo's own."""
+    """Stage addresses, joint stops and arrays of a friction-only physics step.
 
-    before: Indices  # (k,) addresses of the stages up to the factors of the inertia
-    after: Indices  # (l,) addresses of those from then on
-    lower: Floats  # (n,) [rad] between which no stop acts
-    upper: Floats  # (n,) [rad] likewise
-    begins: Indices  # (n,) where each row of qLD begins, in its entries
-    ends: Indices  # (n,) where its diagonal is, which is its last
-    columns: Indices  # (c,) in which the entries stand
+    From `positions` on, the arrays belong to MuJoCo.
+    """
+
+    before: Indices  # (k,) addresses of the stages up to the factorisation of the inertia
+    after: Indices  # (l,) addresses of the later stages
+    lower: Floats  # (n,) [rad] angle below which a stop acts
+    upper: Floats  # (n,) [rad] angle above which a stop acts
+    begins: Indices  # (n,) index of the first entry of each row of qLD
+    ends: Indices  # (n,) index of the diagonal, the last entry of each row
+    columns: Indices  # (c,) column of each entry
     positions: Floats  # (n,) [rad] qpos
-    factor: Floats  # (c,) qLD, the entries of L, and D where its diagonal is
+    factor: Floats  # (c,) qLD, the entries of L, with D on the diagonal
     inverse_d: Floats  # (n,) qLDiagInv, 1 / D
     softness: Floats  # (n,) efc_R
     matrix: Floats  # (n * n,) efc_AR, A + R
 
 
 def find_friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: float) -> FrictionParts | None:
-    """Finds the stages and arrays of a model that touches nothing, before its first step; None: steps stay whole.
+    """Return MuJoCo stages and arrays for steps with friction alone.
+
+    Must be called before the first step.
 
     Args:
-        model: of which only the timestep changes from now on.
-        data: its first posture.
-        longest: [s] of a step.
+        model: Model of which only the timestep changes afterwards.
+        data: Data with the first posture.
+        longest: [s] longest step.
+
+    Returns:
+        None if steps must use `mj_step`.
     """
-    before, after = ([function_address(name) or 0 for name in stages] for stages in (BEFORE, AFTER))
+    before, after = (
+        [function_address(name) or 0 for name in stages]
+        for stages in (STAGES_BEFORE_CONSTRAINTS, STAGES_AFTER_CONSTRAINTS)
+    )
     if not all((*before, *after)) or not _is_as_expected(model, longest) or not stages_make_a_step():
         return None
     mujoco.mj_fwdPosition(model, data)
@@ -95,41 +106,50 @@ def find_friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: flo
 
 @cache
 def stages_make_a_step() -> bool:
-    """Tries whether these stages are all that `mj_step` does to a pendulum, whose matrix is the same in any posture."""
-    model = mujoco.MjModel.from_xml_string(PENDULUM)
-    whole, staged = mujoco.MjData(model), mujoco.MjData(model)
-    whole.ctrl[:] = staged.ctrl[:] = 1.0
-    mujoco.mj_step(model, whole, 3)
+    """Return whether the listed stages are equivalent to `mj_step` on a pendulum.
+
+    The constraint matrix of the pendulum is the same in every posture.
+    """
+    model = mujoco.MjModel.from_xml_string(PENDULUM_XML)
+    reference, staged = mujoco.MjData(model), mujoco.MjData(model)
+    reference.ctrl[:] = staged.ctrl[:] = 1.0
+    mujoco.mj_step(model, reference, 3)
     mujoco.mj_step(model, staged)
     try:
-        for name in (*BEFORE, *AFTER) * 2:
+        for name in (*STAGES_BEFORE_CONSTRAINTS, *STAGES_AFTER_CONSTRAINTS) * 2:
             getattr(mujoco, name)(model, staged)
-    except (AttributeError, TypeError):  # a version with another stage, or one that wants more than model and data
+    except (AttributeError, TypeError):  # a MuJoCo version with other stages or other arguments
         return False
-    return np.array_equal(whole.qpos, staged.qpos) and np.array_equal(whole.qvel, staged.qvel)
+    return np.array_equal(reference.qpos, staged.qpos) and np.array_equal(reference.qvel, staged.qvel)
 
 
 def _is_as_expected(model: mujoco.MjModel, longest: float) -> bool:
-    """Whether MuJoCo needs just this matrix of constraints, and makes the same rows with every timestep."""
+    """Return whether friction rows are the model's only constraints.
+
+    The rows must also be independent of the timestep.
+    """
     return bool(
-        mujoco.get_mjcb_control() is None  # somebody's own, which `mj_step` alone calls
+        mujoco.get_mjcb_control() is None  # only `mj_step` calls a user's control callback
         and model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT
         and model.opt.solver == mujoco.mjtSolver.mjSOL_PGS
         and model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
         and model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
         and (model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE).all()
-        and (model.dof_solref[:, 0] >= 2 * longest).all()  # shorter ones MuJoCo lengthens to two timesteps
+        and (model.dof_solref[:, 0] >= 2 * longest).all()  # MuJoCo raises smaller time constants to two timesteps
     )
 
 
 def _is_laid_out_as_expected(model: mujoco.MjModel, data: mujoco.MjData) -> bool:
-    """Whether MuJoCo keeps L row by row as it keeps M, beside 1 / D, and all of the matrix of constraints."""
-    of_hinges = (model.nv,)
+    """Return whether MuJoCo's matrices have the expected layout.
+
+    These are L, 1 / D and A + R.
+    """
+    hinge_shape = (model.nv,)
     try:
         return bool(
-            model.M_rowadr.shape == model.M_rownnz.shape == data.qLDiagInv.shape == data.efc_R.shape == of_hinges
+            model.M_rowadr.shape == model.M_rownnz.shape == data.qLDiagInv.shape == data.efc_R.shape == hinge_shape
             and model.M_colind.shape == data.qLD.shape
             and data.efc_AR.shape == (model.nv**2,)
         )
-    except AttributeError:  # a version with other names
+    except AttributeError:  # a MuJoCo version with other names
         return False

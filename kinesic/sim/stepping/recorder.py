@@ -1,12 +1,12 @@
-"""Measures what a twin does window by window, so that no more than a window of its steps has to be kept."""
+"""Twin recorder that works window by window to bound its memory."""
 
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats, Indices, seal_own, sealed
-from kinesic.body.command import Measurements, Power, TickRows
+from kinesic.body.arrays import Floats, Indices, seal_in_place, sealed
+from kinesic.body.command import Measurements, Power, SetpointRows
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
@@ -14,11 +14,14 @@ from kinesic.sim.power import Spent
 from kinesic.sim.stepping.driven_motion import DrivenMotion, HingePlaces, measure_drives
 from kinesic.sim.stepping.step_log import StepLog
 
-MOST_TICKS = np.iinfo(np.int16).max  # from zero, that two bytes hold
+MAX_INT16_TICKS = np.iinfo(np.int16).max  # largest setpoint in ticks that two bytes can hold
 
 
 class Recorder:
-    """Measures a motion window by window: it reads the steps of each once, and keeps one row for each command."""
+    """Measurements of a motion, one row per command.
+
+    Steps are measured in windows and read once.
+    """
 
     def __init__(
         self,
@@ -30,105 +33,125 @@ class Recorder:
         latency: float,
         ticks: Floats | None,
     ) -> None:
-        """Begins with nothing.
+        """Create a recorder without measurements.
 
         Args:
-            robot: as the twin has it.
-            distances: of the same.
-            places: of its hinges.
-            commands: how many there will be, m.
-            latency: [s] from a command's time until its goals reach the servos.
-            ticks: (n,) [rad] to which its goals are rounded; None: they are not.
+            robot: Description with the twin's factors applied.
+            distances: Self-distance of the robot.
+            places: Indices of the hinges.
+            commands: Total number of commands, m.
+            latency: [s] from a command's time until its setpoints reach the servos.
+            ticks: (n,) [rad] to which setpoints are rounded; None: no rounding.
         """
         self._robot, self._distances, self._places, self._latency = robot, distances, places, latency
-        self._commands, self._done, self._ticks = commands, 0, ticks
-        self._rows: dict[str, Floats] = {}  # (m, ...) each
-        self._counts: dict[str, NDArray[np.int16] | Floats] = {}  # (m, n) ticks each
+        self._commands, self._measured_count, self._ticks = commands, 0, ticks
+        self._rows: dict[str, Floats] = {}  # quantity -> (m, ...) one row per command
+        self._counts: dict[str, NDArray[np.int16] | Floats] = {}  # quantity -> (m, n) setpoints [ticks]
         self._pairs: list[tuple[str, str]] = []
-        self._spent: Spent | None = None  # up to the last step
-        self._energy, self._volts, self._warm = 0.0, inf, tuple[str, ...]()
-        self._last = np.empty((0, 0))  # (p, 1) [m] of each pair in the last posture; (0, 0) before there is one
-        self._least = inf  # [m] at any command so far
+        self._spent: Spent | None = None  # at the last step of the previous window
+        self._energy, self._volts, self._winding_names = 0.0, inf, tuple[str, ...]()
+        self._last = np.empty((0, 0))  # (p, 1) [m] pair distances in the last posture; (0, 0) before the first window
+        self._least = inf  # [m] smallest distance at the commands of previous windows
 
     def add(self, log: StepLog) -> None:
-        """Measures what a log holds; from the second time on its first step is the last one of the window before.
+        """Measure the physics steps of a log as the next time window.
+
+        From the second window on, the first step of the log is the last one of the previous window.
 
         Raises:
-            ValueError: the log holds no command, or more than there is room for.
+            ValueError: the log contains no command, or more than the recorder has capacity for.
         """
         if not log.times:
             raise ValueError("no command was written, so nothing was measured: write commands first")
-        if self._done + len(log.times) > self._commands:
-            count = self._done + len(log.times)
-            raise ValueError(f"{count} commands were written, and the recorder has room for {self._commands}")
+        if self._measured_count + len(log.times) > self._commands:
+            count = self._measured_count + len(log.times)
+            raise ValueError(f"{count} commands were written, but the recorder has room for {self._commands}")
         robot = self._robot
-        kept = log.kept()
-        done, at = measure_drives(kept, self._places, robot.skeleton.names, robot.drives, self._spent), kept.ends - 1
-        self._add_clearance(done, at)
-        self._add(times=sealed(log.times), angles=done.angles, speeds=done.speeds)
-        self._add(supplied=np.broadcast_to(kept.supplied, len(kept.spans))[at], **done.power.warming)
-        self._add(mean=done.power.mean, peak=done.power.peak)
-        self._add_goals(sent=log.sent(), in_force=kept.aims[kept.begins.searchsorted(at, side="right") - 1])
-        self._energy, self._volts = done.power.energy, min(self._volts, done.power.volts)
-        self._spent, self._warm = done.spent, tuple(done.power.warming)
-        self._done += len(log.times)
-
-    def _add_clearance(self, done: DrivenMotion, ends: Indices) -> None:
-        """Adds the distances; the last posture of the window before bounds those on the way to the first command."""
-        lowest, hands = self._distances.survey(done.angles, [self._robot.arm(side).wrist for side in SIDES])
-        known = self._last.shape[1]
-        found = self._distances.approach(
-            done.postures,
-            np.append([0] * known, ends).astype(np.intp),
-            near=self._robot.least_clearance,
-            least=self._least,
-            lowest=np.hstack([self._last, lowest]) if known else lowest,
+        log_steps = log.steps()
+        motion = measure_drives(log_steps, self._places, robot.skeleton.names, robot.drives, self._spent)
+        command_steps = log_steps.ends - 1
+        self._add_clearance(motion, command_steps)
+        self._add(times=sealed(log.times), angles=motion.angles, velocities=motion.velocities)
+        self._add(
+            supplied=np.broadcast_to(log_steps.supplied, len(log_steps.spans))[command_steps], **motion.power.warming
         )
-        self._add(distances=found.distances[known:], **dict(zip(SIDES, hands, strict=True)))
-        self._pairs += found.pairs[known:]
+        self._add(mean=motion.power.mean, peak=motion.power.peak)
+        self._add_goals(
+            sent=log.sent(), in_force=log_steps.aims[log_steps.begins.searchsorted(command_steps, side="right") - 1]
+        )
+        self._energy, self._volts = motion.power.energy, min(self._volts, motion.power.volts)
+        self._spent, self._winding_names = motion.spent, tuple(motion.power.warming)
+        self._measured_count += len(log.times)
+
+    def _add_clearance(self, motion: DrivenMotion, ends: Indices) -> None:
+        """Measure and store the self-distances in one time window.
+
+        The last posture of the previous window bounds the distances before the first command.
+        """
+        lowest, hands = self._distances.survey(motion.angles, [self._robot.arm(side).wrist for side in SIDES])
+        previous_postures = self._last.shape[1]
+        approach = self._distances.approach(
+            motion.postures,
+            np.append([0] * previous_postures, ends).astype(np.intp),
+            near=self._robot.min_clearance,
+            least=self._least,
+            lowest=np.hstack([self._last, lowest]) if previous_postures else lowest,
+        )
+        self._add(distances=approach.distances[previous_postures:], **dict(zip(SIDES, hands, strict=True)))
+        self._pairs += approach.pairs[previous_postures:]
         self._last = lowest[:, -1:].copy()
         self._least = min(self._least, float(lowest.min(initial=inf)))
 
     def _add(self, **window: Floats) -> None:
-        """Adds rows for the commands of a window; where that is all, they need not be copied."""
+        """Store the measurements at the commands of one time window.
+
+        Rows for all commands at once are stored without a copy.
+        """
         for name, rows in window.items():
             if len(rows) == self._commands:
                 self._rows[name] = rows
                 continue
             if name not in self._rows:
                 self._rows[name] = np.empty((self._commands, *rows.shape[1:]))
-            self._rows[name][self._done : self._done + len(rows)] = rows
+            self._rows[name][self._measured_count : self._measured_count + len(rows)] = rows
 
     def _add_goals(self, **window: Floats) -> None:
-        """Adds goals for the commands of a window, in ticks; in two bytes each, as long as all fit."""
+        """Store the setpoints of one time window in servo ticks.
+
+        Ticks are int16 as long as all values fit.
+        """
         for name, goals in window.items():
             ticks: NDArray[np.int16] | Floats = goals if self._ticks is None else np.rint(goals / self._ticks)
-            if self._ticks is not None and np.abs(ticks).max(initial=0.0) <= MOST_TICKS:
+            if self._ticks is not None and np.abs(ticks).max(initial=0.0) <= MAX_INT16_TICKS:
                 ticks = ticks.astype(np.int16)
             if name not in self._counts:
                 self._counts[name] = np.empty((self._commands, goals.shape[1]), ticks.dtype)
             elif ticks.dtype == np.float64:
                 self._counts[name] = self._counts[name].astype(np.float64, copy=False)
-            self._counts[name][self._done : self._done + len(goals)] = ticks
+            self._counts[name][self._measured_count : self._measured_count + len(goals)] = ticks
 
     def measurements(self) -> Measurements:
-        """Hands over all that was measured, once every command has been; nothing more can be added.
+        """Return all measurements after the last command.
+
+        Nothing can be added afterwards.
 
         Raises:
-            ValueError: some commands are not there yet.
+            ValueError: commands are missing.
         """
-        if self._done < self._commands:
-            raise ValueError(f"{self._done} of {self._commands} commands were measured: record the others first")
-        rows = {name: seal_own(values) for name, values in self._rows.items()}
+        if self._measured_count < self._commands:
+            raise ValueError(
+                f"{self._measured_count} of {self._commands} commands were measured: record the others first"
+            )
+        rows = {name: seal_in_place(values) for name, values in self._rows.items()}
         tick = sealed(np.ones(len(self._robot.drives)) if self._ticks is None else self._ticks)
         for counts in self._counts.values():
             counts.setflags(write=False)
         return Measurements(
             times=rows["times"],
             angles=rows["angles"],
-            speeds=rows["speeds"],
-            sent=TickRows(self._counts["sent"], tick),
-            in_force=TickRows(self._counts["in_force"], tick),
+            velocities=rows["velocities"],
+            sent=SetpointRows(self._counts["sent"], tick),
+            in_force=SetpointRows(self._counts["in_force"], tick),
             supplied=rows["supplied"],
             drives=self._robot.drives,
             hands={side: rows[side] for side in SIDES},
@@ -139,6 +162,6 @@ class Recorder:
                 peak=rows["peak"],
                 energy=self._energy,
                 volts=self._volts,
-                warming={name: rows[name] for name in self._warm},
+                warming={name: rows[name] for name in self._winding_names},
             ),
         )

@@ -1,6 +1,6 @@
-"""A robot in MuJoCo: its model and data, and where its hinges are in them.
+"""MuJoCo model and data of a robot with its hinge indices.
 
-Making them takes longer than most of what a dry run measures; those of performances that are over serve the next ones.
+Building them takes longer than most of a dry run, so simulations of finished performances are reused.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,60 +13,80 @@ import numpy as np
 
 from kinesic.body.arrays import Indices
 from kinesic.body.robot import Robot
-from kinesic.sim.model import actuator_order, build_model, figures_of_links, fit_drives, joint_order, play_order
+from kinesic.sim.model import (
+    build_model,
+    find_actuator_indices,
+    find_joint_indices,
+    find_play_indices,
+    select_link_factors,
+    write_drives,
+)
 from kinesic.sim.servo_factors import Factors
 
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """Model and data, and the places of the robot's hinges."""
+    """MuJoCo model and data, with the indices of the robot's hinges."""
 
     model: mujoco.MjModel
     data: mujoco.MjData
-    joints: Indices | slice  # (n,) in qpos and qvel
-    play: Indices  # (n,) likewise, of the play of gears; (0,) where they have none
-    actuators: Indices | slice  # (n,) in ctrl
+    joints: Indices | slice  # (n,) indices of hinges in qpos and qvel
+    play: Indices  # (n,) indices of backlash joints; (0,) without backlash
+    actuators: Indices | slice  # (n,) indices in ctrl
 
 
 def build_simulation(robot: Robot, factors: Factors, *, touches: bool) -> Simulation:
-    """Builds the physics of a robot with some factors; where it need not touch itself, its steps take less time."""
+    """Build the physics of a robot with servo factors.
+
+    Args:
+        robot: Description.
+        factors: Deviations of servos and masses from the description.
+        touches: Whether segments of the robot collide; steps are faster without.
+    """
     model = build_model(robot, servos=factors)
     if not touches:
         model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         if not factors.play:
-            model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # what friction leaves to solve, it solves soonest
-    joints, actuators = _place(joint_order(robot, model)), _place(actuator_order(robot, model))
-    return Simulation(model, mujoco.MjData(model), joints, play_order(robot, model), actuators)
+            model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # fastest solver when friction is the only constraint
+    joints, actuators = (
+        _choose_index(find_joint_indices(robot, model)),
+        _choose_index(find_actuator_indices(robot, model)),
+    )
+    return Simulation(model, mujoco.MjData(model), joints, find_play_indices(robot, model), actuators)
 
 
 @contextmanager
 def borrow_simulations(robot: Robot, twins: Sequence[Factors], *, touches: bool) -> Iterator[list[Simulation]]:
-    """Lends a simulation to each of some twins for a `with` block, as if it was just built, but for its timestep.
+    """Provide a simulation for each twin during a `with` block.
 
-    Nobody may use them once the block is left; those of a block that an exception ends are not lent again.
+    A reused simulation equals a new one except for its timestep. Simulations must not be used after the block. If an
+    exception ends the block, its simulations are not reused.
     """
-    lent = [_take(robot, factors, touches=touches) for factors in twins]
-    yield lent
-    for factors, simulation in zip(twins, lent, strict=True):
-        _shelf(robot, figures_of_links(factors), touches=touches).append(simulation)
+    simulations = [_reuse_or_build(robot, factors, touches=touches) for factors in twins]
+    yield simulations
+    for factors, simulation in zip(twins, simulations, strict=True):
+        _find_unused_simulations(robot, select_link_factors(factors), touches=touches).append(simulation)
 
 
-def _take(robot: Robot, factors: Factors, *, touches: bool) -> Simulation:
+def _reuse_or_build(robot: Robot, factors: Factors, *, touches: bool) -> Simulation:
     try:
-        simulation = _shelf(robot, figures_of_links(factors), touches=touches).pop()
+        simulation = _find_unused_simulations(robot, select_link_factors(factors), touches=touches).pop()
     except IndexError:
         return build_simulation(robot, factors, touches=touches)
-    fit_drives(simulation.model, robot, factors)
+    write_drives(simulation.model, robot, factors)
     mujoco.mj_resetData(simulation.model, simulation.data)
     return simulation
 
 
-@lru_cache(maxsize=4)  # two masses of two robots; whoever varies more builds more
-def _shelf(robot: Robot, links: Factors, *, touches: bool) -> list[Simulation]:
-    """Keeps the simulations that nobody uses now, and that differ in nothing but their drives."""
+@lru_cache(maxsize=4)  # enough for two masses of two robots
+def _find_unused_simulations(robot: Robot, links: Factors, *, touches: bool) -> list[Simulation]:
+    """Return the list of unused simulations that differ only in their drives."""
     return []
 
 
-def _place(order: Indices) -> Indices | slice:
-    """A slice where the robot's own order is MuJoCo's: a view costs less than a copy."""
+def _choose_index(order: Indices) -> Indices | slice:
+    """Return hinge indices, as a slice if the order is MuJoCo's.
+
+    A view by slice costs less than a copy by indices.
+    """
     return slice(None) if np.array_equal(order, np.arange(len(order))) else order

@@ -1,4 +1,7 @@
-"""Keeps every step of the physics, in MuJoCo's order and cheaply: there are 300 a second."""
+"""Compact log of all physics steps, in MuJoCo's joint order.
+
+Logging a step must be cheap: there are 300 steps per second.
+"""
 
 from array import array
 from dataclasses import dataclass
@@ -9,114 +12,134 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, Indices
 
-Rows: TypeAlias = "array[float]"  # one after another
+Rows: TypeAlias = "array[float]"  # rows of equal length, concatenated
 
 
 @dataclass(frozen=True, eq=False)
 class StepRecord:
-    """The m commands that a compiled loop sent since its last record, or in all, and the s steps that it made."""
+    """Commands and physics steps of a compiled loop.
+
+    They cover the time since the last record, or all of it.
+    """
 
     times: Floats  # (m,) [s] of the commands
-    sent: Floats  # (m, n) [rad] goals of each command
-    counts: Indices  # (m,) steps of this record so far at each command
-    aims: Floats  # (g, n) [rad] goals that came into force
-    aimed: Indices  # (g,) steps of this record before they did
-    angles: Floats  # (s, q) [rad] after each step
-    speeds: Floats  # (s, q) [rad/s] likewise
-    spans: Floats  # (s,) [s] how long each step was
+    sent: Floats  # (m, n) [rad] setpoints of each command
+    counts: Indices  # (m,) number of steps of this record before each command
+    aims: Floats  # (g, n) [rad] setpoints that came into force
+    aimed: Indices  # (g,) number of steps of this record before each of these setpoints
+    angles: Floats  # (s, q) [rad] qpos after each step
+    velocities: Floats  # (s, q) [rad/s] qvel after each step
+    spans: Floats  # (s,) [s] duration of each step
 
 
 @dataclass(frozen=True, eq=False)
-class KeptSteps:
-    """The s steps and m commands that a log holds."""
+class LoggedSteps:
+    """The s steps and m commands of a log."""
 
-    angles: Floats  # (s, q) [rad] of the joints after each step, as MuJoCo has them
-    speeds: Floats  # (s, q) [rad/s] likewise
-    spans: Floats  # (s,) [s] how long each step was
-    supplied: Floats  # (s,) share of its voltage that the supply had during each step; (1,) of one that holds it
-    aims: Floats  # (g, n) [rad] goals, each in force for a while
-    begins: Indices  # (g,) steps from which on they were
-    ends: Indices  # (m,) steps so far at each command
+    angles: Floats  # (s, q) [rad] qpos after each step
+    velocities: Floats  # (s, q) [rad/s] qvel after each step
+    spans: Floats  # (s,) [s] duration of each step
+    supplied: Floats  # (s,) voltage / open-circuit voltage during each step; (1,) if constant
+    aims: Floats  # (g, n) [rad] successive setpoints in force
+    begins: Indices  # (g,) first step of each of these setpoints
+    ends: Indices  # (m,) number of steps before each command
 
 
 class StepLog:
-    """Postures, speeds and goals of all steps, and the steps at which commands came."""
+    """Postures, velocities and setpoints of all steps and commands."""
 
-    def __init__(self, angles: Floats, speeds: Floats, goals: Floats) -> None:
-        """Begins with a posture that no step led to.
+    def __init__(self, angles: Floats, velocities: Floats, goals: Floats) -> None:
+        """Start the log with the initial posture.
 
         Args:
-            angles: (n,) [rad] of the physics, read anew at each step.
-            speeds: (n,) [rad/s] of the physics, read anew at each step.
-            goals: (n,) [rad] in force, in joint order.
+            angles: (n,) [rad] live array of the physics, copied at each step.
+            velocities: (n,) [rad/s] live array of the physics, copied at each step.
+            goals: (n,) [rad] setpoints in force, in joint order.
         """
-        self._live = angles, speeds
-        self._keep_in(array("d", angles), array("d", speeds), array("d", [0.0]), array("d", [1.0]))
-        self._begins, self._aims = [0], [goals[None]]  # from which steps on which rows of goals are in force
+        self._live = angles, velocities
+        self._redirect_log(array("d", angles), array("d", velocities), array("d", [0.0]), array("d", [1.0]))
+        self._begins, self._aims = [0], [goals[None]]  # first step and rows of the setpoints in force
         self.times: list[float] = []  # [s] of the commands
-        self.counts: list[int] = []  # steps so far at each command
-        self._sent: list[Floats] = []  # (k, n) [rad] goals of k commands each
+        self.counts: list[int] = []  # number of steps before each command
+        self._sent: list[Floats] = []  # arrays (k, n) [rad] with the setpoints of k commands
 
-    def _keep_in(self, angles: Rows, speeds: Rows, spans: Rows, supplied: Rows) -> None:
-        """Keeps steps from now on in arrays that hold at least one."""
-        live_angles, live_speeds = self._live
-        self._angles, self._speeds = angles, speeds
-        self.keep_angles = partial(angles.frombytes, live_angles.data.cast("B"))  # after each step of the physics
-        self.keep_speeds = partial(speeds.frombytes, live_speeds.data.cast("B"))  # likewise
-        self._steps = spans  # [s] how long each step was
-        self._supplied = supplied  # share of its voltage that the supply had; of a stiff one, no more is kept
-        self.keep_supplied = supplied.append  # before each step of the physics
+    def _redirect_log(self, angles: Rows, velocities: Rows, spans: Rows, supplied: Rows) -> None:
+        """Redirect the log of later physics steps to the given arrays.
+
+        The arrays contain at least one step.
+        """
+        live_angles, live_velocities = self._live
+        self._angles, self._velocities = angles, velocities
+        self.log_angles = partial(angles.frombytes, live_angles.data.cast("B"))  # call after each physics step
+        self.log_velocities = partial(
+            velocities.frombytes, live_velocities.data.cast("B")
+        )  # call after each physics step
+        self._steps = spans  # [s] duration of each step
+        self._supplied = supplied  # voltage / open-circuit voltage; one element if constant
+        self.log_voltage = supplied.append  # call before each physics step
 
     def aim(self, goals: Floats) -> None:
-        """Sets the goals (n,) [rad] in force from the next step on."""
+        """Set the setpoints (n,) [rad] that apply from the next step."""
         self._begins.append(len(self._steps))
         self._aims.append(goals[None])
 
     def stepped(self, count: int, span: float) -> None:
-        """Counts steps of the physics that were kept, each of a length in [s]."""
+        """Record the count and the duration [s] of new steps."""
         self._steps.extend([span] * count)
 
     def mark(self, time: float, goals: Floats) -> None:
-        """Marks a command at a time [s], with its goals (n,) [rad]."""
+        """Record a command with its time [s] and setpoints (n,) [rad]."""
         self.times.append(time)
         self.counts.append(len(self._steps))
         self._sent.append(goals[None])
 
     def take(self, record: StepRecord) -> None:
-        """Keeps all steps of a record, after those that are there."""
-        before = len(self._steps)
-        for kept, more in ((self._angles, record.angles), (self._speeds, record.speeds), (self._steps, record.spans)):
-            kept.frombytes(np.ascontiguousarray(more).reshape(-1).view(np.uint8).data)
+        """Append a compiled loop's steps and commands to the log."""
+        step_count = len(self._steps)
+        for steps, new_rows in (
+            (self._angles, record.angles),
+            (self._velocities, record.velocities),
+            (self._steps, record.spans),
+        ):
+            steps.frombytes(np.ascontiguousarray(new_rows).reshape(-1).view(np.uint8).data)
         self.times += record.times.tolist()
-        self.counts += (record.counts + before).tolist()
+        self.counts += (record.counts + step_count).tolist()
         self._sent.append(record.sent)
         if len(record.aims):
-            self._begins += (record.aimed + before).tolist()
+            self._begins += (record.aimed + step_count).tolist()
             self._aims.append(record.aims)
 
     @property
     def posture(self) -> Floats:
-        """(n,) [rad] now."""
-        angles, speeds = self._live
-        # MuJoCo's semi-implicit steps run half a step ahead of the held goals; its speeds lie on time
-        now: Floats = angles - self._steps[-1] / 2 * speeds
-        return now
+        """Current joint angles (n,) [rad]."""
+        angles, velocities = self._live
+        # MuJoCo's semi-implicit angles are half a step ahead of constant setpoints, its velocities are not
+        angles_now: Floats = angles - self._steps[-1] / 2 * velocities
+        return angles_now
 
-    def kept(self) -> KeptSteps:
-        """Shows all that was kept, without copying: until it is forgotten, nothing more can be kept beside it."""
+    def steps(self) -> LoggedSteps:
+        """Return all logged steps without a copy.
+
+        The returned arrays must be released before further steps are logged.
+        """
         spans = np.frombuffer(self._steps)
-        angles, speeds = (np.frombuffer(kept).reshape(len(spans), -1) for kept in (self._angles, self._speeds))
+        angles, velocities = (
+            np.frombuffer(steps).reshape(len(spans), -1) for steps in (self._angles, self._velocities)
+        )
         aims, begins = np.concatenate(self._aims), np.array(self._begins, dtype=np.intp)
         ends, supplied = np.array(self.counts, dtype=np.intp), np.frombuffer(self._supplied)
-        return KeptSteps(angles, speeds, spans, supplied, aims, begins, ends)
+        return LoggedSteps(angles, velocities, spans, supplied, aims, begins, ends)
 
     def sent(self) -> Floats:
-        """Lists the goals (m, n) [rad] of all commands."""
+        """Return the setpoints (m, n) [rad] of all commands."""
         return np.concatenate(self._sent)
 
     def forget(self) -> None:
-        """Begins anew with the last step. Whoever was shown the others may hold them, as profilers of threads do."""
+        """Discard all steps except the last one.
+
+        Arrays from `kept` stay valid, since thread profilers may still refer to them.
+        """
         count = len(self._live[0])
-        self._keep_in(self._angles[-count:], self._speeds[-count:], self._steps[-1:], self._supplied[-1:])
+        self._redirect_log(self._angles[-count:], self._velocities[-count:], self._steps[-1:], self._supplied[-1:])
         self._begins, self._aims = [0], [self._aims[-1][-1:]]
         self.times, self.counts, self._sent = [], [], []

@@ -1,13 +1,15 @@
-"""A machine without OpenGL."""
+"""Reports on a machine without OpenGL."""
 
 import os
 import subprocess
 import sys
 
-LOADED = "import sys, kinesic.sim.film; print(any(name.startswith('OpenGL') for name in sys.modules))"
+OPENGL_CHECK = "import sys, kinesic.sim.film; print(any(name.startswith('OpenGL') for name in sys.modules))"
 
 
-def test_a_report_without_films_looks_for_no_opengl():
+def test_report_without_films_does_not_load_opengl():
     nowhere = {**os.environ, "MUJOCO_GL": "disabled"}
-    ended = subprocess.run([sys.executable, "-c", LOADED], capture_output=True, text=True, check=False, env=nowhere)
+    ended = subprocess.run(
+        [sys.executable, "-c", OPENGL_CHECK], capture_output=True, text=True, check=False, env=nowhere
+    )
     assert (ended.returncode, ended.stdout) == (0, "False\n"), ended.stderr

@@ -1,4 +1,4 @@
-"""The screen of the face stands before the head, and only where there is one."""
+"""Position and shape of the face screen on robots with a head."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,22 +7,22 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.sim.filming.face_screen import Sheet, screen_of
+from kinesic.sim.filming.face_screen import Sheet, build_face_screen
 from kinesic.sim.model import build_model
 from kinesic.sim.scene_style import styled_model
-from kinesic.sim.shells.shell import shell_of, write_shell
+from kinesic.sim.shells.shell import load_shell, write_shell
 
 ROBOT = Robot.load()
 
 
-def faces_of(sheet: Sheet) -> tuple[np.ndarray, np.ndarray]:
-    """(t, 3) the normals of triangles by their corners' order, and the mean of those that their corners have."""
+def compute_normals(sheet: Sheet) -> tuple[np.ndarray, np.ndarray]:
+    """Return triangle normals (t, 3) from vertex order, and the mean of their vertex normals."""
     one, two, three = (sheet.places[sheet.triangles[:, k]] for k in range(3))
     return np.cross(two - one, three - one), sheet.normals[sheet.triangles].mean(axis=1)
 
 
-def test_it_is_100_by_75_mm_and_clear_of_the_head():
-    screen = screen_of(ROBOT)
+def test_face_screen_is_100_by_75_mm_and_clear_of_the_head():
+    screen = build_face_screen(ROBOT)
     assert screen is not None
     places, eyes = screen.picture.places, ROBOT.sites["eyes"]
     across, up = np.ptp(places[:, 1]), np.ptp(places[:, 2])
@@ -37,43 +37,43 @@ def test_it_is_100_by_75_mm_and_clear_of_the_head():
 
 
 @pytest.mark.parametrize("part", ["picture", "frame"])
-def test_triangles_are_seen_from_without(part: str):
-    screen = screen_of(ROBOT)
+def test_triangles_of_the_face_screen_face_outwards(part: str):
+    screen = build_face_screen(ROBOT)
     assert screen is not None
-    turned, normals = faces_of(getattr(screen, part))
+    turned, normals = compute_normals(getattr(screen, part))
     lengths = np.linalg.norm(turned, axis=1)
     assert (np.sum(turned * normals, axis=1)[lengths > 1e-9] > 0).all()
     assert np.linalg.norm(getattr(screen, part).normals, axis=1) == pytest.approx(1.0)
 
 
-def test_the_left_of_the_picture_is_at_the_robots_right_and_its_top_is_up():
-    screen = screen_of(ROBOT)
+def test_face_picture_is_upright_and_not_mirrored_for_viewers():
+    screen = build_face_screen(ROBOT)
     assert screen is not None
-    shares, places = screen.picture.shares, screen.picture.places
+    shares, places = screen.picture.texture_coordinates, screen.picture.places
     assert places[shares[:, 0].argmin(), 1] < places[shares[:, 0].argmax(), 1]
     assert places[shares[:, 1].argmin(), 2] > places[shares[:, 1].argmax(), 2]
     assert (shares.min(), shares.max()) == pytest.approx((0.0, 1.0), abs=1e-9)
 
 
-def test_who_has_no_head_or_skin_has_no_screen():
+def test_robot_with_skin_or_without_head_has_no_face_screen():
     nowhere = {name: site for name, site in ROBOT.sites.items() if name != "eyes"}
     on_trunk = ROBOT.sites | {"eyes": replace(ROBOT.sites["eyes"], segment=ROBOT.skeleton.segments[0].name)}
-    assert screen_of(replace(ROBOT, sites=nowhere)) is None
-    assert screen_of(replace(ROBOT, sites=on_trunk)) is None
-    assert screen_of(Robot.load("human")) is None
+    assert build_face_screen(replace(ROBOT, sites=nowhere)) is None
+    assert build_face_screen(replace(ROBOT, sites=on_trunk)) is None
+    assert build_face_screen(Robot.load("human")) is None
 
 
-def test_a_head_that_no_neck_turns_has_one_too():
+def test_fixed_head_also_has_a_face_screen():
     stiff = replace(ROBOT, chains={name: chain for name, chain in ROBOT.chains.items() if name != "neck"})
-    screen = screen_of(stiff)
+    screen = build_face_screen(stiff)
     assert screen is not None
     assert screen.segment == ROBOT.sites["eyes"].segment
 
 
-def test_it_stands_before_a_shell_that_sticks_out(tmp_path: Path):
-    """As the meshes of other robots do, beyond the capsules that stand for them."""
+def test_face_screen_moves_in_front_of_a_protruding_shell(tmp_path: Path):
+    """Meshes of imported robots may protrude beyond their capsules."""
     own = replace(ROBOT, path=tmp_path / "own.toml")
-    bare, shell, name = screen_of(own), shell_of(ROBOT), ROBOT.sites["eyes"].segment
+    bare, shell, name = build_face_screen(own), load_shell(ROBOT), ROBOT.sites["eyes"].segment
     assert bare is not None
     assert shell is not None
     head = shell.segments[name]
@@ -81,7 +81,7 @@ def test_it_stands_before_a_shell_that_sticks_out(tmp_path: Path):
     stuck_out = replace(head, vertices=head.vertices * [1.3, 1.0, 1.0])
     assert stuck_out.vertices[:, 0].max() > front + 0.01
     write_shell(replace(shell, segments=shell.segments | {name: stuck_out}), own.path.with_suffix(".npz"))
-    screen = screen_of(own)
+    screen = build_face_screen(own)
     assert screen is not None
     moved = screen.picture.places - bare.picture.places
     assert moved[0] == pytest.approx(moved[-1]), "it goes straight ahead"
@@ -91,5 +91,5 @@ def test_it_stands_before_a_shell_that_sticks_out(tmp_path: Path):
     assert screen.picture.places[0, 0] > ahead
 
 
-def test_it_weighs_nothing():
+def test_face_screen_has_no_mass():
     assert styled_model(ROBOT, width=64, height=48).body_mass.sum() == pytest.approx(build_model(ROBOT).body_mass.sum())

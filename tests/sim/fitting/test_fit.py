@@ -4,17 +4,17 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.fitting.fit import REPLAY_STEP, _sums, fit_factors, replay_log
-from kinesic.sim.fitting.parameters import DEFAULT
+from kinesic.sim.fitting.fit import REPLAY_STEP, _integrate_setpoints, fit_factors, replay_log
+from kinesic.sim.fitting.parameters import DEFAULT_PARAMETERS
 from kinesic.sim.log import Log
-from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
-from kinesic.sim.twin import STEP, Twin
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, DriveFactors, Factors
+from kinesic.sim.twin import MAX_PHYSICS_STEP, Twin
 
 ROBOT = Robot.load()
 SKELETON = ROBOT.skeleton
-MOVING = tuple(figure for figure in DEFAULT if figure != "gain")
-TICKS = ROBOT.drives.tick
-WORN = Factors(
+FREE_PARAMETERS = tuple(figure for figure in DEFAULT_PARAMETERS if figure != "gain")
+SERVO_TICKS = ROBOT.drives.tick
+WORN_FACTORS = Factors(
     latency=0.006,
     servos={
         "xm540_w270": DriveFactors(stall=0.85, no_load=0.9, friction=1.5, armature=1.25),
@@ -24,19 +24,19 @@ WORN = Factors(
         "xc330_t288": DriveFactors(stall=0.75, no_load=0.9, friction=1.5, armature=1.4),
     },
 )
-TIMES = 0.01 * np.arange(60)
-GOALS = SKELETON.rest + 0.1 * np.outer(np.sin(9.0 * TIMES), np.ones(22))
+LOG_TIMES = 0.01 * np.arange(60)
+LOG_SETPOINTS = SKELETON.rest + 0.1 * np.outer(np.sin(9.0 * LOG_TIMES), np.ones(22))
 for side in "lr":
-    GOALS[:, SKELETON.joint(f"{side}_shoulder_abduct")] += np.minimum(TIMES, 0.3)  # away from the body
+    LOG_SETPOINTS[:, SKELETON.joint(f"{side}_shoulder_abduct")] += np.minimum(LOG_TIMES, 0.3)  # away from the body
 
 
-def recorded(factors, *, seconds, quick=1.0, seed=0, step=STEP):
-    """The log of a robot whose hinges swing, each in its own rhythm, angles rounded as encoders do."""
+def record_log(factors, *, seconds, quick=1.0, seed=0, step=MAX_PHYSICS_STEP):
+    """Return the log of swinging hinges with different frequencies and rounded angles."""
     random = np.random.default_rng(seed)
     times = 0.01 * np.arange(round(seconds / 0.01) + 1)
     half = np.minimum(SKELETON.upper - SKELETON.rest, SKELETON.rest - SKELETON.lower) / 2
     speeds = ROBOT.drives.no_load
-    swings = 2 * np.pi * quick * random.uniform(0.6, 1.4, len(half))  # [rad/s] of the rhythm
+    swings = 2 * np.pi * quick * random.uniform(0.6, 1.4, len(half))  # [rad/s] angular frequency
     width = np.minimum(np.minimum(half, 0.35), 0.4 * speeds / swings)
     fade = np.minimum(times / 0.3, 1.0)[:, None]
     goals = SKELETON.rest + fade * width * np.sin(np.outer(times, swings) * (1 + 0.3 * times[:, None] / seconds))
@@ -46,7 +46,7 @@ def recorded(factors, *, seconds, quick=1.0, seed=0, step=STEP):
     for time, goal in zip(times, goals, strict=True):
         twin.write(Command(time, goal, still, still, goal))
     seen = twin.measurements()
-    return Log(seen.times, seen.goals, sealed(np.rint(seen.angles / TICKS) * TICKS))
+    return Log(seen.times, seen.setpoints, sealed(np.rint(seen.angles / SERVO_TICKS) * SERVO_TICKS))
 
 
 def true_value(unknown, factors):
@@ -55,26 +55,28 @@ def true_value(unknown, factors):
 
 @pytest.fixture(scope="module")
 def worn():
-    """A log of worn servos, finer than the twin's own steps, and what was fitted to it."""
-    return fit_factors(recorded(WORN, seconds=0.7, step=0.001), ROBOT, free=MOVING)
+    """Fit the log of worn servos, recorded with smaller steps than the twin's."""
+    return fit_factors(record_log(WORN_FACTORS, seconds=0.7, step=0.001), ROBOT, free=FREE_PARAMETERS)
 
 
-def test_what_is_told_is_recovered_within_five_percent(worn):
+def test_identifiable_servo_parameters_are_recovered_within_five_percent(worn):
     told = [estimate for estimate in worn.estimates if not estimate.why]
     for estimate in told:
-        assert estimate.value == pytest.approx(true_value(estimate.unknown, WORN), rel=0.05), str(estimate.unknown)
+        assert estimate.value == pytest.approx(true_value(estimate.unknown, WORN_FACTORS), rel=0.05), str(
+            estimate.unknown
+        )
     assert len(told) >= 16
     assert {estimate.unknown.figure for estimate in told} >= {"stall", "no_load", "friction", "armature", "latency"}
 
 
-def test_the_factors_are_those_that_are_told(worn):
+def test_fitted_factors_are_the_identified_estimates(worn):
     for estimate in worn.estimates:
         left = 0.0 if estimate.unknown.figure == "latency" else 1.0
         assert true_value(estimate.unknown, worn.factors) == pytest.approx(left if estimate.why else estimate.value)
-    assert worn.after < worn.before / 5
+    assert worn.error_after < worn.error_before / 5
 
 
-def test_what_is_not_told_has_a_reason_that_names_another_figure_or_the_log(worn):
+def test_unidentified_servo_parameters_have_a_reason(worn):
     names = {str(estimate.unknown) for estimate in worn.estimates}
     refused = [estimate for estimate in worn.estimates if estimate.why]
     assert refused
@@ -82,70 +84,74 @@ def test_what_is_not_told_has_a_reason_that_names_another_figure_or_the_log(worn
         assert estimate.why == "the log hardly depends on it" or estimate.why.split("tell it from ")[1] in names
 
 
-def test_gain_shows_apart_from_stall_and_no_load_only_where_the_duty_saturates():
+def test_servo_gain_is_identified_only_if_the_duty_saturates():
     free = ("stall", "no_load", "gain")
-    slow, quick = (fit_factors(recorded(NOMINAL, seconds=0.4, quick=pace), ROBOT, free=free) for pace in (0.3, 3.0))
+    slow, quick = (
+        fit_factors(record_log(NOMINAL_FACTORS, seconds=0.4, quick=pace), ROBOT, free=free) for pace in (0.3, 3.0)
+    )
     for found, some in ((slow, False), (quick, True)):
         gains = [estimate for estimate in found.estimates if estimate.unknown.figure == "gain"]
         assert any(not estimate.why for estimate in gains) == some
         assert all("cannot tell it from" in estimate.why for estimate in gains if estimate.why)
 
 
-def test_a_log_without_motion_tells_no_inertia_and_no_speed():
+@pytest.mark.soak
+def test_log_without_motion_identifies_no_inertia_or_velocity():
     still = Log(sealed([0.0, 0.05, 0.1]), sealed([SKELETON.rest] * 3), sealed([SKELETON.rest] * 3))
     found = fit_factors(still, ROBOT, free=("no_load", "armature"))
     assert all(estimate.why == "the log hardly depends on it" for estimate in found.estimates)
-    assert found.factors == Factors(servos={name: DriveFactors() for name in WORN.servos})
+    assert found.factors == Factors(servos={name: DriveFactors() for name in WORN_FACTORS.servos})
 
 
-def test_fitting_twice_gives_the_same():
-    log = recorded(WORN, seconds=0.3)
+@pytest.mark.soak
+def test_servo_fit_is_deterministic():
+    log = record_log(WORN_FACTORS, seconds=0.3)
     one, two = (fit_factors(log, ROBOT, free=("stall", "latency")) for _ in range(2))
     assert one == two
 
 
-def test_with_the_sheets_own_servos_nothing_changes():
-    found = fit_factors(recorded(NOMINAL, seconds=0.5), ROBOT, free=("stall",))
-    assert found.before < TICKS.max()
+def test_fit_of_data_sheet_servos_changes_nothing():
+    found = fit_factors(record_log(NOMINAL_FACTORS, seconds=0.5), ROBOT, free=("stall",))
+    assert found.error_before < SERVO_TICKS.max()
     for estimate in found.estimates:
         assert estimate.why or estimate.value == pytest.approx(1.0, abs=0.02)
 
 
-def test_mass_may_be_fitted_when_stall_is_known_and_not_beside_it():
-    found = fit_factors(recorded(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
+def test_mass_can_be_fitted_only_with_fixed_stall_torque():
+    found = fit_factors(record_log(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
     assert found.factors.mass == pytest.approx(1.15, rel=0.05)
     with pytest.raises(ValueError, match="stall and mass cannot both be free"):
-        fit_factors(recorded(NOMINAL, seconds=0.1), ROBOT, free=(*DEFAULT, "mass"))
+        fit_factors(record_log(NOMINAL_FACTORS, seconds=0.1), ROBOT, free=(*DEFAULT_PARAMETERS, "mass"))
 
 
 def performed(factors, *, step=0.004):
     twin, still = Twin(ROBOT, factors=factors, step=step), np.zeros(22)
-    for time, goals in zip(TIMES, GOALS, strict=True):
+    for time, goals in zip(LOG_TIMES, LOG_SETPOINTS, strict=True):
         twin.write(Command(time, goals, still, still, goals))
     seen = twin.measurements()
-    return Log(seen.times, seen.goals, seen.angles)
+    return Log(seen.times, seen.setpoints, seen.angles)
 
 
-def test_what_a_twin_did_is_repeated():
-    log = performed(NOMINAL, step=REPLAY_STEP)
-    assert replay_log(log, ROBOT, NOMINAL) == pytest.approx(log.angles, abs=1e-9)
+def test_replay_of_a_servo_log_reproduces_the_twin():
+    log = performed(NOMINAL_FACTORS, step=REPLAY_STEP)
+    assert replay_log(log, ROBOT, NOMINAL_FACTORS) == pytest.approx(log.angles, abs=1e-9)
 
 
-def test_a_latency_is_repeated():
+def test_replay_of_a_servo_log_reproduces_the_latency():
     late = Factors(latency=0.0065)
     log = performed(late, step=0.001)
     assert np.abs(replay_log(log, ROBOT, late) - log.angles).max() < np.radians(0.1)
-    assert np.abs(replay_log(log, ROBOT, NOMINAL) - log.angles).max() > np.radians(0.4)
+    assert np.abs(replay_log(log, ROBOT, NOMINAL_FACTORS) - log.angles).max() > np.radians(0.4)
 
 
-def test_angles_change_smoothly_with_the_latency():
-    log = performed(NOMINAL)
+def test_replayed_angles_are_continuous_in_the_latency():
+    log = performed(NOMINAL_FACTORS)
     path = np.array([replay_log(log, ROBOT, Factors(latency=1e-4 * k)) for k in range(35, 46)])
     bends = np.abs(np.diff(path, n=2, axis=0)).max()
     assert bends < 0.2 * np.abs(np.diff(path, axis=0)).max()
 
 
-def test_goals_before_the_first_are_where_the_log_begins():
+def test_initial_angles_are_in_force_before_the_first_setpoint():
     log = Log(sealed([0.0, 1.0, 3.0]), sealed([[1.0], [2.0], [4.0]]), sealed([[0.5], [0.0], [0.0]]))
-    sums = _sums(log, np.array([-2.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0]))[:, 0]
+    sums = _integrate_setpoints(log, np.array([-2.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0]))[:, 0]
     assert np.diff(sums) == pytest.approx([1.0, 0.5, 0.5, 2.0, 2.0, 4.0])

@@ -1,4 +1,4 @@
-"""Two puppets of our own: an MJCF in a T-pose, and a URDF that hangs, both small enough to read."""
+"""Two small test robots: an MJCF in a T-pose, and a URDF with hanging arms."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,11 +9,14 @@ import pytest
 from kinesic.sim.importer.convert import Mapped, import_humanoid
 from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.model_tree import Tree
-from kinesic.sim.importer.zero_pose import HumanoidGeometry, geometry_of
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, analyse_geometry
 
 
 def arm(name: str, side: int) -> str:
-    """Seven hinges and two fingers, stretched to the side; equal ranges are mirror postures."""
+    """Return an arm of seven hinges and two fingers, stretched to the side.
+
+    Equal angles on both sides are mirror postures.
+    """
     low, high = (-2.4, 0.1) if side > 0 else (-0.1, 2.4)
     return f"""
     <body name="{name}shoulder" pos="0 {0.2 * side} 0.35">
@@ -49,7 +52,7 @@ def leg(name: str, side: int) -> str:
 
 
 def puppet(*, left: str = "l_", right: str = "r_", turned: float = 0.0, neck: bool = True, trunk: bool = True) -> str:
-    """An MJCF of a whole body, turned about the vertical by some degrees."""
+    """Return an MJCF of a whole body, rotated around the vertical by an angle [deg]."""
     head = """
     <body pos="0 0 0.45"><joint name="pan" axis="0 0 1" range="-1.2 1.2"/>
       <joint name="nod" axis="0 -1 0" range="-0.5 0.7"/><geom size="0.09" pos="0.02 0 0.1" mass="2"/></body>"""
@@ -69,7 +72,7 @@ def puppet(*, left: str = "l_", right: str = "r_", turned: float = 0.0, neck: bo
 
 
 def urdf() -> str:
-    """A hanging upper body of a base, a head and two arms of five hinges with a gripper, at URDF's terms."""
+    """Return a URDF upper body: base, head, and two hanging arms with grippers."""
 
     def joint(name: str, parent: str, child: str, xyz: str, axis: str, rest: str, kind: str = "revolute") -> str:
         return f"""<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
@@ -101,13 +104,13 @@ def urdf() -> str:
 
 @pytest.fixture(scope="session")
 def puppets() -> SimpleNamespace:
-    """The texts of both puppets."""
+    """Provide the texts of both test robots."""
     return SimpleNamespace(puppet=puppet, urdf=urdf)
 
 
 @pytest.fixture(scope="session")
 def written(tmp_path_factory) -> Callable[[str, str], Path]:
-    """Writes a model into a folder of its own."""
+    """Provide a function that writes a model into a separate folder."""
 
     def write(name: str, text: str) -> Path:
         path = tmp_path_factory.mktemp("puppets") / name
@@ -129,7 +132,7 @@ def tee(tee_path) -> Tree:
 
 @pytest.fixture(scope="session")
 def tee_figure(tee) -> HumanoidGeometry:
-    return geometry_of(tee)
+    return analyse_geometry(tee)
 
 
 @pytest.fixture(scope="session")

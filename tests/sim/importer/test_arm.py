@@ -12,13 +12,13 @@ def limb(tee):
     )
 
 
-def test_the_human_split_is_the_likeliest(limb):
+def test_anatomical_assignment_of_arm_hinges_has_the_highest_likeness(limb):
     ranked = sorted(splits(7), key=lambda split: -likeness(limb, split))
     assert ranked[0] == Split(girdle=0, shoulder=3, wrist=3)
     assert likeness(limb, ranked[0]) > likeness(limb, ranked[1]) + 0.3
 
 
-def test_centres_lie_where_the_axes_meet(limb):
+def test_imported_joint_centres_are_axis_intersections(limb):
     found = centres(limb, Split(0, 3, 3))
     assert found.shoulder == pytest.approx([0, 0.2, 1.45], abs=1e-3)
     assert found.elbow == pytest.approx([0.01, 0.48, 1.45], abs=1e-3)
@@ -27,6 +27,6 @@ def test_centres_lie_where_the_axes_meet(limb):
     assert found.lengths == pytest.approx((0.28, 0.24), abs=2e-3)
 
 
-def test_every_split_has_an_elbow_and_no_fingers():
+def test_each_assignment_of_arm_hinges_has_an_elbow_and_no_fingers():
     assert {split.hinges for split in splits(3)} == {3}
     assert all(split.hinges <= 8 for split in splits(9) if split.girdle + split.shoulder <= 4)

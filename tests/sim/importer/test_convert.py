@@ -5,11 +5,11 @@ from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.convert import import_humanoid
-from kinesic.sim.importer.hinges import named_hinges
+from kinesic.sim.importer.hinges import name_hinges
 from kinesic.sim.importer.load import load_model
-from kinesic.sim.importer.zero_pose import geometry_of
+from kinesic.sim.importer.zero_pose import analyse_geometry
 
-TOUCH = 5e-6  # [m] that rounding to micrometres leaves
+ROUNDING_TOLERANCE = 5e-6  # [m] error of rounding to micrometres
 
 
 @pytest.fixture(scope="module")
@@ -19,9 +19,9 @@ def robot(tee_mapped, tmp_path_factory):
     return Robot.load(path)
 
 
-def test_every_point_of_the_arm_is_where_the_foreign_model_has_it(robot, tee):
-    found = geometry_of(tee)
-    hinges, skeleton = named_hinges(found), robot.skeleton
+def test_arm_points_equal_those_of_the_original_model(robot, tee):
+    found = analyse_geometry(tee)
+    hinges, skeleton = name_hinges(found), robot.skeleton
     zero = skeleton.frames(np.zeros(len(skeleton.names)))
     for angles in np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (10, len(skeleton.names))):
         turned = found.tree.turned({h.joint: h.sign * angles[skeleton.joint(h.name)] for h in hinges})
@@ -30,41 +30,42 @@ def test_every_point_of_the_arm_is_where_the_foreign_model_has_it(robot, tee):
             k, tip = skeleton.segment(f"{side}_wrist"), found.arms[side].joints[-1]
             inside = found.tree.parts[tip].centre - zero.origins[k]
             assert frames.origins[k] + frames.rotations[k] @ inside == pytest.approx(
-                turned.parts[tip].centre, abs=TOUCH
+                turned.parts[tip].centre, abs=ROUNDING_TOLERANCE
             )
 
 
-def test_the_files_angles_follow_from_kinesics(tee_mapped, robot):
+def test_angles_of_the_robot_file_follow_from_kinesic_angles(tee_mapped, robot):
     hinges = {hinge.name: hinge for hinge in tee_mapped.hinges}
     abduct = hinges["l_shoulder_abduct"]
     lowest = abduct.sign * robot.skeleton.lower[robot.skeleton.joint("l_shoulder_abduct")] + abduct.zero
     assert lowest == pytest.approx(-1.7, abs=1e-4)
 
 
-def test_a_clear_robot_needs_no_review(tee_mapped):
+def test_unambiguous_robot_needs_no_review(tee_mapped):
     assert tee_mapped.confidence > 0.9
     assert not tee_mapped.doubtful
 
 
-def test_no_hinge_is_overloaded(robot):
+def test_no_imported_hinge_is_overloaded(robot):
     assert MujocoDynamics(robot).worst_static.values.max() <= 0.41
 
 
-def test_the_whole_is_deterministic(tee_path, tee_mapped):
+@pytest.mark.soak
+def test_robot_import_is_deterministic(tee_path, tee_mapped):
     again = import_humanoid(tee_path)
     assert robot_text(again.file, heading=[], remarks=again.remarks) == robot_text(
         tee_mapped.file, heading=[], remarks=tee_mapped.remarks
     )
 
 
-def test_an_arm_that_hardly_looks_like_one_is_doubtful(written, puppets):
+def test_unusual_arm_is_marked_doubtful(written, puppets):
     odd = puppets.puppet().replace('axis="0 0 1" range="-2.4 0.1"', 'axis="0 1 0" range="-2.4 0.1"')
     odd = odd.replace('axis="0 0 1" range="-0.1 2.4"', 'axis="0 1 0" range="-0.1 2.4"')
     found = import_humanoid(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
     assert found.doubtful
 
 
-def test_gripper_and_tree_are_read_from_the_urdf(hanging_mapped, hanging_path):
+def test_urdf_import_names_the_arm_chain_and_omits_the_gripper(hanging_mapped, hanging_path):
     assert len(hanging_mapped.hinges) == 1 + 2 * 5
     assert load_model(hanging_path).name == "hanging"
     assert hanging_mapped.file.chains["l_arm"] == ["l_shoulder", "l_elbow", "l_wrist"]

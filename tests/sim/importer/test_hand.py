@@ -1,4 +1,4 @@
-"""Hands of our own: five fingers with couplings, four without, five with mimic joints; mirrored on both arms."""
+"""Test hands on both arms: five fingers with couplings, four without, five with mimic joints."""
 
 import re
 from dataclasses import replace
@@ -8,16 +8,17 @@ import pytest
 
 from kinesic.body.robot import SIDES, Robot
 from kinesic.body.robot_schema import robot_text
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.hands.fingers import finger_joints, lacking_shapes, shape_angles
-from kinesic.expressivity.lexicon.hand_shapes import FINGERS, hand_shapes
+from kinesic.expressivity.lexicon.hand_shapes import FINGER_NAMES, hand_shapes
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.sim.importer.convert import import_humanoid
 
-PHALANX = 0.03
+PHALANX_LENGTH = 0.03
 
 
 def finger(name: str, place: str, along: str, turns: list[str], *, last: str = "") -> str:
-    """A chain of hinges, each with a phalanx but those that share a place."""
+    """Return a chain of hinges with phalanges, except hinges at the same position."""
     text = ""
     for k, turn in enumerate(turns):
         at = place if k == 0 else along if "spread" not in turns[k - 1] and "oppose" not in turns[k - 1] else "0 0 0"
@@ -35,16 +36,16 @@ def hinge(name: str, axis: str, low: float, high: float) -> str:
 
 
 def hand(side: str, count: int, *, flexions: int, spread: bool) -> str:
-    """Stretched to the side, the palm down, the thumb ahead."""
+    """Return a hand stretched to the side, palm down and thumb forward."""
     s = 1 if side == "l_" else -1
     text = ""
-    for k, name in enumerate(FINGERS[1:count]):
+    for k, name in enumerate(FINGER_NAMES[1:count]):
         turns = [hinge(f"{side}{name}_spread", "0 0 1", -0.3, 0.3)] if spread else []
         turns += [hinge(f"{side}{name}{n}", f"{-s} 0 0", 0, 1.4) for n in range(1, flexions + 1)]
-        text += finger(name, f"{0.03 - 0.02 * k} {0.1 * s} 0", f"0 {PHALANX * s} 0", turns)
+        text += finger(name, f"{0.03 - 0.02 * k} {0.1 * s} 0", f"0 {PHALANX_LENGTH * s} 0", turns)
     turns = [hinge(f"{side}t_oppose", "0 1 0", 0, 1.2)]
     turns += [hinge(f"{side}t{n}", f"0 0 {s}", 0, 1) for n in range(1, flexions + 1)]
-    return text + finger("t", f"0.035 {0.03 * s} 0", f"{PHALANX} {0.4 * PHALANX * s} 0", turns)
+    return text + finger("t", f"0.035 {0.03 * s} 0", f"{PHALANX_LENGTH} {0.4 * PHALANX_LENGTH * s} 0", turns)
 
 
 def with_hands(puppet: str, count: int, *, flexions: int, spread: bool = False, ties: str = "") -> str:
@@ -59,7 +60,7 @@ def ties() -> str:
     rows = [
         f'<joint joint1="{side}{finger}{k + 1}" joint2="{side}{finger}1" polycoef="0.02 {0.4 + 0.3 * k} 0 0 0"/>'
         for side in ("l_", "r_")
-        for finger in ("t", *FINGERS[1:])
+        for finger in ("t", *FINGER_NAMES[1:])
         for k in (1, 2)
     ]
     return f"<equality>{''.join(rows)}</equality>"
@@ -67,7 +68,7 @@ def ties() -> str:
 
 @pytest.fixture(scope="module")
 def robots(written, puppets, tmp_path_factory):
-    """Name -> what was mapped, and the robot that is made of it."""
+    """Import each test robot: name -> conversion result and loaded robot."""
     plain = puppets.puppet()
     texts = {
         "coupled": with_hands(plain, 5, flexions=3, ties=ties()),
@@ -87,13 +88,13 @@ def drives(robot, side):
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_five_fingers_are_named_and_what_follows_is_a_coupling(robots, side):
+def test_five_fingers_are_named_and_mimic_hinges_become_couplings(robots, side):
     _, robot = robots["coupled"]
-    assert drives(robot, side) == {"thumb_abduct", *(f"{finger}_flexion1" for finger in FINGERS)}
+    assert drives(robot, side) == {"thumb_abduct", *(f"{finger}_flexion1" for finger in FINGER_NAMES)}
     led = {c.name: (robot.skeleton.names[c.driver], c.ratio) for c in robot.skeleton.couplings if c.name[0] == side}
     assert led == {
         f"{side}_{finger}_flexion{k}": (f"{side}_{finger}_flexion1", pytest.approx(0.4 + 0.3 * (k - 1)))
-        for finger in FINGERS
+        for finger in FINGER_NAMES
         for k in (2, 3)
     }
     assert all(c.offset == pytest.approx(0.02, abs=1e-5) for c in robot.skeleton.couplings)
@@ -102,7 +103,7 @@ def test_five_fingers_are_named_and_what_follows_is_a_coupling(robots, side):
 
 @pytest.mark.parametrize("name", ["coupled", "four"])
 @pytest.mark.parametrize("side", SIDES)
-def test_a_fist_closes_to_the_palm_and_pinched_tips_meet(robots, name, side):
+def test_fist_closes_towards_the_palm_and_pinched_tips_meet(robots, name, side):
     _, robot = robots[name]
 
     def tips(shape):
@@ -125,7 +126,7 @@ def test_a_fist_closes_to_the_palm_and_pinched_tips_meet(robots, name, side):
     assert np.linalg.norm(ring["index"] - ring["thumb"]) < 0.35 * apart
 
 
-def test_four_fingers_have_no_little_one_and_spread(robots):
+def test_hand_with_four_fingers_has_no_little_finger_and_spreads(robots):
     mapped, robot = robots["four"]
     assert {finger.name for finger in mapped.hands["l"].fingers} == {"thumb", "index", "middle", "ring"}
     assert "index_abduct" in drives(robot, "l")
@@ -135,7 +136,7 @@ def test_four_fingers_have_no_little_one_and_spread(robots):
     assert not {"fist", "index", "two", "thumb", "ring", "spread"} & set(lacking)
 
 
-def test_spreading_takes_fingers_apart(robots):
+def test_spreading_moves_fingers_apart(robots):
     _, robot = robots["four"]
     roots = {}
     for shape in ("flat", "spread"):
@@ -148,7 +149,7 @@ def test_spreading_takes_fingers_apart(robots):
     assert roots["spread"] > roots["flat"] + 0.015
 
 
-def test_the_review_says_what_was_found_and_what_was_left(robots, written, puppets, tee_mapped):
+def test_review_lists_found_fingers_and_omitted_parts(robots, written, puppets, tee_mapped):
     mapped, _ = robots["coupled"]
     review = " | ".join(mapped.file.robot.imported.review)
     assert "left: thumb, index, middle, ring, pinky" in review
@@ -161,11 +162,11 @@ def test_the_review_says_what_was_found_and_what_was_left(robots, written, puppe
     )
     odd = import_humanoid(written("odd.xml", with_hands(puppets.puppet(), 5, flexions=3, ties=curved)))
     said = " | ".join(odd.file.robot.imported.review)
-    assert "l_t2 follows l_t1 in a straight line, in its file in a curve" in said
+    assert "l_t2 follows l_t1 linearly, but non-linearly in the file" in said
     assert "1 tendons are left out" in said
 
 
-def test_mimic_joints_of_a_urdf_are_couplings(written, puppets):
+def test_urdf_mimic_joints_become_couplings(written, puppets):
     text = puppets.urdf()
     for side, y in (("left", 1), ("right", -1)):
         text = re.sub(rf'<joint name="{side}_(grip|mimic)_joint".*?</joint>', "", text, flags=re.DOTALL)
@@ -181,7 +182,10 @@ def test_mimic_joints_of_a_urdf_are_couplings(written, puppets):
 
 
 def urdf_hand(side: str, y: int) -> str:
-    """A thumb and two fingers below a hanging arm; the palm looks at the thigh, the thumb ahead."""
+    """Return a thumb and two fingers below a hanging arm.
+
+    The palm faces the thigh and the thumb points forward.
+    """
     text = ""
     places = {
         "thumb": (0.04, -0.05, "0.02 0 -0.02"),
@@ -205,7 +209,7 @@ def urdf_hand(side: str, y: int) -> str:
 
 
 @pytest.mark.soak
-def test_a_robot_with_fingers_is_the_same_each_time(robots, written, puppets):
+def test_import_of_fingers_is_deterministic(robots, written, puppets):
     mapped, _ = robots["four"]
     again = import_humanoid(written("four.xml", with_hands(puppets.puppet(), 4, flexions=2, spread=True)))
     texts = (robot_text(each.file, heading=[], remarks=each.remarks) for each in (mapped, replace(again)))
@@ -213,7 +217,7 @@ def test_a_robot_with_fingers_is_the_same_each_time(robots, written, puppets):
 
 
 @pytest.mark.parametrize("name", ["coupled", "four"])
-def test_an_imported_hand_makes_the_shape_of_a_gesture(robots, name, tmp_path):
+def test_imported_hand_performs_a_hand_shape(robots, name, tmp_path):
     mapped, robot = robots[name]
     path = tmp_path / "hand.toml"
     path.write_text(robot_text(mapped.file, heading=[], remarks=mapped.remarks), encoding="utf-8")

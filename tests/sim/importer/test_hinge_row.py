@@ -1,29 +1,29 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.hinge_row import HingeRow, common_point, distances, foot, nearest_to_line
+from kinesic.sim.importer.hinge_row import HingeRow, distances, find_common_point, find_nearest_on_line, foot
 
-X, Y, Z = np.eye(3)
+X_AXIS, Y_AXIS, Z_AXIS = np.eye(3)
 
 
-def test_lines_that_meet_meet_there():
+def test_common_point_of_intersecting_lines_is_their_intersection():
     point = np.array([0.1, 0.2, 0.3])
-    anchors = np.array([point + 0.5 * X, point - 0.2 * Y, point + Z])
-    assert common_point(anchors, np.eye(3), np.zeros(3)) == pytest.approx(point, abs=1e-3)
+    anchors = np.array([point + 0.5 * X_AXIS, point - 0.2 * Y_AXIS, point + Z_AXIS])
+    assert find_common_point(anchors, np.eye(3), np.zeros(3)) == pytest.approx(point, abs=1e-3)
     assert distances(point, anchors, np.eye(3)) == pytest.approx(np.zeros(3), abs=1e-12)
 
 
-def test_what_parallel_lines_leave_open_is_near_the_wish():
-    found = common_point(np.array([[0.0, 0, 0], [0, 0, 1]]), np.array([Z, Z]), np.array([0.0, 0, 0.4]))
+def test_common_point_of_parallel_lines_is_nearest_to_the_preferred_point():
+    found = find_common_point(np.array([[0.0, 0, 0], [0, 0, 1]]), np.array([Z_AXIS, Z_AXIS]), np.array([0.0, 0, 0.4]))
     assert found == pytest.approx([0, 0, 0.4])
 
 
-def test_feet_and_nearest_points():
-    assert foot(np.array([1.0, 2, 3]), np.zeros(3), Z) == pytest.approx([0, 0, 3])
-    assert nearest_to_line(np.zeros(3), X, np.array([0.7, 0.1, 5.0]), Z) == pytest.approx([0.7, 0, 0])
+def test_projection_onto_a_line_and_nearest_point_to_another_line_are_correct():
+    assert foot(np.array([1.0, 2, 3]), np.zeros(3), Z_AXIS) == pytest.approx([0, 0, 3])
+    assert find_nearest_on_line(np.zeros(3), X_AXIS, np.array([0.7, 0.1, 5.0]), Z_AXIS) == pytest.approx([0.7, 0, 0])
 
 
-def test_a_turned_limb_is_the_turned_tree(tee):
+def test_rotated_hinge_row_equals_the_same_row_of_the_rotated_model(tee):
     names = [joint.name for joint in tee.joints]
     row = [names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
     angles = np.linspace(-1, 1, 7)

@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.hinges import named_hinges, spell_angle
+from kinesic.sim.importer.hinges import name_hinges, spell_angle
 
 
 @pytest.fixture(scope="module")
 def hinges(tee_figure):
-    return {hinge.name: hinge for hinge in named_hinges(tee_figure)}
+    return {hinge.name: hinge for hinge in name_hinges(tee_figure)}
 
 
-def test_each_hinge_has_its_bap_name(hinges, tee_figure):
+def test_each_hinge_gets_its_bap_name(hinges, tee_figure):
     joints = {name: tee_figure.tree.joints[hinge.joint].name for name, hinge in hinges.items()}
     assert joints == {
         "vl5_torsion": "waist",
@@ -32,7 +32,7 @@ def test_each_hinge_has_its_bap_name(hinges, tee_figure):
     }
 
 
-def test_axes_point_as_the_default_robots_do(hinges):
+def test_imported_joint_axes_have_the_directions_of_the_default_robot(hinges):
     expected = {"shoulder_flexion": (0, -1, 0), "shoulder_abduct": (1, 0, 0), "shoulder_twisting": (0, 0, 1)}
     expected |= {"elbow_flexion": (0, -1, 0), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}
     for name, (x, y, z) in expected.items():
@@ -41,14 +41,14 @@ def test_axes_point_as_the_default_robots_do(hinges):
     assert hinges["skullbase_tilt"].axis == pytest.approx([0, 1, 0])
 
 
-def test_equal_ranges_are_mirror_postures(hinges):
+def test_left_and_right_hinges_have_equal_ranges(hinges):
     for name, hinge in hinges.items():
         if name.startswith("l_"):
             image = hinges[f"r_{name[2:]}"]
             assert (hinge.lower, hinge.upper) == pytest.approx((image.lower, image.upper), abs=1e-3)
 
 
-def test_ranges_start_from_the_hanging_arm(hinges):
+def test_imported_joint_ranges_are_relative_to_the_hanging_arm(hinges):
     abduct = hinges["l_shoulder_abduct"]
     assert np.degrees([abduct.lower, abduct.upper]) == pytest.approx(
         [90 - np.degrees(1.7), 90 + np.degrees(1.2)], abs=1
@@ -57,13 +57,13 @@ def test_ranges_start_from_the_hanging_arm(hinges):
     assert not any(hinge.assumed for hinge in hinges.values())
 
 
-def test_a_hinge_without_range_gets_a_humans(hanging_mapped):
+def test_hinge_without_range_gets_an_anatomical_range(hanging_mapped):
     turn = next(hinge for hinge in hanging_mapped.hinges if hinge.name == "l_elbow_twisting")
     assert turn.assumed
     assert np.degrees([turn.lower, turn.upper]) == pytest.approx([-90, 90])
     assert any("l_elbow_twisting" in text for text in hanging_mapped.file.robot.imported.review)
 
 
-def test_the_way_back_is_spelled(hinges):
+def test_formula_of_an_original_joint_angle_is_written_as_text(hinges):
     assert spell_angle(hinges["l_shoulder_abduct"], "l_roll").startswith("l_roll = angle -")
     assert spell_angle(hinges["r_shoulder_abduct"], "r_roll").startswith("r_roll = -angle +")

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.load import load_model, urdf_joints
-from kinesic.sim.importer.model_tree import BASE, Follow
+from kinesic.sim.importer.model_tree import BASE_INDEX, Follow
 from kinesic.sim.importer.reading.robot_files import read_robot_files
 
 
@@ -11,23 +11,23 @@ def named(tree, name):
     return next(joint for joint in tree.joints if joint.name == name)
 
 
-def test_meshes_need_not_exist(tee, hanging):
+def test_model_loads_without_its_mesh_files(tee, hanging):
     assert len(tee.joints) == 4 + 2 * 9 + 2 * 3
     assert len(hanging.joints) == 1 + 2 * 7
 
 
-def test_the_free_joint_is_held_and_mimics_are_known(tee, hanging):
+def test_free_joint_is_fixed_and_mimic_joints_are_read(tee, hanging):
     assert {joint.name for joint in hanging.joints if joint.follows} == {"left_mimic_joint", "right_mimic_joint"}
     assert all(joint.name for joint in tee.joints)
 
 
-def test_parents_come_first_and_bases_have_none(tee):
+def test_parents_come_first_and_root_hinges_have_no_parent(tee):
     assert all(joint.parent < k for k, joint in enumerate(tee.joints))
-    assert named(tee, "waist").parent == BASE
+    assert named(tee, "waist").parent == BASE_INDEX
     assert tee.joints[named(tee, "l_bend").parent].name == "l_twist"
 
 
-def test_what_the_files_say_of_motors(tee, hanging):
+def test_motor_data_are_read_from_the_file(tee, hanging):
     pitch = named(tee, "l_pitch")
     assert (pitch.effort, pitch.gain, pitch.speed) == (20.0, 60.0, None)
     assert named(tee, "r_pitch").effort is None
@@ -35,13 +35,13 @@ def test_what_the_files_say_of_motors(tee, hanging):
     assert (elbow.effort, elbow.speed) == (30.0, 3.5)
 
 
-def test_a_continuous_joint_has_no_range(hanging):
+def test_continuous_joint_has_no_range(hanging):
     turn, elbow = named(hanging, "left_turn_joint"), named(hanging, "left_elbow_joint")
     assert (turn.lower, turn.upper) == (None, None)
     assert (elbow.lower, elbow.upper) == (-2.2, 0.0)
 
 
-def test_masses_and_primitive_shapes_belong_to_the_hinge_that_moves_them(tee):
+def test_masses_and_shapes_belong_to_the_hinge_that_moves_them(tee):
     k = [joint.name for joint in tee.joints].index("l_twist")
     assert tee.parts[k].mass == pytest.approx(1.2)
     (upper,) = tee.parts[k].shapes
@@ -50,7 +50,7 @@ def test_masses_and_primitive_shapes_belong_to_the_hinge_that_moves_them(tee):
     assert tee.base.mass == pytest.approx(4.0)
 
 
-def test_reading_leaves_no_file_behind(tee_path, tmp_path, monkeypatch):
+def test_loading_a_robot_model_creates_no_files(tee_path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     load_model(tee_path)
     assert list(tmp_path.iterdir()) == []
@@ -59,43 +59,43 @@ def test_reading_leaves_no_file_behind(tee_path, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("<mujoco><worldbody><body></mujoco>", "neither MJCF nor URDF"),
-        ("<mujoco><nonsense/></mujoco>", "neither MJCF nor URDF"),
-        ('<robot name="r"><joint name="j"><limit velocity="fast"/></joint></robot>', "neither MJCF nor URDF"),
+        ("<mujoco><worldbody><body></mujoco>", "not a readable MJCF or URDF"),
+        ("<mujoco><nonsense/></mujoco>", "not a readable MJCF or URDF"),
+        ('<robot name="r"><joint name="j"><limit velocity="fast"/></joint></robot>', "not a readable MJCF or URDF"),
     ],
 )
-def test_a_broken_file_teaches(written, text, message):
+def test_broken_file_error_names_the_cause(written, text, message):
     with pytest.raises(ConfigError, match=message) as caught:
         load_model(written("broken.xml", text))
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("ending", [".URDF", ".Urdf", ".XML", ".MJCF", ".mjcf", ""])
-def test_a_file_may_end_in_capitals(tee_path, hanging_path, tmp_path, ending):
+def test_file_suffix_may_be_uppercase(tee_path, hanging_path, tmp_path, ending):
     source = hanging_path if ending.lower() == ".urdf" else tee_path
     (tmp_path / f"robot{ending}").write_bytes(source.read_bytes())
-    (tmp_path / "robot.xml").write_text("<mujoco/>")  # another file, which is not read
+    (tmp_path / "robot.xml").write_text("<mujoco/>")  # a different file that must not be read
     found = load_model(tmp_path / f"robot{ending}")
     assert [joint.name for joint in found.joints] == [joint.name for joint in load_model(source).joints]
 
 
-def test_what_it_includes_is_found_beside_a_file_that_ends_in_capitals(tee_path, tmp_path):
+def test_included_files_are_found_next_to_a_robot_file_with_uppercase_suffix(tee_path, tmp_path):
     (tmp_path / "part.xml").write_bytes(tee_path.read_bytes())
     (tmp_path / "robot.MJCF").write_text('<mujoco><include file="part.xml"/></mujoco>')
     assert len(load_model(tmp_path / "robot.MJCF").joints) == len(load_model(tee_path).joints)
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_error_names_a_missing_model_file(tmp_path):
     with pytest.raises(ConfigError, match=r"nowhere\.xml: no such file"):
         load_model(tmp_path / "nowhere.xml")
 
 
-def test_speeds_and_mimics_that_mujoco_drops(hanging_path):
+def test_urdf_velocities_and_mimics_are_read(hanging_path):
     joints = urdf_joints(read_robot_files(hanging_path).root)
     assert joints["left_elbow_joint"].speed == 3.5
     assert joints["left_mimic_joint"].follows == Follow("left_grip", 1.0, 0.0)
     assert joints["left_grip_joint"].follows is None
 
 
-def test_an_mjcf_has_none(tee_path):
+def test_no_urdf_joints_are_read_from_an_mjcf_file(tee_path):
     assert urdf_joints(read_robot_files(tee_path).root) == {}

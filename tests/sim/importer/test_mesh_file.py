@@ -10,7 +10,7 @@ from kinesic.sim.importer.mesh_file import Triangles, read_mesh, simplify
 
 
 def ball(rings: int) -> Triangles:
-    """A sphere of radius 1."""
+    """Return a sphere of radius 1."""
     rise, turn = np.linspace(-np.pi / 2, np.pi / 2, rings + 1), 2 * np.pi * np.arange(rings) / rings
     up, around = np.meshgrid(rise, turn, indexing="ij")
     places = np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=-1).reshape(-1, 3)
@@ -26,7 +26,7 @@ def stl(mesh: Triangles) -> bytes:
     return bytes(80) + struct.pack("<I", len(rows)) + b"".join(bytes(12) + row.tobytes() + bytes(2) for row in rows)
 
 
-def test_an_stl_is_read_with_its_vertices_joined(tmp_path: Path):
+def test_stl_is_read_with_merged_vertices(tmp_path: Path):
     mesh = ball(12)
     (tmp_path / "ball.STL").write_bytes(stl(mesh))
     found = read_mesh(tmp_path / "ball.STL", folder=tmp_path)
@@ -34,7 +34,7 @@ def test_an_stl_is_read_with_its_vertices_joined(tmp_path: Path):
     assert len(found.vertices) < 0.3 * 3 * len(found.corners)
 
 
-def test_an_obj_is_read_with_faces_of_any_number_of_corners(tmp_path: Path):
+def test_obj_faces_may_have_any_number_of_corners(tmp_path: Path):
     path = tmp_path / "plate.obj"
     path.write_text("# a plate\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -4 -3 -2\n")
     found = read_mesh(path, folder=tmp_path)
@@ -48,27 +48,27 @@ def test_an_obj_is_read_with_faces_of_any_number_of_corners(tmp_path: Path):
         ("a.stl", b"solid ascii\n" + bytes(100), "must be a binary STL"),
         ("a.stl", bytes(80) + struct.pack("<I", 4_000_000_000), "must be a binary STL"),
         ("a.stl", bytes(84), "no triangles"),
-        ("a.obj", b"v 0 0 0\nf 1 2 3\n", "a corner that is none"),
+        ("a.obj", b"v 0 0 0\nf 1 2 3\n", "an invalid vertex index"),
         ("a.obj", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
-        ("a.obj", b"v 0 0 zero\n", "no OBJ that can be read"),
-        ("a.obj", b"v 0 0\nv 1 0 0\nf 1 2 1\n", "no OBJ that can be read"),
+        ("a.obj", b"v 0 0 zero\n", "not a readable OBJ"),
+        ("a.obj", b"v 0 0\nv 1 0 0\nf 1 2 1\n", "not a readable OBJ"),
     ],
 )
-def test_what_is_no_mesh_is_refused_and_says_why(tmp_path: Path, name: str, data: bytes, why: str):
+def test_invalid_mesh_is_rejected_with_the_reason(tmp_path: Path, name: str, data: bytes, why: str):
     (tmp_path / name).write_bytes(data)
     with pytest.raises(ConfigError, match=why):
         read_mesh(tmp_path / name, folder=tmp_path)
 
 
-def test_a_huge_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "LARGEST_MESH", 1000)
+def test_huge_mesh_file_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "MAX_MESH_SIZE", 1000)
     (tmp_path / "ball.stl").write_bytes(stl(ball(12)))
     with pytest.raises(ConfigError, match=r"ball.stl has 14484 bytes; at most 1000"):
         read_mesh(tmp_path / "ball.stl", folder=tmp_path)
 
 
 @pytest.mark.parametrize("most", [40, 500])
-def test_fewer_triangles_are_still_the_shape(most: int):
+def test_simplified_mesh_keeps_the_shape(most: int):
     few = simplify(ball(60), most)
     assert 0.3 * most < len(few.corners) <= most
     sizes = np.linalg.norm(few.vertices[few.corners], axis=2)
@@ -78,11 +78,11 @@ def test_fewer_triangles_are_still_the_shape(most: int):
     assert (np.einsum("ti,ti->t", np.cross(b - a, c - a), a + b + c) > 0.0).mean() > 0.95, "they face outward"
 
 
-def test_few_triangles_stay_as_they_are():
+def test_mesh_below_the_triangle_limit_is_not_simplified():
     mesh = ball(6)
     assert len(simplify(mesh, 1000).corners) == len(mesh.corners)
 
 
-def test_what_is_beyond_any_robot_is_dropped():
+def test_triangles_far_outside_a_robot_are_removed():
     mesh = Triangles(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1e6, 0, 0]]), np.array([[0, 1, 2], [0, 1, 3]]))
     assert simplify(mesh, 1000).corners.tolist() == [[0, 1, 2]]

@@ -9,7 +9,7 @@ def names(tree, pairs):
     return {tree.joints[a].name: tree.joints[b].name for a, b in pairs.items()}
 
 
-def test_pairs_are_found_by_geometry(tee):
+def test_mirror_pairs_are_found_by_geometry(tee):
     found = sides(tee)
     assert len(found.pairs) == 9 + 3
     assert names(tee, found.pairs)["l_bend"] == "r_bend"
@@ -18,7 +18,7 @@ def test_pairs_are_found_by_geometry(tee):
 
 
 @pytest.mark.parametrize(("turned", "left"), [(0, (0, 1)), (90, (-1, 0)), (180, (0, -1)), (270, (1, 0))])
-def test_forward_follows_left_wherever_the_world_looks(written, puppets, turned, left):
+def test_forward_direction_is_independent_of_world_orientation(written, puppets, turned, left):
     tree = load_model(written("turned.xml", puppets.puppet(turned=turned)))
     found = sides(tree)
     assert found.left == pytest.approx(left, abs=1e-9)
@@ -26,14 +26,14 @@ def test_forward_follows_left_wherever_the_world_looks(written, puppets, turned,
     assert forward == pytest.approx([1, 0, 0], abs=1e-9)
 
 
-def test_without_telling_names_feet_and_head_say_where_forward_is(written, puppets):
+def test_forward_direction_is_found_from_feet_and_head_if_joint_names_have_no_side(written, puppets):
     tree = load_model(written("unnamed.xml", puppets.puppet(left="one_", right="two_", turned=180)))
     found = sides(tree)
     assert found.certain
     assert set(names(tree, found.pairs)) == {name for name in names(tree, found.pairs) if name.startswith("one_")}
 
 
-def test_a_pose_without_symmetry_is_paired_by_names(hanging):
+def test_left_and_right_joints_in_an_asymmetric_pose_are_paired_by_names(hanging):
     crooked = hanging.turned({k: 0.5 for k, joint in enumerate(hanging.joints) if joint.name.startswith("left_")})
     found = sides(crooked)
     assert found.by_names
@@ -41,6 +41,8 @@ def test_a_pose_without_symmetry_is_paired_by_names(hanging):
 
 
 @pytest.mark.parametrize(("left", "right"), [("L_", "R_"), ("left_", "right_"), ("Left", "Right"), ("l_", "r_")])
-def test_sides_by_the_words_of_names(written, puppets, left, right):
-    tree = load_model(written("worded.xml", puppets.puppet(left=right, right=left)))  # on the wrong side: names win
+def test_body_sides_are_recognised_by_words_in_joint_names(written, puppets, left, right):
+    tree = load_model(
+        written("worded.xml", puppets.puppet(left=right, right=left))
+    )  # names contradict the geometry and take precedence
     assert sides(tree).left == pytest.approx((0, -1))

@@ -1,21 +1,21 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.model_tree import BASE
+from kinesic.sim.importer.model_tree import BASE_INDEX
 
 
 def index(tree, name):
     return [joint.name for joint in tree.joints].index(name)
 
 
-def test_way_below_and_children(tee):
+def test_tree_lists_paths_descendants_and_children(tee):
     hand = index(tee, "l_wag")
-    assert [tee.joints[k].name for k in tee.way(hand)][:3] == ["waist", "bow", "l_pitch"]
+    assert [tee.joints[k].name for k in tee.path_from_base(hand)][:3] == ["waist", "bow", "l_pitch"]
     assert {tee.joints[k].name for k in tee.below(hand)} == {"l_wag", "l_thumb", "l_finger"}
-    assert tee.joints[tee.children[BASE][0]].name == "waist"
+    assert tee.joints[tee.children[BASE_INDEX][0]].name == "waist"
 
 
-def test_a_lump_weighs_what_its_parts_weigh(tee):
+def test_merged_part_has_the_mass_of_its_parts(tee):
     rows = [index(tee, "l_twist"), index(tee, "r_twist")]
     both = tee.lump(rows)
     assert both.mass == pytest.approx(2.4)
@@ -23,7 +23,7 @@ def test_a_lump_weighs_what_its_parts_weigh(tee):
     assert len(both.shapes) == 2
 
 
-def test_turning_a_hinge_moves_what_hangs_on_it_and_nothing_else(tee):
+def test_hinge_rotation_moves_only_its_descendants(tee):
     roll, bend = index(tee, "l_roll"), index(tee, "l_bend")
     turned = tee.turned({roll: -np.pi / 2})
     assert turned.joints[roll].zero == pytest.approx(-np.pi / 2)
@@ -33,7 +33,7 @@ def test_turning_a_hinge_moves_what_hangs_on_it_and_nothing_else(tee):
     assert turned.joints[other].anchor == pytest.approx(tee.joints[other].anchor)
 
 
-def test_moving_keeps_distances(tee):
+def test_rigid_motion_of_the_tree_keeps_distances(tee):
     moved = tee.moved(np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3]))
     before, after = (np.array([joint.anchor for joint in tree.joints]) for tree in (tee, moved))
     assert np.linalg.norm(np.diff(after, axis=0), axis=1) == pytest.approx(

@@ -9,7 +9,7 @@ from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.importer.rest_pose import with_exclusions
 
 
-def test_arms_rest_hanging_with_bent_elbows(tee_mapped, tee_path):
+def test_arms_hang_at_rest_with_bent_elbows(tee_mapped, tee_path):
     robot = Robot.of(robot_from_tables(tee_mapped.file, tee_path))
     frames = robot.skeleton.frames(robot.skeleton.rest)
     for side, out in (("l", 1), ("r", -1)):
@@ -22,20 +22,20 @@ def test_arms_rest_hanging_with_bent_elbows(tee_mapped, tee_path):
         assert fore[0] > 0.3 * np.linalg.norm(fore)
 
 
-def test_rest_is_the_same_on_both_sides(tee_mapped):
+def test_rest_pose_is_symmetric(tee_mapped):
     rest = tee_mapped.file.rest
     for name, angle in rest.items():
         if name.startswith("l_"):
             assert abs(angle - rest.get(f"r_{name[2:]}", 0.0)) < 0.1
 
 
-def test_pairs_that_count_have_room_at_rest(tee_mapped, tee_path):
+def test_checked_segment_pairs_of_an_imported_robot_have_clearance_at_rest(tee_mapped, tee_path):
     robot = Robot.of(robot_from_tables(tee_mapped.file, tee_path))
     rest = CapsuleDistances(robot).clearance(robot.skeleton.rest[None])
-    assert rest.distances[0] >= robot.least_clearance
+    assert rest.distances[0] >= robot.min_clearance
 
 
-def test_shapes_that_overlap_at_rest_are_listed_with_a_reason(tee_mapped, tee_path):
+def test_overlapping_pairs_at_rest_are_excluded_with_a_reason(tee_mapped, tee_path):
     fat = [
         msgspec.structs.replace(body, capsules=[msgspec.structs.replace(body.capsules[0], radius=0.3)])
         if body.name == "skullbase"
@@ -46,4 +46,4 @@ def test_shapes_that_overlap_at_rest_are_listed_with_a_reason(tee_mapped, tee_pa
     listed = {frozenset(entry.pair): entry.why for entry in file.collision.exclude}
     assert "apart at rest" in listed[frozenset(("skullbase", "l_shoulder"))]
     robot = Robot.of(robot_from_tables(file, tee_path))
-    assert CapsuleDistances(replace(robot)).clearance(robot.skeleton.rest[None]).distances[0] >= robot.least_clearance
+    assert CapsuleDistances(replace(robot)).clearance(robot.skeleton.rest[None]).distances[0] >= robot.min_clearance

@@ -1,4 +1,4 @@
-"""Real robots from two wheels (extra `robots`), where they are installed; nothing of them is in this repository."""
+"""Import of real robots from two optional wheels (extra `robots`)."""
 
 import os
 from importlib.metadata import PackageNotFoundError, files
@@ -13,8 +13,8 @@ from kinesic.body.robot_schema import robot_text
 from kinesic.ik.arm.refine import refine_posture
 from kinesic.sim.importer.convert import Mapped, import_humanoid
 
-# name: wheel, end of the path, hinges that kinesic moves, the elbow's hinge on the left
-ROBOTS = {
+# name: wheel, end of the path, number of moved hinges, joint of the left elbow
+ROBOT_FILES = {
     "op3": ("playground", "op3/xmls/op3_mjx_feetonly.xml", 8, "l_el"),
     "g1": ("playground", "g1/xmls/g1_mjx_feetonly.xml", 17, "left_elbow_joint"),
     "h1": ("playground", "h1/xmls/h1_mjx_feetonly.xml", 9, "left_elbow"),
@@ -30,11 +30,11 @@ ROBOTS = {
     "simple": ("example-robot-data", "simple_humanoid_description/urdf/simple_humanoid.urdf", 17, "LARM_ELBOW"),
     "tiago pro": ("example-robot-data", "tiago_pro_description/robots/tiago_pro.urdf", 16, "arm_left_4_joint"),
 }
-QUICK = ("op3", "t1", "tiago pro")  # the others are mapped by `make soak`
+SAMPLE_ROBOTS = ("op3", "t1", "tiago pro")  # `make soak` imports the others
 
 
 def model(name: str) -> Path:
-    wheel, end, _, _ = ROBOTS[name]
+    wheel, end, _, _ = ROBOT_FILES[name]
     try:
         found = [file for file in files(wheel) or () if str(file).endswith(end)]
     except PackageNotFoundError:
@@ -43,8 +43,8 @@ def model(name: str) -> Path:
 
 
 def check(name: str, found: Mapped, folder: Path) -> None:
-    """Mapped without a hand edit, the elbow where it is, and a hand that reaches what it can."""
-    _, _, hinges, elbow = ROBOTS[name]
+    """Check an import: hinge count, elbow, confidence and reachable targets."""
+    _, _, hinges, elbow = ROBOT_FILES[name]
     joints = {hinge.name: found.figure.tree.joints[hinge.joint].name for hinge in found.hinges}
     assert len(joints) == hinges
     assert joints["l_elbow_flexion"] == elbow
@@ -63,12 +63,12 @@ def check(name: str, found: Mapped, folder: Path) -> None:
         assert np.linalg.norm(robot.skeleton.frames(solved).origins[hand] - target) < 2e-3
 
 
-@pytest.mark.parametrize("name", QUICK)
-def test_a_robot_is_mapped_without_a_hand_edit(name, tmp_path):
+@pytest.mark.parametrize("name", SAMPLE_ROBOTS)
+def test_sample_robot_is_imported_without_manual_edits(name, tmp_path):
     check(name, import_humanoid(model(name)), tmp_path)
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("name", [name for name in ROBOTS if name not in QUICK])
-def test_every_robot_is_mapped_without_a_hand_edit(name, tmp_path):
+@pytest.mark.parametrize("name", [name for name in ROBOT_FILES if name not in SAMPLE_ROBOTS])
+def test_every_robot_is_imported_without_manual_edits(name, tmp_path):
     check(name, import_humanoid(model(name)), tmp_path)

@@ -8,20 +8,20 @@ from kinesic.sim.importer.mirror import sides
 from kinesic.sim.importer.zero_pose import branches
 
 
-def test_both_arms_hang_as_mirror_images(tee_figure):
+def test_hanging_arms_are_mirror_images(tee_figure):
     assert tee_figure.split == Split(0, 3, 3)
     assert tee_figure.asymmetry < 1e-3
     assert max(arm.off for arm in tee_figure.arms.values()) < np.radians(1)
     assert tee_figure.likeness > 3.0
 
 
-def test_the_midline_is_at_zero(tee_figure):
+def test_midline_of_an_imported_robot_is_at_zero(tee_figure):
     left, right = (tee_figure.arms[side].centres.shoulder for side in "lr")
     assert left[1] == pytest.approx(0.2, abs=1e-3)
     assert left[1] + right[1] == pytest.approx(0, abs=1e-9)
 
 
-def test_the_arm_length_is_shoulder_to_wrist(tee_figure):
+def test_arm_length_is_from_shoulder_to_wrist(tee_figure):
     assert tee_figure.arm_length == pytest.approx(0.52, abs=0.005)
 
 
@@ -29,7 +29,7 @@ def names(tree, row):
     return [tree.joints[k].name for k in row]
 
 
-def test_arms_trunk_and_head(tee):
+def test_arms_trunk_and_head_are_found(tee):
     found = branches(tee, sides(tee))
     assert names(tee, found.trunk) == ["waist", "bow"]
     assert names(tee, found.neck) == ["pan", "nod"]
@@ -37,17 +37,17 @@ def test_arms_trunk_and_head(tee):
     assert names(tee, found.right) == [name.replace("l_", "r_", 1) for name in names(tee, found.left)]
 
 
-def test_a_gripper_is_no_wrist(hanging):
+def test_gripper_is_not_part_of_the_wrist(hanging):
     assert names(hanging, branches(hanging, sides(hanging)).left)[-1] == "left_turn_joint"
 
 
-def test_a_robot_without_neck_and_trunk(written, puppets):
+def test_robot_without_neck_and_trunk_is_accepted(written, puppets):
     tree = load_model(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
     found = branches(tree, sides(tree))
     assert (found.trunk, found.neck) == ((), ())
 
 
-def test_a_robot_without_arms_is_refused(written):
+def test_robot_without_arms_is_rejected(written):
     one = '<mujoco model="one"><worldbody><body><joint/><geom size="0.1"/></body></worldbody></mujoco>'
     tree = load_model(written("one.xml", one))
     with pytest.raises(ConfigError, match="robot one: no arms found: among 1 hinges there are 0 mirror pairs"):

@@ -1,4 +1,4 @@
-"""Shells as files: what is read back, what is refused, and which robots have one."""
+"""Shell files: reading, rejection, and robots with or without shells."""
 
 import zipfile
 from dataclasses import replace
@@ -14,15 +14,15 @@ from kinesic.sim.model import build_model, capsule_name
 from kinesic.sim.scene_style import styled_model
 from kinesic.sim.shells import shell as module
 from kinesic.sim.shells.bake import main
-from kinesic.sim.shells.shell import fingerprint, is_stale, read_shell, shell_of, write_shell
+from kinesic.sim.shells.shell import fingerprint, is_stale, load_shell, read_shell, write_shell
 
 ROBOT = Robot.load()
-SHELL = shell_of(ROBOT)
-assert SHELL is not None
+ROBOT_SHELL = load_shell(ROBOT)
+assert ROBOT_SHELL is not None
 
 
-def changed(robot: Robot, path: Path) -> Robot:
-    """A robot whose forearm is 1 mm thicker, with a file of its own."""
+def make_changed_robot(robot: Robot, path: Path) -> Robot:
+    """Return a robot with a 1 mm thicker forearm in a separate file."""
     segments = list(robot.skeleton.segments)
     k = robot.skeleton.segment("l_elbow")
     fat = [replace(shape, radius=shape.radius + 0.001) for shape in segments[k].capsules]
@@ -30,51 +30,51 @@ def changed(robot: Robot, path: Path) -> Robot:
     return replace(robot, path=path, skeleton=replace(robot.skeleton, segments=tuple(segments)))
 
 
-def test_a_robot_without_a_shell_has_none(tmp_path: Path):
-    assert shell_of(replace(ROBOT, path=tmp_path / "own.toml")) is None
+def test_robot_without_shell_file_has_no_shell(tmp_path: Path):
+    assert load_shell(replace(ROBOT, path=tmp_path / "own.toml")) is None
     assert not is_stale(replace(ROBOT, path=tmp_path / "own.toml"))
-    assert shell_of(Robot.load("human")) is None
+    assert load_shell(Robot.load("human")) is None
 
 
-def test_a_shell_of_another_description_is_not_drawn(tmp_path: Path):
-    write_shell(SHELL, tmp_path / "own.npz")
-    same, other = replace(ROBOT, path=tmp_path / "own.toml"), changed(ROBOT, tmp_path / "own.toml")
-    assert shell_of(same) is not None
+def test_shell_made_for_another_robot_description_is_not_drawn(tmp_path: Path):
+    write_shell(ROBOT_SHELL, tmp_path / "own.npz")
+    same, other = replace(ROBOT, path=tmp_path / "own.toml"), make_changed_robot(ROBOT, tmp_path / "own.toml")
+    assert load_shell(same) is not None
     assert not is_stale(same)
-    assert shell_of(other) is None
+    assert load_shell(other) is None
     assert is_stale(other)
 
 
-def test_what_is_no_matter_of_shape_leaves_a_shell_fresh():
+def test_shell_stays_valid_after_changes_unrelated_to_shape():
     narrow = replace(ROBOT.skeleton, hinges=tuple(replace(h, upper=h.upper - 0.1) for h in ROBOT.skeleton.hinges))
-    assert fingerprint(replace(ROBOT, skeleton=narrow, least_clearance=0.02)) == fingerprint(ROBOT)
+    assert fingerprint(replace(ROBOT, skeleton=narrow, min_clearance=0.02)) == fingerprint(ROBOT)
 
 
-def test_a_robot_is_baked_beside_its_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_bake_writes_the_shell_next_to_the_robot_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / "own.toml"
     path.write_text('[robot]\nname = "own"\nextends = "upper22"\n')
     main([str(path)])
     assert "11 surfaces" in capsys.readouterr().out
-    baked = shell_of(Robot.load(path))
+    baked = load_shell(Robot.load(path))
     assert baked is not None
-    assert set(baked.segments) == set(SHELL.segments)
-    surface, same = baked.segments["skullbase"], SHELL.segments["skullbase"]
+    assert set(baked.segments) == set(ROBOT_SHELL.segments)
+    surface, same = baked.segments["skullbase"], ROBOT_SHELL.segments["skullbase"]
     np.testing.assert_allclose(surface.vertices.max(axis=0), same.vertices.max(axis=0), atol=1e-3)
 
 
-def test_broken_files_are_refused_and_say_what_helps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_broken_shell_files_are_rejected_with_a_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = tmp_path / "own.npz"
-    write_shell(SHELL, path)
+    write_shell(ROBOT_SHELL, path)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(ConfigError, match=r"no shell of a robot .* python -m kinesic.sim.shells.bake own.toml"):
+    with pytest.raises(ConfigError, match=r"not a valid robot shell .* python -m kinesic.sim.shells.bake own.toml"):
         read_shell(path)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("step.npy", "no numbers")
-    with pytest.raises(ConfigError, match="no shell of a robot"):
+    with pytest.raises(ConfigError, match="not a valid robot shell"):
         read_shell(path)
     path.write_bytes(whole)
-    monkeypatch.setattr(module, "UNPACKED", 1000)
+    monkeypatch.setattr(module, "MAX_UNPACKED_SIZE", 1000)
     with pytest.raises(ConfigError, match="at most"):
         read_shell(path)
 
@@ -82,34 +82,34 @@ def test_broken_files_are_refused_and_say_what_helps(tmp_path: Path, monkeypatch
 @pytest.mark.parametrize(
     ("key", "value"), [("triangles", np.full((10, 3), 9)), ("step", np.array(2.0)), ("counts", np.zeros((11, 3)))]
 )
-def test_numbers_that_do_not_fit_are_refused(tmp_path: Path, key: str, value: np.ndarray):
+def test_inconsistent_array_sizes_are_rejected(tmp_path: Path, key: str, value: np.ndarray):
     path = tmp_path / "own.npz"
-    write_shell(SHELL, path)
+    write_shell(ROBOT_SHELL, path)
     with np.load(path) as data:
         tables = {name: data[name] for name in data.files}
     np.savez_compressed(path, **(tables | {key: value}))
-    with pytest.raises(ConfigError, match="no shell of a robot"):
+    with pytest.raises(ConfigError, match="not a valid robot shell"):
         read_shell(path)
 
 
-def test_pickles_are_never_opened(tmp_path: Path):
+def test_shell_reader_never_loads_pickles(tmp_path: Path):
     path = tmp_path / "own.npz"
     np.savez(path, made_from=np.array([object()], dtype=object))
-    with pytest.raises(ConfigError, match="no shell of a robot"):
+    with pytest.raises(ConfigError, match="not a valid robot shell"):
         read_shell(path)
 
 
-MESH = mujoco.mjtGeom.mjGEOM_MESH
+MESH_GEOM = mujoco.mjtGeom.mjGEOM_MESH
 
 
-def test_a_shell_is_seen_alone_and_weighs_nothing(tmp_path: Path):
+def test_only_the_shell_is_visible_and_it_has_no_mass(tmp_path: Path):
     dressed = styled_model(ROBOT, width=64, height=48)
     bare = styled_model(replace(ROBOT, path=tmp_path / "own.toml"), width=64, height=48)
-    meshes = [k for k in range(dressed.ngeom) if dressed.geom_type[k] == MESH and dressed.geom_group[k] == 2]
-    assert len(meshes) > len(SHELL.segments)
+    meshes = [k for k in range(dressed.ngeom) if dressed.geom_type[k] == MESH_GEOM and dressed.geom_group[k] == 2]
+    assert len(meshes) > len(ROBOT_SHELL.segments)
     assert not dressed.geom_contype[meshes].any()
     assert not dressed.geom_conaffinity[meshes].any()
-    assert not [k for k in range(bare.ngeom) if bare.geom_type[k] == MESH and bare.geom_group[k] == 2]
+    assert not [k for k in range(bare.ngeom) if bare.geom_type[k] == MESH_GEOM and bare.geom_group[k] == 2]
     np.testing.assert_allclose(dressed.body_mass, bare.body_mass)
     np.testing.assert_allclose(dressed.body_inertia, build_model(ROBOT).body_inertia)
     hidden = [capsule_name("l_elbow", 0), "l_elbow_flexion_servo"]
@@ -118,15 +118,15 @@ def test_a_shell_is_seen_alone_and_weighs_nothing(tmp_path: Path):
     assert build_model(ROBOT).nmesh == 0
 
 
-def test_meshes_stand_where_the_shell_is():
+def test_meshes_are_placed_at_the_shell_vertices():
     model = styled_model(ROBOT, width=64, height=48)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    geom, straight = model.geom("skullbase_shell").id, ROBOT.skeleton.straight
+    geom, straight = model.geom("skullbase_shell").id, ROBOT.skeleton.zero_frames
     mesh = model.geom_dataid[geom]
     first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
     seen = model.mesh_vert[first : first + count] @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
-    surface = SHELL.segments["skullbase"]
+    surface = ROBOT_SHELL.segments["skullbase"]
     told = surface.vertices[np.unique(surface.shell)] + straight.origins[ROBOT.skeleton.segment("skullbase")]
     np.testing.assert_allclose(seen.max(axis=0), told.max(axis=0), atol=1e-5)
     np.testing.assert_allclose(seen.min(axis=0), told.min(axis=0), atol=1e-5)

@@ -1,4 +1,4 @@
-"""The shells that come with kinesic: what they enclose, how far they are from the robot's shapes, and how large."""
+"""Committed shells: enclosed servos, distance from shapes, and file size."""
 
 from pathlib import Path
 
@@ -7,56 +7,56 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.sim.shells.part import servos_of
+from kinesic.sim.shells.part import list_servo_boxes
 from kinesic.sim.shells.shell import (
-    SUFFIX,
+    SHELL_SUFFIX,
     SegmentShell,
     Shell,
     fingerprint,
     is_stale,
+    load_shell,
     read_shell,
-    shell_of,
     write_shell,
 )
 
-ROBOTS = ("upper22", "upper36")
-FAR = 0.020  # [m] from a shell to the shapes and servos of its segment
-MOST_TRIANGLES = 3000  # of one segment
-MOST_BYTES = 300_000
+ROBOT_NAMES = ("upper22", "upper36")
+MAX_SHELL_DISTANCE = 0.020  # [m] from a shell to the shapes and servos of its segment
+MAX_SEGMENT_TRIANGLES = 3000  # triangles of one segment
+MAX_FILE_SIZE = 300_000
 
 
-@pytest.fixture(scope="module", params=ROBOTS)
+@pytest.fixture(scope="module", params=ROBOT_NAMES)
 def robot(request: pytest.FixtureRequest) -> Robot:
     return Robot.load(request.param)
 
 
 @pytest.fixture(scope="module")
 def shell(robot: Robot) -> Shell:
-    found = shell_of(robot)
+    found = load_shell(robot)
     assert found is not None, f"python -m kinesic.sim.shells.bake {robot.name}"
     return found
 
 
-def test_is_made_from_the_robot_as_it_is(robot: Robot, shell: Shell):
+def test_committed_shell_matches_the_robot_description(robot: Robot, shell: Shell):
     assert not is_stale(robot)
     assert shell.made_from == fingerprint(robot)
 
 
-def test_encloses_every_servo(robot: Robot, shell: Shell):
+def test_shell_encloses_every_servo(robot: Robot, shell: Shell):
     for name, surface, shift, _ in _surfaces(robot, shell):
-        for servo in servos_of(robot, name):
+        for servo in list_servo_boxes(robot, name):
             wound = _winding(surface, servo.corners + shift)
             assert (wound > 0.5).all(), f"{name}: corners {wound.round(2)} of the servo at {servo.centre}"
 
 
-def test_stays_near_shapes_and_servos(robot: Robot, shell: Shell):
+def test_shell_stays_near_shapes_and_servos(robot: Robot, shell: Shell):
     for name, surface in shell.segments.items():
         parts = [(part, shift) for part, _, shift, drawn in _surfaces(robot, shell) if drawn == name]
         away = np.min([_distance(robot, part, surface.vertices - shift) for part, shift in parts], axis=0)
-        assert np.abs(away).max() < FAR, f"{name}: {1000 * np.abs(away).max():.1f} mm"
+        assert np.abs(away).max() < MAX_SHELL_DISTANCE, f"{name}: {1000 * np.abs(away).max():.1f} mm"
 
 
-def test_is_closed_and_faces_outward(shell: Shell):
+def test_shell_is_closed_and_faces_outwards(shell: Shell):
     for name, surface in shell.segments.items():
         edges = np.concatenate([surface.triangles[:, [k, (k + 1) % 3]] for k in range(3)]).astype(int)
         there, back = ({(int(a), int(b)) for a, b in rows} for rows in (edges, edges[:, ::-1]))
@@ -66,12 +66,12 @@ def test_is_closed_and_faces_outward(shell: Shell):
         np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0, atol=0.02)
 
 
-def test_is_small(robot: Robot, shell: Shell):
-    assert max(len(surface.triangles) for surface in shell.segments.values()) <= MOST_TRIANGLES
-    assert robot.path.with_suffix(SUFFIX).stat().st_size < MOST_BYTES
+def test_shell_file_is_small(robot: Robot, shell: Shell):
+    assert max(len(surface.triangles) for surface in shell.segments.values()) <= MAX_SEGMENT_TRIANGLES
+    assert robot.path.with_suffix(SHELL_SUFFIX).stat().st_size < MAX_FILE_SIZE
 
 
-def test_both_sides_have_joints_and_are_alike(shell: Shell):
+def test_left_and_right_shells_are_mirror_images_with_joints(shell: Shell):
     for name, surface in shell.segments.items():
         if name.startswith("l_"):
             other = shell.segments[f"r_{name[2:]}"]
@@ -82,7 +82,11 @@ def test_both_sides_have_joints_and_are_alike(shell: Shell):
 
 
 def _surfaces(robot: Robot, shell: Shell) -> list[tuple[str, SegmentShell, Floats, str]]:
-    """Segment, the surface that is round it, where the segment is in that of the surface, and whose surface it is."""
+    """List each segment with the surface that encloses it.
+
+    Returns:
+        Segment, surface, origin of the segment in the surface's frame, and segment of the surface.
+    """
     found = []
     for segment in robot.skeleton.segments:
         name, shift = segment.name, np.zeros(3)
@@ -96,7 +100,7 @@ def _surfaces(robot: Robot, shell: Shell) -> list[tuple[str, SegmentShell, Float
 
 
 def _winding(surface: SegmentShell, points: Floats) -> Floats:
-    """(n,) how often a surface goes round each point: 1 inside, 0 outside."""
+    """Return the winding number (n,) of a surface around points: 1 inside, 0 outside."""
     a, b, c = (surface.vertices[surface.triangles[:, k]][None] - points[:, None] for k in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
     volume = np.einsum("nti,nti->nt", a, np.cross(b, c))
@@ -105,20 +109,20 @@ def _winding(surface: SegmentShell, points: Floats) -> Floats:
 
 
 def _distance(robot: Robot, name: str, points: Floats) -> Floats:
-    """(n,) [m] from points to the shapes and servos of a segment, below 0 inside."""
+    """Return distances (n,) [m] from points to a segment's shapes and servos, negative inside."""
     segment = robot.skeleton.segments[robot.skeleton.segment(name)]
     found = [np.full(len(points), np.inf)]
     for shape in segment.capsules:
         way = shape.end - shape.start
         share = np.clip((points - shape.start) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
         found.append(np.linalg.norm(points - shape.start - share[:, None] * way, axis=1) - shape.radius)
-    for servo in servos_of(robot, name):
+    for servo in list_servo_boxes(robot, name):
         beyond = np.abs(points - servo.centre) - servo.half
         found.append(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0))
     return np.asarray(np.min(found, axis=0))
 
 
-def test_reads_what_was_written(robot: Robot, shell: Shell, tmp_path: Path):
+def test_written_shell_is_read_back(robot: Robot, shell: Shell, tmp_path: Path):
     write_shell(shell, tmp_path / "again.npz")
     again = read_shell(tmp_path / "again.npz")
     assert list(again.segments) == list(shell.segments)

@@ -1,24 +1,24 @@
-"""Steps stay whole wherever MuJoCo is not the one whose stages are known."""
+"""Fallback to whole MuJoCo steps for MuJoCo versions with unknown stages."""
 
 import mujoco
 import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.sim.servo_factors import NOMINAL
+from kinesic.sim.servo_factors import NOMINAL_FACTORS
 from kinesic.sim.stepping import friction_step
 from kinesic.sim.stepping.addresses import function_address
-from kinesic.sim.stepping.friction_step import AFTER, find_friction_parts, stages_make_a_step
+from kinesic.sim.stepping.friction_step import STAGES_AFTER_CONSTRAINTS, find_friction_parts, stages_make_a_step
 from kinesic.sim.stepping.simulation import build_simulation
-from kinesic.sim.twin import STEP
+from kinesic.sim.twin import MAX_PHYSICS_STEP
 
 ROBOT = Robot.load()
 
 pytestmark = pytest.mark.skipif(function_address("mj_step") is None, reason="no library of MuJoCo is found")
 
 
-class Changed:
-    """Something of MuJoCo in a version that has changed some of its arrays, or renamed them (None)."""
+class ChangedObject:
+    """MuJoCo object of another version with changed or missing (None) arrays."""
 
     def __init__(self, real, **changed):
         self._real, self._changed = real, changed
@@ -33,19 +33,19 @@ class Changed:
 
 @pytest.fixture
 def simulation():
-    return build_simulation(ROBOT, NOMINAL, touches=False)
+    return build_simulation(ROBOT, NOMINAL_FACTORS, touches=False)
 
 
 @pytest.fixture(autouse=True)
-def tried_anew():
-    """Has the stages tried again before the test, and after it."""
+def cleared_stage_cache():
+    """Clear the cached test of stages before and after a test."""
     stages_make_a_step.cache_clear()
     yield
     stages_make_a_step.cache_clear()
 
 
-def test_of_a_robot_that_touches_nothing_all_parts_are_found(simulation):
-    parts = find_friction_parts(simulation.model, simulation.data, STEP)
+def test_friction_step_is_available_for_a_robot_without_contacts(simulation):
+    parts = find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP)
     assert parts is not None
     assert len(parts.matrix) == len(parts.lower) ** 2
 
@@ -61,35 +61,35 @@ def test_of_a_robot_that_touches_nothing_all_parts_are_found(simulation):
         ("data", "efc_R", None),
     ],
 )
-def test_arrays_that_are_laid_out_otherwise_keep_steps_whole(simulation, monkeypatch, where, name, value):
+def test_unexpected_array_layout_disables_the_friction_step(simulation, monkeypatch, where, name, value):
     model, data = simulation.model, simulation.data
     mujoco.mj_fwdPosition(model, data)
-    monkeypatch.setattr(mujoco, "mj_fwdPosition", lambda *_: None)  # which takes nothing but its own
-    changed = Changed(getattr(simulation, where), **{name: value})
+    monkeypatch.setattr(mujoco, "mj_fwdPosition", lambda *_: None)  # the real function rejects other objects
+    changed = ChangedObject(getattr(simulation, where), **{name: value})
     given = (changed, data) if where == "model" else (model, changed)
-    assert find_friction_parts(*given, STEP) is None
+    assert find_friction_parts(*given, MAX_PHYSICS_STEP) is None
 
 
-def test_where_somebody_controls_what_mujoco_steps_steps_stay_whole(simulation):
+def test_friction_step_is_disabled_if_a_mujoco_control_callback_is_set(simulation):
     mujoco.set_mjcb_control(lambda model, data: None)
     try:
-        assert find_friction_parts(simulation.model, simulation.data, STEP) is None
+        assert find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP) is None
     finally:
         mujoco.set_mjcb_control(None)
-    assert find_friction_parts(simulation.model, simulation.data, STEP) is not None
+    assert find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP) is not None
 
 
-def test_a_stage_that_the_library_does_not_have_keeps_steps_whole(simulation, monkeypatch):
-    monkeypatch.setattr(friction_step, "AFTER", (*AFTER, "mj_stride"))
-    assert find_friction_parts(simulation.model, simulation.data, STEP) is None
+def test_friction_step_is_disabled_if_the_mujoco_library_lacks_a_step_function(simulation, monkeypatch):
+    monkeypatch.setattr(friction_step, "STAGES_AFTER_CONSTRAINTS", (*STAGES_AFTER_CONSTRAINTS, "mj_stride"))
+    assert find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP) is None
 
 
-def test_a_stage_that_has_another_name_in_python_keeps_steps_whole(simulation, monkeypatch):
+def test_friction_step_is_disabled_if_mujoco_lacks_a_python_function_of_the_step(simulation, monkeypatch):
     monkeypatch.delattr(mujoco, "mj_implicit")
-    assert find_friction_parts(simulation.model, simulation.data, STEP) is None
+    assert find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP) is None
 
 
-def test_a_stage_that_wants_more_than_model_and_data_keeps_steps_whole(simulation, monkeypatch):
+def test_friction_step_is_disabled_if_a_mujoco_step_function_has_another_signature(simulation, monkeypatch):
     implicit = mujoco.mj_implicit
     monkeypatch.setattr(mujoco, "mj_implicit", lambda model, data, skip: implicit(model, data))
-    assert find_friction_parts(simulation.model, simulation.data, STEP) is None
+    assert find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP) is None

@@ -1,1 +1,1 @@
-"""Imports foreign robots in a process of their own."""
+"""Import of untrusted robot files in a separate process."""

@@ -1,4 +1,4 @@
-"""Answer an import with plain data: TOML text, shell and notes."""
+"""Result of an import as plain data: TOML text, shell and notes."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -10,13 +10,13 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
 from kinesic.sim.importer.apart.imported import Answer, ImportedRobot, Refusal
-from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
-from kinesic.sim.importer.shell import own_shell
+from kinesic.sim.importer.convert import REVIEW_CONFIDENCE, Mapped, import_humanoid
+from kinesic.sim.importer.shell import build_imported_shell
 from kinesic.sim.shells.shell import write_shell
 
 
 def answer_import(path: Path) -> bytes:
-    """Return an `Answer` as MessagePack: the robot, or why it is refused."""
+    """Import a robot and return an `Answer` as MessagePack."""
     answer: Answer
     try:
         answer = _import(path)
@@ -28,39 +28,41 @@ def answer_import(path: Path) -> bytes:
 
 
 def _import(path: Path) -> ImportedRobot:
-    found = import_humanoid(path)
-    doubt = _doubt(found) if found.doubtful else ""
-    text = robot_text(found.file, heading=_heading(found, path.name, doubt), remarks=found.remarks)
+    mapped = import_humanoid(path)
+    doubt = _describe_doubt(mapped) if mapped.doubtful else ""
+    text = robot_text(mapped.file, heading=_write_heading(mapped, path.name, doubt), remarks=mapped.remarks)
     with TemporaryDirectory(dir=".") as folder:
         toml, mesh = Path(folder) / "robot.toml", Path(folder) / "robot.npz"
         toml.write_text(text, encoding="utf-8")
-        shell = own_shell(found, Robot.load(toml, calibrated=False))
+        shell = build_imported_shell(mapped, Robot.load(toml, calibrated=False))
         if shell is not None:
             write_shell(shell, mesh)
         packed = b"" if shell is None else mesh.read_bytes()
-    return ImportedRobot(text, _mapping(found), packed, found.figure.tree.left_out, doubt)
+    return ImportedRobot(text, _list_mapping(mapped), packed, mapped.figure.tree.left_out, doubt)
 
 
-def _mapping(found: Mapped) -> tuple[tuple[str, str, str, str], ...]:
-    """Tabulate which hinge of the file became which."""
+def _list_mapping(mapped: Mapped) -> tuple[tuple[str, str, str, str], ...]:
+    """Return rows that map kinesic's hinges to joints of the file."""
     rows = []
-    for hinge in found.hinges:
+    for hinge in mapped.hinges:
         low, high = np.degrees([hinge.lower, hinge.upper]).round() + 0.0  # no -0
-        rest = found.file.rest.get(hinge.name, 0.0) + 0.0
+        rest = mapped.file.rest.get(hinge.name, 0.0) + 0.0
         ranges = f"{low:.0f}..{high:.0f}{' assumed' if hinge.assumed else ''}"
-        rows.append((hinge.name, found.figure.tree.joints[hinge.joint].name, ranges, f"{rest:.0f}"))
+        rows.append((hinge.name, mapped.figure.tree.joints[hinge.joint].name, ranges, f"{rest:.0f}"))
     return tuple(rows)
 
 
-def _heading(found: Mapped, name: str, doubt: str) -> list[str]:
+def _write_heading(mapped: Mapped, name: str, doubt: str) -> list[str]:
     return [
         *([f"REVIEW before it moves: {doubt}.", ""] if doubt else []),
-        f"Mapped from {name} by `kinesic robots import`; confidence {found.confidence:.2f} of 1. Edit freely.",
+        f"Mapped from {name} by `kinesic robots import`; confidence {mapped.confidence:.2f} of 1. Edit freely.",
         "x forward, y left, z up; m, kg, deg, Nm. Zero pose: arms hanging, elbows straight. Beside each hinge: how the",
         "file's joint follows from its angle; at: where its axis passes its segment. Beside each servo: where its",
         "figures come from. Capsules are the file's own primitive shapes, or bones with a human's girth.",
     ]
 
 
-def _doubt(found: Mapped) -> str:
-    return f"confidence {found.confidence:.2f} is below {REVIEW_BELOW:g}, so shoulder, elbow or sides may be wrong"
+def _describe_doubt(mapped: Mapped) -> str:
+    return (
+        f"confidence {mapped.confidence:.2f} is below {REVIEW_CONFIDENCE:g}, so shoulder, elbow or sides may be wrong"
+    )

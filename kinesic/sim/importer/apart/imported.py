@@ -12,7 +12,7 @@ import msgspec
 
 from kinesic.body.config import ConfigError
 
-IMPORT_MODULE = "kinesic.sim.importer.apart.import_process"
+IMPORT_MODULE = "kinesic.sim.importer.apart.import_process"  # module of the import process
 THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -25,21 +25,21 @@ class Bounds:
     memory: int = 2_000_000_000  # [bytes] of data
 
 
-USUAL_BOUNDS = Bounds()
+USUAL_BOUNDS = Bounds()  # limits that suffice for every tested robot
 
 
 class ImportedRobot(msgspec.Struct, frozen=True, tag=True):
-    """A foreign robot as files to write, with notes for the user."""
+    """Files of an imported robot, with notes for the user."""
 
-    text: str  # of its TOML
+    text: str  # TOML of the robot
     mapping: tuple[tuple[str, str, str, str], ...]  # hinge, joint of the file, range [deg], rest [deg]
-    shell: bytes  # of its .npz, empty where it has no meshes
-    left_out: tuple[str, ...]
-    doubt: str  # why a person must review it, empty where nothing speaks against it
+    shell: bytes  # contents of its .npz file, empty without meshes
+    left_out: tuple[str, ...]  # notes on parts that are not imported
+    doubt: str  # reason that a person must review it, empty if none
 
 
 class Refusal(msgspec.Struct, frozen=True, tag=True):
-    """Why a file is no robot that can be imported."""
+    """Reason why a file cannot be imported."""
 
     reason: str
 
@@ -48,17 +48,17 @@ Answer = ImportedRobot | Refusal
 
 
 def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
-    """Import an MJCF or URDF humanoid in a process of its own.
+    """Import an MJCF or URDF humanoid in a separate process.
 
-    Its duration is bounded everywhere, its memory and processor time where the system can bound them: on Linux. The
-    answer is data, and nothing of it is executed.
+    Its duration is bounded on all systems, its memory and processor time only on Linux. The answer is data, and nothing
+    in it is executed.
 
     Args:
-        path: of the file.
-        bounds: of the other process.
+        path: MJCF or URDF file.
+        bounds: Bounds on the other process.
 
     Raises:
-        ConfigError: the file cannot be read, is no robot, or its import ended early or takes too much.
+        ConfigError: the file cannot be read, is not a robot, or its import failed or exceeded its bounds.
     """
     place = path.absolute()
     folders = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
@@ -72,28 +72,30 @@ def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
                 timeout=bounds.duration,
                 cwd=empty,
                 env=environment,
-                start_new_session=True,  # Ctrl-C is for this process, which ends the other
+                start_new_session=True,  # Ctrl-C must reach only this process, which ends the other
                 check=False,
             )
         except subprocess.TimeoutExpired:
             why = f"its import takes longer than {bounds.duration:g} s; simplify its meshes"
             raise ConfigError(f"{path}: {why}") from None
     if ended.returncode:
-        raise ConfigError(f"{path}: its import ended with {_cause(ended.returncode, ended.stderr)}")
+        raise ConfigError(f"{path}: its import ended with {_describe_cause(ended.returncode, ended.stderr)}")
     try:
         answer: Answer = msgspec.msgpack.decode(ended.stdout, type=Answer)
     except msgspec.DecodeError as error:
-        raise ConfigError(f"{path}: its import answers nothing that can be read: {error}") from None
+        raise ConfigError(f"{path}: its import returned an unreadable answer: {error}") from None
     if isinstance(answer, Refusal):
         raise ConfigError(answer.reason.replace(str(place), str(path)))
     return answer
 
 
-def _cause(code: int, errors: bytes) -> str:
+def _describe_cause(code: int, errors: bytes) -> str:
     """Return why the process ended, in one line."""
     if code == -getattr(signal, "SIGXCPU", 0):
         return "signal SIGXCPU: it takes more processor time than any robot needs; simplify its meshes"
     if code < 0:
         return f"signal {-code}: it takes too much memory, or MuJoCo fails; simplify the file"
     lines = errors.decode(errors="replace").strip().splitlines()
-    return f"an error of kinesic's, please report it with the file: {lines[-1] if lines else f'exit code {code}'}"
+    return (
+        f"an internal error of kinesic, please report it with the file: {lines[-1] if lines else f'exit code {code}'}"
+    )

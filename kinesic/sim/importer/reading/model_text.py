@@ -13,7 +13,7 @@ from kinesic.sim.importer.reading.screening import (
     MAX_DEPTH,
     MAX_ELEMENTS,
     UnfitError,
-    copies_of,
+    count_copies,
     is_unused,
     screen_element,
 )
@@ -23,28 +23,30 @@ DOCTYPE_REASON = "declares a document type, which may hold entities; leave it ou
 
 @dataclass(frozen=True)
 class MeshReference:
-    """A mesh as a robot's file names it."""
+    """Mesh reference in a robot file."""
 
-    file: str  # empty where the mesh has none
+    file: str  # empty if the mesh has no file
     name: str
-    below: str  # folder of meshes, as <compiler> has it
+    below: str  # mesh folder of the <compiler> element
 
 
 @dataclass(frozen=True)
 class Attached:
-    """A model that another one attaches."""
+    """Model attached by another model."""
 
-    token: str  # in place of its file
-    count: int  # of its elements, copies included
+    token: str  # placeholder for its file name
+    count: int  # number of its elements, including copies
 
 
-Read = Callable[[str, tuple[Path, ...], str], tuple[Path, bytes]]  # name, folders, place of the element
+Read = Callable[
+    [str, tuple[Path, ...], str], tuple[Path, bytes]
+]  # (name, folders, position of the element) -> (path, data)
 Attach = Callable[[str, tuple[Path, ...], str], Attached]
 
 
 @dataclass(frozen=True)
 class _Open:
-    """An element that has begun and not ended."""
+    """XML element that the parser has not closed yet."""
 
     tag: str
     copies: int
@@ -55,13 +57,13 @@ class ModelText:
     """The elements of one model, screened while they are parsed."""
 
     def __init__(self, path: Path, read: Read, attach: Attach, tokens: Iterator[int]) -> None:
-        """Begin with no elements.
+        """Prepare the parsing of one model, without any elements yet.
 
         Args:
-            path: of the model's own file.
-            read: reads a file that an element names.
-            attach: parses a model that an element names.
-            tokens: numbers of meshes, for all models of a robot.
+            path: File of the model.
+            read: Function that reads a referenced file.
+            attach: Function that parses an attached model.
+            tokens: Numbers of meshes, unique for all models of a robot.
         """
         self._path, self._read, self._attach, self._tokens = path, read, attach, tokens
         self._builder, self._open, self._line = TreeBuilder(), list[_Open](), 1
@@ -72,19 +74,19 @@ class ModelText:
 
     @property
     def count(self) -> int:
-        """Number of elements, those of copies and of attached models included."""
+        """Number of elements, including copies and attached models."""
         return self._elements + self._attachments * self._largest
 
     def root(self) -> Element:
-        """Return the root element, once everything is parsed."""
+        """Return the root element after parsing."""
         return self._builder.close()
 
     def meshes(self) -> Mapping[str, MeshReference]:
-        """Return the meshes by token, once everything is parsed."""
+        """Return the mesh references by placeholder token, after parsing."""
         return {token: MeshReference(file, name, self._below) for (file, name), token in self._meshes.items()}
 
     def parse(self, file: Path, data: bytes, *, is_included: bool = False) -> None:
-        """Parse a file, without the root if it is included.
+        """Parse a model file, omitting the root element of an included file.
 
         Raises:
             ConfigError: the file holds or makes what no robot needs.
@@ -125,8 +127,8 @@ class ModelText:
         kept = screen_element(tag, attributes) if is_kept else {}
         copies = above.copies
         if is_kept and tag == "replicate":
-            own = copies_of(attributes)
-            kept["count"], copies = str(own), copies * own
+            count = count_copies(attributes)
+            kept["count"], copies = str(count), copies * count
             if copies > MAX_COPIES:
                 raise UnfitError(f"<replicate> makes {copies} copies, at most {MAX_COPIES} are taken")
         self._elements += copies
@@ -147,7 +149,7 @@ class ModelText:
         return is_unused(tag, above[1:] if above[:2] == ["robot", "mujoco"] else above)
 
     def _keep(self, tag: str, attributes: dict[str, str], kept: dict[str, str], file: Path, line: int) -> None:
-        """Hand an element on, with a token for the file that it names."""
+        """Copy an element, with a mesh token instead of a file name."""
         starts, named_at = (self._path.parent, file.parent), f"{file}:{line}"
         name, above = attributes.get("file", ""), self._open[-1].tag if self._open else ""
         kept = {key: value for key, value in kept.items() if not key.startswith("file")}
@@ -160,12 +162,12 @@ class ModelText:
         elif tag == "mesh" and above == "asset":
             called = attributes.get("name") or PurePosixPath(name.replace("\\", "/")).stem
             kept |= {"name": called, "file": self._token(name, called)}
-        elif tag == "mesh" and above != "default":  # of a URDF
+        elif tag == "mesh" and above != "default":  # a mesh element of a URDF
             kept["filename"] = self._token(attributes.get("filename", ""), "")
         elif tag == "model" and name:
             attached = self._attach(name, starts, named_at)
             self._largest, kept["file"] = max(self._largest, attached.count), attached.token
-        if self._open and file == self._path:  # so that MuJoCo's messages have its lines
+        if self._open and file == self._path:  # keeps the line numbers of MuJoCo's messages correct
             self._builder.data("\n" * (line - self._line))
             self._line = max(line, self._line)
         self._builder.start(tag, kept)

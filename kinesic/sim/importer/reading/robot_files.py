@@ -14,22 +14,22 @@ from kinesic.body.config import ConfigError
 from kinesic.files.input_file import open_regular, read_inside
 from kinesic.sim.importer.reading.model_text import Attached, MeshReference, ModelText
 
-MAX_MODEL_SIZE = 20_000_000  # [bytes] of all XML together
-MAX_FILES = 50
+MAX_MODEL_SIZE = 20_000_000  # [bytes] largest total size of a robot's XML files
+MAX_FILES = 50  # largest number of XML files of one robot
 
 
 @dataclass(frozen=True, eq=False)
 class RobotFiles:
-    """A robot's XML, screened, with everything that it refers to."""
+    """Screened XML of a robot with its attached models and mesh references."""
 
     path: Path
     root: Element
-    models: Mapping[str, bytes]  # XML of attached models, by the names that the robot's XML has for them
+    models: Mapping[str, bytes]  # XML of attached models by their token
     meshes: Mapping[str, MeshReference]  # by token
 
     @property
     def is_urdf(self) -> bool:
-        """Whether it is a URDF."""
+        """Whether the robot file is a URDF."""
         return self.root.tag == "robot"
 
 
@@ -51,7 +51,7 @@ def read_robot_files(path: Path) -> RobotFiles:
 
 @dataclass(eq=False)
 class _Reader:
-    """The files of one robot, each read once."""
+    """Reader of a robot's XML files with limits and a cache."""
 
     path: Path
     models: dict[str, bytes] = field(default_factory=dict)
@@ -80,7 +80,7 @@ class _Reader:
         return place, data
 
     def attach(self, name: str, starts: tuple[Path, ...], named_at: str) -> Attached:
-        """Parse a model that another one attaches, once."""
+        """Parse a model file that another one attaches, once, and return its token."""
         place, data = self.read(name, starts, named_at)
         if place not in self._attached:
             if place in self._open:
@@ -106,12 +106,12 @@ class _Reader:
         is_foreign = "://" in spelled or spelled.startswith("/") or bool(PureWindowsPath(spelled).drive)
         try:
             places = [] if is_foreign else [(start / spelled).resolve() for start in starts]
-        except RuntimeError:  # links that form a circle
+        except RuntimeError:  # symbolic links form a cycle
             places = []
         inside = [place for place in places if place.is_relative_to(home)]
-        found = next((place for place in inside if place.exists()), None)
-        if found is not None:
-            return found
+        file = next((place for place in inside if place.exists()), None)
+        if file is not None:
+            return file
         if is_foreign or len(inside) < len(places):
             what = f"reads {name}, outside of the robot's folder"
             raise ConfigError(f"{named_at}: {what}; copy that file into {self.path.parent}, and name it from there")

@@ -1,39 +1,39 @@
-"""Bound the number and size of elements in a foreign robot file.
+"""Limits on the elements of an untrusted robot file.
 
-What only a simulation or a picture needs is left out, so that MuJoCo makes nothing of it: sensors, key frames, height
-fields, textures, and sizes of memory. What remains is bounded.
+Elements needed only for simulation or pictures are removed, so that MuJoCo does not build them: sensors, key frames,
+height fields, textures and memory sizes. The remaining elements are bounded in number and size.
 """
 
 import re
 from collections.abc import Iterable
 
-MAX_ELEMENTS = 100_000  # of all files together, copies included
-MAX_DEPTH = 200  # elements inside one another, includes expanded
-MAX_COPIES = 200  # that <replicate> may make
-MAX_NAME_LENGTH = 200  # characters of a name or of a prefix, which every copy repeats
-MAX_VALUE_LENGTH = 10_000  # characters of another attribute
-MAX_ACTIVATIONS = 100  # states of an actuator
-COPY_COUNT = re.compile(r"\s*\+?([0-9]{1,18})\s*")
+MAX_ELEMENTS = 100_000  # largest number of XML elements in all files, copies included
+MAX_DEPTH = 200  # deepest nesting of XML elements, includes expanded
+MAX_COPIES = 200  # largest number of copies made by one <replicate> element
+MAX_NAME_LENGTH = 200  # [characters] longest name or prefix, which every copy repeats
+MAX_VALUE_LENGTH = 10_000  # [characters] longest value of any other attribute
+MAX_ACTIVATIONS = 100  # largest number of internal states of an actuator
+COPY_COUNT = re.compile(r"\s*\+?([0-9]{1,18})\s*")  # valid count of a <replicate> element
 
 REFUSED_TAGS = ("flexcomp", "composite")  # elements that grow into meshes of bodies
-UNUSED_SECTIONS = ("size", "sensor", "keyframe", "custom", "deformable")  # children of <mujoco>
-UNUSED_ASSETS = ("hfield", "texture", "skin")
-UNUSED_CHILDREN = ("lengthrange",)  # MuJoCo would simulate muscles
+UNUSED_SECTIONS = ("size", "sensor", "keyframe", "custom", "deformable")  # children of <mujoco> that the importer drops
+UNUSED_ASSETS = ("hfield", "texture", "skin")  # assets that the importer ignores
+UNUSED_CHILDREN = ("lengthrange",)  # actuator elements that are dropped, as MuJoCo would simulate muscles
 UNUSED_ATTRIBUTES = ("user", "nsample", "delay", "interp", "content_type", "meshdir", "texturedir", "assetdir")
-MESH_ATTRIBUTES = ("name", "class", "scale", "refpos", "refquat")  # the others describe how MuJoCo makes a mesh
-REPEATED_NAMES = ("name", "prefix", "sep", "class", "childclass", "model")
+MESH_ATTRIBUTES = ("name", "class", "scale", "refpos", "refquat")  # attributes of a mesh that the importer keeps
+REPEATED_NAMES = ("name", "prefix", "sep", "class", "childclass", "model")  # attributes limited by MAX_NAME_LENGTH
 
 
 class UnfitError(Exception):
-    """An element beyond the bounds, with the reason and a remedy."""
+    """Error about an element beyond the limits, with a remedy."""
 
 
 def is_unused(tag: str, parents: Iterable[str]) -> bool:
-    """Return whether the importer needs nothing of an element of MJCF.
+    """Return whether the importer can ignore an MJCF element.
 
     Args:
-        tag: of the element.
-        parents: tags of the elements around it, the outermost first.
+        tag: Tag of the element.
+        parents: Tags of the enclosing elements, outermost first.
     """
     match tuple(parents)[1:]:  # the first is <mujoco>
         case ():
@@ -45,10 +45,10 @@ def is_unused(tag: str, parents: Iterable[str]) -> bool:
 
 
 def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
-    """Return the attributes of an element that MuJoCo may see, bounded.
+    """Return the attributes of an element that MuJoCo may see.
 
     Raises:
-        UnfitError: a value is longer or larger than that of any robot.
+        UnfitError: a value exceeds the limits.
     """
     if tag.startswith("xacro:"):
         raise UnfitError(f"<{tag}> is a macro; expand the file first: xacro FILE > robot.urdf")
@@ -67,8 +67,8 @@ def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
     return kept
 
 
-def copies_of(attributes: dict[str, str]) -> int:
-    """Return the number of copies that a <replicate> makes.
+def count_copies(attributes: dict[str, str]) -> int:
+    """Return the number of copies made by a <replicate> element.
 
     Raises:
         UnfitError: the count is missing or not a whole number.

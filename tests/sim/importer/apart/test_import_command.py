@@ -1,4 +1,4 @@
-"""How another process is begun to import a robot, and what is made of its end."""
+"""Start of the import process and handling of its result."""
 
 import os
 import resource
@@ -15,12 +15,12 @@ from kinesic.sim.importer.apart.answer import answer_import
 from kinesic.sim.importer.apart.imported import Answer, Bounds, ImportedRobot, Refusal, import_apart
 from kinesic.sim.importer.convert import import_humanoid
 
-ROBOT = ImportedRobot("text", (("l_elbow", "left", "0..90", "0"),), b"shell", ("mesh.stl",), "")
+IMPORTED_ROBOT = ImportedRobot("text", (("l_elbow", "left", "0..90", "0"),), b"shell", ("mesh.stl",), "")
 
 
 @pytest.fixture
-def ended(monkeypatch):
-    """Lets the other process end in some way; says how it was begun."""
+def fake_process(monkeypatch):
+    """Replace the import process by a result and record its arguments."""
     begun: dict = {}
 
     def by(code: int = 0, output: bytes = b"", errors: bytes = b"") -> dict:
@@ -40,12 +40,12 @@ def refused(path: Path) -> str:
     return str(caught.value)
 
 
-def test_process_is_bounded_alone_and_in_an_empty_folder_that_is_discarded(ended, tmp_path: Path, monkeypatch):
+def test_import_process_has_limits_and_a_temporary_empty_folder(fake_process, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OMP_NUM_THREADS", "64")
     monkeypatch.setattr(sys, "path", ["", "/somewhere"])
-    begun = ended(output=msgspec.msgpack.encode(ROBOT))
-    assert import_apart(Path("robot.xml"), bounds=Bounds(duration=7.0, cpu_time=3, memory=1000)) == ROBOT
+    begun = fake_process(output=msgspec.msgpack.encode(IMPORTED_ROBOT))
+    assert import_apart(Path("robot.xml"), bounds=Bounds(duration=7.0, cpu_time=3, memory=1000)) == IMPORTED_ROBOT
     module = "kinesic.sim.importer.apart.import_process"
     assert begun["command"] == [sys.executable, "-P", "-m", module, str(tmp_path / "robot.xml"), "1000", "3"]
     assert begun["timeout"] == 7.0
@@ -63,15 +63,15 @@ def test_process_is_bounded_alone_and_in_an_empty_folder_that_is_discarded(ended
     assert environment["PATH"] == os.environ["PATH"]
 
 
-def test_usual_bounds_are_those_of_a_large_robot(ended):
-    begun = ended(output=msgspec.msgpack.encode(ROBOT))
+def test_default_bounds_suffice_for_a_large_robot(fake_process):
+    begun = fake_process(output=msgspec.msgpack.encode(IMPORTED_ROBOT))
     import_apart(Path("robot.xml"))
     assert (begun["timeout"], begun["command"][-2:]) == (300.0, ["2000000000", "120"])
 
 
-def test_refusal_names_the_file_as_it_was_given(ended, tmp_path: Path, monkeypatch):
+def test_refusal_names_the_file_as_given(fake_process, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    ended(output=msgspec.msgpack.encode(Refusal(f"{tmp_path / 'robot.xml'}:3: is no robot")))
+    fake_process(output=msgspec.msgpack.encode(Refusal(f"{tmp_path / 'robot.xml'}:3: is no robot")))
     assert refused(Path("robot.xml")) == "robot.xml:3: is no robot"
 
 
@@ -80,26 +80,26 @@ def test_refusal_names_the_file_as_it_was_given(ended, tmp_path: Path, monkeypat
     [
         (-24, b"", "signal SIGXCPU: it takes more processor time than any robot needs"),
         (-11, b"Trace\n", "signal 11: it takes too much memory, or MuJoCo fails"),
-        (1, b"Trace\nKeyError: x\n\n", "an error of kinesic's, please report it with the file: KeyError: x"),
-        (3, b" \n", "an error of kinesic's, please report it with the file: exit code 3"),
-        (1, b"\xff", "an error of kinesic's, please report it with the file: \N{REPLACEMENT CHARACTER}"),
+        (1, b"Trace\nKeyError: x\n\n", "an internal error of kinesic, please report it with the file: KeyError: x"),
+        (3, b" \n", "an internal error of kinesic, please report it with the file: exit code 3"),
+        (1, b"\xff", "an internal error of kinesic, please report it with the file: \N{REPLACEMENT CHARACTER}"),
     ],
 )
-def test_early_end_is_told_in_one_line(ended, code: int, errors: bytes, said: str):
-    ended(code, msgspec.msgpack.encode(ROBOT), errors)
+def test_failed_import_process_is_reported_in_one_line(fake_process, code: int, errors: bytes, said: str):
+    fake_process(code, msgspec.msgpack.encode(IMPORTED_ROBOT), errors)
     found = refused(Path("robot.xml"))
     assert found.startswith(f"robot.xml: its import ended with {said}")
     assert "\n" not in found
 
 
 @pytest.mark.parametrize("output", [b"", b"text", msgspec.msgpack.encode({"type": "Other"}), msgspec.msgpack.encode(3)])
-def test_answer_that_is_none_is_not_believed(ended, output: bytes):
-    ended(0, output)
-    assert refused(Path("robot.xml")).startswith("robot.xml: its import answers nothing that can be read: ")
+def test_unreadable_import_answer_is_rejected(fake_process, output: bytes):
+    fake_process(0, output)
+    assert refused(Path("robot.xml")).startswith("robot.xml: its import returned an unreadable answer: ")
 
 
-def test_process_bounds_its_data_its_time_and_its_core(monkeypatch):
-    """A bound that cannot be set leaves the others."""
+def test_process_limits_its_memory_time_and_core_dumps(monkeypatch):
+    """A limit that cannot be set does not affect the others."""
     set_bounds = {}
 
     def setrlimit(kind: int, bounds: tuple[int, int]) -> None:
@@ -119,7 +119,7 @@ def answered(path: Path) -> Answer:
     return msgspec.msgpack.decode(answer_import(path), type=Answer)
 
 
-def test_answer_is_the_robot_as_text_with_what_became_of_its_hinges(hanging_path: Path, tmp_path: Path, monkeypatch):
+def test_import_answer_contains_robot_text_and_hinge_mapping(hanging_path: Path, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = answered(hanging_path)
     assert isinstance(found, ImportedRobot)
@@ -134,11 +134,11 @@ def test_answer_is_the_robot_as_text_with_what_became_of_its_hinges(hanging_path
     assert list(tmp_path.iterdir()) == []
 
 
-def test_answer_to_a_file_that_is_no_robot_is_a_refusal(tmp_path: Path, monkeypatch):
+def test_import_answer_to_an_invalid_file_is_a_refusal(tmp_path: Path, monkeypatch):
     (tmp_path / "broken.xml").write_text("<mujoco>")
     found = answered(tmp_path / "broken.xml")
     assert isinstance(found, Refusal)
-    assert found.reason.startswith(f"{tmp_path / 'broken.xml'}: neither MJCF nor URDF")
+    assert found.reason.startswith(f"{tmp_path / 'broken.xml'}: not a readable MJCF or URDF")
 
     def fail(path: Path) -> None:
         raise MemoryError
@@ -149,7 +149,7 @@ def test_answer_to_a_file_that_is_no_robot_is_a_refusal(tmp_path: Path, monkeypa
     )
 
 
-def test_import_that_takes_long_says_how_long(monkeypatch):
+def test_timeout_of_an_import_names_its_duration(monkeypatch):
     def wait(command, *, timeout, **named):
         raise subprocess.TimeoutExpired(command, timeout)
 
@@ -157,32 +157,35 @@ def test_import_that_takes_long_says_how_long(monkeypatch):
     assert refused(Path("robot.xml")) == "robot.xml: its import takes longer than 300 s; simplify its meshes"
 
 
-def test_robot_that_may_be_wrong_is_to_be_reviewed_first(hanging_path: Path):
+def test_imported_robot_with_uncertain_sides_is_marked_for_review(hanging_path: Path):
     found = import_humanoid(hanging_path)
-    sure, doubted = answer._heading(found, "a.xml", ""), answer._heading(found, "a.xml", "its sides may be wrong")
+    sure, doubted = (
+        answer._write_heading(found, "a.xml", ""),
+        answer._write_heading(found, "a.xml", "its sides may be wrong"),
+    )
     assert doubted[:2] == ["REVIEW before it moves: its sides may be wrong.", ""]
     assert doubted[2:] == sure
-    said = answer._doubt(found)
-    assert said.startswith(f"confidence {found.confidence:.2f} is below {answer.REVIEW_BELOW:g}, so ")
+    said = answer._describe_doubt(found)
+    assert said.startswith(f"confidence {found.confidence:.2f} is below {answer.REVIEW_CONFIDENCE:g}, so ")
 
 
-def test_rest_of_each_hinge_is_that_of_the_text(hanging_path: Path):
+def test_hinge_mapping_of_an_import_lists_the_rest_angles_of_the_robot_file(hanging_path: Path):
     found = import_humanoid(hanging_path)
-    rests = {row[0]: row[3] for row in answer._mapping(found)}
+    rests = {row[0]: row[3] for row in answer._list_mapping(found)}
     assert rests == {hinge.name: f"{found.file.rest.get(hinge.name, 0.0) + 0.0:.0f}" for hinge in found.hinges}
     assert "0" in rests.values()
 
 
-def test_shell_comes_with_the_robot_where_it_has_meshes(hanging_path: Path, tmp_path: Path, monkeypatch):
+def test_import_answer_contains_a_shell_if_the_robot_has_meshes(hanging_path: Path, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert answered(hanging_path).shell == b""
-    monkeypatch.setattr(answer, "own_shell", lambda found, robot: f"shell of {robot.name}")
+    monkeypatch.setattr(answer, "build_imported_shell", lambda found, robot: f"shell of {robot.name}")
     monkeypatch.setattr(answer, "write_shell", lambda shell, path: path.write_text(shell))
     assert answered(hanging_path).shell.startswith(b"shell of ")
 
 
-def test_answer_is_alone_on_standard_output(monkeypatch):
-    """What libraries print goes to the other stream."""
+def test_import_process_prints_only_its_answer_to_standard_output(monkeypatch):
+    """Output of libraries goes to standard error."""
 
     def noisy(path: Path) -> bytes:
         os.write(1, b"noise of a library")

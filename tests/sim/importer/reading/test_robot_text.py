@@ -1,4 +1,4 @@
-"""What MuJoCo gets of a robot's files: one text, in its lines, with tokens in place of meshes, and bounded."""
+"""XML given to MuJoCo: original line numbers, mesh tokens and limits."""
 
 from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
@@ -8,12 +8,12 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.reading import model_text, robot_files, screening
 from kinesic.sim.importer.reading.robot_files import RobotFiles, read_robot_files
-from kinesic.sim.importer.reading.screening import UnfitError, copies_of, is_unused, screen_element
+from kinesic.sim.importer.reading.screening import UnfitError, count_copies, is_unused, screen_element
 
 
 @pytest.fixture
 def read(tmp_path: Path):
-    """Reads a robot of a text, beside other files by name."""
+    """Provide a function that reads a robot text with other files next to it."""
 
     def of(text: str, **files: str) -> RobotFiles:
         (tmp_path / "robot.xml").write_text(text)
@@ -35,28 +35,28 @@ def refused(read):
 
 
 def shape(element: Element) -> object:
-    """The tags of an element and of all inside it."""
+    """Return the tags of an element and its descendants."""
     return (element.tag, [shape(child) for child in element]) if len(element) else element.tag
 
 
 def lines_of(found: RobotFiles) -> dict[str, int]:
-    """The line on which each named element stands in what MuJoCo gets."""
+    """Return the line of each named element in the XML given to MuJoCo."""
     lines = enumerate(tostring(found.root).decode().split("\n"), 1)
     return {name: number for number, line in lines for name in "abcdefg" if f'name="{name}"' in line}
 
 
-def test_elements_stand_on_the_lines_of_their_file(read):
+def test_parsed_elements_keep_their_line_numbers(read):
     text = '<mujoco>\n<worldbody><body name="a">\n\n<geom name="b"/><geom name="c"/>\n</body>\n\n\n<body name="d"/>'
     assert lines_of(read(f"{text}</worldbody></mujoco>")) == {"a": 2, "b": 4, "c": 4, "d": 8}
 
 
-def test_included_elements_move_no_line_of_the_robots_file(read):
+def test_included_elements_do_not_shift_line_numbers(read):
     text = '<mujoco><worldbody>\n<body name="a"/><include file="part.xml"/>\n<body name="d"/>\n</worldbody></mujoco>'
     part = '<mujoco>\n\n\n\n<body name="b"/>\n\n\n<body name="c"/></mujoco>'
     assert lines_of(read(text, part=part)) == {"a": 2, "b": 2, "c": 2, "d": 3}
 
 
-def test_include_gives_way_to_what_its_file_holds(read):
+def test_include_is_replaced_by_the_contents_of_its_file(read):
     found = read(
         '<mujoco><worldbody><include file="one.xml"/><body/></worldbody><include file="two.xml"/></mujoco>',
         one="<anything><body><geom/></body><site/></anything>",
@@ -69,7 +69,7 @@ def test_include_gives_way_to_what_its_file_holds(read):
     assert (found.path.name, found.models, found.meshes) == ("robot.xml", {}, {})
 
 
-def test_meshes_have_tokens_and_their_names_stay(read):
+def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
     assets = (
         '<mesh name="arm" file="x/arm.STL" scale="1 1 1" inertia="exact"/><mesh file="x\\leg.v2.obj"/>'
         '<mesh name="hand"/><mesh name="arm2" file="x/arm.STL"/>'
@@ -105,13 +105,13 @@ def test_meshes_have_tokens_and_their_names_stay(read):
         ("", ""),
     ],
 )
-def test_folder_of_meshes_is_the_last_that_is_named(read, compilers: str, below: str):
+def test_last_mesh_folder_takes_precedence(read, compilers: str, below: str):
     found = read(f'<mujoco>{compilers}<asset><mesh file="a.stl"/></asset></mujoco>')
     assert [each.below for each in found.meshes.values()] == [below]
     assert "dir" not in tostring(found.root).decode()
 
 
-def test_urdf_that_names_a_mesh_twice_has_one_token_for_it(read):
+def test_repeated_urdf_mesh_has_one_token(read):
     def geometry(name: str) -> str:
         return f'<link name="{name}"><visual><geometry><mesh filename="package://r/{name[0]}.stl"/></geometry></visual></link>'
 
@@ -121,7 +121,7 @@ def test_urdf_that_names_a_mesh_twice_has_one_token_for_it(read):
     assert [each.file for each in found.meshes.values()] == ["package://r/a.stl", "package://r/b.stl"]
 
 
-def test_attached_model_is_handed_over_as_text_with_tokens_of_its_own(read):
+def test_attached_model_is_read_once_with_separate_mesh_tokens(read):
     asset = '<asset><mesh file="a.stl"/><model name="m" file="hand.xml"/><model name="n" file="./hand.xml"/></asset>'
     found = read(f"<mujoco>{asset}</mujoco>", hand='<mujoco><asset><mesh file="b.stl"/></asset></mujoco>')
     assert [each.get("file") for each in found.root.iter("model")] == ["model-0.xml", "model-0.xml"]
@@ -129,7 +129,7 @@ def test_attached_model_is_handed_over_as_text_with_tokens_of_its_own(read):
     assert {token: each.file for token, each in found.meshes.items()} == {"mesh-0.stl": "a.stl", "mesh-1.stl": "b.stl"}
 
 
-def test_what_no_import_needs_is_left_out_with_all_inside_it(read):
+def test_unused_elements_are_removed_with_their_children(read):
     found = read(
         '<mujoco><size nkey="1"/><sensor><gyro/></sensor><keyframe><key/></keyframe><custom><text/></custom>'
         "<deformable><skin/></deformable><asset><hfield/><texture/><skin/><material/></asset>"
@@ -144,7 +144,7 @@ def test_what_no_import_needs_is_left_out_with_all_inside_it(read):
     assert shape(urdf.root) == ("robot", [("mujoco", ["compiler"]), "link"])
 
 
-def test_includes_of_what_is_left_out_are_not_read(read):
+def test_includes_inside_removed_elements_are_not_read(read):
     found = read('<mujoco><sensor><include file="nowhere.xml"/></sensor><worldbody/></mujoco>')
     assert shape(found.root) == ("mujoco", ["worldbody"])
 
@@ -161,21 +161,21 @@ def test_includes_of_what_is_left_out_are_not_read(read):
         ("mujoco", [], False),
     ],
 )
-def test_place_says_whether_an_element_is_needed(tag: str, around: list[str], unused: bool):
+def test_xml_element_is_unused_depending_on_its_parents(tag: str, around: list[str], unused: bool):
     assert is_unused(tag, around) is unused
 
 
 @pytest.mark.parametrize(
     ("attribute", "most"), [("name", 200), ("prefix", 200), ("childclass", 200), ("pos", 10_000), ("rgba", 10_000)]
 )
-def test_values_may_be_so_long_and_no_longer(attribute: str, most: int):
+def test_attribute_values_have_a_length_limit(attribute: str, most: int):
     assert screen_element("body", {attribute: "x" * most}) == {attribute: "x" * most}
     with pytest.raises(UnfitError, match=rf"{attribute} of <body> has {most + 1} characters, at most {most} are taken"):
         screen_element("body", {attribute: "x" * (most + 1)})
     assert screen_element("body", {"user": "x" * 20_000}) == {}
 
 
-def test_actuators_may_have_so_many_states_and_no_more():
+def test_number_of_actuator_states_of_a_robot_is_limited():
     for states in ("100", " 7 ", "-1", "-99", "many"):
         assert screen_element("general", {"actdim": states}) == {"actdim": states}
     for states in ("101", " 101", "1" * 30):
@@ -184,17 +184,17 @@ def test_actuators_may_have_so_many_states_and_no_more():
 
 
 @pytest.mark.parametrize(("count", "copies"), [("1", 1), ("0", 1), (" +7 ", 7), ("200", 200), ("9" * 18, 10**18 - 1)])
-def test_copies_are_counted_as_written(count: str, copies: int):
-    assert copies_of({"count": count}) == copies
+def test_replicate_count_is_read_as_written(count: str, copies: int):
+    assert count_copies({"count": count}) == copies
 
 
 @pytest.mark.parametrize("count", ["", "-1", "1.0", "1e3", "two", "7 7", "9" * 19])
-def test_copies_are_a_whole_number(count: str):
+def test_replicate_count_must_be_a_whole_number(count: str):
     with pytest.raises(UnfitError, match="of <replicate> must be a whole number"):
-        copies_of({"count": count})
+        count_copies({"count": count})
 
 
-def test_copies_inside_copies_multiply_and_beside_one_another_do_not(read, refused):
+def test_copy_count_of_nested_replicates_is_the_product_and_is_limited(read, refused):
     def nested(outer: int, inner: int, more: str = "") -> str:
         inside = f'<replicate count="{outer}"><replicate count="{inner}"><geom/></replicate></replicate>'
         return f"<mujoco><worldbody>{inside}{more}</worldbody></mujoco>"
@@ -206,7 +206,7 @@ def test_copies_inside_copies_multiply_and_beside_one_another_do_not(read, refus
     assert shape(read(skipped).root) == "mujoco"
 
 
-def test_elements_are_counted_with_their_copies(read, refused, monkeypatch):
+def test_xml_element_count_of_a_robot_includes_copies(read, refused, monkeypatch):
     text = '<mujoco><worldbody>\n<replicate count="3"><geom/><geom/></replicate><site/></worldbody></mujoco>'
     monkeypatch.setattr(model_text, "MAX_ELEMENTS", 2 + 3 + 2 * 3 + 1)
     read(text)
@@ -214,7 +214,7 @@ def test_elements_are_counted_with_their_copies(read, refused, monkeypatch):
     assert "robot.xml:2: more than 11 elements, copies and attached models included" in refused(text)
 
 
-def test_attached_models_are_counted_where_they_are_attached(read, refused, monkeypatch):
+def test_element_count_includes_each_attached_model(read, refused, monkeypatch):
     model = '<asset><model name="m" file="hand.xml"/></asset>'
     text = f'<mujoco>{model}<worldbody><attach/><replicate count="2"><attach/></replicate></worldbody></mujoco>'
     hand = "<mujoco><worldbody><body/></worldbody></mujoco>"  # three elements
@@ -224,7 +224,7 @@ def test_attached_models_are_counted_where_they_are_attached(read, refused, monk
     assert "more than 17 elements" in refused(text, hand=hand)
 
 
-def test_elements_may_be_so_deep_and_no_deeper(read, refused, monkeypatch):
+def test_nesting_depth_of_robot_xml_elements_is_limited(read, refused, monkeypatch):
     monkeypatch.setattr(model_text, "MAX_DEPTH", 4)
     read("<mujoco><a><b><c/></b></a></mujoco>")
     assert "more than 4 deep" in refused("<mujoco><a><b><c><d/></c></b></a></mujoco>")
@@ -234,7 +234,7 @@ def test_elements_may_be_so_deep_and_no_deeper(read, refused, monkeypatch):
     )
 
 
-def test_files_are_counted_in_bytes_and_in_number_each_once(read, refused, monkeypatch):
+def test_total_size_and_number_of_files_have_limits(read, refused, monkeypatch):
     text = '<mujoco><asset><model file="one.xml"/><model file="./one.xml"/></asset><include file="two.xml"/></mujoco>'
     files = {"one": "<mujoco/>", "two": "<mujoco/>"}
     size = len(text) + 2 * len("<mujoco/>")
@@ -247,7 +247,7 @@ def test_files_are_counted_in_bytes_and_in_number_each_once(read, refused, monke
     assert "robot.xml: more than 0 MB of XML" in refused(text, **files)
 
 
-def test_files_are_looked_for_beside_the_robot_and_then_beside_the_file_that_names_them(read, refused, tmp_path: Path):
+def test_files_are_searched_in_robot_folder_then_in_referring_folder(read, refused, tmp_path: Path):
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "one.xml").write_text('<mujoco><include file="two.xml"/></mujoco>')
     (tmp_path / "parts" / "two.xml").write_text("<mujoco><beside/></mujoco>")
@@ -258,7 +258,7 @@ def test_files_are_looked_for_beside_the_robot_and_then_beside_the_file_that_nam
     assert "parts/one.xml:2: reads three.xml, which is not there" in refused(text)
 
 
-def test_only_an_empty_include_of_a_named_file_is_taken(refused):
+def test_include_must_name_a_file_and_be_empty(refused):
     assert "robot.xml:2: <include> names no file" in refused("<mujoco>\n<include/></mujoco>")
     part = "<mujoco/>"
     assert "<include> holds elements" in refused('<mujoco><include file="part.xml"><a/></include></mujoco>', part=part)
@@ -267,6 +267,6 @@ def test_only_an_empty_include_of_a_named_file_is_taken(refused):
 
 
 @pytest.mark.parametrize("tag", screening.REFUSED_TAGS)
-def test_meshes_of_bodies_are_refused_on_their_line(refused, tag: str):
+def test_composite_bodies_are_rejected_with_their_line(refused, tag: str):
     assert f"robot.xml:2: holds a <{tag}>" in refused(f"<mujoco><worldbody>\n<{tag}/></worldbody></mujoco>")
     assert "is a macro; expand the file first" in refused("<robot xmlns:xacro='x'><xacro:if/></robot>")

@@ -1,4 +1,4 @@
-"""Files of strangers: what reads outside their folder, or grows without end, is refused in one line."""
+"""Untrusted robot files: reads outside their folder and unbounded growth are rejected."""
 
 import os
 import resource
@@ -13,15 +13,15 @@ from kinesic.sim.importer import load
 from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.reading import robot_files
 
-PART = '<mujoco><worldbody><body name="part"><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+PART_XML = '<mujoco><worldbody><body name="part"><joint/><geom size="0.1"/></body></worldbody></mujoco>'
 
 
 @pytest.fixture
 def robot(tmp_path: Path) -> Path:
-    """A folder for a robot, with a secret beside it."""
-    (tmp_path / "secret.xml").write_text(PART)
+    """Create a robot folder with a secret file next to it."""
+    (tmp_path / "secret.xml").write_text(PART_XML)
     (tmp_path / "robot" / "parts").mkdir(parents=True)
-    (tmp_path / "robot" / "parts" / "arm.xml").write_text(PART)
+    (tmp_path / "robot" / "parts" / "arm.xml").write_text(PART_XML)
     return tmp_path / "robot" / "robot.xml"
 
 
@@ -38,7 +38,7 @@ def refused(robot: Path, text: str) -> str:
     return str(caught.value)
 
 
-def test_parts_in_the_robots_own_folder_are_read(robot: Path):
+def test_included_files_in_the_robot_folder_are_read(robot: Path):
     robot.write_text(mjcf('<include file="parts/arm.xml"/>'))
     assert len(load_model(robot).joints) == 2
 
@@ -47,7 +47,7 @@ def test_parts_in_the_robots_own_folder_are_read(robot: Path):
     "name", ["../secret.xml", "parts/../../secret.xml", "{outside}", "linked.xml", "away/secret.xml"]
 )
 @pytest.mark.parametrize("element", ['<include file="{}"/>', '<asset><model name="m" file="{}"/></asset>'])
-def test_nothing_outside_of_the_robots_folder_is_read(robot: Path, name: str, element: str):
+def test_files_outside_the_robot_folder_are_not_read(robot: Path, name: str, element: str):
     (robot.parent / "linked.xml").symlink_to("../secret.xml")
     (robot.parent / "away").symlink_to("..")
     name = name.format(outside=robot.parent.parent / "secret.xml")
@@ -69,28 +69,28 @@ def test_nothing_outside_of_the_robots_folder_is_read(robot: Path, name: str, el
     ],
 )
 @pytest.mark.parametrize("element", ['<include file="{}"/>', '<asset><model name="m" file="{}"/></asset>'])
-def test_backslashes_drives_and_addresses_do_not_leave_the_folder(robot: Path, name: str, element: str):
+def test_backslashes_drives_and_urls_cannot_leave_the_folder(robot: Path, name: str, element: str):
     name = name.format(outside=robot.parent.parent / "secret.xml")
-    (robot.parent / name.rpartition("/")[2]).write_text(PART)  # a file of this very name, which no system but one has
+    (robot.parent / name.rpartition("/")[2]).write_text(PART_XML)  # a file of the same name on this system only
     said = refused(robot, mjcf(element.format(name)))
     assert f"robot.xml:1: reads {name}, outside of the robot's folder" in said
     assert f"copy that file into {robot.parent}" in said
 
 
-def test_an_attached_model_includes_nothing_from_outside(robot: Path):
+def test_attached_model_cannot_include_files_from_outside(robot: Path):
     (robot.parent / "hand.xml").write_text('<mujoco><include file="..\\secret.xml"/></mujoco>')
     said = refused(robot, mjcf('<asset><model name="m" file="hand.xml"/></asset>'))
     assert r"hand.xml:1: reads ..\secret.xml, outside" in said
 
 
-def test_backslashes_separate_folders_inside_the_robots_own(robot: Path):
+def test_backslashes_work_as_folder_separators(robot: Path):
     robot.write_text(mjcf('<include file="parts\\arm.xml"/>'))
     assert len(load_model(robot).joints) == 2
 
 
-def test_an_attached_model_is_read_once_and_attached_twice(robot: Path):
+def test_model_attached_twice_is_read_once(robot: Path):
     (robot.parent / "parts" / "more.xml").write_text("<mujoco><worldbody/></mujoco>")
-    text = PART.replace("<mujoco>", '<mujoco><include file="more.xml"/>')
+    text = PART_XML.replace("<mujoco>", '<mujoco><include file="more.xml"/>')
     (robot.parent / "parts" / "hand.xml").write_text(text)
     attach = '<attach model="m" body="part" prefix="{}_"/>'
     asset = '<asset><model name="m" file="parts\\hand.xml"/></asset>'
@@ -98,8 +98,8 @@ def test_an_attached_model_is_read_once_and_attached_twice(robot: Path):
     assert len(load_model(robot).joints) == 3
 
 
-def test_mujoco_opens_no_file_by_itself(robot: Path, monkeypatch: pytest.MonkeyPatch):
-    """Files in the present folder that have the names of tokens are not read in place of the robot's own."""
+def test_mujoco_opens_no_files(robot: Path, monkeypatch: pytest.MonkeyPatch):
+    """Files in the current folder with token names are not read instead of the robot's."""
     monkeypatch.chdir(robot.parent)
     (robot.parent / "model-0.xml").write_text("<nonsense/>")
     (robot.parent / "mesh-0.stl").write_bytes(bytes(1000))
@@ -110,12 +110,12 @@ def test_mujoco_opens_no_file_by_itself(robot: Path, monkeypatch: pytest.MonkeyP
     assert tree.left_out == ("nowhere.stl: not in the folder robot; copy it there, or the robot's file above it",)
 
 
-def test_a_missing_part_says_where_it_should_be(robot: Path):
+def test_missing_file_error_names_the_expected_folder(robot: Path):
     said = refused(robot, mjcf('<include file="parts/leg.xml"/>'))
     assert f"robot.xml:1: reads parts/leg.xml, which is not there; copy that file into {robot.parent}" in said
 
 
-def test_a_model_that_attaches_itself_is_refused(robot: Path):
+def test_model_that_attaches_itself_is_rejected(robot: Path):
     loop = '<mujoco><asset><model name="m" file="{}.xml"/></asset></mujoco>'
     (robot.parent / "a.xml").write_text(loop.format("b"))
     (robot.parent / "b.xml").write_text(loop.format("a"))
@@ -123,7 +123,7 @@ def test_a_model_that_attaches_itself_is_refused(robot: Path):
 
 
 @pytest.mark.parametrize("part", ["pipe.xml", "parts", "sparse.xml"])
-def test_an_included_pipe_folder_or_huge_file_is_refused_at_once(robot: Path, part: str):
+def test_included_pipe_folder_or_huge_file_is_rejected(robot: Path, part: str):
     os.mkfifo(robot.parent / "pipe.xml")
     with (robot.parent / "sparse.xml").open("wb") as file:
         file.truncate(10**11)
@@ -131,22 +131,22 @@ def test_an_included_pipe_folder_or_huge_file_is_refused_at_once(robot: Path, pa
     assert "no ordinary file" in said or "Is a directory" in said or "at most 20000000" in said
 
 
-def test_a_macro_file_is_refused_with_the_command_that_expands_it(robot: Path):
+def test_xacro_file_is_rejected_with_the_expansion_command(robot: Path):
     text = '<robot name="r" xmlns:xacro="http://ros.org/xacro"><xacro:include filename="/etc/hostname"/></robot>'
     assert "expand the file first: xacro FILE > robot.urdf" in refused(robot, text)
 
 
 @pytest.fixture
 def small_memory() -> Iterator[None]:
-    """Lets this process allocate no more than half a gigabyte meanwhile."""
+    """Allow this process half a gigabyte of additional memory during a test."""
     usual = resource.getrlimit(resource.RLIMIT_DATA)
-    pages = int(Path("/proc/self/statm").read_text().split()[5])  # of data
+    pages = int(Path("/proc/self/statm").read_text().split()[5])  # pages of the data segment
     resource.setrlimit(resource.RLIMIT_DATA, (pages * resource.getpagesize() + 500_000_000, usual[1]))
     yield
     resource.setrlimit(resource.RLIMIT_DATA, usual)
 
 
-MUSCLE = '<actuator><muscle joint="j"/></actuator>'
+MUSCLE_XML = '<actuator><muscle joint="j"/></actuator>'
 
 
 @pytest.mark.parametrize(
@@ -160,12 +160,12 @@ MUSCLE = '<actuator><muscle joint="j"/></actuator>'
         '<custom><numeric name="n" size="2000000000"/></custom>',
         '<sensor><user name="s" dim="2000000000"/></sensor>',
         '<actuator><motor joint="j" nsample="1000000000" delay="1"/></actuator>',
-        '<compiler><lengthrange mode="all" timestep="1e-9" inttotal="1e9"/></compiler>' + MUSCLE,
+        '<compiler><lengthrange mode="all" timestep="1e-9" inttotal="1e9"/></compiler>' + MUSCLE_XML,
     ],
     ids=["hfield", "user", "memory", "supersphere", "texture", "numeric", "sensor", "samples", "muscle"],
 )
 @pytest.mark.usefixtures("small_memory")
-def test_sizes_that_a_few_bytes_declare_take_no_memory(robot: Path, inside: str):
+def test_huge_sizes_declared_in_a_robot_file_allocate_no_memory(robot: Path, inside: str):
     began = time.process_time()
     robot.write_text(mjcf(inside))
     assert [joint.name for joint in load_model(robot).joints] == ["j"]
@@ -173,7 +173,7 @@ def test_sizes_that_a_few_bytes_declare_take_no_memory(robot: Path, inside: str)
 
 
 @pytest.mark.usefixtures("small_memory")
-def test_user_values_of_one_body_take_no_memory_in_the_others(robot: Path):
+def test_user_values_of_one_body_allocate_no_memory_for_others(robot: Path):
     bodies = (
         f'<body user="{"1 " * 3000}"/>' + '<body user="1"><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
     )
@@ -200,11 +200,11 @@ def test_user_values_of_one_body_take_no_memory_in_the_others(robot: Path):
         (mjcf('<include file="parts/arm.xml"/><include file="./parts/arm.xml"/>'), "is included once"),
     ],
 )
-def test_values_beyond_those_of_any_robot_are_refused(robot: Path, text: str, says: str):
+def test_robot_file_values_beyond_the_limits_are_rejected(robot: Path, text: str, says: str):
     assert says in refused(robot, text)
 
 
-def test_models_that_attach_models_do_not_multiply_without_end(robot: Path):
+def test_nesting_depth_of_attached_models_is_limited(robot: Path):
     attach = "".join(f'<attach model="m" body="b" prefix="p{k}"/>' for k in range(10))
     for k in range(40):
         model = f'<asset><model name="m" file="{k + 1}.xml"/></asset>'
@@ -215,24 +215,26 @@ def test_models_that_attach_models_do_not_multiply_without_end(robot: Path):
     assert "attached models included" in refused(robot, (robot.parent / "0.xml").read_text())
 
 
-def test_what_an_included_file_includes_is_screened_too(robot: Path):
+def test_files_included_by_included_files_are_screened(robot: Path):
     (robot.parent / "parts" / "one.xml").write_text('<mujoco><include file="two.xml"/></mujoco>')
     (robot.parent / "parts" / "two.xml").write_text('<mujoco><include file="../../secret.xml"/></mujoco>')
     assert "two.xml:1: reads ../../secret.xml" in refused(robot, mjcf('<include file="parts/one.xml"/>'))
 
 
-def test_a_file_that_includes_itself_is_read_once(robot: Path):
+def test_file_that_includes_itself_is_read_once(robot: Path):
     (robot.parent / "loop.xml").write_text('<mujoco><include file="loop.xml"/></mujoco>')
-    refused(robot, mjcf('<include file="loop.xml"/>'))  # by MuJoCo
+    refused(robot, mjcf('<include file="loop.xml"/>'))  # rejected by MuJoCo
 
 
-BOMB = '<!DOCTYPE mujoco [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><mujoco model="&b;"><worldbody/></mujoco>'
+ENTITY_BOMB_XML = (
+    '<!DOCTYPE mujoco [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><mujoco model="&b;"><worldbody/></mujoco>'
+)
 
 
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        (BOMB, "declares a document type"),
+        (ENTITY_BOMB_XML, "declares a document type"),
         ('<!DOCTYPE r SYSTEM "file:///etc/passwd"><robot name="r"/>', "declares a document type"),
         (mjcf(world='<replicate count="1000000000"><geom size="0.1"/></replicate>'), "makes 1000000000 copies"),
         (
@@ -247,28 +249,28 @@ BOMB = '<!DOCTYPE mujoco [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><m
     ],
     ids=["entities", "external", "replicate", "nested", "flexcomp", "deep", "elements", "shapes", "large"],
 )
-def test_what_would_grow_beyond_any_robot_is_refused(
+def test_robot_file_that_expands_beyond_the_limits_is_rejected(
     robot: Path, monkeypatch: pytest.MonkeyPatch, text: str, says: str
 ):
-    monkeypatch.setattr(load, "MAX_GEOMS", 200)  # so many more take MuJoCo seconds
+    monkeypatch.setattr(load, "MAX_GEOMS", 200)  # MuJoCo needs seconds for more geoms
     assert says in refused(robot, text)
 
 
-def test_many_files_are_too_many(robot: Path):
+def test_too_many_included_files_are_rejected(robot: Path):
     for k in range(robot_files.MAX_FILES + 1):
         (robot.parent / f"{k}.xml").write_text(f'<mujoco><include file="{k + 1}.xml"/></mujoco>')
     assert "more than 50 files" in refused(robot, mjcf('<include file="0.xml"/>'))
 
 
-def test_meshes_and_textures_are_never_opened_and_no_memory_is_taken_at_their_word(robot: Path):
+def test_meshes_and_textures_are_not_opened_or_allocated(robot: Path):
     pipe = robot.parent / "endless.stl"
-    os.mkfifo(pipe)  # whoever opened it would wait for ever
+    os.mkfifo(pipe)  # opening it would block forever
     mesh = f'<asset><mesh name="m" file="endless.stl"/><texture name="t" type="2d" file="{pipe}"/></asset>'
     robot.write_text(mjcf(f'<size memory="900G"/>{mesh}', '<geom type="mesh" mesh="m"/>'))
     assert len(load_model(robot).joints) == 1
 
 
-def test_a_urdf_is_screened_too(robot: Path):
+def test_urdf_files_are_screened(robot: Path):
     robot.write_text('<robot name="r"><link name="a"/></robot>')
     load_model(robot)
     robot.write_text('<!DOCTYPE robot><robot name="r"><link name="a"/></robot>')
