@@ -1,72 +1,81 @@
-"""Inverts the servo model: goals that make the hinges arrive where the reference is, when it is there."""
+"""Feed-forward setpoints from an inverted servo model."""
 
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, seal_own, sealed
-from kinesic.body.choices import Terms
-from kinesic.body.command import RATE
+from kinesic.body.arrays import Floats
+from kinesic.body.choices import InvertedTerms
+from kinesic.body.command import COMMAND_RATE
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.controller.learned_gains import LearnedGains
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 
 class CommandedMotion(Protocol):
-    """A motion, such as a trajectory, for which feed-forward computes goals."""
+    """Interface of a motion as feed-forward input."""
 
     def sample(self, times: Floats, /) -> tuple[Floats, Floats, Floats]:
-        """Angles [rad], speeds and accelerations, each (m, n), at (m,) times [s]."""
+        """Return angles, velocities and accelerations at (m,) times [s].
+
+        Each is (m, n), in [rad] and its derivatives.
+        """
 
 
 @dataclass(frozen=True, eq=False)
-class FeedForwardGoals:
-    """Feed-forward goals, and the loads and duties that servos need for the reference."""
+class FeedForwardSetpoints:
+    """Feed-forward setpoints, with their torque and velocity offsets."""
 
-    goals: Floats  # (m, n) [rad] clipped to the ranges
-    loads: Floats  # (m, n) [rad] part of the goals that carries torque
-    leads: Floats  # (m, n) [rad] part of the goals that carries speed
-    duties: Floats  # (m, n) torque / stall + speed / no-load of the reference, may exceed 1
+    setpoints: Floats  # (m, n) [rad] clipped to the joint ranges
+    loads: Floats  # (m, n) [rad] setpoint offsets for torque
+    leads: Floats  # (m, n) [rad] setpoint offsets for velocity
+    duties: Floats  # (m, n) torque / stall + velocity / no-load of the reference; may exceed 1
+
+    def __post_init__(self) -> None:
+        """Make the setpoint arrays read-only."""
+        for values in (self.setpoints, self.loads, self.leads, self.duties):
+            values.setflags(write=False)
 
 
 @dataclass(frozen=True, eq=False)
 class FeedForward:
-    """The inverted model of a robot's servos.
+    """Feed-forward of a robot by its inverted servo model.
 
-    A servo gives torque = stall (gain e) - (stall / no_load) speed - rate_gain speed for an error e = goal - angle,
-    so the error that yields a torque and a speed is ((stall / no_load + rate_gain) speed + torque) / (gain stall).
-    Goals are held for a period and arrive after a delay: the reference is read half a period plus the delay ahead.
+    A servo gives torque = stall (gain e) - (stall / no_load) velocity - rate_gain velocity for an error
+    e = setpoint - angle, so the error that yields a torque and a velocity is
+    ((stall / no_load + rate_gain) velocity + torque) / (gain stall). Setpoints are held for a period and arrive after a
+    delay: the reference is read half a period plus the delay ahead.
     """
 
-    robot: Robot  # its drives and ranges
+    robot: Robot  # with drives and joint ranges
     dynamics: Dynamics
-    period: float = 1 / RATE  # [s] between goals
-    delay: float | Floats = 0.0  # [s] of the bus; or one for each time
-    terms: Terms = "full"  # what is inverted; for measuring what each part is worth
-    learned: LearnedGains | None = None  # of these very servos; None: they are as their data sheets say
+    period: float = 1 / COMMAND_RATE  # [s] between setpoints
+    delay: float | Floats = 0.0  # [s] of the bus, or (m,) for m times
+    terms: InvertedTerms = "full"  # inverted terms; fewer than "full" only for comparisons
+    learned: LearnedGains | None = None  # of the individual servos; None: as in the data sheets
 
     @classmethod
     def of(
-        cls, robot: Robot, dynamics: Dynamics, believed: Factors, *, delay: float = 0.0, terms: Terms = "full"
+        cls, robot: Robot, dynamics: Dynamics, believed: Factors, *, delay: float = 0.0, terms: InvertedTerms = "full"
     ) -> "FeedForward":
-        """Leads servos as they are believed to be.
+        """Make the feed-forward from estimates of the servos.
 
         Args:
-            robot: as its data sheets describe it.
+            robot: with the servos of the data sheets.
             dynamics: of the robot.
-            believed: how far its servos are from them; what is bounded there is bounded here.
-            delay: [s] of the bus, at least.
-            terms: what is inverted.
+            believed: estimated deviation of the servos, within the bounds of `LearnedGains`.
+            delay: [s] smallest bus delay.
+            terms: inverted terms of the model.
         """
-        if believed == NOMINAL:
+        if believed == NOMINAL_FACTORS:
             return cls(robot, dynamics, delay=delay, terms=terms)
         learned = LearnedGains.of_twin(robot, believed)
         return cls(robot, dynamics, delay=np.maximum(delay, learned.delay).item(), terms=terms, learned=learned)
 
-    def lead(self, motion: CommandedMotion, times: Floats) -> FeedForwardGoals:
-        """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""
+    def compute_setpoints(self, motion: CommandedMotion, times: Floats) -> FeedForwardSetpoints:
+        """Compute the setpoints of a motion at (m,) sending times [s]."""
         robot = self.robot
         angles, speeds, accelerations = motion.sample(times + self.period / 2 + self.delay)
         torques = self.dynamics.torques(angles, speeds, accelerations)
@@ -75,11 +84,10 @@ class FeedForward:
         duties = torques / stall + speeds / no_load
         if self.terms == "none":
             sent = motion.sample(times)[0]
-            nothing = sealed(np.zeros_like(sent))
-            return FeedForwardGoals(sealed(robot.skeleton.clamp(sent)), nothing, nothing, sealed(duties))
+            nothing = np.zeros_like(sent)
+            return FeedForwardSetpoints(robot.skeleton.clamp(sent), nothing, nothing, duties)
         leads = (speeds / no_load + rate * speeds / stall) / gain
         loads = torques / (gain * stall) if self.terms == "full" else np.zeros_like(torques)
         if self.learned:
             loads, leads = (1.0 + self.learned.load) * loads, (1.0 + self.learned.lead) * leads
-        goals = robot.skeleton.clamp(angles + leads + loads)
-        return FeedForwardGoals(seal_own(goals), seal_own(loads), seal_own(leads), seal_own(duties))
+        return FeedForwardSetpoints(robot.skeleton.clamp(angles + leads + loads), loads, leads, duties)

@@ -1,7 +1,7 @@
-"""What a robot's motion has told of its servos: by how much more, or less, they have to be led than data sheets say.
+"""Identification of servo gains and delay from recorded motion.
 
-A performance that begins with what an earlier one has told is right from its first motion on. What is believed is
-bounded: goals lead at least half, and at most twice as far as data sheets say, and arrive at most 50 ms late.
+A performance that starts with the gains of an earlier one is accurate from its first motion on. Estimates are bounded:
+feed-forward offsets are at least half and at most twice those of the data sheets, and the delay is at most 50 ms.
 """
 
 from dataclasses import dataclass
@@ -11,49 +11,55 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import Robot
-from kinesic.body.servo import follow_lags
-from kinesic.controller.observer_step import SHARES
+from kinesic.body.servo import tracking_lags
+from kinesic.controller.observer_step import LOAD_ERROR_RANGE
 from kinesic.sim.fitting.fit import Fit, fit_factors
-from kinesic.sim.fitting.parameters import MOST_LATENCY, ServoFigure
+from kinesic.sim.fitting.parameters import MAX_LATENCY, ServoParameter
 from kinesic.sim.log import Log
-from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, DriveFactors, Factors
 
-TOLD: tuple[ServoFigure, ...] = (
-    "latency",
-    "gain",
-)  # by a few seconds of motion; the correction learns what else is wrong
-GAINS = (1.0 / (1.0 + SHARES[1]), 1.0 / (1.0 + SHARES[0]))  # what a P gain is believed to be, of its data sheet's
-MOVING = 0.05  # share of its no-load speed above which a goal moves
-REST = 0.2  # [s] before the first motion that belong to it
-ENOUGH = 8.0  # [s] from the first motion on that are looked at
-LEAST = 0.4  # [s] of motion without which nothing is told
-SAME = 0.02  # share by which two gains do not differ
-UNEXPLAINED = np.radians(1.5)  # [rad] RMS of what gain and delay leave over, above which something else is wrong
+# A few seconds of motion determine these; the correction adapts to other deviations.
+FITTED_FIGURES: tuple[ServoParameter, ...] = ("latency", "gain")
+# Bounds of an estimated P gain, as factors of the data sheet.
+GAIN_FACTOR_RANGE = (1.0 / (1.0 + LOAD_ERROR_RANGE[1]), 1.0 / (1.0 + LOAD_ERROR_RANGE[0]))
+MOVING_FRACTION = 0.05  # setpoint velocity, as a fraction of the no-load speed, that counts as motion
+INITIAL_REST = 0.2  # [s] part of the log used before the first motion
+IDENTIFICATION_TIME = 8.0  # [s] part of the log used from the first motion on
+MIN_MOTION_TIME = 0.4  # [s] motion time required for an estimate
+GAIN_TOLERANCE = 0.02  # relative difference up to which two gains count as equal
+MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit, above which another cause is likely
 
 
 @dataclass(frozen=True, eq=False)
 class LearnedGains:
-    """Shares by which goals have to lead more than the model of the servos says, in joint order; 0: as it says."""
+    """Relative corrections of the feed-forward offsets, in joint order.
 
-    load: Floats  # (n,) of what carries torque; or one row for each time
-    lead: Floats  # (n,) of what carries speed; or one row for each time
-    delay: float | Floats = 0.0  # [s] until goals reach the servos; or one for each time
+    0 leaves the offset of the data sheet.
+    """
+
+    load: Floats  # (n,) of the torque offsets, or (m, n) for m times
+    lead: Floats  # (n,) of the velocity offsets, or (m, n) for m times
+    delay: float | Floats = 0.0  # [s] until setpoints reach the servos, or (m,) for m times
 
     @classmethod
     def of_twin(cls, robot: Robot, twin: Factors) -> "LearnedGains":
-        """Makes what a twin that was fitted to a robot's servos says of them.
+        """Compute the gains for a twin that was fitted to the servos.
 
         Args:
-            robot: as its data sheets describe it.
-            twin: how far its servos are from them.
+            robot: with the servos of the data sheets.
+            twin: deviation of the servos from them.
         """
-        sheet, own = robot.drives, twin.applied(robot).drives
-        load = sheet.gain * sheet.stall / (own.gain * own.stall) - 1.0
-        lead = follow_lags(own) / follow_lags(sheet) - 1.0
-        return cls(sealed(np.clip(load, *SHARES)), sealed(np.clip(lead, *SHARES)), min(twin.latency, MOST_LATENCY))
+        sheet, factors = robot.drives, twin.applied(robot).drives
+        load = sheet.gain * sheet.stall / (factors.gain * factors.stall) - 1.0
+        lead = tracking_lags(factors) / tracking_lags(sheet) - 1.0
+        return cls(
+            sealed(np.clip(load, *LOAD_ERROR_RANGE)),
+            sealed(np.clip(lead, *LOAD_ERROR_RANGE)),
+            min(twin.latency, MAX_LATENCY),
+        )
 
     def towards(self, other: "LearnedGains", shares: Floats) -> "LearnedGains":
-        """Goes over into others, by a share (m,) at each of as many times."""
+        """Interpolate towards other gains, with one fraction per time (m,)."""
         rows = shares[:, None]
         return LearnedGains(
             sealed(self.load + rows * (other.load - self.load)),
@@ -63,32 +69,33 @@ class LearnedGains:
 
 
 @dataclass(frozen=True)
-class Lesson:
-    """What a motion told of the servos that made it."""
+class Identification:
+    """Result of identifying servos from a motion."""
 
-    believed: Factors  # from now on; what was believed before where nothing was told
-    before: float = 0.0  # [rad] RMS of a twin's angles minus measured ones, as the servos were believed to be
-    after: float = 0.0  # [rad] the same, as they are believed to be now
-    why: str = ""  # nothing was told
-    bounded: bool = False  # whether servos seemed further from their data sheets than is believed
+    estimate: Factors  # new estimate; the earlier one where the motion gives no evidence
+    before: float = 0.0  # [rad] RMS error of a twin with the earlier estimate
+    after: float = 0.0  # [rad] RMS error of a twin with the new estimate
+    why: str = ""  # reason for keeping the earlier estimate; empty otherwise
+    bounded: bool = False  # whether an estimate was clipped to its bounds
 
     def __str__(self) -> str:
-        """Says it in one line."""
+        """Describe the identified servo parameters in one line."""
         if self.why:
             return f"nothing learned: {self.why}"
         before, after = np.degrees([self.before, self.after])
-        bound = "; further off than is believed: fit the servos (kinesic twin fit)" if self.bounded else ""
+        bound = "; the estimate is at its bounds: fit the servos (kinesic twin fit)" if self.bounded else ""
         fell = f"the twin's error fell from {before:.2f} to {after:.2f} deg{bound}"
-        return f"learned: {describe_belief(self.believed)}; {fell}"
+        return f"learned: {describe_estimate(self.estimate)}; {fell}"
 
 
-def soften(robot: Robot, believed: Factors) -> Robot:
-    """Makes a robot as soft as its servos are believed to be, for the correction.
+def reduce_stiffness(robot: Robot, believed: Factors) -> Robot:
+    """Return the robot with stiffness reduced to the servo estimate.
 
-    It is never stiffer than the data sheets say: a correction that believed so would be stable in fewer cases.
+    The correction is designed for this robot. It is never stiffer than the data sheets: a correction for stiffer servos
+    is stable in fewer cases.
     """
     rows = {
-        name: DriveFactors(gain=float(np.clip(believed.servos.get(name, believed).gain, GAINS[0], 1.0)))
+        name: DriveFactors(gain=float(np.clip(believed.servos.get(name, believed).gain, GAIN_FACTOR_RANGE[0], 1.0)))
         for name in _models(robot)
     }
     return Factors(servos=rows).applied(robot)
@@ -98,68 +105,75 @@ def _models(robot: Robot) -> tuple[str, ...]:
     return tuple(dict.fromkeys(drive.servo.name for drive in robot.drives))
 
 
-def describe_belief(believed: Factors) -> str:
-    """Says in a few words how servos are believed to be, as shares of their data sheets' figures."""
-    rows = {name: _shares(own) for name, own in sorted(believed.servos.items())} or {"all servos": _shares(believed)}
+def describe_estimate(believed: Factors) -> str:
+    """Describe a servo estimate relative to the data sheet."""
+    rows = {name: _format_factors(factors) for name, factors in sorted(believed.servos.items())} or {
+        "all servos": _format_factors(believed)
+    }
     if len(set(rows.values())) == 1:
         rows = {"all servos": next(iter(rows.values()))}
     shown = ", ".join(f"{shares} ({name})" for name, shares in rows.items())
     return f"{shown}, {1000 * believed.latency:.0f} ms late"
 
 
-def _shares(own: DriveFactors) -> str:
-    """The P gain, and what else goals lead by where it is not as in the data sheet."""
-    others = (("stall torque", own.stall), ("no-load speed", own.no_load))
-    told = [
-        f"P gain x {own.gain:.2f}",
-        *(f"{name} x {share:.2f}" for name, share in others if f"{share:.2f}" != "1.00"),
+def _format_factors(factors: DriveFactors) -> str:
+    """Format the P gain factor, and other factors unless they are 1."""
+    others = (("stall torque", factors.stall), ("no-load speed", factors.no_load))
+    parts = [
+        f"P gain x {factors.gain:.2f}",
+        *(f"{name} x {factor:.2f}" for name, factor in others if f"{factor:.2f}" != "1.00"),
     ]
-    return " ".join(told)
+    return " ".join(parts)
 
 
-def learn(log: Log, robot: Robot, believed: Factors = NOMINAL) -> Lesson:
-    """Finds P gains and delay of a robot's servos from the first seconds of a motion, whatever corrected its goals.
+def identify_servos(log: Log, robot: Robot, believed: Factors = NOMINAL_FACTORS) -> Identification:
+    """Identify P gains and delay of servos from recorded motion.
 
-    What a motion does not tell, such as the gain of servos without motion and load, is believed as before.
+    The first seconds of the motion are used. Any correction of the setpoints may have been active. Values without
+    evidence, such as the gain of servos without motion and load, keep the earlier estimate.
 
     Args:
         log: of a performance that began at rest.
-        robot: as its data sheets describe it.
-        believed: how its servos were believed to be.
+        robot: with the servos of the data sheets.
+        believed: earlier estimate of the servos.
     """
-    moving, spans = _moving(log, robot), np.diff(log.times)
-    if (moved := float(spans[moving].sum())) < LEAST:
-        return Lesson(believed, why=f"servos moved for {moved:.1f} s, at least {LEAST:g} s are needed")
-    begin = int(np.searchsorted(log.times, log.times[int(moving.argmax())] - REST))
-    end = int(np.searchsorted(log.times, log.times[begin] + REST + ENOUGH))
-    part = Log(log.times[begin:end], log.goals[begin:end], log.angles[begin:end])
-    found = fit_factors(part, believed.applied(robot), free=TOLD)
-    if found.after > UNEXPLAINED:
-        left = f"{np.degrees(found.after):.1f} deg of error are left"
-        return Lesson(believed, found.before, found.after, f"gain and delay do not explain the motion: {left}")
-    if all(estimate.why for estimate in found.estimates):
-        return Lesson(believed, found.before, found.after, "the motion tells neither gain nor delay")
-    return _lesson(found, robot, believed)
+    moving, spans = _find_motion(log, robot), np.diff(log.times)
+    if (moved := float(spans[moving].sum())) < MIN_MOTION_TIME:
+        return Identification(
+            believed, why=f"servos moved for {moved:.1f} s, at least {MIN_MOTION_TIME:g} s are needed"
+        )
+    begin = int(np.searchsorted(log.times, log.times[int(moving.argmax())] - INITIAL_REST))
+    end = int(np.searchsorted(log.times, log.times[begin] + INITIAL_REST + IDENTIFICATION_TIME))
+    part = Log(log.times[begin:end], log.setpoints[begin:end], log.angles[begin:end])
+    fit = fit_factors(part, believed.applied(robot), free=FITTED_FIGURES)
+    if fit.error_after > MAX_RESIDUAL:
+        left = f"{np.degrees(fit.error_after):.1f} deg of error are left"
+        return Identification(
+            believed, fit.error_before, fit.error_after, f"gain and delay do not explain the motion: {left}"
+        )
+    if all(estimate.why for estimate in fit.estimates):
+        return Identification(believed, fit.error_before, fit.error_after, "the motion tells neither gain nor delay")
+    return _combine_gains(fit, robot, believed)
 
 
-def _moving(log: Log, robot: Robot) -> Flags:
-    """(m - 1,) whether any goal moves from each time to the next."""
-    speeds = np.abs(np.diff(log.goals, axis=0)) / np.diff(log.times)[:, None]
-    moving: Flags = np.any(speeds > MOVING * robot.drives.no_load, axis=1)
+def _find_motion(log: Log, robot: Robot) -> Flags:
+    """Return whether any setpoint moves in each interval, (m - 1,)."""
+    speeds = np.abs(np.diff(log.setpoints, axis=0)) / np.diff(log.times)[:, None]
+    moving: Flags = np.any(speeds > MOVING_FRACTION * robot.drives.no_load, axis=1)
     return moving
 
 
-def _lesson(found: Fit, robot: Robot, believed: Factors) -> Lesson:
-    """Joins what was found with what was believed, within bounds."""
-    late = next(estimate for estimate in found.estimates if estimate.unknown.figure == "latency")
+def _combine_gains(fit: Fit, robot: Robot, believed: Factors) -> Identification:
+    """Combine identified gains with the earlier estimate, within safe bounds."""
+    late = next(estimate for estimate in fit.estimates if estimate.unknown.figure == "latency")
     servos, bounded = {}, False
     for name in _models(robot):
-        own = believed.servos.get(name, believed)
-        gain = own.gain * found.factors.servos.get(name, NOMINAL).gain
-        kept = float(np.clip(gain, *GAINS))
-        bounded = bounded or abs(kept - gain) > SAME * gain
-        figures = {figure: getattr(own, figure) for figure in DriveFactors.__struct_fields__}
+        factors = believed.servos.get(name, believed)
+        gain = factors.gain * fit.factors.servos.get(name, NOMINAL_FACTORS).gain
+        kept = float(np.clip(gain, *GAIN_FACTOR_RANGE))
+        bounded = bounded or abs(kept - gain) > GAIN_TOLERANCE * gain
+        figures = {figure: getattr(factors, figure) for figure in DriveFactors.__struct_fields__}
         servos[name] = DriveFactors(**{**figures, "gain": kept})
-    latency = believed.latency if late.why else min(found.factors.latency, MOST_LATENCY)
+    latency = believed.latency if late.why else min(fit.factors.latency, MAX_LATENCY)
     joined = msgspec.structs.replace(believed, servos=servos, latency=latency)
-    return Lesson(joined, found.before, found.after, bounded=bounded)
+    return Identification(joined, fit.error_before, fit.error_after, bounded=bounded)

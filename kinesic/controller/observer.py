@@ -1,139 +1,141 @@
-"""Corrects goals from measured positions: a disturbance observer that also learns how heavy the load really is.
+"""Disturbance observer that corrects setpoints from measured positions and adapts to load.
 
-Feed-forward sends each hinge u = q + lead, which would be exact for servos as their data sheets say. Real ones deviate
+Feed-forward sends each hinge u = q + lead, which is exact for servos that match their data sheets. Real servos deviate
 by e = measured - reference, and follow, linearised about the reference (I inertia, s stall torque, w no-load speed,
 g gain, r rate gain, f viscous friction),
 
     I e'' + (s / w + r + f) e' + s g e = s g (c + push - share load - pace lead),
 
-where c is the correction of the goal, load and lead are the parts of it that carry torque and speed, share and pace say
-by how much what they do is overestimated, and push is whatever else disturbs, as an angle of the goal. A torque
-constant that is wrong shows in the share, a gain in both, a delay of goals in the pace. Per tick:
+where c is the correction of the setpoint, load and lead are its parts for torque and velocity, share and pace are the
+relative errors of their effects, and push is any other disturbance, as an angle of the setpoint. A wrong torque
+constant appears in share, a wrong gain in both, a delay of setpoints in pace. Per tick:
 
-1. A Luenberger observer of (e, e', push), its three poles at exp(-BANDWIDTH T), compares its forecast for the last
-   tick with the position measured there: one cycle old, rounded to ticks.
-2. What it finds as push while something was led is ascribed to share and pace by recursive least squares: a wrong
-   torque constant then is foreseen at the next acceleration, a wrong gain at the next speed, not noticed after it.
-3. c = share load + pace lead - RESTORING (e, e', push); bounded in size and in rate; goals stay within the ranges.
+1. A Luenberger observer of (e, e', push), its three poles at exp(-OBSERVER_BANDWIDTH T), compares its forecast for the
+   last tick with the position measured there: one cycle old, rounded to ticks.
+2. Recursive least squares attributes push to share and pace while load or lead is not zero. A wrong torque constant is
+   then compensated at the next acceleration, a wrong gain at the next velocity, without waiting for an error.
+3. c = share load + pace lead - RESTORING_GAINS (e, e', push), bounded in size and rate; setpoints stay within the joint
+   ranges.
 
-Stability: whatever is learned, share load + pace lead enters as a bounded disturbance; what is left is linear. Closed
-over a plant with a bus latency from 0 to 20 ms, known to the observer or not, all poles of all hinges lie within the
-unit circle when stall torque, no-load speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two
-such errors at once may oscillate where they leave the servo's own loop hardly damped or double its stiffness at 20 ms:
-then only the bounds hold, and servos that wrong are better fitted first. Where it is known of servos, less is restored.
+Stability: share load + pace lead enters as a bounded disturbance; the remaining loop is linear. With a bus latency of 0
+to 20 ms, known to the observer or not, all poles of all hinges lie within the unit circle if stall torque, no-load
+speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two such errors at once may oscillate if they
+leave the servo's own loop nearly undamped, or double its stiffness at 20 ms: then only the bounds hold, and such servos
+should be fitted first. For servos that are known to be so, the restoring gains are reduced.
 
-A goal further than 1 / g from the measured position gives no more duty: the observer knows what could act, so that
-nothing winds up. Where g is less than believed, duty is full only further away, and full duty would explain away what g
-lacks: DOUBT is the room in which it still shows.
+A setpoint further than 1 / g from the measured position gives no more duty. The observer takes the saturation into
+account, so that it does not wind up. If g is smaller than estimated, duty saturates later, and assuming full duty would
+hide the smaller g: SATURATION_MARGIN is the range in which it still shows.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic._kernel import controller as kernel
+from kinesic.body.arrays import Floats, seal_in_place, sealed
 from kinesic.body.command import Body, Command
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import FeedForwardGoals
-from kinesic.controller.observer_step import compile_tick
+from kinesic.controller.feedforward import FeedForwardSetpoints
+from kinesic.controller.observer_step import pack_observer
 
-BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
-CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first sign of a load is half believed
-FORGETTING = 5.0  # [s] after which older loads count less
-LARGEST_CORRECTION = np.radians(10.0)  # [rad] of correction
-DOUBT = 1.2  # times the error of full duty, up to which a servo is believed to give more for more
-SLICES = 1024  # of a period, for its exact solution
+OBSERVER_BANDWIDTH = 100.0  # [rad/s] frequency of the three observer poles
+REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which the first estimate of a load error is halved
+FORGETTING_TIME = 5.0  # [s] time constant of the recursive least squares
+MAX_CORRECTION = np.radians(10.0)  # [rad] largest correction of a setpoint
+SATURATION_MARGIN = 1.2  # factor on the nominal error of full duty, above which duty counts as saturated
+EXPONENTIAL_STEPS = 1024  # substeps per period that approximate the matrix exponential
 
 
 @dataclass(frozen=True, eq=False)
 class LoadEstimate:
-    """Belief about the hinges at one tick, in joint order."""
+    """Observer state at one tick, in joint order."""
 
-    rows: Floats  # (7 + h, n) all of it, one under another
+    rows: Floats  # (7 + h, n) state: motion, h corrections in flight, share, pace, correction, setpoints
 
     @property
     def motion(self) -> Floats:
-        """(3, n) deviation [rad], its speed [rad/s], push [rad of goal]; `h` corrections under way follow [rad]."""
+        """Deviation [rad], its velocity [rad/s] and disturbance [rad], (3, n)."""
         return self.rows[:3]
 
     @property
     def share(self) -> Floats:
-        """(n,) share by which each hinge's load exceeds the modelled one."""
+        """Estimated load relative to the model, minus 1, (n,)."""
         return np.asarray(self.rows[-4])
 
     @property
     def pace(self) -> Floats:
-        """(n,) share by which each hinge's speed takes more lead than the modelled one."""
+        """Estimated velocity offset relative to the model, minus 1, (n,)."""
         return np.asarray(self.rows[-3])
 
     @property
     def correction(self) -> Floats:
-        """(n,) [rad] of the goal, as sent."""
+        """Correction applied to each setpoint, (n,) [rad]."""
         return np.asarray(self.rows[-2])
 
     @property
-    def goals(self) -> Floats:
-        """(n,) [rad]."""
+    def setpoints(self) -> Floats:
+        """Corrected setpoints, (n,) [rad]."""
         return np.asarray(self.rows[-1])
 
 
 @dataclass(frozen=True, eq=False)
 class ObserverInputs:
-    """The observer's inputs at all ticks, computed from the commands before anything is measured."""
+    """Observer inputs at all ticks, computed before any measurement."""
 
     angles: Floats  # (m, n) [rad] reference
-    goals: Floats  # (m, n) [rad] as the feed-forward has them
-    lowest: Floats  # (m, n) [rad] to which they may be corrected
-    highest: Floats  # (m, n) [rad]
-    loads: Floats  # (m, n) [rad] part of the goals that carries torque
-    noticed: Floats  # (m, n) [rad] the same, as late as its effects are noticed
-    trust: Floats  # (m, n) [1/rad] share for each push that is found
-    leads: Floats  # (m, n) [rad] part of the goals that carries speed
-    noticed_leads: Floats  # (m, n) [rad] likewise
-    trust_leads: Floats  # (m, n) [1/rad] likewise
+    setpoints: Floats  # (m, n) [rad] of the feed-forward
+    lowest: Floats  # (m, n) [rad] smallest corrected setpoint
+    highest: Floats  # (m, n) [rad] largest corrected setpoint
+    loads: Floats  # (m, n) [rad] setpoint offsets for torque
+    noticed: Floats  # (m, n) [rad] torque offsets, delayed as their effects
+    trust: Floats  # (m, n) [1/rad] gain from push to the load error
+    leads: Floats  # (m, n) [rad] setpoint offsets for velocity
+    noticed_leads: Floats  # (m, n) [rad] velocity offsets, delayed as their effects
+    trust_leads: Floats  # (m, n) [1/rad] gain from push to the velocity error
 
     @cached_property
     def rows(self) -> Floats:
-        """(m, 10, n) all arrays, one under another."""
+        """All inputs of each tick, (m, 10, n)."""
         return np.stack([getattr(self, field.name) for field in fields(self)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class Observer:
-    """Gains of an observer for the hinges of one or more bodies, at a rate of commands."""
+    """Disturbance observer for the hinges of one or more robots."""
 
-    forecast: Floats  # (3, 3, n) of deviation, speed and push, one tick on
-    gain: Floats  # (3, n) of the innovation
-    period: float  # [s]
-    arrival: Floats  # (h,) share of each goal under way, the newest first, in the tick that ends
-    lower: Floats  # (n,) [rad] of goals
-    upper: Floats  # (n,) [rad]
-    step: Floats  # (n,) [rad] of correction per tick: the speed that plans leave to servos
-    full: Floats  # (n,) [rad] error at which the duty is full beyond doubt
-    restoring: float = 1.0  # the part of RESTORING that is used: see `controller.stability`
+    forecast: Floats  # (3, 3, n) transition of deviation, velocity and push over one tick
+    gain: Floats  # (3, n) gain of the innovation
+    period: float  # [s] of a tick
+    arrival: Floats  # (h,) fraction of each setpoint in flight that acts in this tick, the newest first
+    lower: Floats  # (n,) [rad] smallest setpoint
+    upper: Floats  # (n,) [rad] largest setpoint
+    step: Floats  # (n,) [rad] change of the correction per tick: velocity that plans leave to the servos
+    full: Floats  # (n,) [rad] error at which the duty is certainly full
+    restoring: float = 1.0  # fraction of RESTORING_GAINS that is used; see `controller.stability`
 
     @classmethod
     def of(cls, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0, bodies: int = 1) -> "Observer":
-        """Designs the observer of a robot's hinges.
+        """Design the observer of a robot's hinges.
 
         Args:
             robot: its drives and ranges.
             dynamics: the inertia of each hinge in its worst posture.
-            period: [s] between goals.
+            period: [s] between setpoints.
             delay: [s] of the bus.
-            bodies: how many such robots are observed, their hinges one after another: numpy takes as long for many.
+            bodies: number of such robots; their hinges are concatenated, which vectorises the computation.
         """
         drives = robot.drives
         forecast = forecast_servo(robot, dynamics, period)
-        gain = _gains(forecast, np.exp(-BANDWIDTH * period))
+        gain = _place_poles(forecast, np.exp(-OBSERVER_BANDWIDTH * period))
         step = (drives.no_load - drives.speed) * period
-        late = int(delay / period)
-        arrival = np.zeros(late + 2)
-        arrival[late:] = late + 1 - delay / period, delay / period - late
+        ticks = int(delay / period)
+        arrival = np.zeros(ticks + 2)
+        arrival[ticks:] = ticks + 1 - delay / period, delay / period - ticks
         return cls(
             forecast=sealed(np.tile(forecast.transpose(1, 2, 0), bodies)),
             gain=sealed(np.tile(gain.T, bodies)),
@@ -142,146 +144,135 @@ class Observer:
             lower=sealed(np.tile(robot.skeleton.lower, bodies)),
             upper=sealed(np.tile(robot.skeleton.upper, bodies)),
             step=sealed(np.tile(step, bodies)),
-            full=sealed(np.tile(DOUBT / drives.gain, bodies)),
+            full=sealed(np.tile(SATURATION_MARGIN / drives.gain, bodies)),
         )
 
     @cached_property
-    def _step(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        """Function of rows of belief, measured deviation and rows of inputs, with CasADi's own memory."""
-        hinges, late = len(self.lower), len(self.arrival)
-        gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
-        inputs = np.zeros((7 + late, hinges)), np.zeros(hinges), np.zeros((10, hinges))
-        constant, found = (gains, np.array(self.arrival)), np.zeros((7 + late, hinges))
-        function = compile_tick(hinges, late, self.restoring)
-        memory, run = function.buffer()
-        for k, values in enumerate((*inputs, *constant)):
-            memory.set_arg(k, values.data)  # type: ignore[call-arg]  # the stub asks for C's arguments
-        memory.set_res(0, found.data)  # type: ignore[call-arg]  # the same
-        kept = function, memory, constant  # CasADi has only their addresses
-
-        def step(*given: Floats, _kept: object = kept) -> Floats:
-            for memory_of, values in zip(inputs, given, strict=True):
-                memory_of[:] = values
-            run()
-            rows = found.copy()
-            rows.setflags(write=False)
-            return rows
-
-        return step
+    def compiled(self) -> kernel.Observer:
+        """Observer gains for the kernel."""
+        return pack_observer(self.forecast, self.gain, self.step, self.full, self.arrival, self.restoring)
 
     def begin(self) -> LoadEstimate:
-        """Begins where the reference begins, without deviation."""
+        """Return the initial state, without deviation from the reference."""
         return LoadEstimate(np.zeros((7 + len(self.arrival), len(self.lower))))
 
-    def precompute_inputs(self, stream: Sequence[Command], setpoints: FeedForwardGoals) -> ObserverInputs:
-        """Precomputes the observer's inputs for all ticks from the commands; they do not depend on measurements.
+    def precompute_inputs(self, stream: Sequence[Command], setpoints: FeedForwardSetpoints) -> ObserverInputs:
+        """Compute the observer's inputs for all ticks of a command stream.
+
+        The inputs do not depend on measurements.
 
         Args:
-            stream: commands as the feed-forward has them.
-            setpoints: of the same ticks.
+            stream: commands with feed-forward.
+            setpoints: feed-forward of the same ticks.
         """
-        angles, goals = np.array([command.angles for command in stream]), np.array([c.goals for c in stream])
-        return self.inputs(angles, goals, setpoints)
+        angles, goals = np.array([command.angles for command in stream]), np.array([c.setpoints for c in stream])
+        return self.compute_inputs(angles, goals, setpoints)
 
-    def inputs(self, angles: Floats, goals: Floats, setpoints: FeedForwardGoals) -> ObserverInputs:
-        """Precomputes the same from the reference and the goals of all commands, (m, n) [rad] each."""
+    def compute_inputs(self, angles: Floats, goals: Floats, setpoints: FeedForwardSetpoints) -> ObserverInputs:
+        """Compute observer inputs from reference and setpoints, (m, n) [rad] each."""
         bodies = len(self.lower) // setpoints.loads.shape[1]
         angles, goals, loads, leads = (
             np.tile(rows, bodies) for rows in (angles, goals, setpoints.loads, setpoints.leads)
         )
-        noticed, noticed_leads = self._notice(loads), self._notice(leads)
-        forgotten = self.period / FORGETTING
-        known = np.zeros(loads.shape[1])
-        learned = _smoothed(noticed**2 + noticed_leads**2, known, forgotten) / forgotten
+        noticed, noticed_leads = self._delay(loads), self._delay(leads)
+        forgetting_rate = self.period / FORGETTING_TIME
+        start = np.zeros(loads.shape[1])
+        information = _smooth(noticed**2 + noticed_leads**2, start, forgetting_rate) / forgetting_rate
         return ObserverInputs(
             angles=angles,
-            goals=goals,
-            lowest=np.maximum(self.lower, goals - LARGEST_CORRECTION),
-            highest=np.minimum(self.upper, goals + LARGEST_CORRECTION),
+            setpoints=goals,
+            lowest=np.maximum(self.lower, goals - MAX_CORRECTION),
+            highest=np.minimum(self.upper, goals + MAX_CORRECTION),
             loads=loads,
             noticed=noticed,
-            trust=noticed / (CLEAR_LOAD**2 + learned),
+            trust=noticed / (REGULARISATION_OFFSET**2 + information),
             leads=leads,
             noticed_leads=noticed_leads,
-            trust_leads=noticed_leads / (CLEAR_LOAD**2 + learned),
+            trust_leads=noticed_leads / (REGULARISATION_OFFSET**2 + information),
         )
 
-    def _notice(self, led: Floats) -> Floats:
-        """(m, n) parts of goals, as late as their effects are noticed."""
-        late = len(self.arrival)
-        earlier = np.concatenate([np.broadcast_to(led[0], (late + 1, led.shape[1])), led])
-        acting = sum(share * earlier[late - 1 - k : -2 - k] for k, share in enumerate(self.arrival))
-        return _smoothed(acting, led[0], noticing(self.period))
+    def _delay(self, offsets: Floats) -> Floats:
+        """Delay and smooth setpoint offsets (m, n) like their measured effects."""
+        count = len(self.arrival)
+        padded = np.concatenate([np.broadcast_to(offsets[0], (count + 1, offsets.shape[1])), offsets])
+        acting = sum(fraction * padded[count - 1 - k : -2 - k] for k, fraction in enumerate(self.arrival))
+        return _smooth(acting, offsets[0], detection_rate(self.period))
 
-    def after(self, belief: LoadEstimate, deviation: Floats, inputs: ObserverInputs, tick: int) -> LoadEstimate:
-        """Advances the estimate by one tick, and corrects the goals.
+    def advance(self, estimate: LoadEstimate, deviation: Floats, inputs: ObserverInputs, tick: int) -> LoadEstimate:
+        """Update the estimate with a measurement and correct the setpoints.
 
         Args:
-            belief: at the tick before.
-            deviation: (n,) [rad] measured minus reference at the tick before; NaN where a servo did not answer.
+            estimate: at the previous tick.
+            deviation: (n,) [rad] measured minus reference at the previous tick; NaN for a servo that did not answer.
             inputs: of all ticks.
-            tick: which one this is.
+            tick: index of this tick.
 
         Returns:
-            The belief of this tick, with corrected goals.
+            Estimate at this tick, with corrected setpoints.
         """
-        return LoadEstimate(self._step(belief.rows, deviation, inputs.rows[tick]))
+        rows = estimate.rows.copy()
+        kernel.advance(self.compiled, inputs.rows[tick], deviation, rows)
+        return LoadEstimate(seal_in_place(rows))
 
 
-def noticing(period: float) -> float:
-    """Returns the share of what acts that is noticed after a tick [s]."""
-    return 1.0 / (1.0 + 3.0 / (BANDWIDTH * period))
+def detection_rate(period: float) -> float:
+    """Return the fraction of a disturbance detected after one tick [s]."""
+    return 1.0 / (1.0 + 3.0 / (OBSERVER_BANDWIDTH * period))
 
 
-def correct_goals(
+def correct_setpoints(
     stream: Sequence[Command],
-    setpoints: FeedForwardGoals,
+    setpoints: FeedForwardSetpoints,
     bodies: Sequence[Body],
     observer: Observer,
 ) -> Iterator[tuple[Command, ...]]:
-    """Corrects the goals of commands for each body by what it did with those before.
+    """Yield commands with setpoints corrected by the measured positions.
 
-    All commands of a tick must be written before the next ones are taken, as `play_together` does.
+    All commands of a tick must be written before the next tick is taken, as `play_together` does.
 
     Args:
-        stream: commands as the feed-forward has them.
-        setpoints: of the same ticks.
+        stream: commands with feed-forward.
+        setpoints: feed-forward of the same ticks.
         bodies: each is read once per tick.
-        observer: of as many.
+        observer: of the same number of bodies.
     """
-    inputs, belief = observer.precompute_inputs(stream, setpoints), observer.begin()
+    inputs, estimate = observer.precompute_inputs(stream, setpoints), observer.begin()
     for tick, command in zip(range(len(setpoints.loads)), stream, strict=True):
         if tick == 0:
             yield (command,) * len(bodies)
         else:
             measured = np.concatenate([body.positions() for body in bodies])
-            belief = observer.after(belief, measured - inputs.angles[tick - 1], inputs, tick)
-            state = command.time, command.angles, command.speeds, command.accelerations
-            rows = belief.goals.reshape(len(bodies), -1)
-            yield tuple(Command(*state, goals, command.face) for goals in rows)  # `replace` takes three times as long
+            estimate = observer.advance(estimate, measured - inputs.angles[tick - 1], inputs, tick)
+            state = command.time, command.angles, command.velocities, command.accelerations
+            rows = estimate.setpoints.reshape(len(bodies), -1)
+            yield tuple(Command(*state, goals, command.face) for goals in rows)  # faster than `replace`
 
 
 def forecast_servo(robot: Robot, dynamics: Dynamics, period: float) -> Floats:
-    """Finds the transition (n, 3, 3) of deviation, its speed and a held push of each hinge over a period [s]."""
+    """Compute each servo's transition matrix of deviation, velocity and disturbance.
+
+    Returns:
+        (n, 3, 3) over a period [s].
+    """
     drives = robot.drives
     inertia = np.maximum(dynamics.load.inertia, drives.armature)
     stiffness = drives.stall * drives.gain / inertia
     drag = (drives.stall / drives.no_load + drives.rate_gain + drives.damping) / inertia
-    return _forecast(stiffness, drag, period)
+    return _compute_transition(stiffness, drag, period)
 
 
-def _forecast(stiffness: Floats, drag: Floats, period: float) -> Floats:
-    """(n, 3, 3) transition of deviation, speed and a held push over a period."""
+def _compute_transition(stiffness: Floats, drag: Floats, period: float) -> Floats:
+    """Compute transition matrices (n, 3, 3) from stiffness and drag."""
     rates = np.zeros((len(stiffness), 3, 3))
     rates[:, 0, 1] = 1.0
     rates[:, 1] = np.stack([-stiffness, -drag, stiffness], axis=1)
-    small = rates * period / SLICES
-    transition: Floats = np.linalg.matrix_power(np.eye(3) + small + small @ small / 2, SLICES)
+    small = rates * period / EXPONENTIAL_STEPS
+    transition: Floats = np.linalg.matrix_power(np.eye(3) + small + small @ small / 2, EXPONENTIAL_STEPS)
     return transition
 
 
-def _gains(transition: Floats, pole: float) -> Floats:
-    """(n, 3) gains of the innovation that put all three poles of the observer in one place (Ackermann)."""
+def _place_poles(transition: Floats, pole: float) -> Floats:
+    """Compute observer gains (n, 3) with three equal poles (Ackermann)."""
     rows = [np.broadcast_to(np.eye(3)[0], transition.shape[:2])]
     for _ in range(2):
         rows.append(np.einsum("ni,nij->nj", rows[-1], transition))
@@ -292,9 +283,15 @@ def _gains(transition: Floats, pole: float) -> Floats:
     return gains
 
 
-def _smoothed(values: Floats, start: Floats, share: float) -> Floats:
-    """(m, n) following values, by a share of the difference each row."""
-    driven = share * values
-    driven[0] += (1.0 - share) * start
-    followed, _ = scipy.linalg.lapack.dtbtrs(np.outer([1.0, share - 1.0], np.ones(len(values))), driven, uplo="L")
-    return np.ascontiguousarray(followed)
+def _smooth(values: Floats, start: Floats, rate: float) -> Floats:
+    """Apply a first-order low-pass filter along the rows, (m, n).
+
+    Args:
+        values: (m, n).
+        start: (n,) before the first row.
+        rate: fraction of the difference that each row takes over.
+    """
+    driven = rate * values
+    driven[0] += (1.0 - rate) * start
+    smoothed, _ = scipy.linalg.lapack.dtbtrs(np.outer([1.0, rate - 1.0], np.ones(len(values))), driven, uplo="L")
+    return np.ascontiguousarray(smoothed)

@@ -1,67 +1,30 @@
-"""One tick of the observer as a graph that CasADi runs: see `controller.observer` for its meaning."""
+"""Observer constants packed for the compiled kernel.
 
-from functools import lru_cache
-from typing import TYPE_CHECKING
+See `controller.observer`.
+"""
 
 import numpy as np
 
-from kinesic.body.arrays import sealed
+from kinesic._kernel import controller as kernel
+from kinesic.body.arrays import Floats, sealed
 
-if TYPE_CHECKING:
-    import casadi
-
-RESTORING = sealed([0.2, 0.02, 0.2])  # of deviation, its speed [s] and push, by each tick's goal
-SHARES = (-0.5, 1.0)  # what a load may turn out to be: half, or twice as heavy
-FADING = 0.95  # of the push that is left after each tick in which a servo did not answer
+RESTORING_GAINS = sealed([0.2, 0.02, 0.2])  # setpoint correction per deviation, velocity [s] and disturbance, per tick
+LOAD_ERROR_RANGE = (-0.5, 1.0)  # bounds of the relative load error: half or twice the modelled load
+PUSH_DECAY = 0.95  # decay of the estimated disturbance per tick without an answer of the servo
 
 
-@lru_cache(maxsize=8)
-def compile_tick(hinges: int, late: int, restoring: float = 1.0) -> "casadi.Function":
-    """Compiles one observer tick for some hinges with CasADi: two microseconds, where NumPy takes twenty.
+def pack_observer(
+    forecast: Floats, gain: Floats, step: Floats, full: Floats, arrival: Floats, restoring: float
+) -> kernel.Observer:
+    """Pack the gains of an observer for the kernel.
 
     Args:
-        hinges: how many.
-        late: ticks on which corrections may be under way.
-        restoring: the part of `RESTORING` that is used.
-
-    Returns:
-        From belief (n, 7 + late), deviation (n,), inputs (n, 10), gains (n, 14) and arrival (late,) to the belief of
-        this tick; CasADi's columns are NumPy's rows.
+        forecast: (3, 3, n) of deviation, velocity and push, one tick on.
+        gain: (3, n) of the innovation.
+        step: (n,) [rad] of correction per tick.
+        full: (n,) [rad] error of full duty.
+        arrival: (h,) fraction of each goal under way.
+        restoring: fraction of `RESTORING` that is used.
     """
-    import casadi  # noqa: PLC0415 - dry runs have a kernel of their own
-
-    names = {"belief": 7 + late, "measured": 1, "inputs": 10, "gains": 14}
-    given = [casadi.MX.sym(name, hinges, columns) for name, columns in names.items()]
-    arrival = casadi.MX.sym("arrival", late)
-    columns = [casadi.horzsplit(symbol) for symbol in given]
-    deviation, speed, push, *under_way, share, pace, correction, _ = columns[0]
-    (measured,), (angles, led, lowest, highest, load, noticed, trust, lead, noticed_lead, trust_lead) = columns[1:3]
-    *forecast, gain_deviation, gain_speed, gain_push, step, full = columns[3]
-
-    answers = casadi.fabs(measured) < np.inf  # a silent servo's NaN is not
-    innovation = casadi.if_else(answers, measured - deviation, 0.0)
-    deviation += gain_deviation * innovation
-    speed += gain_speed * innovation
-    push = casadi.if_else(answers, push + gain_push * innovation, FADING * push)
-    learned, learned_pace = _between(share - trust * push, *SHARES), _between(pace - trust_lead * push, *SHARES)
-    push += (learned - share) * noticed + (learned_pace - pace) * noticed_lead  # what is learned is no longer push
-
-    nothing = casadi.MX(0.0)
-    arrived = sum((arrival[k] * goal for k, goal in enumerate(under_way)), nothing)
-    acting = deviation, speed, push + arrived  # what arrives enters like a push, for this tick
-    motion = [sum((forecast[3 * k + i] * acting[i] for i in range(3)), nothing) for k in range(3)]
-    motion[2] -= arrived
-
-    foreseen, before = led + learned * load + learned_pace * lead, led + correction
-    asked = foreseen - sum((restoring * float(RESTORING[k]) * motion[k] for k in range(3)), nothing)
-    goals = _between(_between(asked, before - step, before + step), lowest, highest)
-    position = angles + motion[0]
-    newest = _between(goals, position - full, position + full) - foreseen
-    belief = casadi.horzcat(*motion, newest, *under_way[:-1], learned, learned_pace, goals - led, goals)
-    return casadi.Function("tick", [*given, arrival], [belief])
-
-
-def _between(values: "casadi.MX", lower: "casadi.MX | float", upper: "casadi.MX | float") -> "casadi.MX":
-    import casadi  # noqa: PLC0415 - as above
-
-    return casadi.fmin(casadi.fmax(values, lower), upper)
+    constants = np.array([*(restoring * RESTORING_GAINS), *LOAD_ERROR_RANGE, PUSH_DECAY])
+    return kernel.make_observer(forecast, gain, step, full, arrival, constants)

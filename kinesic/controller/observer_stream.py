@@ -1,42 +1,55 @@
-"""Finds the observer's inputs tick by tick, for motions whose pace is not known before."""
+"""Observer inputs computed tick by tick, for slowed motions."""
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.controller.feedforward import FeedForwardGoals
-from kinesic.controller.observer import CLEAR_LOAD, FORGETTING, LARGEST_CORRECTION, Observer, ObserverInputs, noticing
+from kinesic.controller.feedforward import FeedForwardSetpoints
+from kinesic.controller.observer import (
+    FORGETTING_TIME,
+    MAX_CORRECTION,
+    REGULARISATION_OFFSET,
+    Observer,
+    ObserverInputs,
+    detection_rate,
+)
 
 
 class InputStream:
-    """The inputs of ticks so far, as the next ones need them."""
+    """Observer inputs of one body, computed tick by tick."""
 
     def __init__(self, observer: Observer) -> None:
-        """Before the first tick; `observer` of one body."""
-        self._observer, hinges = observer, len(observer.lower)
-        self._led: list[Floats] = []  # (2, n) [rad] loads and leads of the last ticks
-        self._noticed, self._learned = np.zeros((2, hinges)), np.zeros(hinges)
+        """Prepare the stream of observer inputs, before its first tick.
 
-    def add(self, angles: Floats, setpoints: FeedForwardGoals) -> ObserverInputs:
-        """Adds a tick, and returns its inputs: what `precompute_inputs` gives for it.
+        Args:
+            observer: of one body.
+        """
+        self._observer, hinges = observer, len(observer.lower)
+        self._offsets: list[Floats] = []  # (2, n) [rad] torque and velocity offsets of the last ticks
+        self._noticed, self._information = np.zeros((2, hinges)), np.zeros(hinges)
+
+    def add(self, angles: Floats, setpoints: FeedForwardSetpoints) -> ObserverInputs:
+        """Add a tick and return its inputs, as `precompute_inputs` does.
 
         Args:
             angles: (n,) [rad] reference.
-            setpoints: of this tick alone.
+            setpoints: feed-forward of this tick alone.
         """
-        observer, late = self._observer, len(self._observer.arrival)
-        led = np.stack([setpoints.loads[0], setpoints.leads[0]])
-        if not self._led:
-            self._led, self._noticed = [led] * (late + 2), led
-        self._led = [*self._led[1:], led]
-        acting = sum(share * self._led[-3 - k] for k, share in enumerate(observer.arrival))
-        self._noticed = self._noticed + noticing(observer.period) * (acting - self._noticed)
-        self._learned = (1.0 - observer.period / FORGETTING) * self._learned + np.sum(self._noticed**2, axis=0)
-        trust = self._noticed / (CLEAR_LOAD**2 + self._learned)
-        goals = setpoints.goals[0]
-        lowest, highest = (
-            np.maximum(observer.lower, goals - LARGEST_CORRECTION),
-            np.minimum(observer.upper, goals + LARGEST_CORRECTION),
+        observer, count = self._observer, len(self._observer.arrival)
+        offsets = np.stack([setpoints.loads[0], setpoints.leads[0]])
+        if not self._offsets:
+            self._offsets, self._noticed = [offsets] * (count + 2), offsets
+        self._offsets = [*self._offsets[1:], offsets]
+        acting = sum(fraction * self._offsets[-3 - k] for k, fraction in enumerate(observer.arrival))
+        self._noticed = self._noticed + detection_rate(observer.period) * (acting - self._noticed)
+        self._information = (1.0 - observer.period / FORGETTING_TIME) * self._information + np.sum(
+            self._noticed**2, axis=0
         )
-        (load, lead), (noticed, noticed_lead), (trusted, trusted_lead) = led, self._noticed, trust
-        rows = angles, goals, lowest, highest, load, noticed, trusted, lead, noticed_lead, trusted_lead
+        trust = self._noticed / (REGULARISATION_OFFSET**2 + self._information)
+        goals = setpoints.setpoints[0]
+        lowest, highest = (
+            np.maximum(observer.lower, goals - MAX_CORRECTION),
+            np.minimum(observer.upper, goals + MAX_CORRECTION),
+        )
+        (load, lead), (noticed, noticed_lead), (trust_load, trust_lead) = offsets, self._noticed, trust
+        rows = angles, goals, lowest, highest, load, noticed, trust_load, lead, noticed_lead, trust_lead
         return ObserverInputs(*(row[None] for row in rows))

@@ -1,51 +1,45 @@
-"""Plays a trajectory: commands at the ticks of a clock, and sinks that follow them."""
+"""Stream commands to sinks at the ticks of a clock."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from itertools import repeat
 from time import monotonic, sleep
 
-import numpy as np
-
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import NO_FACE, RATE, Command, Sink
-from kinesic.controller.feedforward import FeedForwardGoals
+from kinesic.body.command import NO_FACE, Command, Sink
+from kinesic.body.command import command_times as command_times  # noqa: PLC0414 - deprecated path
+from kinesic.controller.feedforward import FeedForwardSetpoints
 from kinesic.motion.trajectory import Trajectory
-
-SETTLE = 0.3  # [s] of stillness after the end
-
-
-def command_times(duration: float, *, rate: float = RATE, settle: float = SETTLE) -> Floats:
-    """Returns (m,) [s] performance times of commands, from 0 to the end and a little stillness."""
-    return np.arange(int(np.ceil((duration + settle) * rate)) + 1) / rate
 
 
 def commands(
     trajectory: Trajectory,
     times: Floats,
-    setpoints: FeedForwardGoals,
+    setpoints: FeedForwardSetpoints,
     faces: Sequence[Mapping[str, float]] | None = None,
 ) -> Iterator[Command]:
-    """Yields one command per tick.
+    """Yield one planned command per tick.
 
     Args:
         trajectory: of the motion.
         times: (m,) [s] performance time.
-        setpoints: goals of the servos at these times.
-        faces: what the face shows at these times; None: nothing, for sinks that have none.
+        setpoints: of the servos at these times.
+        faces: activations of the face at these times; None: no face.
     """
     angles, speeds, accelerations = (sealed(values) for values in trajectory.sample(times))
     shown = repeat(NO_FACE, len(times)) if faces is None else faces
-    for row in zip(times.tolist(), angles, speeds, accelerations, setpoints.goals, shown, strict=True):
+    for row in zip(times.tolist(), angles, speeds, accelerations, setpoints.setpoints, shown, strict=True):
         yield Command(*row)
 
 
-def pace(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
-    """Yields commands at their times on the wall's clock, which begins with the first; late ones follow at once.
+def pace_commands(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
+    """Yield commands in real time, starting with the first one.
+
+    Late commands follow at once.
 
     Args:
         stream: in the order of their times.
-        clock: seconds that pass.
+        clock: returns seconds.
     """
     began = clock()
     for command in stream:
@@ -56,12 +50,18 @@ def pace(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -
 
 
 def play(stream: Iterable[Command], sink: Sink) -> None:
-    """Hands every command to the sink, and closes it whatever happens."""
+    """Write every command to the sink, then close it.
+
+    The sink is closed even after an error.
+    """
     play_together(((command,) for command in stream), (sink,))
 
 
 def play_together(stream: Iterable[Sequence[Command]], sinks: Sequence[Sink]) -> None:
-    """Hands every tick's commands to their sinks, one each, and closes these whatever happens."""
+    """Write each tick's commands to their sinks, then close the sinks.
+
+    The sinks are closed even after an error.
+    """
     with ExitStack() as closing:
         for sink in sinks:
             closing.callback(sink.close)

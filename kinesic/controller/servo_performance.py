@@ -1,7 +1,7 @@
-"""Performs a plan on the robot: hands its goals to the servos, and keeps what their supervisor reports.
+"""Perform plans on servos through the supervisor process.
 
-All commands are handed over at once: the supervisor keeps them, owns the time from then on, and folds the robot to
-rest at the end. Here is only listened, and handed on what somebody at the keyboard wants.
+All setpoints are sent at once. The supervisor stores them, owns the time and folds the robot to rest at the end. This
+process only listens and forwards requests from the keyboard.
 """
 
 import signal
@@ -10,152 +10,56 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cached_property
 from types import FrameType
 from typing import Literal
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.controller.arrival import lags, part_paths
+from kinesic.body.arrays import Floats
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.performance import MOVING, Performance
-from kinesic.controller.play import command_times, commands
-from kinesic.controller.servo_log import angles_at, usable
+from kinesic.controller.play import commands
 from kinesic.controller.watch.servos import ServoWatch
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.host import ENDING_SIGNALS
+from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.servo_run import Ending, ServoRun
 from kinesic.planning.plan import Plan
-from kinesic.planning.syncs import SyncTime
 
-DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
-POLL = 0.02  # [s] between two looks at supervisor and keyboard
-ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-TOO_NEAR = "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds why)"
-FULL_PACE = 0.999  # scale of time that is all of it
+BUS_DELAY = 0.002  # [s] from a command's time until its setpoints are on the bus
+POLL_PERIOD = 0.02  # [s] between polls of the supervisor and the keyboard
+CLEARANCE_STOP_REASON = (
+    "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds the cause)"
+)
 
-RunRequest = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
-Ending = Literal["performed", "ended", "stopped", "failed"]
-
-
-@dataclass(frozen=True, eq=False)
-class ServoRun:
-    """A plan as the servos performed it."""
-
-    performance: Performance  # of the twin, with the plan
-    history: tuple[Status, ...]  # of every cycle in which performance time ran
-    notes: tuple[Note, ...]
-    ending: Ending
-    why: str = ""  # it failed
-
-    @cached_property
-    def _rows(self) -> tuple[Status, ...]:
-        """The rows of the history in which time went on and every servo had been read."""
-        return usable(self.history)
-
-    @cached_property
-    def clocks(self) -> Floats:
-        """(k,) [s] since the first."""
-        return sealed([status.clock - self._rows[0].clock for status in self._rows])
-
-    @cached_property
-    def times(self) -> Floats:
-        """(k,) [s] performance time."""
-        return sealed([status.time for status in self._rows])
-
-    @cached_property
-    def angles(self) -> Floats:
-        """(k, n) [rad] measured, each at its own time."""
-        return self._table("angles")
-
-    @cached_property
-    def taken(self) -> Floats:
-        """(k, n) [s] when each angle was measured, since the clock of the first row."""
-        return sealed(self._table("taken") - (self._rows[0].clock if self._rows else 0.0))
-
-    @cached_property
-    def followed(self) -> Floats:
-        """(k, n) [rad] measured, as it was at the clock of each row."""
-        if not self._rows:
-            return self.angles
-        return angles_at(self.clocks, self.taken, self.angles)
-
-    @cached_property
-    def goals(self) -> Floats:
-        """(k, n) [rad] sent."""
-        return self._table("goals")
-
-    def _table(self, name: Literal["angles", "goals", "taken"]) -> Floats:
-        joints = len(self.performance.plan.setup.robot.skeleton.hinges)
-        return sealed(np.reshape([getattr(status, name) for status in self._rows], (len(self._rows), joints)))
-
-    @cached_property
-    def errors(self) -> Floats:
-        """(k, n) [rad] measured minus planned at the performance time when it was measured.
-
-        NaN where nothing new was measured, where the hinge is not moving, and while time is slowed down: the plan's
-        speeds do not hold then.
-        """
-        if not self._rows:
-            return self.angles
-        trajectory = self.performance.plan.trajectory
-        planned = np.empty((2, *self.angles.shape))
-        for k, taken in enumerate(self.taken.T):
-            found = trajectory.sample(np.interp(taken, self.clocks, self.times))
-            planned[:, :, k] = found[0][:, k], found[1][:, k]
-        moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.setup.limits.speed
-        whole = np.array([[status.scale > FULL_PACE] for status in self._rows], dtype=np.bool_).reshape(-1, 1)
-        news: Flags = np.diff(self.taken, axis=0, prepend=-np.inf) > 0.0
-        return np.where(moving & whole & news, self.angles - planned[0], np.nan)
-
-    @cached_property
-    def performed(self) -> float:
-        """Share of the plan that was performed, whether every servo was read or not."""
-        end = self.performance.reference.times[-1]
-        reached = max((status.time for status in self.history if np.isfinite(status.time)), default=0.0)
-        return float(reached / end) if end > 0.0 else 0.0
-
-    @cached_property
-    def full_pace(self) -> float:
-        """Share of the samples in which time ran at full pace; 0 where there is none."""
-        return float(np.mean([status.scale > FULL_PACE for status in self._rows])) if self._rows else 0.0
-
-    @cached_property
-    def lags(self) -> dict[SyncTime, float | None]:
-        """How much later than planned each sync point was met by the robot [s]; None: never."""
-        wanted = self.performance.reference.arrivals
-        if len(self.times) < 2:
-            return dict.fromkeys(wanted)
-        return lags(wanted, self.times, part_paths(self.followed, self.performance.plan.setup.robot))
+RunRequest = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": confirm; "end": fold to rest
 
 
 def perform_live(
-    performance: Performance,
+    performance: DryRun,
     servos: Servos,
     *,
     requested: Callable[[], RunRequest] = lambda: "go on",
     shown: Callable[[Status], None] = lambda status: None,
 ) -> ServoRun:
-    """Lets the servos perform what a twin has performed before; returns when the robot is limp again.
+    """Perform a plan on the servos until their torque is off.
 
     Args:
-        performance: of the twin.
-        servos: opened, and closed here.
-        requested: looked up every `POLL` seconds. After "stop", or when the servos were out of hand for more than a
-            second, they hold until "resume", or "end"; who never resumes finds them folded and released after a minute.
-        shown: gets each new status.
+        performance: dry run of the plan.
+        servos: opened; closed here.
+        requested: polled every `POLL_PERIOD` seconds. After "stop", or an interruption of more than a second, the
+            servos hold until "resume" or "end"; without either they fold and release after a minute.
+        shown: receives each new status.
     """
     plan = performance.plan
-    times = command_times(plan.duration)
-    known = plan.setup
-    leading = FeedForward.of(known.robot, known.dynamics, performance.believed, delay=DELAY)
-    setpoints = leading.lead(plan.trajectory, times)
+    times, setup = plan.command_times, plan.setup
+    feed_forward = FeedForward.of(setup.robot, setup.dynamics, performance.servo_estimate, delay=BUS_DELAY)
+    setpoints = feed_forward.compute_setpoints(plan.trajectory, times)
     history: list[Status] = []
     notes: list[Note] = []
     requests: list[RunRequest] = []
-    watch = watch_of(plan)
+    watch = make_clearance_watch(plan)
     with ThreadPoolExecutor(1) as pool:
         try:
             for command in commands(plan.trajectory, times, setpoints):
@@ -164,12 +68,12 @@ def perform_live(
             closing = pool.submit(servos.close)
         try:
             while not closing.done():
-                news = _listen(servos, history, notes, shown)
-                _heed(servos, watch, news, requests, notes)
-                _obey(servos, requested(), requests)
-                time.sleep(POLL)
+                statuses = _listen(servos, history, notes, shown)
+                _apply_watch(servos, watch, statuses, requests, notes)
+                _forward_request(servos, requested(), requests)
+                time.sleep(POLL_PERIOD)
         except BaseException:
-            servos.release()  # nobody listens to the keyboard any more
+            servos.release()  # the keyboard is no longer read
             raise
     _listen(servos, history, notes, shown)
     error = closing.exception()
@@ -181,21 +85,24 @@ def perform_live(
 
 
 @contextmanager
-def interrupted() -> Iterator[Callable[[], bool]]:
-    """Catches Ctrl-C, SIGTERM and a terminal that closes: yields a function that tells whether one came since its call.
+def catch_interrupts() -> Iterator[Callable[[], bool]]:
+    """Catch Ctrl-C, SIGTERM and SIGHUP while the context is active.
 
-    Outside the main thread, which alone hears them, none ever comes. One that is ignored, as under nohup, stays so.
+    Only the main thread receives signals; elsewhere none is reported. Ignored signals stay ignored, as under nohup.
+
+    Yields:
+        Function that returns whether a signal came since its last call.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
         return
     waiting: list[int] = []
 
-    def note(number: int, _frame: FrameType | None) -> None:
+    def record(number: int, _frame: FrameType | None) -> None:
         waiting.append(number)
 
-    heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, note) for number in heard}
+    handled = [number for number in ENDING_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, record) for number in handled}
     try:
         yield lambda: bool(waiting and waiting.pop())
     finally:
@@ -203,40 +110,40 @@ def interrupted() -> Iterator[Callable[[], bool]]:
             signal.signal(number, handler)
 
 
-def watch_of(plan: Plan) -> ServoWatch:
-    """Makes the watch of the clearance of a plan that servos perform."""
-    known, end = plan.setup, plan.trajectory.duration
+def make_clearance_watch(plan: Plan) -> ServoWatch:
+    """Make the clearance watch for a plan performed by servos."""
+    setup, end = plan.setup, plan.trajectory.duration
 
     def reference(times: Floats) -> Floats:
         return plan.trajectory.sample(np.minimum(times, end))[0]
 
-    return ServoWatch(reference, known.distances, least=known.robot.least_clearance)
+    return ServoWatch(reference, setup.distances, least=setup.robot.min_clearance)
 
 
-def _heed(
-    servos: Servos, watch: ServoWatch, news: Sequence[Status], requests: list[RunRequest], notes: list[Note]
+def _apply_watch(
+    servos: Servos, watch: ServoWatch, statuses: Sequence[Status], requests: list[RunRequest], notes: list[Note]
 ) -> None:
-    """Slows the servos down where their errors leave too little clearance, and stops them before contact."""
-    if watch.see(news):
+    """Slow or stop the servos if the clearance watch requires it."""
+    if watch.ingest(statuses):
         servos.slow_to(watch.pace)
         if watch.over and not requests:
             servos.stop()
             requests.append("stop")
-            notes.append(Note(news[-1].clock, -1, "clearance", TOO_NEAR))
+            notes.append(Note(statuses[-1].clock, -1, "clearance", CLEARANCE_STOP_REASON))
 
 
 def _listen(
     servos: Servos, history: list[Status], notes: list[Note], shown: Callable[[Status], None]
 ) -> tuple[Status, ...]:
-    news = servos.history()
-    history += news
+    statuses = servos.history()
+    history += statuses
     notes += servos.events()
-    if news:
-        shown(news[-1])
-    return news
+    if statuses:
+        shown(statuses[-1])
+    return statuses
 
 
-def _obey(servos: Servos, request: RunRequest, requests: list[RunRequest]) -> None:
+def _forward_request(servos: Servos, request: RunRequest, requests: list[RunRequest]) -> None:
     if request == "go on":
         return
     if request == "stop":

@@ -1,1 +1,1 @@
-"""Writes what people keep: never through a link, and never over what is not kinesic's."""
+"""Safe file output that follows no links and replaces only kinesic's files."""

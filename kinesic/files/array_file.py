@@ -1,7 +1,7 @@
-"""Read arrays of numbers and text from an .npz that others made.
+"""Reading of numeric and text arrays from untrusted .npz files.
 
-`numpy.load` evaluates headers, allocates what they declare, and fails in a dozen ways. Here the header is checked
-against the bytes that are there, and every failure is a `ConfigError`.
+`numpy.load` evaluates headers, allocates the declared sizes, and fails in many ways. Here the header is checked against
+the bytes of the file, and every failure is a `ConfigError`.
 """
 
 import ast
@@ -18,25 +18,25 @@ from kinesic.files.input_file import open_regular
 
 Array = NDArray[np.generic]
 
-NPY_MAGIC = b"\x93NUMPY"
-MAX_HEADER_SIZE = 4096  # [bytes]
-MAX_DIMENSIONS = 8
-NUMBER_KINDS = "biuf"  # of dtypes
-INTEGER_KINDS = "iu"
-TEXT_KINDS = "U"
-ENCRYPTED_FLAG = 1  # flag of an entry of a zip archive
+NPY_MAGIC = b"\x93NUMPY"  # first bytes of an .npy file
+MAX_HEADER_SIZE = 4096  # [bytes] largest header of an .npy file
+MAX_DIMENSIONS = 8  # Largest number of dimensions of an array
+NUMBER_KINDS = "biuf"  # NumPy dtype kinds of numbers and booleans
+INTEGER_KINDS = "iu"  # NumPy dtype kinds of signed and unsigned integers
+TEXT_KINDS = "U"  # NumPy dtype kind of Unicode text
+ENCRYPTED_FLAG = 1  # Flag of an encrypted zip entry
 
 
 def read_arrays(path: Path, *, max_size: int, kind: str = ".npz of arrays") -> Mapping[str, Array]:
-    """Read all arrays of an .npz by name.
+    """Read all arrays of an .npz file by name.
 
     Args:
-        path: of the file.
-        max_size: largest size in bytes, unpacked.
-        kind: of file, for the message of a broken one.
+        path: path of the file.
+        max_size: [bytes] largest unpacked size.
+        kind: kind of file, for messages.
 
     Raises:
-        ConfigError: the file is missing, broken, encrypted or too large, or holds something else than arrays.
+        ConfigError: the file is missing, damaged, encrypted or too large, or contains other objects than arrays.
     """
     try:
         with open_regular(path) as file, ZipFile(file) as archive:
@@ -61,10 +61,10 @@ def _unpack(archive: ZipFile, entry: ZipInfo) -> bytes:
 
 
 def _parse(data: bytes) -> Array:
-    """Parse an .npy.
+    """Parse the bytes of an .npy file.
 
     Raises:
-        ValueError: it is broken, or holds objects or records.
+        ValueError: it is damaged, or contains objects or records.
     """
     if data[:6] != NPY_MAGIC or data[6:7] not in (b"\1", b"\2", b"\3"):
         raise ValueError("an entry is no .npy")
@@ -80,52 +80,52 @@ def _parse(data: bytes) -> Array:
     if not isinstance(kind, str) or not isinstance(shape, tuple) or len(shape) > MAX_DIMENSIONS:
         raise ValueError("an array holds records")
     dtype = np.dtype(kind)
-    if dtype.kind not in NUMBER_KINDS + TEXT_KINDS or not all(isinstance(each, int) and each >= 0 for each in shape):
+    if dtype.kind not in NUMBER_KINDS + TEXT_KINDS or not all(isinstance(size, int) and size >= 0 for size in shape):
         raise ValueError(f"an array is of type {dtype} and shape {shape}")
     count = 1
-    for each in shape:
-        count *= each
+    for size in shape:
+        count *= size
     if count * dtype.itemsize != len(data) - end:
         raise ValueError(f"an array of shape {shape} has {len(data) - end} bytes")
     if not count:
         return np.zeros(shape, dtype)
-    found: Array = np.frombuffer(data, dtype, count, end)
-    return found.reshape(shape, order="F" if in_columns else "C")
+    values: Array = np.frombuffer(data, dtype, count, end)
+    return values.reshape(shape, order="F" if in_columns else "C")
 
 
 def numbers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
-    """Return an array of numbers.
+    """Return a numeric array by name after checking its dimensions.
 
     Raises:
-        ValueError: it is missing, text, or has another number of dimensions.
+        ValueError: the array is missing, not numeric, or has another number of dimensions.
     """
     return _checked(arrays, name, dimensions, NUMBER_KINDS, "numbers")
 
 
 def integers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
-    """Return an array of integers.
+    """Return an integer array by name after checking its dimensions.
 
     Raises:
-        ValueError: it is missing, of another type, or has another number of dimensions.
+        ValueError: the array is missing, of another type, or has another number of dimensions.
     """
     return _checked(arrays, name, dimensions, INTEGER_KINDS, "integers")
 
 
 def text_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
-    """Return an array of text.
+    """Return a text array by name after checking its dimensions.
 
     Raises:
-        ValueError: it is missing, not text, or has another number of dimensions.
+        ValueError: the array is missing, not text, or has another number of dimensions.
     """
     return _checked(arrays, name, dimensions, TEXT_KINDS, "text")
 
 
-def _checked(arrays: Mapping[str, Array], name: str, dimensions: int, kinds: str, what: str) -> Array:
+def _checked(arrays: Mapping[str, Array], name: str, dimensions: int, kinds: str, expected: str) -> Array:
     if name not in arrays:
         raise ValueError(f"it lacks {name}")
     array = arrays[name]
     if array.dtype.kind not in kinds:
-        raise ValueError(f"{name} holds {array.dtype}, must be {what}")
+        raise ValueError(f"{name} holds {array.dtype}, must be {expected}")
     if array.ndim != dimensions:
         raise ValueError(f"{name} has {array.ndim} dimensions, must have {dimensions}")
     return array

@@ -1,4 +1,4 @@
-"""Writes words under a film: a line or two in a dark band, cut where they are too many."""
+"""Captions in a dark band at the bottom of a film."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -10,62 +10,69 @@ from PIL import Image, ImageDraw, ImageFont
 from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
 
-TALL = 0.04  # of letters, in heights of the picture
-WIDE = 0.86  # of a line at most, in widths of the picture
-LOW = 0.025  # of the band above the lower edge, in heights of the picture
-PADDING = 0.45  # round the words, in heights of letters
-BAND, INK = (16, 20, 28, 190), (255, 255, 255, 255)
-MOST_LINES = 2
+LETTER_HEIGHT = 0.04  # Letter height / picture height
+MAX_LINE_WIDTH = 0.86  # Line width / picture width
+BAND_MARGIN = 0.025  # Distance of the caption band from the lower edge / picture height
+BAND_PADDING = 0.45  # Space around the words / letter height
+BAND_COLOUR = (16, 20, 28, 190)  # RGBA of the band behind the words
+TEXT_COLOUR = (255, 255, 255, 255)  # RGBA of the words
+MAX_LINES = 2  # Largest number of lines of a caption
 
-Spoken = tuple[float, float, str]  # [s] begin, [s] end, and what is said then
+Spoken = tuple[float, float, str]  # [s] begin, [s] end, and the spoken words
 
 
 def words_at(spoken: Sequence[Spoken], time: float) -> str:
-    """What is said at a time."""
+    """Return the caption words that are spoken at a time [s]."""
     return " ".join(text for begin, end, text in spoken if begin <= time < end)
 
 
 def caption_box(text: str, size: tuple[int, int]) -> PixelBox | None:
-    """The part of a picture of a size in which words are written; None without words."""
-    return _band(text, size)[0] if text else None
+    """Return the pixel box of a caption in a picture, or None.
+
+    None without words; `size` is width and height of the picture.
+    """
+    return _render_band(text, size)[0] if text else None
 
 
 def write_caption(picture: Picture, text: str) -> None:
-    """Writes words into a picture; nothing without words."""
+    """Draw a caption into a picture, unless the text is empty."""
     if text:
         height, width, _ = picture.shape
-        (left, top, right, low), ink, share = _band(text, (width, height))
+        (left, top, right, low), ink, opacity = _render_band(text, (width, height))
         below = picture[top:low, left:right]
-        below[...] = (below * (1.0 - share) + ink * share).astype(np.uint8)
+        below[...] = (below * (1.0 - opacity) + ink * opacity).astype(np.uint8)
 
 
 @lru_cache(maxsize=4)
-def _band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np.float32], NDArray[np.float32]]:
-    """Where a caption is, its colours (h, w, 3), and how much of them is seen (h, w, 1)."""
+def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np.float32], NDArray[np.float32]]:
+    """Render the caption box: colours (h, w, 3), opacity (h, w, 1)."""
     width, height = size
-    font = ImageFont.load_default(max(round(TALL * height), 8))
-    lines = _lines(text, font, WIDE * width)
-    words, padding = "\n".join(lines), round(PADDING * TALL * height)
+    font = ImageFont.load_default(max(round(LETTER_HEIGHT * height), 8))
+    lines = _break_lines(text, font, MAX_LINE_WIDTH * width)
+    words, padding = "\n".join(lines), round(BAND_PADDING * LETTER_HEIGHT * height)
     pen = ImageDraw.Draw(Image.new("RGBA", (1, 1)))
     left, top, right, low = (round(value) for value in pen.multiline_textbbox((0, 0), words, font=font, align="center"))
     across, tall = min(right - left + 2 * padding, width), min(low - top + 2 * padding, height)
     band = Image.new("RGBA", (across + across % 2, tall + tall % 2), (0, 0, 0, 0))
     pen = ImageDraw.Draw(band)
-    pen.rounded_rectangle((0, 0, band.width - 1, band.height - 1), radius=padding, fill=BAND)
-    pen.multiline_text((padding - left, padding - top), words, font=font, fill=INK, align="center")
-    x, y = (width - band.width) // 4 * 2, (height - band.height - round(LOW * height)) // 2 * 2
+    pen.rounded_rectangle((0, 0, band.width - 1, band.height - 1), radius=padding, fill=BAND_COLOUR)
+    pen.multiline_text((padding - left, padding - top), words, font=font, fill=TEXT_COLOUR, align="center")
+    x, y = (width - band.width) // 4 * 2, (height - band.height - round(BAND_MARGIN * height)) // 2 * 2
     colours = np.asarray(band, dtype=np.float32)
     return (x, y, x + band.width, y + band.height), colours[..., :3], colours[..., 3:] / np.float32(255)
 
 
-def _lines(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, most: float) -> list[str]:
-    """Breaks words into lines of a width; what does not fit into the last is left out, with an ellipsis."""
+def _break_lines(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, most: float) -> list[str]:
+    """Break caption words into lines of a width [pixels].
+
+    Words beyond the last line are replaced by an ellipsis.
+    """
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()
         if not lines[-1] or font.getlength(longer) <= most:
             lines[-1] = longer
-        elif len(lines) < MOST_LINES:
+        elif len(lines) < MAX_LINES:
             lines.append(word)
         else:
             lines[-1] += " ..."

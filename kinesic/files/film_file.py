@@ -1,4 +1,7 @@
-"""Writes films picture by picture, whatever their length: animated WebP, and H.264 where an encoder is installed."""
+"""Incremental writing of films as animated WebP or H.264.
+
+H.264 needs an installed encoder. The length of a film is unlimited.
+"""
 
 import shutil
 import subprocess
@@ -19,55 +22,63 @@ from kinesic.body.arrays import Picture
 
 PixelBox = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
 
-WEBP, MP4 = ".webp", ".mp4"
+WEBP_SUFFIX = ".webp"
+MP4_SUFFIX = ".mp4"
 NO_ENCODER = "no encoder for .mp4: pip install imageio-ffmpeg, or apt-get install ffmpeg; .webp needs none"
-ENCODING = (  # what every player plays; it wants even sides
+H264_OPTIONS = (  # ffmpeg options that all players support; they need even sides
     *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
     *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"),
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"),
-    *("-movflags", "+faststart"),  # a browser shows its beginning before it has its end
+    *("-movflags", "+faststart"),  # lets a browser start before the download ends
 )
-QUALITY = 80  # of WebP, 0..100
-THREADS, WAITING = 2, 6  # that encode, and pictures that may wait for them
-WHOLE_PICTURE = 0b10  # a picture takes the place of what is below it
+WEBP_QUALITY = 80  # Picture quality, 0..100
+ENCODER_THREADS = 2  # Number of threads that encode pictures
+MAX_PENDING_PICTURES = 6  # Largest number of pictures queued for encoding
+REPLACE_FLAG = 0b10  # Flag of a picture that replaces the pixels below it
 
 
 class EncodingError(RuntimeError):
-    """A film cannot be encoded here: says why, and the line that mends it."""
+    """Failure to encode a film, with its reason and remedy."""
 
 
 class FilmFile(Protocol):
-    """A film that is being written; a context manager that completes its file; after an error it is none."""
+    """Interface for writing a film picture by picture.
+
+    As a context manager it completes its file, or removes it after an error.
+    """
 
     def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
-        """Adds a picture, which differs from the one before in a box alone (None: anywhere), and is seen for a time."""
+        """Add a picture to the film, shown for a duration [ms].
+
+        It differs from the last one only in the box `changed` (None: anywhere).
+        """
 
     def __enter__(self) -> Self:
-        """Begins."""
+        """Create the film file."""
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Completes the file."""
+        """Complete the film file."""
 
 
 def open_film(path: Path, size: tuple[int, int], *, rate: float, sound: Path | None = None) -> FilmFile:
-    """Begins a film, by the ending of its path.
+    """Create a film in the format of the path's suffix.
 
     Args:
-        path: ending in .webp, or .mp4 where an encoder is installed.
-        size: width and height of its pictures.
-        rate: [Hz] of pictures.
-        sound: a WAV that begins with the first picture, for .mp4.
+        path: path ending in .webp, or .mp4 if an encoder is installed.
+        size: width and height of the pictures.
+        rate: [Hz] picture rate.
+        sound: WAV file that begins with the first picture, for .mp4.
 
     Raises:
-        EncodingError: there is no encoder.
+        EncodingError: no encoder is installed.
     """
-    return Mp4Film(path, size, rate=rate, sound=sound) if path.suffix.lower() == MP4 else WebpFilm(path, size)
+    return Mp4Film(path, size, rate=rate, sound=sound) if path.suffix.lower() == MP4_SUFFIX else WebpFilm(path, size)
 
 
 def find_encoder() -> str | None:
-    """Finds ffmpeg: that of the package imageio-ffmpeg, or the system's."""
+    """Find ffmpeg in the package imageio-ffmpeg or the system."""
     try:
         return str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
     except (ImportError, RuntimeError):
@@ -75,41 +86,44 @@ def find_encoder() -> str | None:
 
 
 class WebpFilm:
-    """An animated WebP (RFC 9649). Each picture is what has changed since the one before; equal ones become one."""
+    """Animated WebP (RFC 9649) of changed picture regions.
+
+    Equal successive pictures are merged.
+    """
 
     def __init__(
         self,
         path: Path,
         size: tuple[int, int],
         *,
-        quality: int = QUALITY,
+        quality: int = WEBP_QUALITY,
         method: int = 0,
         in_parts: bool = True,
         once: bool = False,
     ) -> None:
-        """Begins a file.
+        """Set the path and picture size of the film.
 
         Args:
-            path: of the file.
-            size: width and height of its pictures.
-            quality: of the pictures, 0..100.
-            method: of their compression, 0 fast to 6 small.
-            in_parts: whether only what has changed is written; else every picture looks as it would alone.
-            once: whether it stops at its last picture, instead of repeating for ever.
+            path: path of the file.
+            size: width and height of the pictures.
+            quality: picture quality, 0..100.
+            method: compression effort, 0 fast to 6 small.
+            in_parts: whether only changed regions are written; otherwise every picture looks as it would alone.
+            once: whether playback stops at the last picture instead of repeating for ever.
         """
         self._path, self._size, self._in_parts, self._loops = path, size, in_parts, int(once)
-        self._encoded = partial(_webp, quality=quality, method=method)
-        self._threads = ThreadPoolExecutor(THREADS)
+        self._encoded = partial(_encode_webp, quality=quality, method=method)
+        self._threads = ThreadPoolExecutor(ENCODER_THREADS)
         self._waiting: deque[tuple[Future[bytes], PixelBox, int]] = deque()
         self._last: tuple[Picture, PixelBox, int] | None = None
 
     def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
-        """Adds a picture."""
+        """Add a picture's changed region to the WebP film."""
         if self._last is None:
             self._last = (picture, (0, 0, *self._size), milliseconds)
             return
         before, box, shown = self._last
-        changed = _changed(before, picture, changed or (0, 0, *self._size))
+        changed = _find_changed_box(before, picture, changed or (0, 0, *self._size))
         if changed is None:
             self._last = (before, box, shown + milliseconds)
             return
@@ -117,7 +131,7 @@ class WebpFilm:
         self._last = (picture, changed if self._in_parts else (0, 0, *self._size), milliseconds)
 
     def _encode(self, picture: Picture, box: PixelBox, milliseconds: int) -> None:
-        if len(self._waiting) >= WAITING:
+        if len(self._waiting) >= MAX_PENDING_PICTURES:
             self._put(*self._waiting.popleft())
         part = np.ascontiguousarray(_cut(picture, box))
         self._waiting.append((self._threads.submit(self._encoded, part), box, milliseconds))
@@ -125,7 +139,7 @@ class WebpFilm:
     def _put(self, encoded: Future[bytes], box: PixelBox, milliseconds: int) -> None:
         left, top, right, low = box
         place = b"".join(_little(value, 3) for value in (left // 2, top // 2, right - left - 1, low - top - 1))
-        head = place + _little(milliseconds, 3) + bytes([WHOLE_PICTURE])
+        head = place + _little(milliseconds, 3) + bytes([REPLACE_FLAG])
         self._file.write(_chunk(b"ANMF", head + encoded.result()))
 
     def __enter__(self) -> "WebpFilm":
@@ -143,7 +157,7 @@ class WebpFilm:
         with self._file, self._threads:
             if error is not None:
                 self._threads.shutdown(cancel_futures=True)
-                self._path.unlink(missing_ok=True)  # nobody waits for the rest of it
+                self._path.unlink(missing_ok=True)  # tells readers that no more pictures will come
                 return
             if self._last is not None:
                 self._encode(*self._last)
@@ -155,42 +169,42 @@ class WebpFilm:
 
 
 class Mp4Film:
-    """H.264 by an encoder that gets pictures as they come, with the sound beside them."""
+    """H.264 film of an external encoder, with optional sound."""
 
     def __init__(self, path: Path, size: tuple[int, int], *, rate: float, sound: Path | None = None) -> None:
-        """Finds the encoder.
+        """Find the encoder and prepare its command.
 
         Raises:
-            EncodingError: there is none.
+            EncodingError: no encoder is installed.
         """
         encoder = find_encoder()
         if encoder is None:
             raise EncodingError(NO_ENCODER)
         pictures = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", f"{rate:g}", "-i", "-"]
-        heard = ["-i", str(sound), "-c:a", "aac"] if sound else []
-        self._words = [encoder, "-y", "-loglevel", "error", *pictures, *heard, *ENCODING, str(path)]
+        sound_options = ["-i", str(sound), "-c:a", "aac"] if sound else []
+        self._command = [encoder, "-y", "-loglevel", "error", *pictures, *sound_options, *H264_OPTIONS, str(path)]
         self._path = path
 
     def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
-        """Adds a picture; all are seen equally long."""
+        """Add a picture of constant duration to the H.264 film."""
         try:
             self._pipe.write(picture.tobytes())
         except BrokenPipeError:
-            raise EncodingError(f"{self._path}: {self._why()}") from None
+            raise EncodingError(f"{self._path}: {self._read_encoder_error()}") from None
 
     def __enter__(self) -> "Mp4Film":
-        self._told = TemporaryFile()
+        self._errors = TemporaryFile()
         self._process = subprocess.Popen(
-            self._words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._told
+            self._command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors
         )
-        assert self._process.stdin is not None  # it is a pipe
+        assert self._process.stdin is not None  # standard input is a pipe
         self._pipe = self._process.stdin
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with self._told:
+        with self._errors:
             if error is not None:
                 self._process.kill()
             try:
@@ -198,30 +212,33 @@ class Mp4Film:
             except BrokenPipeError:
                 self._process.kill()
             if self._process.wait() and error is None:
-                raise EncodingError(f"{self._path}: {self._why()}")
+                raise EncodingError(f"{self._path}: {self._read_encoder_error()}")
 
-    def _why(self) -> str:
-        """The last thing that the encoder said."""
+    def _read_encoder_error(self) -> str:
+        """Return the film encoder's last message."""
         self._process.wait()
-        self._told.seek(0)
-        lines = self._told.read().decode(errors="replace").strip().splitlines()
+        self._errors.seek(0)
+        lines = self._errors.read().decode(errors="replace").strip().splitlines()
         return lines[-1] if lines else "the encoder ended"
 
 
-def durations(count: int, rate: float) -> list[int]:
-    """[ms] for which each of some pictures is seen, whole numbers that add up to their whole time."""
+def picture_durations(count: int, rate: float) -> list[int]:
+    """Compute integer picture durations [ms] for a frame rate [Hz]."""
     return [int(value) for value in np.diff(np.round(1000 / rate * np.arange(count + 1)))]
 
 
-def _webp(picture: Picture, *, quality: int, method: int) -> bytes:
-    """The chunk of one picture, without the file's head."""
+def _encode_webp(picture: Picture, *, quality: int, method: int) -> bytes:
+    """Encode one picture as a WebP chunk, without the file header."""
     held = BytesIO()
     Image.fromarray(picture).save(held, format="WEBP", quality=quality, method=method)
     return held.getvalue()[12:]
 
 
-def _changed(before: Picture, after: Picture, within: PixelBox) -> PixelBox | None:
-    """The least box that holds what has changed within one; left and top are even. None: nothing has."""
+def _find_changed_box(before: Picture, after: Picture, within: PixelBox) -> PixelBox | None:
+    """Return the smallest box of changed pixels within a box, or None.
+
+    Its left and top are even.
+    """
     left, top, _, _ = within
     differs = _cut(before, within) != _cut(after, within)
     flat = differs.reshape(len(differs), -1)

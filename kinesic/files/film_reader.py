@@ -1,4 +1,4 @@
-"""Reads an animated picture as time goes on; only one of its pictures is in memory."""
+"""Sequential reading of animated pictures, with one picture in memory."""
 
 from pathlib import Path
 
@@ -9,16 +9,16 @@ from kinesic.body.arrays import Picture
 
 
 class FilmReader:
-    """A film whose pictures are asked for one after another."""
+    """Film whose pictures are read in order of time."""
 
     def __init__(self, path: Path) -> None:
-        """Opens a film.
+        """Open a film for reading in order of time.
 
         Args:
-            path: of an animated WebP.
+            path: path of an animated WebP.
 
         Raises:
-            OSError: it cannot be read, or is no film.
+            OSError: the file cannot be read, or is not a film.
         """
         try:
             self._film = Image.open(path)
@@ -30,7 +30,10 @@ class FilmReader:
         self._seen: tuple[int, Picture] | None = None
 
     def at(self, time: float) -> Picture:
-        """(height, width, 3) the picture of a time [s]; times never decrease."""
+        """Return the film's picture (height, width, 3) at a time [s].
+
+        Times must not decrease.
+        """
         while self._film.tell() < self._last and self._ends() <= time:
             self._film.seek(self._film.tell() + 1)
             self._film.load()
@@ -39,5 +42,5 @@ class FilmReader:
         return self._seen[1]
 
     def _ends(self) -> float:
-        """[s] when the next picture takes the place of this one."""
+        """Return the end time [s] of the film's current picture."""
         return float(self._film.info["timestamp"] + self._film.info["duration"]) / 1000.0

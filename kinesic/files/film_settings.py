@@ -1,4 +1,4 @@
-"""What a film of a performance is like."""
+"""Settings of a film of a performance."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,16 +8,16 @@ FilmFormat = Literal["webp", "mp4"]
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Its pictures and its file."""
+    """Size, rate and format of a film."""
 
     size: tuple[int, int] = (1280, 720)  # width and height [pixels], both even
-    rate: float = 30.0  # [Hz] of pictures
+    rate: float = 30.0  # [Hz] picture rate
     format: FilmFormat = "webp"
 
     @property
     def name(self) -> str:
-        """Of its file."""
+        """File name of the film."""
         return f"film.{self.format}"
 
 
-USUAL = FilmSettings()
+DEFAULT_FILM = FilmSettings()

@@ -1,6 +1,6 @@
-"""Read regular files of others, up to a size, in one folder.
+"""Safe reading of regular files inside a folder, up to a size.
 
-A check of a path and a later `open` may see two different files. Here a file is opened first and examined afterwards.
+A check of a path and a later `open` may see different files. Here a file is opened first and examined afterwards.
 """
 
 import os
@@ -12,8 +12,9 @@ from typing import BinaryIO
 
 from kinesic.body.config import ConfigError
 from kinesic.files.held_folder import hold_folder
+from kinesic.host import HAS_FOLDER_DESCRIPTORS, NO_LINK_FLAG, NO_WAIT_FLAG
 
-READ_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)  # a pipe must not block
+READ_FLAGS = os.O_RDONLY | NO_WAIT_FLAG | getattr(os, "O_BINARY", 0)  # Flags for reading without waiting for a pipe
 
 
 @contextmanager
@@ -31,10 +32,10 @@ def open_regular(path: Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def open_inside(folder: Path, path: Path) -> Iterator[BinaryIO]:
-    """Open a regular file that lies in a folder or below.
+    """Open a regular file in a folder or below.
 
-    Links are followed once, and every part of the path that they lead to is then opened as itself: a link that is
-    exchanged meanwhile is refused.
+    Links are followed once, and each component of the resolved path is opened as itself: a link that is exchanged
+    meanwhile is refused.
 
     Raises:
         ConfigError: the file is outside the folder, or not regular.
@@ -42,7 +43,7 @@ def open_inside(folder: Path, path: Path) -> Iterator[BinaryIO]:
     """
     try:
         place, home = path.resolve(), folder.resolve()
-    except RuntimeError as error:  # links that form a circle
+    except RuntimeError as error:  # cyclic links
         raise ConfigError(f"{path.name}: {error}") from None
     if not place.is_relative_to(home):
         raise ConfigError(f"{path.name} is outside of the folder {home.name}; copy that file into it")
@@ -52,15 +53,15 @@ def open_inside(folder: Path, path: Path) -> Iterator[BinaryIO]:
 
 
 def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
-    """Read a regular file that lies in a folder or below.
+    """Read a regular file in a folder or below.
 
     Args:
-        folder: in which the file must lie.
-        path: of the file.
-        max_size: largest size in bytes.
+        folder: folder of the file.
+        path: path of the file.
+        max_size: [bytes] largest size.
 
     Raises:
-        ConfigError: the file is outside the folder, larger, or not regular.
+        ConfigError: the file is outside the folder, too large, or not regular.
         OSError: the file cannot be opened.
     """
     with open_inside(folder, path) as file:
@@ -74,7 +75,7 @@ def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
 @contextmanager
 def _open_beneath(home: Path, place: Path) -> Iterator[BinaryIO]:
     """Open a file below a folder without following links."""
-    if os.open not in os.supports_dir_fd:
+    if not HAS_FOLDER_DESCRIPTORS:
         with place.open("rb") as file:
             yield file
         return
@@ -83,7 +84,7 @@ def _open_beneath(home: Path, place: Path) -> Iterator[BinaryIO]:
         inside = folders.enter_context(hold_folder(home))
         for part in above:
             inside = folders.enter_context(hold_folder(part, inside=inside))
-        with os.fdopen(os.open(name, READ_FLAGS | os.O_NOFOLLOW, dir_fd=inside), "rb") as file:
+        with os.fdopen(inside.open_entry(name, READ_FLAGS | NO_LINK_FLAG), "rb") as file:
             yield file
 
 

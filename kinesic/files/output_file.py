@@ -1,7 +1,11 @@
-"""Writes files as wholes: they appear when they are complete, and what was there before stays until then."""
+"""Atomic writing of files.
+
+A file appears when it is complete, and the earlier one stays until then.
+"""
 
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,23 +13,25 @@ from typing import BinaryIO
 
 from kinesic.body.config import ConfigError
 from kinesic.files.draft import hold_draft
-from kinesic.files.held_folder import check_above, find_place, hold_folder, name_failures
+from kinesic.files.held_folder import HeldFolder, check_above, find_place, hold_folder, name_failures
+from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
-NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
-ANY_WRITE = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
-PERMISSION_BITS = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO
-APPEND_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe may have no reader
+CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # Flags that create a new file
+SYNC_FLAGS = NO_LINK_FLAG | (os.O_RDONLY if sys.platform != "win32" else os.O_RDWR)  # Windows flushes writable files
+WRITE_BITS = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH  # Write permissions of user, group and others
+PERMISSION_BITS = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO  # All permissions of user, group and others
+APPEND_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags for appending
 
 
 def check_file(path: Path, *, force: bool = False) -> None:
-    """Refuses a file that `new_file` would not write, before any work is done for it.
+    """Refuse a file that `new_file` could not write.
 
     Args:
-        path: of the file.
-        force: whether an ordinary file that is there may be replaced.
+        path: path of the file.
+        force: whether an existing regular file may be replaced.
 
     Raises:
-        ConfigError: it is there already, it is a folder or a link, or there is no folder for it.
+        ConfigError: the file exists, is a folder or a link, or its folder is missing.
     """
     place = find_place(path)
     check_above(place, path)
@@ -37,18 +43,18 @@ def check_file(path: Path, *, force: bool = False) -> None:
 
 @contextmanager
 def new_file(path: Path, *, force: bool = False, durable: bool = False) -> Iterator[Path]:
-    """Yield a draft path whose file becomes final without an error.
+    """Yield a temporary path, renamed to the final path on success.
 
-    The path is in a hidden folder beside the file, which later runs remove if this process is killed. A file that is
-    replaced keeps its permissions.
+    The draft is in a hidden folder next to the file, which later runs remove if this process is killed. A replaced file
+    keeps its permissions.
 
     Args:
-        path: of the file.
-        force: whether an ordinary file that is there may be replaced.
-        durable: whether the file must survive a power failure once this returns; waits for the disk.
+        path: path of the file.
+        force: whether an existing regular file may be replaced.
+        durable: whether the file must survive a power failure after return, which waits for the disk.
 
     Raises:
-        ConfigError: as `check_file`, or it could not be written.
+        ConfigError: as `check_file`, or writing failed.
     """
     check_file(path, force=force)
     place = find_place(path)
@@ -61,10 +67,15 @@ def new_file(path: Path, *, force: bool = False, durable: bool = False) -> Itera
         mode = _check_name(parent, place.name, path, force=force)
         _settle(draft.folder, place.name, mode, durable=durable)
         if not force:
-            os.close(os.open(place.name, NEW, 0o666, dir_fd=parent))  # ours from here on, or an error
-        os.replace(place.name, place.name, src_dir_fd=draft.folder, dst_dir_fd=parent)
-        if durable:
-            os.fsync(parent)
+            os.close(parent.open_entry(place.name, CREATE_FLAGS))  # reserves the name, or fails
+        os.replace(
+            draft.folder.entry_path(place.name),
+            parent.entry_path(place.name),
+            src_dir_fd=draft.folder.descriptor,
+            dst_dir_fd=parent.descriptor,
+        )
+        if durable and parent.descriptor is not None:
+            os.fsync(parent.descriptor)
 
 
 def write_text(path: Path, text: str, *, force: bool = False, durable: bool = False) -> None:
@@ -78,25 +89,25 @@ def write_text(path: Path, text: str, *, force: bool = False, durable: bool = Fa
 
 
 def open_to_add(path: Path) -> BinaryIO:
-    """Open a file for appending, unbuffered, creating it if missing.
+    """Open a file for unbuffered appending, and create it if missing.
 
     Raises:
-        OSError: it cannot be written, or is a link, or a pipe that no process reads.
+        OSError: the file cannot be written, or is a link or a pipe without reader.
     """
     return open(path, "ab", buffering=0, opener=lambda name, _: os.open(name, APPEND_FLAGS, 0o666))
 
 
-def _check_name(parent: int, name: str, path: Path, *, force: bool) -> int | None:
+def _check_name(parent: HeldFolder, name: str, path: Path, *, force: bool) -> int | None:
     """Refuse to replace links, folders, devices and protected files.
 
     Returns:
-        Permissions of the file that is there; None where there is none.
+        Permissions of the existing file; None without one.
 
     Raises:
-        ConfigError: it must stay.
+        ConfigError: the file must stay.
     """
     try:
-        mode = os.stat(name or ".", dir_fd=parent, follow_symlinks=False).st_mode
+        mode = parent.entry_status(name or ".").st_mode
     except FileNotFoundError:
         return None
     if stat.S_ISLNK(mode):
@@ -107,18 +118,19 @@ def _check_name(parent: int, name: str, path: Path, *, force: bool) -> int | Non
         raise ConfigError(f"{path} is no ordinary file; name another")
     if not force:
         raise ConfigError(f"{path} exists already; --force replaces it, --out names another")
-    if not mode & ANY_WRITE or not os.access(name, os.W_OK, dir_fd=parent):  # root may write, whatever the mode says
+    is_writable = os.access(parent.entry_path(name), os.W_OK, dir_fd=parent.descriptor)
+    if not mode & WRITE_BITS or not is_writable:  # root may write regardless of the mode
         raise ConfigError(f"{path} is read-only and is not replaced; chmod u+w it, or name another")
     return mode & PERMISSION_BITS
 
 
-def _settle(folder: int, name: str, mode: int | None, *, durable: bool) -> None:
-    """Set the permissions of the replaced file and flush to the disk."""
+def _settle(folder: HeldFolder, name: str, mode: int | None, *, durable: bool) -> None:
+    """Restore a replaced file's permissions and flush the file to disk."""
     if mode is None and not durable:
         return
-    descriptor = os.open(name, os.O_RDONLY | os.O_NOFOLLOW, dir_fd=folder)
+    descriptor = folder.open_entry(name, SYNC_FLAGS)
     try:
-        if mode is not None:
+        if mode is not None and sys.platform != "win32":  # Windows has no such permissions
             os.fchmod(descriptor, mode)
         if durable:
             os.fsync(descriptor)

@@ -1,8 +1,8 @@
-"""File names made of foreign text, safe on every operating system."""
+"""Safe file names for all operating systems, made from foreign text."""
 
 import re
 
-MAX_STEM_LENGTH = 64  # characters, before the ending
+MAX_STEM_LENGTH = 64  # [characters] longest file name before its suffix
 PORT_DIGITS = "0123456789\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}"
 DEVICE_NAMES = frozenset(
     {
@@ -10,9 +10,9 @@ DEVICE_NAMES = frozenset(
         *(f"{port}{digit}" for port in ("com", "lpt") for digit in PORT_DIGITS),
     }
 )
-"""Names of Windows devices, reserved with every ending."""
+"""Names of Windows devices, reserved with every suffix."""
 
-_NOT_PLAIN = re.compile(r"[^A-Za-z0-9_-]+")
+_UNSAFE_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def cut_name(name: str, *, limit: int) -> str:
@@ -26,14 +26,16 @@ def is_device_name(name: str) -> bool:
 
 
 def plain_stem(text: str, *, fallback: str) -> str:
-    """Return a safe file name, without ending, that resembles a text.
+    """Return a safe file name, without suffix, that resembles a text.
 
     Args:
-        text: foreign, such as the id of a block.
-        fallback: the name where no letter or digit of the text is plain ASCII.
+        text: foreign text, such as the id of a block.
+        fallback: name for a text without ASCII letters and digits.
 
     Returns:
         1 to 64 letters, digits, hyphens and underscores, the first of them a letter or digit.
     """
-    stem = _NOT_PLAIN.sub("_", text[: 4 * MAX_STEM_LENGTH]).lstrip("_-")[:MAX_STEM_LENGTH].rstrip("_-") or fallback
+    stem = (
+        _UNSAFE_CHARACTERS.sub("_", text[: 4 * MAX_STEM_LENGTH]).lstrip("_-")[:MAX_STEM_LENGTH].rstrip("_-") or fallback
+    )
     return f"{stem}_" if is_device_name(stem) else stem

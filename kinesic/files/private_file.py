@@ -1,4 +1,4 @@
-"""Reads secrets from files that no other user can read."""
+"""Reading of secrets from files that no other user can read."""
 
 import os
 import stat
@@ -6,18 +6,18 @@ from pathlib import Path
 
 from kinesic.body.config import ConfigError
 
-MAX_SECRET_BYTES = 4096  # [bytes] more is a wrong file
+MAX_SECRET_BYTES = 4096  # [bytes] limit of the first line, which reveals wrong files
 
 
 def check_private(path: Path, option: str) -> None:
     """Refuse a secret that other users of this machine can read.
 
     Args:
-        path: of the file that holds the secret.
-        option: of the command line that names it, for the message.
+        path: path of the secret's file.
+        option: command-line option, for messages.
 
     Raises:
-        ConfigError: others can read the file, or it cannot be looked at.
+        ConfigError: other users can read the file, or it cannot be examined.
     """
     try:
         mode = path.stat().st_mode
@@ -30,11 +30,11 @@ def read_secret(path: Path, option: str) -> str:
     """Return the first line of a private file.
 
     Args:
-        path: of a file or a pipe.
-        option: of the command line that names it, for the message.
+        path: path of a file or a pipe.
+        option: command-line option, for messages.
 
     Raises:
-        ConfigError: others can read the file, or it holds no line of text.
+        ConfigError: other users can read the file, or it has no line of text.
     """
     place = f"{option} {path}"
     try:

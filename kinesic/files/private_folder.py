@@ -1,4 +1,4 @@
-"""Folders that no other user may write, in shared places."""
+"""Folders in shared places that no other user may write."""
 
 import errno
 import os
@@ -7,29 +7,30 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from kinesic.files.held_folder import hold_folder
+from kinesic.files.held_folder import HeldFolder, hold_folder
+from kinesic.host import user_id
 
-OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH  # Write permissions of group and others
 
 
 @contextmanager
-def hold_private_folder(path: Path, *, make: bool = False) -> Iterator[int]:
-    """Yield the descriptor of a folder that no other user may write.
+def hold_private_folder(path: Path, *, make: bool = False) -> Iterator[HeldFolder]:
+    """Hold a folder open that no other user may write.
 
     Args:
-        path: of the folder; its last name must be no link.
-        make: whether a missing folder is made, in a folder that is there.
+        path: path of the folder; its last component must not be a link.
+        make: whether a missing folder is created in an existing one.
 
     Raises:
-        OSError: it is missing, no folder, a link, another user's, or open to others.
+        OSError: the folder is missing, a link, another user's, or writable by others.
     """
     if make:
         with suppress(FileExistsError):
             os.mkdir(path, 0o700)
     with hold_folder(path) as folder:
-        found = os.fstat(folder)
-        if found.st_uid != os.geteuid():
-            raise PermissionError(errno.EPERM, f"it belongs to another user (uid {found.st_uid})", str(path))
-        if found.st_mode & OTHERS_WRITE:
+        status = folder.status()
+        if status.st_uid != user_id():
+            raise PermissionError(errno.EPERM, f"it belongs to another user (uid {status.st_uid})", str(path))
+        if status.st_mode & OTHERS_WRITE:
             raise PermissionError(errno.EPERM, "other users may write it", str(path))
         yield folder

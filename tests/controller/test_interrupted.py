@@ -1,28 +1,29 @@
-"""What ends a performance on servos by folding: Ctrl-C, SIGTERM, and a terminal that closes."""
+"""Signals that end a performance on servos: SIGINT, SIGTERM, SIGHUP."""
 
 import os
 import signal
 
 import pytest
 
-from kinesic.controller.servo_performance import ENDING, interrupted
+from kinesic.controller.servo_performance import catch_interrupts
+from kinesic.host import ENDING_SIGNALS
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_each_is_told_once_and_ends_no_process(number: signal.Signals):
-    before = [signal.getsignal(ending) for ending in ENDING]
-    with interrupted() as asked:
+def test_interrupt_signal_is_reported_once_and_does_not_end_the_process(number: signal.Signals):
+    before = [signal.getsignal(ending) for ending in ENDING_SIGNALS]
+    with catch_interrupts() as asked:
         assert not asked()
         os.kill(os.getpid(), number)
         assert asked()
         assert not asked()
-    assert [signal.getsignal(ending) for ending in ENDING] == before
+    assert [signal.getsignal(ending) for ending in ENDING_SIGNALS] == before
 
 
-def test_what_is_ignored_stays_so():
+def test_ignored_hangup_signal_is_not_caught():
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
-        with interrupted() as asked:
+        with catch_interrupts() as asked:
             os.kill(os.getpid(), signal.SIGHUP)
             assert not asked()
         assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN

@@ -7,29 +7,30 @@ from scipy.linalg import expm
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
-from kinesic.body.servo import SPEED_SHARE
+from kinesic.body.servo import USABLE_VELOCITY_FRACTION
 from kinesic.controller import observer as observer_module
-from kinesic.controller.feedforward import FeedForwardGoals
-from kinesic.controller.learned_gains import learn, soften
+from kinesic.controller.dry_run import dry_run, make_observer
+from kinesic.controller.feedforward import FeedForwardSetpoints
+from kinesic.controller.learned_gains import identify_servos, reduce_stiffness
 from kinesic.controller.observer import (
-    LARGEST_CORRECTION,
+    MAX_CORRECTION,
     LoadEstimate,
     Observer,
     ObserverInputs,
-    _forecast,
-    correct_goals,
+    _compute_transition,
+    correct_setpoints,
 )
-from kinesic.controller.observer_step import FADING, RESTORING, SHARES
-from kinesic.controller.perform import dry_run, make_observer, plan
-from kinesic.sim.log import Log, log_of
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.controller.observer_step import LOAD_ERROR_RANGE, PUSH_DECAY, RESTORING_GAINS
+from kinesic.session.plan import plan
+from kinesic.sim.log import Log, make_log
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 from ..passage import passage_text
 from ..performances import DYNAMICS, ROBOT
 
 COUNT = len(ROBOT.skeleton.hinges)
-PERIOD = 0.01
-OBSERVER = Observer.of(ROBOT, DYNAMICS, period=PERIOD)
+COMMAND_PERIOD = 0.01
+OBSERVER = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD)
 REST = ROBOT.skeleton.rest
 NOTHING = np.zeros(COUNT)
 
@@ -38,13 +39,13 @@ def command(angles: Floats = REST) -> Command:
     return Command(0.0, angles, NOTHING, NOTHING, angles)
 
 
-def setpoints(loads: Floats, leads: Floats | None = None) -> FeedForwardGoals:
-    """Set points with (m, n) parts that carry torque and speed."""
-    return FeedForwardGoals(loads, loads, np.zeros_like(loads) if leads is None else leads, loads)
+def setpoints(loads: Floats, leads: Floats | None = None) -> FeedForwardSetpoints:
+    """Make feed-forward with given torque and velocity offsets (m, n)."""
+    return FeedForwardSetpoints(loads, loads, np.zeros_like(loads) if leads is None else leads, loads)
 
 
 def inputs(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> ObserverInputs:
-    """One tick that teaches nothing, but for what is changed."""
+    """Make the inputs of one tick without adaptation, with some changes."""
     return replace(OBSERVER.precompute_inputs([command(angles)], setpoints(NOTHING[None] + load)), **changes)
 
 
@@ -54,16 +55,19 @@ INPUTS = inputs()
 def closed_loop(
     observer: Observer, factors: tuple[float, float, float], latency: float, *, gain: float = 1.0
 ) -> Floats:
-    """Largest pole (n,) of observer and plant, whose stall torque, no-load speed, inertia and P gain have factors."""
+    """Compute the largest pole (n,) of observer and plant.
+
+    Factors scale stall torque, no-load speed, inertia and P gain of the plant.
+    """
     stall, no_load, heavier = factors
     inertia = heavier * DYNAMICS.load.inertia
     torque = stall * ROBOT.drives.stall
     back = np.array([drive.stall / drive.no_load * stall / no_load + drive.rate_gain * stall for drive in ROBOT.drives])
     spring = gain * torque * [drive.gain for drive in ROBOT.drives]
     drag = back + [drive.damping for drive in ROBOT.drives]
-    late = int(latency / PERIOD + 1e-9)
-    spans = latency - late * PERIOD, PERIOD - latency + late * PERIOD
-    old, new = (_forecast(spring / inertia, drag / inertia, span) for span in spans)
+    late = int(latency / COMMAND_PERIOD + 1e-9)
+    spans = latency - late * COMMAND_PERIOD, COMMAND_PERIOD - latency + late * COMMAND_PERIOD
+    old, new = (_compute_transition(spring / inertia, drag / inertia, span) for span in spans)
     state = np.broadcast_to(np.eye(10), (COUNT, 10, 10))
     plant, belief, sent = state[:, :2], state[:, 2:5], state[:, 5:]
     moved = old[:, :2, :2] @ plant + old[:, :2, 2:] @ sent[:, late + 1 : late + 2]
@@ -72,7 +76,7 @@ def closed_loop(
     entered = np.zeros_like(told)
     entered[:, 2] = np.einsum("h,nhk->nk", observer.arrival, sent[:, : len(observer.arrival)])
     told = observer.forecast.transpose(2, 0, 1) @ (told + entered) - entered
-    correction = -np.einsum("i,nik->nk", RESTORING, told)[:, None]
+    correction = -np.einsum("i,nik->nk", RESTORING_GAINS, told)[:, None]
     loop = np.concatenate([moved, told, correction, sent[:, :-1]], axis=1)
     return np.abs(np.linalg.eigvals(loop)).max(axis=1)
 
@@ -84,93 +88,93 @@ SINGLE += [tuple(2.0**power if k == which else 1.0 for k in range(3)) for which 
 
 @pytest.mark.parametrize("latency", [0.0, 0.008, 0.014, 0.02])
 @pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
-def test_the_closed_loop_is_stable_for_each_parameter_wrong_by_two_and_any_latency(latency, told):
-    observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=latency if told else 0.0)
+def test_observer_loop_is_stable_for_factor_two_errors_and_any_latency(latency, told):
+    observer = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=latency if told else 0.0)
     for factors in SINGLE:
         assert closed_loop(observer, factors, latency).max() < 1.0, factors
 
 
 @pytest.mark.parametrize("gain", [0.5, 0.7])
 @pytest.mark.parametrize("latency", [0.0, 0.02])
-def test_it_is_as_stable_where_a_lower_gain_is_known(latency, gain):
-    observer = Observer.of(soften(ROBOT, Factors(gain=gain)), DYNAMICS, period=PERIOD, delay=latency)
+def test_observer_loop_is_stable_with_estimated_lower_servo_gain(latency, gain):
+    observer = Observer.of(reduce_stiffness(ROBOT, Factors(gain=gain)), DYNAMICS, period=COMMAND_PERIOD, delay=latency)
     for factors in SINGLE:
         assert closed_loop(observer, factors, latency, gain=gain).max() < 1.0, factors
 
 
-def test_a_higher_gain_is_not_designed_for_but_borne():
-    stiff = soften(ROBOT, Factors(gain=2.0))
+def test_observer_loop_is_stable_if_the_servo_gain_is_twice_the_estimate():
+    stiff = reduce_stiffness(ROBOT, Factors(gain=2.0))
     np.testing.assert_array_equal([drive.gain for drive in stiff.drives], [drive.gain for drive in ROBOT.drives])
     for latency in (0.0, 0.008):
-        observer = Observer.of(stiff, DYNAMICS, period=PERIOD, delay=latency)
+        observer = Observer.of(stiff, DYNAMICS, period=COMMAND_PERIOD, delay=latency)
         assert closed_loop(observer, (1.0, 1.0, 1.0), latency, gain=2.0).max() < 1.0
 
 
-def test_the_observers_poles_lie_together():
+def test_three_observer_poles_of_each_joint_coincide():
     for hinge in range(COUNT):
         forecast, gain = OBSERVER.forecast[..., hinge], OBSERVER.gain[:, hinge]
         poles = np.linalg.eigvals(forecast @ (np.eye(3) - np.outer(gain, np.eye(3)[0])))
         np.testing.assert_allclose(poles, np.exp(-1.0), atol=1e-3)
 
 
-def test_the_forecast_is_the_exact_solution():
+def test_servo_transition_equals_exact_solution():
     drive = ROBOT.drives[0]
     inertia = DYNAMICS.load.inertia[0]
     rates = np.zeros((3, 3))
     rates[0, 1] = 1.0
     spring, drag = drive.stall * drive.gain, drive.stall / drive.no_load + drive.rate_gain + drive.damping
     rates[1] = np.array([-spring, -drag, spring]) / inertia
-    np.testing.assert_allclose(OBSERVER.forecast[..., 0], expm(rates * PERIOD), atol=1e-6)
+    np.testing.assert_allclose(OBSERVER.forecast[..., 0], expm(rates * COMMAND_PERIOD), atol=1e-6)
 
 
-def test_without_deviation_nothing_is_corrected():
+def test_observer_without_deviation_gives_no_correction():
     belief = OBSERVER.begin()
     for _ in range(20):
-        belief = OBSERVER.after(belief, NOTHING, INPUTS, 0)
-    np.testing.assert_array_equal(belief.goals, REST)
+        belief = OBSERVER.advance(belief, NOTHING, INPUTS, 0)
+    np.testing.assert_array_equal(belief.setpoints, REST)
     np.testing.assert_array_equal(belief.share, 0.0)
     np.testing.assert_array_equal(belief.pace, 0.0)
 
 
-def test_a_step_is_pure():
+def test_observer_step_does_not_change_its_input_estimate():
     belief = OBSERVER.begin()
     kept = [getattr(belief, name).copy() for name in LoadEstimate.__dataclass_fields__]
-    first, second = (OBSERVER.after(belief, NOTHING + 0.01, inputs(load=0.02), 0) for _ in range(2))
+    first, second = (OBSERVER.advance(belief, NOTHING + 0.01, inputs(load=0.02), 0) for _ in range(2))
     for name, before in zip(LoadEstimate.__dataclass_fields__, kept, strict=True):
         np.testing.assert_array_equal(getattr(belief, name), before)
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 
 
-def test_a_hinge_that_hangs_low_is_raised():
+def test_sagging_hinge_is_corrected_upwards():
     belief = OBSERVER.begin()
     for _ in range(50):
-        belief = OBSERVER.after(belief, NOTHING - 0.01, inputs(np.zeros(COUNT)), 0)
+        belief = OBSERVER.advance(belief, NOTHING - 0.01, inputs(np.zeros(COUNT)), 0)
     assert np.all(belief.correction[ROBOT.skeleton.upper > 0.05] > 0.0)
 
 
 @pytest.mark.parametrize("deviation", [-3.0, -0.05, 0.05, 3.0])
-def test_size_rate_and_range_are_bounded(deviation):
+def test_observer_correction_is_bounded_in_size_rate_and_range(deviation):
     belief, one = OBSERVER.begin(), np.ones((1, COUNT))
     taught = inputs(load=0.1, noticed=0.1 * one, trust=one, leads=0.1 * one, noticed_leads=0.1 * one, trust_leads=one)
-    step = (1 - SPEED_SHARE) * ROBOT.drives.no_load * PERIOD
+    step = (1 - USABLE_VELOCITY_FRACTION) * ROBOT.drives.no_load * COMMAND_PERIOD
     for _ in range(200):
         before = belief.correction
-        belief = OBSERVER.after(belief, NOTHING + deviation, taught, 0)
-        assert np.all(np.abs(belief.correction) <= LARGEST_CORRECTION + 1e-12)
+        belief = OBSERVER.advance(belief, NOTHING + deviation, taught, 0)
+        assert np.all(np.abs(belief.correction) <= MAX_CORRECTION + 1e-12)
         assert np.all(np.abs(belief.correction - before) <= step + 1e-12)
-        assert np.all((belief.goals >= ROBOT.skeleton.lower) & (belief.goals <= ROBOT.skeleton.upper))
+        assert np.all((belief.setpoints >= ROBOT.skeleton.lower) & (belief.setpoints <= ROBOT.skeleton.upper))
         for learned in (belief.share, belief.pace):
-            assert np.all((learned >= SHARES[0]) & (learned <= SHARES[1]))
+            assert np.all((learned >= LOAD_ERROR_RANGE[0]) & (learned <= LOAD_ERROR_RANGE[1]))
 
 
-def test_a_heavier_load_is_learned_while_it_is_led():
+def test_observer_estimates_heavier_load_than_modelled_during_motion():
     share, belief = 0.6, OBSERVER.begin()
     plant = np.zeros((COUNT, 3))
     loads = 0.06 * np.sin(np.arange(60) / 5)[:, None] + NOTHING
     taught = OBSERVER.precompute_inputs([command(NOTHING)] * 60, setpoints(loads))
     for tick, load in enumerate(loads):
         previous = plant[:, 0]
-        belief = OBSERVER.after(belief, previous, taught, tick)
+        belief = OBSERVER.advance(belief, previous, taught, tick)
         plant[:, 2] = np.clip(belief.correction, -1, 1) - share * load
         plant = np.einsum("ijn,nj->ni", OBSERVER.forecast, plant)
     middle = (ROBOT.skeleton.lower < -0.2) & (ROBOT.skeleton.upper > 0.2)
@@ -178,8 +182,8 @@ def test_a_heavier_load_is_learned_while_it_is_led():
 
 
 @pytest.mark.parametrize("gain", [0.75, 1.5])
-def test_a_gain_that_is_wrong_is_learned_from_load_and_speed(gain):
-    """What carries speed and what carries torque are a quarter turn apart, as in every swing."""
+def test_observer_estimates_load_and_velocity_errors_of_a_wrong_gain(gain):
+    """Torque and velocity offsets are in quadrature, as in every oscillation."""
     belief, plant, ticks = OBSERVER.begin(), np.zeros((COUNT, 3)), np.arange(300) / 5
     loads = 0.06 * np.sin(ticks)[:, None] + NOTHING
     leads = 0.06 * np.cos(ticks)[:, None] + NOTHING
@@ -187,28 +191,28 @@ def test_a_gain_that_is_wrong_is_learned_from_load_and_speed(gain):
     middle = (ROBOT.skeleton.lower < -0.2) & (ROBOT.skeleton.upper > 0.2)
     for tick, led in enumerate(loads + leads):
         previous = plant[:, 0]
-        belief = OBSERVER.after(belief, previous, taught, tick)
+        belief = OBSERVER.advance(belief, previous, taught, tick)
         plant[:, 2] = gain * np.clip(belief.correction, -1, 1) - (1.0 - gain) * led
         plant = np.einsum("ijn,nj->ni", OBSERVER.forecast, plant)
     for learned in (belief.share, belief.pace):
         np.testing.assert_allclose(learned[middle], 1.0 / gain - 1.0, atol=0.2)
 
 
-def test_a_silent_servo_loses_its_push_and_the_others_do_not():
+def test_estimated_external_torque_decays_only_while_a_servo_is_silent():
     belief = OBSERVER.begin()
     for _ in range(30):
-        belief = OBSERVER.after(belief, NOTHING + 0.02, INPUTS, 0)
+        belief = OBSERVER.advance(belief, NOTHING + 0.02, INPUTS, 0)
     push = belief.motion[2]
     silent = NOTHING + 0.02
     silent[3] = np.nan
     for _ in range(40):
-        belief = OBSERVER.after(belief, silent, INPUTS, 0)
-        assert np.isfinite(belief.goals).all()
-    assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * FADING**40
+        belief = OBSERVER.advance(belief, silent, INPUTS, 0)
+        assert np.isfinite(belief.setpoints).all()
+    assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * PUSH_DECAY**40
     assert abs(belief.motion[2, 4]) > 0.5 * abs(push[4])
 
 
-def test_bodies_side_by_side_are_observed_like_each_alone():
+def test_one_observer_tracks_several_robots_independently():
     random = np.random.default_rng(0)
     loads, leads = 0.05 * random.standard_normal((2, 30, COUNT))
     deviations = 0.01 * random.standard_normal((2, 30, COUNT))
@@ -217,18 +221,18 @@ def test_bodies_side_by_side_are_observed_like_each_alone():
     def goals(observer: Observer, measured: Floats) -> Floats:
         taught, belief, found = observer.precompute_inputs(stream, setpoints(loads, leads)), observer.begin(), []
         for tick, deviation in enumerate(measured):
-            belief = observer.after(belief, deviation, taught, tick)
-            found.append(belief.goals)
+            belief = observer.advance(belief, deviation, taught, tick)
+            found.append(belief.setpoints)
         return np.array(found)
 
-    pair = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=0.012, bodies=2)
-    one = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=0.012)
+    pair = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=0.012, bodies=2)
+    one = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=0.012)
     together = goals(pair, np.concatenate(deviations, axis=1))
     np.testing.assert_allclose(together, np.hstack([goals(one, each) for each in deviations]), rtol=0, atol=1e-15)
 
 
 class Still:
-    """A body that stays where it is, and one of whose servos never answers."""
+    """Body that never moves, with one servo that never answers."""
 
     def __init__(self, angles: Floats) -> None:
         self.angles = angles
@@ -244,54 +248,54 @@ class Still:
         return np.where(np.arange(COUNT) == 5, np.nan, self.angles)
 
 
-def test_commands_keep_their_reference_and_the_first_its_goals():
+def test_setpoint_correction_keeps_times_reference_angles_and_first_setpoints():
     body = Still(REST + 0.01)
-    stream = [structs.replace(command(), time=k * PERIOD) for k in range(5)]
-    for (told,) in correct_goals(stream, setpoints(np.zeros((5, COUNT))), [body], OBSERVER):
+    stream = [structs.replace(command(), time=k * COMMAND_PERIOD) for k in range(5)]
+    for (told,) in correct_setpoints(stream, setpoints(np.zeros((5, COUNT))), [body], OBSERVER):
         body.write(told)
     assert [told.time for told in body.written] == [asked.time for asked in stream]
-    np.testing.assert_array_equal(body.written[0].goals, REST)
+    np.testing.assert_array_equal(body.written[0].setpoints, REST)
     assert all(told.angles is asked.angles for told, asked in zip(body.written, stream, strict=True))
-    assert not np.array_equal(body.written[-1].goals, REST)
-    assert body.written[-1].goals[5] == REST[5]
+    assert not np.array_equal(body.written[-1].setpoints, REST)
+    assert body.written[-1].setpoints[5] == REST[5]
 
 
-def test_as_many_loads_as_commands():
+def test_setpoint_count_must_equal_command_count():
     with pytest.raises(ValueError, match="shorter"):
-        list(correct_goals([command()], setpoints(np.zeros((2, COUNT))), [Still(REST)], OBSERVER))
+        list(correct_setpoints([command()], setpoints(np.zeros((2, COUNT))), [Still(REST)], OBSERVER))
 
 
-def test_a_delay_splits_a_goal_between_two_ticks():
+def test_fractional_servo_delay_splits_a_setpoint_between_two_ticks():
     for delay, arrival in ((0.0, [1.0, 0.0]), (0.0025, [0.75, 0.25]), (0.018, [0.0, 0.2, 0.8])):
-        observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=delay)
+        observer = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=delay)
         np.testing.assert_allclose(observer.arrival, arrival, atol=1e-9)
 
 
-def test_what_one_performance_learned_helps_the_next(known):
-    """Half the P gain and 15 ms: what is known from the first motion on need not be noticed."""
+def test_identified_servos_improve_next_performance(known):
+    """Half the P gain and 15 ms delay: known deviations need no correction."""
     first, second = (plan(passage_text(k), known) for k in (0, 1))
     wrong = Factors(gain=0.5, latency=0.015)
-    seen = log_of(dry_run(first, twin=wrong).measured)
+    seen = make_log(dry_run(first, twin=wrong).measured)
     half = len(seen.times) // 2  # which tells as much
-    lesson = learn(Log(seen.times[:half], seen.goals[:half], seen.angles[:half]), known.robot)
+    lesson = identify_servos(Log(seen.times[:half], seen.setpoints[:half], seen.angles[:half]), known.robot)
     assert (lesson.why, lesson.bounded) == ("", False)
-    np.testing.assert_allclose([own.gain for own in lesson.believed.servos.values()], 0.5, atol=0.02)
-    assert lesson.believed.latency == pytest.approx(0.015, abs=0.001)
-    new, taught = (dry_run(second, twin=wrong, believed=believed) for believed in (NOMINAL, lesson.believed))
+    np.testing.assert_allclose([own.gain for own in lesson.estimate.servos.values()], 0.5, atol=0.02)
+    assert lesson.estimate.latency == pytest.approx(0.015, abs=0.001)
+    new, taught = (dry_run(second, twin=wrong, believed=believed) for believed in (NOMINAL_FACTORS, lesson.estimate))
     assert taught.tracking.rmse < 0.7 * new.tracking.rmse
 
 
-def test_a_correction_that_knows_soft_servos_sends_goals_as_far_as_they_need(known):
-    """At half the gain a fast hinge takes goals further off than full duty does of servos as in their data sheets."""
+def test_setpoint_correction_allows_larger_offsets_for_low_gain_servos(known):
+    """At half the gain, a fast hinge needs setpoints beyond full duty of the data sheet."""
     planned, soft = plan(passage_text(0), known), Factors(gain=0.5)
     told = dry_run(planned, twin=soft, believed=soft)
-    stiff = Observer.of(known.robot, known.dynamics, period=PERIOD)
-    assert np.abs(told.measured.goals - told.measured.angles).max() > stiff.full.min()
+    stiff = Observer.of(known.robot, known.dynamics, period=COMMAND_PERIOD)
+    assert np.abs(told.measured.setpoints - told.measured.angles).max() > stiff.full.min()
     assert told.tracking.rmse < 0.1
 
 
-def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):
-    """What full duty would leave undone looks like what a weak gain leaves undone, but near it only the gain may."""
+def test_observer_distinguishes_halved_servo_gain_from_saturation(monkeypatch, known):
+    """Saturation and a weak gain leave the same error; below the margin it is the gain."""
     planned = plan(passage_text(0), known)
 
     def rmse() -> float:
@@ -299,7 +303,7 @@ def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):
         return dry_run(planned, twin=Factors(gain=0.5)).tracking.rmse
 
     doubted = rmse()
-    monkeypatch.setattr(observer_module, "DOUBT", 1.0)
+    monkeypatch.setattr(observer_module, "SATURATION_MARGIN", 1.0)
     believed = rmse()
     make_observer.cache_clear()
     assert doubted < 0.8 * believed < 0.8

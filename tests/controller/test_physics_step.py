@@ -1,4 +1,4 @@
-"""Steps of the compiled loop are those of MuJoCo, whole or in stages."""
+"""Compare physics steps of the compiled loop with MuJoCo."""
 
 import ctypes
 from dataclasses import replace
@@ -8,43 +8,40 @@ import mujoco
 import numpy as np
 import pytest
 
-from kinesic.body.command import RATE
-from kinesic.controller import closed_loop
+from kinesic.body.command import COMMAND_RATE
 from kinesic.controller.closed_loop import perform_in_twins
-from kinesic.controller.feedforward import FeedForwardGoals
+from kinesic.controller.feedforward import FeedForwardSetpoints
 from kinesic.sim.servo_factors import Factors
 from kinesic.sim.stepping import friction_step
 from kinesic.sim.stepping.addresses import function_address
 from kinesic.sim.twin import Twin
 
-pytestmark = pytest.mark.skipif(closed_loop.KERNEL != "compiled", reason="no compiled kernel")
-
 
 @pytest.fixture
 def free(calm):
-    """Makes a twin that touches nothing, so that friction and stops are all that holds it."""
+    """Return a factory of twins with only friction and joint stops."""
     return partial(Twin, calm.plan.setup.robot, start=calm.plan.trajectory.at(0.0).angles, touches=False)
 
 
 @pytest.fixture
 def swing(calm, free):
-    """Drives all hinges of a twin beyond their stops and back, twice, and gives the angles of all steps."""
+    """Drive all hinges beyond their stops and back, twice, and return all angles."""
     low, high = free().physics[0].jnt_range.T
-    times = np.arange(400) / RATE
+    times = np.arange(400) / COMMAND_RATE
     reach = np.sin(np.pi * times)[:, None] ** 3 * 1.3
     goals = np.where(reach > 0, reach * high, -reach * low)
     nothing = np.zeros_like(goals)
 
     def run(twin):
-        lead = FeedForwardGoals(goals, nothing, nothing, nothing)
+        lead = FeedForwardSetpoints(goals, nothing, nothing, nothing)
         for _ in perform_in_twins(calm.plan.trajectory, times, lambda part: lead, [twin], None, lambda share: None):
             pass
-        return twin._log.kept().angles
+        return twin._log.steps().angles
 
     return run
 
 
-def test_at_stops_and_away_from_them_steps_are_those_of_mujoco(free, swing, monkeypatch):
+def test_physics_steps_equal_mujoco_at_and_off_joint_stops(free, swing, monkeypatch):
     fast = swing(free())
     monkeypatch.setattr(Twin, "friction_parts", lambda self: None)
     slow = swing(free())
@@ -55,7 +52,7 @@ def test_at_stops_and_away_from_them_steps_are_those_of_mujoco(free, swing, monk
     np.testing.assert_allclose(fast, slow, rtol=0, atol=1e-9)
 
 
-def test_where_only_friction_holds_hinges_only_stages_of_a_step_are_done(free, swing, monkeypatch):
+def test_model_with_only_friction_uses_partial_mujoco_steps(free, swing, monkeypatch):
     found = Twin.friction_parts
     monkeypatch.setattr(Twin, "friction_parts", lambda self: replace(found(self), after=found(self).after[:-1]))
     first, *later = swing(free())[1:60]
@@ -67,18 +64,18 @@ def test_where_only_friction_holds_hinges_only_stages_of_a_step_are_done(free, s
     [{"touches": True}, {"factors": Factors(play=0.004)}, {"step": 0.02}],
     ids=["touches", "play", "steps that soften the friction"],
 )
-def test_where_more_than_friction_counts_steps_stay_whole(free, held):
+def test_models_with_further_constraints_use_whole_steps(free, held):
     assert free().friction_parts() is not None
     assert free(**held).friction_parts() is None
 
 
-def test_a_hinge_without_friction_keeps_steps_whole(free):
+def test_joint_without_friction_disables_the_partial_mujoco_steps(free):
     twin = free()
     twin.physics[0].dof_frictionloss[3] = 0.0
     assert twin.friction_parts() is None
 
 
-def test_a_matrix_that_is_not_mujocos_keeps_steps_whole(free, swing, monkeypatch):
+def test_unexpected_mujoco_matrix_layout_uses_whole_steps(free, swing, monkeypatch):
     found = Twin.friction_parts
     parts = []
 
@@ -94,9 +91,9 @@ def test_a_matrix_that_is_not_mujocos_keeps_steps_whole(free, swing, monkeypatch
     assert parts
 
 
-def test_stages_that_no_longer_make_a_step_keep_steps_whole(free, monkeypatch):
+def test_unexpected_mujoco_stages_use_whole_steps(free, monkeypatch):
     assert friction_step.stages_make_a_step()
-    monkeypatch.setattr(friction_step, "AFTER", friction_step.AFTER[1:])
+    monkeypatch.setattr(friction_step, "STAGES_AFTER_CONSTRAINTS", friction_step.STAGES_AFTER_CONSTRAINTS[1:])
     friction_step.stages_make_a_step.cache_clear()
     assert free().friction_parts() is None
     monkeypatch.undo()
@@ -104,7 +101,7 @@ def test_stages_that_no_longer_make_a_step_keep_steps_whole(free, monkeypatch):
     assert free().friction_parts() is not None
 
 
-def test_mujocos_clock_stands_in_the_loop_and_goes_on_after_it(free, swing):
+def test_mujoco_step_timer_runs_only_after_the_compiled_loop(free, swing):
     twin = free()
     swing(twin)
     timer = twin.physics[1].timer[mujoco.mjtTimer.mjTIMER_STEP]
@@ -114,7 +111,7 @@ def test_mujocos_clock_stands_in_the_loop_and_goes_on_after_it(free, swing):
     assert timer.duration > 0.0
 
 
-def test_whoever_reads_mujocos_clock_meanwhile_reads_when_the_step_began(free, swing):
+def test_passive_callback_reads_the_mujoco_timer_during_a_step(free, swing):
     clock = ctypes.c_void_p.from_address(function_address("mjcb_time"))
     shown = []
 

@@ -6,31 +6,36 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
-from kinesic.controller.perform import perform
-from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import RunRequest, ServoRun, perform_live
+from kinesic.controller.dry_run import dry_run
+from kinesic.controller.servo_performance import RunRequest, perform_live
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import Note, Status
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.servo_run import ServoRun
 from kinesic.report.report import report
 from kinesic.report.servo_report import live_checks, live_log, with_live
-from kinesic.sim.servo_factors import PESSIMISTIC, Factors
+from kinesic.session.plan import plan
+from kinesic.sim.servo_factors import PESSIMISTIC_FACTORS, Factors
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 
 
 @pytest.fixture(scope="module")
-def performance() -> Performance:
-    return perform(NOD)
+def performance() -> DryRun:
+    return dry_run(plan(NOD))
 
 
 def told(status: Status, goals: Floats, angles: Floats) -> Status:
-    """With angles measured at its clock."""
-    return replace(status, goals=goals, angles=angles, taken=np.full(len(angles), status.clock))
+    """Make a status with angles measured at its clock."""
+    return replace(status, setpoints=goals, angles=angles, taken=np.full(len(angles), status.clock))
 
 
 class Actor:
-    """Plays what it is told, `late` seconds behind, when it is closed; `part` of it if it is stopped before."""
+    """Servos that replay commands with a delay after closing.
+
+    `late` is the delay [s]; `part` is the performed fraction after a stop.
+    """
 
     def __init__(self, late: float = 0.0, part: float = 1.0, error: BusError | None = None, faulty: bool = False):
         self.told: list[Command] = []
@@ -69,7 +74,7 @@ class Actor:
         rows = np.array([command.angles for command in self.told])
         seen = [np.interp(np.array(times) - self.late, times, row) for row in rows.T]
         found = [
-            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23, faulty=self.faulty), c.goals, angles)
+            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23, faulty=self.faulty), c.setpoints, angles)
             for c, angles in zip(self.told, np.transpose(seen), strict=True)
         ]
         return (Status(stage=Stage.HOLD), *found[: round(self.part * len(found))])
@@ -78,7 +83,7 @@ class Actor:
         return (Note(1.0, 5, "failed", "skullbase_tilt: shut down"),) if self.faulty else ()
 
 
-def test_a_robot_that_follows_is_said_to(performance: Performance):
+def test_servo_run_without_tracking_errors_passes_all_checks(performance: DryRun):
     live = perform_live(performance, Actor())
     assert (live.ending, live.performed) == ("performed", pytest.approx(1.0))
     found = {check.name: check for check in live_checks(live)}
@@ -87,7 +92,7 @@ def test_a_robot_that_follows_is_said_to(performance: Performance):
     assert set(live.lags.values()) <= {0.0}
 
 
-def test_a_late_robot_is_measured_by_the_plan(performance: Performance):
+def test_tracking_errors_of_a_late_robot_are_relative_to_the_plan(performance: DryRun):
     live = perform_live(performance, Actor(late=0.1))
     found = {check.name: check for check in live_checks(live)}
     assert found["measured.rmse"].status == "poor"
@@ -95,7 +100,7 @@ def test_a_late_robot_is_measured_by_the_plan(performance: Performance):
     assert max(live.lags.values()) == pytest.approx(0.1, abs=0.03)
 
 
-def test_the_report_has_both(performance: Performance):
+def test_report_contains_twin_and_servo_results(performance: DryRun):
     live = perform_live(performance, Actor(late=0.02))
     before = report(performance, source="nod")
     told = with_live(before, live)
@@ -113,12 +118,12 @@ def test_the_report_has_both(performance: Performance):
     assert all(row["servos_s"] > row["planned_s"] for row in moved)
 
 
-def test_the_log_is_what_was_sent_and_seen(performance: Performance):
+def test_servo_log_contains_setpoints_and_measured_angles(performance: DryRun):
     actor = Actor(late=0.02)
     log = live_log(perform_live(performance, actor))
     assert log.times[0] == 0.0
     assert np.allclose(np.diff(log.times), 0.01)
-    np.testing.assert_array_equal(log.goals, [command.goals for command in actor.told])
+    np.testing.assert_array_equal(log.setpoints, [command.setpoints for command in actor.told])
 
 
 @pytest.mark.parametrize(
@@ -132,8 +137,8 @@ def test_the_log_is_what_was_sent_and_seen(performance: Performance):
         ([], [], "performed"),
     ],
 )
-def test_what_the_keyboard_wants_is_done(
-    performance: Performance, wishes: list[RunRequest], done: list[str], ending: str
+def test_keyboard_requests_are_forwarded_to_the_servo_supervisor(
+    performance: DryRun, wishes: list[RunRequest], done: list[str], ending: str
 ):
     actor, left = Actor(part=0.4 if wishes else 1.0), [*wishes]
     actor.waiting = lambda: bool(left)
@@ -145,7 +150,7 @@ def test_what_the_keyboard_wants_is_done(
 
 
 class Straying(Actor):
-    """Tells in pieces of a performance in which both elbows bend until the hands meet."""
+    """Servos whose elbows bend until the hands meet, with statuses in pieces."""
 
     def __init__(self, angles: Floats) -> None:
         super().__init__()
@@ -155,12 +160,12 @@ class Straying(Actor):
     def history(self) -> tuple[Status, ...]:
         first, self.cycles = self.cycles, min(self.cycles + 10, len(self.told))
         return tuple(
-            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23), c.goals, self.angles)
+            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23), c.setpoints, self.angles)
             for c in self.told[first : self.cycles]
         )
 
 
-def test_servos_that_stray_towards_the_body_are_slowed_down_and_stopped(performance: Performance):
+def test_servo_run_is_slowed_and_stopped_if_measured_hands_collide(performance: DryRun):
     robot = performance.plan.setup.robot
     meeting = robot.skeleton.rest.copy()
     for side in "lr":  # forearms level, hands before the belly
@@ -176,28 +181,32 @@ def test_servos_that_stray_towards_the_body_are_slowed_down_and_stopped(performa
     assert "too little clearance" in live.why
 
 
-def test_servos_that_follow_are_not_slowed_down(performance: Performance):
+def test_accurate_servos_are_not_slowed(performance: DryRun):
     actor = Straying(performance.plan.trajectory.at(0.0).angles)
     live = perform_live(performance, actor)
     assert set(actor.paces) == {1.0}
     assert (live.ending, "stop" in actor.done) == ("performed", False)
 
 
-def test_servos_are_led_as_they_are_believed_to_be_whatever_the_twin_is(performance: Performance):
+def test_setpoints_for_servos_depend_on_the_servo_estimate_and_not_on_the_twin(performance: DryRun):
     plain, tired, fitted = Actor(), Actor(), Actor()
     perform_live(performance, plain)
-    perform_live(replace(performance, twin=PESSIMISTIC), tired)
-    perform_live(replace(performance, believed=Factors(gain=0.5, latency=0.012)), fitted)
+    perform_live(replace(performance, twin=PESSIMISTIC_FACTORS), tired)
+    perform_live(replace(performance, servo_estimate=Factors(gain=0.5, latency=0.012)), fitted)
     tilt = performance.plan.setup.robot.skeleton.names.index("skullbase_tilt")
     angles, goals, told = (
         np.array([row[tilt] for row in rows])
-        for rows in ([c.angles for c in plain.told], [c.goals for c in plain.told], [c.goals for c in fitted.told])
+        for rows in (
+            [c.angles for c in plain.told],
+            [c.setpoints for c in plain.told],
+            [c.setpoints for c in fitted.told],
+        )
     )
-    np.testing.assert_array_equal([c.goals[tilt] for c in tired.told], goals)
+    np.testing.assert_array_equal([c.setpoints[tilt] for c in tired.told], goals)
     assert np.abs(told - angles).max() > 1.7 * np.abs(goals - angles).max()
 
 
-def test_a_fault_is_told_by_its_reason(performance: Performance):
+def test_servo_fault_is_reported_with_reason(performance: DryRun):
     broken = perform_live(performance, Actor(error=BusError("the supervisor died"), part=0.3))
     assert (broken.ending, broken.why) == ("failed", "the supervisor died")
     faulty = perform_live(performance, Actor(faulty=True, part=0.3))
@@ -205,7 +214,7 @@ def test_a_fault_is_told_by_its_reason(performance: Performance):
 
 
 @pytest.mark.parametrize("kind", ["paused", "supply"])
-def test_who_stopped_for_good_has_failed_with_the_reason(performance: Performance, monkeypatch, kind: str):
+def test_permanent_stop_of_servos_is_a_failure_with_reason(performance: DryRun, monkeypatch, kind: str):
     actor = Actor(part=0.3)
     monkeypatch.setattr(actor, "events", lambda: (Note(1e6, -1, kind, "a port is gone"),))
     live = perform_live(performance, actor)
@@ -215,7 +224,7 @@ def test_who_stopped_for_good_has_failed_with_the_reason(performance: Performanc
     assert perform_live(performance, actor).ending == "performed"
 
 
-def test_a_robot_that_never_moved_has_no_figures(performance: Performance):
+def test_servo_run_that_never_moves_has_no_tracking_error(performance: DryRun):
     live = perform_live(performance, Actor(part=0.0))
     told = with_live(report(performance, source="nod"), live)
     assert told["ok"] is False
@@ -223,7 +232,7 @@ def test_a_robot_that_never_moved_has_no_figures(performance: Performance):
     assert told["servos"]["samples"] == 0
 
 
-def test_errors_are_measured_at_full_pace_alone_and_the_report_says_how_much_that_was(performance: Performance):
+def test_tracking_errors_of_servos_count_only_while_time_runs_at_full_speed(performance: DryRun):
     live = perform_live(performance, Actor())
     slow = [replace(status, scale=0.5) for status in live.history]
     crept = ServoRun(live.performance, tuple(slow), (), "performed")
@@ -238,7 +247,20 @@ def test_errors_are_measured_at_full_pace_alone_and_the_report_says_how_much_tha
     assert found["measured.rmse"].value < 1e-6
 
 
-def test_samples_of_silent_servos_and_of_standing_time_do_not_count(performance: Performance):
+def test_gentle_start_and_stop_of_time_do_not_lower_the_fraction_at_full_speed(performance: DryRun):
+    live = perform_live(performance, Actor())
+    begin, end = live.history[0].clock, live.history[-1].clock
+    gentle = [
+        replace(status, scale=0.5) if min(status.clock - begin, end - status.clock) < 0.4 else status
+        for status in live.history
+    ]
+    assert ServoRun(live.performance, tuple(gentle), (), "performed").full_speed_fraction == 1.0
+    middle = len(gentle) // 2
+    gentle[middle] = replace(gentle[middle], scale=0.5)
+    assert 0.9 < ServoRun(live.performance, tuple(gentle), (), "performed").full_speed_fraction < 1.0
+
+
+def test_silent_servos_and_stopped_time_are_excluded(performance: DryRun):
     live = perform_live(performance, Actor())
     rows = list(live.history)
     gone = rows[20].angles.copy()
@@ -250,7 +272,7 @@ def test_samples_of_silent_servos_and_of_standing_time_do_not_count(performance:
     assert (np.diff(again.times) > 0).all()
 
 
-def test_an_old_angle_is_compared_with_the_plan_of_its_own_time_and_counts_once(performance: Performance):
+def test_delayed_servo_reading_is_compared_once_with_the_plan_at_reading_time(performance: DryRun):
     live = perform_live(performance, Actor())
     rows = list(live.history)
     for k in range(1, len(rows), 2):
@@ -260,7 +282,7 @@ def test_an_old_angle_is_compared_with_the_plan_of_its_own_time_and_counts_once(
     assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)
 
 
-def test_when_nobody_can_listen_any_more_the_robot_folds_at_once(performance: Performance):
+def test_robot_folds_to_rest_after_error_in_request_callback(performance: DryRun):
     actor = Actor(part=0.3)
     actor.waiting = lambda: "release" not in actor.done
 

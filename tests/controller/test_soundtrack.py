@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Script, Sound, Utterance
-from kinesic.controller.perform import plan, set_up
-from kinesic.controller.soundtrack import SpeechPlayback, resample, sound, write_wav
+from kinesic.controller import soundtrack
+from kinesic.controller.soundtrack import SpeechPlayback, resample, sound, speak_along, write_wav
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.metrics.servo_run import FULL_TIME_SCALE
 from kinesic.planning.setup import Setup
-from kinesic.speech.loudspeaker import Feed
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
+from kinesic.speech.loudspeaker import Feed, SpeakerError
 from kinesic.speech.speaker import SAMPLE_RATE as HEARD_RATE
 from kinesic.speech.speaker import Speaker
 from kinesic.speech.voice import read_wav
@@ -26,14 +29,14 @@ BLOCK = (
 
 
 class Beep:
-    """A voice that says everything as a constant of half a second."""
+    """Voice with a constant for every text."""
 
-    def __init__(self, loudness: float = 0.25) -> None:
-        self._loudness = loudness
+    def __init__(self, loudness: float = 0.25, seconds: float = 0.5) -> None:
+        self._loudness, self._seconds = loudness, seconds
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
         own = RATE if script.text == "one" else RATE // 2
-        beep = Sound.of(own, np.full(own // 2, self._loudness))
+        beep = Sound.of(own, np.full(round(own * self._seconds), self._loudness))
         return Utterance(0.5, {}, (), "beep", beep)
 
 
@@ -42,12 +45,23 @@ def known() -> Setup:
     return set_up()
 
 
-def beeping(known: Setup, two: float, loudness: float = 0.25):
-    object.__setattr__(known, "voice", Beep(loudness))
+def beeping(known: Setup, two: float, loudness: float = 0.25, seconds: float = 0.5):
+    object.__setattr__(known, "voice", Beep(loudness, seconds))
     return plan(BLOCK.format(two=two), known)
 
 
-def test_every_utterance_is_at_its_performance_time(known: Setup):
+def test_sound_is_cut_where_the_speech_starts_just_before_the_motion(known: Setup):
+    object.__setattr__(known, "voice", Beep())
+    both = '<speech id="one" start="0"><text>one</text></speech><gesture id="g" lexeme="offer" start="0.0123"/>'
+    planned = plan(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{both}</bml>', known)
+    assert planned.trajectory.zero == pytest.approx(-0.0123)
+    heard = sound(planned)
+    assert heard is not None
+    assert np.count_nonzero(heard.samples) == round((0.5 - 0.0123) * RATE)
+    assert heard.samples[0] > 0.0
+
+
+def test_utterances_start_at_performance_time(known: Setup):
     planned = beeping(known, 2.0)
     assert planned.trajectory.zero > 0.0  # the hand begins before the block does
     heard = sound(planned)
@@ -59,17 +73,33 @@ def test_every_utterance_is_at_its_performance_time(known: Setup):
     assert edges == pytest.approx([zero + 0.5, zero + 1.0, zero + 2.0, zero + 2.5], abs=1e-3)
 
 
-def test_utterances_at_once_are_mixed_and_never_too_loud(known: Setup):
+def test_simultaneous_utterances_are_mixed_without_clipping(known: Setup):
     heard = sound(beeping(known, 0.75, loudness=0.8))
     assert heard is not None
     assert np.abs(heard.samples).max() == pytest.approx(1.0)
 
 
-def test_nothing_is_heard_of_a_silent_voice():
+@pytest.mark.parametrize("loudness", [0.25, -0.25, -0.8])
+def test_mixed_sound_of_simultaneous_speech_keeps_the_sample_sign(known: Setup, loudness: float):
+    heard = sound(beeping(known, 0.75, loudness=loudness))
+    assert heard is not None
+    assert heard.samples[np.abs(heard.samples).argmax()] == pytest.approx(max(2 * loudness, -1.0), abs=0.1)
+
+
+def test_speech_longer_than_the_motion_is_complete(known: Setup):
+    planned = beeping(known, 2.0, seconds=9.0)
+    heard = sound(planned)
+    assert heard is not None
+    assert planned.duration < 9.0
+    assert heard.duration == pytest.approx(planned.trajectory.zero + 2.0 + 9.0, abs=1e-3)
+    assert abs(heard.samples[-1]) > 0.1
+
+
+def test_silent_voice_has_no_sound():
     assert sound(plan(BLOCK.format(two=2), set_up())) is None
 
 
-def test_another_rate_keeps_the_tone():
+def test_resampled_speech_keeps_its_pitch():
     tone = Sound.of(RATE, 0.5 * np.sin(2 * np.pi * 200 * np.arange(RATE) / RATE))
     other = resample(tone, 22050)
     assert len(other) == 22050
@@ -77,7 +107,7 @@ def test_another_rate_keeps_the_tone():
     assert np.abs(other - expected)[200:-200].max() < 0.01
 
 
-def test_a_file_holds_what_was_heard(tmp_path: Path):
+def test_wav_file_contains_the_sound(tmp_path: Path):
     ramp = Sound.of(RATE, np.linspace(-1.0, 1.0, 1001))
     write_wav(ramp, tmp_path / "ramp.wav")
     with wave.open(str(tmp_path / "ramp.wav")) as file:
@@ -85,16 +115,70 @@ def test_a_file_holds_what_was_heard(tmp_path: Path):
     assert read_wav(tmp_path / "ramp.wav").samples == pytest.approx(ramp.samples, abs=1e-4)
 
 
-AHEAD = 0.02  # [s] by which the device asks before it is heard
-PIECE = 441  # samples that it asks for at once
-LOOK = 0.02  # [s] between two looks at the supervisor
-BEGIN = 100.3  # [s] on the clock at which performance time 0 begins
+def test_wav_file_clips_loud_samples(tmp_path: Path):
+    write_wav(Sound.of(RATE, np.array([1.5, -1.5, 0.5])), tmp_path / "loud.wav")
+    with wave.open(str(tmp_path / "loud.wav")) as file:
+        assert np.frombuffer(file.readframes(3), "<i2").tolist() == [32767, -32767, 16384]
+
+
+class RecordingSpeaker:
+    """Loudspeaker that records its calls."""
+
+    def __init__(self) -> None:
+        self.calls: list[object] = []
+
+    def play(self, played: Sound, zero: float) -> None:
+        self.calls.append((played.rate, zero))
+
+    def stop(self) -> None:
+        self.calls.append("stop")
+
+    def close(self) -> None:
+        self.calls.append("close")
+
+
+def test_speech_is_played_along_and_the_speaker_closed(known: Setup, monkeypatch: pytest.MonkeyPatch):
+    speaker, warnings = RecordingSpeaker(), list[str]()
+    monkeypatch.setattr(soundtrack, "Speaker", lambda: speaker)
+    status = replace(Status(Stage.ACTIVE), clock=12.0, time=2.0, scale=1.0)
+    with speak_along(beeping(known, 2.0), warnings.append) as follow:
+        follow(replace(status, scale=FULL_TIME_SCALE))
+        assert speaker.calls == []
+        follow(status)
+        follow(replace(status, stage=Stage.HOLD))
+    assert speaker.calls == [(RATE, 10.0), "stop", "close"]
+    assert warnings == []
+
+
+def test_missing_loudspeaker_causes_a_warning(known: Setup, monkeypatch: pytest.MonkeyPatch):
+    def fail() -> None:
+        raise SpeakerError("no device")
+
+    monkeypatch.setattr(soundtrack, "Speaker", fail)
+    warnings: list[str] = []
+    with speak_along(beeping(known, 2.0), warnings.append) as follow:
+        follow(replace(Status(Stage.ACTIVE), clock=12.0, time=2.0, scale=1.0))
+    assert warnings == ["voice: not heard (no device)"]
+
+
+def test_plan_without_sound_opens_no_loudspeaker(monkeypatch: pytest.MonkeyPatch):
+    opened: list[bool] = []
+    monkeypatch.setattr(soundtrack, "Speaker", lambda: opened.append(True))
+    with speak_along(plan(BLOCK.format(two=2), set_up()), opened.append) as follow:
+        follow(replace(Status(Stage.ACTIVE), clock=12.0, time=2.0, scale=1.0))
+    assert opened == []
+
+
+DEVICE_LEAD_TIME = 0.02  # [s] from a request of the device to its playback
+DEVICE_BLOCK_SIZE = 441  # samples per request of the device
+STATUS_PERIOD = 0.02  # [s] between statuses of the supervisor
+START_CLOCK = 100.3  # [s] clock at performance time 0
 
 
 class Tape:
-    """A device whose clock goes on with what it plays."""
+    """Audio device whose clock advances with its playback."""
 
-    latency = AHEAD
+    latency = DEVICE_LEAD_TIME
 
     def __init__(self) -> None:
         self.now, self.open_now = 100.0, False
@@ -112,19 +196,22 @@ class Tape:
         self._feed, self.open_now = None, False
 
     def turn(self, seconds: float) -> None:
-        for _ in range(round(seconds * HEARD_RATE / PIECE)):
+        for _ in range(round(seconds * HEARD_RATE / DEVICE_BLOCK_SIZE)):
             if self._feed is not None:
-                self.heard.append(self._feed(PIECE, self.now + AHEAD))
-            self.now += PIECE / HEARD_RATE
+                self.heard.append(self._feed(DEVICE_BLOCK_SIZE, self.now + DEVICE_LEAD_TIME))
+            self.now += DEVICE_BLOCK_SIZE / HEARD_RATE
 
     def part(self, begin: float, end: float) -> np.ndarray:
-        """What is heard between two times on the clock."""
-        first, last = (round((time - 100.0 - AHEAD) * HEARD_RATE) for time in (begin, end))
+        """Return the sound between two clock times."""
+        first, last = (round((time - 100.0 - DEVICE_LEAD_TIME) * HEARD_RATE) for time in (begin, end))
         return np.concatenate(self.heard)[first:last]
 
 
 class Stand:
-    """A supervisor's word every `LOOK` seconds, and a sound whose samples tell its time: half of the seconds."""
+    """Supervisor with a status every `STATUS_PERIOD` seconds and a sound that encodes its time.
+
+    Each sample is half its time in seconds.
+    """
 
     def __init__(self) -> None:
         self.tape = Tape()
@@ -133,12 +220,12 @@ class Stand:
         self.time = 0.0
 
     def go(self, seconds: float, stage: Stage, scale: float = 1.0, *, told: bool = True) -> None:
-        """Performance time goes on for a while."""
-        for _ in range(round(seconds / LOOK)):
+        """Advance the performance time for a while."""
+        for _ in range(round(seconds / STATUS_PERIOD)):
             if told:
                 self.aloud(replace(Status(stage), clock=self.tape.now, time=self.time, scale=scale))
-            self.tape.turn(LOOK)
-            self.time += scale * LOOK
+            self.tape.turn(STATUS_PERIOD)
+            self.time += scale * STATUS_PERIOD
 
 
 @pytest.fixture
@@ -147,51 +234,51 @@ def stand() -> Stand:
 
 
 def own_times(samples: np.ndarray) -> np.ndarray:
-    """The sound's own time of each [s]."""
+    """Decode the time of each sample [s]."""
     return 2 * samples
 
 
-def test_it_begins_when_performance_time_does(stand: Stand):
+def test_speech_playback_starts_when_performance_time_starts(stand: Stand):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.6, Stage.ACTIVE)
-    assert not stand.tape.part(100.05, BEGIN).any()
-    heard = own_times(stand.tape.part(BEGIN + 0.1, BEGIN + 0.5))
+    assert not stand.tape.part(100.05, START_CLOCK).any()
+    heard = own_times(stand.tape.part(START_CLOCK + 0.1, START_CLOCK + 0.5))
     np.testing.assert_allclose(heard, 0.1 + np.arange(len(heard)) / HEARD_RATE, atol=0.002)
 
 
-def test_it_is_silent_while_time_slows_and_goes_on_where_the_robot_is(stand: Stand):
+def test_speech_pauses_with_slowed_time_and_resumes_in_sync(stand: Stand):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.4, Stage.ACTIVE)
     stand.go(0.2, Stage.DEGRADED, 0.5)
     stand.go(0.2, Stage.HOLD, 0.0)
     stand.go(0.4, Stage.ACTIVE)
-    assert not stand.tape.part(BEGIN + 0.45, BEGIN + 0.8).any()
-    heard = own_times(stand.tape.part(BEGIN + 0.9, BEGIN + 1.1))
+    assert not stand.tape.part(START_CLOCK + 0.45, START_CLOCK + 0.8).any()
+    heard = own_times(stand.tape.part(START_CLOCK + 0.9, START_CLOCK + 1.1))
     passed = 0.4 + 0.5 * 0.2 + 0.1  # [s]
     np.testing.assert_allclose(heard, passed + np.arange(len(heard)) / HEARD_RATE, atol=0.002)
 
 
 @pytest.mark.parametrize("stage", [Stage.STOPPED, Stage.FOLD, Stage.LOST, Stage.LIMP])
-def test_it_ends_with_the_performance(stand: Stand, stage: Stage):
+def test_speech_ends_with_performance(stand: Stand, stage: Stage):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.4, Stage.ACTIVE)
     stand.go(0.4, stage)
-    assert not stand.tape.part(BEGIN + 0.45, BEGIN + 0.75).any()
+    assert not stand.tape.part(START_CLOCK + 0.45, START_CLOCK + 0.75).any()
 
 
-def test_it_stays_with_a_robot_that_is_elsewhere_than_was_thought(stand: Stand):
+def test_speech_playback_is_realigned_with_the_robot_after_a_gap(stand: Stand):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.2, Stage.ACTIVE)
     stand.time += 0.2
     stand.go(0.3, Stage.ACTIVE)
-    heard = own_times(stand.tape.part(BEGIN + 0.3, BEGIN + 0.4))
+    heard = own_times(stand.tape.part(START_CLOCK + 0.3, START_CLOCK + 0.4))
     np.testing.assert_allclose(heard, 0.5 + np.arange(len(heard)) / HEARD_RATE, atol=0.002)
 
 
-def test_a_word_that_comes_late_changes_nothing(stand: Stand):
+def test_delayed_servo_status_does_not_change_speech_playback(stand: Stand):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.1, Stage.ACTIVE)
     stand.go(0.2, Stage.ACTIVE, told=False)
     stand.go(0.2, Stage.ACTIVE)
-    heard = own_times(stand.tape.part(BEGIN + 0.1, BEGIN + 0.4))
+    heard = own_times(stand.tape.part(START_CLOCK + 0.1, START_CLOCK + 0.4))
     np.testing.assert_allclose(heard, 0.1 + np.arange(len(heard)) / HEARD_RATE, atol=0.002)

@@ -7,8 +7,8 @@ from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.registers import Mode, Register
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.physics import LIMP, Demand
-from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.hardware.virtual.physics import NO_TORQUE, Demand
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 from kinesic.sim.servo_shafts import Shafts
 
 
@@ -17,16 +17,16 @@ def robot() -> Robot:
     return Robot.load()
 
 
-def test_shafts_stand_where_the_robot_rests(robot: Robot):
-    wires = cables(robot)
+def test_simulated_servo_shafts_start_in_the_rest_posture(robot: Robot):
+    wires = describe_cables(robot)
     physics = TwinPhysics(robot, wires)
     fittings = [fitting for wire in wires for fitting in wire.fittings]
     for shaft, fitting in zip(physics.shafts(), fittings, strict=True):
         assert shaft.angle / Register.PRESENT_POSITION.field.scale == pytest.approx(fitting.ticks, abs=0.5)
 
 
-def test_goals_in_ticks_move_the_twin_as_goals_in_radians_do(robot: Robot):
-    wires = cables(robot)
+def test_twin_moves_equally_for_setpoints_in_ticks_and_radians(robot: Robot):
+    wires = describe_cables(robot)
     physics, plain = TwinPhysics(robot, wires), Shafts(robot)
     wiring = ServoMap.of(robot)
     goals = np.array(robot.skeleton.rest)
@@ -41,12 +41,12 @@ def test_goals_in_ticks_move_the_twin_as_goals_in_radians_do(robot: Robot):
     np.testing.assert_allclose(physics.body.angles, plain.angles, atol=1e-9)
 
 
-def test_the_servos_of_a_tandem_share_its_torque(robot: Robot):
-    wires = cables(robot)
+def test_two_servos_on_one_joint_divide_the_torque(robot: Robot):
+    wires = describe_cables(robot)
     physics = TwinPhysics(robot, wires)
     ids = [fitting.servo for fitting in wires[0].fittings]
     demands = [Demand("angle", shaft.angle) for shaft in physics.shafts()]
-    demands[ids.index(2)] = LIMP
+    demands[ids.index(2)] = NO_TORQUE
     demands[ids.index(3)] = demands[ids.index(3)]._replace(value=demands[ids.index(3)].value + 1.0)
     physics.advance(0.02, demands)
     tilt = robot.skeleton.joint("vl5_tilt")
@@ -56,8 +56,8 @@ def test_the_servos_of_a_tandem_share_its_torque(robot: Robot):
 @pytest.mark.parametrize(
     ("mode", "goal", "value"), [(Mode.VELOCITY, Register.GOAL_VELOCITY, 40), (Mode.PWM, Register.GOAL_PWM, 200)]
 )
-def test_other_modes_move_it_too(robot: Robot, mode: Mode, goal: Register, value: int):
-    wires = cables(robot)
+def test_velocity_and_pwm_modes_of_virtual_servos_move_the_twin(robot: Robot, mode: Mode, goal: Register, value: int):
+    wires = describe_cables(robot)
     plant, buses = build_bus(wires, TwinPhysics(robot, wires))
     wire = MemoryWire(buses["body"])
     neck = next(servos.ids[0] for servos in ServoMap.of(robot).servos if servos.hinge == "skullbase_torsion")

@@ -1,4 +1,4 @@
-"""The twin behind a pseudo-terminal performs the greeting in real time, driven by kinesic and by the unmodified SDK."""
+"""Twin behind a pseudo-terminal, driven in real time by kinesic and the Dynamixel SDK."""
 
 import subprocess
 import sys
@@ -13,22 +13,23 @@ from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHan
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.perform import plan
-from kinesic.controller.play import command_times, commands
-from kinesic.controller.servo_performance import DELAY, FULL_PACE
+from kinesic.controller.play import commands
+from kinesic.controller.servo_performance import BUS_DELAY
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.metrics.servo_run import FULL_TIME_SCALE
 from kinesic.planning.plan import Plan
+from kinesic.session.plan import plan
 
 pytestmark = pytest.mark.realtime
 
-SEEN = 240  # commands: most of the first wave
-SLACK = 0.002  # [s] that a command may be late before the rest of the performance is late with it
-STALL = 0.015  # [s] between two cycles, beyond which the machine was busy with others
-AFTER = 0.15  # [s] in which a robot catches up after that
-GOALS = (1.0, 2.5, 5.0)  # [deg] RMSE, 95th percentile, largest
+COMMAND_COUNT = 240  # commands, most of the first wave
+MAX_COMMAND_DELAY = 0.002  # [s] of a command, beyond which all later ones are late
+MAX_CYCLE_GAP = 0.015  # [s] between cycles, beyond which the machine was busy
+RECOVERY_TIME = 0.15  # [s] of the robot after such a gap
+ERROR_LIMITS = (1.0, 2.5, 5.0)  # [deg] RMSE, 95th percentile, largest
 
 
 @pytest.fixture(scope="module")
@@ -36,52 +37,57 @@ def planned() -> Plan:
     return plan((CONFIGS / "bml" / "welcome.bml").read_bytes())
 
 
-@pytest.fixture
-def port(tmp_path: Path) -> Iterator[Path]:
-    command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--physics", "twin", "--folder", str(tmp_path)]
+@pytest.fixture(scope="module")
+def port(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    folder = tmp_path_factory.mktemp("ports")
+    command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--physics", "twin", "--folder", str(folder)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         assert process.stdout.readline().startswith("body: ")
-        yield tmp_path / "body"
+        yield folder / "body"
         process.terminate()
 
 
 def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> None:
-    """Measured angles (k, n) at their performance times are the plan's, wherever the machine let the driver work.
+    """Assert that measured angles match the plan while the driver had CPU time.
 
-    Clocks (k,) are those of the cycles.
+    Args:
+        planned: plan.
+        clocks: (k,) [s] of the cycles.
+        times: (k,) [s] performance time.
+        angles: (k, n) [rad] measured.
     """
-    stalled = np.diff(clocks) > STALL
+    stalled = np.diff(clocks) > MAX_CYCLE_GAP
     begins, ends = clocks[:-1][stalled], clocks[1:][stalled]  # a stall spoils the date of the cycle that it began in
-    calm = ~((begins <= clocks[:, None]) & (clocks[:, None] < ends + AFTER)).any(axis=1)
+    calm = ~((begins <= clocks[:, None]) & (clocks[:, None] < ends + RECOVERY_TIME)).any(axis=1)
     sampled = [planned.trajectory.sample(column) for column in times.T]
     wanted, speeds = (np.transpose([each[k][:, hinge] for hinge, each in enumerate(sampled)]) for k in range(2))
-    moving = (np.abs(speeds) > 0.05 * planned.setup.robot.speed_limits) & calm[:, None]
+    moving = (np.abs(speeds) > 0.05 * planned.setup.robot.velocity_limits) & calm[:, None]
     if moving.sum() < 500:
         pytest.skip("the machine was too busy for real time")
     off = np.degrees(np.abs(angles - wanted))[moving]
     found = (float(np.sqrt(np.mean(off**2))), float(np.percentile(off, 95)), float(off.max()))
-    assert all(error <= goal for error, goal in zip(found, GOALS, strict=True)), found
+    assert all(error <= goal for error, goal in zip(found, ERROR_LIMITS, strict=True)), found
 
 
-def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
-    robot, times = planned.setup.robot, command_times(planned.duration)[:SEEN]
-    setpoints = FeedForward(robot, planned.setup.dynamics, delay=DELAY).lead(planned.trajectory, times)
+def test_kinesic_driver_moves_twin_through_port(planned: Plan, port: Path):
+    robot, times = planned.setup.robot, planned.command_times[:COMMAND_COUNT]
+    setpoints = FeedForward(robot, planned.setup.dynamics, delay=BUS_DELAY).compute_setpoints(planned.trajectory, times)
     servos = Servos(robot, {"body": port}, settings=SupervisorSettings(pace=2.0, patience=0.1))
     for command in commands(planned.trajectory, times, setpoints):
         servos.write(command)
     servos.close()
-    ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL_PACE]
+    ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL_TIME_SCALE]
     rows = [told for told in ran if np.isfinite(told.taken).all()]
     clocks, reached = np.array([told.clock for told in rows]), np.array([told.time for told in rows])
     at = np.transpose([np.interp(taken, clocks, reached) for taken in np.transpose([told.taken for told in rows])])
     followed(planned, clocks, at, np.array([told.angles for told in rows]))
 
 
-def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
-    robot, times = planned.setup.robot, command_times(planned.duration)[:SEEN]
+def test_dynamixel_sdk_moves_twin_through_port(planned: Plan, port: Path):
+    robot, times = planned.setup.robot, planned.command_times[:COMMAND_COUNT]
     wiring = ServoMap.of(robot)
-    setpoints = FeedForward(robot, planned.setup.dynamics, delay=DELAY).lead(planned.trajectory, times)
+    setpoints = FeedForward(robot, planned.setup.dynamics, delay=BUS_DELAY).compute_setpoints(planned.trajectory, times)
     hinges = {servo: k for k, servos in enumerate(wiring.servos) for servo in servos.ids}
     handler, protocol = PortHandler(str(port)), PacketHandler(2.0)
     assert handler.openPort()
@@ -94,8 +100,8 @@ def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
     for command in commands(planned.trajectory, times, setpoints):
         time.sleep(max(0.0, began + command.time - time.monotonic()))
         now = time.monotonic()
-        began = max(began, now - command.time - SLACK)  # hurried goals are another motion
-        goals = wiring.scale.ticks(command.goals)
+        began = max(began, now - command.time - MAX_COMMAND_DELAY)  # hurried goals are another motion
+        goals = wiring.scale.ticks(command.setpoints)
         write.clearParam()
         for servo, hinge in hinges.items():
             write.addParam(servo, list(int(goals[hinge]).to_bytes(4, "little")))

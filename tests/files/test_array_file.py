@@ -1,4 +1,4 @@
-"""Arrays from an .npz that others made: read as numpy reads them, or refused with a reason."""
+"""Tests of reading .npz files from untrusted sources."""
 
 import io
 import re
@@ -13,7 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.files.array_file import MAX_DIMENSIONS, MAX_HEADER_SIZE, integers_of, numbers_of, read_arrays, text_of
 
 ENOUGH_BYTES = 1_000_000
-MAGIC = b"\x93NUMPY"
+NPY_START = b"\x93NUMPY"
 PLAIN_HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)}"
 TWO_NUMBERS = np.array([1.5, -2.5]).tobytes()
 
@@ -24,7 +24,7 @@ def packed(array: np.ndarray, version: tuple[int, int] = (1, 0)) -> bytes:
     return stream.getvalue()
 
 
-def npy(header: str, body: bytes = TWO_NUMBERS, *, start: bytes = MAGIC + b"\1\0") -> bytes:
+def npy(header: str, body: bytes = TWO_NUMBERS, *, start: bytes = NPY_START + b"\1\0") -> bytes:
     text = header.encode("latin-1")
     return start + struct.pack("<H", len(text)) + text + body
 
@@ -55,20 +55,20 @@ def parse(tmp_path: Path, data: bytes) -> np.ndarray:
     ],
 )
 @pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])
-def test_arrays_are_read_as_they_were_written(tmp_path: Path, array: np.ndarray, version: tuple[int, int]):
+def test_written_arrays_are_read_back(tmp_path: Path, array: np.ndarray, version: tuple[int, int]):
     found = parse(tmp_path, packed(array, version))
     assert (found.dtype, found.shape) == (array.dtype, array.shape)
     np.testing.assert_array_equal(found, array)
 
 
 @pytest.mark.parametrize("write", [np.savez, np.savez_compressed])
-def test_every_array_has_its_name(tmp_path: Path, write):
+def test_npz_arrays_are_returned_by_name(tmp_path: Path, write):
     write(tmp_path / "two.npz", times=np.arange(3.0), names=np.array(["a"]))
     found = read_arrays(tmp_path / "two.npz", max_size=ENOUGH_BYTES)
     assert {name: array.tolist() for name, array in found.items()} == {"times": [0.0, 1.0, 2.0], "names": ["a"]}
 
 
-def test_archive_is_read_up_to_its_size_unpacked(tmp_path: Path):
+def test_npz_archive_above_the_size_limit_is_refused(tmp_path: Path):
     data, more = packed(np.zeros(1000)), packed(np.zeros(3))
     path = archive(tmp_path / "large.npz", array=data, more=more)
     size = len(data) + len(more)
@@ -83,11 +83,11 @@ def test_archive_is_read_up_to_its_size_unpacked(tmp_path: Path):
     ("data", "said"),
     [
         (b"", "an entry is no .npy"),
-        (MAGIC, "an entry is no .npy"),
+        (NPY_START, "an entry is no .npy"),
         (npy(PLAIN_HEADER, start=b"\x93NUMPI\1\0"), "an entry is no .npy"),
-        (npy(PLAIN_HEADER, start=MAGIC + b"\4\0"), "an entry is no .npy"),
-        (npy(PLAIN_HEADER, start=MAGIC + b"\0\0"), "an entry is no .npy"),
-        (MAGIC + b"\1\0" + struct.pack("<H", 60) + b"{}", "ends too late"),
+        (npy(PLAIN_HEADER, start=NPY_START + b"\4\0"), "an entry is no .npy"),
+        (npy(PLAIN_HEADER, start=NPY_START + b"\0\0"), "an entry is no .npy"),
+        (NPY_START + b"\1\0" + struct.pack("<H", 60) + b"{}", "ends too late"),
         (npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE)), "ends too late"),
         (npy("{'descr': "), "cannot be read"),
         (npy("open('secret')"), "cannot be read"),
@@ -109,19 +109,19 @@ def test_archive_is_read_up_to_its_size_unpacked(tmp_path: Path):
         (npy(PLAIN_HEADER.replace("(2,)", "(1000000000, 1000000000, 1000000000)")), "has 16 bytes"),
     ],
 )
-def test_broken_or_foreign_arrays_are_refused_with_a_reason(tmp_path: Path, data: bytes, said: str):
+def test_broken_or_unsupported_npy_arrays_are_refused_with_a_reason(tmp_path: Path, data: bytes, said: str):
     with pytest.raises(ConfigError, match=rf"some\.npz: no \.npz of arrays \(.*{said}"):
         parse(tmp_path, data)
 
 
-def test_header_may_fill_its_size(tmp_path: Path):
+def test_npy_header_of_the_maximum_size_is_read(tmp_path: Path):
     whole = npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE - 10))
     assert parse(tmp_path, whole).tolist() == [1.5, -2.5]
     with pytest.raises(ConfigError, match="ends too late"):
         parse(tmp_path, npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE - 9)))
 
 
-def test_only_usual_packing_is_unpacked(tmp_path: Path):
+def test_npz_arrays_must_be_stored_or_deflated(tmp_path: Path):
     path = archive(tmp_path / "odd.npz", method=zipfile.ZIP_LZMA, array=packed(np.zeros(2)))
     with pytest.raises(ConfigError, match=r"array\.npy is packed by method 14"):
         read_arrays(path, max_size=ENOUGH_BYTES)
@@ -137,7 +137,7 @@ def test_encrypted_arrays_are_refused(tmp_path: Path):
         read_arrays(path, max_size=ENOUGH_BYTES)
 
 
-def test_files_that_are_no_archive_or_missing_are_refused(tmp_path: Path):
+def test_missing_or_invalid_archives_are_refused(tmp_path: Path):
     (tmp_path / "text.npz").write_text("no archive")
     with pytest.raises(ConfigError, match=r"text\.npz: no log; a log is a file \(File is not a zip file\)"):
         read_arrays(tmp_path / "text.npz", max_size=ENOUGH_BYTES, kind="log; a log is a file")
@@ -151,7 +151,7 @@ def test_files_that_are_no_archive_or_missing_are_refused(tmp_path: Path):
         read_arrays(tmp_path / "cut.npz", max_size=ENOUGH_BYTES)
 
 
-ARRAYS = {
+SAMPLE_ARRAYS = {
     "times": np.zeros(2),
     "counts": np.zeros((2, 2), np.int32),
     "flags": np.zeros(1, bool),
@@ -159,11 +159,11 @@ ARRAYS = {
 }
 
 
-def test_arrays_are_handed_out_by_name_kind_and_dimensions():
-    assert numbers_of(ARRAYS, "times", 1) is ARRAYS["times"]
-    assert numbers_of(ARRAYS, "counts", 2) is integers_of(ARRAYS, "counts", 2) is ARRAYS["counts"]
-    assert numbers_of(ARRAYS, "flags", 1) is ARRAYS["flags"]
-    assert text_of(ARRAYS, "names", 1) is ARRAYS["names"]
+def test_array_is_returned_if_type_and_dimensions_match():
+    assert numbers_of(SAMPLE_ARRAYS, "times", 1) is SAMPLE_ARRAYS["times"]
+    assert numbers_of(SAMPLE_ARRAYS, "counts", 2) is integers_of(SAMPLE_ARRAYS, "counts", 2) is SAMPLE_ARRAYS["counts"]
+    assert numbers_of(SAMPLE_ARRAYS, "flags", 1) is SAMPLE_ARRAYS["flags"]
+    assert text_of(SAMPLE_ARRAYS, "names", 1) is SAMPLE_ARRAYS["names"]
 
 
 @pytest.mark.parametrize(
@@ -179,6 +179,6 @@ def test_arrays_are_handed_out_by_name_kind_and_dimensions():
         (text_of, "names", 0, "names has 1 dimensions, must have 0"),
     ],
 )
-def test_other_arrays_than_those_asked_for_are_refused(read, name: str, dimensions: int, said: str):
+def test_wrong_array_types_are_refused(read, name: str, dimensions: int, said: str):
     with pytest.raises(ValueError, match=said):
-        read(ARRAYS, name, dimensions)
+        read(SAMPLE_ARRAYS, name, dimensions)

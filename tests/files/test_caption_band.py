@@ -1,27 +1,27 @@
-"""Words of a film stand in a band at its lower edge, at their time."""
+"""Tests of captions in the dark band of a film."""
 
 import numpy as np
 import pytest
 
 from kinesic.files.caption_band import caption_box, words_at, write_caption
 
-SIZE = (640, 360)
-SPOKEN = ((0.5, 1.0, "Hello,"), (1.0, 2.0, "and welcome"))
-LONG = "a sentence that says more than fits into two lines of a film, " * 6
+PICTURE_SIZE = (640, 360)
+SPOKEN_WORDS = ((0.5, 1.0, "Hello,"), (1.0, 2.0, "and welcome"))
+LONG_TEXT = "a sentence that says more than fits into two lines of a film, " * 6
 
 
 @pytest.mark.parametrize(
     ("time", "words"), [(0.49, ""), (0.5, "Hello,"), (0.99, "Hello,"), (1.0, "and welcome"), (2.0, "")]
 )
-def test_words_are_there_while_they_are_said(time: float, words: str):
-    assert words_at(SPOKEN, time) == words
+def test_caption_shows_words_while_spoken(time: float, words: str):
+    assert words_at(SPOKEN_WORDS, time) == words
 
 
-@pytest.mark.parametrize("words", ["Hello,", LONG])
-def test_words_are_written_into_their_box_alone(words: str):
+@pytest.mark.parametrize("words", ["Hello,", LONG_TEXT])
+def test_film_caption_changes_only_pixels_in_its_box(words: str):
     picture = np.full((360, 640, 3), 128, dtype=np.uint8)
     write_caption(picture, words)
-    box = caption_box(words, SIZE)
+    box = caption_box(words, PICTURE_SIZE)
     assert box is not None
     left, top, right, low = box
     assert 0 <= left < right <= 640
@@ -34,16 +34,16 @@ def test_words_are_written_into_their_box_alone(words: str):
     assert picture.max() > 240, "light letters"
 
 
-def test_more_words_than_two_lines_end_in_dots():
-    one, two, more = (caption_box(words, SIZE) for words in ("word", LONG[:90], LONG))
+def test_caption_over_two_lines_ends_in_dots():
+    one, two, more = (caption_box(words, PICTURE_SIZE) for words in ("word", LONG_TEXT[:90], LONG_TEXT))
     assert one is not None
     assert two is not None
     assert more is not None
     assert one[3] - one[1] < two[3] - two[1] <= more[3] - more[1] < 360 * 0.2
 
 
-def test_without_words_nothing_is_written():
+def test_empty_caption_draws_nothing():
     picture = np.full((360, 640, 3), 128, dtype=np.uint8)
     write_caption(picture, "")
     assert (picture == 128).all()
-    assert caption_box("", SIZE) is None
+    assert caption_box("", PICTURE_SIZE) is None

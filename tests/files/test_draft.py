@@ -1,4 +1,4 @@
-"""Drafts: removed when their process was killed, and only then."""
+"""Tests of draft folders and their removal after a killed process."""
 
 import errno
 import fcntl
@@ -22,7 +22,7 @@ from kinesic.files.draft import (
     remove_folder,
 )
 from kinesic.files.held_folder import hold_folder
-from kinesic.files.output_folder import MARK, MARKER
+from kinesic.files.output_folder import MARKER_FILE, MARKER_TEXT
 
 NOBODY_UID = 65_534  # another user
 WRITER_PROGRAM = """
@@ -48,7 +48,7 @@ write_text(Path(sys.argv[1]) / "next", "next", force=True)
 
 @contextmanager
 def writer(place: Path) -> Iterator[subprocess.Popen]:
-    """A process that writes a folder and a file, until a line comes or it is killed."""
+    """Start a process that writes a folder and a file until killed."""
     words = [sys.executable, "-c", WRITER_PROGRAM, str(place)]
     with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
@@ -61,7 +61,7 @@ def run_next(place: Path) -> None:
     subprocess.run([sys.executable, "-c", NEXT_RUN_PROGRAM, str(place)], check=True)
 
 
-def test_the_next_run_removes_what_a_killed_one_left(tmp_path: Path):
+def test_next_run_removes_unfinished_output_of_a_killed_run(tmp_path: Path):
     with writer(tmp_path) as process:
         assert len(list(tmp_path.glob(".*"))) == 2
         process.send_signal(signal.SIGKILL)
@@ -71,7 +71,7 @@ def test_the_next_run_removes_what_a_killed_one_left(tmp_path: Path):
     assert os.listdir(tmp_path) == ["next"]
 
 
-def test_a_run_leaves_the_drafts_of_others_that_still_write(tmp_path: Path):
+def test_unfinished_output_of_running_writers_is_kept(tmp_path: Path):
     with writer(tmp_path) as process:
         run_next(tmp_path)
         assert len(list(tmp_path.glob(".*"))) == 2
@@ -79,27 +79,27 @@ def test_a_run_leaves_the_drafts_of_others_that_still_write(tmp_path: Path):
         assert process.returncode == 0
     assert sorted(os.listdir(tmp_path)) == ["next", "rep", "song.wav"]
     assert (tmp_path / "rep" / "deep" / "half").read_text() == "half"
-    assert sorted(os.listdir(tmp_path / "rep")) == [MARKER, "deep"]
+    assert sorted(os.listdir(tmp_path / "rep")) == [MARKER_FILE, "deep"]
 
 
 @pytest.fixture
 def abandoned(tmp_path: Path) -> Path:
-    """What is left of a killed run."""
+    """Create a draft folder as left by a killed process."""
     folder = tmp_path / "out" / ".rep-0123456789ab"
     folder.mkdir(parents=True)
-    (folder / MARKER).write_bytes(MARK)
+    (folder / MARKER_FILE).write_bytes(MARKER_TEXT)
     (folder / DRAFT_FILE).write_bytes(DRAFT_TEXT)
     return folder
 
 
 def sweep(folder: Path) -> list[str]:
-    """What a sweep leaves of a folder."""
+    """Remove abandoned drafts and return the remaining names in a folder."""
     with hold_folder(folder) as held:
         remove_abandoned(held)
     return sorted(os.listdir(folder))
 
 
-def test_links_in_an_abandoned_draft_are_not_followed(abandoned: Path, tmp_path: Path):
+def test_links_in_an_abandoned_temporary_folder_are_not_followed(abandoned: Path, tmp_path: Path):
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "letter").write_text("dear")
@@ -109,7 +109,7 @@ def test_links_in_an_abandoned_draft_are_not_followed(abandoned: Path, tmp_path:
     assert (mine / "letter").read_text() == "dear"
 
 
-def test_a_link_with_the_name_of_a_draft_is_left_alone(abandoned: Path, tmp_path: Path):
+def test_symlink_named_like_a_temporary_folder_is_kept(abandoned: Path, tmp_path: Path):
     abandoned.rename(tmp_path / "mine")
     abandoned.symlink_to(tmp_path / "mine")
     assert sweep(abandoned.parent) == [abandoned.name]
@@ -117,13 +117,15 @@ def test_a_link_with_the_name_of_a_draft_is_left_alone(abandoned: Path, tmp_path
 
 
 @pytest.mark.parametrize("name", ["rep", ".rep", ".rep-0123", ".rep-0123456789AB", "rep-0123456789ab"])
-def test_a_folder_with_another_name_is_left_alone(abandoned: Path, name: str):
+def test_abandoned_folder_without_a_temporary_name_is_kept(abandoned: Path, name: str):
     abandoned.rename(abandoned.with_name(name))
     assert sweep(abandoned.parent) == [name]
 
 
 @pytest.mark.parametrize("text", [None, b"", b"mine", DRAFT_TEXT[:-1], DRAFT_TEXT + b"x", "link", "pipe", "folder"])
-def test_a_folder_without_the_very_draft_file_is_left_alone(abandoned: Path, tmp_path: Path, text: bytes | str | None):
+def test_folder_without_the_exact_temporary_marker_file_is_kept(
+    abandoned: Path, tmp_path: Path, text: bytes | str | None
+):
     file = abandoned / DRAFT_FILE
     file.unlink()
     match text:
@@ -139,24 +141,24 @@ def test_a_folder_without_the_very_draft_file_is_left_alone(abandoned: Path, tmp
         case _:
             pass
     assert sweep(abandoned.parent) == [abandoned.name]
-    assert (abandoned / MARKER).exists()
+    assert (abandoned / MARKER_FILE).exists()
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
 @pytest.mark.parametrize("given", [".", DRAFT_FILE])
-def test_a_draft_of_another_user_is_left_alone(abandoned: Path, given: str):
+def test_temporary_folder_of_another_user_is_kept(abandoned: Path, given: str):
     os.chown(abandoned / given, NOBODY_UID, NOBODY_UID)
     assert sweep(abandoned.parent) == [abandoned.name]
 
 
-def test_a_draft_that_was_made_final_is_left_alone(tmp_path: Path):
-    """Its earlier folder may stand aside under a hidden name when the process is killed."""
+def test_finished_temporary_folder_is_kept(tmp_path: Path):
+    """Expect the folder to stay, although its name is still hidden."""
     with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent) as draft:
         draft.finish()
         assert sweep(tmp_path) == [draft.name]
 
 
-def test_a_draft_is_private_and_goes_with_its_writer(tmp_path: Path):
+def test_temporary_folder_is_private_locked_and_removed_after_use(tmp_path: Path):
     with hold_folder(tmp_path) as parent:
         with hold_draft("rep", parent=parent) as draft:
             assert (tmp_path / draft.name).stat().st_mode & 0o777 == 0o700
@@ -164,7 +166,7 @@ def test_a_draft_is_private_and_goes_with_its_writer(tmp_path: Path):
         assert os.listdir(tmp_path) == []
 
 
-def test_a_draft_that_cannot_be_begun_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_failed_creation_of_a_temporary_folder_leaves_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     usual = os.open
 
     def fail(path: str, *arguments: int, **more: int) -> int:
@@ -179,8 +181,8 @@ def test_a_draft_that_cannot_be_begun_leaves_nothing(tmp_path: Path, monkeypatch
     assert os.listdir(tmp_path) == []
 
 
-def test_only_the_folder_that_is_held_is_removed(tmp_path: Path):
-    """Another folder that has taken its name, or a link to the folder itself, stays."""
+def test_folder_removal_keeps_a_link_that_replaced_the_open_folder(tmp_path: Path):
+    """Keep a link that has taken the name of the open folder."""
     (tmp_path / "draft").mkdir()
     (tmp_path / "draft" / "half").write_text("half")
     with hold_folder(tmp_path) as parent, hold_folder("draft", inside=parent) as held:
@@ -195,13 +197,13 @@ def test_only_the_folder_that_is_held_is_removed(tmp_path: Path):
     assert os.listdir(tmp_path) == ["draft"]
 
 
-def test_folders_in_an_abandoned_draft_go_with_it(abandoned: Path):
+def test_abandoned_temporary_folder_is_removed_with_its_subfolders(abandoned: Path):
     (abandoned / "deep" / "deeper").mkdir(parents=True)
     (abandoned / "deep" / "deeper" / "half").write_text("half")
     assert sweep(abandoned.parent) == []
 
 
-def test_folder_that_stood_there_before_is_removed_by_the_next_run_once_it_is_marked(tmp_path: Path):
+def test_old_output_folder_marked_as_abandoned_is_removed_by_the_next_run(tmp_path: Path):
     aside = tmp_path / ".rep-0123456789ab"
     aside.mkdir()
     (aside / "old").write_text("old")
@@ -213,15 +215,15 @@ def test_folder_that_stood_there_before_is_removed_by_the_next_run_once_it_is_ma
     assert sweep(tmp_path) == []
 
 
-def test_draft_file_is_private_and_says_what_it_is(tmp_path: Path):
+def test_marker_file_of_a_temporary_folder_is_private_and_explains_its_purpose(tmp_path: Path):
     with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent) as draft:
         file = tmp_path / draft.name / DRAFT_FILE
         assert file.stat().st_mode & 0o777 == 0o600
         assert file.read_bytes() == DRAFT_TEXT
 
 
-def test_draft_on_a_disk_without_locks_has_no_draft_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Nothing would tell it from the draft of a killed process."""
+def test_temporary_folder_on_a_disk_without_locks_has_no_marker_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Expect no draft file, since an unlocked one marks an abandoned draft."""
 
     def refuse(*arguments: object) -> None:
         raise OSError(errno.ENOLCK, "No locks available")
@@ -235,7 +237,7 @@ def test_draft_on_a_disk_without_locks_has_no_draft_file(tmp_path: Path, monkeyp
 
 
 @pytest.mark.parametrize("mode", [0o700, 0o777])
-def test_draft_has_the_permissions_asked_for(tmp_path: Path, mode: int):
+def test_temporary_folder_has_the_requested_permissions(tmp_path: Path, mode: int):
     usual = os.umask(0o022)
     try:
         with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent, mode=mode) as draft:
@@ -244,7 +246,7 @@ def test_draft_has_the_permissions_asked_for(tmp_path: Path, mode: int):
         os.umask(usual)
 
 
-def test_every_folder_is_swept_once_by_a_process(tmp_path: Path):
+def test_abandoned_temporary_folders_are_removed_once_per_folder_and_process(tmp_path: Path):
     for place in ("first", "second"):
         (tmp_path / place).mkdir()
         for count, kept in enumerate(([], [".rep-0123456789ab"])):

@@ -1,4 +1,4 @@
-"""Films are written picture by picture, and shown as they were written."""
+"""Tests of writing films as animated WebP and H.264."""
 
 import json
 import shutil
@@ -15,11 +15,11 @@ from PIL import Image
 
 from kinesic.body.arrays import Picture
 from kinesic.files import film_file
-from kinesic.files.film_file import EncodingError, Mp4Film, WebpFilm, durations, find_encoder, open_film
+from kinesic.files.film_file import EncodingError, Mp4Film, WebpFilm, find_encoder, open_film, picture_durations
 from kinesic.files.film_reader import FilmReader
 
-SIZE = (64, 48)
-ENCODER = """#!{python}
+PICTURE_SIZE = (64, 48)
+ENCODER_PROGRAM = """#!{python}
 import sys
 import threading
 from pathlib import Path
@@ -31,7 +31,7 @@ Path(sys.argv[-1]).write_text(repr((len(pictures), sys.argv[1:])))
 
 
 def moving(count: int) -> list[Picture]:
-    """A light square that moves over a dark ground."""
+    """Return pictures of a light square that moves over a dark background."""
     pictures = [np.full((48, 64, 3), 40, dtype=np.uint8) for _ in range(count)]
     for k, picture in enumerate(pictures):
         picture[10:26, 3 * k : 3 * k + 16] = 220
@@ -39,9 +39,9 @@ def moving(count: int) -> list[Picture]:
 
 
 def written(pictures: list[Picture], path: Path, *, rate: float = 30.0) -> list[Picture]:
-    """Writes pictures, and reads those that are in the file, with the time of each checked."""
-    with WebpFilm(path, SIZE) as film:
-        for picture, shown in zip(pictures, durations(len(pictures), rate), strict=True):
+    """Write pictures to a WebP file and return the pictures read back."""
+    with WebpFilm(path, PICTURE_SIZE) as film:
+        for picture, shown in zip(pictures, picture_durations(len(pictures), rate), strict=True):
             film.write(picture, None, shown)
     with Image.open(path) as seen:
         found = []
@@ -51,7 +51,7 @@ def written(pictures: list[Picture], path: Path, *, rate: float = 30.0) -> list[
         return found
 
 
-def test_every_picture_comes_back_though_each_holds_what_has_changed_alone(tmp_path: Path):
+def test_film_pictures_are_restored_from_changed_regions(tmp_path: Path):
     pictures = moving(12)
     found = written(pictures, tmp_path / "x.webp")
     assert len(found) == 12
@@ -59,12 +59,12 @@ def test_every_picture_comes_back_though_each_holds_what_has_changed_alone(tmp_p
         assert seen.shape == asked.shape
         assert np.abs(seen.astype(int) - asked).mean() < 3.0
     whole = (tmp_path / "x.webp").stat().st_size
-    with WebpFilm(tmp_path / "still.webp", SIZE) as film:
+    with WebpFilm(tmp_path / "still.webp", PICTURE_SIZE) as film:
         film.write(pictures[0], None, 33)
     assert whole < 12 * (tmp_path / "still.webp").stat().st_size
 
 
-def test_equal_pictures_become_one_and_their_times_add_up(tmp_path: Path):
+def test_equal_successive_film_pictures_are_merged(tmp_path: Path):
     one, other = moving(2)
     assert len(written([one, one, one, other, other], tmp_path / "x.webp", rate=30.0)) == 2
     film = FilmReader(tmp_path / "x.webp")
@@ -74,25 +74,25 @@ def test_equal_pictures_become_one_and_their_times_add_up(tmp_path: Path):
 
 
 @pytest.mark.parametrize("rate", [30.0, 24.0, 7.3])
-def test_durations_are_whole_and_add_up_to_the_whole(rate: float):
-    assert abs(sum(durations(100, rate)) - 1000 * 100 / rate) <= 0.5
-    assert max(durations(100, rate)) - min(durations(100, rate)) <= 1
+def test_rounded_picture_durations_add_up_to_the_film_duration(rate: float):
+    assert abs(sum(picture_durations(100, rate)) - 1000 * 100 / rate) <= 0.5
+    assert max(picture_durations(100, rate)) - min(picture_durations(100, rate)) <= 1
 
 
-def test_no_more_than_a_few_pictures_wait_for_the_threads_that_encode(tmp_path: Path):
-    with WebpFilm(tmp_path / "x.webp", SIZE) as film:
+def test_webp_film_limits_the_number_of_pictures_waiting_for_encoding(tmp_path: Path):
+    with WebpFilm(tmp_path / "x.webp", PICTURE_SIZE) as film:
         for picture in moving(16) * 4:
             film.write(picture, None, 33)
-            assert len(film._waiting) <= film_file.WAITING
+            assert len(film._waiting) <= film_file.MAX_PENDING_PICTURES
     with Image.open(tmp_path / "x.webp") as seen:
         assert seen.n_frames == 64
 
 
-def test_an_error_leaves_no_thread_waiting(tmp_path: Path):
+def test_failed_film_leaves_no_encoder_thread(tmp_path: Path):
     before = threading.active_count()
 
     def stop() -> None:
-        with WebpFilm(tmp_path / "x.webp", SIZE) as film:
+        with WebpFilm(tmp_path / "x.webp", PICTURE_SIZE) as film:
             for picture in moving(3):
                 film.write(picture, None, 33)
             raise ZeroDivisionError
@@ -104,18 +104,18 @@ def test_an_error_leaves_no_thread_waiting(tmp_path: Path):
 
 @pytest.fixture
 def encoder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A program in the place of ffmpeg, on the path, that says what it was given."""
+    """Install a fake ffmpeg that records its input and arguments."""
     program = tmp_path / "ffmpeg"
-    program.write_text(ENCODER.format(python=sys.executable))
+    program.write_text(ENCODER_PROGRAM.format(python=sys.executable))
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
 
 
 @pytest.mark.usefixtures("encoder")
-def test_mp4_gets_every_whole_picture_at_its_rate_and_the_sound(tmp_path: Path):
+def test_mp4_encoder_gets_whole_pictures_rate_and_sound(tmp_path: Path):
     path = tmp_path / "x.mp4"
-    with open_film(path, SIZE, rate=30.0, sound=tmp_path / "voice.wav") as film:
+    with open_film(path, PICTURE_SIZE, rate=30.0, sound=tmp_path / "voice.wav") as film:
         for picture in moving(5):
             film.write(picture, (0, 0, 2, 2), 33)
     size, words = eval(path.read_text())
@@ -128,17 +128,17 @@ def test_mp4_gets_every_whole_picture_at_its_rate_and_the_sound(tmp_path: Path):
 
 
 @pytest.mark.usefixtures("encoder")
-def test_an_encoder_that_fails_is_quoted(tmp_path: Path):
+def test_encoder_error_message_is_reported(tmp_path: Path):
     spoilt = np.frombuffer(b"fail" * (64 * 48 * 3 // 4), dtype=np.uint8).reshape(48, 64, 3)
     with (
         pytest.raises(EncodingError, match=r"x\.mp4: no such codec$"),
-        Mp4Film(tmp_path / "x.mp4", SIZE, rate=30.0) as film,
+        Mp4Film(tmp_path / "x.mp4", PICTURE_SIZE, rate=30.0) as film,
     ):
         film.write(spoilt, None, 33)
 
 
-def test_ffmpeg_makes_what_players_show_as_it_was_drawn(tmp_path: Path):
-    """Every picture as long as it is seen, in the encoding that all players know, with the voice and the colours."""
+def test_mp4_film_keeps_colours_duration_and_sound(tmp_path: Path):
+    """Check codec, size, frame rate, durations, colour space and colours."""
     ffmpeg, ffprobe = find_encoder(), shutil.which("ffprobe")
     if ffmpeg is None or ffprobe is None:
         pytest.skip("ffmpeg and ffprobe are not installed: apt-get install ffmpeg")
@@ -164,8 +164,8 @@ def test_ffmpeg_makes_what_players_show_as_it_was_drawn(tmp_path: Path):
     assert np.median(apart) < 4
 
 
-def test_without_an_encoder_the_packages_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_missing_encoder_error_names_the_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(EncodingError, match="apt-get install ffmpeg"):
-        open_film(tmp_path / "x.mp4", SIZE, rate=30.0)
+        open_film(tmp_path / "x.mp4", PICTURE_SIZE, rate=30.0)

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.files.gltf import COMPONENTS, GltfFile
+from kinesic.files.gltf import COMPONENT_CODES, GltfFile
 
 
 def read(path: Path) -> tuple[dict, bytes]:
@@ -25,7 +25,7 @@ def file() -> GltfFile:
     return GltfFile("test")
 
 
-def test_numbers_come_back(file: GltfFile, tmp_path: Path):
+def test_written_gltf_numbers_are_read_back(file: GltfFile, tmp_path: Path):
     odd = np.array([1, 2, 3])
     values = np.array([[1.5, -2.0, 3.0], [0.0, 4.0, -1.0]])
     file.numbers(odd, "u1")
@@ -43,7 +43,7 @@ def test_numbers_come_back(file: GltfFile, tmp_path: Path):
     np.testing.assert_array_equal(found.reshape(2, 3), values)
 
 
-def test_sparse_numbers_say_how_large_they_are(file: GltfFile, tmp_path: Path):
+def test_sparse_gltf_accessor_has_count_and_bounds(file: GltfFile, tmp_path: Path):
     file.sparse(5, np.array([1, 3]), np.array([[1.0, 2.0, 3.0], [2.0, -1.0, 4.0]]))
     file.sparse(1, np.array([0]), np.array([[1.0, 2.0, 3.0]]))
     file.sparse(7, np.array([], dtype=int), np.zeros((0, 3)))
@@ -56,12 +56,12 @@ def test_sparse_numbers_say_how_large_they_are(file: GltfFile, tmp_path: Path):
     assert none["count"] == 7
 
 
-def test_shares_are_bytes_that_add_up(file: GltfFile):
-    index = file.shares(np.array([[0.2, 0.8, 0.0, 0.0]]))
+def test_vertex_weights_are_normalised(file: GltfFile):
+    index = file.weights(np.array([[0.2, 0.8, 0.0, 0.0]]))
     assert file.entry("accessors", index)["normalized"]
 
 
-def test_nodes_are_shown_and_completed(file: GltfFile, tmp_path: Path):
+def test_gltf_node_is_added_to_the_scene_with_its_children(file: GltfFile, tmp_path: Path):
     node = file.add("nodes", name="a", mesh=None)
     file.entry("nodes", node)["children"] = [file.add("nodes", name="b")]
     file.show(node)
@@ -71,5 +71,5 @@ def test_nodes_are_shown_and_completed(file: GltfFile, tmp_path: Path):
     assert tables["scenes"][tables["scene"]]["nodes"] == [0]
 
 
-def test_numbers_have_the_codes_of_the_standard():
-    assert COMPONENTS == {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}
+def test_gltf_component_types_have_the_codes_of_the_standard():
+    assert COMPONENT_CODES == {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}

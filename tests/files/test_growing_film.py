@@ -1,4 +1,4 @@
-"""A film is read while it is written: each picture as soon as it is whole; nobody waits for one that never comes."""
+"""Tests of reading a film while it is being written."""
 
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import Picture
-from kinesic.files.film_file import WAITING, WebpFilm
+from kinesic.files.film_file import MAX_PENDING_PICTURES, WebpFilm
 from kinesic.files.growing_film import GrowingFilm
 
-SIZE = (64, 48)
-MANY = 2 * WAITING
+PICTURE_SIZE = (64, 48)
+PICTURE_COUNT = 2 * MAX_PENDING_PICTURES
 
 
 def grey(k: int) -> Picture:
@@ -20,19 +20,19 @@ def grey(k: int) -> Picture:
 
 
 def write(path: Path, go_on: Event, *, broken: bool) -> None:
-    """Writes pictures of 100 ms, and the last of them not before `go_on`."""
-    with WebpFilm(path, SIZE, in_parts=False) as film:
-        for k in range(MANY - 1):
+    """Write pictures of 100 ms, the last one after `go_on` is set."""
+    with WebpFilm(path, PICTURE_SIZE, in_parts=False) as film:
+        for k in range(PICTURE_COUNT - 1):
             film.write(grey(k), None, 100)
         film._file.flush()
         go_on.wait()
         if broken:
             raise ZeroDivisionError
-        film.write(grey(MANY - 1), None, 100)
+        film.write(grey(PICTURE_COUNT - 1), None, 100)
 
 
 @pytest.mark.parametrize("broken", [False, True])
-def test_pictures_are_seen_before_the_film_is_complete(tmp_path: Path, broken: bool) -> None:
+def test_pictures_of_a_film_are_readable_while_it_is_written(tmp_path: Path, broken: bool) -> None:
     path, go_on = tmp_path / "x.webp", Event()
     path.touch()
     film = GrowingFilm(path)
@@ -42,7 +42,7 @@ def test_pictures_are_seen_before_the_film_is_complete(tmp_path: Path, broken: b
         assert not writing.done()
         assert first is not None
         assert abs(float(first.mean()) - 200) < 2
-        last = threads.submit(film.at, 0.1 * MANY - 0.05)
+        last = threads.submit(film.at, 0.1 * PICTURE_COUNT - 0.05)
         go_on.set()
         seen = last.result(timeout=10.0)
     if broken:
@@ -51,15 +51,15 @@ def test_pictures_are_seen_before_the_film_is_complete(tmp_path: Path, broken: b
         assert not path.exists(), "a film that broke off is none"
     else:
         assert seen is not None
-        assert abs(float(seen.mean()) - float(grey(MANY - 1).mean())) < 2
+        assert abs(float(seen.mean()) - float(grey(PICTURE_COUNT - 1).mean())) < 2
         assert film.at(99.0) is seen, "the last one stays"
 
 
-def test_parts_are_put_over_what_was_seen_before(tmp_path: Path) -> None:
+def test_film_reader_draws_changed_regions_over_the_previous_picture(tmp_path: Path) -> None:
     path, pictures = tmp_path / "x.webp", [grey(0) for _ in range(4)]
     for k, picture in enumerate(pictures):
         picture[10:26, 12 * k : 12 * k + 16] = 40
-    with WebpFilm(path, SIZE) as writer:
+    with WebpFilm(path, PICTURE_SIZE) as writer:
         for picture in pictures:
             writer.write(picture, None, 100)
     film = GrowingFilm(path)
@@ -69,7 +69,9 @@ def test_parts_are_put_over_what_was_seen_before(tmp_path: Path) -> None:
         assert np.abs(seen.astype(int) - picture).mean() < 3
 
 
-def test_a_film_that_nobody_writes_is_given_up_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reading_a_film_without_a_running_writer_times_out_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("kinesic.files.growing_film.WRITER_TIMEOUT", 0.05)
     path = tmp_path / "x.webp"
     with pytest.raises(FileNotFoundError):

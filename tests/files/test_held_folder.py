@@ -7,7 +7,7 @@ from kinesic.body.config import ConfigError
 from kinesic.files.held_folder import check_above, find_place, hold_folder, name_beside, name_failures
 
 
-def test_links_above_a_path_are_followed_but_not_its_last_name(tmp_path: Path):
+def test_symlinks_in_parent_folders_are_followed_but_not_the_last_one(tmp_path: Path):
     (tmp_path / "disk").mkdir()
     (tmp_path / "way").symlink_to("disk")
     assert find_place(tmp_path / "way" / "new") == tmp_path / "disk" / "new"
@@ -15,31 +15,31 @@ def test_links_above_a_path_are_followed_but_not_its_last_name(tmp_path: Path):
 
 
 @pytest.mark.parametrize("path", ["", ".", "./", "/", ".."])
-def test_a_path_without_a_name_of_its_own_is_resolved(path: str):
+def test_path_without_a_file_name_is_resolved(path: str):
     assert find_place(Path(path)) == Path(path).resolve()
 
 
-def test_links_in_a_circle_are_one_line(tmp_path: Path):
+def test_cyclic_links_give_a_config_error(tmp_path: Path):
     (tmp_path / "a").symlink_to("b")
     (tmp_path / "b").symlink_to("a")
     with pytest.raises(ConfigError):
         check_above(find_place(tmp_path / "a" / "new"), tmp_path / "a" / "new")
 
 
-def test_nothing_is_written_below_a_file(tmp_path: Path):
+def test_output_path_below_a_file_is_refused(tmp_path: Path):
     (tmp_path / "letter").write_text("dear")
     with pytest.raises(ConfigError, match="letter is no folder"):
         check_above(tmp_path / "letter" / "new", Path("letter/new"))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_that_is_closed_to_us_is_named(tmp_path: Path):
+def test_error_names_an_unwritable_folder(tmp_path: Path):
     (tmp_path / "closed").mkdir(mode=0o500)
     with pytest.raises(ConfigError, match="closed may not be written"):
         check_above(tmp_path / "closed" / "new", Path("closed/new"))
 
 
-def test_a_link_is_not_held_and_a_held_folder_stays_the_same(tmp_path: Path):
+def test_open_folder_refuses_symlinks_and_stays_open_after_renaming(tmp_path: Path):
     (tmp_path / "one").mkdir()
     (tmp_path / "link").symlink_to("one")
     with pytest.raises(OSError, match="link"), hold_folder(tmp_path / "link"):
@@ -47,18 +47,18 @@ def test_a_link_is_not_held_and_a_held_folder_stays_the_same(tmp_path: Path):
     with hold_folder(tmp_path / "one") as held:
         (tmp_path / "one").rename(tmp_path / "other")
         (tmp_path / "one").mkdir()
-        os.close(os.open("mine", os.O_CREAT | os.O_WRONLY, dir_fd=held))
+        os.close(os.open("mine", os.O_CREAT | os.O_WRONLY, dir_fd=held.descriptor))
     assert os.listdir(tmp_path / "other") == ["mine"]
 
 
-def test_a_name_beside_is_hidden_its_own_and_ends_alike():
+def test_temporary_file_name_is_hidden_and_unique_and_keeps_the_suffix():
     names = {name_beside("motion.npz") for _ in range(100)}
     assert len(names) == 100
     assert all(name.startswith(".motion-") and name.endswith(".npz") for name in names)
     assert len(name_beside("x" * 250)) < 255
 
 
-def test_failures_of_the_file_system_are_named_as_the_user_named_the_path():
+def test_file_system_error_names_the_users_path():
     with pytest.raises(ConfigError, match=r"^out/mine: No space left on device$"), name_failures(Path("out/mine")):
         raise OSError(28, "No space left on device", "/elsewhere/.mine-12")
 
@@ -67,7 +67,7 @@ LONG_NAMES = ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "a." + "b" 
 
 
 @pytest.mark.parametrize("name", LONG_NAMES, ids=range(len(LONG_NAMES)))
-def test_a_name_beside_a_long_one_is_a_possible_name(tmp_path: Path, name: str):
+def test_temporary_file_name_of_a_long_name_is_valid(tmp_path: Path, name: str):
     beside = name_beside(name)
     (tmp_path / beside).write_text("x")
     assert len(beside.encode()) <= 255

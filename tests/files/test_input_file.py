@@ -1,4 +1,4 @@
-"""Files of others: only regular ones, up to a size, and only those inside the folder."""
+"""Tests of reading regular files inside a folder up to a size."""
 
 import os
 import threading
@@ -12,14 +12,14 @@ from kinesic.files.input_file import open_regular, read_inside
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a file, and a secret next to it."""
+    """Return a folder that contains a file, next to a secret file."""
     (tmp_path / "secret").write_text("secret")
     (tmp_path / "home" / "below").mkdir(parents=True)
     (tmp_path / "home" / "below" / "file").write_text("file")
     return tmp_path / "home"
 
 
-def test_a_file_in_the_folder_is_read_directly_and_through_links_inside(folder: Path):
+def test_input_file_in_the_allowed_folder_is_read_directly_or_through_links(folder: Path):
     (folder / "link").symlink_to("below/file")
     (folder / "way").symlink_to("below")
     for name in ("below/file", "link", "way/file", "below/../below/file"):
@@ -27,14 +27,14 @@ def test_a_file_in_the_folder_is_read_directly_and_through_links_inside(folder: 
 
 
 @pytest.mark.parametrize("name", ["../secret", "out", "away/secret", "below/../../secret"])
-def test_a_file_outside_the_folder_is_refused(folder: Path, name: str):
+def test_input_file_outside_the_allowed_folder_is_refused(folder: Path, name: str):
     (folder / "out").symlink_to("../secret")
     (folder / "away").symlink_to("..")
     with pytest.raises(ConfigError, match="outside of the folder home"):
         read_inside(folder, folder / name, max_size=100)
 
 
-def test_a_circle_of_links_is_refused(folder: Path):
+def test_cyclic_links_are_refused(folder: Path):
     (folder / "a").symlink_to("b")
     (folder / "b").symlink_to("a")
     with pytest.raises(ConfigError, match="loop"):
@@ -42,7 +42,7 @@ def test_a_circle_of_links_is_refused(folder: Path):
 
 
 @pytest.mark.parametrize("kind", ["pipe", "folder"])
-def test_pipes_and_folders_are_refused_at_once(folder: Path, kind: str):
+def test_pipes_and_folders_are_refused_without_blocking(folder: Path, kind: str):
     os.mkfifo(folder / "pipe")
     (folder / "folder").mkdir()
     with pytest.raises((ConfigError, IsADirectoryError), match=r"no ordinary file|Is a directory"):
@@ -51,20 +51,20 @@ def test_pipes_and_folders_are_refused_at_once(folder: Path, kind: str):
         pass
 
 
-def test_a_device_is_refused():
+def test_device_file_is_refused():
     with pytest.raises(ConfigError, match="zero is no ordinary file"), open_regular(Path("/dev/zero")):
         pass
 
 
-def test_a_large_file_is_refused_before_it_is_read(folder: Path):
+def test_large_file_is_refused_before_reading(folder: Path):
     with (folder / "sparse").open("wb") as file:
         file.truncate(10**12)
     with pytest.raises(ConfigError, match=r"sparse has 1000000000000 bytes; at most 100"):
         read_inside(folder, folder / "sparse", max_size=100)
 
 
-def test_links_exchanged_during_reads_never_lead_outside(folder: Path):
-    """One thread exchanges a file for a link to the secret, and a folder for a link to the folder above."""
+def test_links_replaced_during_reads_never_give_access_outside_the_folder(folder: Path):
+    """Replace a file and a folder by links while another thread reads."""
     inside, done = folder / "below", threading.Event()
     (folder / "spare").mkdir()
     (folder / "spare" / "secret").write_text("file")

@@ -10,7 +10,7 @@ from kinesic.files.output_file import check_file, new_file, open_to_add, write_t
 
 
 def write(path: Path, text: str, meanwhile: Callable[[], object], *, force: bool = False) -> None:
-    """Writes a file while something else happens."""
+    """Write a file and call a function before it is complete."""
     with new_file(path, force=force) as fresh:
         fresh.write_text(text)
         meanwhile()
@@ -24,7 +24,7 @@ def fill_disk() -> None:
     raise OSError(28, "No space left on device")
 
 
-def test_a_file_appears_when_it_is_whole(tmp_path: Path):
+def test_output_file_appears_when_complete(tmp_path: Path):
     path = tmp_path / "a.txt"
     with new_file(path) as fresh:
         fresh.write_text("half")
@@ -35,7 +35,7 @@ def test_a_file_appears_when_it_is_whole(tmp_path: Path):
     assert os.listdir(tmp_path) == ["a.txt"]
 
 
-def test_what_was_there_stays_until_all_went_well(tmp_path: Path):
+def test_old_output_file_is_kept_until_the_new_one_is_complete(tmp_path: Path):
     path = tmp_path / "a.txt"
     path.write_text("before")
     with pytest.raises(ZeroDivisionError):
@@ -46,13 +46,13 @@ def test_what_was_there_stays_until_all_went_well(tmp_path: Path):
     assert path.read_text() == "after"
 
 
-def test_a_full_disk_is_one_line_and_nothing_is_left(tmp_path: Path):
+def test_full_disk_gives_a_one_line_error_and_leaves_no_file(tmp_path: Path):
     with pytest.raises(ConfigError, match=r"a\.txt: No space left"):
         write(tmp_path / "a.txt", "half", fill_disk)
     assert os.listdir(tmp_path) == []
 
 
-def test_a_file_has_the_rights_that_files_have(tmp_path: Path):
+def test_new_output_file_has_default_permissions(tmp_path: Path):
     write_text(tmp_path / "mine", "x")
     (tmp_path / "usual").write_text("x")
     assert (tmp_path / "mine").stat().st_mode == (tmp_path / "usual").stat().st_mode
@@ -63,7 +63,7 @@ def test_a_file_has_the_rights_that_files_have(tmp_path: Path):
     ("kind", "says"),
     [("folder", "is a folder"), ("link", "is a link"), ("dangling", "is a link"), ("pipe", "is no ordinary file")],
 )
-def test_what_is_no_ordinary_file_is_refused_even_if_forced(tmp_path: Path, kind: str, says: str, force: bool):
+def test_special_file_is_refused_even_if_forced(tmp_path: Path, kind: str, says: str, force: bool):
     path, letter = tmp_path / "a", tmp_path / "letter"
     letter.write_text("dear")
     match kind:
@@ -84,26 +84,26 @@ def test_what_is_no_ordinary_file_is_refused_even_if_forced(tmp_path: Path, kind
 
 
 @pytest.mark.parametrize("path", ["", ".", "/", ".."])
-def test_a_path_without_a_name_is_a_folder(path: str):
+def test_path_without_a_file_name_is_refused(path: str):
     with pytest.raises(ConfigError, match=r"is a folder|may not be written"):
         check_file(Path(path), force=True)
 
 
-def test_a_file_that_is_there_is_replaced_only_if_forced(tmp_path: Path):
+def test_existing_file_is_replaced_only_if_forced(tmp_path: Path):
     (tmp_path / "a").write_text("before")
     with pytest.raises(ConfigError, match="exists already; --force replaces it"):
         check_file(tmp_path / "a")
     check_file(tmp_path / "a", force=True)
 
 
-def test_a_file_that_comes_meanwhile_is_not_replaced_unless_forced(tmp_path: Path):
+def test_file_created_by_another_program_during_writing_is_kept(tmp_path: Path):
     with pytest.raises(ConfigError, match="exists already"):
         write(tmp_path / "a", "new", lambda: (tmp_path / "a").write_text("dear"))
     assert (tmp_path / "a").read_text() == "dear"
     assert os.listdir(tmp_path) == ["a"]
 
 
-def test_not_even_one_that_comes_after_the_last_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_file_created_by_another_program_after_the_name_check_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     look = output_file._check_name
 
     def look_and_be_late(*arguments: object, force: bool) -> None:
@@ -118,20 +118,20 @@ def test_not_even_one_that_comes_after_the_last_look(tmp_path: Path, monkeypatch
     assert (tmp_path / "a").read_text() == "dear"
 
 
-def test_a_link_that_comes_meanwhile_is_not_followed(tmp_path: Path):
+def test_link_created_during_writing_is_not_followed(tmp_path: Path):
     (tmp_path / "letter").write_text("dear")
     with pytest.raises(ConfigError, match="is a link"):
         write(tmp_path / "a", "new", lambda: (tmp_path / "a").symlink_to("letter"), force=True)
     assert (tmp_path / "letter").read_text() == "dear"
 
 
-def test_a_missing_folder_is_named(tmp_path: Path):
+def test_error_names_a_missing_parent_folder(tmp_path: Path):
     with pytest.raises(ConfigError, match=r"there is no folder .*nowhere; make it first"):
         check_file(tmp_path / "nowhere" / "a")
     assert not (tmp_path / "nowhere").exists()
 
 
-def test_adding_goes_on_where_the_file_ended_and_never_through_a_link(tmp_path: Path):
+def test_appending_keeps_file_contents_and_follows_no_link(tmp_path: Path):
     for word in (b"one", b"two"):
         with open_to_add(tmp_path / "log") as file:
             file.write(word)
@@ -141,14 +141,14 @@ def test_adding_goes_on_where_the_file_ended_and_never_through_a_link(tmp_path: 
         open_to_add(tmp_path / "link")
 
 
-def test_a_pipe_that_nobody_reads_keeps_nobody_waiting(tmp_path: Path):
-    """A stranger's folder may hold one under the name of a journal."""
+def test_appending_to_a_pipe_without_reader_is_refused(tmp_path: Path):
+    """Expect an error instead of waiting for a reader."""
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(OSError, match="No such device"):
         open_to_add(tmp_path / "pipe")
 
 
-def test_nothing_is_replaced_unless_that_is_asked_for(tmp_path: Path):
+def test_existing_output_is_kept_unless_forced(tmp_path: Path):
     path = tmp_path / "mine"
     path.write_text("dear")
     for write in (check_file, lambda path: write_text(path, "new")):
@@ -159,14 +159,14 @@ def test_nothing_is_replaced_unless_that_is_asked_for(tmp_path: Path):
     assert path.read_text() == "dear"
 
 
-def test_what_is_added_to_is_made_as_any_file(tmp_path: Path):
+def test_appending_creates_a_missing_file(tmp_path: Path):
     open_to_add(tmp_path / "log").close()
     (tmp_path / "any").touch()
     assert (tmp_path / "log").stat().st_mode == (tmp_path / "any").stat().st_mode
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o755, 0o666])
-def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path: Path, mode: int):
+def test_replaced_file_keeps_its_permissions(tmp_path: Path, mode: int):
     path = tmp_path / "mine"
     path.write_text("before")
     path.chmod(mode)
@@ -175,7 +175,7 @@ def test_a_file_that_is_replaced_keeps_its_permissions(tmp_path: Path, mode: int
     assert path.stat().st_mode & 0o7777 == mode
 
 
-def test_a_private_file_is_never_readable_to_others_not_even_as_it_is_written(tmp_path: Path):
+def test_temporary_copy_of_a_private_file_is_private(tmp_path: Path):
     path = tmp_path / "mine"
     path.write_text("before")
     path.chmod(0o600)
@@ -185,7 +185,7 @@ def test_a_private_file_is_never_readable_to_others_not_even_as_it_is_written(tm
 
 
 @pytest.mark.parametrize("mode", [0o444, 0o400, 0o000])
-def test_a_read_only_file_is_not_replaced_even_if_forced(tmp_path: Path, mode: int):
+def test_read_only_file_is_not_replaced_even_if_forced(tmp_path: Path, mode: int):
     path = tmp_path / "mine"
     path.write_text("before")
     path.chmod(mode)
@@ -198,7 +198,7 @@ def test_a_read_only_file_is_not_replaced_even_if_forced(tmp_path: Path, mode: i
     assert os.listdir(tmp_path) == ["mine"]
 
 
-def test_a_durable_file_and_its_folder_are_on_the_disk_when_it_is_there(tmp_path: Path, monkeypatch):
+def test_durable_file_and_its_folder_are_flushed_to_disk(tmp_path: Path, monkeypatch):
     synced, sync = [], os.fsync
 
     def record(descriptor: int) -> None:

@@ -5,31 +5,31 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.files import output_folder
-from kinesic.files.output_folder import MARK, MARKER, check_folder, is_made, new_folder
+from kinesic.files.output_folder import MARKER_FILE, MARKER_TEXT, check_folder, is_made, new_folder
 
 
 @pytest.fixture
 def made(tmp_path: Path) -> Path:
-    """A folder that kinesic has made, with a result in it."""
+    """Return a folder created by kinesic that contains a result."""
     folder = tmp_path / "out" / "demo"
     with new_folder(folder) as fresh:
         (fresh / "result").write_text("first")
     return folder
 
 
-def test_a_folder_appears_when_it_is_whole(tmp_path: Path):
+def test_output_folder_appears_when_complete(tmp_path: Path):
     folder = tmp_path / "deep" / "down"
     with new_folder(folder) as fresh:
         assert not folder.exists()
         (fresh / "result").write_text("first")
-    assert sorted(os.listdir(folder)) == [MARKER, "result"]
+    assert sorted(os.listdir(folder)) == [MARKER_FILE, "result"]
     assert os.listdir(tmp_path / "deep") == ["down"]
     assert is_made(folder)
     (tmp_path / "usual").mkdir()
     assert folder.stat().st_mode == (tmp_path / "usual").stat().st_mode
 
 
-def test_only_force_replaces_and_nothing_of_the_earlier_is_left(made: Path):
+def test_forced_replacement_leaves_nothing_of_the_old_folder(made: Path):
     (made / "deep").mkdir()
     (made / "deep" / "old").write_text("old")
     with pytest.raises(ConfigError, match="exists already; --force replaces it, --out names another"):
@@ -37,13 +37,13 @@ def test_only_force_replaces_and_nothing_of_the_earlier_is_left(made: Path):
     with new_folder(made, force=True) as fresh:
         (fresh / "result").write_text("second")
         assert (made / "result").read_text() == "first"
-    assert sorted(os.listdir(made)) == [MARKER, "result"]
+    assert sorted(os.listdir(made)) == [MARKER_FILE, "result"]
     assert (made / "result").read_text() == "second"
     assert os.listdir(made.parent) == ["demo"]
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
-def test_a_run_that_fails_loses_nothing(made: Path, error: type[BaseException]):
+def test_failed_run_keeps_the_earlier_output_folder(made: Path, error: type[BaseException]):
     with pytest.raises(error), new_folder(made, force=True):
         raise error
     assert (made / "result").read_text() == "first"
@@ -51,14 +51,14 @@ def test_a_run_that_fails_loses_nothing(made: Path, error: type[BaseException]):
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
-def test_folders_above_are_made_and_go_again_with_a_run_that_fails(tmp_path: Path, error: type[BaseException]):
+def test_created_parent_folders_are_removed_after_a_failure(tmp_path: Path, error: type[BaseException]):
     (tmp_path / "here").mkdir()
     with pytest.raises(error), new_folder(tmp_path / "here" / "new" / "newer" / "demo"):
         raise error if (tmp_path / "here" / "new" / "newer").is_dir() else AssertionError
     assert os.listdir(tmp_path / "here") == []
 
 
-def test_a_folder_above_in_which_somebody_has_written_meanwhile_stays(tmp_path: Path):
+def test_parent_folder_with_new_files_is_kept(tmp_path: Path):
     def write_and_fail(folder: Path) -> None:
         with new_folder(folder):
             (tmp_path / "new" / "letter").write_text("dear")
@@ -69,24 +69,24 @@ def test_a_folder_above_in_which_somebody_has_written_meanwhile_stays(tmp_path: 
     assert os.listdir(tmp_path / "new") == ["letter"]
 
 
-def test_a_full_disk_is_one_line(made: Path):
+def test_full_disk_gives_a_one_line_error(made: Path):
     with pytest.raises(ConfigError, match="demo: No space left"), new_folder(made, force=True):
         raise OSError(28, "No space left on device")
     assert (made / "result").read_text() == "first"
 
 
-@pytest.mark.parametrize("mark", [None, b"", b"mine", MARK + b"x", "link", "pipe"])
-def test_a_folder_without_the_very_mark_is_refused_even_if_forced(tmp_path: Path, mark: bytes | str | None):
+@pytest.mark.parametrize("mark", [None, b"", b"mine", MARKER_TEXT + b"x", "link", "pipe"])
+def test_output_folder_without_the_exact_kinesic_marker_is_never_replaced(tmp_path: Path, mark: bytes | str | None):
     folder = tmp_path / "mine"
     folder.mkdir()
     (folder / "letter").write_text("dear")
     if mark == "pipe":
-        os.mkfifo(folder / MARKER)
+        os.mkfifo(folder / MARKER_FILE)
     elif mark == "link":
-        (tmp_path / "elsewhere").write_bytes(MARK)
-        (folder / MARKER).symlink_to("../elsewhere")
+        (tmp_path / "elsewhere").write_bytes(MARKER_TEXT)
+        (folder / MARKER_FILE).symlink_to("../elsewhere")
     elif isinstance(mark, bytes):
-        (folder / MARKER).write_bytes(mark)
+        (folder / MARKER_FILE).write_bytes(mark)
     with pytest.raises(ConfigError, match=r"not marked as kinesic's own .*remove it yourself, or name another"):
         check_folder(folder, force=True)
     with pytest.raises(ConfigError, match="not marked"), new_folder(folder, force=True):
@@ -96,14 +96,12 @@ def test_a_folder_without_the_very_mark_is_refused_even_if_forced(tmp_path: Path
 
 
 @pytest.mark.parametrize("path", [".", "..", "/", "", "home", "home/..", "work/..", "home/deep/.."])
-def test_home_and_working_folder_and_all_above_them_are_never_replaced_even_if_marked(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str
-):
+def test_marked_home_and_working_folders_are_never_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str):
     home, work = tmp_path / "home", tmp_path / "work" / "now"
     for folder in (home, work, home / "deep"):
         folder.mkdir(parents=True)
     for folder in (tmp_path, home, work, work.parent):
-        (folder / MARKER).write_bytes(MARK)
+        (folder / MARKER_FILE).write_bytes(MARKER_TEXT)
     monkeypatch.setenv("HOME", str(home))
     monkeypatch.chdir(work)
     target = Path(path) if path in (".", "..", "/", "") else tmp_path / path
@@ -112,17 +110,17 @@ def test_home_and_working_folder_and_all_above_them_are_never_replaced_even_if_m
             check_folder(target, force=force)
     with pytest.raises(ConfigError, match=r"is never replaced|may not be written"), new_folder(target, force=True):
         pass
-    assert (home / MARKER).exists()
-    assert (work / MARKER).exists()
+    assert (home / MARKER_FILE).exists()
+    assert (work / MARKER_FILE).exists()
 
 
-def test_an_empty_home_is_never_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_empty_home_folder_is_never_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     with pytest.raises(ConfigError, match="is never replaced"):
         check_folder(tmp_path)
 
 
-def test_an_empty_folder_is_free(tmp_path: Path):
+def test_empty_existing_folder_may_be_written(tmp_path: Path):
     (tmp_path / "empty").mkdir()
     with new_folder(tmp_path / "empty") as fresh:
         (fresh / "result").write_text("first")
@@ -130,7 +128,7 @@ def test_an_empty_folder_is_free(tmp_path: Path):
 
 
 @pytest.mark.parametrize("way", ["demo", "nowhere", "letter"])
-def test_a_link_is_refused_wherever_it_leads(made: Path, way: str):
+def test_output_folder_may_not_be_a_symlink(made: Path, way: str):
     (made.parent / "letter").write_text("dear")
     link = made.parent / "link"
     link.symlink_to(way)
@@ -142,7 +140,7 @@ def test_a_link_is_refused_wherever_it_leads(made: Path, way: str):
     assert link.is_symlink()
 
 
-def test_a_file_is_no_place_for_a_folder_nor_is_what_is_below_one(tmp_path: Path):
+def test_folder_at_or_below_a_file_is_refused(tmp_path: Path):
     (tmp_path / "letter").write_text("dear")
     for target in (tmp_path / "letter", tmp_path / "letter" / "new"):
         with pytest.raises(ConfigError, match=r"letter is (a file|no folder)"):
@@ -150,7 +148,7 @@ def test_a_file_is_no_place_for_a_folder_nor_is_what_is_below_one(tmp_path: Path
     assert (tmp_path / "letter").read_text() == "dear"
 
 
-def test_a_link_in_a_made_folder_goes_but_not_what_it_points_to(made: Path, tmp_path: Path):
+def test_replacing_a_folder_removes_links_but_not_their_targets(made: Path, tmp_path: Path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter").write_text("dear")
     (made / "folder").symlink_to(tmp_path / "mine")
@@ -160,12 +158,12 @@ def test_a_link_in_a_made_folder_goes_but_not_what_it_points_to(made: Path, tmp_
     (made / "nothing").symlink_to("nowhere")
     with new_folder(made, force=True):
         pass
-    assert os.listdir(made) == [MARKER]
+    assert os.listdir(made) == [MARKER_FILE]
     assert os.listdir(made.parent) == ["demo"]
     assert (tmp_path / "mine" / "letter").read_text() == "dear"
 
 
-def test_what_takes_the_name_meanwhile_is_kept(made: Path, tmp_path: Path):
+def test_folder_created_during_writing_is_kept(made: Path, tmp_path: Path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter").write_text("dear")
 
@@ -184,7 +182,7 @@ def test_what_takes_the_name_meanwhile_is_kept(made: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", ["folder", "link", "file"])
-def test_what_takes_the_name_after_the_last_look_is_put_back(
+def test_foreign_folder_that_appears_after_the_output_check_is_restored(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ):
     mine = tmp_path / "mine"
@@ -210,7 +208,7 @@ def test_what_takes_the_name_after_the_last_look_is_put_back(
     assert (made.parent / "away" / "result").read_text() == "first"
 
 
-def test_an_interruption_just_after_the_exchange_keeps_the_new_one(made: Path, monkeypatch: pytest.MonkeyPatch):
+def test_interruption_after_the_replacement_keeps_the_new_folder(made: Path, monkeypatch: pytest.MonkeyPatch):
     rename, calls = os.rename, []
 
     def interrupt(*arguments: str, **more: int) -> None:
@@ -225,19 +223,19 @@ def test_an_interruption_just_after_the_exchange_keeps_the_new_one(made: Path, m
     assert (made / "result").read_text() == "second"
 
 
-def test_a_folder_above_that_becomes_a_link_meanwhile_leads_nowhere(made: Path, tmp_path: Path):
+def test_parent_folder_replaced_by_link_is_not_followed(made: Path, tmp_path: Path):
     mine = tmp_path / "mine" / "demo"
     mine.mkdir(parents=True)
-    (mine / MARKER).write_bytes(MARK)
+    (mine / MARKER_FILE).write_bytes(MARKER_TEXT)
     (mine / "letter").write_text("dear")
     with new_folder(made, force=True):
         made.parent.rename(tmp_path / "away")
         made.parent.symlink_to("mine")
     assert (mine / "letter").read_text() == "dear"
-    assert os.listdir(tmp_path / "away" / "demo") == [MARKER]
+    assert os.listdir(tmp_path / "away" / "demo") == [MARKER_FILE]
 
 
-def test_no_folder_is_replaced_unless_that_is_asked_for(tmp_path: Path):
+def test_output_folder_is_replaced_only_if_forced(tmp_path: Path):
     with new_folder(tmp_path / "mine") as fresh:
         (fresh / "letter").write_text("dear")
     with pytest.raises(ConfigError, match="exists already; --force"):

@@ -1,4 +1,4 @@
-"""File names made of foreign text."""
+"""Tests of file names made from arbitrary text."""
 
 import pytest
 
@@ -26,20 +26,20 @@ from kinesic.files.plain_name import MAX_STEM_LENGTH, is_device_name, plain_stem
         ("a b  c", "a_b_c"),
     ],
 )
-def test_foreign_text_becomes_a_plain_name(text: str, stem: str):
+def test_arbitrary_text_becomes_a_safe_file_name(text: str, stem: str):
     assert plain_stem(text, fallback="performance") == stem
 
 
-def test_long_text_is_cut():
+def test_long_text_becomes_a_shortened_file_name():
     assert plain_stem("a" * 500, fallback="x") == "a" * MAX_STEM_LENGTH
     assert plain_stem("/" * 500 + "a", fallback="x") == "x"
 
 
 @pytest.mark.parametrize("name", ["con", "CON", "Con.bml", "nul.a.b", "aux .txt", "COM1.toml", "com\u00b9", "conin$"])
-def test_names_of_devices_are_recognised(name: str):
+def test_windows_device_names_are_recognised(name: str):
     assert is_device_name(name)
 
 
 @pytest.mark.parametrize("name", ["console", "con1", "com", "com10", "acon", "a.con", "null", ""])
-def test_other_names_are_no_devices(name: str):
+def test_ordinary_file_names_are_not_device_names(name: str):
     assert not is_device_name(name)

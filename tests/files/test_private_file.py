@@ -15,11 +15,11 @@ def secret(tmp_path: Path) -> Path:
     return path
 
 
-def test_the_first_line_is_the_secret(secret: Path):
+def test_secret_is_the_first_line_of_the_secret_file(secret: Path):
     assert read_secret(secret, "--token-file") == "open sesame"
 
 
-def test_a_pipe_of_a_shell_is_read():
+def test_secret_is_read_from_a_shell_pipe():
     read, write = os.pipe()
     os.write(write, b"open sesame\n")
     os.close(write)
@@ -28,7 +28,7 @@ def test_a_pipe_of_a_shell_is_read():
 
 
 @pytest.mark.parametrize("mode", [0o640, 0o604, 0o644, 0o660])
-def test_a_file_that_others_can_read_is_refused(secret: Path, mode: int):
+def test_secret_readable_by_others_is_refused(secret: Path, mode: int):
     secret.chmod(mode)
     match = rf"--token-file .*token: other users can read it \(mode {mode:o}\); chmod 600"
     with pytest.raises(ConfigError, match=match):
@@ -38,13 +38,13 @@ def test_a_file_that_others_can_read_is_refused(secret: Path, mode: int):
 
 
 @pytest.mark.parametrize("content", [b"", b"\n", b"  \nx", b"x" * (MAX_SECRET_BYTES + 1)])
-def test_a_first_line_that_is_empty_or_endless_is_refused(secret: Path, content: bytes):
+def test_empty_or_too_long_secret_is_refused(secret: Path, content: bytes):
     secret.write_bytes(content)
     with pytest.raises(ConfigError, match=r"its first line must hold 1 to 4096 bytes"):
         read_secret(secret, "--token-file")
 
 
-def test_other_bytes_than_text_and_missing_files_are_refused(secret: Path, tmp_path: Path):
+def test_binary_or_missing_secret_file_is_refused(secret: Path, tmp_path: Path):
     secret.write_bytes(b"\xff\n")
     with pytest.raises(ConfigError, match="not text in UTF-8"):
         read_secret(secret, "--token-file")

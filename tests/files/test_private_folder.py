@@ -1,4 +1,4 @@
-"""Folders of one user, in places where every user may make one."""
+"""Tests of private folders in places writable by all users."""
 
 import os
 from pathlib import Path
@@ -12,10 +12,10 @@ NOBODY_UID = 65_534  # another user
 
 def hold(path: Path, *, make: bool = True) -> None:
     with hold_private_folder(path, make=make) as folder:
-        assert os.path.samestat(os.fstat(folder), path.stat())
+        assert os.path.samestat(folder.status(), path.stat())
 
 
-def test_a_missing_folder_is_made_for_this_user_alone(tmp_path: Path):
+def test_missing_private_folder_is_created_for_this_user_only(tmp_path: Path):
     hold(tmp_path / "mine")
     assert (tmp_path / "mine").stat().st_mode & 0o777 == 0o700
     hold(tmp_path / "mine")
@@ -24,7 +24,7 @@ def test_a_missing_folder_is_made_for_this_user_alone(tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", ["file", "link", "dangling", "open"])
-def test_whatever_else_has_the_name_is_refused(tmp_path: Path, kind: str):
+def test_private_folder_may_not_be_a_file_link_or_open_to_others(tmp_path: Path, kind: str):
     path = tmp_path / "mine"
     match kind:
         case "file":
@@ -42,7 +42,7 @@ def test_whatever_else_has_the_name_is_refused(tmp_path: Path, kind: str):
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give folders away")
-def test_the_folder_of_another_user_is_refused_by_name(tmp_path: Path):
+def test_private_folder_of_another_user_is_refused(tmp_path: Path):
     (tmp_path / "mine").mkdir(mode=0o700)
     os.chown(tmp_path / "mine", NOBODY_UID, NOBODY_UID)
     with pytest.raises(PermissionError, match=f"it belongs to another user .uid {NOBODY_UID}"):

@@ -1,4 +1,4 @@
-// Corrects goals tick by tick: an observer with its belief and what it needs of the ticks before. The arithmetic of
+// Correction of setpoints tick by tick: an observer with its estimate and the required history. The arithmetic is that of
 // `Observer.inputs`.
 
 #pragma once
@@ -11,16 +11,16 @@
 
 namespace kinesic::controller {
 
-// The settings of a correction beside the observer's gains: the range of goals, and how fast it learns and forgets.
+// Settings of a correction in addition to the observer's gains: setpoint range, learning and forgetting rates.
 struct CorrectionSettings {
-    std::vector<double> lower, upper;  // (n,) [rad] range of goals
-    double noticed = 0.0;              // share of what acts that is noticed after a tick
-    double forgotten = 0.0;            // share of what was learned that is forgotten in a tick
-    double clear = 0.0;                // [rad^2] square of a lead at which its first sign is half believed
-    double largest = 0.0;              // [rad] of a correction
+    std::vector<double> lower, upper;  // (n,) [rad] range of setpoints
+    double noticed = 0.0;              // fraction of a disturbance that is noticed after a tick
+    double forgotten = 0.0;            // fraction of the learned correction that is forgotten per tick
+    double clear = 0.0;                // [rad^2] squared feed-forward offset at which its sign has half confidence
+    double largest = 0.0;              // [rad] largest correction
 };
 
-// What feed-forward computed for one tick, (n,) [rad] each: planned angles, goals, and the loads and leads in them.
+// Feed-forward of one tick, (n,) [rad] each: planned angles, setpoints, and the load and velocity offsets in them.
 struct FeedforwardTick {
     const double *angles, *goals, *loads, *leads;
 };
@@ -32,7 +32,7 @@ class Correction {
     int hinges() const { return observer.hinges; }
     bool begun() const { return !earlier.empty(); }
 
-    // Returns the goals (n,) [rad] of a tick, corrected by what (n,) [rad] is measured; those of the first tick as they are.
+    // Returns the setpoints (n,) [rad] of a tick, corrected by measured angles (n,) [rad]; unchanged in the first tick.
     const double* correct(const FeedforwardTick& tick, const double* measured) {
         const int n = observer.hinges;
         const bool first = !begun();
@@ -61,7 +61,7 @@ class Correction {
         }
     }
 
-    // What was led so many ticks before this one, less one; before there was any, the first.
+    // Offsets of `ticks` + 1 ticks ago; initially those of the first tick.
     double* led_before(int part, int ticks) {
         return earlier.data() + (size_t(part) * (observer.late + 1) + ticks) * observer.hinges;
     }
@@ -97,7 +97,7 @@ class Correction {
         }
     }
 
-    // Follows a value by a share of the difference.
+    // Moves a value by a fraction of the difference to another.
     static void follow(double value, double share, double& followed) {
         followed = share * value + (1.0 - share) * followed;
     }
@@ -106,7 +106,7 @@ class Correction {
     const CorrectionSettings settings;
     std::vector<double> belief, inputs, strayed, before;  // rows of (n,) each
     std::vector<double> noticed[2], learned;              // (n,)
-    std::vector<double> earlier;                          // (2, late + 1, n) loads and leads of the last ticks
+    std::vector<double> earlier;                          // (2, late + 1, n) load and velocity offsets of the last ticks
 };
 
 }  // namespace kinesic::controller

@@ -1,13 +1,10 @@
-// kinesic.controller._kernel: commands, correction and physics of a dry run in one loop.
+// kinesic._kernel.controller: commands, correction and physics of a dry run in one loop.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
 
 #include <array>
-#include <optional>
 
 #include "correction.h"
 #include "twin_physics.h"
@@ -19,12 +16,10 @@ namespace {
 
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Places = nb::ndarray<const int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Marks = nb::ndarray<const bool, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Live = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Rows = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-constexpr double DEGREES = 180.0 / 3.14159265358979323846;
-constexpr double SAME_COUPLING = 1e-9;  // relative to what MuJoCo finds, or to 1/(kg m^2)
-constexpr double SHORTEST = 1e-3;  // [s] of a step that has a speed
+constexpr double SAME_COUPLING = 1e-9;  // relative difference to MuJoCo's matrix, or in 1/(kg m^2)
 
 std::vector<double> copy(const Numbers& from) { return {from.data(), from.data() + from.size()}; }
 
@@ -65,14 +60,21 @@ Observer make_observer(const Numbers& forecast, const Numbers& gain, const Numbe
     return made;
 }
 
+// Advances an estimate (7 + late, n) by one tick: inputs (10, n), deviation (n,) [rad] measured a tick before.
+void advance(const Observer& observer, const Numbers& inputs, const Numbers& deviation, const Rows& belief) {
+    const size_t n = size_t(observer.hinges);
+    require(inputs.size() == INPUTS * n && deviation.size() == n && belief.size() == size_t(observer.rows()) * n);
+    observe(observer, inputs.data(), deviation.data(), belief.data());
+}
+
 std::vector<Stage> stages(const Places& addresses) {
     std::vector<Stage> found;
     for (size_t k = 0; k < addresses.size(); ++k) found.push_back(reinterpret_cast<Stage>(addresses.data()[k]));
     return found;
 }
 
-// Has a twin do stages of mj_step wherever friction alone constrains its (n,) hinges. Its steps stay whole if M^-1 + R is not
-// the matrix that MuJoCo has made for the first posture. Arrays are those of `FrictionParts`.
+// Lets a twin run the stages of mj_step while only friction constrains its (n,) hinges. It keeps whole steps if M^-1 + R is
+// not the matrix that MuJoCo computed for the first posture. Arrays are those of `FrictionParts`.
 void split_steps(TwinPhysics& twin, const Places& before, const Places& after, const Numbers& lower, const Numbers& upper,
                  const Places& begins, const Places& ends, const Places& columns, const Live& positions,
                  const Live& factor, const Live& inverse_d, const Live& softness, const Live& matrix) {
@@ -123,7 +125,7 @@ TwinPhysics make_physics(uintptr_t step, uintptr_t model, uintptr_t data, uintpt
     return made;
 }
 
-// Makes the correction by an observer; constants: share that is noticed a tick, share that is forgotten, lead that is clear,
+// Creates the correction by an observer; constants: noticed fraction per tick, forgotten fraction, clear offset,
 // largest correction.
 Correction make_correction(const Observer& observer, const Numbers& lower, const Numbers& upper, const Numbers& constants) {
     require(lower.size() == observer.step.size() && upper.size() == lower.size() && constants.size() == 4);
@@ -131,8 +133,8 @@ Correction make_correction(const Observer& observer, const Numbers& lower, const
     return {observer, {copy(lower), copy(upper), given[0], given[1], clear, given[3]}};
 }
 
-// Goes on with commands at (m,) times, led by angles, goals, loads and leads (m, n), which are corrected if somebody does.
-// Gives all that the steps of these commands left.
+// Continues with commands at (m,) times, given by angles, setpoints, load and velocity offsets (m, n), corrected if enabled.
+// Returns the log of all steps of these commands.
 nb::tuple perform(TwinPhysics& twin, const Numbers& times, const std::array<Numbers, 4>& led, Correction* correction,
                   const nb::callable& progress, int every) {
     const size_t hinges = twin.hinges.size(), count = times.size();
@@ -159,105 +161,16 @@ nb::tuple perform(TwinPhysics& twin, const Numbers& times, const std::array<Numb
                           array(std::move(twin.sent)));
 }
 
-// First time within a window about `at` at which a path (m, d) at (m,) times is inside a ball, between samples on a straight
-// line; None where it never is.
-std::optional<double> first_entry(const Numbers& times, const Numbers& path, double at, double window,
-                                  const Numbers& centre, double radius) {
-    const size_t count = times.size(), size = centre.size();
-    require(path.size() == count * size);
-    const double *all = times.data(), *begin = std::lower_bound(all, all + count, at - window);
-    const double* end = std::lower_bound(begin, all + count, at + window);
-    double outer = 0.0;
-    for (const double* now = begin; now < end; ++now) {
-        const double* place = path.data() + (now - all) * size;
-        double squares = 0.0;
-        for (size_t k = 0; k < size; ++k) squares += (place[k] - centre.data()[k]) * (place[k] - centre.data()[k]);
-        const double distance = std::sqrt(squares);
-        if (distance <= radius) {
-            if (now == begin) return *now;
-            return now[-1] + (outer - radius) / (outer - distance) * (now[0] - now[-1]);
-        }
-        outer = distance;
-    }
-    return std::nullopt;
-}
-
-// The value below which a share of unsorted values is, between two of them on a straight line.
-double percentile(std::vector<double>& values, double share) {
-    const double place = share * double(values.size() - 1), whole = std::floor(place), part = place - whole;
-    const auto at = values.begin() + std::ptrdiff_t(whole);
-    std::nth_element(values.begin(), at, values.end());
-    if (at + 1 == values.end()) return *at;
-    const double here = *at, after = *std::min_element(at + 1, values.end());
-    return part < 0.5 ? here + (after - here) * part : after - (after - here) * (1.0 - part);
-}
-
-// Errors [deg] of hinges as long as they move, sample after sample: root mean square, 95th percentile, largest; its row and
-// hinge, and the hinge whose squares sum up to most.
-nb::tuple tracking_errors(const Numbers& found, const Marks& moving) {
-    const size_t count = moving.size(), hinges = moving.shape(1);
-    std::vector<double> errors, squares(hinges, 0.0);
-    errors.reserve(found.size());
-    double sum = 0.0, largest = -1.0;
-    size_t place = 0;
-    for (size_t k = 0; k < count; ++k) {
-        if (!moving.data()[k]) continue;
-        require(errors.size() < found.size());
-        const double error = std::abs(found.data()[errors.size()]) * DEGREES;
-        errors.push_back(error);
-        sum += error * error;
-        squares[k % hinges] += error * error;
-        if (error > largest) largest = error, place = k;
-    }
-    require(!errors.empty() && errors.size() == found.size());
-    const auto most = std::max_element(squares.begin(), squares.end()) - squares.begin();
-    const double rmse = std::sqrt(sum / double(errors.size())), high = percentile(errors, 0.95);
-    return nb::make_tuple(rmse, high, largest, place / hinges, place % hinges, most);
-}
-
-// The largest speed on a path (m, d) at (m,) times from one moment to another, and its length; on straight lines between.
-std::pair<double, double> measure_stretch(const Numbers& times, const Numbers& path, double begin, double end) {
-    const size_t count = times.size(), size = count ? path.size() / count : 0;
-    require(count > 1 && path.size() == count * size);
-    const double* all = times.data();
-    const auto place = [&](double moment, double* to) {
-        const size_t after = std::clamp<size_t>(std::upper_bound(all, all + count, moment) - all, 1, count - 1);
-        const double *here = path.data() + (after - 1) * size, *there = here + size;
-        const double share = std::clamp((moment - all[after - 1]) / (all[after] - all[after - 1]), 0.0, 1.0);
-        for (size_t i = 0; i < size; ++i) to[i] = here[i] + share * (there[i] - here[i]);
-    };
-    std::vector<double> edges(2 * size);
-    place(begin, edges.data());
-    place(end, edges.data() + size);
-    const size_t first = std::upper_bound(all, all + count, begin) - all, last = std::lower_bound(all, all + count, end) - all;
-    const double* before = edges.data();
-    double time = begin, fastest = 0.0, length = 0.0;
-    for (size_t k = first; k <= std::max(first, last); ++k) {
-        const bool ends = k >= last;
-        const double *now = ends ? edges.data() + size : path.data() + k * size, next = ends ? end : all[k];
-        double squares = 0.0;
-        for (size_t i = 0; i < size; ++i) squares += (now[i] - before[i]) * (now[i] - before[i]);
-        const double way = std::sqrt(squares);
-        length += way;
-        if (next - time > SHORTEST) fastest = std::max(fastest, way / (next - time));
-        before = now;
-        time = next;
-    }
-    return {fastest, length};
-}
-
 }  // namespace
 
-NB_MODULE(_kernel, module) {
+void bind_controller(nb::module_& module) {
     nb::class_<Observer>(module, "Observer");
     nb::class_<Correction>(module, "Correction");
     nb::class_<TwinPhysics>(module, "TwinPhysics");
     module.def("make_observer", &make_observer);
+    module.def("advance", &advance);
     module.def("make_physics", &make_physics);
     module.def("split_steps", &split_steps);
     module.def("make_correction", &make_correction);
-    module.def("first_entry", &first_entry);
-    module.def("tracking_errors", &tracking_errors);
-    module.def("measure_stretch", &measure_stretch);
     module.def("perform", &perform, nb::arg(), nb::arg(), nb::arg(), nb::arg().none(), nb::arg(), nb::arg());
 }

@@ -1,4 +1,4 @@
-// One tick of the observer of `controller/observer.py` for all hinges: the arithmetic of `controller/observer_step.py`.
+// One tick of the observer of `controller/observer.py` for all hinges, with the arithmetic of `controller/observer_step.py`.
 
 #pragma once
 
@@ -8,26 +8,26 @@
 
 namespace kinesic::controller {
 
-enum Belief { DEVIATION, SPEED, PUSH, UNDER_WAY };  // rows; after what is under way: share, pace, correction, goals
+enum Belief { DEVIATION, SPEED, PUSH, UNDER_WAY };  // rows; then the pending corrections, load, pace, correction, setpoints
 enum Input { ANGLE, GOAL, LOWEST, HIGHEST, LOAD, NOTICED, TRUST, LEAD, NOTICED_LEAD, TRUST_LEAD, INPUTS };
 
 struct Observer {
-    int hinges = 0, late = 0;      // late: corrections under way
+    int hinges = 0, late = 0;      // late: number of pending corrections
     std::vector<double> forecast;  // (3, 3, n)
     std::vector<double> gain;      // (3, n)
-    std::vector<double> step;      // (n,) [rad] of correction per tick
-    std::vector<double> full;      // (n,) [rad] error of full duty beyond doubt
+    std::vector<double> step;      // (n,) [rad] correction step per tick
+    std::vector<double> full;      // (n,) [rad] error that certainly causes full duty
     std::vector<double> arrival;   // (late,)
-    double restoring[3] = {};      // of deviation, speed and push
-    double lightest = 0.0, heaviest = 0.0;  // what a load may turn out to be
-    double fading = 0.0;                    // of the push where a servo is silent
+    double restoring[3] = {};      // gains on deviation, velocity and disturbance
+    double lightest = 0.0, heaviest = 0.0;  // range of the estimated load
+    double fading = 0.0;                    // decay of the disturbance while a servo is silent
 
     int rows() const { return 7 + late; }
 };
 
 inline double between(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
 
-// Advances a belief (7 + late, n) by inputs (10, n) and what was measured (n,), minus the reference a tick before.
+// Advances an estimate (7 + late, n) by inputs (10, n) and measured angles (n,), minus the reference a tick before.
 inline void observe(const Observer& self, const double* inputs, const double* measured, double* belief) {
     const int n = self.hinges, late = self.late;
     for (int i = 0; i < n; ++i) {

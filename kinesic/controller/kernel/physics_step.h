@@ -1,8 +1,8 @@
-// One step of MuJoCo: its own mj_step, or the same stages without those that make constraints and their matrix, which are a
-// sixth of it. MuJoCo is known by addresses alone: no version of its headers is built in.
+// One physics step of MuJoCo: mj_step, or its stages without those that build constraints and their matrix, which take a
+// sixth of the step. MuJoCo is used through addresses only: no version of its headers is compiled in.
 //
-// Constraints are coupled by J M^-1 J^T + R (MuJoCo's documentation, chapter Computation). Where only friction constrains
-// the hinges, its rows and their softness R stay as they are, and the Jacobian J is the identity.
+// Constraints are coupled by J M^-1 J^T + R (MuJoCo's documentation, chapter Computation). While only friction constrains
+// the hinges, its rows and their softness R are constant, and the Jacobian J is the identity.
 
 #pragma once
 
@@ -16,17 +16,17 @@ namespace kinesic::controller {
 using Stage = void (*)(void* model, void* data);
 using Clock = double (*)();
 
-inline std::atomic<double> moment = 0.0;  // at which the clock stands
+inline std::atomic<double> moment = 0.0;  // time at which the clock is stopped
 
 inline double stand_still() { return moment.load(std::memory_order_relaxed); }
 
-// M = L^T D L of n hinges, as MuJoCo factors it anew in each step: a row of L has entries only for the hinges that carry its
-// own (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6.5).
+// Factor M = L^T D L of n hinges, as MuJoCo computes it in each step: a row of L has entries only for the ancestors of its
+// hinge (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 6.5).
 struct FactoredInertia {
     const double *entries = nullptr, *inverse_d = nullptr;  // (c,) of L, row by row; (n,) 1 / D
-    std::vector<int> begins, ends, columns;  // (n,) where the entries of a row begin, and its diagonal; (c,) of the entries
+    std::vector<int> begins, ends, columns;  // (n,) begin and diagonal position of each row; (c,) columns
 
-    // Writes M^-1 (n, n). L M^-1 = D^-1 L^-T has nothing left of its diagonal, which is D^-1: up to the diagonal, this gives
+    // Writes M^-1 (n, n). L M^-1 = D^-1 L^-T is zero left of its diagonal, which is D^-1: up to the diagonal, this gives
     // each row of M^-1 from the rows above it (as Takahashi, Fagan and Chin, Formation of a sparse bus impedance matrix, 1973).
     void invert(double* inverse) const {
         const size_t n = begins.size();
@@ -45,13 +45,13 @@ struct FactoredInertia {
 };
 
 struct FrictionStep {
-    std::vector<Stage> before, after;  // stages of mj_step, up to the factors of the inertia and from then on
+    std::vector<Stage> before, after;  // stages of mj_step up to and after the factorisation of the inertia
     FactoredInertia inertia;
-    std::vector<double> lower, upper;   // (n,) [rad] between which no stop acts
+    std::vector<double> lower, upper;   // (n,) [rad] range without contact with a stop
     const double* positions = nullptr;  // (n,) [rad] qpos
     const double* softness = nullptr;   // (n,) efc_R
     double* matrix = nullptr;           // (n, n) efc_AR
-    bool ready = false;                 // whether the last rows that MuJoCo made are those of friction alone
+    bool ready = false;                 // whether the last constraint rows of MuJoCo are those of friction alone
 
     bool stops_act() const {
         for (size_t i = 0; i < lower.size(); ++i)
@@ -59,7 +59,7 @@ struct FrictionStep {
         return false;
     }
 
-    // Writes M^-1 + R, which couples the rows.
+    // Writes M^-1 + R, the coupling of the rows.
     void couple() const {
         inertia.invert(matrix);
         for (size_t i = 0, n = lower.size(); i < n; ++i) matrix[i * n + i] += softness[i];
@@ -75,10 +75,10 @@ struct FrictionStep {
 struct PhysicsStep {
     Stage whole = nullptr;  // mj_step
     void *model = nullptr, *data = nullptr;
-    Clock* clock = nullptr;  // by which MuJoCo times its stages, which takes a twentieth of a step; null: there is none
+    Clock* clock = nullptr;  // clock by which MuJoCo times its stages, which takes a twentieth of a step; null: none
     std::optional<FrictionStep> friction;
 
-    // Does one step; MuJoCo's clock stands meanwhile.
+    // Runs one step with MuJoCo's clock stopped.
     void advance() {
         const Clock ticking = clock ? *clock : nullptr;
         if (ticking) {

@@ -1,4 +1,4 @@
-// A twin's physics, and every step of it kept: what `sim/twin.py` does command by command.
+// Physics of a twin with a log of every step, as `sim/twin.py` runs it command by command.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace kinesic::controller {
 
-constexpr double SAME_TIME = 1e-9;  // [s] below which two times are one
+constexpr double SAME_TIME = 1e-9;  // [s] smaller differences of times count as zero
 
 struct Goals {
     double arrival;              // [s]
@@ -23,23 +23,23 @@ struct TwinPhysics {
     double* timestep = nullptr;
     const double *positions = nullptr, *speeds = nullptr;  // MuJoCo's qpos and qvel
     double* control = nullptr;                             // its ctrl
-    int size = 0;                                          // of qpos, which is that of qvel
-    std::vector<int> hinges, play, actuators;  // (n,) where the hinges are in them; play is empty where there is none
-    std::vector<double> ticks;                 // (n,) [rad] of goals and positions; empty: they are not rounded
-    double longest = 0.0, latency = 0.0;       // [s] of a step, and of goals
+    int size = 0;                                          // length of qpos, equal to that of qvel
+    std::vector<int> hinges, play, actuators;  // (n,) indices of hinges, backlash joints (or empty) and actuators
+    std::vector<double> ticks;                 // (n,) [rad] resolution of setpoints and positions; empty: not rounded
+    double longest = 0.0, latency = 0.0;       // [s] longest step, and latency of setpoints
 
     bool begun = false;
     double time = 0.0, last = 0.0;  // [s] now, and length of the last step
-    std::vector<double> goals;      // (n,) [rad] in force
-    std::deque<Goals> waiting;      // under way
+    std::vector<double> goals;      // (n,) [rad] current setpoints
+    std::deque<Goals> waiting;      // setpoints that have not arrived yet
 
-    // What was kept since somebody took it away:
+    // Log since it was last taken:
     std::vector<double> angles_kept, speeds_kept, spans;  // (s, size), (s, size), (s,) of all steps
-    std::vector<int64_t> aimed;                           // steps before new goals came into force
-    std::vector<int64_t> counts;                          // steps so far at each command
-    std::vector<double> sent;                             // (m, n) [rad] goals of each command
+    std::vector<int64_t> aimed;                           // number of steps before each change of setpoints
+    std::vector<int64_t> counts;                          // number of steps at each command
+    std::vector<double> sent;                             // (m, n) [rad] setpoints of each command
 
-    // Time begins with the first command.
+    // The first command sets time zero.
     void begin(double at) {
         if (!begun) time = at;
         begun = true;
@@ -49,7 +49,7 @@ struct TwinPhysics {
         return ticks.empty() ? value : std::nearbyint(value / ticks[hinge]) * ticks[hinge];
     }
 
-    // What the servos' registers hold (n,) [rad]; semi-implicit steps run half a step ahead of the held goals.
+    // Writes the servos' measured angles (n,) [rad], half a step back, as semi-implicit steps run ahead of the setpoints.
     void read(double* into) const {
         for (size_t i = 0; i < hinges.size(); ++i) {
             double angle = positions[hinges[i]] - last / 2 * speeds[hinges[i]];
@@ -62,7 +62,7 @@ struct TwinPhysics {
         for (size_t i = 0; i < actuators.size(); ++i) control[actuators[i]] = goals[i];
     }
 
-    // Motors stand where play does not add: servos measure both together.
+    // Subtracts the backlash from the setpoints, because servos measure motor and backlash together.
     void aim_through_play() {
         for (size_t i = 0; i < actuators.size(); ++i) control[actuators[i]] = goals[i] - positions[play[i]];
     }
@@ -82,7 +82,7 @@ struct TwinPhysics {
         time = until;
     }
 
-    // Steps up to a command's time, then takes its goals (n,) [rad].
+    // Steps to a command's time, then accepts its setpoints (n,) [rad].
     void write(double until, const double* wanted) {
         while (!waiting.empty() && waiting.front().arrival <= until - SAME_TIME) {
             advance(waiting.front().arrival);

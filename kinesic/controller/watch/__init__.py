@@ -1,1 +1,1 @@
-"""The watch of the clearance: motion slows where servos stray, and stops before anything touches."""
+"""Clearance watch: slow or stop robots whose tracking errors threaten collisions."""

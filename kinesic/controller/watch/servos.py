@@ -1,8 +1,8 @@
-"""Watches the clearance of real servos: the same look ahead as the twin's, at positions that were read on the wire.
+"""Clearance watch of real servos, using positions read from the bus.
 
-It runs beside the supervisor, in the planner's process, so that no cycle of the wires waits for it, and asks for a
-pace. Each angle is compared with the plan at the performance time at which its servo took it; a position that is old,
-missing or seen before is not weighed.
+It runs in the planner's process, so that no bus cycle waits for it, and requests a time scale from the supervisor. Each
+angle is compared with the plan at the performance time of its measurement. Old, missing and repeated readings are
+ignored.
 """
 
 from bisect import bisect_left
@@ -14,87 +14,91 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Distances
-from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look_ahead
+from kinesic.controller.watch.clearance import ClearanceWatch, look_ahead, lookahead_times
 from kinesic.hardware.supervisor.channel import Status
+from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 
-CYCLES_KEPT = 100  # cycles whose time is remembered: a second, longer than any position is believed
-WAIT = 0.9 * LOOK  # [s] since the last look: cycles do not come quite evenly
-HELD = 3.0  # [s] for which postures that were written are kept: as long as positions are believed, and to spare
-TRIMMED = 100  # commands that are dropped together
-FRESH = 2 * LOOK  # [s] until a position is too old to say where the servo strays
+MAX_STORED_CYCLES = 100  # bus cycles with stored times: 1 s, longer than the age of any used reading
+MIN_LOOK_INTERVAL = 0.9 * LOOK_PERIOD  # [s] shortest time between clearance checks; tolerates bus jitter
+POSTURE_MEMORY = 3.0  # [s] duration of stored commanded postures, longer than the age of any used reading
+TRIM_COUNT = 100  # outdated commands that are deleted together
+MAX_READING_AGE = 2 * LOOK_PERIOD  # [s] oldest position reading used for the tracking error
 
 
 class WrittenPostures:
-    """The postures of commands that were written of late, as a function of performance time."""
+    """Interpolator of recently commanded postures over performance time."""
 
     def __init__(self) -> None:
         self._times: list[float] = []
         self._angles: list[Floats] = []
 
     def add(self, command: Command) -> None:
-        """Adds a command, which replaces those that are not earlier."""
+        """Add a command, replacing earlier ones with the same or later time."""
         first = bisect_left(self._times, command.time)
-        old = bisect_left(self._times, command.time - HELD)
+        old = bisect_left(self._times, command.time - POSTURE_MEMORY)
         self._times[first:], self._angles[first:] = [command.time], [command.angles]
-        if old > TRIMMED:
+        if old > TRIM_COUNT:
             del self._times[:old], self._angles[:old]
 
     def __call__(self, times: Floats) -> Floats:
-        """(k, n) [rad] at times (k,) [s]; the first or last outside of what is known."""
-        known, angles = np.array(self._times), np.array(self._angles)
-        columns = [np.interp(times, known, column) for column in angles.T]
+        """Interpolate commanded postures (k, n) [rad] at times (k,) [s].
+
+        Outside the stored times, the first or last posture is held.
+        """
+        stored_times, angles = np.array(self._times), np.array(self._angles)
+        columns = [np.interp(times, stored_times, column) for column in angles.T]
         return np.stack(columns, axis=1)
 
 
 class ServoWatch:
-    """What the servos of one robot stray from what they were told, and the pace that this leaves."""
+    """Clearance watch of one robot's servos."""
 
     def __init__(self, reference: Callable[[Floats], Floats], distances: Distances, *, least: float) -> None:
-        """Has seen nothing.
+        """Create the watch, before any servo status has arrived.
 
         Args:
-            reference: planned postures (k, n) [rad] at performance times (k,) [s], also beyond the end.
+            reference: returns planned postures (k, n) [rad] at performance times (k,) [s], also beyond the end.
             distances: of the robot.
-            least: [m] clearance that the robot asks for.
+            least: [m] required clearance of the robot.
         """
         self._reference, self._distances, self._least = reference, distances, least
-        self._clocks: deque[float] = deque(maxlen=CYCLES_KEPT)  # [s] of cycles
-        self._times: deque[float] = deque(maxlen=CYCLES_KEPT)  # [s] of the performance, likewise
-        self._strayed = self._taken = np.zeros(0)  # (n,) [rad], and when [s]; none yet
-        self._looked = -np.inf  # [s] of the clock
+        self._clocks: deque[float] = deque(maxlen=MAX_STORED_CYCLES)  # [s] clock of each cycle
+        self._times: deque[float] = deque(maxlen=MAX_STORED_CYCLES)  # [s] performance time of each cycle
+        self._strayed = self._taken = np.zeros(0)  # (n,) [rad] error and [s] measurement time; empty at first
+        self._looked = -np.inf  # [s] clock of the last evaluation
         self.watch = ClearanceWatch()
 
-    def see(self, statuses: Iterable[Status]) -> bool:
-        """Sees new cycles, and returns whether it has looked ahead anew: its pace is then to be asked for."""
-        news = False
+    def ingest(self, statuses: Iterable[Status]) -> bool:
+        """Ingest new servo statuses and return whether `pace` was updated."""
+        is_updated = False
         for status in statuses:
             if status.stage.runs and np.isfinite(status.time):
                 self._note(status)
-                if status.clock - self._looked >= WAIT:
-                    self._looked, news = status.clock, True
+                if status.clock - self._looked >= MIN_LOOK_INTERVAL:
+                    self._looked, is_updated = status.clock, True
                     self._look(status)
             elif self._times:
                 self._forget()
-                news = True
-        return news
+                is_updated = True
+        return is_updated
 
     @property
     def pace(self) -> float:
-        """Seconds of the performance per second that the clearance leaves."""
+        """Allowed time scale in [0, 1]."""
         return self.watch.pace
 
     @property
     def over(self) -> bool:
-        """Whether waiting was in vain, so that the servos are to stop."""
+        """Whether the servos must stop."""
         return self.watch.over
 
     def _note(self, status: Status) -> None:
-        """Compares what is new with the plan."""
+        """Update the tracking errors from the position readings of a servo status."""
         if not len(self._taken):
             self._strayed, self._taken = np.full(len(status.angles), np.nan), np.full(len(status.angles), -np.inf)
         self._clocks.append(status.clock)
         self._times.append(status.time)
-        fresh = np.isfinite(status.angles) & (status.taken > self._taken)  # never so for NaN
+        fresh = np.isfinite(status.angles) & (status.taken > self._taken)  # False for NaN
         if fresh.any():
             taken = status.taken[fresh]
             moments, places = np.unique(self._time_of(taken), return_inverse=True)
@@ -104,16 +108,19 @@ class ServoWatch:
             self._taken = np.where(fresh, status.taken, self._taken)
 
     def _time_of(self, clocks: Floats) -> Floats:
-        """(k,) [s] of the performance, at other times [s] of the clock."""
+        """Convert clock times [s] to performance times, (k,) [s]."""
         return np.interp(clocks, self._clocks, self._times)
 
     def _look(self, status: Status) -> None:
-        strayed = np.where(status.clock - self._taken <= FRESH, self._strayed, np.nan)
-        coming = self._reference(coming_times(status.time, np.inf))
+        strayed = np.where(status.clock - self._taken <= MAX_READING_AGE, self._strayed, np.nan)
+        coming = self._reference(lookahead_times(status.time, np.inf))
         self.watch = look_ahead(self.watch, coming, sealed(strayed), self._distances, least=self._least)
 
     def _forget(self) -> None:
-        """Begins anew: servos that stood, or moved to somewhere else, tell nothing of what comes."""
+        """Discard all tracking errors after a stop or a new motion.
+
+        They say nothing about the coming motion.
+        """
         self._clocks.clear()
         self._times.clear()
         self._strayed = self._taken = np.zeros(0)

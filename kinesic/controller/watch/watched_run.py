@@ -1,4 +1,4 @@
-"""Performs a plan in a twin whose errors leave too little clearance: slower there, and not to the end if need be."""
+"""Performance in a twin that slows down when the clearance shrinks."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -6,85 +6,85 @@ from math import inf
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import RATE, Command, Measurements
+from kinesic.body.command import COMMAND_RATE, Command, Measurements
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.observer import Observer
 from kinesic.controller.observer_stream import InputStream
-from kinesic.controller.play import command_times
-from kinesic.controller.watch.clearance import LOOK, ClearanceWatch, coming_times, look_ahead
-from kinesic.hardware.supervisor.player import DONE, TimeScale, advance_time
+from kinesic.controller.watch.clearance import ClearanceWatch, look_ahead, lookahead_times
+from kinesic.hardware.supervisor.player import END_TOLERANCE, TimeScale, advance_time
+from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.plan import Plan
 from kinesic.sim.twin import Twin
 
-PERIOD = 1 / RATE
-TICKS = round(LOOK * RATE)  # of commands between two looks
-FEWEST = 2  # commands: less than that is no motion, and has no speed
-SLOWING = 0.2  # [s] in which time comes to a stop
+COMMAND_PERIOD = 1 / COMMAND_RATE  # [s] between two commands
+TICKS_PER_LOOK = round(LOOK_PERIOD * COMMAND_RATE)  # commands between clearance checks
+MIN_COMMANDS = 2  # commands kept of a stopped run, so that velocities can be computed
+SLOWING_TIME = 0.2  # [s] time to slow down from full speed to a stop
 
 
 @dataclass(frozen=True, eq=False)
 class WatchedRun:
-    """A performance whose time did not run evenly."""
+    """Record of a performance in a twin with a varying time scale."""
 
-    times: Floats  # (m,) [s] performance time of each command, one every `PERIOD`
-    duties: Floats  # (m, n) that the motion needed at its pace
-    measured: Measurements  # its times are those of the performance
-    least_pace: float  # seconds of the performance per second, where it was slowed down most
+    times: Floats  # (m,) [s] performance time of each command, one per `COMMAND_PERIOD`
+    duties: Floats  # (m, n) required duty cycles at the actual time scale
+    measured: Measurements  # at performance times
+    min_pace: float  # smallest time scale, in seconds of performance per second
 
 
 @dataclass(frozen=True, eq=False)
-class Slowed:
-    """A motion at one moment of its performance, as it goes on from there at a pace."""
+class SlowedMotion:
+    """Remainder of a motion, slowed by a constant time scale."""
 
     trajectory: Trajectory
-    time: float  # [s] of the performance
-    pace: float
+    time: float  # [s] performance time
+    pace: float  # time scale
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Angles, speeds and accelerations, each (k, n), so many seconds from that moment on."""
+        """Return angles, velocities and accelerations, (k, n) each, after times (k,)."""
         angles, speeds, accelerations = self.trajectory.sample(self.time + self.pace * times)
         return angles, self.pace * speeds, self.pace**2 * accelerations
 
 
 def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: Observer | None) -> WatchedRun:
-    """Performs a plan while its clearance is watched.
+    """Perform a plan in a twin under the clearance watch.
 
     Args:
-        plan: what is performed.
-        twin: at the plan's first posture, with contacts.
-        feedforward: gives the goals.
-        observer: corrects them, of this one body; None: nobody does.
+        plan: to be performed.
+        twin: in the first posture of the plan, with contacts.
+        feedforward: computes the setpoints.
+        observer: of this one body; None: no correction.
     """
-    setup, end = plan.setup, float(command_times(plan.duration)[-1])
+    setup, end = plan.setup, float(plan.command_times[-1])
     clock, watch = TimeScale(0.0, 1.0), ClearanceWatch()
     times: list[float] = []
     paces: list[float] = []
     duties: list[Floats] = []
     inputs = InputStream(observer) if observer else None
-    belief = observer.begin() if observer else None
+    estimate = observer.begin() if observer else None
     strayed = np.zeros(len(setup.robot.skeleton.hinges))
-    while len(times) < FEWEST or not watch.over:
-        now = Slowed(plan.trajectory, clock.time, clock.scale)
+    while len(times) < MIN_COMMANDS or not watch.over:
+        now = SlowedMotion(plan.trajectory, clock.time, clock.scale)
         angles, speeds, accelerations = (sealed(rows[0]) for rows in now.sample(np.zeros(1)))
-        led = feedforward.lead(now, np.zeros(1))
-        goals = led.goals[0]
-        if observer and inputs and belief:
-            taught = inputs.add(angles, led)
+        feed_forward = feedforward.compute_setpoints(now, np.zeros(1))
+        goals = feed_forward.setpoints[0]
+        if observer and inputs and estimate:
+            tick_inputs = inputs.add(angles, feed_forward)
             if times:
-                belief = observer.after(belief, strayed, taught, 0)
-                goals = belief.goals
-        twin.write(Command(len(times) * PERIOD, angles, speeds, accelerations, goals))
+                estimate = observer.advance(estimate, strayed, tick_inputs, 0)
+                goals = estimate.setpoints
+        twin.write(Command(len(times) * COMMAND_PERIOD, angles, speeds, accelerations, goals))
         strayed = twin.positions() - angles
-        if len(times) % TICKS == 0:
-            coming = plan.trajectory.sample(coming_times(clock.time, end))[0]
-            watch = look_ahead(watch, coming, strayed, setup.distances, least=setup.robot.least_clearance)
+        if len(times) % TICKS_PER_LOOK == 0:
+            coming = plan.trajectory.sample(lookahead_times(clock.time, end))[0]
+            watch = look_ahead(watch, coming, strayed, setup.distances, least=setup.robot.min_clearance)
         times.append(clock.time)
-        duties.append(led.duties[0])
+        duties.append(feed_forward.duties[0])
         paces.append(clock.scale)
-        if clock.time >= end - DONE:
+        if clock.time >= end - END_TOLERANCE:
             break
-        clock = advance_time(clock, PERIOD, target=watch.pace, end=inf, slow=SLOWING)
+        clock = advance_time(clock, COMMAND_PERIOD, target=watch.pace, end=inf, slow=SLOWING_TIME)
     twin.close()
     measured = replace(twin.measurements(), times=sealed(times))
     return WatchedRun(sealed(times), sealed(duties), measured, min(paces))

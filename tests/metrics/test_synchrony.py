@@ -1,12 +1,13 @@
-"""When the wrist is fastest, against the word that a document ties the stroke to."""
+"""Time from a word to the highest wrist speed of its stroke."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import perform, plan
-from kinesic.controller.synchrony import StrokeLag, measure_lags, median_lag, planned_lags
+from kinesic.controller.dry_run import dry_run
+from kinesic.metrics.synchrony import StrokeLag, compute_median_lag, measure_lags, measure_planned_lags
+from kinesic.session.plan import plan
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 SPEECH = '<speech id="s" start="1.5"><text>Well, <sync id="m"/>hello to <sync id="n"/>you</text></speech>'
@@ -22,13 +23,16 @@ def times_of(plan, behaviour):
 
 
 def bell(times, *peaks):
-    """(m, 3) [m] of a wrist that is fastest at these times [s], at the last of them most of all."""
+    """Return a wrist path (m, 3) [m] with speed peaks at given times [s].
+
+    The last peak is the highest.
+    """
     steps = sum((k + 1) * np.exp(-(((times - at) / 0.05) ** 2)) for k, at in enumerate(peaks))
     return np.outer(np.cumsum(steps), [1e-3, 0.0, 0.0])
 
 
 def measured(plan, *peaks, side="r"):
-    """Lags where one wrist is fastest at these block times [s] and the other stands still."""
+    """Measure lags for one wrist with speed peaks at block times [s]."""
     times = np.arange(0.0, plan.duration + 0.3, 0.01)
     still = np.zeros((len(times), 3))
     hands = {"l": still, "r": still} | {side: bell(times, *(plan.trajectory.zero + at for at in peaks))}
@@ -40,7 +44,7 @@ def offered(known):
     return planned(known, OFFER)
 
 
-def test_the_lag_is_from_the_word_to_the_fastest_moment(offered):
+def test_stroke_lag_is_the_time_from_word_to_peak_speed(offered):
     word = times_of(offered, "s")["m"]
     for lag in (-0.25, -0.05):
         (found,) = measured(offered, word + lag)
@@ -49,27 +53,27 @@ def test_the_lag_is_from_the_word_to_the_fastest_moment(offered):
         assert found.lag == pytest.approx(lag, abs=0.011)
 
 
-def test_only_what_lies_between_ready_and_stroke_end_counts(offered):
+def test_peak_speed_is_searched_from_ready_to_stroke_end(offered):
     times = times_of(offered, "g")
     inside = (times["ready"] + times["strokeEnd"]) / 2
     (found,) = measured(offered, inside, times["ready"] - 0.3, times["strokeEnd"] + 0.3)
     assert found.fastest == pytest.approx(inside, abs=0.011)
 
 
-def test_a_hand_that_takes_no_part_does_not_count(offered):
+def test_stroke_of_one_hand_ignores_the_idle_hand(offered):
     times = times_of(offered, "g")
     (found,) = measured(offered, (times["ready"] + times["strokeEnd"]) / 2, side="l")
     assert found.fastest == pytest.approx(times["ready"], abs=0.011)
 
 
-def test_offsets_of_the_document_belong_to_the_word(known):
+def test_offset_of_a_stroke_reference_shifts_the_expected_word_time(known):
     later = planned(known, OFFER.replace("s:m", "s:m + 0.3"))
-    (found,) = planned_lags(later)
+    (found,) = measure_planned_lags(later)
     assert found.accent == pytest.approx(times_of(later, "s")["m"] + 0.3)
     assert found.stroke == pytest.approx(found.accent, abs=0.011)
 
 
-def test_a_stroke_may_be_tied_to_its_word_by_a_constraint_and_through_another(known):
+def test_stroke_lag_is_measured_for_strokes_tied_to_words_by_constraints(known):
     points = "".join(f'<sync ref="{ref}"/>' for ref in ("h:stroke", "g:stroke", "s:m"))
     constraint = f"<constraint><synchronize>{points}</synchronize></constraint>"
     both = planned(
@@ -79,7 +83,7 @@ def test_a_stroke_may_be_tied_to_its_word_by_a_constraint_and_through_another(kn
         + '<gesture id="g" lexeme="offer" mode="RIGHT_HAND"/><head id="h" lexeme="NOD"/>'
         + '<gesture id="k" lexeme="up" mode="LEFT_HAND" stroke="h:stroke"/>',
     )
-    assert {(each.behaviour, each.word) for each in planned_lags(both)} == {("g", "s:m"), ("k", "s:m")}
+    assert {(each.behaviour, each.word) for each in measure_planned_lags(both)} == {("g", "s:m"), ("k", "s:m")}
 
 
 @pytest.mark.parametrize(
@@ -93,12 +97,12 @@ def test_a_stroke_may_be_tied_to_its_word_by_a_constraint_and_through_another(kn
     ],
     ids=["no speech", "a time", "not the stroke", "no word", "no hand"],
 )
-def test_what_is_tied_to_no_word_has_no_lag(known, text):
-    assert planned_lags(planned(known, text)) == ()
-    assert median_lag(()) is None
+def test_stroke_without_word_has_no_lag(known, text):
+    assert measure_planned_lags(planned(known, text)) == ()
+    assert compute_median_lag(()) is None
 
 
-def test_repeated_strokes_meet_their_own_words(known):
+def test_repeated_strokes_are_matched_to_their_words(known):
     text = SPEECH + '<gesture id="g" lexeme="beat_double" mode="RIGHT_HAND" stroke="s:m" strokeEnd="s:m + 1.2"/>'
     twice = planned(known, text)
     times = times_of(twice, "g")
@@ -106,9 +110,9 @@ def test_repeated_strokes_meet_their_own_words(known):
     assert found.fastest == pytest.approx(times["stroke"] - 0.1, abs=0.011)
 
 
-def test_the_twin_is_measured_and_strokes_that_it_never_did_are_left_out(known, offered):
-    performed = perform(ROOT.format(OFFER), known)
-    (twin,), (asked,) = performed.stroke_lags, planned_lags(offered)
+def test_unperformed_strokes_have_no_twin_lag(known, offered):
+    performed = dry_run(plan(ROOT.format(OFFER), known))
+    (twin,), (asked,) = performed.stroke_lags, measure_planned_lags(offered)
     assert twin.lag == pytest.approx(asked.lag, abs=0.05)
     sooner = {side: np.roll(path, -10, axis=0) for side, path in performed.measured.hands.items()}  # by 0.1 s
     (early,) = replace(performed, measured=replace(performed.measured, hands=sooner)).stroke_lags
@@ -118,6 +122,6 @@ def test_the_twin_is_measured_and_strokes_that_it_never_did_are_left_out(known, 
     assert measure_lags(offered, times, {"l": still, "r": still}) == ()
 
 
-def test_the_median_has_no_signs():
+def test_median_stroke_lag_uses_absolute_values():
     lags = [StrokeLag("g", "stroke", "s:m", 1.0, 1.0, 1.0 + lag) for lag in (-0.3, 0.1, 0.2)]
-    assert median_lag(lags) == pytest.approx(0.2)
+    assert compute_median_lag(lags) == pytest.approx(0.2)

@@ -1,44 +1,44 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.tracking_delay import tracking_delay
+from kinesic.metrics.tracking_delay import estimate_tracking_delays
 
 TIMES = np.arange(0.0, 4.0, 0.01)
 
 
 def pulse(times, late):
-    """Two strokes, there and back."""
+    """Return the velocity of two strokes, there and back."""
     moved = times - late
     return np.exp(-((moved - 1.2) ** 2) / 0.02) - 0.7 * np.exp(-((moved - 2.6) ** 2) / 0.05)
 
 
 def of(speeds):
-    """Gives those of some hinges."""
+    """Return the velocities of some hinges."""
     return lambda hinges: speeds[:, hinges]
 
 
 @pytest.mark.parametrize("late", [0.0, 0.0032, 0.0471, 0.2, -0.031])
-def test_a_delay_is_found_between_samples(late):
+def test_tracking_delay_is_interpolated_between_samples(late):
     planned = np.stack([pulse(TIMES, 0.0), 3.0 * pulse(TIMES, 0.3)], axis=1)
     performed = np.stack([0.8 * pulse(TIMES, late), 3.0 * pulse(TIMES, 0.3)], axis=1)
-    found = tracking_delay(of(planned), performed, np.array([True, True]), period=0.01)
+    found = estimate_tracking_delays(of(planned), performed, np.array([True, True]), period=0.01)
     assert found == pytest.approx([late, 0.0], abs=2e-4)
 
 
-def test_a_hinge_that_does_not_move_has_none():
+def test_still_hinge_has_no_tracking_delay():
     planned = np.stack([pulse(TIMES, 0.0), np.zeros_like(TIMES)], axis=1)
-    found = tracking_delay(of(planned), planned, np.array([True, False]), period=0.01)
+    found = estimate_tracking_delays(of(planned), planned, np.array([True, False]), period=0.01)
     assert found[0] == pytest.approx(0.0, abs=1e-9)
     assert np.isnan(found[1])
-    assert np.isnan(tracking_delay(of(planned), planned, np.array([False, False]), period=0.01)).all()
+    assert np.isnan(estimate_tracking_delays(of(planned), planned, np.array([False, False]), period=0.01)).all()
 
 
-def test_every_hinge_has_its_own_however_many_are_compared_together(monkeypatch):
-    monkeypatch.setattr("kinesic.controller.tracking_delay.SPEEDS_PER_WINDOW", 2 * len(TIMES))
+def test_batch_size_does_not_change_tracking_delays(monkeypatch):
+    monkeypatch.setattr("kinesic.metrics.tracking_delay.VELOCITIES_PER_WINDOW", 2 * len(TIMES))
     late = [0.0, 0.02, 0.05, -0.01, 0.11, 0.07, 0.03]
     planned = np.stack([pulse(TIMES, 0.0)] * len(late), axis=1)
     performed = np.stack([pulse(TIMES, each) for each in late], axis=1)
     moving = np.array([True, True, False, True, True, True, True])
-    found = tracking_delay(of(planned), performed, moving, period=0.01)
+    found = estimate_tracking_delays(of(planned), performed, moving, period=0.01)
     assert np.isnan(found[2])
     assert found[moving] == pytest.approx(np.array(late)[moving], abs=2e-4)

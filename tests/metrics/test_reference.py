@@ -1,40 +1,39 @@
-"""What a performance keeps, and what it computes when somebody asks."""
+"""Stored and computed arrays of a dry run."""
 
 from dataclasses import fields
 
 import numpy as np
 import pytest
 
-from kinesic.body.command import Command, TickRows
+from kinesic.body.command import Command, SetpointRows
 from kinesic.body.robot import Robot
-from kinesic.controller.performance import Performance, Reference
+from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.reference import Reference
 from kinesic.sim.twin import Twin
 
 
-def test_a_performance_keeps_what_cannot_be_computed(calm: Performance) -> None:
+def test_dry_run_stores_only_measured_arrays_and_recomputes_planned_ones(calm: DryRun) -> None:
     shape = calm.measured.angles.shape
     kept = {field.name: getattr(calm.measured, field.name) for field in fields(calm.measured)}
-    goals = [rows.counts for rows in kept.values() if isinstance(rows, TickRows)]
+    goals = [rows.counts for rows in kept.values() if isinstance(rows, SetpointRows)]
     assert [rows.dtype for rows in goals] == [np.int16] * 2
-    assert sum(rows.nbytes for rows in goals) == calm.measured.goals.nbytes / 2
-    assert [name for name, rows in kept.items() if getattr(rows, "shape", ()) == shape] == ["angles", "speeds"]
+    assert sum(rows.nbytes for rows in goals) == calm.measured.setpoints.nbytes / 2
+    assert [name for name, rows in kept.items() if getattr(rows, "shape", ()) == shape] == ["angles", "velocities"]
     planned = Reference(calm.plan, calm.reference.times, calm.reference.duties)
     assert np.ptp(planned.angles) > 0.0
     assert [name for name, rows in vars(planned).items() if getattr(rows, "shape", ()) == shape] == ["duties"]
 
 
-def test_of_a_long_motion_the_planned_one_is_looked_up_by_windows(
-    calm: Performance, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_long_reference_is_sampled_in_windows(calm: DryRun, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = Reference(calm.plan, calm.reference.times, calm.reference.duties)
-    for name, commands in (("MOST_KEPT", 64), ("COMMANDS_PER_WINDOW", 16)):
-        monkeypatch.setattr(f"kinesic.controller.performance.{name}", commands)
+    for name, commands in (("MAX_CACHED_COMMANDS", 64), ("COMMANDS_PER_WINDOW", 16)):
+        monkeypatch.setattr(f"kinesic.metrics.reference.{name}", commands)
     parts = Reference(calm.plan, calm.reference.times, calm.reference.duties)
-    for name in ("angles", "speeds", "accelerations", "moving"):
+    for name in ("angles", "velocities", "accelerations", "moving"):
         assert np.array_equal(getattr(parts, name), getattr(calm.reference, name)), name
     some = np.array([0, 5, 20])
-    assert np.array_equal(parts.speeds_of(some), whole.speeds_of(some))
-    assert np.array_equal(parts.holding[1], whole.holding[1])
+    assert np.array_equal(parts.velocities_of(some), whole.velocities_of(some))
+    assert np.array_equal(parts.holding_torques[1], whole.holding_torques[1])
     assert [name for name, rows in vars(parts).items() if getattr(rows, "shape", ()) == parts.duties.shape] == [
         "duties",
         "moving",
@@ -42,7 +41,7 @@ def test_of_a_long_motion_the_planned_one_is_looked_up_by_windows(
 
 
 @pytest.mark.parametrize("rounds", [True, False])
-def test_goals_that_two_bytes_do_not_hold_are_kept_as_they_are(rounds: bool) -> None:
+def test_setpoints_too_large_for_integer_ticks_are_stored_as_floats(rounds: bool) -> None:
     robot = Robot.load()
     twin, still, sent = Twin(robot, rounds=rounds), np.zeros(len(robot.drives)), [0.1, 1e3, 0.2]
     recorder = twin.recorder(len(sent))
@@ -52,11 +51,11 @@ def test_goals_that_two_bytes_do_not_hold_are_kept_as_they_are(rounds: bool) -> 
     seen, tick = recorder.measurements(), robot.drives.tick
     assert seen.sent.counts.dtype == np.float64
     expected = np.outer(sent, np.ones(len(tick)))
-    np.testing.assert_array_equal(seen.goals, np.rint(expected / tick) * tick if rounds else expected)
+    np.testing.assert_array_equal(seen.setpoints, np.rint(expected / tick) * tick if rounds else expected)
 
 
 @pytest.mark.parametrize("far", [1, 4])
-def test_goals_beyond_two_bytes_are_kept_once_whenever_they_come(far: int) -> None:
+def test_setpoints_beyond_int16_widen_storage_once(far: int) -> None:
     robot = Robot.load()
     twin, still, sent = Twin(robot), np.zeros(len(robot.drives)), np.full(6, 0.1)
     sent[far] = 1e3
@@ -68,11 +67,11 @@ def test_goals_beyond_two_bytes_are_kept_once_whenever_they_come(far: int) -> No
     assert [row.dtype == np.float64 for row in rows] == [k >= far for k in range(len(sent))]
     assert all(row is rows[far] for row in rows[far:]), "all rows are copied at every later window"
     tick = robot.drives.tick
-    np.testing.assert_array_equal(recorder.measurements().goals, np.rint(np.outer(sent, 1 / tick)) * tick)
+    np.testing.assert_array_equal(recorder.measurements().setpoints, np.rint(np.outer(sent, 1 / tick)) * tick)
 
 
-def test_what_holds_the_posture_is_known_from_the_first_moment_to_the_last(calm: Performance):
-    times, shares = calm.reference.holding
+def test_holding_torque_covers_whole_motion(calm: DryRun):
+    times, shares = calm.reference.holding_torques
     assert times[0] == 0.0
     assert times[-1] >= calm.plan.trajectory.duration
     known, rest = calm.plan.setup, calm.plan.trajectory.angles(np.zeros(1))

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.smoothness import CUT, dimensionless_jerk, spectral_arc_length, visible_jerk
+from kinesic.metrics.smoothness import CUTOFF_FREQUENCY, dimensionless_jerk, spectral_arc_length, visible_jerk
 
 PERIOD = 0.005
 
 
 def reach(duration=1.0, length=0.4):
-    """A straight reach of minimum jerk, with rest before and after."""
+    """Return a straight minimum-jerk reach with rests before and after."""
     s = np.clip((np.arange(0.0, duration + 0.6, PERIOD) - 0.3) / duration, 0.0, 1.0)
     return np.outer(s**3 * (10 - 15 * s + 6 * s**2), [length, 0.0, 0.0])
 
@@ -16,8 +16,8 @@ def trembling(path):
     return path + np.outer(0.004 * np.sin(2 * np.pi * 6 * PERIOD * np.arange(len(path))), [0.0, 0.0, 1.0])
 
 
-def test_dimensionless_jerk_of_a_reach_of_minimum_jerk():
-    """720 / 1.875^2 = 204.8, less what the first and last 5 % of the speed cut off the duration."""
+def test_minimum_jerk_reach_has_known_dimensionless_jerk():
+    """720 / 1.875^2 = 204.8, reduced because samples below 5 % of the peak speed are cut off."""
     found = dimensionless_jerk(reach(), period=PERIOD)
     s = np.linspace(0.0, 1.0, 10001)
     moving = s[30 * s**2 * (1 - s) ** 2 > 0.05 * 1.875]
@@ -25,17 +25,17 @@ def test_dimensionless_jerk_of_a_reach_of_minimum_jerk():
 
 
 @pytest.mark.parametrize("figure", [dimensionless_jerk, spectral_arc_length])
-def test_figures_depend_neither_on_size_nor_on_speed(figure):
+def test_smoothness_is_independent_of_size_and_speed(figure):
     path = reach()
     assert figure(10 * path, period=PERIOD) == pytest.approx(figure(path, period=PERIOD))
     assert dimensionless_jerk(path, period=2 * PERIOD) == pytest.approx(dimensionless_jerk(path, period=PERIOD))
 
 
-def test_spectral_arc_length_of_one_reach():
+def test_minimum_jerk_reach_has_the_known_spectral_arc_length():
     assert spectral_arc_length(reach(), period=PERIOD) == pytest.approx(-1.41, abs=0.02)
 
 
-def test_two_strokes_and_trembling_are_less_smooth():
+def test_two_strokes_or_tremor_are_less_smooth():
     once = reach()
     twice = np.concatenate([once, once[-1] + once])
     for figure, sign in ((dimensionless_jerk, 1), (spectral_arc_length, -1)):
@@ -45,13 +45,13 @@ def test_two_strokes_and_trembling_are_less_smooth():
 
 
 @pytest.mark.parametrize("path", [np.zeros((300, 3)), np.zeros((2, 3)), np.zeros((1, 3))])
-def test_a_path_without_motion_has_no_figure(path):
+def test_motionless_path_has_no_smoothness(path):
     assert dimensionless_jerk(path, period=PERIOD) is None
     assert spectral_arc_length(path, period=PERIOD) is None
 
 
-def test_jerk_that_is_seen_is_that_of_what_moves_slowly_enough():
-    """A sine's mean square of the jerk is half of (amplitude x angular frequency cubed)^2."""
+def test_visible_jerk_ignores_fast_oscillation():
+    """The mean square jerk of a sine is half of (amplitude x angular frequency cubed)^2."""
     times = PERIOD * np.arange(4000)
 
     def seen(frequency, amplitude):
@@ -59,5 +59,5 @@ def test_jerk_that_is_seen_is_that_of_what_moves_slowly_enough():
         return visible_jerk(path, period=PERIOD) / (0.5 * (amplitude * (2 * np.pi * frequency) ** 3) ** 2)
 
     assert seen(1.0, 0.2) == pytest.approx(1.0, rel=0.03)
-    assert seen(CUT, 0.001) == pytest.approx(0.5, rel=0.1)
+    assert seen(CUTOFF_FREQUENCY, 0.001) == pytest.approx(0.5, rel=0.1)
     assert seen(40.0, 0.0001) < 0.001

@@ -1,15 +1,16 @@
 import numpy as np
 import pytest
 
-from kinesic.controller import tracking_errors
-from kinesic.controller.tracking_errors import TrackingErrors, measure_errors
+from kinesic.metrics.tracking_errors import TrackingErrors, measure_errors
+
+from ..reference.metrics import paths
 
 CHANCE = np.random.default_rng(4)
 ERRORS = 0.02 * CHANCE.normal(size=(200, 5))
 MOVING = CHANCE.random(ERRORS.shape) < 0.6
 
 
-def test_errors_count_where_a_hinge_moves_and_the_largest_has_a_place():
+def test_error_statistics_count_moving_hinges_and_locate_the_largest():
     measured, moving = np.zeros((4, 2)), np.array([[True, False], [True, True], [True, True], [False, False]])
     measured[2, 1], measured[0, 1], measured[1, 0] = np.radians(3.0), np.radians(50.0), -np.radians(1.0)
     found = measure_errors(measured[moving], moving)
@@ -19,38 +20,35 @@ def test_errors_count_where_a_hinge_moves_and_the_largest_has_a_place():
     assert found.p95 == pytest.approx(np.percentile([0.0, 0.0, 0.0, 1.0, 3.0], 95))
 
 
-def test_where_nothing_moves_there_is_no_error():
+def test_tracking_error_without_motion_is_zero():
     nothing = np.zeros_like(MOVING)
     assert measure_errors(np.zeros(0), nothing) == TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
 
 
-@pytest.mark.skipif(tracking_errors.KERNEL != "compiled", reason="no compiled kernel")
 @pytest.mark.parametrize("count", [1, 2, 21, 200])
-def test_the_kernel_measures_the_same(count, monkeypatch):
+def test_compiled_error_statistics_equal_numpy(count):
     moving = MOVING[:count].copy()
     moving[0, 0] = True
     fast = measure_errors(ERRORS[:count][moving], moving)
-    monkeypatch.setattr(tracking_errors, "KERNEL", "numpy")
-    slow = measure_errors(ERRORS[:count][moving], moving)
+    slow = paths.measure_errors(ERRORS[:count][moving], moving)
     for name in ("rmse", "p95", "max"):
         assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-14)
     assert (fast.row, fast.hinge, fast.most) == (slow.row, slow.hinge, slow.most)
 
 
-@pytest.mark.skipif(tracking_errors.KERNEL != "compiled", reason="no compiled kernel")
 @pytest.mark.parametrize("count", [0, 1, -1])
-def test_errors_that_are_not_those_of_what_moves_are_refused(count):
+def test_number_of_tracking_errors_must_match_the_moving_joints(count):
     errors = np.zeros(MOVING.sum() + count) if count else np.zeros(0)
     with pytest.raises(ValueError, match="do not fit"):
         measure_errors(errors, MOVING)
 
 
-@pytest.mark.parametrize("kernel", sorted({tracking_errors.KERNEL, "numpy"}))
 @pytest.mark.parametrize("every", [1, 7])
-def test_an_error_that_is_no_number_is_the_largest(kernel, every, monkeypatch):
-    monkeypatch.setattr(tracking_errors, "KERNEL", kernel)
+def test_nan_counts_as_the_largest_tracking_error(every):
     errors = ERRORS.copy()
     errors[3::every] = np.nan
     found = measure_errors(errors[MOVING], MOVING)
+    expected = paths.measure_errors(errors[MOVING], MOVING)
+    assert (found.row, found.hinge, found.most) == (expected.row, expected.hinge, expected.most)
     assert np.isnan([found.rmse, found.p95, found.max]).all()
     assert (found.row, found.hinge) == (3, MOVING[3].argmax())

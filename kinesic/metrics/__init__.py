@@ -1,0 +1,1 @@
+"""Measurements of planned and performed motions: arrival, smoothness, synchrony and tracking."""

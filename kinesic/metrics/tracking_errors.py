@@ -1,0 +1,35 @@
+"""Statistics of the tracking errors of moving hinges."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic._kernel import metrics as kernel
+from kinesic.body.arrays import Flags, Floats
+
+
+@dataclass(frozen=True)
+class TrackingErrors:
+    """Tracking error statistics of moving hinges [deg], 0 without motion."""
+
+    rmse: float
+    p95: float
+    max: float
+    row: int  # of the largest, among the samples
+    hinge: int  # whose is the largest
+    most: int  # the hinge whose squares sum up to most
+
+
+def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:
+    """Compute RMS, 95th percentile and largest tracking error of moving hinges.
+
+    Args:
+        errors: (k,) [rad] of moving hinges, sample by sample.
+        moving: (m, n) whether a hinge moves at a sample; True k times.
+    """
+    if not moving.any():
+        return TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
+    if np.isnan(errors.sum()):  # the kernel sorts the errors, and NaN has no place in an order
+        rows, hinges = (places[np.isnan(errors)] for places in np.nonzero(moving))
+        return TrackingErrors(np.nan, np.nan, np.nan, int(rows[0]), int(hinges[0]), int(hinges.min()))
+    return TrackingErrors(*kernel.tracking_errors(errors, moving))

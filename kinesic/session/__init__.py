@@ -1,0 +1,1 @@
+"""Composition root: planning setups and plans from names, files and options."""

@@ -1,0 +1,155 @@
+"""Read documents (BML, FML-APML or plain text) as planning blocks."""
+
+import re
+from bisect import bisect_left
+from dataclasses import replace
+from itertools import accumulate
+
+from kinesic.bml.block import Block, BmlError, DocumentBounds, Notice, NoticeType
+from kinesic.bml.parse import parse
+from kinesic.bml.reading.prologue import find_first_tag
+from kinesic.bml.reading.wrapping import open_document
+from kinesic.intent.author import AuthoredText, author_text
+from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
+from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
+from kinesic.intent.greta.agent import Agent, read_agent
+from kinesic.intent.greta.lexicon import read_lexicon
+from kinesic.intent.manuscript.decoding import decode_text, read_text_file
+from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
+from kinesic.planning.setup import Setup
+
+MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
+MAX_TEXT_DURATION = 2400.0  # [s] longest plan of a text
+TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)  # maximum size of a text's BML
+_WORD = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
+TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files that are spoken
+
+
+def is_spoken_file(name: str, content: str | bytes) -> bool:
+    """Return whether a file is text or SSML to be spoken, instead of BML."""
+    return name.lower().endswith(TEXT_SUFFIXES) or is_ssml(content)
+
+
+def is_ssml(text: str | bytes) -> bool:
+    """Return whether a document is SSML, with the root element `speak`."""
+    start = text if isinstance(text, str) else decode_text(text)[0]
+    return find_first_tag(start.lstrip("\ufeff")) == "speak"
+
+
+def read_block(text: str | bytes, setup: Setup, *, source: str = "<text>") -> Block:
+    """Read the block of a BML, FML or SSML document.
+
+    Intentions of FML become behaviours by the lexicon and the agent of the setup.
+
+    Args:
+        text: of the document.
+        setup: dialect, character and intention files.
+        source: name of the document in messages and reports.
+
+    Raises:
+        BmlError: the document is refused.
+        ConfigError: an intention file is invalid.
+    """
+    if setup.dialect in ("auto", "fml-apml") and is_fml(text):
+        sets, agent = _read_intention_files(setup)
+        seed = setup.idling.seed
+        return parse_fml(text, source=source, performer=setup.character, sets=sets, agent=agent, seed=seed)
+    opened = open_document(text)
+    if is_ssml(opened.text):
+        block = read_plain_text(opened.text, setup, source=source)
+        around = (Notice(NoticeType.PARSING_FAILURE, block.id, part) for part in opened.surroundings)
+        return replace(block, notices=(*around, *block.notices))
+    return parse(text, source=source, dialect=setup.dialect, performer=setup.character)
+
+
+def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
+    """Turn a text into a block of speech and gestures.
+
+    Its notices list the parts of the text that are neither spoken nor performed.
+
+    Args:
+        text: to be spoken, or the content of its file.
+        setup: style, seed and language.
+        source: name of the text in messages and reports.
+
+    Raises:
+        BmlError: the text has too many words for one plan.
+    """
+    written = write_text(text, setup)
+    if written.words > MAX_TEXT_WORDS:
+        raise BmlError(
+            _describe_length(text if isinstance(text, str) else read_text_file(text)[0], written.words, source)
+        )
+    block = parse(written.bml, source=source, dialect=setup.dialect, performer=setup.character, bounds=TEXT_BOUNDS)
+    notices = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, warning) for warning in written.warnings)
+    return replace(block, notices=(*block.notices, *notices), max_duration=MAX_TEXT_DURATION)
+
+
+def _describe_length(text: str | bytes, words: int, source: str) -> str:
+    """Describe a text that is too long for one plan, with the line in which the plan would end."""
+    written = text if isinstance(text, str) else read_text_file(text)[0]
+    counts = list(accumulate(len(_WORD.findall(line)) for line in written.splitlines()))
+    line = bisect_left(counts, counts[-1] * MAX_TEXT_WORDS / words) + 1
+    place = "" if len(counts) == 1 else f", up to about line {line}"
+    remedy = "divide the text, or stream it with `kinesic say - < FILE`, without a report"
+    return f"{source}: {words} words; a plan holds {MAX_TEXT_WORDS}{place}: {remedy}"
+
+
+def write_fml(text: str | bytes, setup: Setup, *, source: str = "<text>") -> tuple[str, tuple[str, ...]]:
+    """Convert an FML-APML document to BML.
+
+    Returns:
+        BML, and a line for each intention that no behaviour shows; see `author_fml`.
+    """
+    sets, agent = _read_intention_files(setup)
+    return author_fml(text, source=source, sets=sets, agent=agent, seed=setup.idling.seed)
+
+
+def write_bml(text: str, setup: Setup) -> str:
+    """Convert a text to BML with speech and matching gestures.
+
+    Style, seed and language are those of the setup.
+    """
+    return write_text(text, setup).bml
+
+
+def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY) -> AuthoredText:
+    """Convert a text, or the content of its file, to BML with warnings.
+
+    Style, seed and language are those of the setup.
+
+    Args:
+        text: to be spoken, or the content of its file.
+        setup: style, seed and language.
+        memory: gestures of earlier texts, which are not repeated for a minute of speech.
+    """
+    spoken, warnings = (text, ()) if isinstance(text, str) else read_text_file(text)
+    written = author_text(
+        spoken,
+        setup.lexicon,
+        setup.style,
+        language=setup.language,
+        grammar=setup.grammar,
+        sets=intention_sets(setup),
+        seed=setup.idling.seed,
+        memory=memory,
+        character=setup.character or "",
+    )
+    return replace(written, warnings=(*warnings, *written.warnings))
+
+
+def intention_sets(setup: Setup) -> BehaviourSets:
+    """Return the behaviour sets that express intentions of a document.
+
+    They come from the setup's lexicon of intentions, or from kinesic's own without one.
+
+    Raises:
+        ConfigError: the lexicon is invalid.
+    """
+    lexicon = setup.intentions.lexicon
+    return builtin_sets() if lexicon is None else read_lexicon(lexicon)
+
+
+def _read_intention_files(setup: Setup) -> tuple[BehaviourSets, Agent]:
+    """Read the intention files of a setup: behaviour sets and agent."""
+    return intention_sets(setup), read_agent(setup.intentions.baseline, setup.intentions.qualifiers)

@@ -1,0 +1,116 @@
+"""Planning options of `kinesic.Performer` and of the command line."""
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
+
+from kinesic.bml.block import EXPRESSIVITY_RANGES, Dialect
+from kinesic.body.choices import GrammarName, KeyFrameFilling, VoiceName
+from kinesic.body.config import ConfigError, suggestion
+from kinesic.intent.reading.language import ENGLISH_TAG, check_tag
+
+if TYPE_CHECKING:
+    from kinesic.body.arrays import Floats
+
+SET_HELP = (
+    "One style parameter, which also overrides documents, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
+    f"of {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat for more."
+)
+VOICE_HELP = "Voice: espeak is audible, durations is silent; auto is espeak where it is installed."
+CHARACTER_HELP = "Character of the robot in a block for several; default is the block's character, or the first."
+IDLE_HELP = "Amount of breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
+VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
+GRAMMAR_HELP = "Parser of English phrases and clauses: spacy needs the extra text."
+PAUSE_HELP = "Longest pause before a word that would wait for the body, unless documents set another."
+
+
+@dataclass(frozen=True)
+class CliOption:
+    """Command-line name, type and help of a planning option."""
+
+    help: str
+    default: str | int | float | None = None
+    kind: type = str  # type of the value
+    flag: str = ""  # empty: the name of the option
+    metavar: str | None = None
+    many: bool = False  # whether the option may be repeated
+    show_default: bool = False
+    most: float = inf  # upper limit of a number; the lower limit is 0
+
+
+class PlanningOptions(TypedDict, total=False):
+    """Planning options besides robot and style, in the order of `--help`."""
+
+    # style parameters that override documents: {"head.power": 0.8}, or texts of the command line
+    settings: Annotated[
+        Mapping[str, float] | Sequence[str], CliOption(SET_HELP, flag="--set", metavar="NAME=VALUE", many=True)
+    ]
+    lexicon: Annotated[str | Path | None, CliOption("Gesture lexicon: TOML, or Greta's gestuary XML.", kind=Path)]
+    dialect: Annotated[Dialect | Literal["auto"], CliOption("Dialect of the documents.", "auto")]
+    gather: Annotated[KeyFrameFilling, CliOption("Filling of key frames in which some parts have no key.", "complex")]
+    idle: Annotated[float, CliOption(IDLE_HELP, 1.0, float, show_default=True, most=2.0)]
+    variation: Annotated[float, CliOption(VARIATION_HELP, 1.0, float, show_default=True, most=2.0)]
+    seed: Annotated[int, CliOption("Seed of all random numbers.", 0, int, show_default=True)]
+    voice: Annotated[VoiceName, CliOption(VOICE_HELP, "auto")]  # "durations" in Python, equal on every machine
+    pause: Annotated[float, CliOption(PAUSE_HELP, 0.0, float, metavar="SECONDS", most=60.0)]  # [s]
+    # positions by name, or a file of them
+    targets: Annotated[
+        "str | Path | Mapping[str, Sequence[float] | Floats] | None",
+        CliOption("TOML of named points in the world [m].", kind=Path),
+    ]
+    character: Annotated[str | None, CliOption(CHARACTER_HELP, metavar="NAME")]
+    language: Annotated[str, CliOption("Language of plain text, such as en-GB, pt-BR or zh.", "en", show_default=True)]
+    grammar: Annotated[GrammarName, CliOption(GRAMMAR_HELP, "rules")]
+    intentions: Annotated[
+        str | Path | None, CliOption("Greta's lexicon of intentions (XML), for FML and text.", kind=Path)
+    ]
+    baseline: Annotated[
+        str | Path | None, CliOption("Greta's baseline (XML): movement style of the agent in FML.", kind=Path)
+    ]
+    qualifiers: Annotated[
+        str | Path | None, CliOption("Greta's qualifiers (XML): changes of the baseline by intentions.", kind=Path)
+    ]
+
+
+INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # defaults of Performer and command line
+
+OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
+    "dialect": ("auto", *get_args(Dialect)),
+    "gather": get_args(KeyFrameFilling),
+    "voice": get_args(VoiceName),
+    "grammar": get_args(GrammarName),
+}
+
+
+def list_cli_options() -> dict[str, CliOption]:
+    """Return the command-line form of every planning option."""
+    return {name: get_args(hint)[-1] for name, hint in PlanningOptions.__annotations__.items()}
+
+
+def check_options(options: PlanningOptions) -> None:
+    """Check the names and values of planning options.
+
+    Raises:
+        ConfigError: a value is not among the choices or out of range; the message names valid values.
+        TypeError: the option is unknown.
+    """
+    option_names = PlanningOptions.__annotations__
+    for name, value in options.items():
+        if name not in option_names:
+            near = difflib.get_close_matches(name, option_names, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(option_names)}"
+            raise TypeError(f"a performer has no option {name}; {hint}")
+        if name in OPTION_CHOICES and value not in OPTION_CHOICES[name]:
+            raise ConfigError(f"{name} is {value!r}{suggestion(str(value), OPTION_CHOICES[name])}")
+        if (most := list_cli_options()[name].most) < inf and not (
+            isinstance(value, int | float) and 0.0 <= value <= most
+        ):
+            unit = " seconds" if name == "pause" else ""
+            raise ConfigError(f"{name} is {value!r}; use 0 to {most:g}{unit}")
+    check_tag(options.get("language", ENGLISH_TAG))
+    seed = options.get("seed", 0)
+    if not (isinstance(seed, int) and seed >= 0):
+        raise ConfigError(f"seed is {seed!r}; use a whole number, 0 or more")

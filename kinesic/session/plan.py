@@ -1,0 +1,115 @@
+"""Plan documents and motion files without moving the robot."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+from kinesic.bml.block import Block, BmlError
+from kinesic.bml.reading.wrapping import is_wrapped
+from kinesic.planning.certify import certify
+from kinesic.planning.clearance import Conditioner
+from kinesic.planning.files.bap import BAP_SUFFIX, read_bap
+from kinesic.planning.files.imported_motion import plan_imported
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
+from kinesic.session.builtin_documents import locate_document, suggest_document
+from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
+from kinesic.session.setup import set_up
+
+DocumentSource = str | bytes | Path  # a path, or BML text
+
+
+def plan(
+    text: str | bytes, setup: Setup | None = None, *, source: str = "<text>", conditioned: Conditioner = certify
+) -> Plan:
+    """Plan the text of a BML or FML document.
+
+    Args:
+        text: of the document.
+        setup: robot, style and options; default is upper22 in the neutral style.
+        source: name of the document in messages and reports.
+        conditioned: turns desired motions into motions within the limits.
+
+    Raises:
+        BmlError: the document is refused.
+    """
+    setup = setup or set_up()
+    return _plan_read(lambda: read_block(text, setup, source=source), setup, conditioned)
+
+
+def plan_plain_text(text: str | bytes, setup: Setup, *, source: str, conditioned: Conditioner = certify) -> Plan:
+    """Plan speech and gestures for a text.
+
+    Args:
+        text: to be spoken, or the content of its file.
+        setup: robot, style and options.
+        source: name of the text in messages and reports.
+        conditioned: turns desired motions into motions within the limits.
+    """
+    return _plan_read(lambda: read_plain_text(text, setup, source=source), setup, conditioned)
+
+
+def plan_motion_file(path: str | Path, setup: Setup, *, source: str | None = None) -> Plan:
+    """Plan the motion of a .bap file.
+
+    Args:
+        path: of the file.
+        setup: robot, style and options.
+        source: name in messages and reports; default is the path.
+
+    Raises:
+        ConfigError: the file is missing or invalid.
+    """
+    return plan_imported(read_bap(Path(path), setup.robot), setup, source=source or str(path))
+
+
+def plan_document(document: DocumentSource, setup: Setup, *, source: str | None = None) -> Plan:
+    """Plan a BML, FML or text document, given as path or text.
+
+    Args:
+        document: path (BML, a text such as .txt or .md, or a .bap motion), name of a built-in document, or BML text.
+        setup: robot, style and options.
+        source: name in messages and reports; default is the path.
+
+    Raises:
+        BmlError: the document is refused, or the file does not exist.
+        ConfigError: the motion file is invalid.
+    """
+    if isinstance(document, bytes) or (isinstance(document, str) and _is_content(document)):
+        return plan(document, setup, source=source or "<text>")
+    path = Path(document)
+    if path.suffix.lower() == BAP_SUFFIX:
+        return plan_motion_file(path, setup, source=source)
+    if path.suffix.lower() in TEXT_SUFFIXES:
+        return plan_plain_text(_read_bytes(path), setup, source=source or str(path))
+    return plan(_read_bytes(path), setup, source=source or str(path))
+
+
+def _is_content(text: str) -> bool:
+    """Return whether a text is a document, not a path."""
+    return text.lstrip("\ufeff \t\r\n")[:1] in "<{[" or is_wrapped(text)
+
+
+def _plan_read(read: Callable[[], Block], setup: Setup, conditioned: Conditioner) -> Plan:
+    """Read and plan a document, recording the reading time."""
+    began = perf_counter()
+    block = read()
+    parse_seconds = perf_counter() - began
+    return replace(plan_block(block, setup, conditioned=conditioned), parse_seconds=parse_seconds)
+
+
+def _read_bytes(path: Path) -> bytes:
+    """Read a document file as bytes.
+
+    Raises:
+        BmlError: the file does not exist or cannot be read.
+    """
+    try:
+        return locate_document(path).read_bytes()
+    except OSError as error:
+        raise BmlError(
+            f"{path}: {error.strerror}{suggest_document(path)}; give a path, or BML text that begins with <"
+        ) from None
+    except ValueError as error:
+        raise BmlError(f"{str(path)!r}: {error}; give a path, or BML text that begins with <") from None

@@ -1,0 +1,86 @@
+"""Combine robot, style, lexicon, voice and options into a planning setup."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Unpack
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.expressivity.context import read_targets
+from kinesic.expressivity.idle import Idling
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.variation import Variation
+from kinesic.hardware.protocol.servo_map import load_robot
+from kinesic.planning.setup import IntentionFiles, Setup
+from kinesic.session.options import PlanningOptions, check_options
+from kinesic.sim.distances import CapsuleDistances
+from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.speech.voice import voice as make_voice
+
+
+def set_up(
+    robot: Robot | str | Path = "upper22", *, style: Style | str | Path = "neutral", **options: Unpack[PlanningOptions]
+) -> Setup:
+    """Load robot, style, lexicon and voice for planning, with MuJoCo dynamics.
+
+    The default voice is silent, so that times are equal on every machine. By default nothing idles or varies, so that
+    measurements are comparable.
+
+    Args:
+        robot: name of the robot, or path of its TOML file.
+        style: name of the style, or path of its TOML file.
+        options: see `PlanningOptions`.
+
+    Raises:
+        ConfigError: a file is missing or a value is invalid; the message names valid values.
+        TypeError: an option is unknown.
+    """
+    check_options(options)
+    body = robot if isinstance(robot, Robot) else load_robot(robot)
+    base_style = style if isinstance(style, Style) else Style.load(style)
+    lexicon, seed = options.get("lexicon"), options.get("seed", 0)
+    return Setup(
+        robot=body,
+        style=base_style.changed(_format_settings(options.get("settings", ()))),
+        lexicon=Lexicon.load(_to_path(lexicon)),
+        voice=make_voice(options.get("voice", "durations")),
+        dynamics=MujocoDynamics(body),
+        distances=CapsuleDistances(body),
+        targets=_read_targets(options.get("targets")),
+        dialect=options.get("dialect", "auto"),
+        gathering=options.get("gather", "complex"),
+        idling=Idling(options.get("idle", 0.0), seed),
+        variation=Variation(options.get("variation", 0.0), seed),
+        pause=options.get("pause", 0.0),
+        character=options.get("character"),
+        language=options.get("language", "en"),
+        grammar=options.get("grammar", "rules"),
+        intentions=IntentionFiles(
+            _to_path(options.get("intentions")), _to_path(options.get("baseline")), _to_path(options.get("qualifiers"))
+        ),
+    )
+
+
+def _to_path(path: str | Path | None) -> Path | None:
+    return None if path is None else Path(path)
+
+
+def _format_settings(settings: Mapping[str, float] | Sequence[str]) -> Iterable[str]:
+    """Return the style settings as NAME=VALUE texts."""
+    if isinstance(settings, Mapping):
+        return (f"{name}={float(value)!r}" for name, value in settings.items())
+    return settings
+
+
+def _read_targets(targets: str | Path | Mapping[str, Sequence[float] | Floats] | None) -> Mapping[str, Floats]:
+    if isinstance(targets, str | Path):
+        return read_targets(Path(targets))
+    points = {name: sealed(np.array(point, dtype=np.float64)) for name, point in (targets or {}).items()}
+    for name, point in points.items():
+        if point.shape != (3,) or not np.isfinite(point).all():
+            raise ConfigError(f"target {name} is {point.tolist()}; it needs three finite numbers x, y, z in metres")
+    return points

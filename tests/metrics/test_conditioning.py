@@ -1,0 +1,57 @@
+"""Changes of behaviours by conditioning."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.metrics.conditioning import MIN_REPORTED_LOSS, find_deviations
+from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.reference import Reference
+from kinesic.planning.syncs import SHIFT_TO_WARN
+
+
+def with_plan(performance: DryRun, **changes: object) -> DryRun:
+    plan = replace(performance.plan, **changes)
+    return replace(performance, reference=replace(performance.reference, plan=plan))
+
+
+def test_rushed_stroke_is_reported_with_the_reached_limit_and_amplitude_loss(hurried: DryRun) -> None:
+    chapters = {chapter.behaviour: chapter for chapter in hurried.reference.changes}
+    rushed = chapters["rushed"]
+    hinges = hurried.plan.setup.robot.skeleton.names
+    told = {sync for moved in rushed.moved for sync in moved.syncs}
+    syncs = [sync for sync in hurried.plan.syncs if sync.behaviour == "rushed"]
+    assert told == {sync.sync for sync in syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN}
+    assert all(moved.hinge in hinges and moved.quantity and moved.ratio > 1.0 for moved in rushed.moved)
+    assert {loss.part for loss in rushed.losses} == {"r_hand"}
+    assert all(loss.planned < loss.asked and loss.share > MIN_REPORTED_LOSS for loss in rushed.losses)
+    assert rushed.shift == pytest.approx(max(abs(sync.planned - sync.requested) for sync in syncs))
+
+
+def test_plan_without_deviations_reports_no_changed_behaviours(calm: DryRun) -> None:
+    assert calm.reference.changes == ()
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5, 1.0])
+def test_strokes_after_a_stop_are_not_reported_as_weakened(calm: DryRun, share: float) -> None:
+    strokes = [sync.planned + calm.plan.trajectory.zero for sync in calm.plan.syncs if sync.sync == "strokeEnd"]
+    count = int(calm.reference.times.searchsorted(share * max(strokes))) + 1
+    stopped = Reference(calm.plan, calm.reference.times[:count], calm.reference.duties[:count])
+    assert stopped.changes == ()
+
+
+def test_report_merges_equally_shifted_sync_points_of_a_behaviour(calm: DryRun) -> None:
+    late = tuple(replace(sync, planned=sync.planned + 0.1) for sync in calm.plan.syncs)
+    (chapter,) = with_plan(calm, syncs=late).reference.changes
+    (moved,) = chapter.moved
+    assert moved.syncs == tuple(sync.sync for sync in late)
+    assert (moved.milliseconds, moved.hinge) == (100, "")
+
+
+def test_report_sorts_hinges_by_their_deviation_from_the_request(calm: DryRun) -> None:
+    names = calm.plan.setup.robot.skeleton.names
+    lost = np.radians(np.r_[0.5, 3.0, 1.5, np.zeros(len(names) - 3)])
+    motion = replace(calm.plan.motion, rms_distances=lost)
+    found = find_deviations(with_plan(calm, motion=motion).plan)
+    assert [(stray.hinge, pytest.approx(stray.degrees)) for stray in found] == [(names[1], 3.0), (names[2], 1.5)]

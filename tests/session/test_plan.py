@@ -1,0 +1,65 @@
+"""Planning of documents from their text."""
+
+from pathlib import Path
+
+import pytest
+
+from kinesic.bml.block import BmlError, Speech
+from kinesic.session.plan import plan, plan_document, plan_plain_text
+
+NOD = '<bml id="b"><head id="nod" lexeme="NOD" stroke="1"/></bml>'
+
+
+def test_plan_records_the_parse_duration_of_the_document(known):
+    planned = plan(NOD, known)
+    assert 0.0 < planned.parse_seconds < 10.0
+    assert planned.setup is known
+
+
+def test_refused_document_names_its_source(known):
+    with pytest.raises(BmlError, match=r"^nod\.bml:1:"):
+        plan("<bml", known, source="nod.bml")
+
+
+def test_document_is_a_path_or_its_text(known, tmp_path):
+    file = tmp_path / "nod.bml"
+    file.write_text(NOD, encoding="utf-8")
+    for document, source in ((file, str(file)), (str(file), str(file)), (NOD, "<text>"), (NOD.encode(), "<text>")):
+        planned = plan_document(document, known)
+        assert planned.timeline.block.source == source
+        assert [behaviour.id for behaviour in planned.timeline.block.behaviours] == ["nod"]
+    assert plan_document(file, known, source="mine").timeline.block.source == "mine"
+
+
+def test_missing_document_names_the_remedy(known, tmp_path):
+    with pytest.raises(BmlError, match="give a path, or BML text that begins with <"):
+        plan_document(tmp_path / "none.bml", known)
+
+
+def test_plan_of_a_plain_text_speaks_the_text(known):
+    planned = plan_plain_text("Hello there.", known, source="hello.txt")
+    assert {behaviour.type for behaviour in planned.timeline.block.behaviours} >= {"speech"}
+    assert planned.timeline.block.source == "hello.txt"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "warnings"),
+    [
+        ("a.xml", b'<?xml version="1.0"?><speak>Hello <sub alias="there">t</sub>.</speak>', ()),
+        ("a.md", b"# Hello\n\nthere", ()),
+        ("a.txt", "Hello th\xe9re".encode("cp1252"), ("cp1252",)),
+        ("a.txt", "Hello there".encode("utf-16"), ()),
+        ("a.srt", b"1\n00:00:01,000 --> 00:00:02,000\nHello there.\n", ()),
+        ("a.txt", b"Hello there. (juggles plates)", ("juggles plates",)),
+    ],
+)
+def test_text_file_is_spoken_without_its_markup(known, tmp_path: Path, name, content, warnings):
+    file = tmp_path / name
+    file.write_bytes(content)
+    block = plan_document(file, known).timeline.block
+    scripts = [behaviour.action.script for behaviour in block.behaviours if isinstance(behaviour.action, Speech)]
+    spoken = "".join(letter for script in scripts for letter in script.text if letter.isalpha())
+    assert spoken.replace("\xe9", "e") == "Hellothere"
+    notices = [notice.text for notice in block.notices]
+    assert len(notices) == len(warnings)
+    assert all(expected in notice for expected, notice in zip(warnings, notices, strict=True))
