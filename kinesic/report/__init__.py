@@ -1,1 +1,1 @@
-"""Judges a performance and reports it: checks, figures, JSON, a page, and many documents at once."""
+"""Checks, report.json and report pages of performances, and batch reports."""

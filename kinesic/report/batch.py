@@ -1,4 +1,4 @@
-"""Dry-runs many documents by an engine of tasks, and goes on where an interrupted run stopped."""
+"""Dry runs of many documents, resumable and in parallel."""
 
 import hashlib
 import json
@@ -9,29 +9,31 @@ from pathlib import Path
 from typing import Literal
 
 from kinesic.bml.block import BmlError
-from kinesic.bml.reading.document import begins_as_bml
-from kinesic.controller.perform import performances
-from kinesic.controller.performance import Performance
+from kinesic.bml.reading.document import is_bml_start
+from kinesic.controller.dry_run import dry_runs
 from kinesic.files.output_file import write_text
 from kinesic.files.plain_name import cut_name
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.report import Json, report
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.session.builtin_documents import locate_document, suggest_document
+from kinesic.session.plan import plan
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.tasks.engine import Engine
 from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
-from kinesic.tasks.store import JOURNAL
+from kinesic.tasks.store import JOURNAL_FILE
 
 DocumentOutcome = Literal["performed", "refused", "crashed"]
 
-SUFFIXES = (".xml", ".bml")
-HEADER = 4096  # [bytes] of a file of another ending that tell what it is
+DOCUMENT_SUFFIXES = (".xml", ".bml")  # file suffixes of documents
+SNIFFED_BYTES = 4096  # bytes read to recognise BML in files with other suffixes
 
 
 @dataclass(frozen=True)
 class DocumentVerdict:
-    """What became of one document."""
+    """Outcome, behaviours and checks of one document."""
 
     file: str
     outcome: DocumentOutcome
@@ -42,37 +44,38 @@ class DocumentVerdict:
     report: str | None = None  # path of its report
 
     def count(self, outcome: str) -> int:
-        """How many behaviours had this outcome."""
-        return sum(found == outcome for _, found in self.behaviours)
+        """Return the number of behaviours with the given outcome."""
+        return sum(behaviour_outcome == outcome for _, behaviour_outcome in self.behaviours)
 
 
 def documents(paths: tuple[Path, ...]) -> list[Path]:
-    """Finds the BML and XML files below folders in order of their names, beside files that are named; each once.
+    """Return the BML and XML files in folders, sorted and unique.
 
-    A file with another ending is one of them where its content begins as BML.
+    Named files and built-in documents are included. A file with another suffix counts if its content begins as BML.
 
     Raises:
         BmlError: a path does not exist.
     """
-    found: list[Path] = []
+    files: list[Path] = []
     for path in paths:
+        document = locate_document(path)
         if path.is_dir():
-            found += sorted(file for file in path.rglob("*") if _is_document(file))
-        elif path.exists():
-            found.append(path)
+            files += sorted(file for file in path.rglob("*") if _is_document(file))
+        elif document.exists():
+            files.append(document)
         else:
-            raise BmlError(f"{path}: no such file or folder")
-    return list(dict.fromkeys(found))
+            raise BmlError(f"{path}: no such file or folder{suggest_document(path)}")
+    return list(dict.fromkeys(files))
 
 
 def _is_document(path: Path) -> bool:
-    if path.suffix.lower() in SUFFIXES:
+    if path.suffix.lower() in DOCUMENT_SUFFIXES:
         return True
     if not path.is_file():  # whoever opens a pipe may wait for ever
         return False
     try:
         with path.open("rb") as file:
-            return begins_as_bml(file.read(HEADER))
+            return is_bml_start(file.read(SNIFFED_BYTES))
     except OSError:
         return False
 
@@ -82,27 +85,27 @@ def validate_documents(
     make_setup: Callable[[], Setup],
     *,
     engine: Engine,
-    twins: tuple[Factors, ...] = (NOMINAL,),
+    twins: tuple[Factors, ...] = (NOMINAL_FACTORS,),
     folder: Path | None = None,
     settings: str = "",
 ) -> Generator[DocumentVerdict, None, None]:
-    """Dry-runs documents; verdicts come in the order in which they are ready, those of an earlier run first.
+    """Dry-run documents and yield each verdict when it is ready.
 
-    With a folder, each report is written there, and each verdict is noted as soon as it is known: a run with the same
-    folder takes over what is noted of documents that did not change, under the same settings. A document that kills
-    its process is named, and the others go on.
+    With a folder, each report is written there, and each verdict is recorded at once. A later run with the same folder
+    and settings first yields recorded verdicts of unchanged documents. A document that crashes its process is named,
+    and the others continue.
 
     Args:
-        files: to be performed in the twin.
+        files: documents to perform in the twin.
         make_setup: called once in each process; picklable.
-        engine: does it.
-        twins: who performs; the checks are of the first.
-        folder: of the reports.
-        settings: everything beside a document that its verdict depends on; another text makes a fresh start.
+        engine: task engine that runs the documents.
+        twins: twins that perform; the checks are of the first.
+        folder: folder of the reports.
+        settings: all other inputs of a verdict as text; a different text discards recorded verdicts.
     """
     tasks = [DocumentTask.of(file, settings) for file in dict.fromkeys(files)]
-    journal = Journal(folder / JOURNAL, DocumentVerdict) if folder else None
-    found = run_once(
+    journal = Journal(folder / JOURNAL_FILE, DocumentVerdict) if folder else None
+    verdicts = run_once(
         {task: task.key for task in tasks},
         partial(_prepare, make_setup, twins, reports=folder is not None),
         engine,
@@ -111,13 +114,13 @@ def validate_documents(
         holds=lambda verdict: verdict.report is None or Path(verdict.report).exists(),
         preload=__name__,
     )
-    for task, verdict in found:
+    for task, verdict in verdicts:
         yield _crashed(task, verdict, folder) if isinstance(verdict, WorkerCrash) else verdict
 
 
 @dataclass(frozen=True)
 class DocumentTask:
-    """A document that is to be judged, as workers get it: they need not see the folder that it lies in."""
+    """A document to dry-run, with its content for remote workers."""
 
     file: str
     content: bytes | None  # None: it cannot be read here, and whoever tries says why
@@ -125,7 +128,7 @@ class DocumentTask:
 
     @classmethod
     def of(cls, file: Path, settings: str) -> "DocumentTask":
-        """Reads a document."""
+        """Read a document file as a task."""
         try:
             content = file.read_bytes()
         except OSError:
@@ -135,7 +138,7 @@ class DocumentTask:
 
     @property
     def name(self) -> str:
-        """Of its report: two documents of one name in two folders have two."""
+        """File stem of the report, unique among documents with equal names."""
         return f"{cut_name(Path(self.file).stem, limit=200)}-{self.key[:8]}"
 
 
@@ -145,8 +148,8 @@ def _crashed(task: DocumentTask, crash: WorkerCrash, folder: Path | None) -> Doc
     return DocumentVerdict(task.file, "crashed", 1, error=f"{task.file}: {crash.reason}")
 
 
-def _keep(folder: Path | None, task: DocumentTask, found: tuple[DocumentVerdict, str]) -> DocumentVerdict:
-    verdict, text = found
+def _keep(folder: Path | None, task: DocumentTask, verdict_and_text: tuple[DocumentVerdict, str]) -> DocumentVerdict:
+    verdict, text = verdict_and_text
     if not folder or not text:
         return verdict
     path = folder / f"{task.name}.json"
@@ -157,33 +160,32 @@ def _keep(folder: Path | None, task: DocumentTask, found: tuple[DocumentVerdict,
 def _prepare(
     make_setup: Callable[[], Setup], twins: tuple[Factors, ...], *, reports: bool
 ) -> Callable[[DocumentTask], tuple[DocumentVerdict, str]]:
-    known = make_setup()
+    setup = make_setup()
 
     def do(task: DocumentTask) -> tuple[DocumentVerdict, str]:
-        verdict, data = judge(Path(task.file), known, twins=twins, content=task.content)
+        verdict, data = judge(Path(task.file), setup, twins=twins, content=task.content)
         return verdict, json.dumps(data, indent=1) if reports and data else ""
 
     return do
 
 
 def judge(
-    file: Path, known: Setup, *, twins: tuple[Factors, ...] = (NOMINAL,), content: bytes | None = None
+    file: Path, setup: Setup, *, twins: tuple[Factors, ...] = (NOMINAL_FACTORS,), content: bytes | None = None
 ) -> tuple[DocumentVerdict, dict[str, Json]]:
-    """Performs one document in the twin.
+    """Dry-run one document in the twin and return verdict and report.
 
     Args:
-        file: its path.
-        known: who performs it.
-        twins: who performs; the checks are of the first.
-        content: of the file; None: it is read.
+        file: path of the document.
+        setup: setup of the performance.
+        twins: twins that perform; the checks are of the first.
+        content: content of the file; None reads it.
 
     Returns:
-        The verdict, and the report; empty for a document that is refused before anything is planned.
+        The verdict, and the report; empty for a document that is refused before planning.
     """
     try:
-        performance, *beside = performances(
-            file.read_bytes() if content is None else content, twins, known, source=str(file)
-        )
+        document = file.read_bytes() if content is None else content
+        performance, *beside = dry_runs(plan(document, setup, source=str(file)), twins)
     except BmlError as error:
         return DocumentVerdict(str(file), "refused", 0, error=str(error)), {}
     except OSError as error:
@@ -196,7 +198,7 @@ def judge(
     return DocumentVerdict(str(file), "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
 
 
-def _nothing_left(file: Path, performance: Performance) -> str:
+def _nothing_left(file: Path, performance: DryRun) -> str:
     plan = performance.plan
     first = plan.timeline.block.behaviours[0]
     reasons = "; ".join(

@@ -1,20 +1,20 @@
-"""Counts what became of many documents, of their behaviours, and of every check."""
+"""Totals over many documents: outcomes, behaviours and checks."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.report.batch import DocumentVerdict
-from kinesic.report.checks import GRAVITY, Check, CheckStatus, grade
+from kinesic.report.checks import SEVERITY_RANKS, Check, CheckStatus, grade
 from kinesic.report.report import Json
 
-OUTCOMES = ("performed", "refused", "crashed")
-SHARES = ("realised", "partly", "substituted", "dropped")
+DOCUMENT_OUTCOMES = ("performed", "refused", "crashed")  # possible results of a document
+BEHAVIOUR_OUTCOMES = ("realised", "partly", "substituted", "dropped")  # possible results of a behaviour
 
 
 @dataclass(frozen=True)
 class Tally:
-    """One check over many documents."""
+    """Results of one check over many documents."""
 
     name: str
     counts: Mapping[CheckStatus, int]  # documents by status
@@ -23,22 +23,24 @@ class Tally:
 
 
 def tallies(verdicts: Iterable[DocumentVerdict]) -> list[Tally]:
-    """Counts every check that was made, in the order of the report."""
-    found: dict[str, list[tuple[Check, str]]] = {}
+    """Count the results of every check over many documents."""
+    checks_by_name: dict[str, list[tuple[Check, str]]] = {}
     for verdict in verdicts:
         for check in verdict.checks:
-            found.setdefault(check.name, []).append((check, verdict.file))
-    return [_tally(name, made) for name, made in found.items()]
+            checks_by_name.setdefault(check.name, []).append((check, verdict.file))
+    return [_tally(name, results) for name, results in checks_by_name.items()]
 
 
-def _tally(name: str, made: list[tuple[Check, str]]) -> Tally:
-    found = {status: sum(check.status == status for check, _ in made) for status in reversed(GRAVITY)}
-    worst, file = max(made, key=lambda entry: -entry[0].value if entry[0].at_least else entry[0].value)
-    return Tally(name, found, worst, file)
+def _tally(name: str, results: list[tuple[Check, str]]) -> Tally:
+    counts_by_status = {
+        status: sum(check.status == status for check, _ in results) for status in reversed(SEVERITY_RANKS)
+    }
+    worst, file = max(results, key=lambda entry: -entry[0].value if entry[0].at_least else entry[0].value)
+    return Tally(name, counts_by_status, worst, file)
 
 
 def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
-    """Counts documents and behaviours, in all and per folder and type of behaviour, and checks."""
+    """Count documents, behaviours and checks, overall and per folder and type."""
     folders: dict[str, Json] = {}
     for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
         here = [verdict for verdict in verdicts if str(Path(verdict.file).parent) == folder]
@@ -51,10 +53,13 @@ def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
 
 
 def counts(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
-    """Counts documents by what became of them, and their behaviours; `failed` and `poor` are among the performed."""
+    """Count documents and behaviours by outcome.
+
+    Documents that are `failed` or `poor` are also counted as performed.
+    """
     return {
         "documents": len(verdicts),
-        **{outcome: sum(verdict.outcome == outcome for verdict in verdicts) for outcome in OUTCOMES},
+        **{outcome: sum(verdict.outcome == outcome for verdict in verdicts) for outcome in DOCUMENT_OUTCOMES},
         "failed": sum(verdict.outcome == "performed" and verdict.exit > 0 for verdict in verdicts),
         "poor": sum(grade(verdict.checks) == "poor" for verdict in verdicts),
         **_shares([outcome for verdict in verdicts for _, outcome in verdict.behaviours]),
@@ -62,7 +67,7 @@ def counts(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
 
 
 def _shares(outcomes: list[str]) -> dict[str, Json]:
-    return {name: outcomes.count(name) for name in SHARES}
+    return {name: outcomes.count(name) for name in BEHAVIOUR_OUTCOMES}
 
 
 def _json(tally: Tally) -> dict[str, Json]:

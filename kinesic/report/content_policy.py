@@ -1,16 +1,16 @@
-"""Says to browsers what a page may do: run its own script, show what it carries, and nothing else."""
+"""Content-Security-Policy that lets pages run only their own script."""
 
 import hashlib
 from base64 import b64encode
 
 
 def content_policy(script: str, **more: str) -> str:
-    """Writes the Content-Security-Policy of a page that carries everything.
+    """Return the Content-Security-Policy of a self-contained page.
 
-    Should a stranger's words ever slip through as markup, no script of theirs runs, and nothing leaves the page.
+    If foreign text ever becomes markup, its scripts do not run and no data leaves the page.
 
     Args:
-        script: the one that the page carries between its tags, to the letter.
+        script: exact text of the page's script between its tags.
         more: further directives, with _ for -, such as `img_src="data:"`.
     """
     digest = b64encode(hashlib.sha256(script.encode()).digest()).decode()

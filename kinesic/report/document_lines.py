@@ -1,16 +1,16 @@
-"""The document as it was read, line by line, with the behaviours whose elements begin on each line."""
+"""Lines of the source document with the behaviours that begin on each."""
 
 from collections import defaultdict
 from dataclasses import dataclass
 
 from kinesic.bml.block import Behaviour, Block
 
-MOST_LINES = 2000  # of a longer document the beginning is listed
+MAX_LISTED_LINES = 2000  # document lines shown on the page; longer documents are cut
 
 
 @dataclass(frozen=True)
 class DocumentLine:
-    """A line of the document."""
+    """A line of the document, with the behaviours that begin on it."""
 
     number: int  # from 1
     text: str
@@ -18,7 +18,10 @@ class DocumentLine:
 
 
 def document_lines(block: Block) -> tuple[DocumentLine, ...]:
-    """Cuts a document into lines, without empty ones at its end; none where its text is not known."""
+    """Split a document into lines with the behaviours that begin there.
+
+    The result is empty if the text of the document is unknown.
+    """
     if not block.text:
         return ()
     begun: defaultdict[int, list[Behaviour]] = defaultdict(list)
@@ -26,4 +29,6 @@ def document_lines(block: Block) -> tuple[DocumentLine, ...]:
         begun[behaviour.place.line].append(behaviour)
     text = block.text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n")
     lines = text.split("\n")  # as XML has it: others end no line
-    return tuple(DocumentLine(number, text, tuple(begun[number])) for number, text in enumerate(lines[:MOST_LINES], 1))
+    return tuple(
+        DocumentLine(number, text, tuple(begun[number])) for number, text in enumerate(lines[:MAX_LISTED_LINES], 1)
+    )

@@ -1,22 +1,22 @@
-"""The process that draws one film: its job comes on standard input, the share that is drawn goes out line by line."""
+"""Process that draws one film, whose job arrives on standard input."""
 
 import os
 import pickle
 import sys
 
-from kinesic.report.films import FAILED, JOBS, FilmJob
+from kinesic.report.films import FAILURE_PREFIX, FILM_JOBS, FilmJob
 
 
 def main(kind: str) -> int:
-    """Makes ready to draw films of a kind, and draws that of standard input; tells how far it is, or why it cannot."""
-    with os.fdopen(os.dup(1), "w", buffering=1) as told:
+    """Draw the film read from standard input, printing progress or an error."""
+    with os.fdopen(os.dup(1), "w", buffering=1) as output:
         os.dup2(2, 1)  # what drivers print is no news of ours
-        JOBS[kind].prepare()
+        FILM_JOBS[kind].prepare()
         job: FilmJob
         job, path = pickle.loads(sys.stdin.buffer.read())
-        why = job.draw(path, lambda share: print(f"{share:.4f}", file=told))
+        why = job.draw(path, lambda share: print(f"{share:.4f}", file=output))
         if why:
-            print(f"{FAILED}{' '.join(why.split())}", file=told)
+            print(f"{FAILURE_PREFIX}{' '.join(why.split())}", file=output)
     return 0
 
 

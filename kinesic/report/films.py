@@ -1,4 +1,4 @@
-"""Draws the films of a performance, each in a process of its own: beside one another, and none takes another along."""
+"""Films of a performance, drawn in parallel processes."""
 
 import pickle
 import signal
@@ -17,68 +17,73 @@ from kinesic.body.arrays import Floats, Picture
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken
-from kinesic.files.film_settings import USUAL, FilmSettings
+from kinesic.files.film_settings import DEFAULT_FILM, FilmSettings
 from kinesic.files.growing_film import GrowingFilm
-from kinesic.planning.captions import captions
-from kinesic.planning.face_track import faces
+from kinesic.planning.captions import make_captions
+from kinesic.planning.face_track import compute_faces
 from kinesic.planning.plan import Plan
-from kinesic.sim.filming.drawn_face import SCREEN, paint_face
+from kinesic.sim.filming.drawn_face import SCREEN_SIZE, paint_face
 
 FilmKind = Literal["twin", "face"]
 FilmProcesses = Mapping[FilmKind, "subprocess.Popen[bytes]"]
-KINDS: tuple[FilmKind, FilmKind] = ("twin", "face")
-FACE_RATE = 30  # [Hz] as the film of the robot, whose head shows it
-FACE_SIZE = (320, 240)  # [pixels]; a screen shows it smaller
-FACE_FIELD = 12.0  # [deg] from chin to forehead
-FAILED = "failed "  # begins the line of a process that says why it could not draw
+FILM_KINDS: tuple[FilmKind, FilmKind] = ("twin", "face")  # film of the whole twin, film of the face alone
+FACE_RATE = 30  # [Hz] picture rate of face films
+FACE_SIZE = (320, 240)  # [pixels] width and height of face films
+FACE_FIELD_OF_VIEW = 12.0  # [deg] vertical field of view, from chin to forehead
+FAILURE_PREFIX = "failed "  # begins the output line by which a film process reports an error
 
 
 class FilmJob(Protocol):
-    """A film that can be drawn; picklable."""
+    """Interface of a picklable job that draws one film."""
 
     kind: ClassVar[FilmKind]
 
     @property
     def after(self) -> Path | None:
-        """Another film that it shows, and follows while that is drawn."""
+        """Path of the face film that this film shows on the head."""
 
     @staticmethod
     def prepare() -> None:
-        """Imports and computes what does not depend on the film."""
+        """Do the preparation that needs no film data, such as imports."""
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draws it to a file, telling the share that is done; returns why not, or nothing."""
+        """Draw the film to a file and return an error text."""
 
 
 @dataclass(frozen=True, eq=False)
 class TwinFilm:
-    """A film of the twin through a performance, with its face on its head."""
+    """Film of the twin, with its face on the head."""
 
     kind: ClassVar[FilmKind] = "twin"
     robot: Robot
     times: Floats  # (m,) [s]
     angles: Floats  # (m, n) [rad]
-    settings: FilmSettings = USUAL
+    settings: FilmSettings = DEFAULT_FILM
     units: tuple[Mapping[str, float], ...] = ()  # action units of each picture; none: a face that does nothing
     spoken: tuple[Spoken, ...] = ()  # captions
     after: Path | None = None  # the film of its face, while it is drawn; where it does not come, a plain face is drawn
     sound: Path | None = None  # a WAV on the same clock
 
     @classmethod
-    def of(cls, plan: Plan, times: Floats, angles: Floats, settings: FilmSettings = USUAL) -> "TwinFilm":
-        """The film of a motion that was measured at (m,) [s], (m, n) [rad], with the face and words of its plan."""
+    def of(cls, plan: Plan, times: Floats, angles: Floats, settings: FilmSettings = DEFAULT_FILM) -> "TwinFilm":
+        """Make the film of a measured motion with planned face and captions.
+
+        Times are (m,) [s], angles (m, n) [rad].
+        """
         from kinesic.sim.film import moments  # noqa: PLC0415 - reports without films do without
 
-        units = tuple(dict(row) for row in faces(plan, moments(float(times[0]), float(times[-1]), settings.rate)))
+        units = tuple(
+            dict(row) for row in compute_faces(plan, moments(float(times[0]), float(times[-1]), settings.rate))
+        )
         return cls(plan.setup.robot, times, angles, settings, units, captions_of(plan))
 
     @staticmethod
     def prepare() -> None:
-        """Imports MuJoCo."""
+        """Import MuJoCo in advance."""
         import kinesic.sim.film  # noqa: F401, PLC0415 - another film's process does without
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draws it to a file."""
+        """Draw the twin's film to a file."""
         from kinesic.sim.film import FilmError, film  # noqa: PLC0415 - as above
 
         try:
@@ -100,21 +105,21 @@ class TwinFilm:
         return ""
 
     def _faces(self) -> Callable[[int, float], Picture] | None:
-        """What gives the face of a picture, by its number and its time [s]."""
+        """Return a function from picture number and time [s] to face pictures."""
         if self.after is not None:
             with suppress(OSError):  # it is not there
                 film = GrowingFilm(self.after)
                 return lambda k, time: self._either(film.at(time + 0.5 / FACE_RATE), k)
-        return (lambda k, time: paint_face(self.units[k], size=SCREEN)) if self.units else None
+        return (lambda k, time: paint_face(self.units[k], size=SCREEN_SIZE)) if self.units else None
 
     def _either(self, rendered: Picture | None, k: int) -> Picture:
-        """The rendered face of a picture, or where there is none a painted one."""
-        return paint_face(self.units[k] if self.units else {}, size=SCREEN) if rendered is None else rendered
+        """Return the filmed face picture, or paint one if it is missing."""
+        return paint_face(self.units[k] if self.units else {}, size=SCREEN_SIZE) if rendered is None else rendered
 
 
 @dataclass(frozen=True, eq=False)
 class FaceFilm:
-    """A film of the face through a performance."""
+    """Film of the face during a performance."""
 
     kind: ClassVar[FilmKind] = "face"
     after: ClassVar[None] = None
@@ -124,13 +129,13 @@ class FaceFilm:
 
     @classmethod
     def of(cls, robot: Robot | None, commands: Iterable[Command], rate: float = FACE_RATE) -> "FaceFilm":
-        """The film of a robot that follows commands at a rate [Hz]; their faces become picklable."""
-        own = tuple(msgspec.structs.replace(command, face=dict(command.face)) for command in commands)
-        return cls(robot, own, rate)
+        """Make the film of the faces in a command stream."""
+        copied_commands = tuple(msgspec.structs.replace(command, face=dict(command.face)) for command in commands)
+        return cls(robot, copied_commands, rate)
 
     @staticmethod
     def prepare() -> None:
-        """Paints the head's skin, which is remembered."""
+        """Paint and cache the skin of the head."""
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - as above
         from kinesic.face.render.portrait import Portrait  # noqa: PLC0415 - as above
 
@@ -138,12 +143,12 @@ class FaceFilm:
             pass
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draws it to a file."""
+        """Draw the face film to a file."""
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - as above
-        from kinesic.face.render.camera import CLOSE  # noqa: PLC0415 - as above
+        from kinesic.face.render.camera import CLOSE_CAMERA  # noqa: PLC0415 - as above
         from kinesic.face.show.recording import FaceRecording, PortraitSettings  # noqa: PLC0415 - as above
 
-        look = PortraitSettings(size=FACE_SIZE, camera=replace(CLOSE, field_deg=FACE_FIELD))
+        look = PortraitSettings(size=FACE_SIZE, camera=replace(CLOSE_CAMERA, field_deg=FACE_FIELD_OF_VIEW))
         try:
             with FaceRecording(path, self.robot, look=look, rate=self.rate, progress=progress) as recording:
                 for command in self.commands:
@@ -154,18 +159,18 @@ class FaceFilm:
 
 
 def captions_of(plan: Plan) -> tuple[Spoken, ...]:
-    """What is said when, on performance time."""
-    return tuple((said.begin, said.end, said.text) for said in captions(plan))
+    """Return the spoken text pieces with their performance times."""
+    return tuple((caption.begin, caption.end, caption.text) for caption in make_captions(plan))
 
 
-JOBS: Mapping[str, type[FilmJob]] = {"twin": TwinFilm, "face": FaceFilm}
+FILM_JOBS: Mapping[str, type[FilmJob]] = {"twin": TwinFilm, "face": FaceFilm}
 
 
 @contextmanager
 def film_processes() -> Iterator[FilmProcesses]:
-    """Begins processes that make themselves ready to draw; they end at the latest when this is left."""
+    """Start one prepared drawing process per film, ended with the context."""
     with ExitStack() as opened:
-        yield {kind: opened.enter_context(_process(kind)) for kind in KINDS}
+        yield {kind: opened.enter_context(_process(kind)) for kind in FILM_KINDS}
 
 
 @contextmanager
@@ -190,15 +195,17 @@ def _process(kind: FilmKind) -> Iterator["subprocess.Popen[bytes]"]:
 def draw_films(
     jobs: Mapping[Path, FilmJob], processes: FilmProcesses, progress: Callable[[float], None] = lambda share: None
 ) -> dict[Path, str]:
-    """Draws films beside one another, one that shows another as far as that is; interrupted, the processes end.
+    """Draw films concurrently, and stop all processes on interruption.
+
+    A film that shows another one follows its progress.
 
     Args:
         jobs: films by the paths of their files, at most one of a kind.
-        processes: that draw them, and then end.
-        progress: gets the share of all that is drawn.
+        processes: processes that draw the films, and then end.
+        progress: receives the drawn fraction of all films.
 
     Returns:
-        Why a film is not there, by its path; empty where it is.
+        The error text of each film by its path; empty for a film that exists.
     """
     shares = dict.fromkeys(jobs, 0.0)
     for path in set(jobs) & {job.after for job in jobs.values()}:
@@ -217,7 +224,7 @@ def draw_films(
     with ThreadPoolExecutor(max(len(jobs), 1)) as threads:
         waiting = {path: threads.submit(draw, path, job) for path, job in jobs.items()}
         try:
-            return {path: found.result() for path, found in waiting.items()}
+            return {path: future.result() for path, future in waiting.items()}
         except BaseException:
             for process in processes.values():
                 process.kill()
@@ -225,7 +232,7 @@ def draw_films(
 
 
 def _draw(process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, tell: Callable[[float], None]) -> str:
-    """Hands a job over and listens to its process until it ends."""
+    """Send a job to its process and read progress until it ends."""
     assert process.stdin is not None  # they are pipes, since `_process`
     assert process.stdout is not None
     with process.stdout, suppress(BrokenPipeError):
@@ -233,8 +240,8 @@ def _draw(process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, tell: Ca
             process.stdin.write(pickle.dumps((job, path)))
         for line in process.stdout:
             text = line.decode(errors="replace").strip()
-            if text.startswith(FAILED):
-                return text.removeprefix(FAILED)
+            if text.startswith(FAILURE_PREFIX):
+                return text.removeprefix(FAILURE_PREFIX)
             tell(float(text))
     code = process.wait()
     how = f"signal {signal.Signals(-code).name}" if code < 0 else f"code {code}"

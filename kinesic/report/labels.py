@@ -1,4 +1,4 @@
-"""Names behaviours as people speak of them: by what they do, not by their id."""
+"""Readable names of behaviours in reports."""
 
 from kinesic.bml.block import (
     Action,
@@ -22,24 +22,24 @@ from kinesic.bml.block import (
 )
 from kinesic.planning.syncs import SyncTime
 
-MOST_LETTERS = 40  # letters
-WHOLE_BODY = "WHOLEBODY"  # the part of a pose that goes without saying
+MAX_LABEL_LENGTH = 40  # [characters] longest label of a behaviour
+WHOLE_BODY = "WHOLEBODY"  # BML pose part that labels omit
 
 
 def label(behaviour: Behaviour) -> str:
-    """Names what a behaviour asks for: its lexeme, or what it looks, points or goes at."""
+    """Return a short readable name of a behaviour."""
     words = " ".join(_words(behaviour.action).split()) or behaviour.type
-    return words if len(words) <= MOST_LETTERS else f"{words[: MOST_LETTERS - 1]}\u2026"
+    return words if len(words) <= MAX_LABEL_LENGTH else f"{words[: MAX_LABEL_LENGTH - 1]}\u2026"
 
 
 def label_with_id(id: str, block: Block) -> str:
-    """Names a behaviour of a block by what it does, with its id where that says something else: `offer (g9)`."""
+    """Return a behaviour's name with its id if different: `offer (g9)`."""
     name = next((label(behaviour) for behaviour in block.behaviours if behaviour.id == id), id)
     return name if name.lower() == id.lower() else f"{name} ({id})"
 
 
 def label_sync(sync: SyncTime, block: Block) -> str:
-    """Names a sync point by its behaviour: `stroke of offer (g9)`."""
+    """Return the readable name of a sync point: `stroke of offer (g9)`."""
     return f"{sync.sync} of {label_with_id(sync.behaviour, block)}"
 
 

@@ -1,4 +1,4 @@
-"""Writes a performance into a folder of its own: the page first, then its films."""
+"""Output folder of a performance: report, page and films."""
 
 import json
 import shutil
@@ -8,14 +8,14 @@ from datetime import datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from kinesic.controller.performance import Performance
-from kinesic.controller.play import command_times
+from kinesic.body.command import command_times
 from kinesic.controller.soundtrack import sound, write_wav
-from kinesic.files.film_settings import USUAL, FilmSettings
+from kinesic.files.film_settings import DEFAULT_FILM, FilmSettings
 from kinesic.files.output_file import new_file, write_text
 from kinesic.files.output_folder import new_folder
 from kinesic.files.plain_name import cut_name
-from kinesic.planning.face_track import asks_face, commands_with_face
+from kinesic.metrics.dry_run import DryRun
+from kinesic.planning.face_track import commands_with_face, needs_face
 from kinesic.planning.plan import Plan
 from kinesic.report.figure_film import FigureFilm
 from kinesic.report.films import (
@@ -28,28 +28,29 @@ from kinesic.report.films import (
 )
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import Json
-from kinesic.sim.filming.face_screen import screen_of
+from kinesic.sim.filming.face_screen import build_face_screen
 from kinesic.sim.log import write_log
 
-NOT_ASKED = "not asked for"
-NOT_YET = "not drawn yet, or stopped; this page is written anew when it is"
+PAGE_FILE = "report.html"  # file name of the page
+NOT_ASKED = "not requested"  # reason in the report for a film that was not requested
+NOT_YET = "not drawn yet, or stopped; this page is updated when it is"  # reason in the report for an unfinished film
 
 
 def default_folder(source: str) -> Path:
-    """Names the folder of what is made of a source now: `out/NAME-TIME`."""
+    """Return the default folder of an output: `out/NAME-TIME`."""
     return Path("out") / f"{cut_name(Path(source).stem, limit=100) or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class WrittenPaths(Recordings):
-    """Paths of what was written."""
+    """Paths of the files that a report consists of."""
 
     report: Path
     page: Path
     measured: Path  # what the twin did, as `kinesic twin fit` reads it
 
     def within(self, folder: Path) -> "WrittenPaths":
-        """The same files in another folder."""
+        """Return the paths of the same files in another folder."""
         return replace(
             self,
             report=folder / self.report.name,
@@ -62,16 +63,18 @@ class WrittenPaths(Recordings):
 
 
 def write_report(
-    performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True, force: bool = False
+    performance: DryRun, data: dict[str, Json], folder: Path, *, film: bool = True, force: bool = False
 ) -> WrittenPaths:
-    """Writes report.json, report.html, measured.npz and speech.wav; films are drawn afterwards, by `add_films`.
+    """Write the report, its page, the measurements and the speech.
+
+    `add_films` draws the films afterwards.
 
     Args:
-        performance: in the twin.
-        data: of its report.
-        folder: that is made, as a whole: when something fails there is none, or still the earlier one.
-        film: whether films are to follow; the page then says that they are not there yet.
-        force: whether an earlier folder that kinesic has made may be replaced.
+        performance: performance in the twin.
+        data: data of its report.
+        folder: written as a whole: after an error it is missing, or still the earlier one.
+        film: whether films follow; the page then reports them as pending.
+        force: whether to replace an earlier folder made by kinesic.
 
     Raises:
         ConfigError: the folder must not be written.
@@ -83,22 +86,24 @@ def write_report(
 
 def add_films(
     written: WrittenPaths,
-    performance: Performance,
+    performance: DryRun,
     data: dict[str, Json],
     processes: FilmProcesses,
     *,
-    settings: FilmSettings = USUAL,
+    settings: FilmSettings = DEFAULT_FILM,
     progress: Callable[[float], None] = lambda share: None,
 ) -> WrittenPaths:
-    """Draws the films of twin and face, where OpenGL works, and puts them into a report that is there.
+    """Draw the films of twin and face into an existing report.
+
+    Without OpenGL there are none.
 
     Args:
-        written: the report.
-        performance: in the twin.
-        data: of the report.
-        processes: that draw.
-        settings: of the film of the robot.
-        progress: gets the share of the films that is drawn.
+        written: paths of the report.
+        performance: performance in the twin.
+        data: data of the report.
+        processes: processes that draw.
+        settings: settings of the robot's film.
+        progress: receives the drawn fraction of the films.
 
     Raises:
         ConfigError: a film could not be written.
@@ -128,39 +133,42 @@ def add_films(
 
 
 def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
-    """The film of the face of a plan at a rate [Hz]; it looks ahead where it is for a screen. None: nobody needs it."""
-    screen = screen_of(plan.setup.robot) is not None
-    if not screen and not asks_face(plan):
+    """Make the face film of a plan, or None if unneeded.
+
+    A face for a screen on the head is drawn from the front.
+    """
+    screen = build_face_screen(plan.setup.robot) is not None
+    if not screen and not needs_face(plan):
         return None
     times = command_times(plan.duration, rate=rate)
     return FaceFilm.of(None if screen else plan.setup.robot, commands_with_face(plan, times), rate)
 
 
-def rewrite(written: WrittenPaths, performance: Performance, data: dict[str, Json]) -> None:
-    """Writes the report and its page, over older ones."""
+def rewrite(written: WrittenPaths, performance: DryRun, data: dict[str, Json]) -> None:
+    """Replace an existing report and its page."""
     write_text(written.report, json.dumps(data, indent=1), force=True)
     _write_page(written, performance, data)
 
 
-def _write_page(written: WrittenPaths, performance: Performance, data: dict[str, Json]) -> None:
+def _write_page(written: WrittenPaths, performance: DryRun, data: dict[str, Json]) -> None:
     with new_file(written.page, force=True) as fresh:
         write_page(performance, data, written, path=fresh)
 
 
-def _write_files(performance: Performance, data: dict[str, Json], folder: Path, *, why_no_film: str) -> WrittenPaths:
+def _write_files(performance: DryRun, data: dict[str, Json], folder: Path, *, why_no_film: str) -> WrittenPaths:
     plan = performance.plan
     measured = folder / "measured.npz"
     write_log(performance.measured, plan.setup.robot, measured)
-    voice, heard = folder / "speech.wav", sound(plan)
-    if heard is not None:
-        write_wav(heard, voice)
+    voice, speech_sound = folder / "speech.wav", sound(plan)
+    if speech_sound is not None:
+        write_wav(speech_sound, voice)
     written = WrittenPaths(
         report=folder / "report.json",
-        page=folder / "report.html",
+        page=folder / PAGE_FILE,
         measured=measured,
         why_no_film=why_no_film,
         why_no_face=why_no_film,
-        voice=None if heard is None else voice,
+        voice=None if speech_sound is None else voice,
     )
     rewrite(written, performance, data)
     return written

@@ -1,4 +1,4 @@
-"""Writes the dry-run report as one page that needs nothing beside itself."""
+"""Report page of a performance as one self-contained HTML file."""
 
 import base64
 from collections.abc import Mapping, Sequence
@@ -9,33 +9,43 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
-from kinesic.controller.performance import Performance
-from kinesic.expressivity.style.style import MODALITIES, RANGES
-from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
-from kinesic.report.conditioning import find_deviations, story
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, MODALITIES
+from kinesic.metrics.conditioning import find_deviations
+from kinesic.metrics.dry_run import DryRun
+from kinesic.report.checks.servos import CONTINUOUS_TORQUE_RATIO, draw_load, loads
 from kinesic.report.content_policy import content_policy
 from kinesic.report.document_lines import document_lines
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import HingeCurves, joints, still_hinges
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.score import BROAD, NARROW, score
+from kinesic.report.plots.score import scores
 from kinesic.report.plots.spark import spark
 from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
-from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES, read_scripts
+from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES_FOLDER, read_scripts
 from kinesic.report.shapes import shapes_made
 from kinesic.report.transcript import transcribe
 from kinesic.report.verdict import format_number, gravity_of, rows_of, verdict
 
-FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4"}
-SOUND_TYPES = {".wav": "audio/wav"}
-PARTS = {"l_hand": "left hand", "r_hand": "right hand"}
-FIRST_LOADS = 6  # hinges that are shown at once
-SEEN = 0.5  # [deg] from which on a part of the body is told to move
-FIRST_CHAPTERS = 6  # behaviours likewise
-OUTCOMES = {"dropped": 0, "substituted": 1, "partly": 2, "realised": 3}
-SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")
-TITLES = {
+FILM_TYPES = {  # MIME types of films, by suffix
+    ".webp": "image/webp",
+    ".png": "image/png",
+    ".gif": "image/gif",
+    ".mp4": "video/mp4",
+}  # MIME types of films, by suffix
+SOUND_TYPES = {".wav": "audio/wav"}  # MIME types of sounds, by suffix
+HAND_NAMES = {"l_hand": "left hand", "r_hand": "right hand"}  # names of the hands in texts, by body part
+SHOWN_LOADS = 6  # joint loads listed before the table is expanded
+MIN_SHOWN_ANGLE = 0.5  # [deg] smaller body motion is not listed
+SHOWN_CHAPTERS = 6  # behaviours listed before the list is expanded
+OUTCOME_RANKS = {  # sort order of behaviour outcomes, the most severe first
+    "dropped": 0,
+    "substituted": 1,
+    "partly": 2,
+    "realised": 3,
+}  # sort order of outcomes, the most severe first
+PAGE_SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")  # script files of the page, in loading order
+GROUP_TITLES = {
     "meaning": "Meaning",
     "amplitude": "Amplitude",
     "limits": "Limits",
@@ -45,14 +55,14 @@ TITLES = {
     "measured": "On the robot",
     "servo": "Servos",
 }  # else the word itself
-SMALLER = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # for values below 1
-SYMBOLS = {"deg": "\u00b0", "times": "\u00d7"}
-TIGHT = {"\u00b0"}  # units that stand at the figure
+SMALL_UNITS = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # smaller unit and factor for values below 1
+UNIT_SYMBOLS = {"deg": "\u00b0", "times": "\u00d7"}  # symbols shown for units
+UNSPACED_UNITS = {"\u00b0"}  # units written without a space after the number
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recordings:
-    """What was recorded of a performance, on performance time."""
+    """Films and sound shown on the report page."""
 
     film: Path | None = None  # film of the twin: .webp, .png, .gif or .mp4
     why_no_film: str = "not recorded"
@@ -61,45 +71,45 @@ class Recordings:
     voice: Path | None = None  # what is heard, .wav, whose clock the replay then follows
 
 
-NO_RECORDINGS = Recordings()
+NO_RECORDINGS = Recordings()  # page without films and sound
 
 
 def write_page(
-    performance: Performance, data: Mapping[str, Json], recordings: Recordings = NO_RECORDINGS, *, path: Path
+    performance: DryRun, data: Mapping[str, Json], recordings: Recordings = NO_RECORDINGS, *, path: Path
 ) -> None:
-    """Writes the report for people.
+    """Write the report page of a performance.
 
     Args:
-        performance: what was planned and performed, for the figures.
-        data: what `report` says of it, for the words and tables.
-        recordings: become parts of the page.
-        path: of the page.
+        performance: performance to plot.
+        data: data of its report, for texts and tables.
+        recordings: embedded into the page.
+        path: path of the page.
 
     Raises:
-        ValueError: a film or the sound is of another type.
+        ValueError: a film or the sound has another type.
     """
-    chapters, strained, rows = story(performance), loads(performance), rows_of(data, "behaviours")
-    player, curves = read_scripts(SCRIPTS), HingeCurves.of(performance)
+    chapters, strained, rows = performance.reference.changes, loads(performance), rows_of(data, "behaviours")
+    player, curves = read_scripts(PAGE_SCRIPTS), HingeCurves.of(performance)
     text = _template().render(
         data=data,
         verdict=verdict(data),
-        look=Markup((TEMPLATES / "page.css").read_text(encoding="utf-8")),
+        look=Markup((TEMPLATES_FOLDER / "page.css").read_text(encoding="utf-8")),
         player=Markup(player),
         policy=content_policy(f"\n{player}\n", img_src="data: blob:", media_src="data:"),
         replay=replay_data(performance),
         tiles=tiles(rows_of(data, "checks")),
         checks=sorted(rows_of(data, "checks"), key=gravity_of),
-        behaviours=sorted(rows, key=lambda row: OUTCOMES[str(row["outcome"])]),
+        behaviours=sorted(rows, key=lambda row: OUTCOME_RANKS[str(row["outcome"])]),
         fates={row["id"]: row for row in rows},
         transcript=transcribe(performance.plan),
         document=document_lines(performance.plan.timeline.block),
-        chapters=(chapters[:FIRST_CHAPTERS], chapters[FIRST_CHAPTERS:]),
-        deviations=find_deviations(performance),
-        parts=PARTS,
+        chapters=(chapters[:SHOWN_CHAPTERS], chapters[SHOWN_CHAPTERS:]),
+        deviations=find_deviations(performance.plan),
+        parts=HAND_NAMES,
         modalities=MODALITIES,
-        parameters=list(RANGES),
-        loads=(strained[:FIRST_LOADS], strained[FIRST_LOADS:]),
-        continuous=CONTINUOUS,
+        parameters=list(EXPRESSIVITY_RANGES),
+        loads=(strained[:SHOWN_LOADS], strained[SHOWN_LOADS:]),
+        continuous=CONTINUOUS_TORQUE_RATIO,
         draw=draw_load(performance),
         film=_embedded(recordings.film, FILM_TYPES),
         no_film=recordings.why_no_film,
@@ -107,7 +117,7 @@ def write_page(
         no_face=recordings.why_no_face,
         voice=_embedded(recordings.voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
-        scores=[drawn for layout in (BROAD, NARROW) if (drawn := score(performance, layout))],
+        scores=scores(performance.plan, float(performance.measured.times[-1])),
         joints=list(joints(performance, curves)),
         still=still_hinges(performance, curves),
         hands=hands(performance),
@@ -118,9 +128,9 @@ def write_page(
 
 @cache
 def _template() -> Template:
-    """The page, ready to be filled; read once."""
+    """Return the cached template of the page."""
     environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+        loader=FileSystemLoader(TEMPLATES_FOLDER),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -137,21 +147,25 @@ def _template() -> Template:
 
 
 def format_shift(seconds: float) -> str:
-    """Formats a difference of times in whole milliseconds, with its sign."""
+    """Format a time difference in whole milliseconds with its sign."""
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
 
 
 def body_beside(row: Mapping[str, Json]) -> str:
-    """Says what the rest of the body does beside the hands of one behaviour; empty when it does nothing.
+    """Describe the body motion that accompanies a behaviour in words.
+
+    The text is empty without such motion.
 
     Args:
-        row: of the report's behaviours.
+        row: row of the report's behaviours.
     """
     body = row["body"]
     if not isinstance(body, dict):
         return ""
     angles = ((part, body[f"{part}_deg"]) for part in ("head", "trunk", "shoulders"))
-    moved = [f"{part} {angle:.0f}°" for part, angle in angles if isinstance(angle, float) and abs(angle) >= SEEN]
+    moved = [
+        f"{part} {angle:.0f}°" for part, angle in angles if isinstance(angle, float) and abs(angle) >= MIN_SHOWN_ANGLE
+    ]
     faces, left = body["face"], body["gave_way"]
     shown = list(faces) if isinstance(faces, dict) else []
     gave = [f"{part} left to others" for part in left] if isinstance(left, list) else []
@@ -159,35 +173,37 @@ def body_beside(row: Mapping[str, Json]) -> str:
 
 
 def style_departures(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
-    """Lists the numbers with which a behaviour departs from its style, by who said them.
+    """List the parameters of a behaviour that differ from the style.
 
     Args:
-        row: of the behaviour.
-        style: of the performance, as the report has it.
+        row: row of the report's behaviours.
+        style: style of the performance, as in the report.
     """
     manner = row["manner"]
     if not isinstance(manner, dict):
         return ""
-    values, sources, own = manner["values"], manner["sources"], style[str(manner["modality"])]
-    if not (isinstance(values, dict) and isinstance(sources, dict) and isinstance(own, dict)):
+    values, sources, style_values = manner["values"], manner["sources"], style[str(manner["modality"])]
+    if not (isinstance(values, dict) and isinstance(sources, dict) and isinstance(style_values, dict)):
         return ""
-    said: dict[str, list[str]] = {}
+    departures: dict[str, list[str]] = {}
     for name, value in values.items():
-        if value != own[name]:
-            said.setdefault(str(sources[name]), []).append(f"{name} {format_number(value)}".replace("-", "\u2212"))
-    return "; ".join(f"{', '.join(numbers)} ({source})" for source, numbers in said.items())
+        if value != style_values[name]:
+            departures.setdefault(str(sources[name]), []).append(
+                f"{name} {format_number(value)}".replace("-", "\u2212")
+            )
+    return "; ".join(f"{', '.join(numbers)} ({source})" for source, numbers in departures.items())
 
 
-WHOLE_AT_ONE = (
+COMPLETENESS_CHECKS = (
     "collision.pace",
     "collision.performed",
     "meaning.performed",
-)  # 1, which is their limit, where all is well
+)  # their value and limit are 1 in a complete performance
 
 
 @dataclass(frozen=True)
 class Tile:
-    """One group of checks."""
+    """Summary of one group of checks on the page."""
 
     title: str
     status: str
@@ -200,7 +216,9 @@ class Tile:
 
 
 def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
-    """Makes one tile for each group of checks, by the part of their names before the dot, as they come.
+    """Summarise each group of checks as a tile.
+
+    The group is the part of the name before the dot.
 
     Args:
         checks: rows of the report.
@@ -208,7 +226,7 @@ def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
     groups: dict[str, list[Mapping[str, Json]]] = {}
     for row in checks:
         groups.setdefault(str(row["name"]).split(".")[0], []).append(row)
-    return [_tile(TITLES.get(name, name.capitalize()), rows) for name, rows in groups.items()]
+    return [_tile(GROUP_TITLES.get(name, name.capitalize()), rows) for name, rows in groups.items()]
 
 
 def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
@@ -217,7 +235,7 @@ def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
     value, shown = quantity(worst["value"], unit)
     limit, beside = quantity(worst["limit"], unit)
     if value == limit and worst["status"] != "pass":
-        value = f"{worst['value']:.7g}"  # so that it shows on which side it is
+        value = f"{worst['value']:.7g}"  # shows on which side of the limit it is
     side = "at least" if worst["at_least"] else "at most"
     return Tile(
         title=title,
@@ -225,15 +243,18 @@ def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
         name=str(worst["name"]).split(".", 1)[-1].replace("_", " "),
         value=value,
         unit=shown,
-        limit=f"{side} {limit}{'' if beside in TIGHT else ' '}{beside}".rstrip(),
+        limit=f"{side} {limit}{'' if beside in UNSPACED_UNITS else ' '}{beside}".rstrip(),
         where=str(worst["where"]),
         others=len(rows) - 1,
     )
 
 
 def _nearness(row: Mapping[str, Json]) -> float:
-    """Share of a limit that is used up: 1 is the limit; 0 for what is whole unless something went wrong."""
-    if row["name"] in WHOLE_AT_ONE:
+    """Return the ratio of a check's value to its limit.
+
+    Checks of complete quantities have 0 unless something is missing.
+    """
+    if row["name"] in COMPLETENESS_CHECKS:
         return 0.0
     value, limit = row["value"], row["limit"]
     if not isinstance(value, int | float) or not isinstance(limit, int | float) or not value or not limit:
@@ -242,23 +263,23 @@ def _nearness(row: Mapping[str, Json]) -> float:
 
 
 def quantity(value: Json, unit: str) -> tuple[str, str]:
-    """Formats a value and its unit as people write them."""
-    if isinstance(value, int | float) and unit in SMALLER and abs(value) < 1.0:
-        unit, scale = SMALLER[unit]
+    """Format a value with its unit."""
+    if isinstance(value, int | float) and unit in SMALL_UNITS and abs(value) < 1.0:
+        unit, scale = SMALL_UNITS[unit]
         value = scale * value
     if isinstance(value, float) and unit == "ratio":
         return f"{value:.2f}", ""
     brief = f"{value:.2g}" if isinstance(value, float) and abs(value) < 0.1 else format_number(value)
-    return brief.replace("-", "\u2212"), SYMBOLS.get(unit, unit)
+    return brief.replace("-", "\u2212"), UNIT_SYMBOLS.get(unit, unit)
 
 
 def breakable(name: str) -> Markup:
-    """Lets a narrow column break a name after its underscores."""
+    """Allow line breaks in a name after its underscores."""
     return Markup(escape(name).replace("_", Markup("_<wbr>")))
 
 
 def _embedded(file: Path | None, types: Mapping[str, str]) -> str | None:
-    """A file as a data URI, if there is one."""
+    """Return a file's content as a data URI, or None without file."""
     if file is None:
         return None
     if file.suffix not in types:

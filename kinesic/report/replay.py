@@ -1,11 +1,13 @@
-"""Gives the page's player the motion: the robot's shapes, angles at a steady rate, and what happens when."""
+"""Data for the page's motion player: shapes, joint angles and events."""
+
+from collections.abc import Mapping
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.controller.performance import Performance
-from kinesic.planning.captions import captions
-from kinesic.planning.face_track import faces, shown_units
+from kinesic.metrics.dry_run import DryRun
+from kinesic.planning.captions import make_captions
+from kinesic.planning.face_track import compute_action_units, compute_faces
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.figure.face_data import face_data
@@ -13,69 +15,96 @@ from kinesic.report.labels import label
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows, scene_data
 
-REPLAY_RATE = 50.0  # [Hz]
-MOST_FRAMES = 6000  # of one motion; longer ones have a lower rate
-MOST_MARKS = 300  # on the time line; with more there are only those of strokes
-DUTY_STEP = 0.01  # of a byte
+REPLAY_RATE = 50.0  # [Hz] frame rate of the page's player
+MAX_FRAMES = 6000  # largest number of frames; longer motions have a lower rate
+MAX_MARKS = 300  # largest number of marks on the time line; with more, only strokes
+DUTY_STEP = 0.01  # duty cycle per count of a byte in the packed data
 
 
-def replay_data(performance: Performance) -> dict[str, Json]:
-    """Gathers what the player reads.
+def replay_data(performance: DryRun, *, max_frames: int = MAX_FRAMES) -> dict[str, Json]:
+    """Pack the motion of plan and twin for the page's player.
 
     Angles are 16-bit integers, duties bytes, both little-endian in base64, one row of hinges for each frame.
 
     Args:
-        performance: what was planned and performed.
+        performance: planned and performed motion.
+        max_frames: largest number of frames; longer motions have a lower rate.
     """
     plan, measured = performance.plan, performance.measured
     desired = plan.desired
-    robot, end = plan.setup.robot, float(measured.times[-1])
-    moments = np.linspace(0.0, end, min(int(np.ceil(end * REPLAY_RATE)) + 1, MOST_FRAMES))
+    end = float(measured.times[-1])
+    frame_times = _frame_times(end, max_frames)
     motions = {
-        "twin": np.column_stack([np.interp(moments, measured.times, column) for column in measured.angles.T]),
-        "plan": plan.trajectory.sample(moments)[0],
-        "asked": desired.sample(moments - plan.trajectory.zero + desired.zero)[0],
+        "twin": np.column_stack([np.interp(frame_times, measured.times, column) for column in measured.angles.T]),
+        "plan": plan.trajectory.sample(frame_times)[0],
+        "asked": desired.sample(frame_times - plan.trajectory.zero + desired.zero)[0],
     }
-    duties = np.column_stack([np.interp(moments, measured.times, np.abs(column)) for column in measured.duties.T])
+    duties = np.column_stack([np.interp(frame_times, measured.times, np.abs(column)) for column in measured.duties.T])
+    return _pack(plan, frame_times, motions, duties) | {"marks": _marks(plan, performance.lags)}
+
+
+def planned_replay_data(plan: Plan, *, max_frames: int = MAX_FRAMES) -> dict[str, Json]:
+    """Pack the planned motion for the page's player, without servo loads.
+
+    Args:
+        plan: planned motion.
+        max_frames: largest number of frames; longer motions have a lower rate.
+    """
+    frame_times = _frame_times(float(plan.command_times[-1]), max_frames)
+    angles = plan.trajectory.sample(frame_times)[0]
+    return _pack(plan, frame_times, {"twin": angles}, np.zeros_like(angles)) | {"marks": _marks(plan)}
+
+
+def _frame_times(end: float, max_frames: int) -> Floats:
+    """Return the times of the player's frames, (m,) [s]."""
+    return np.linspace(0.0, end, min(int(np.ceil(end * REPLAY_RATE)) + 1, max_frames))
+
+
+def _pack(plan: Plan, frame_times: Floats, motions: Mapping[str, Floats], duties: Floats) -> dict[str, Json]:
+    """Pack motions, loads, face and words; one row of motions per frame."""
+    robot = plan.setup.robot
     step = max(float(np.abs(angles).max()) for angles in motions.values()) / np.iinfo(np.int16).max or 1.0
     return {
-        "end": end,
-        "frames": len(moments),
+        "end": float(frame_times[-1]),
+        "frames": len(frame_times),
         "step": step,
         "duty_step": DUTY_STEP,
         "hinges": list(robot.skeleton.names),
         **scene_data(robot),
-        **({} if robot.skin is None else {"features": face_data(faces(plan, moments))}),
+        **({} if robot.skin is None else {"features": face_data(compute_faces(plan, frame_times))}),
         "motions": {name: pack_rows(angles / step, "<i2") for name, angles in motions.items()},
-        "face": _face(performance.plan, moments),
+        "face": _face(plan, frame_times),
         "duties": pack_rows(duties / DUTY_STEP, "u1"),
-        "marks": _marks(performance),
-        "words": [[round(said.begin, 3), round(said.end, 3), said.text] for said in captions(plan)],
+        "words": [[round(caption.begin, 3), round(caption.end, 3), caption.text] for caption in make_captions(plan)],
     }
 
 
-def _face(plan: Plan, moments: Floats) -> dict[str, Json]:
-    """Action units that are seen at all, and their intensities in bytes, a row for each frame."""
-    shown = shown_units(plan, moments)
-    seen = {unit: np.broadcast_to(rows, len(moments)) for unit, rows in shown.items() if np.any(rows)}
-    rows = np.stack([*seen.values()], axis=1) if seen else np.zeros((len(moments), 0))
+def _face(plan: Plan, frame_times: Floats) -> dict[str, Json]:
+    """Pack the intensities of visible facial action units per frame."""
+    shown = compute_action_units(plan, frame_times)
+    seen = {unit: np.broadcast_to(rows, len(frame_times)) for unit, rows in shown.items() if np.any(rows)}
+    rows = np.stack([*seen.values()], axis=1) if seen else np.zeros((len(frame_times), 0))
     return {"units": list(seen), "rows": pack_rows(255 * rows, "u1")}
 
 
-def _marks(performance: Performance) -> list[Json]:
-    """Sync points of moving behaviours in performance time."""
-    syncs = list(performance.plan.syncs)
-    if len(syncs) > MOST_MARKS:
-        syncs = [sync for sync in syncs if sync.is_stroke][:MOST_MARKS]
-    names = {behaviour.id: label(behaviour) for behaviour in performance.plan.timeline.block.behaviours}
-    return [_mark(sync, names[sync.behaviour], performance) for sync in syncs]
+def _marks(plan: Plan, lags: Mapping[SyncTime, float | None] | None = None) -> list[Json]:
+    """Return the sync points to mark on the player's time line.
+
+    With the delays [s] of a performance, their texts have the performed times.
+    """
+    syncs = list(plan.syncs)
+    if len(syncs) > MAX_MARKS:
+        syncs = [sync for sync in syncs if sync.is_stroke][:MAX_MARKS]
+    names = {behaviour.id: label(behaviour) for behaviour in plan.timeline.block.behaviours}
+    return [_mark(sync, names[sync.behaviour], plan.trajectory.zero, lags) for sync in syncs]
 
 
-def _mark(sync: SyncTime, name: str, performance: Performance) -> dict[str, Json]:
-    zero, lag = performance.plan.trajectory.zero, performance.lags.get(sync, 0.0)
-    moved = abs(sync.planned - sync.asked) > SHIFT_TO_WARN
-    twin = "never reached" if lag is None else f"in the twin {sync.planned + lag:.3f} s"
-    times = f"asked {sync.asked:.3f} s, planned {sync.planned:.3f} s, {twin}"
+def _mark(sync: SyncTime, name: str, zero: float, lags: Mapping[SyncTime, float | None] | None) -> dict[str, Json]:
+    moved = abs(sync.planned - sync.requested) > SHIFT_TO_WARN
+    times = f"asked {sync.requested:.3f} s, planned {sync.planned:.3f} s"
+    if lags is not None:
+        lag = lags.get(sync, 0.0)
+        times += ", never reached" if lag is None else f", in the twin {sync.planned + lag:.3f} s"
     return {
         "at": round(zero + sync.planned, 4),
         "behaviour": sync.behaviour,

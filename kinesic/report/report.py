@@ -1,4 +1,4 @@
-"""The dry-run report as data: `report.json`, whose keys may grow but are never renamed."""
+"""Content of `report.json`, whose keys are a stable format."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -8,25 +8,19 @@ from types import MappingProxyType
 
 import numpy as np
 
-from kinesic.bml.block import Behaviour, Block, modality_of
-from kinesic.bml.feedback import prediction, warning
+from kinesic.bml.block import Behaviour, Block, find_modality
+from kinesic.bml.feedback import write_prediction, write_warning
 from kinesic.body.robot import SIDES
-from kinesic.controller.performance import Performance
-from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
-from kinesic.controller.synchrony import median_lag
-from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.keyframes import BodyMove
-from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import turn_angles
-from kinesic.ik import KERNEL
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
-from kinesic.realizer.feedback import Progress, agenda, span, times_of
-from kinesic.report.checks import TOLERANCE, checks, grade
+from kinesic.realizer.feedback import Progress, block_span, schedule_feedback, times_by_behaviour
+from kinesic.report.checks import LIMIT_TOLERANCE, checks, grade
 from kinesic.report.checks.plan import penetrations
 from kinesic.report.checks.twin import measure_tracking
-from kinesic.report.conditioning import story
 from kinesic.report.labels import label
 from kinesic.report.servo_belief import lead
 from kinesic.report.speech import describe_speech
@@ -34,28 +28,28 @@ from kinesic.version import __version__
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 
-SCHEMA = 1
-MISS_TO_NAME = 0.02  # [m] a hand that stays further from its target is named
-UNSEEN: Mapping[SyncTime, float | None] = MappingProxyType({})  # nobody measured
+SCHEMA_VERSION = 1  # version of the report.json format
+MIN_REPORTED_MISS = 0.02  # [m] smallest reported distance of a hand from its target
+NO_LAGS: Mapping[SyncTime, float | None] = MappingProxyType(  # delays of sync points without measurements
+    {}
+)  # sync point delays of a performance without measurements
 
 
-def report(
-    performance: Performance, *, source: str, seed: int = 0, beside: Sequence[Performance] = ()
-) -> dict[str, Json]:
-    """Gathers the data of `report.json` about one performance.
+def report(performance: DryRun, *, source: str, seed: int = 0, beside: Sequence[DryRun] = ()) -> dict[str, Json]:
+    """Return the content of `report.json` for one performance.
 
     Args:
-        performance: what was planned and performed; the checks are of this one.
+        performance: planned and performed motion; the checks are of this one.
         source: name of the document.
-        seed: of everything random.
-        beside: the same plan in other twins, whose errors are told too.
+        seed: seed of all random choices.
+        beside: the same plan in other twins, whose errors are included.
     """
     plan = performance.plan
     began = perf_counter()
     verdicts = checks(performance)
-    checking = perf_counter() - began
+    timing = _timing(performance, perf_counter() - began)
     return {
-        "schema": SCHEMA,
+        "schema": SCHEMA_VERSION,
         "kinesic": __version__,
         "robot": plan.setup.robot.name,
         "input": source,
@@ -63,7 +57,7 @@ def report(
         "seed": seed,
         "variation": plan.setup.variation.amount,
         "idle": plan.setup.idling.amount,
-        "kernel": KERNEL,
+        "kernel": "compiled",  # the only one; readers of earlier reports look it up
         "grade": grade(verdicts),
         "ok": grade(verdicts) != "fail",
         "checks": [asdict(check) for check in verdicts],
@@ -71,57 +65,57 @@ def report(
         "whole_body": _whole_body(plan),
         "speech": describe_speech(plan),
         "sync": _syncs(performance),
-        "synchrony": {"strokes": len(performance.stroke_lags), "median_s": median_lag(performance.stroke_lags)},
+        "synchrony": {"strokes": len(performance.stroke_lags), "median_s": performance.median_stroke_lag},
         "tracking": _tracking(performance),
         "limits": _limits(performance),
         "conditioning": _conditioning(performance),
         "collision": _collision(performance),
         "smoothness": _smoothness(performance),
         "power": _power(performance),
-        "lead": lead(performance.believed),
+        "lead": lead(performance.servo_estimate),
         "learned": None,
-        "twins": {each.twin_name: asdict(measure_tracking(each)) for each in (performance, *beside)},
+        "twins": {run.twin_name: asdict(measure_tracking(run)) for run in (performance, *beside)},
         "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
         "feedback": list(feedback(plan, performance.lags)),
-        "timing": _timing(performance, checking),
+        "timing": timing,
     }
 
 
 def _style(style: Style, block: Block) -> dict[str, Json]:
-    """The numbers of each modality, and what was said beside the preset: by settings, and by the block.
+    """Return style parameters per modality, with changes by settings and block.
 
-    Those of gestures stand also beside the name, where readers of one modality find them.
+    Those of gestures are repeated beside the name, for readers of one modality.
     """
     tables: dict[str, Json] = {modality: dict(numbers) for modality, numbers in style.numbers().items()}
-    said: dict[str, Json] = {
+    changes: dict[str, Json] = {
         modality: {name: value for name, value in asdict(manner).items() if value is not None}
         for modality, manner in block.manners.items()
     }
-    tables |= {"settings": [str(setting) for setting in style.settings], "block": said}
+    tables |= {"settings": [str(setting) for setting in style.settings], "block": changes}
     weights = {"whole_body": style.whole_body, "effort": style.effort}
     return {"name": style.name, **weights, **asdict(style.gesture), **tables}
 
 
 def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
-    """The numbers that a behaviour is moved with, and who said each; None when it moves nothing."""
-    modality = modality_of(behaviour.action)
+    """Return a behaviour's expressivity parameters with their sources."""
+    modality = find_modality(behaviour.action)
     if modality is None:
         return None
-    found = resolve_numbers(plan.setup.style, modality, plan.timeline.block, behaviour)
+    numbers = plan.numbers[behaviour.id]
     carried: dict[str, Json] = {"intensity": behaviour.manner.intensity}  # of Greta's signals
-    return {"modality": modality, "values": asdict(found.expressivity), "sources": dict(found.sources), **carried}
+    return {"modality": modality, "values": asdict(numbers.expressivity), "sources": dict(numbers.sources), **carried}
 
 
-def _behaviours(performance: Performance) -> list[Json]:
+def _behaviours(performance: DryRun) -> list[Json]:
     plan = performance.plan
-    found: list[Json] = []
+    rows: list[Json] = []
     for behaviour in plan.timeline.block.behaviours:
         outcome = plan.keyframes.outcomes[behaviour.id]
         miss = plan.postures.misses.get(behaviour.id, 0.0)
         reasons = [outcome.why] if outcome.why else []
-        if outcome.kind != "dropped" and miss > MISS_TO_NAME:
+        if outcome.kind != "dropped" and miss > MIN_REPORTED_MISS:
             reasons.append(f"hand stays {100 * miss:.0f} cm from its target, out of reach or too near the body")
-        found.append(
+        rows.append(
             {
                 "id": behaviour.id,
                 "name": label(behaviour),
@@ -134,23 +128,26 @@ def _behaviours(performance: Performance) -> list[Json]:
                 "shapes": _shapes(plan, behaviour.id),
             }
         )
-    return found
+    return rows
 
 
 def _shapes(plan: Plan, behaviour: str) -> dict[str, Json] | None:
-    """Which hand shapes a behaviour asks for, and which of them the hand can make; None where it asks for none."""
-    asked = plan.keyframes.shapes.get(behaviour, ())
-    lacking = lacking_shapes(asked, plan.setup.robot)
-    return {"asked": list(asked), "made": [shape for shape in asked if shape not in lacking]} if asked else None
+    """Return a behaviour's requested and feasible hand shapes, or None."""
+    requested_shapes, lacking = plan.keyframes.shapes.get(behaviour, ()), plan.missing_shapes.get(behaviour, ())
+    return (
+        {"asked": list(requested_shapes), "made": [shape for shape in requested_shapes if shape not in lacking]}
+        if requested_shapes
+        else None
+    )
 
 
 def _whole_body(plan: Plan) -> dict[str, Json]:
-    """How much the body takes part in gestures, in how many, and why in none."""
+    """Return weight and number of accompanying body motions, and missing joints."""
     robot, moves = plan.setup.robot, plan.keyframes.bodies.values()
     parts = {
         "neck": robot.joints("neck"),
         "trunk": robot.joints("torso"),
-        "collar bones": [joint for side in SIDES for joint in robot.arm(side).lifting],
+        "collar bones": [joint for side in SIDES for joint in robot.arm(side).shoulder_lift_joints],
     }
     lacking = " and ".join(f"no {part}" for part, joints in parts.items() if not joints)
     return {
@@ -161,7 +158,7 @@ def _whole_body(plan: Plan) -> dict[str, Json]:
 
 
 def _body(move: BodyMove | None) -> dict[str, Json] | None:
-    """What the rest of the body does beside the hands of a gesture; None where it does nothing."""
+    """Return the body motion that accompanies a gesture, or None."""
     if move is None:
         return None
     head = max(abs(move.head.tilt + move.nod), abs(move.head.torsion) + abs(move.shake), abs(move.head.roll))
@@ -175,16 +172,16 @@ def _body(move: BodyMove | None) -> dict[str, Json] | None:
     }
 
 
-def _syncs(performance: Performance) -> list[Json]:
+def _syncs(performance: DryRun) -> list[Json]:
     block = performance.plan.timeline.block.id
-    found: list[Json] = []
-    tied = {(each.behaviour, each.sync): each for each in performance.stroke_lags}
+    rows: list[Json] = []
+    tied = {(stroke_lag.behaviour, stroke_lag.sync): stroke_lag for stroke_lag in performance.stroke_lags}
     for sync in performance.plan.syncs:
         lag, force = performance.lags.get(sync, 0.0), tied.get((sync.behaviour, sync.sync))
-        found.append(
+        rows.append(
             {
                 "id": f"{block}:{sync.behaviour}:{sync.sync}",
-                "asked_s": sync.asked,
+                "asked_s": sync.requested,
                 "planned_s": sync.planned,
                 "twin_s": None if lag is None else sync.planned + lag,
                 "amplitude": 1.0,
@@ -194,29 +191,29 @@ def _syncs(performance: Performance) -> list[Json]:
                 "fastest_lag_s": None if force is None else force.lag,
             }
         )
-    return found
+    return rows
 
 
-def _tracking(performance: Performance) -> dict[str, Json]:
+def _tracking(performance: DryRun) -> dict[str, Json]:
     names = performance.plan.setup.robot.skeleton.names
     squares = np.degrees(np.nan_to_num(performance.errors)) ** 2
     means = squares.sum(axis=0) / np.maximum(performance.reference.moving.sum(axis=0), 1)
-    found = performance.tracking
-    late = performance.lateness
+    tracking = performance.tracking
+    late = performance.tracking_delays
     return {
-        "rmse_deg": found.rmse,
-        "p95_deg": found.p95,
-        "max_deg": found.max,
+        "rmse_deg": tracking.rmse,
+        "p95_deg": tracking.p95,
+        "max_deg": tracking.max,
         "per_joint": {name: float(np.sqrt(mean)) for name, mean in zip(names, means, strict=True)},
         "lateness_s": {names[hinge]: float(late[hinge]) for hinge in np.flatnonzero(np.isfinite(late))},
     }
 
 
-def _limits(performance: Performance) -> dict[str, Json]:
-    shares = performance.reference.peaks.shares
+def _limits(performance: DryRun) -> dict[str, Json]:
+    shares = performance.reference.peaks.by_quantity
     quantity, peak = max(shares.items(), key=lambda item: float(item[1].ratios.max()))
     return {
-        "violations": int(sum((share.ratios > TOLERANCE).sum() for share in shares.values())),
+        "violations": int(sum((share.ratios > LIMIT_TOLERANCE).sum() for share in shares.values())),
         "worst": {
             "joint": performance.plan.setup.robot.skeleton.names[peak.hinge],
             "quantity": quantity,
@@ -226,21 +223,21 @@ def _limits(performance: Performance) -> dict[str, Json]:
     }
 
 
-def _conditioning(performance: Performance) -> dict[str, Json]:
-    """What had to give, behaviour by behaviour, and how far each hinge strays from the desired motion."""
+def _conditioning(performance: DryRun) -> dict[str, Json]:
+    """Return changes made to keep motion limits, and deviations they cause."""
     plan = performance.plan
-    strays = zip(plan.setup.robot.skeleton.names, np.degrees(plan.motion.lost), strict=True)
+    strays = zip(plan.setup.robot.skeleton.names, np.degrees(plan.motion.rms_distances), strict=True)
     return {
-        "gave": [asdict(chapter) for chapter in story(performance)],
+        "gave": [asdict(chapter) for chapter in performance.reference.changes],
         "lost_deg": {name: float(lost) for name, lost in strays},
     }
 
 
-def _collision(performance: Performance) -> dict[str, Json]:
+def _collision(performance: DryRun) -> dict[str, Json]:
     plan, measured = performance.plan, performance.measured
     nearest = min(
         ((plan.clearance, plan.clearance_times), (measured.clearance, measured.times)),
-        key=lambda found: float(found[0].distances.min()),
+        key=lambda clearance_with_times: float(clearance_with_times[0].distances.min()),
     )
     clearance, times = nearest
     worst = clearance.worst
@@ -252,20 +249,19 @@ def _collision(performance: Performance) -> dict[str, Json]:
     }
 
 
-def _smoothness(performance: Performance) -> dict[str, Json]:
-    hands: dict[str, Json] = {}
-    period = performance.period
-    for side, performed in performance.measured.hands.items():
-        planned = performance.reference.hands[side]
-        hands[side] = {
-            "dimensionless_jerk": dimensionless_jerk(planned, period=period),
-            "sparc_planned": spectral_arc_length(planned, period=period),
-            "sparc_twin": spectral_arc_length(performed, period=period),
+def _smoothness(performance: DryRun) -> dict[str, Json]:
+    hands: dict[str, Json] = {
+        side: {
+            "dimensionless_jerk": hand.planned_jerk,
+            "sparc_planned": hand.planned_arc_length,
+            "sparc_twin": hand.performed_arc_length,
         }
+        for side, hand in performance.hand_smoothness.items()
+    }
     return {"rms_jerk_rad_s3": performance.reference.peaks.rms_jerk, "hands": hands}
 
 
-def _power(performance: Performance) -> dict[str, Json]:
+def _power(performance: DryRun) -> dict[str, Json]:
     power, supply = performance.measured.power, performance.plan.setup.robot.supply
     return {
         "peak_a": float(power.peak.max()),
@@ -276,28 +272,32 @@ def _power(performance: Performance) -> dict[str, Json]:
     }
 
 
-def feedback(plan: Plan, lags: Mapping[SyncTime, float | None] = UNSEEN) -> Iterator[str]:
-    """Yields the BML feedback of a performed block as it is sent: prediction, warnings, then the progress.
+def feedback(plan: Plan, lags: Mapping[SyncTime, float | None] = NO_LAGS) -> Iterator[str]:
+    """Yield the BML feedback of a performed block: prediction, warnings, progress.
 
     Args:
-        plan: of the block, whose time 0 is that of the messages.
-        lags: how much later than planned the body was seen at sync points [s]; None: it never came.
+        plan: plan of the block; its time 0 is that of the messages.
+        lags: measured delays of sync points [s]; None if the body never arrived.
     """
-    block, times = plan.timeline.block, times_of(plan.syncs)
-    start, _, end = span(times)
-    yield prediction(block, start, end, times)
+    block, times = plan.timeline.block, times_by_behaviour(plan.syncs)
+    start, _, end = block_span(times)
+    yield write_prediction(block, start, end, times)
     for notice in plan.notices:
-        yield warning(notice, character=block.character)
+        yield write_warning(notice, character=block.character)
     seen_at = {(s.behaviour, s.sync): s.planned + lag for s, lag in lags.items() if lag is not None}
-    for message in agenda(block.id, times, 0.0, sender=0, character=block.character):
+    for message in schedule_feedback(block.id, times, 0.0, sender=0, character=block.character):
         point = message.content
         measured = seen_at.get((point.behaviour or "", point.point)) if isinstance(point, Progress) else None
         yield message.xml if measured is None else message.measured_at(measured).xml
 
 
-def _timing(performance: Performance, checking: float) -> dict[str, Json]:
+def _timing(performance: DryRun, checking: float) -> dict[str, Json]:
     duration = performance.plan.duration
-    parse, planned, dry = performance.parse_seconds, performance.plan.seconds, performance.dry_run_seconds + checking
+    parse, planned, dry = (
+        performance.plan.parse_seconds,
+        performance.plan.seconds,
+        performance.dry_run_seconds + checking,
+    )
     return {
         "parse_ms": 1000 * parse,
         "plan_ms": 1000 * planned,

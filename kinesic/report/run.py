@@ -1,6 +1,6 @@
-"""A performance that knows its verdicts and writes its report."""
+"""Performances with their checks and reports."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -12,12 +12,12 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.body.command import State
 from kinesic.body.config import ConfigError
-from kinesic.controller.performance import MeasuredMotion
-from kinesic.controller.performance import Performance as DryRun
-from kinesic.controller.servo_performance import ServoRun
+from kinesic.body.html_view import NotebookView
 from kinesic.files.output_file import new_file
-from kinesic.files.output_folder import MARKER, check_folder
-from kinesic.planning.motion_files import replace_motion
+from kinesic.files.output_folder import MARKER_FILE, check_folder
+from kinesic.metrics.dry_run import DryRun, MeasuredMotion
+from kinesic.metrics.servo_run import ServoRun
+from kinesic.planning.files.motion_files import replace_motion
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks, grade
 from kinesic.report.report import Json, report
@@ -26,11 +26,15 @@ from kinesic.report.verdict import verdict
 from kinesic.sim.log import write_log
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+
+    from kinesic.report.data_frames import FrameName
     from kinesic.report.output import WrittenPaths
 
-LOG = "servos.npz"
-FILES = (
-    MARKER,
+SERVO_LOG_NAME = "servos.npz"  # file name of the log of a servo run
+REPORT_FILES = (
+    MARKER_FILE,
     "report.json",
     "report.html",
     "measured.npz",
@@ -38,21 +42,21 @@ FILES = (
     "film.mp4",
     "face.webp",
     "speech.wav",
-    LOG,
+    SERVO_LOG_NAME,
     "learned.toml",
-)  # of a report
+)  # all files of a report
 
 
 @dataclass(frozen=True)
 class PerformedSync(SyncTime):
-    """One sync point: when it was asked for, when it was planned, and when it was met."""
+    """A sync point with its requested, planned and performed time."""
 
     performed: float | None  # [s] block time; None: never
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Performance(DryRun):
-    """One plan as it was performed: in the twin, and on the servos where these were asked for."""
+class Performance(DryRun, NotebookView):
+    """A plan performed in the twin and, optionally, on servos."""
 
     seed: int = 0
     beside: tuple[DryRun, ...] = ()  # the same plan in other twins
@@ -60,45 +64,49 @@ class Performance(DryRun):
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
-        """The verdicts on the twin's performance, and on that of the servos where they performed."""
+        """Checks of the twin's performance, and of the servos' if they performed."""
         return (*checks(self), *(live_checks(self.servos) if self.servos is not None else ()))
 
     @property
     def ok(self) -> bool:
-        """Whether no check has failed."""
+        """Whether no check failed."""
         return grade(self.checks) != "fail"
 
     @cached_property
     def data(self) -> Mapping[str, Json]:
-        """What `report.json` holds."""
-        found = report(self, source=self.plan.timeline.block.source, seed=self.seed, beside=self.beside)
-        return with_live(found, self.servos) if self.servos is not None else found
+        """Content of `report.json`."""
+        content = report(self, source=self.plan.timeline.block.source, seed=self.seed, beside=self.beside)
+        return with_live(content, self.servos) if self.servos is not None else content
 
     @cached_property
     def syncs(self) -> Syncs[PerformedSync]:
-        """Sync points with the times at which they were met; `syncs["nod:stroke"].performed`."""
+        """Sync points with performed times, accessed like `syncs["nod:stroke"].performed`."""
         lags = self.lags if self.servos is None else self.servos.lags
         rows = ((sync, lags.get(sync, 0.0)) for sync in self.plan.syncs)
         return Syncs(
             PerformedSync(
-                sync.behaviour, sync.sync, sync.asked, sync.planned, None if lag is None else sync.planned + lag
+                sync.behaviour, sync.sync, sync.requested, sync.planned, None if lag is None else sync.planned + lag
             )
             for sync, lag in rows
         )
 
     @cached_property
     def motion(self) -> MeasuredMotion:
-        """What was measured: by the servos where they moved, else in the twin."""
+        """Measured motion of the servos, or of the twin without servos."""
         live = self.servos
         if live is not None and len(live.times) > 1:
-            return MeasuredMotion(live.times, live.followed, sealed(np.gradient(live.followed, live.times, axis=0)))
-        return MeasuredMotion(self.measured.times, self.measured.angles, self.measured.speeds)
+            return MeasuredMotion(
+                live.times, live.interpolated_angles, sealed(np.gradient(live.interpolated_angles, live.times, axis=0))
+            )
+        return MeasuredMotion(self.measured.times, self.measured.angles, self.measured.velocities)
 
     def at(self, when: float | str) -> State:
-        """What was measured at a performance time [s], or when a sync point such as `nod:stroke` was met.
+        """Return the measured state at a time [s] or a sync point.
+
+        A sync point is given as `nod:stroke`; its performed time is used.
 
         Raises:
-            KeyError: there is no such sync point, or it was never met.
+            KeyError: the sync point does not exist, or the body never arrived.
         """
         if isinstance(when, str):
             met = self.syncs[when].performed
@@ -108,26 +116,26 @@ class Performance(DryRun):
         return State(*(sealed(row[0]) for row in self.motion.sample(np.array([when]))))
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
-        """Writes what was measured; the suffix names the format: .npz, .csv or .bap.
+        """Write the measured motion as .npz, .csv or .bap.
 
         Args:
-            path: of the file; a motion that was saved there before is replaced.
-            force: whether any other ordinary file may be replaced, too.
+            path: path of the file; a motion saved there before is replaced.
+            force: whether to replace any other ordinary file.
 
         Raises:
-            ConfigError: the suffix is not known, or the path is a folder's, a link's or, unless forced, another file's.
+            ConfigError: the suffix is unknown, or the path is a folder's, a link's or, unless forced, another file's.
         """
         return replace_motion(self.motion, self.plan.setup.robot, Path(path), force=force)
 
     def report(self, folder: str | Path, *, film: bool = True) -> "WrittenPaths":
-        """Writes report.html, report.json and what belongs to them; an earlier report in the folder is replaced.
+        """Write the report files, replacing earlier ones.
 
         Args:
-            folder: of the report alone.
-            film: whether twin and face are filmed, where OpenGL works.
+            folder: folder of the report alone.
+            film: whether to film twin and face, if OpenGL works.
 
         Raises:
-            ConfigError: something else is in the folder.
+            ConfigError: the folder contains foreign files.
         """
         place = Path(folder)
         _check_free(place)
@@ -139,12 +147,42 @@ class Performance(DryRun):
             if processes is not None:
                 written = add_films(written, self, dict(self.data), processes)
         if self.servos is not None:
-            with new_file(place / LOG, force=True) as fresh:
+            with new_file(place / SERVO_LOG_NAME, force=True) as fresh:
                 write_log(live_log(self.servos), self.plan.setup.robot, fresh)
         return written
 
+    def to_dataframe(self, table: "FrameName" = "motion") -> "DataFrame":
+        """Return a table of the performance as a pandas data frame.
+
+        Args:
+            table: "motion": rows every 10 ms, columns (quantity, hinge) such as `("measured", "r_elbow_flexion")`,
+                angles in rad; "servos": readings of the servos; "syncs"; "behaviours"; "checks".
+
+        Raises:
+            ConfigError: pandas is missing, the table is unknown, or no servos performed.
+        """
+        from kinesic.report.data_frames import make_data_frame  # noqa: PLC0415 - pandas is slow to import
+
+        return make_data_frame(self, table)
+
+    def plot(self, hinges: Sequence[str] | None = None) -> tuple["Axes", ...]:
+        """Draw the timeline and the angles of hinges with matplotlib.
+
+        Args:
+            hinges: names of the hinges; None: those with the largest range of motion.
+
+        Returns:
+            The axes of the timeline, then one for each hinge.
+
+        Raises:
+            ConfigError: matplotlib is missing, or the robot has no such hinge.
+        """
+        from kinesic.report.joint_plot import draw_joint_plot  # noqa: PLC0415 - matplotlib is slow to import
+
+        return draw_joint_plot(self, hinges)
+
     def __str__(self) -> str:
-        """The verdict in one line."""
+        """Return the verdict in one line."""
         return verdict(self.data)
 
     def __repr__(self) -> str:
@@ -154,13 +192,15 @@ class Performance(DryRun):
 def performance_of(
     run: DryRun, *, seed: int, beside: tuple[DryRun, ...] = (), servos: ServoRun | None = None
 ) -> Performance:
-    """Makes a performance of a dry run, with its verdicts, and with what the servos did."""
+    """Combine a dry run and an optional servo run into a performance."""
     same = {field.name: getattr(run, field.name) for field in fields(DryRun)}
     return Performance(**same, seed=seed, beside=beside, servos=servos)
 
 
 def _check_free(folder: Path) -> None:
-    strangers = sorted(file.name for file in folder.iterdir() if file.name not in FILES) if folder.is_dir() else []
+    strangers = (
+        sorted(file.name for file in folder.iterdir() if file.name not in REPORT_FILES) if folder.is_dir() else []
+    )
     if strangers:
         raise ConfigError(f"{folder} holds {strangers[0]}, which no report has written; name another folder")
     check_folder(folder, force=True)

@@ -1,4 +1,4 @@
-"""The robot as the scripts of pages draw it: its shapes, where they stand, and from where they are seen."""
+"""Robot geometry and camera for page scripts."""
 
 from base64 import b64encode
 from collections.abc import Iterable
@@ -11,24 +11,24 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
-from kinesic.sim.filming.face_screen import Sheet, screen_of
-from kinesic.sim.scene_layout import VIEW_FROM, Rod, view_of
-from kinesic.sim.scene_style import SERVO_DRAWN, eyeballs, parts, seen_rods, shell_parts
-from kinesic.sim.shells.shell import Shell, shell_of
+from kinesic.sim.filming.face_screen import Sheet, build_face_screen
+from kinesic.sim.scene_layout import CAMERA_DIRECTION, Rod, find_scene_view
+from kinesic.sim.scene_style import SERVO_DRAWN_SCALE, eyeballs, list_drawn_rods, parts, shell_parts
+from kinesic.sim.shells.shell import Shell, load_shell
 
-DIGITS = 4  # of lengths [m]
-TEMPLATES = Path(__file__).parent / "templates"
+LENGTH_DIGITS = 4  # decimal places of lengths [m] in page data
+TEMPLATES_FOLDER = Path(__file__).parent / "templates"
 # `sceneOf` draws a posture, `rowAt` gives one of a motion.
 SCENE_SCRIPTS = ("shapes.js", "motion.js", "skin.js", "screen.js", "scene.js")
 
 
 def scene_data(robot: Robot) -> dict[str, Json]:
-    """Gathers what `sceneOf` reads of a robot."""
-    shell = shell_of(robot)
+    """Return a robot's geometry and camera for page scripts."""
+    shell = load_shell(robot)
     return {
         "segments": _segments(robot),
         "servos": _servos(robot),
-        "details": [*_eyes(robot), *_rods(robot, seen_rods(robot, shell))],
+        "details": [*_eyes(robot), *_rods(robot, list_drawn_rods(robot, shell))],
         "screen": _screen(robot),
         "view": _view(robot),
         "shells": [] if shell is None else _shells(robot, shell),
@@ -38,23 +38,23 @@ def scene_data(robot: Robot) -> dict[str, Json]:
 
 
 def read_scripts(names: tuple[str, ...]) -> str:
-    """Joins scripts of this room for one page."""
-    return "\n".join((TEMPLATES / name).read_text(encoding="utf-8") for name in names)
+    """Join page scripts from the templates folder."""
+    return "\n".join((TEMPLATES_FOLDER / name).read_text(encoding="utf-8") for name in names)
 
 
 def pack_rows(values: Floats, kind: str) -> str:
-    """Packs rows of whole numbers as base64, those out of range at its end.
+    """Encode integer rows in base64, clipped to the integer type's range.
 
     Args:
         values: (m, n).
-        kind: of numpy, such as `<i2`.
+        kind: NumPy type, such as `<i2`.
     """
     limits = np.iinfo(kind)
     return b64encode(np.clip(np.rint(values), limits.min, limits.max).astype(kind).tobytes()).decode()
 
 
 def _rounded(values: Floats) -> list[Json]:
-    return [round(float(value), DIGITS) + 0.0 for value in values]
+    return [round(float(value), LENGTH_DIGITS) + 0.0 for value in values]
 
 
 def _segments(robot: Robot) -> list[Json]:
@@ -85,25 +85,30 @@ def _coupling(coupling: Coupling) -> dict[str, Json]:
 
 
 def _capsule(capsule: Capsule) -> list[Json]:
-    return [*_rounded(capsule.start), *_rounded(capsule.end), round(capsule.radius, DIGITS)]
+    return [*_rounded(capsule.start), *_rounded(capsule.end), round(capsule.radius, LENGTH_DIGITS)]
 
 
 def _servos(robot: Robot) -> list[Json]:
-    """Boxes, as their mounts say, one for each hinge."""
-    found: list[Json] = []
+    """Return each servo's box at its mounting position."""
+    boxes: list[Json] = []
     for joint, mount in enumerate(robot.mounts):
         width, length, height = mount.drive.servo.size
         half = np.array([mount.drive.count * width, length, height]) / 2
         segment = robot.skeleton.segment(mount.segment)
-        found.append(
-            {"hinge": joint, "segment": segment, "at": _rounded(mount.position), "half": _rounded(SERVO_DRAWN * half)}
+        boxes.append(
+            {
+                "hinge": joint,
+                "segment": segment,
+                "at": _rounded(mount.position),
+                "half": _rounded(SERVO_DRAWN_SCALE * half),
+            }
         )
-    return found
+    return boxes
 
 
 def _screen(robot: Robot) -> Json:
-    """The sheets of the screen on its head, each as flat lists of numbers."""
-    screen = screen_of(robot)
+    """Return the meshes of the head's screen as flat number lists."""
+    screen = build_face_screen(robot)
     if screen is None:
         return None
     segment = robot.skeleton.segment(screen.segment)
@@ -114,14 +119,14 @@ def _sheet(sheet: Sheet) -> dict[str, Json]:
     return {
         "places": _rounded(sheet.places.ravel()),
         "normals": _rounded(sheet.normals.ravel()),
-        "shares": _rounded(sheet.shares.ravel()),
+        "shares": _rounded(sheet.texture_coordinates.ravel()),
         "triangles": [int(corner) for corner in sheet.triangles.ravel()],
     }
 
 
 def _eyes(robot: Robot) -> list[Json]:
-    """Balls: segment, centre, radius, colour; none where a screen has the eyes."""
-    if screen_of(robot) is not None:
+    """Return the eyeballs as coloured spheres, unless a screen shows them."""
+    if build_face_screen(robot) is not None:
         return []
     return [
         {
@@ -134,7 +139,7 @@ def _eyes(robot: Robot) -> list[Json]:
 
 
 def _rods(robot: Robot, seen: Iterable[Rod]) -> list[Json]:
-    """What holds the parts together, or bears them: segment, capsule, colour."""
+    """Return the connecting rods as coloured capsules."""
     painted = parts(robot)
     return [
         {"segment": robot.skeleton.segment(rod.segment), "capsule": _capsule(rod.shape), "colour": painted[rod.segment]}
@@ -143,13 +148,13 @@ def _rods(robot: Robot, seen: Iterable[Rod]) -> list[Json]:
 
 
 def _shell_step(shell: Shell | None) -> float:
-    """[m] in which `_shells` counts places."""
+    """Return the length unit [m] of the coordinates in `_shells`."""
     surfaces = () if shell is None else shell.segments.values()
     return max((float(np.abs(surface.vertices).max()) for surface in surfaces), default=1.0) / np.iinfo(np.int16).max
 
 
 def _shells(robot: Robot, shell: Shell) -> list[Json]:
-    """Surfaces in base64: vertices, normals, and the corners of triangles, of the housing and of what is dark."""
+    """Pack each housing mesh in base64, light and dark parts apart."""
     step, painted = _shell_step(shell), shell_parts(robot)
     return [
         {
@@ -165,11 +170,11 @@ def _shells(robot: Robot, shell: Shell) -> list[Json]:
 
 
 def _view(robot: Robot) -> dict[str, Json]:
-    """As the film's camera: what is looked at, from where, how much of it, and where the floor is."""
-    view = view_of(robot)
+    """Return the film camera's target, direction and view height."""
+    view = find_scene_view(robot)
     return {
         "middle": _rounded(view.middle),
-        "from": list(VIEW_FROM),
-        "height": round(view.height, DIGITS),
-        "floor": round(view.floor, DIGITS),
+        "from": list(CAMERA_DIRECTION),
+        "height": round(view.height, LENGTH_DIGITS),
+        "floor": round(view.floor, LENGTH_DIGITS),
     }

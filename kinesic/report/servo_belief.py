@@ -1,31 +1,31 @@
-"""Tells by what goals of servos lead, and what the servos have told of themselves."""
+"""Servo parameters assumed by the feed-forward and identified from motion."""
 
 from collections.abc import Mapping
 from math import degrees
 from typing import TYPE_CHECKING
 
-from kinesic.controller.learned_gains import Lesson, describe_belief
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.controller.learned_gains import Identification, describe_estimate
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 if TYPE_CHECKING:
     from kinesic.report.report import Json  # which has these tables
 
 
-def lead(believed: Factors) -> dict[str, "Json"]:
-    """Says how servos are believed to be, by which goals lead: P gains as shares of the data sheets', and the delay."""
-    gains: dict[str, Json] = {name: own.gain for name, own in believed.servos.items()}
-    said = "as data sheets say" if believed == NOMINAL else describe_belief(believed)
-    return {"gain": gains or believed.gain, "latency_s": believed.latency, "text": said}
+def lead(factors: Factors) -> dict[str, "Json"]:
+    """Describe the servo parameters assumed by the feed-forward."""
+    gains: dict[str, Json] = {name: servo_factors.gain for name, servo_factors in factors.servos.items()}
+    text = "as data sheets say" if factors == NOMINAL_FACTORS else describe_estimate(factors)
+    return {"gain": gains or factors.gain, "latency_s": factors.latency, "text": text}
 
 
-def taught(lesson: Lesson | None) -> dict[str, "Json"] | None:
-    """Says what servos have told; None where nobody asked."""
+def taught(lesson: Identification | None) -> dict[str, "Json"] | None:
+    """Describe the identified servo parameters, or return None without identification."""
     if lesson is None:
         return None
     before, after = degrees(lesson.before), degrees(lesson.after)
-    return {**lead(lesson.believed), "before_deg": before, "after_deg": after, "why": lesson.why, "text": str(lesson)}
+    return {**lead(lesson.estimate), "before_deg": before, "after_deg": after, "why": lesson.why, "text": str(lesson)}
 
 
-def with_lesson(data: Mapping[str, "Json"], lesson: Lesson | None) -> dict[str, "Json"]:
-    """Adds what the servos of a robot have told of themselves to a report."""
+def with_lesson(data: Mapping[str, "Json"], lesson: Identification | None) -> dict[str, "Json"]:
+    """Add the identified servo parameters to report data."""
     return {**data, "learned": taught(lesson)}

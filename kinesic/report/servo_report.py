@@ -1,66 +1,66 @@
-"""Tells what the robot did, beside what was planned: figures, checks, and a log that the twin can be fitted to."""
+"""Report of a run on servos: metrics, checks and servo log."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from kinesic.controller.servo_performance import ServoRun
-from kinesic.report.checks import GRADES, Check, grade
-from kinesic.report.checks.twin import MAX, P95
+from kinesic.metrics.servo_run import ServoRun
+from kinesic.report.checks import GRADE_NAMES, Check, grade
+from kinesic.report.checks.twin import P95_LIMIT, PEAK_ERROR_LIMIT
 from kinesic.report.report import Json
 from kinesic.sim.log import Log
 
-RMSE = 1.0  # [deg]
-WHOLE = 0.999  # share of a plan that is all of it
-PACE = 0.95  # share of samples at full pace: a cycle that comes late slows time for a moment
+RMSE_LIMIT = 1.0  # [deg] limit of the RMS tracking error on servos
+COMPLETE_FRACTION = 0.999  # performed fraction that counts as a complete plan
+MIN_FULL_PACE_FRACTION = 0.95  # required fraction of samples at full speed; late cycles slow time briefly
 
 
 def live_checks(live: ServoRun) -> list[Check]:
-    """Checks how near the robot stayed to the plan, and whether it came to its end."""
-    found = [Check.of("measured.performed", live.performed, WHOLE, live.why or live.ending)]
+    """Check the robot's tracking error and the completed fraction of the plan."""
+    results = [Check.of("measured.performed", live.performed, COMPLETE_FRACTION, live.why or live.ending)]
     if len(live.times):
-        found.append(Check.of("measured.pace", live.full_pace, PACE))
+        results.append(Check.of("measured.pace", live.full_speed_fraction, MIN_FULL_PACE_FRACTION))
     errors = np.degrees(np.abs(live.errors))
     counted = errors[np.isfinite(errors)]
     if not len(counted):
-        return found
+        return results
     names = live.performance.plan.setup.robot.skeleton.names
     row, hinge = np.unravel_index(int(np.nan_to_num(errors).argmax()), errors.shape)
     worst = f"{names[hinge]} at {live.times[row]:.2f} s"
     most = names[int((np.nan_to_num(live.errors) ** 2).sum(axis=0).argmax())]
     return [
-        *found,
-        Check.of("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE, f"most {most}"),
-        Check.of("measured.p95", float(np.percentile(counted, 95)), P95),
-        Check.of("measured.max", float(counted.max()), MAX, worst),
+        *results,
+        Check.of("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE_LIMIT, f"most {most}"),
+        Check.of("measured.p95", float(np.percentile(counted, 95)), P95_LIMIT),
+        Check.of("measured.max", float(counted.max()), PEAK_ERROR_LIMIT, worst),
     ]
 
 
 def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
-    """Adds what the robot did to a report: more checks, the times of its sync points, and a table `servos`."""
-    found = live_checks(live)
-    rows: list[Json] = [{**vars(check)} for check in found]
+    """Return the report data with the results of a servo run."""
+    results = live_checks(live)
+    rows: list[Json] = [{**vars(check)} for check in results]
     earlier, syncs = data["checks"], data["sync"]
     assert isinstance(earlier, list)  # as `report` makes them
     assert isinstance(syncs, list)
     return {
         **data,
-        "grade": max(str(data["grade"]), grade(found), key=GRADES.index),
-        "ok": bool(data["ok"]) and grade(found) != "fail",
+        "grade": max(str(data["grade"]), grade(results), key=GRADE_NAMES.index),
+        "ok": bool(data["ok"]) and grade(results) != "fail",
         "checks": [*earlier, *rows],
         "sync": _syncs(syncs, live),
-        "servos": _servos(live, {check.name.partition(".")[2]: check.value for check in found}),
+        "servos": _servos(live, {check.name.partition(".")[2]: check.value for check in results}),
     }
 
 
 def _syncs(rows: list[Json], live: ServoRun) -> list[Json]:
-    """With the time at which the robot met each."""
-    found: list[Json] = []
+    """Return the sync points with the times measured on the robot."""
+    measured_rows: list[Json] = []
     for row, sync in zip(rows, live.performance.plan.syncs, strict=True):
         lag = live.lags.get(sync, 0.0)
         assert isinstance(row, dict)
-        found.append({**row, "servos_s": None if lag is None else sync.planned + lag})
-    return found
+        measured_rows.append({**row, "servos_s": None if lag is None else sync.planned + lag})
+    return measured_rows
 
 
 def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
@@ -72,7 +72,7 @@ def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
         "ending": live.ending,
         "why": live.why,
         "performed": live.performed,
-        "full_pace": live.full_pace,
+        "full_pace": live.full_speed_fraction,
         "rmse_deg": figures.get("rmse"),
         "p95_deg": figures.get("p95"),
         "max_deg": figures.get("max"),
@@ -94,5 +94,5 @@ def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
 
 
 def live_log(live: ServoRun) -> Log:
-    """Gathers goals sent and angles measured, as `kinesic twin fit` reads them."""
-    return Log(live.clocks, live.goals, live.followed)
+    """Return setpoints and measured angles as a log for identification."""
+    return Log(live.clocks, live.setpoints, live.interpolated_angles)

@@ -1,4 +1,4 @@
-"""Hand shapes in the words of the page."""
+"""Description of hand shapes on the report page."""
 
 from collections.abc import Mapping
 
@@ -6,15 +6,15 @@ from kinesic.report.report import Json
 
 
 def shapes_made(row: Mapping[str, Json]) -> str:
-    """Says which shapes were asked for, and which of them the hand could not make; empty where none was.
+    """List a behaviour's requested hand shapes, marking infeasible ones.
 
     Args:
-        row: of the report's behaviours.
+        row: row of the report's behaviours.
     """
     shapes = row["shapes"]
     if not isinstance(shapes, dict):
         return ""
-    asked, made = shapes["asked"], shapes["made"]
-    if not (isinstance(asked, list) and isinstance(made, list)):
+    requested, feasible = shapes["asked"], shapes["made"]
+    if not (isinstance(requested, list) and isinstance(feasible, list)):
         return ""
-    return ", ".join(str(shape) if shape in made else f"{shape} (not made)" for shape in asked)
+    return ", ".join(str(shape) if shape in feasible else f"{shape} (not made)" for shape in requested)

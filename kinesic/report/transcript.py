@@ -1,4 +1,4 @@
-"""What was said and meant: the words of a plan, and under each the behaviours that peak while it sounds."""
+"""Transcript of a performance: spoken words with simultaneous behaviours."""
 
 from bisect import bisect_right
 from collections.abc import Iterator
@@ -7,19 +7,25 @@ from itertools import pairwise
 from math import inf
 
 from kinesic.bml.block import Speech
-from kinesic.planning.captions import Caption, captions
+from kinesic.planning.captions import Caption, make_captions
 from kinesic.planning.plan import Plan
 from kinesic.report.labels import label
 
-PEAK_SYNCS = ("stroke", "strokeStart", "attackPeak", "ready", "start")  # the first that a behaviour has is its peak
-MOST_WORDS = 400  # of a longer text the rest is one piece without words
-PAUSE = 0.5  # [s] without a word that are a piece of their own
-SAME_TIME = 1e-6  # [s]
+PEAK_SYNCS = (  # peak sync points, the preferred first
+    "stroke",
+    "strokeStart",
+    "attackPeak",
+    "ready",
+    "start",
+)  # sync points that mark the peak, the preferred first
+MAX_LISTED_WORDS = 400  # longest listed transcript in words; the rest becomes one piece
+MIN_SILENCE = 0.5  # [s] shortest silence listed in a transcript
+TIME_TOLERANCE = 1e-6  # [s] rounding tolerance of caption times
 
 
 @dataclass(frozen=True)
 class PeakingBehaviour:
-    """A behaviour that is performed, at the moment for which it stands in the transcript."""
+    """A performed behaviour with its peak time."""
 
     label: str
     outcome: str  # as in `Outcome.kind`
@@ -28,7 +34,7 @@ class PeakingBehaviour:
 
 @dataclass(frozen=True)
 class TranscriptPiece:
-    """A word, or a time without words, with the behaviours that peak in it."""
+    """A word or silence, with the behaviours that peak during it."""
 
     word: str  # empty: a time without words
     begin: float  # [s] performance time; -inf before the first word
@@ -37,37 +43,38 @@ class TranscriptPiece:
 
 
 def transcribe(plan: Plan) -> tuple[TranscriptPiece, ...]:
-    """Lists the words of a plan with the behaviours that peak in each; times without words only where one does.
+    """Return the spoken words with the behaviours that peak during each.
 
-    Words between two marks of a speech share the time in proportion to their letters.
+    Silences are included only if a behaviour peaks in them. Words between two marks divide the time in proportion to
+    their letters.
     """
     pieces = tuple(_pieces(plan))
     begins = [piece.begin for piece in pieces]
-    found: list[list[PeakingBehaviour]] = [[] for _ in pieces]
-    for behaviour in sorted(_peaking_behaviours(plan), key=lambda each: each.peak):
-        found[bisect_right(begins, behaviour.peak + SAME_TIME) - 1].append(behaviour)
-    whole = (replace(piece, behaviours=tuple(here)) for piece, here in zip(pieces, found, strict=True))
+    behaviours_by_piece: list[list[PeakingBehaviour]] = [[] for _ in pieces]
+    for behaviour in sorted(_peaking_behaviours(plan), key=lambda peaking: peaking.peak):
+        behaviours_by_piece[bisect_right(begins, behaviour.peak + TIME_TOLERANCE) - 1].append(behaviour)
+    whole = (replace(piece, behaviours=tuple(here)) for piece, here in zip(pieces, behaviours_by_piece, strict=True))
     return tuple(piece for piece in whole if piece.word or piece.behaviours)
 
 
 def _pieces(plan: Plan) -> Iterator[TranscriptPiece]:
-    """Words and the times between them, without a gap from -inf to inf."""
-    words = sorted((word for caption in captions(plan) for word in _words(caption)), key=lambda word: word.begin)
-    shown = words[:MOST_WORDS]
+    """Yield words and silences that cover all times from -inf to inf."""
+    words = sorted((word for caption in make_captions(plan) for word in _words(caption)), key=lambda word: word.begin)
+    shown = words[:MAX_LISTED_WORDS]
     if not shown:
         yield TranscriptPiece("", -inf, inf)
         return
     yield TranscriptPiece("", -inf, shown[0].begin)
     yield shown[0]
     for before, word in pairwise(shown):
-        if word.begin - before.end > PAUSE:
+        if word.begin - before.end > MIN_SILENCE:
             yield TranscriptPiece("", before.end, word.begin)
         yield word
     yield TranscriptPiece("", max(word.end for word in shown), inf)
 
 
 def _words(caption: Caption) -> Iterator[TranscriptPiece]:
-    """The words of a caption, each as long as its share of the letters."""
+    """Divide a caption into words, timed by their number of letters."""
     words = caption.text.split()
     letters = sum(len(word) + 1 for word in words)
     begin = caption.begin
@@ -78,7 +85,7 @@ def _words(caption: Caption) -> Iterator[TranscriptPiece]:
 
 
 def _peaking_behaviours(plan: Plan) -> Iterator[PeakingBehaviour]:
-    """All behaviours with sync points but speech and what is dropped."""
+    """Yield the performed behaviours except speech, with peak times."""
     syncs = {(sync.behaviour, sync.sync): sync.planned for sync in plan.syncs}
     for behaviour in plan.timeline.block.behaviours:
         peak = next((syncs[behaviour.id, name] for name in PEAK_SYNCS if (behaviour.id, name) in syncs), None)

@@ -20,7 +20,7 @@ def journal(tmp_path):
     return Journal(tmp_path / "finished.jsonl", DocumentVerdict)
 
 
-def test_what_is_noted_is_read_again(journal):
+def test_recorded_verdicts_are_read_back(journal):
     assert journal.read() == {}
     for key, verdict in VERDICTS.items():
         journal.append(key, verdict)
@@ -28,7 +28,7 @@ def test_what_is_noted_is_read_again(journal):
 
 
 @pytest.mark.parametrize("cut", [1, 2, 30, 90])
-def test_a_line_that_is_not_whole_does_not_count(journal, tmp_path, cut):
+def test_incomplete_batch_record_is_ignored(journal, tmp_path, cut):
     journal.append("a", VERDICTS["a"])
     journal.append("b", VERDICTS["b"])
     path = tmp_path / "finished.jsonl"
@@ -37,7 +37,7 @@ def test_a_line_that_is_not_whole_does_not_count(journal, tmp_path, cut):
 
 
 @pytest.mark.parametrize("line", [b"{}\n", b"null\n", b"\n", b'{"key": "c", "entry": {"file": 3}}\n', b"\xff\n"])
-def test_a_line_of_something_else_does_not_count(journal, tmp_path, line):
+def test_unreadable_batch_record_is_ignored(journal, tmp_path, line):
     journal.append("a", VERDICTS["a"])
     with (tmp_path / "finished.jsonl").open("ab") as file:
         file.write(line)
@@ -45,7 +45,7 @@ def test_a_line_of_something_else_does_not_count(journal, tmp_path, line):
     assert journal.read() == VERDICTS
 
 
-def test_rewriting_leaves_only_what_is_given(journal, tmp_path):
+def test_rewriting_keeps_only_the_given_batch_records(journal, tmp_path):
     for key, verdict in VERDICTS.items():
         journal.append(key, verdict)
     journal.rewrite({"b": VERDICTS["b"]})
@@ -53,7 +53,7 @@ def test_rewriting_leaves_only_what_is_given(journal, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["finished.jsonl"]
 
 
-def test_files_below_a_folder_are_known_by_what_they_hold(tmp_path):
+def test_documents_in_a_folder_are_recognised_by_content(tmp_path):
     texts = {
         "a.bml": "anything",
         "b.xml": "<anything/>",
@@ -71,7 +71,7 @@ def test_files_below_a_folder_are_known_by_what_they_hold(tmp_path):
     assert documents((tmp_path / "f.html",)) == [tmp_path / "f.html"]
 
 
-def test_a_report_of_a_document_with_a_long_name_has_a_possible_name(tmp_path):
+def test_report_name_of_a_long_document_name_is_valid(tmp_path):
     for name in ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "...bml"):
         (tmp_path / name).write_text("<bml/>")
         report = DocumentTask.of(tmp_path / name, "").name
@@ -79,7 +79,7 @@ def test_a_report_of_a_document_with_a_long_name_has_a_possible_name(tmp_path):
         (tmp_path / f"{report}.crash.txt").write_text("")
 
 
-def test_a_folder_made_of_a_long_name_is_a_possible_one(tmp_path):
+def test_folder_name_of_a_long_document_name_is_valid(tmp_path):
     for name in ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "...bml"):
         folder = default_folder(f"/somewhere/{name}")
         assert folder.parent == Path("out")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.report.batch import documents, judge
+from kinesic.session.setup import set_up
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 FOLDERS = {"greta/bml": 4, "greta/fml": 3, "openbmlparser": 4, "realizertester": 5, "asap": 3}
@@ -31,7 +31,7 @@ def sample() -> list[Path]:
 
 
 @pytest.mark.parametrize("path", sample(), ids=lambda path: path.stem)
-def test_performed_within_limits_or_refused_with_a_place(path, known):
+def test_corpus_document_is_performed_within_limits_or_refused_with_its_location(path, known):
     verdict, data = judge(path, known)
     assert verdict.exit == 0
     if verdict.outcome == "refused":

@@ -54,7 +54,7 @@ def run(folder: Path, known, *, engine: Here | None = None, settings: str = "", 
     return {Path(verdict.file).stem: verdict for verdict in found}
 
 
-def test_each_document_has_its_verdict(folder: Path, known):
+def test_each_document_has_a_verdict(folder: Path, known):
     found = run(folder, known, out=False)
     nod = found["nod"]
     assert (nod.outcome, nod.exit, nod.error, nod.report) == ("performed", 0, "", None)
@@ -67,7 +67,7 @@ def test_each_document_has_its_verdict(folder: Path, known):
     assert broken.error.startswith(f"{folder / 'broken.bml'}:1")
 
 
-def test_document_of_which_nothing_is_left_is_refused_with_every_reason(folder: Path, known):
+def test_document_without_performable_behaviours_is_refused_with_every_reason(folder: Path, known):
     found, data = judge(folder / "unknown.bml", known)
     assert (found.outcome, found.exit, found.checks) == ("refused", 0, ())
     assert found.file == str(folder / "unknown.bml")
@@ -77,7 +77,7 @@ def test_document_of_which_nothing_is_left_is_refused_with_every_reason(folder: 
     assert data["input"] == str(folder / "unknown.bml")
 
 
-def test_document_that_cannot_be_read_ends_as_perform_would(tmp_path: Path, known):
+def test_unreadable_document_is_refused_like_by_perform(tmp_path: Path, known):
     found, data = judge(tmp_path / "none.bml", known)
     assert found == DocumentVerdict(
         str(tmp_path / "none.bml"), "refused", 2, error=f"{tmp_path / 'none.bml'}: No such file or directory"
@@ -86,13 +86,13 @@ def test_document_that_cannot_be_read_ends_as_perform_would(tmp_path: Path, know
     assert judge(tmp_path / "none.bml", known, content=NOD.encode())[0].outcome == "performed"
 
 
-def test_performance_that_is_not_ok_fails(folder: Path, known, monkeypatch):
+def test_document_fails_if_its_performance_has_failed_checks(folder: Path, known, monkeypatch):
     usual = batch.report
     monkeypatch.setattr(batch, "report", lambda *given, **named: usual(*given, **named) | {"ok": False})
     assert (judge(folder / "nod.bml", known)[0].exit, judge(folder / "unknown.bml", known)[0].exit) == (1, 0)
 
 
-def test_reports_are_written_and_noted_so_that_the_next_run_takes_them_over(folder: Path, known):
+def test_next_batch_run_reuses_recorded_reports(folder: Path, known):
     first = run(folder, known)
     (folder / "new.bml").write_text(NOD)
     engine = Here()
@@ -109,7 +109,7 @@ def test_reports_are_written_and_noted_so_that_the_next_run_takes_them_over(fold
     assert lost.did == ["nod"]
 
 
-def test_changed_document_or_setting_is_done_again(folder: Path, known):
+def test_changed_document_or_setting_is_run_again(folder: Path, known):
     run(folder, known)
     (folder / "nod.bml").write_text(NOD.replace("1", "2"))
     run(folder, known, engine=(changed := Here()))
@@ -118,7 +118,7 @@ def test_changed_document_or_setting_is_done_again(folder: Path, known):
     assert sorted(other.did) == ["broken", "nod", "unknown"]
 
 
-def test_without_a_folder_nothing_is_written_or_remembered(folder: Path, known):
+def test_batch_without_a_folder_writes_nothing(folder: Path, known):
     before = sorted(folder.rglob("*"))
     for _ in range(2):
         run(folder, known, engine=(engine := Here()), out=False)
@@ -127,7 +127,7 @@ def test_without_a_folder_nothing_is_written_or_remembered(folder: Path, known):
 
 
 @pytest.mark.parametrize("out", [True, False])
-def test_document_that_kills_its_process_is_named_and_the_others_go_on(folder: Path, known, out: bool):
+def test_document_that_crashes_its_process_is_named_and_others_continue(folder: Path, known, out: bool):
     found = run(folder, known, engine=Here(kills="nod"), out=out)
     crashed = found["nod"]
     assert (crashed.outcome, crashed.exit, crashed.file) == ("crashed", 1, str(folder / "nod.bml"))
@@ -140,14 +140,14 @@ def test_document_that_kills_its_process_is_named_and_the_others_go_on(folder: P
     assert "nod" in again.did
 
 
-def test_missing_path_is_refused_and_each_file_comes_once(folder: Path):
+def test_missing_path_is_refused_and_each_file_is_listed_once(folder: Path):
     with pytest.raises(BmlError, match=r"nowhere\.bml: no such file or folder"):
         documents((folder / "nowhere.bml",))
     nod = folder / "nod.bml"
     assert documents((nod, folder, nod)) == [nod, folder / "broken.bml", folder / "unknown.bml"]
 
 
-def test_two_documents_of_one_name_have_two_reports(tmp_path: Path):
+def test_documents_with_equal_names_have_separate_reports(tmp_path: Path):
     names = set()
     for place in ("a", "b"):
         (tmp_path / place).mkdir()
@@ -206,7 +206,7 @@ def test_worst_value_of_each_check_is_named_with_its_document():
     assert [(each.worst.value, each.file) for each in reverse] == [(3.0, "a/two.bml"), (0.2, "a/one.bml")]
 
 
-def test_totals_are_told_by_folder_and_type():
+def test_totals_are_counted_by_folder_and_type():
     found = totals(VERDICTS)
     assert found["documents"] == 5
     assert list(found["folders"]) == ["a", "b"]
@@ -221,7 +221,7 @@ def test_totals_are_told_by_folder_and_type():
     }
 
 
-def test_an_empty_run_has_nothing_to_count():
+def test_batch_without_documents_has_no_totals():
     assert totals([]) == counts([]) | {"folders": {}, "checks": {}}
     assert tallies([replace(VERDICTS[0], checks=())]) == []
 
@@ -241,5 +241,5 @@ def test_an_empty_run_has_nothing_to_count():
         (-250.4, "-250"),
     ],
 )
-def test_numbers_have_three_digits_that_count(value, said: str):
+def test_numbers_in_batch_reports_have_three_significant_digits(value, said: str):
     assert format_number(value) == said

@@ -12,16 +12,17 @@ from PIL import Image
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import plan, set_up
-from kinesic.face.display import available
+from kinesic.face.display import find_display_problem
 from kinesic.files.film_file import WebpFilm
 from kinesic.files.film_settings import FilmSettings
-from kinesic.planning.captions import captions
-from kinesic.planning.face_track import faces
+from kinesic.planning.captions import make_captions
+from kinesic.planning.face_track import compute_faces
 from kinesic.report import films
 from kinesic.report.films import FACE_RATE, FACE_SIZE, FaceFilm, FilmProcesses, TwinFilm, draw_films, film_processes
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.sim.film import moments
-from kinesic.sim.filming.drawn_face import SCREEN, paint_face
+from kinesic.sim.filming.drawn_face import SCREEN_SIZE, paint_face
 from kinesic.sim.gl import opengl_fault
 
 ROBOT = Robot.load()
@@ -61,7 +62,7 @@ def processes(monkeypatch: pytest.MonkeyPatch) -> Iterator[FilmProcesses]:
 
 @pytest.fixture(scope="module")
 def drawing() -> None:
-    if why := opengl_fault() or available():
+    if why := opengl_fault() or find_display_problem():
         pytest.skip(why)
 
 
@@ -79,7 +80,7 @@ def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     return found
 
 
-def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(drawn: dict[str, Drawn]):
+def test_both_films_are_drawn_and_progress_grows_to_one(drawn: dict[str, Drawn]):
     film, portrait, whys, shares = drawn["with"]
     assert whys == {film: "", portrait: ""}
     with Image.open(film) as seen:
@@ -91,21 +92,22 @@ def test_both_are_drawn_and_the_share_that_is_done_grows_to_all(drawn: dict[str,
     assert len(shares) > 6
 
 
-def test_what_cannot_be_drawn_says_why_and_takes_nothing_along(drawn: dict[str, Drawn]):
+def test_undrawable_film_gives_a_reason_and_does_not_affect_others(drawn: dict[str, Drawn]):
     film, portrait, whys, _ = drawn["without"]
     assert whys[film] == ""
     assert "99" in whys[portrait]
     assert not portrait.exists()
 
 
-def test_a_process_that_dies_is_a_reason(tmp_path: Path, processes: FilmProcesses):
+def test_reason_of_a_missing_film_names_the_signal_that_killed_its_process(tmp_path: Path, processes: FilmProcesses):
     processes["twin"].kill()
     (why,) = draw_films({tmp_path / "film.webp": twin()}, processes).values()
     assert "SIGKILL" in why
     assert "kinesic doctor" in why
 
 
-def test_an_interruption_ends_the_processes(tmp_path: Path, processes: FilmProcesses):
+@pytest.mark.soak
+def test_interruption_ends_the_film_processes(tmp_path: Path, processes: FilmProcesses):
     def interrupt(share: float) -> None:
         raise KeyboardInterrupt
 
@@ -115,13 +117,13 @@ def test_an_interruption_ends_the_processes(tmp_path: Path, processes: FilmProce
     assert all(process.wait(10.0) for process in processes.values())
 
 
-def test_processes_without_a_job_end_when_they_are_left():
+def test_idle_film_processes_end_with_their_context():
     with film_processes() as begun:
         assert all(process.poll() is None for process in begun.values())
     assert all(process.poll() for process in begun.values())
 
 
-def test_the_rendered_face_is_on_the_head_and_a_plain_one_where_it_is_missing(drawn: dict[str, Drawn]):
+def test_missing_rendered_face_is_replaced_by_a_painted_one(drawn: dict[str, Drawn]):
     """Both films differ from one another around the head alone."""
     heads = {}
     for name, film in drawn.items():
@@ -132,29 +134,29 @@ def test_the_rendered_face_is_on_the_head_and_a_plain_one_where_it_is_missing(dr
     assert np.ptp(differs, axis=0).max() < 0.15 * SMALL.size[0]
 
 
-def test_a_film_has_the_units_and_the_words_of_its_plan_at_the_times_of_its_pictures() -> None:
+def test_film_has_face_and_caption_of_its_plan_per_picture() -> None:
     planned = plan(SPOKEN, set_up("upper22", voice="durations"))
     times = np.arange(round(planned.duration * 100) + 1) / 100
     film = TwinFilm.of(planned, times, planned.trajectory.sample(times)[0])
     shot = moments(float(times[0]), float(times[-1]))
     assert len(film.units) == len(shot)
-    assert [dict(row) for row in faces(planned, shot)] == list(film.units)
+    assert [dict(row) for row in compute_faces(planned, shot)] == list(film.units)
     assert max(row.get("12", row.get("L12", 0.0)) for row in film.units) > 0.3
-    assert [(said.begin, said.end, said.text) for said in captions(planned)] == list(film.spoken)
+    assert [(said.begin, said.end, said.text) for said in make_captions(planned)] == list(film.spoken)
     assert [text for _, _, text in film.spoken] == ["Hello", "you"]
 
 
-def test_a_film_of_the_face_that_is_not_whole_is_no_face(tmp_path: Path) -> None:
+def test_incomplete_face_film_is_ignored(tmp_path: Path) -> None:
     whole, spoilt, missing = (tmp_path / f"{name}.webp" for name in ("whole", "spoilt", "missing"))
-    with WebpFilm(whole, SCREEN) as film:
+    with WebpFilm(whole, SCREEN_SIZE) as film:
         for k in range(3):
-            film.write(np.full((*SCREEN[::-1], 3), 60 * k, dtype=np.uint8), None, 1000 // FACE_RATE)
-    with suppress(ZeroDivisionError), WebpFilm(spoilt, SCREEN) as film:
+            film.write(np.full((*SCREEN_SIZE[::-1], 3), 60 * k, dtype=np.uint8), None, 1000 // FACE_RATE)
+    with suppress(ZeroDivisionError), WebpFilm(spoilt, SCREEN_SIZE) as film:
         raise ZeroDivisionError
     for path, rendered in ((whole, True), (spoilt, False), (missing, False)):
         faces_of = replace(twin(), units=({"26": 0.8},) * 2, after=path)._faces()
         assert faces_of is not None
-        assert (faces_of(0, 0.0) == paint_face({"26": 0.8}, size=SCREEN)).all() != rendered
+        assert (faces_of(0, 0.0) == paint_face({"26": 0.8}, size=SCREEN_SIZE)).all() != rendered
     in_step = replace(twin(), after=whole)._faces()
     assert in_step is not None
     shades = [round(float(in_step(k, k / FACE_RATE).mean()) / 60) for k in range(3)]

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.controller.perform import perform
+from kinesic.controller.dry_run import dry_run
 from kinesic.planning.setup import Setup
 from kinesic.report.page import write_page
 from kinesic.report.report import report
+from kinesic.session.plan import plan
 
 from ..chromium import binary, opened
 
@@ -35,7 +36,7 @@ def document(words: tuple[str, ...]) -> str:
 
 
 def written(words: tuple[str, ...], known: Setup, path: Path) -> Path:
-    done = perform(document(words), known, source=words[0])
+    done = dry_run(plan(document(words), known, source=words[0]))
     write_page(done, report(done, source=words[2]), path=path)
     return path
 
@@ -57,7 +58,7 @@ class Elements(HTMLParser):
         self.found.append((tag, dict(attrs)))
 
 
-def test_words_make_no_element_no_handler_and_no_link(page: Path):
+def test_foreign_words_create_no_element_handler_or_link(page: Path):
     found = Elements(page).found
     assert sum(tag == "script" for tag, _ in found) == 2
     assert not [tag for tag, _ in found if tag in ("iframe", "object", "embed", "base", "link", "form")]
@@ -70,7 +71,7 @@ def test_words_make_no_element_no_handler_and_no_link(page: Path):
 
 @pytest.mark.realtime
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
-def test_a_browser_obeys_none_of_them_and_still_replays(page: Path, tmp_path: Path):
+def test_browser_ignores_foreign_markup_and_still_replays(page: Path, tmp_path: Path):
     with opened(page.as_uri(), drawn=False) as tab:
         tab.until("document.querySelector('#stage')?.hidden === false")
         assert tab.value("window.hacked ?? 0") == 0

@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.planning.syncs import SyncTime
-from kinesic.report.labels import MOST_LETTERS, label, label_sync, label_with_id
+from kinesic.report.labels import MAX_LABEL_LENGTH, label, label_sync, label_with_id
 
 NAMES = {
     '<gesture lexeme="beat" stroke="1"/>': "beat",
@@ -27,18 +27,18 @@ NAMES = {
 
 
 @pytest.mark.parametrize(("written", "name"), NAMES.items())
-def test_a_behaviour_is_called_by_what_it_does(written: str, name: str):
+def test_behaviour_label_names_its_action(written: str, name: str):
     (behaviour,) = parse(f'<bml id="b">{written}</bml>', dialect="draft").behaviours
     assert label(behaviour) == name
 
 
-def test_a_long_name_is_cut():
+def test_long_behaviour_label_is_truncated():
     (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="{"very" * 30}"/></bml>').behaviours
-    assert len(label(behaviour)) == MOST_LETTERS
+    assert len(label(behaviour)) == MAX_LABEL_LENGTH
     assert label(behaviour).endswith("\u2026")
 
 
-def test_the_id_stands_behind_where_it_says_something_else():
+def test_behaviour_label_is_followed_by_the_behaviour_id_if_they_differ():
     block = parse('<bml id="b"><gesture id="g9" lexeme="offer"/><head id="nod" lexeme="NOD"/></bml>')
     assert [label_with_id(id, block) for id in ("g9", "nod", "gone")] == ["offer (g9)", "NOD", "gone"]
     assert label_sync(SyncTime("g9", "stroke", 0.0, 0.0), block) == "stroke of offer (g9)"

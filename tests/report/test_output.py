@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.controller.perform import perform
-from kinesic.controller.performance import Performance
+from kinesic.controller.dry_run import dry_run
 from kinesic.files.film_settings import FilmSettings
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report import output
 from kinesic.report.films import FACE_RATE
 from kinesic.report.output import NOT_ASKED, NOT_YET, add_films, default_folder, face_film, rewrite, write_report
 from kinesic.report.report import Json, report
+from kinesic.session.plan import plan
 
 SPOKEN = (
     '<bml id="b"><speech id="s"><text>Well, hello.</text></speech><faceLexeme id="f" lexeme="smile" start="0.2"/></bml>'
@@ -23,14 +24,14 @@ SPOKEN = (
 
 
 @pytest.fixture(scope="module")
-def data(calm: Performance) -> dict[str, Json]:
+def data(calm: DryRun) -> dict[str, Json]:
     return report(calm, source="calm.bml")
 
 
 @pytest.fixture(scope="module")
-def smiling(known) -> Performance:
+def smiling(known) -> DryRun:
     """A performance with a face and a sound."""
-    return perform(SPOKEN, known, source="smile.bml")
+    return dry_run(plan(SPOKEN, known, source="smile.bml"))
 
 
 def page(folder: Path) -> str:
@@ -61,7 +62,7 @@ def drawing(monkeypatch) -> Drawing:
 
 
 @pytest.mark.parametrize("film", [False, True])
-def test_report_page_and_measurement_are_written_into_a_new_folder(calm, data, tmp_path: Path, film: bool):
+def test_report_page_and_measurements_are_written_into_a_new_folder(calm, data, tmp_path: Path, film: bool):
     folder = tmp_path / "out" / "calm"
     written = write_report(calm, data, folder, film=film)
     assert sorted(path.name for path in folder.iterdir() if not path.name.startswith(".")) == [
@@ -82,9 +83,7 @@ def test_report_page_and_measurement_are_written_into_a_new_folder(calm, data, t
         assert len(log["times"]) == len(calm.measured.times)
 
 
-def test_earlier_report_is_replaced_only_by_force_and_stays_where_writing_fails(
-    calm, data, tmp_path: Path, monkeypatch
-):
+def test_existing_report_is_replaced_only_with_force_and_survives_write_errors(calm, data, tmp_path: Path, monkeypatch):
     folder = tmp_path / "calm"
     write_report(calm, data, folder)
     with pytest.raises(ConfigError):
@@ -105,7 +104,7 @@ def test_earlier_report_is_replaced_only_by_force_and_stays_where_writing_fails(
     assert [path.name for path in tmp_path.iterdir()] == ["calm"]
 
 
-def test_what_is_heard_is_written_beside(smiling, tmp_path: Path, monkeypatch):
+def test_speech_sound_is_written_next_to_the_report(smiling, tmp_path: Path, monkeypatch):
     heard = object()
     monkeypatch.setattr(output, "sound", lambda plan: heard)
     monkeypatch.setattr(output, "write_wav", lambda found, path: path.write_text(f"wav {found is heard}"))
@@ -118,7 +117,7 @@ def test_what_is_heard_is_written_beside(smiling, tmp_path: Path, monkeypatch):
     assert not (tmp_path / "silent" / "speech.wav").exists()
 
 
-def test_films_are_put_into_the_report_and_its_page(smiling, drawing, tmp_path: Path):
+def test_films_are_added_to_the_report_and_its_page(smiling, drawing, tmp_path: Path):
     said, shares, processes = report(smiling, source="smile.bml"), [], object()
     written = write_report(smiling, said, tmp_path / "smile")
     settings = FilmSettings(rate=25.0)
@@ -140,7 +139,7 @@ def test_films_are_put_into_the_report_and_its_page(smiling, drawing, tmp_path: 
     assert face.rate == min(25.0, FACE_RATE)
 
 
-def test_films_that_cannot_be_drawn_are_missing_with_the_reason(smiling, drawing, tmp_path: Path):
+def test_undrawable_films_are_missing_with_a_reason(smiling, drawing, tmp_path: Path):
     drawing.why = "no OpenGL here"
     said = report(smiling, source="smile.bml")
     written = write_report(smiling, said, tmp_path / "smile")
@@ -151,10 +150,10 @@ def test_films_that_cannot_be_drawn_are_missing_with_the_reason(smiling, drawing
     assert "no OpenGL here" in page(tmp_path / "smile")
 
 
-def test_face_is_filmed_only_where_it_is_asked_for(calm, smiling, data, drawing, tmp_path: Path, monkeypatch):
+def test_face_is_filmed_only_on_request(calm, smiling, data, drawing, tmp_path: Path, monkeypatch):
     assert face_film(calm.plan).robot is None  # its face is on a screen, and so always filmed
-    monkeypatch.setattr(output, "screen_of", lambda robot: None)
-    monkeypatch.setattr(output, "asks_face", lambda plan: plan is not calm.plan)
+    monkeypatch.setattr(output, "build_face_screen", lambda robot: None)
+    monkeypatch.setattr(output, "needs_face", lambda plan: plan is not calm.plan)
     assert face_film(calm.plan) is None
     film = face_film(smiling.plan)
     assert film.robot is smiling.plan.setup.robot
@@ -166,7 +165,7 @@ def test_face_is_filmed_only_where_it_is_asked_for(calm, smiling, data, drawing,
     assert len(drawing.jobs) == 1
 
 
-def test_report_is_rewritten_in_its_place(calm, data, tmp_path: Path):
+def test_report_is_rewritten_in_place(calm, data, tmp_path: Path):
     written = write_report(calm, data, tmp_path / "calm")
     before = page(tmp_path / "calm")
     rewrite(written, calm, data | {"input": "other.bml"})
@@ -174,7 +173,7 @@ def test_report_is_rewritten_in_its_place(calm, data, tmp_path: Path):
     assert page(tmp_path / "calm") != before
 
 
-def test_paths_of_another_folder_are_the_same_files(smiling, drawing, tmp_path: Path):
+def test_report_file_paths_in_another_folder_keep_their_file_names(smiling, drawing, tmp_path: Path):
     said = report(smiling, source="smile.bml")
     whole = add_films(write_report(smiling, said, tmp_path / "smile"), smiling, said, object())
     moved = whole.within(Path("elsewhere"))

@@ -9,11 +9,11 @@ from xml.sax.saxutils import quoteattr
 
 import pytest
 
-from kinesic.controller.perform import perform
-from kinesic.controller.performance import Performance
+from kinesic.controller.dry_run import dry_run
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
 from kinesic.report.page import (
-    SCRIPTS,
+    PAGE_SCRIPTS,
     Recordings,
     breakable,
     format_shift,
@@ -25,6 +25,7 @@ from kinesic.report.page import (
 from kinesic.report.report import Json, report
 from kinesic.report.scene import read_scripts
 from kinesic.report.verdict import format_number, verdict
+from kinesic.session.plan import plan
 
 HOSTILE = '<script>alert("$x_1^$")</script>&--> \u6b22\u8fce'
 FETCHED = re.compile(r'(?:src|href)="(?!data:|#)|url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(')
@@ -48,22 +49,22 @@ class Outline(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def data(hurried: Performance) -> dict[str, Json]:
+def data(hurried: DryRun) -> dict[str, Json]:
     return report(hurried, source="hurried.bml")
 
 
 @pytest.fixture(scope="module")
-def text(hurried: Performance, data: dict[str, Json], tmp_path_factory: pytest.TempPathFactory) -> str:
+def text(hurried: DryRun, data: dict[str, Json], tmp_path_factory: pytest.TempPathFactory) -> str:
     return page(hurried, data, tmp_path_factory.mktemp("page"))
 
 
-def page(performance: Performance, data: dict[str, Json], folder: Path, film: Path | None = None) -> str:
+def page(performance: DryRun, data: dict[str, Json], folder: Path, film: Path | None = None) -> str:
     path = folder / "report.html"
     write_page(performance, data, Recordings(film=film), path=path)
     return path.read_text(encoding="utf-8")
 
 
-def test_page_says_what_was_meant_then_the_verdict_then_figures_and_pictures(text: str, data: dict[str, Json]) -> None:
+def test_page_shows_transcript_then_verdict_then_metrics_and_films(text: str, data: dict[str, Json]) -> None:
     places = [
         text.index(mark)
         for mark in ('<p class="transcript"', "<h1>", 'class="tiles"', 'id="stage"', 'class="plot broad"', "<h2>")
@@ -72,7 +73,7 @@ def test_page_says_what_was_meant_then_the_verdict_then_figures_and_pictures(tex
     assert verdict(data) in "".join(Outline(text).words)
 
 
-def test_strokes_stand_under_the_words_and_lead_to_their_moment(text: str) -> None:
+def test_strokes_are_listed_under_words_and_link_to_their_time(text: str) -> None:
     transcript = text[text.index('<p class="transcript"') : text.index("<h1>")]
     words = Outline(transcript).words
     assert [word for word in words if word in ("Hello", "there,", "welcome")] == ["Hello", "there,", "welcome"]
@@ -80,12 +81,12 @@ def test_strokes_stand_under_the_words_and_lead_to_their_moment(text: str) -> No
     assert "xyzzy" not in transcript
 
 
-def test_the_document_is_on_the_page_with_the_fate_of_each_behaviour(known: Setup, tmp_path: Path) -> None:
+def test_page_shows_the_document_with_each_outcome(known: Setup, tmp_path: Path) -> None:
     gestures = [
         f'<gesture id="{id}" lexeme="{name}"/>' for id, name in zip("abc", ("beat", "xyzzy", "point_box"), strict=True)
     ]
     lines = ('<bml id="b">', *gestures, "</bml>")
-    performance = perform("\n".join(lines), known)
+    performance = dry_run(plan("\n".join(lines), known))
     text = page(performance, report(performance, source="x.bml"), tmp_path)
     shown = re.findall(r"<pre>(.*?)</pre></td><td>(.*?)</td>", text)
     assert [line.replace("&#34;", '"').replace("&lt;", "<").replace("&gt;", ">") for line, _ in shown] == list(lines)
@@ -96,7 +97,7 @@ def test_the_document_is_on_the_page_with_the_fate_of_each_behaviour(known: Setu
     assert "xyzzy" in fates[2]
 
 
-def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
+def test_report_page_contains_all_tables(text: str, data: dict[str, Json]) -> None:
     words = "".join(Outline(text).words)
     for row in (*data["checks"], *data["behaviours"], *data["warnings"]):
         shown = [value for value in row.values() if not isinstance(value, bool | dict | None)]
@@ -106,28 +107,28 @@ def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
     assert "No film: not recorded" in words
 
 
-def test_what_needs_attention_comes_first(text: str) -> None:
+def test_most_severe_checks_are_listed_first_on_the_report_page(text: str) -> None:
     outline = Outline(text[text.index("All ") :])
     statuses = [word for word in outline.words if word in ("fail", "warn", "pass")]
     assert statuses == sorted(statuses, key=("fail", "warn", "pass").index)
-    assert text.index("xyzzy") < text.index("realised as asked")
+    assert text.index("xyzzy") < text.index("realised as requested")
 
 
-def test_page_tells_what_had_to_give(text: str) -> None:
-    story = text[text.index("What had to give") : text.index("<h2>Servos")]
+def test_page_lists_changes_made_to_fit_limits(text: str) -> None:
+    story = text[text.index("Changes made to fit limits") : text.index("<h2>Servos")]
     assert "rushed" in story
     assert re.search(r"hand \d+&#8239;% slower in the stroke", story)
     assert re.search(r"(speed|acceleration|jerk|duty|position) of ", story)
 
 
-def test_nothing_to_tell_is_one_sentence(calm: Performance, tmp_path: Path) -> None:
+def test_empty_section_of_the_report_page_is_one_sentence(calm: DryRun, tmp_path: Path) -> None:
     text = page(calm, report(calm, source="calm.bml"), tmp_path)
-    story = text[text.index("What had to give") : text.index("<h2>Servos")]
-    assert "Nothing: every sync point is where it was asked" in story
+    story = text[text.index("Changes made to fit limits") : text.index("<h2>Servos")]
+    assert "None: every sync point is at its requested time" in story
     assert "<table>" not in story
 
 
-def test_page_needs_nothing_beside_itself(text: str) -> None:
+def test_report_page_loads_no_other_files(text: str) -> None:
     tags = Outline(text).tags
     assert not FETCHED.search(re.sub(r"<svg.*?</svg>", "", text, flags=re.DOTALL))
     assert not {"link", "iframe", "object", "embed"} & {tag for tag, _ in tags}
@@ -137,15 +138,17 @@ def test_page_needs_nothing_beside_itself(text: str) -> None:
     assert len(text) < 1_500_000
 
 
-def test_the_player_finds_its_parts(text: str) -> None:
-    script = read_scripts(SCRIPTS)
+def test_player_script_finds_all_its_page_elements(text: str) -> None:
+    script = read_scripts(PAGE_SCRIPTS)
     given = {attributes["data-part"] for _, attributes in Outline(text).tags if "data-part" in attributes}
     assert set(re.findall(r'part\("([^"]+)"\)', script)) == given
     ids = {attributes["id"] for _, attributes in Outline(text).tags if "id" in attributes}
     assert set(re.findall(r'getElementById\("([^"]+)"\)', script)) <= ids
 
 
-def test_page_is_the_same_every_time(hurried: Performance, data: dict[str, Json], text: str, tmp_path: Path) -> None:
+def test_equal_performances_give_equal_report_pages(
+    hurried: DryRun, data: dict[str, Json], text: str, tmp_path: Path
+) -> None:
     assert page(hurried, data, tmp_path) == text
 
 
@@ -159,7 +162,7 @@ def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def sources(hurried: Performance, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
+def sources(hurried: DryRun, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
     """Tags and sources of the pictures and the sound of a page that has them all."""
     path = media / "x.html"
     everything = Recordings(film=media / "film.webp", face=media / "face.webp", voice=media / "speech.wav")
@@ -172,23 +175,23 @@ def embedded(path: Path, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def test_film_becomes_part_of_the_page(
-    hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
+def test_film_is_embedded_in_the_page(
+    hurried: DryRun, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
 ) -> None:
     assert ("img", embedded(media / "film.webp", "image/webp")) in sources
     with pytest.raises(ValueError, match=r"film\.avi cannot be shown"):
         page(hurried, data, media, media / "film.avi")
 
 
-def test_a_film_with_sound_is_played_in_the_page(hurried: Performance, data: dict[str, Json], tmp_path: Path) -> None:
+def test_film_with_sound_is_played_in_the_page(hurried: DryRun, data: dict[str, Json], tmp_path: Path) -> None:
     (tmp_path / "film.mp4").write_bytes(b"film")
     outline = Outline(page(hurried, data, tmp_path, tmp_path / "film.mp4"))
     shown = [tag for tag, found in outline.tags if (found.get("src") or "").startswith("data:video/mp4;base64,")]
     assert shown == ["video"]
 
 
-def test_voice_and_face_become_part_of_the_page(
-    hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
+def test_voice_and_face_are_embedded_in_the_page(
+    hurried: DryRun, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
 ) -> None:
     assert ("img", embedded(media / "face.webp", "image/webp")) in sources
     assert ("audio", embedded(media / "speech.wav", "audio/wav")) in sources
@@ -197,7 +200,7 @@ def test_voice_and_face_become_part_of_the_page(
         write_page(hurried, data, Recordings(voice=media / "speech.mp3"), path=media / "y.html")
 
 
-def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[str, Json]) -> None:
+def test_page_states_the_voice_and_the_reason_for_a_missing_face(text: str, data: dict[str, Json]) -> None:
     (spoken,) = data["speech"]
     assert spoken["voice"]
     assert spoken["phonemes"]
@@ -206,9 +209,9 @@ def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[
     assert "No film of the face: not recorded" in words
 
 
-def test_names_from_strangers_stay_text(known: Setup, tmp_path: Path) -> None:
+def test_markup_in_names_is_escaped(known: Setup, tmp_path: Path) -> None:
     gesture = f'<gesture id={quoteattr(HOSTILE)} lexeme="beat" start="0" stroke="0.1"/>'
-    performance = perform(BLOCK.format(gesture), known)
+    performance = dry_run(plan(BLOCK.format(gesture), known))
     text = page(performance, report(performance, source=HOSTILE), tmp_path)
     assert "<script>alert" not in text
     assert HOSTILE in "".join(Outline(text).words)
@@ -216,38 +219,38 @@ def test_names_from_strangers_stay_text(known: Setup, tmp_path: Path) -> None:
     assert {mark["behaviour"] for mark in replay["marks"]} == {HOSTILE}
 
 
-def test_colours_are_those_of_the_page(text: str) -> None:
+def test_plot_colours_are_defined_by_the_page(text: str) -> None:
     used = set(re.findall(r"var\((--\w+)\)", text))
     assert used <= set(re.findall(r"(--\w+):", text))
     figures = "".join(re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL))
     assert not re.findall(r"(?:fill|stroke): #(?!ffffff|000000)\w{6}", figures)
 
 
-def test_a_block_where_nothing_happens_has_a_page(known: Setup, tmp_path: Path) -> None:
-    performance = perform(BLOCK.format(""), known)
+def test_empty_block_has_a_report_page(known: Setup, tmp_path: Path) -> None:
+    performance = dry_run(plan(BLOCK.format(""), known))
     text = page(performance, report(performance, source="empty.bml"), tmp_path)
     assert "The block is empty." in text
     assert "Nothing is performed." in text
-    assert "What had to give" not in text
+    assert "Changes made to fit limits" not in text
 
 
-def test_shift_and_breakable() -> None:
+def test_time_shifts_have_a_sign_and_long_names_may_break_at_underscores() -> None:
     assert [format_shift(seconds) for seconds in (0.0834, -0.0152)] == ["+83\u2009ms", "\u221215\u2009ms"]
     assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
 
 
-def test_a_behaviour_tells_where_it_departs_from_its_style(known: Setup, tmp_path: Path) -> None:
+def test_behaviour_lists_departures_from_its_style(known: Setup, tmp_path: Path) -> None:
     bml = BLOCK.format('<head id="h" lexeme="NOD" start="0" kinesic:power="-0.5" kinesic:spatial="0"/>')
-    performance = perform(bml.replace("<bml", '<bml kinesic:temporal="0.25"'), known)
+    performance = dry_run(plan(bml.replace("<bml", '<bml kinesic:temporal="0.25"'), known))
     data = report(performance, source="x.bml")
     (row,) = data["behaviours"]
     assert style_departures(row, data["style"]) == "temporal 0.25 (block); power \u22120.5 (behaviour)"
     assert style_departures({**row, "manner": None}, data["style"]) == ""
-    assert '<th class="wide">manner</th>' in page(performance, data, tmp_path)
+    assert '<th class="wide">style</th>' in page(performance, data, tmp_path)
 
 
-def test_the_table_has_no_manner_where_no_behaviour_departs(text: str) -> None:
-    assert '<th class="wide">manner</th>' not in text
+def test_table_has_no_style_column_without_departures(text: str) -> None:
+    assert '<th class="wide">style</th>' not in text
 
 
 def row(name: str, status: str, value: float, limit: float, unit: str = "ratio") -> dict[str, Json]:
@@ -263,7 +266,7 @@ def row(name: str, status: str, value: float, limit: float, unit: str = "ratio")
     }
 
 
-def test_one_tile_for_a_group_with_what_matters_most() -> None:
+def test_check_group_has_one_tile_with_its_most_severe_check() -> None:
     found = tiles(
         [
             row("limits.speed", "pass", 0.5, 1.0),
@@ -286,12 +289,12 @@ def test_one_tile_for_a_group_with_what_matters_most() -> None:
     ]
 
 
-def test_a_value_just_over_its_limit_shows_it() -> None:
+def test_value_just_over_its_limit_has_enough_digits() -> None:
     (tile,) = tiles([row("limits.jerk", "fail", 1.00123, 1.0)])
     assert (tile.value, tile.limit) == ("1.00123", "at most 1.00")
 
 
-def test_unknown_groups_and_zero_limits_have_tiles_too() -> None:
+def test_unknown_check_groups_and_zero_limits_have_tiles() -> None:
     found = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
     assert [(tile.title, tile.name, tile.limit) for tile in found] == [("Weather", "wind", "at most 5\u00b0")]
 
@@ -305,7 +308,7 @@ def test_unknown_groups_and_zero_limits_have_tiles_too() -> None:
         (None, "s", ("\u2013", "s")),
     ],
 )
-def test_quantity(value: Json, unit: str, shown: tuple[str, str]) -> None:
+def test_report_values_are_formatted_with_units(value: Json, unit: str, shown: tuple[str, str]) -> None:
     assert quantity(value, unit) == shown
 
 
@@ -313,5 +316,5 @@ def test_quantity(value: Json, unit: str, shown: tuple[str, str]) -> None:
     ("value", "text"),
     [(None, "\u2013"), (0.012345, "0.0123"), (12345.6, "12346"), (True, "True"), (-0.0, "0"), ("a", "a")],
 )
-def test_number(value: Json, text: str) -> None:
+def test_numbers_are_formatted_to_three_significant_digits(value: Json, text: str) -> None:
     assert format_number(value) == text

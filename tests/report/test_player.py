@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.performance import Performance
 from kinesic.face.show.files import save_film
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import report
 from kinesic.sim.filming.drawn_face import paint_face
@@ -33,7 +33,7 @@ def grey(frame: int) -> int:
 
 
 @pytest.fixture(scope="module")
-def url(hurried: Performance, tmp_path_factory: pytest.TempPathFactory) -> str:
+def url(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> str:
     """A page whose face grows brighter in a corner of each frame, and whose voice is silence."""
     folder = tmp_path_factory.mktemp("player")
     frames = []
@@ -70,7 +70,7 @@ def page(url: str) -> Iterator[Page]:
 
 
 @pytest.fixture(scope="module")
-def plain(hurried: Performance, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+def plain(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
     """A page without a film of the face and without a voice, whose twin strays from 0.5 s on by 3 degrees."""
     measured, robot = hurried.measured, hurried.plan.setup.robot
     astray = hurried.plan.trajectory.sample(measured.times)[0]
@@ -92,7 +92,7 @@ def shade(page: Page) -> str:
     return "document.querySelector('[data-part=face]').getContext('2d').getImageData(50, 50, 1, 1).data[0]"
 
 
-def test_the_face_shows_the_moment_of_the_replay_forwards_and_backwards(page: Page):
+def test_face_follows_the_replay_forwards_and_backwards(page: Page):
     rest = "document.querySelector('[data-part=face]').getContext('2d').getImageData(10, 10, 1, 1).data[0]"
     with page.undrawn():
         for frame in (3, 20, 31, 30, 5, 0, 39):
@@ -101,7 +101,7 @@ def test_the_face_shows_the_moment_of_the_replay_forwards_and_backwards(page: Pa
             assert abs(int(str(page.value(rest))) - 30) < 4
 
 
-def test_the_voice_is_the_clock_and_stops_with_the_replay(page: Page):
+def test_replay_follows_the_voice_clock_and_stops_the_voice(page: Page):
     page.call("Runtime.evaluate", expression="window.voice = document.querySelector('audio')")
     clock = "Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0])"
     with page.undrawn():
@@ -134,7 +134,7 @@ def look(page: Page, name: str, condition: str) -> None:
     page.call("Runtime.evaluate", expression=f"window.{name} = new Promise({watch}), 0")
 
 
-def test_a_page_without_them_has_neither(plain: Page):
+def test_page_without_recordings_has_no_face_and_no_voice(plain: Page):
     assert plain.value("document.querySelector('[data-part=face]').hidden")
     assert plain.value("document.querySelector('audio') === null")
     with plain.undrawn():
@@ -152,7 +152,7 @@ def picture(page: Page, ghost: str, time: float) -> object:
     return page.value(f"new Promise(done => {{ {choice}; {slider}; s.dispatchEvent(new Event('input')); {drawn} }})")
 
 
-def test_a_ghost_appears_where_the_twin_strays_by_more_than_a_degree(plain: Page):
+def test_ghost_appears_if_the_twin_deviates_by_over_one_degree(plain: Page):
     for time, seen in ((0.3, False), (0.7, True)):
         without = picture(plain, "", time)
         assert (picture(plain, "plan over astray", time) != without) == seen
@@ -164,7 +164,7 @@ def edges(selector: str) -> str:
     return f"(() => {{ const r = document.querySelector('{selector}').getBoundingClientRect(); return [r.x, r.y]; }})()"
 
 
-def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(page: Page):
+def test_player_time_line_is_above_the_timeline_plot_and_first_on_telephones(page: Page):
     with page.undrawn():
         for width, style in ((360, "narrow"), (390, "narrow"), (560, "narrow"), (700, "broad"), (1180, "broad")):
             resize(page, width, 900)
@@ -183,7 +183,7 @@ def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(page: Page
     resize(page, *SMALL)
 
 
-def test_the_face_is_on_the_head_and_in_step_with_the_film_of_it(page: Page):
+def test_face_film_on_the_robot_head_follows_the_replay_time(page: Page):
     """A film that grows brighter makes the robot's head brighter, and there is no other picture of it."""
     lights = []
     for frame in (2, 20, 38):
@@ -206,7 +206,7 @@ def brightest_change(page: Page) -> float:
     return float(str(page.value(f"new Promise(done => {{ {seek} {drawn} }})")))
 
 
-def test_without_a_film_the_page_paints_the_face_that_the_film_of_the_robot_has(plain: Page):
+def test_page_without_a_film_paints_the_face_of_the_robot_film(plain: Page):
     faces = ({}, {"26": 0.8}, {"12": 1.0, "6": 0.5, "61": 0.7}, {"L45": 1.0, "4": 1.0, "15": 0.6})
     for units in faces:
         painted = f"const {{ paper, pen }} = plainFace(); paintFace(pen, {json.dumps(units)});"

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.body.rotation import about
-from kinesic.controller.performance import Performance
+from kinesic.body.rotation import rotation_about
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report import replay as module
 from kinesic.report.replay import replay_data
 from kinesic.report.scene import scene_data
-from kinesic.sim.shells.shell import shell_of
+from kinesic.sim.shells.shell import load_shell
 from tests.performances import bearing
 
 
@@ -28,13 +28,13 @@ def origins(data, angles):
         rotation, origin = (np.eye(3), np.zeros(3)) if segment["parent"] < 0 else frames[segment["parent"]]
         origin = origin + rotation @ segment["origin"]
         for hinge in segment["hinges"]:
-            turned = rotation @ about(np.array(hinge["axis"]), angles[hinge["hinge"]])
+            turned = rotation @ rotation_about(np.array(hinge["axis"]), angles[hinge["hinge"]])
             origin, rotation = origin + (rotation - turned) @ hinge["at"], turned
         frames.append((rotation, origin))
     return np.stack([origin for _, origin in frames])
 
 
-def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
+def test_replay_has_the_motions_of_plan_and_twin(hurried: DryRun) -> None:
     data = replay_data(hurried)
     moments = np.linspace(0.0, data["end"], data["frames"])
     assert np.diff(moments).max() <= 1 / module.REPLAY_RATE + 1e-12
@@ -50,7 +50,7 @@ def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
     assert duties.max() == pytest.approx(np.abs(hurried.measured.duties).max(), abs=0.1)
 
 
-def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None:
+def test_replay_segments_have_the_positions_of_forward_kinematics(hurried: DryRun) -> None:
     data, skeleton = replay_data(hurried), hurried.plan.setup.robot.skeleton
     angles = hurried.measured.angles[60]
     assert origins(data, angles) == pytest.approx(skeleton.frames(angles).origins, abs=1e-3)
@@ -63,9 +63,9 @@ def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None
     assert {detail["colour"] for detail in data["details"][4:]} <= {"trunk", "limb", "l_hand", "r_hand"}
 
 
-def test_the_shell_is_packed_as_it_is(hurried: Performance) -> None:
+def test_shell_unpacked_from_the_page_equals_the_original(hurried: DryRun) -> None:
     data, robot = replay_data(hurried), hurried.plan.setup.robot
-    shell = shell_of(robot)
+    shell = load_shell(robot)
     assert shell is not None
     assert len(data["shells"]) == len(shell.segments)
     for packed in data["shells"]:
@@ -77,14 +77,14 @@ def test_the_shell_is_packed_as_it_is(hurried: Performance) -> None:
     assert len(json.dumps(data["shells"])) < 400_000
 
 
-def test_a_robot_without_shell_is_its_capsules_and_rods(hurried: Performance, tmp_path: Path) -> None:
+def test_robot_without_shell_is_drawn_by_capsules_and_rods(hurried: DryRun, tmp_path: Path) -> None:
     robot = hurried.plan.setup.robot
     bare = scene_data(replace(robot, path=tmp_path / "own.toml"))
     assert bare["shells"] == []
     assert len(bare["details"]) > len(scene_data(robot)["details"])
 
 
-def test_marks_are_the_sync_points(hurried: Performance, calm: Performance) -> None:
+def test_player_marks_show_moved_sync_points_and_strokes(hurried: DryRun, calm: DryRun) -> None:
     kinds = {(mark["behaviour"], mark["sync"]): mark["kind"] for mark in replay_data(hurried)["marks"]}
     assert kinds["rushed", "start"] == "moved"
     assert kinds["nod", "stroke"] == "stroke"
@@ -92,15 +92,14 @@ def test_marks_are_the_sync_points(hurried: Performance, calm: Performance) -> N
     assert [text for _, _, text in replay_data(hurried)["words"] if text] == ["Hello there,", "welcome"]
 
 
-def test_a_long_motion_has_a_lower_rate(hurried: Performance, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MOST_FRAMES", 20)
-    monkeypatch.setattr(module, "MOST_MARKS", 3)
-    data = replay_data(hurried)
+def test_long_motion_has_a_lower_frame_rate(hurried: DryRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MAX_MARKS", 3)
+    data = replay_data(hurried, max_frames=20)
     assert data["frames"] == 20
     assert {mark["sync"] for mark in data["marks"]} == {"stroke"}
 
 
-def test_duties_beyond_a_byte_stay_at_its_end(hurried: Performance) -> None:
+def test_servo_duties_above_the_replay_maximum_are_clipped(hurried: DryRun) -> None:
     measured = bearing(hurried.measured, np.full_like(hurried.measured.duties, 9.0))
     data = replay_data(replace(hurried, measured=measured))
     assert set(base64.b64decode(data["duties"])) == {255}

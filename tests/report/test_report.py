@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.controller.perform import perform, plan, set_up
-from kinesic.expressivity.style.style import RANGES, style_preset
+from kinesic.controller.dry_run import dry_run
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, style_preset
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.report import Json, feedback, report
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" kinesic:head.fluidity="0.5">
@@ -38,19 +40,19 @@ KEPT = ("feasible", "still", "empty")
 @pytest.fixture(scope="module")
 def data(known: Setup) -> dict[str, Json]:
     style = style_preset("calm").changed(["head.spatial=0.25"])
-    return report(perform(BML, replace(known, style=style)), source="x.bml")
+    return report(dry_run(plan(BML, replace(known, style=style))), source="x.bml")
 
 
-def test_the_style_has_a_table_for_each_modality_and_what_was_said_beside_it(data: dict[str, Json]) -> None:
+def test_report_lists_style_parameters_per_modality_with_changes(data: dict[str, Json]) -> None:
     style = data["style"]
     assert style["name"] == "calm"
-    assert {name: style[name] for name in RANGES} == style["gesture"]
+    assert {name: style[name] for name in EXPRESSIVITY_RANGES} == style["gesture"]
     assert (style["head"]["spatial"], style["torso"]["spatial"]) == (0.25, style_preset("calm").torso.spatial)
     assert style["settings"] == ["head.spatial=0.25"]
     assert style["block"] == {"head": {"fluidity": 0.5}}
 
 
-def test_a_behaviour_has_its_numbers_and_who_said_them(data: dict[str, Json]) -> None:
+def test_report_lists_style_parameters_of_a_behaviour_with_their_sources(data: dict[str, Json]) -> None:
     nod, wait = data["behaviours"]
     told = {"power": (-0.5, "behaviour"), "fluidity": (0.5, "block"), "spatial": (0.25, "setting")}
     for name, own in vars(style_preset("calm").head).items():
@@ -84,7 +86,7 @@ def shifts_told(messages):
 
 
 @pytest.mark.parametrize("name", BLOCKS)
-def test_the_prediction_comes_first_and_warnings_before_anything_moves(plans, name):
+def test_prediction_feedback_is_first_and_warnings_precede_motion(plans, name):
     names = [local(message) for message in messages_of(plans[name])]
     moves = names.index("blockProgress")
     assert names[0] == "predictionFeedback"
@@ -94,15 +96,17 @@ def test_the_prediction_comes_first_and_warnings_before_anything_moves(plans, na
 
 
 @pytest.mark.parametrize("name", BLOCKS)
-def test_each_shift_above_10_ms_is_warned_and_no_other(plans, name):
+def test_only_shifts_above_10_ms_are_warned(plans, name):
     planned = plans[name]
     moved = Counter(
-        (f"b:{sync.behaviour}", sync.sync) for sync in planned.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN
+        (f"b:{sync.behaviour}", sync.sync)
+        for sync in planned.syncs
+        if abs(sync.planned - sync.requested) > SHIFT_TO_WARN
     )
     assert shifts_told(messages_of(planned)) == moved
 
 
-def test_the_blocks_have_shifts_and_none(plans):
+def test_example_blocks_include_shifted_and_unshifted_sync_points(plans):
     for name in MOVED:
         assert shifts_told(messages_of(plans[name])), name
     for name in KEPT:
@@ -110,7 +114,7 @@ def test_the_blocks_have_shifts_and_none(plans):
 
 
 @pytest.mark.parametrize("name", BLOCKS)
-def test_the_prediction_tells_planned_times_not_asked_ones(plans, name):
+def test_prediction_feedback_has_planned_times(plans, name):
     planned = plans[name]
     prediction = messages_of(planned)[0]
     times = {}
@@ -122,7 +126,7 @@ def test_the_prediction_tells_planned_times_not_asked_ones(plans, name):
 
 
 @pytest.mark.parametrize("name", MOVED)
-def test_a_warning_names_both_times_and_the_limit(plans, name):
+def test_shift_warning_names_both_times_and_the_limit(plans, name):
     planned = plans[name]
     texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
     hinges = planned.setup.robot.skeleton.names
@@ -131,10 +135,10 @@ def test_a_warning_names_both_times_and_the_limit(plans, name):
         assert any(hinge in text for hinge in hinges), text
 
 
-def test_the_body_beside_the_hands_is_told_for_each_gesture(known: Setup) -> None:
+def test_accompanying_body_motion_is_reported_per_gesture(known: Setup) -> None:
     gestures = '<gesture id="g" lexeme="doubt_shrug" stroke="2"/><gesture id="r" lexeme="arms_crossed" start="6"/>'
     nod = '<head id="h" lexeme="NOD" stroke="3"/>'
-    told = report(perform(ROOT.format(gestures + nod), known), source="x.bml")
+    told = report(dry_run(plan(ROOT.format(gestures + nod), known)), source="x.bml")
     shrug, crossed, head = told["behaviours"]
     assert 12 <= shrug["body"]["shoulders_deg"] <= 20
     assert 5 <= shrug["body"]["head_deg"] <= 8

@@ -1,10 +1,10 @@
 import pytest
 
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report.speech import describe_speech
 
 
-def test_sounds_of_a_speech_are_told_on_the_clock_of_the_sync_points(hurried: Performance) -> None:
+def test_phoneme_times_use_the_clock_of_the_sync_points(hurried: DryRun) -> None:
     plan = hurried.plan
     (told,) = describe_speech(plan)
     assert isinstance(told, dict)
@@ -16,5 +16,7 @@ def test_sounds_of_a_speech_are_told_on_the_clock_of_the_sync_points(hurried: Pe
         assert isinstance(row, dict)
         assert row["symbol"] == sound.symbol
         times = [row[name] for name in ("start_s", "end_s", "onset_s", "release_s")]
-        assert times == pytest.approx([begins + time for time in (sound.start, sound.end, *sound.made)], abs=1e-4)
+        assert times == pytest.approx(
+            [begins + time for time in (sound.start, sound.end, *sound.articulation)], abs=1e-4
+        )
     assert told["heard"] is (speech.sound is not None)

@@ -2,27 +2,28 @@
 
 from pathlib import Path
 
-from kinesic.controller.perform import perform
-from kinesic.controller.performance import Performance
+from kinesic.controller.dry_run import dry_run
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
 from kinesic.report.page import format_shift, write_page
 from kinesic.report.report import report
+from kinesic.session.plan import plan
 
 
-def page(performance: Performance, folder: Path) -> str:
+def page(performance: DryRun, folder: Path) -> str:
     path = folder / "page.html"
     write_page(performance, report(performance, source="x.bml"), path=path)
     return path.read_text(encoding="utf-8")
 
 
-def test_strokes_on_words_say_how_far_from_them_the_hand_is_fastest(
-    known: Setup, calm: Performance, tmp_path: Path
+def test_report_contains_the_lag_of_the_fastest_hand_motion_after_each_word(
+    known: Setup, calm: DryRun, tmp_path: Path
 ) -> None:
     tied = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s" start="1.5"><text>Well, '
         '<sync id="m"/>hello</text></speech><gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/></bml>'
     )
-    performed = perform(tied, known)
+    performed = dry_run(plan(tied, known))
     data, (stroke,) = report(performed, source="x.bml"), performed.stroke_lags
     rows = {row["id"]: row for row in data["sync"]}
     row = rows["b:g:stroke"]

@@ -4,13 +4,13 @@ from itertools import pairwise
 
 import pytest
 
-from kinesic.controller.perform import perform
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
-from kinesic.report.transcript import MOST_WORDS, transcribe
+from kinesic.report.transcript import MAX_LISTED_WORDS, transcribe
+from kinesic.session.plan import plan
 
 
-def test_every_stroke_stands_under_the_word_that_sounds(hurried: Performance):
+def test_every_stroke_is_listed_under_the_spoken_word(hurried: DryRun):
     found = transcribe(hurried.plan)
     assert [said.word for said in found if said.word] == ["Hello", "there,", "welcome"]
     nod = next(sync.planned for sync in hurried.plan.syncs if (sync.behaviour, sync.sync) == ("nod", "stroke"))
@@ -22,34 +22,34 @@ def test_every_stroke_stands_under_the_word_that_sounds(hurried: Performance):
     assert "xyzzy" not in [meant.label for said in found for meant in said.behaviours]
 
 
-def test_without_speech_what_is_meant_stands_in_its_order(known: Setup):
+def test_without_speech_behaviours_are_listed_by_time(known: Setup):
     block = '<bml id="b"><head id="h" lexeme="NOD" stroke="2"/><gesture id="g" lexeme="beat" stroke="1"/></bml>'
-    (silence,) = transcribe(perform(block, known).plan)
+    (silence,) = transcribe(plan(block, known))
     assert silence.word == ""
     assert [meant.label for meant in silence.behaviours] == ["beat", "NOD"]
 
 
-def test_before_the_first_word_and_after_the_last_there_is_silence(known: Setup):
+def test_silence_precedes_the_first_and_follows_the_last_word(known: Setup):
     block = (
         '<bml id="b"><speech id="s" start="2"><text>Yes.</text></speech><head id="h" lexeme="NOD" stroke="1"/>'
         '<gesture id="g" lexeme="beat" stroke="s:end+2"/></bml>'
     )
-    found = [(said.word, [meant.label for meant in said.behaviours]) for said in transcribe(perform(block, known).plan)]
+    found = [(said.word, [meant.label for meant in said.behaviours]) for said in transcribe(plan(block, known))]
     assert found == [("", ["NOD"]), ("Yes.", ["beat"])] or found == [("", ["NOD"]), ("Yes.", []), ("", ["beat"])]
 
 
-def test_a_long_pause_within_a_speech_is_a_piece_of_its_own(known: Setup):
+def test_long_pause_within_a_speech_is_a_separate_piece(known: Setup):
     block = (
         '<bml id="b"><speech id="s" start="0"><text>Yes.</text></speech>'
         '<speech id="t" start="5"><text>No.</text></speech><head id="h" lexeme="NOD" stroke="3"/></bml>'
     )
-    found = [(said.word, [meant.label for meant in said.behaviours]) for said in transcribe(perform(block, known).plan)]
+    found = [(said.word, [meant.label for meant in said.behaviours]) for said in transcribe(plan(block, known))]
     assert found == [("Yes.", []), ("", ["NOD"]), ("No.", [])]
 
 
-def test_of_a_long_text_the_rest_is_one_piece(hurried: Performance, monkeypatch: pytest.MonkeyPatch):
-    assert MOST_WORDS > 100
-    monkeypatch.setattr("kinesic.report.transcript.MOST_WORDS", 1)
+def test_transcript_beyond_the_maximum_number_of_words_is_one_entry(hurried: DryRun, monkeypatch: pytest.MonkeyPatch):
+    assert MAX_LISTED_WORDS > 100
+    monkeypatch.setattr("kinesic.report.transcript.MAX_LISTED_WORDS", 1)
     found = [(said.word, [meant.label for meant in said.behaviours]) for said in transcribe(hurried.plan)]
     assert [word for word, _ in found if word] == ["Hello"]
     assert "NOD" in found[-1][1]

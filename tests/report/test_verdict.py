@@ -4,19 +4,20 @@ import re
 
 import pytest
 
-from kinesic.controller.perform import dry_run, plan
-from kinesic.controller.performance import Performance
+from kinesic.controller.dry_run import dry_run
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report.report import Json, report
 from kinesic.report.verdict import verdict
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.session.plan import plan
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 
 @pytest.fixture(scope="module")
-def data(hurried: Performance) -> dict[str, Json]:
+def data(hurried: DryRun) -> dict[str, Json]:
     return report(hurried, source="hurried.bml")
 
 
-def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
+def test_verdict_names_failed_checks(data: dict[str, Json]) -> None:
     line = verdict(data)
     assert re.match(r"poor: hurried\.bml on upper22, [\d.]+ s, 1 of 4 dropped: xyzzy; .*\d+ warnings$", line)
     whole = data | {"checks": [], "behaviours": [], "warnings": []}
@@ -30,7 +31,7 @@ def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
     assert re.match(r"fail: .*, collision\.twin 0\.004 \(limit 0\.01\), timing\.shift 6 \(poor above 0\.5\)", both)
 
 
-def test_of_many_that_are_dropped_the_verdict_names_three(data: dict[str, Json]) -> None:
+def test_verdict_names_three_of_many_dropped_behaviours(data: dict[str, Json]) -> None:
     rows: list[Json] = [{"id": f"g{k}", "name": f"x{k}", "outcome": "dropped"} for k in range(5)]
     few: list[Json] = [*rows[:1], *({"id": f"h{k}", "name": "beat", "outcome": "realised"} for k in range(9))]
     assert "5 of 5 dropped: x0, x1, x2 and 2 more" in verdict(data | {"checks": [], "behaviours": rows})
@@ -46,21 +47,21 @@ UNKNOWN = '<gesture id="x" lexeme="xyzzy" stroke="1"/>'
 @pytest.mark.parametrize(
     ("document", "servos", "correction", "named"),
     [
-        (NODS, NOMINAL, True, "timing.shift"),
-        (OFFER + UNKNOWN, NOMINAL, True, "1 of 2 dropped: xyzzy"),
+        (NODS, NOMINAL_FACTORS, True, "timing.shift"),
+        (OFFER + UNKNOWN, NOMINAL_FACTORS, True, "1 of 2 dropped: xyzzy"),
         (OFFER, Factors(latency=0.2), False, "tracking.lateness"),
         (OFFER, Factors(gain=3.0, latency=0.03), True, "smoothness.hands"),
     ],
     ids=["shifted", "dropped", "late", "trembling"],
 )
-def test_documents_that_an_audience_would_not_bear_are_poor_by_name(known, document, servos, correction, named):
+def test_verdict_of_a_poor_document_names_the_check(known, document, servos, correction, named):
     planned = plan(f'<bml id="b">{document}</bml>', known)
     line = verdict(report(dry_run(planned, twin=servos, correction=correction), source="b.bml"))
     assert line.startswith("poor: ")
     assert named in line
 
 
-def test_missed_goals_and_warnings_are_counted(data: dict[str, Json]) -> None:
+def test_verdict_counts_missed_goals_and_warnings(data: dict[str, Json]) -> None:
     def said(*statuses: str, warnings: int = 0) -> str:
         checks: list[Json] = [{"name": "timing.shift", "status": each, "value": 1.0, "limit": 2.0} for each in statuses]
         return verdict(data | {"checks": checks, "behaviours": [], "warnings": [{"text": "x"}] * warnings})

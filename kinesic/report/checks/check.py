@@ -1,4 +1,4 @@
-"""One check of a performance: its value beside its limit, and what it means to be beyond."""
+"""One check of a performance: its value, its limit and its severity."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,33 +6,33 @@ from math import inf
 from typing import Literal, Self
 
 CheckStatus = Literal["pass", "warn", "poor", "fail"]
-GRAVITY: dict[CheckStatus, int] = {"fail": 0, "poor": 1, "warn": 2, "pass": 3}
+SEVERITY_RANKS: dict[CheckStatus, int] = {"fail": 0, "poor": 1, "warn": 2, "pass": 3}  # sort order of check statuses
 
 Grade = Literal["ok", "poor", "fail"]
-GRADES: tuple[Grade, ...] = ("ok", "poor", "fail")
+GRADE_NAMES: tuple[Grade, ...] = ("ok", "poor", "fail")  # grades of a report, the best first
 
 
 @dataclass(frozen=True)
 class Limit:
-    """How values of one name are judged."""
+    """Unit, direction and severity of the limit of one check."""
 
     unit: str
-    beyond: CheckStatus = "warn"  # a goal that is missed does no harm, and warns; a danger fails
-    at_least: bool = False  # whether a value below the limit is the bad one
-    poor: float | None = None  # a goal that is missed by more than this is what an audience sees
-    danger: float = inf  # a goal's value above this fails, with this as its limit
+    beyond: CheckStatus = "warn"  # status beyond the limit: a missed goal warns, a danger fails
+    at_least: bool = False  # whether the limit is a minimum
+    poor: float | None = None  # bound beyond which an audience sees the miss
+    danger: float = inf  # bound above which even a goal fails
 
     def is_beyond(self, value: float, bound: float) -> bool:
-        """Says whether a value is on the bad side of a bound; what is no number is."""
+        """Return whether a value violates a bound, as NaN always does."""
         return not (value >= bound if self.at_least else value <= bound)
 
 
-LIMITS = {
+CHECK_LIMITS = {
     "limits.margin": Limit("deg", "fail", at_least=True),
     **{f"limits.{quantity}": Limit("ratio", "fail") for quantity in ("position", "speed", "acceleration", "jerk")},
     "limits.reserve": Limit("ratio", "fail"),
     "limits.duty": Limit("ratio", "fail"),
-    "limits.holding": Limit("of stall", danger=0.8),  # above which the servo overheats or gives way
+    "limits.holding": Limit("of stall", danger=0.8),  # the servo overheats or yields above this
     "collision.plan": Limit("m", "fail", at_least=True),
     "collision.twin": Limit("m", "fail", at_least=True),
     "collision.penetrations": Limit("samples", "fail"),
@@ -67,7 +67,7 @@ LIMITS = {
 
 @dataclass(frozen=True)
 class Check:
-    """One verdict."""
+    """Result of one check."""
 
     name: str
     status: CheckStatus
@@ -75,20 +75,25 @@ class Check:
     limit: float
     unit: str
     where: str = ""
-    at_least: bool = False  # whether a value below the limit is the bad one
+    at_least: bool = False  # whether the limit is a minimum
 
     @classmethod
     def of(cls, name: str, value: float, limit: float, where: str = "", *, slack: float = 0.0) -> Self:
-        """Judges a value.
+        """Make a check result by comparing a value with its limit.
 
         Args:
-            name: of the check, in `LIMITS`.
-            value: in the unit that stands there.
-            limit: likewise.
-            where: the value was found.
-            slack: by which it may be beyond the limit.
+            name: name of the check, a key of `CHECK_LIMITS`.
+            value: measured value in the unit of `CHECK_LIMITS`.
+            limit: limit in the same unit.
+            where: place or time of the value.
+            slack: tolerance beyond the limit.
+
+        Raises:
+            LookupError: the check has no limit.
         """
-        rule = LIMITS[name]
+        rule = CHECK_LIMITS.get(name)
+        if rule is None:
+            raise LookupError(f"no limit of check {name}: add it to CHECK_LIMITS in kinesic/report/checks/check.py")
         if value > rule.danger:
             return cls(name, "fail", value, rule.danger, rule.unit, where)
         if rule.poor is not None and rule.is_beyond(value, rule.poor):
@@ -98,11 +103,11 @@ class Check:
 
 
 def grade(verdicts: Iterable[Check]) -> Grade:
-    """Grades a performance by its gravest check; one that only warns is still ok."""
+    """Return the overall grade of checks, ignoring warnings."""
     statuses = {check.status for check in verdicts}
     return "fail" if "fail" in statuses else "poor" if "poor" in statuses else "ok"
 
 
 def format_time(time: float) -> str:
-    """Says a time [s] as places have it."""
+    """Format a time [s] for the place column of a check."""
     return f"at {round(time, 2) + 0.0:.2f} s"

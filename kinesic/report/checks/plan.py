@@ -1,57 +1,65 @@
-"""Checks of the plan: what it asks of hinges and servos, and how near the robot comes to itself."""
+"""Checks of the plan: joint limits, servo limits and body clearance."""
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks.check import Check, format_time
 
-TOLERANCE = 1.001  # on ratios to limits
-DUTY = 1.0  # of full PWM
-HOLDING = 0.4  # share of the stall torque that a posture should need
+LIMIT_TOLERANCE = 1.001  # largest accepted ratio of a motion to its limit
+MAX_DUTY = 1.0  # largest accepted duty, as a fraction of full PWM
+MAX_HOLDING_RATIO = 0.4  # largest recommended ratio of holding torque to stall torque
 
 
-def limit_checks(performance: Performance) -> list[Check]:
-    """Checks ratios to limits and margin to the stops at 1 kHz, duty by inverse dynamics, torque to stand still."""
+def limit_checks(performance: DryRun) -> list[Check]:
+    """Check the motion limits, joint stops, duty and holding torque.
+
+    Limits and margin are sampled at 1 kHz; the duty is computed by inverse dynamics.
+    """
     names = performance.plan.setup.robot.skeleton.names
-    slack = TOLERANCE - 1.0
-    found = [_margin(performance)]
-    for quantity, peak in performance.reference.peaks.shares.items():
+    slack = LIMIT_TOLERANCE - 1.0
+    results = [_margin(performance)]
+    for quantity, peak in performance.reference.peaks.by_quantity.items():
         where = f"{names[peak.hinge]} {format_time(peak.time)}"
         name = "limits.reserve" if quantity == "duty" else f"limits.{quantity}"
-        found.append(Check.of(name, float(peak.ratios[peak.hinge]), 1.0, where, slack=slack))
+        results.append(Check.of(name, float(peak.ratios[peak.hinge]), 1.0, where, slack=slack))
     duty, where = _highest(performance.reference.duties, performance.measured.times, names)
-    found.append(Check.of("limits.duty", duty, DUTY, where, slack=slack))
-    times, shares = performance.reference.holding
+    results.append(Check.of("limits.duty", duty, MAX_DUTY, where, slack=slack))
+    times, shares = performance.reference.holding_torques
     share, where = _highest(shares, times, names)
-    return [*found, Check.of("limits.holding", share, HOLDING, where)]
+    return [*results, Check.of("limits.holding", share, MAX_HOLDING_RATIO, where)]
 
 
-def _margin(performance: Performance) -> Check:
-    """Degrees to the nearest stop; a motion may lie on it."""
+def _margin(performance: DryRun) -> Check:
+    """Check the smallest angle [deg] between any joint and its stop."""
     skeleton = performance.plan.setup.robot.skeleton
-    position = performance.reference.peaks.shares["position"]
+    position = performance.reference.peaks.by_quantity["position"]
     half = (skeleton.upper - skeleton.lower) / 2
     margins = np.degrees(half * (1.0 - position.ratios))
     hinge = int(margins.argmin())
-    slack = float(np.degrees(half[hinge])) * (TOLERANCE - 1.0)
+    slack = float(np.degrees(half[hinge])) * (LIMIT_TOLERANCE - 1.0)
     return Check.of("limits.margin", float(margins[hinge]), 0.0, skeleton.names[hinge], slack=slack)
 
 
 def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
-    """Finds the largest magnitude of (m, n) values at (m,) times [s], with hinge and time; the first of equal ones."""
-    peaks = np.maximum(values.max(axis=1), -values.min(axis=1))  # a long motion has no room for all magnitudes
+    """Find the largest magnitude in (m, n) values, with its joint and time.
+
+    The first of equal values is returned. Times are (m,) [s].
+    """
+    peaks = np.maximum(
+        values.max(axis=1), -values.min(axis=1)
+    )  # needs less memory than all magnitudes of a long motion
     row = int(peaks.argmax())
     hinge = int(np.abs(values[row]).argmax())
     return float(peaks[row]), f"{names[hinge]} {format_time(times[row])}"
 
 
-def distance_checks(performance: Performance) -> list[Check]:
-    """Checks the smallest distance on plan and twin, with pair and time, and how often segments overlap."""
+def distance_checks(performance: DryRun) -> list[Check]:
+    """Check the smallest self-distance in plan and twin, and count overlaps."""
     plan, measured = performance.plan, performance.measured
-    required = plan.setup.robot.least_clearance
-    found = [
+    required = plan.setup.robot.min_clearance
+    results = [
         Check.of(name, distance, required, where)
         for name, (distance, where) in (
             ("collision.plan", smallest_distance(plan.clearance, plan.clearance_times)),
@@ -59,19 +67,19 @@ def distance_checks(performance: Performance) -> list[Check]:
         )
     ]
     overlaps = penetrations(performance)
-    where = min(found, key=lambda check: check.value).where if overlaps else ""
-    return [*found, Check.of("collision.penetrations", float(overlaps), 0.0, where)]
+    where = min(results, key=lambda check: check.value).where if overlaps else ""
+    return [*results, Check.of("collision.penetrations", float(overlaps), 0.0, where)]
 
 
 def smallest_distance(clearance: Clearance, times: Floats) -> tuple[float, str]:
-    """Finds the smallest distance [m] and where it occurs."""
+    """Return the smallest self-distance [m], with its segments and time."""
     worst = clearance.worst
     a, b = clearance.pairs[worst]
     return float(clearance.distances[worst]), f"{a} and {b} {format_time(times[worst])}"
 
 
-def penetrations(performance: Performance) -> int:
-    """Counts samples of plan and twin at which two segments overlap."""
+def penetrations(performance: DryRun) -> int:
+    """Count samples of plan and twin with overlapping segments."""
     return sum(
         int((clearance.distances < 0.0).sum())
         for clearance in (performance.plan.clearance, performance.measured.clearance)

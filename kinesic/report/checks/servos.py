@@ -1,6 +1,6 @@
-"""Measures and checks the servos: load, what they take from the supply, and how warm their windings get.
+"""Measurements and checks of the servos: load, supply current and winding temperature.
 
-Supply and windings are checked where the robot's file tells enough of them.
+Supply and windings are checked if the robot's file describes them.
 """
 
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.command import Measurements
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks.check import Check, format_time
 
-SATURATION = 0.0  # [s]
-CONTINUOUS = 0.3  # share of the stall torque that a servo gives for long
-FULL_DUTY = 1.0  # duty, above which the servo gives all it has
-WARMING = 40.0  # [K] from a warm housing of 40 C to the 80 C at which servos switch off
+MAX_SATURATION_TIME = 0.0  # [s] longest accepted time at full duty
+CONTINUOUS_TORQUE_RATIO = 0.3  # ratio of permanently available torque to stall torque
+FULL_DUTY = 1.0  # duty cycle at which a servo saturates
+MAX_WARMING = 40.0  # [K] temperature rise from a warm housing (40 C) to the shutdown at 80 C
 
 
-def servo_checks(performance: Performance) -> list[Check]:
-    """Checks the time at full duty, and the torque that heats."""
+def servo_checks(performance: DryRun) -> list[Check]:
+    """Check the time at full duty and the continuous torque."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
     over, squares = _sum_up_drives(measured)
@@ -29,13 +29,13 @@ def servo_checks(performance: Performance) -> list[Check]:
     loads = np.sqrt(squares / len(over)) / performance.robot.drives.stall
     heaviest = int(loads.argmax())
     return [
-        Check.of("servo.saturation", float(saturated[longest]), SATURATION, where),
-        Check.of("servo.load", float(loads[heaviest]), CONTINUOUS, names[heaviest]),
+        Check.of("servo.saturation", float(saturated[longest]), MAX_SATURATION_TIME, where),
+        Check.of("servo.load", float(loads[heaviest]), CONTINUOUS_TORQUE_RATIO, names[heaviest]),
     ]
 
 
 def _sum_up_drives(measured: Measurements) -> tuple[Flags, Floats]:
-    """Finds where duties are full, (m, n), and adds up the squared torques to (n,) [Nm^2], command by command."""
+    """Return full-duty flags (m, n) and summed squared torques (n,) [N^2 m^2]."""
     over, squares = np.empty(measured.angles.shape, dtype=np.bool_), np.zeros(measured.angles.shape[1])
     for rows in measured.windows():
         duties, torques = measured.drive_rows(rows)
@@ -44,50 +44,53 @@ def _sum_up_drives(measured: Measurements) -> tuple[Flags, Floats]:
     return over, squares
 
 
-def power_checks(performance: Performance) -> list[Check]:
-    """Checks current against the supply, if the robot has one, and the warming of servos whose figures are known."""
+def power_checks(performance: DryRun) -> list[Check]:
+    """Check the supply current and the winding temperature rise.
+
+    The current is checked if the robot has a supply, the warming for servos with known thermal parameters.
+    """
     measured, supply = performance.measured, performance.plan.setup.robot.supply
-    power, found = measured.power, []
+    power, results = measured.power, []
     if supply is not None:
         highest = int(power.peak.argmax())
         where = format_time(measured.times[highest])
-        found.append(Check.of("power.peak", float(power.peak[highest]), supply.amps, where))
-        found.append(Check.of("power.mean", float(power.mean.mean()), supply.amps, f"{power.energy:.0f} J in all"))
+        results.append(Check.of("power.peak", float(power.peak[highest]), supply.amps, where))
+        results.append(Check.of("power.mean", float(power.mean.mean()), supply.amps, f"{power.energy:.0f} J in all"))
     if power.warming:
         hottest = max(power.warming, key=lambda name: float(power.warming[name].max()))
         rise = power.warming[hottest]
         where = f"{hottest} {format_time(measured.times[rise.argmax()])}"
-        found.append(Check.of("power.warming", float(rise.max()), WARMING, where))
-    return found
+        results.append(Check.of("power.warming", float(rise.max()), MAX_WARMING, where))
+    return results
 
 
 @dataclass(frozen=True, eq=False)
 class DriveLoad:
-    """One hinge's drive over a performance in the twin."""
+    """Load of one joint's servo during a performance in the twin."""
 
     hinge: str
     servo: str
-    planned: float  # largest duty that the plan needs
+    planned: float  # largest duty of the plan
     duty: float  # largest duty demanded in the twin, may exceed 1
-    duty_at: float  # [s]
+    duty_at: float  # [s] time of the largest duty
     torque: float  # largest torque over stall
-    torque_at: float  # [s]
+    torque_at: float  # [s] time of the largest torque
     rms: float  # root mean square of torque over stall
     saturated: float  # [s] at full duty
     duties: Floats  # (m,) magnitude over the measured times
 
     @property
     def strain(self) -> float:
-        """How near the drive comes to what it can give, in its peak or in the long run; 1 is the limit."""
-        return max(self.duty / FULL_DUTY, self.rms / CONTINUOUS)
+        """Largest ratio of a servo load to its limit."""
+        return max(self.duty / FULL_DUTY, self.rms / CONTINUOUS_TORQUE_RATIO)
 
 
-def loads(performance: Performance) -> tuple[DriveLoad, ...]:
-    """Measures the load of every drive, the most strained first."""
+def loads(performance: DryRun) -> tuple[DriveLoad, ...]:
+    """Measure the load of every servo, the highest first."""
     measured, robot = performance.measured, performance.robot
     demanded, torques = measured.drive_rows(slice(None))
     duties, shares = np.abs(demanded), np.abs(torques) / robot.drives.stall
-    found = [
+    drive_loads = [
         DriveLoad(
             hinge=name,
             servo=drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}",
@@ -102,12 +105,12 @@ def loads(performance: Performance) -> tuple[DriveLoad, ...]:
         )
         for k, (name, drive) in enumerate(zip(robot.skeleton.names, robot.drives, strict=True))
     ]
-    return tuple(sorted(found, key=lambda load: -load.strain))
+    return tuple(sorted(drive_loads, key=lambda load: -load.strain))
 
 
 @dataclass(frozen=True)
 class SupplyDraw:
-    """What all servos together took from the supply."""
+    """Total current and energy of all servos, and their warming."""
 
     mean: float  # [A]
     peak: float  # [A]
@@ -118,8 +121,8 @@ class SupplyDraw:
     warming: float  # [K] of its winding
 
 
-def draw_load(performance: Performance) -> SupplyDraw:
-    """Measures current, energy and warming over the performance in the twin."""
+def draw_load(performance: DryRun) -> SupplyDraw:
+    """Measure supply current, energy and warming during a performance in the twin."""
     measured, supply = performance.measured, performance.plan.setup.robot.supply
     power = measured.power
     warming = {name: float(rise.max()) for name, rise in power.warming.items()}

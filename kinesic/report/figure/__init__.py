@@ -1,1 +1,1 @@
-"""Packs the skin and the face of a figure for the scripts of pages."""
+"""Skin and face of the human figure, packed for page scripts."""

@@ -1,1 +1,1 @@
-"""Writes a performance as glTF, for Blender, three.js, Unity and whatever else reads it."""
+"""Export of performances as glTF scenes (Blender, three.js, Unity)."""

@@ -1,8 +1,8 @@
-"""A performance as a glTF scene: the skeleton as nodes, what is drawn on them, and an animation of both.
+"""Performance as a glTF scene: skeleton nodes, meshes and an animation.
 
-Nodes carry the names of segments. The scene is glTF's: y up and z forward; one node above all others turns our frame
-into it, so that all below it is in metres in ours. Key frames are `KEY_FRAME_RATE` a second; between them players
-interpolate.
+Nodes carry the names of segments. The scene has glTF's axes, y up and z forward. One root node rotates kinesic's frame
+into it, so that all nodes below are in metres in kinesic's frame. There are `KEY_FRAME_RATE` key frames a second;
+players interpolate between them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,32 +10,32 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.controller.performance import Performance
 from kinesic.files.gltf import GltfFile
 from kinesic.files.output_file import new_file
-from kinesic.planning.face_track import faces
+from kinesic.metrics.dry_run import DryRun
+from kinesic.planning.face_track import compute_faces
 from kinesic.planning.plan import Plan
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 from kinesic.report.gltf.skin import add_skin
-from kinesic.sim.shells.shell import SegmentShell, shell_of
+from kinesic.report.segment_motion import segment_motions, smooth_quaternions
+from kinesic.sim.shells.shell import SegmentShell, load_shell
 from kinesic.version import __version__
 
-SUFFIX = ".glb"
-KEY_FRAME_RATE = 30.0  # [Hz] of key frames
-TURNED = [-0.5, -0.5, -0.5, 0.5]  # x, y, z, w: our x, y, z become glTF's z, x, y
-COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear: of what moves, of what carries
-STILL = 1e-9  # [m]
-NEAR = 0.01  # key frames: nearer to the end there is none
+SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
+KEY_FRAME_RATE = 30.0  # [Hz] key frames of the animation
+FRAME_QUATERNION = [-0.5, -0.5, -0.5, 0.5]  # rotation (x, y, z, w) from kinesic's axes x, y, z to glTF's z, x, y
+SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear RGBA of moving and of carrying parts
+MIN_TRANSLATION = 1e-9  # [m] smaller translations of a segment are not animated
+MIN_END_GAP = 0.01  # smallest time between the last two key frames, in key frame intervals
 
 
 @dataclass(frozen=True, eq=False)
 class SceneMotion:
-    """What a scene shows, at the times of its key frames."""
+    """Postures and faces at the key frames of a glTF scene."""
 
     times: Floats  # (m,) [s]
     angles: Floats  # (m, n) [rad]
@@ -43,20 +43,22 @@ class SceneMotion:
 
 
 def save_scene(plan: Plan, path: Path, *, force: bool) -> Path:
-    """Writes what a plan performs, with its face where the robot has one, and returns the path.
+    """Write the planned motion as a glTF scene and return its path.
+
+    The face is included if the robot has one.
 
     Raises:
         ConfigError: the path is a folder's, a link's or, unless forced, a file's.
     """
     times = key_times(plan.duration)
-    motion = SceneMotion(times, plan.trajectory.sample(times)[0], faces(plan, times))
+    motion = SceneMotion(times, plan.trajectory.sample(times)[0], compute_faces(plan, times))
     with new_file(path, force=force) as fresh:
         write_scene(plan.setup.robot, motion, fresh)
     return path
 
 
-def save_performed(performance: Performance, path: Path, *, force: bool) -> Path:
-    """Writes what the twin performed, with the face that was planned, and returns the path.
+def save_performed(performance: DryRun, path: Path, *, force: bool) -> Path:
+    """Write the twin's motion as a glTF scene with the planned face.
 
     Raises:
         ConfigError: the path is a folder's, a link's or, unless forced, a file's.
@@ -64,24 +66,27 @@ def save_performed(performance: Performance, path: Path, *, force: bool) -> Path
     measured = performance.measured
     times = key_times(float(measured.times[-1]))
     angles = np.stack([np.interp(times, measured.times, column) for column in measured.angles.T], axis=1)
-    motion = SceneMotion(times, angles, faces(performance.plan, times))
+    motion = SceneMotion(times, angles, compute_faces(performance.plan, times))
     with new_file(path, force=force) as fresh:
         write_scene(performance.plan.setup.robot, motion, fresh)
     return path
 
 
 def is_scene(path: Path | None) -> bool:
-    """Whether a path is one of a glTF scene, by its ending."""
-    return path is not None and path.suffix.lower() == SUFFIX
+    """Return whether a path has the suffix of a glTF scene."""
+    return path is not None and path.suffix.lower() == SCENE_SUFFIX
 
 
 def key_times(duration: float) -> Floats:
-    """Gives (m,) [s] the times of key frames: 0, then `KEY_FRAME_RATE` a second, and the end, all apart."""
-    return np.append(np.arange(max(np.ceil(duration * KEY_FRAME_RATE - NEAR), 1.0)) / KEY_FRAME_RATE, duration)
+    """Return distinct key frame times from 0 to the end, (m,) [s].
+
+    There are `KEY_FRAME_RATE` a second.
+    """
+    return np.append(np.arange(max(np.ceil(duration * KEY_FRAME_RATE - MIN_END_GAP), 1.0)) / KEY_FRAME_RATE, duration)
 
 
 def write_scene(robot: Robot, motion: SceneMotion, path: Path) -> None:
-    """Writes a motion of a robot: its skin where it has one, else its shell, or its capsules without one."""
+    """Write a robot's motion as glTF, with its skin, shell or capsules."""
     file = GltfFile(f"kinesic {__version__}")
     nodes = _add_skeleton(file, robot)
     channels = _Channels(file, motion.times)
@@ -98,10 +103,10 @@ def write_scene(robot: Robot, motion: SceneMotion, path: Path) -> None:
 
 
 def _add_skeleton(file: GltfFile, robot: Robot) -> list[int]:
-    """Adds a node for each segment, and returns them in the skeleton's order."""
+    """Add a glTF node per segment and return them in skeleton order."""
     nodes: list[int] = []
     children: dict[int, list[int]] = {}
-    world = file.add("nodes", name=robot.name, rotation=TURNED)
+    world = file.add("nodes", name=robot.name, rotation=FRAME_QUATERNION)
     for segment, (parent, origin, _) in zip(robot.skeleton.segments, robot.skeleton.steps, strict=True):
         nodes.append(file.add("nodes", name=segment.name, translation=origin.tolist()))
         children.setdefault(world if parent < 0 else nodes[parent], []).append(nodes[-1])
@@ -112,7 +117,7 @@ def _add_skeleton(file: GltfFile, robot: Robot) -> list[int]:
 
 
 class _Channels:
-    """Channels of one animation, all with the same times."""
+    """Channels of one glTF animation, all with the same times."""
 
     def __init__(self, file: GltfFile, times: Floats) -> None:
         self._file = file
@@ -121,7 +126,7 @@ class _Channels:
         self.samplers: list[dict[str, object]] = []
 
     def add(self, node: int, path: str, values: Floats) -> None:
-        """Moves a node by a row of values for each time."""
+        """Animate a node's property, with one row of values per time."""
         output = self._file.numbers(values)
         self.samplers.append({"input": self._times, "output": output, "interpolation": "LINEAR"})
         if path != "weights":
@@ -130,32 +135,21 @@ class _Channels:
 
 
 def _move_skeleton(channels: _Channels, nodes: list[int], robot: Robot, angles: Floats) -> None:
-    """Turns each node as its segment turns in its parent, and shifts it where hinges are beside its origin."""
-    stand = robot.skeleton.frames(angles)
-    for k, (parent, origin, _) in enumerate(robot.skeleton.steps):
+    """Animate the rotation and translation of each segment's node."""
+    for motion, (parent, origin, _) in zip(segment_motions(robot, angles), robot.skeleton.steps, strict=True):
         if parent < 0:
             continue
-        back = stand.rotations[:, parent].transpose(0, 2, 1)
-        channels.add(nodes[k], "rotation", smooth_quaternions(back @ stand.rotations[:, k]))
-        places = np.einsum("mij,mj->mi", back, stand.origins[:, k] - stand.origins[:, parent])
-        if np.abs(places - origin).max() > STILL:
-            channels.add(nodes[k], "translation", places)
-
-
-def smooth_quaternions(rotations: Floats) -> Floats:
-    """Gives (m, 4) x, y, z, w of (m, 3, 3) rotations, none of them the long way round from the one before."""
-    found: Floats = scipy.spatial.transform.Rotation.from_matrix(rotations).as_quat()
-    flips = np.where(np.einsum("mi,mi->m", found[1:], found[:-1]) < 0.0, -1.0, 1.0)
-    found[1:] *= np.cumprod(flips)[:, None]
-    return found
+        channels.add(nodes[motion.segment], "rotation", motion.rotations)
+        if np.abs(motion.translations - origin).max() > MIN_TRANSLATION:
+            channels.add(nodes[motion.segment], "translation", motion.translations)
 
 
 def _add_surfaces(file: GltfFile, nodes: list[int], robot: Robot) -> None:
-    """Hangs the shell of each segment on its node, or its capsules."""
-    shell = shell_of(robot)
+    """Add shell or capsule meshes to the segments' nodes."""
+    shell = load_shell(robot)
     materials = [
         file.add("materials", pbrMetallicRoughness={"baseColorFactor": colour, "metallicFactor": 0.0})
-        for colour in COLOURS
+        for colour in SURFACE_COLOURS
     ]
     limbs = {name for chain, members in robot.chains.items() if chain != "torso" for name in members}
     for node, segment in zip(nodes, robot.skeleton.segments, strict=True):
@@ -173,7 +167,7 @@ def _add_surfaces(file: GltfFile, nodes: list[int], robot: Robot) -> None:
 
 
 def _shell_primitives(file: GltfFile, surface: SegmentShell, materials: list[int]) -> list[dict[str, object]]:
-    """The housing, and what of it is dark, of the same vertices."""
+    """Return the light and the dark mesh part of a housing."""
     normals = surface.normals / np.linalg.norm(surface.normals, axis=1, keepdims=True)
     attributes = _attributes(file, surface.vertices, normals)
     kinds = zip((surface.shell, surface.joint), materials, strict=True)

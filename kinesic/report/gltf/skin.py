@@ -1,4 +1,4 @@
-"""The skin of a figure in a glTF scene: joints, weights, morph targets for the face, and clothes cut by alpha."""
+"""Human figure as a glTF skin: joints, morph targets and clothes."""
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,27 +11,27 @@ from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.face.assets.action_units import gaze_rotation, intensities, shape_weights
+from kinesic.face.assets.action_units import compute_gaze_rotation, compute_shape_weights, read_intensities
 from kinesic.face.assets.body import DressedPerson, load_figure
-from kinesic.face.assets.chart import chart_window, unroll, vertex_chart
-from kinesic.face.assets.mesh import PARTS
-from kinesic.face.assets.paint import COMPLEXIONS, EYE, iris, skin
-from kinesic.face.assets.rig import PLACE
+from kinesic.face.assets.chart import compute_chart_window, compute_vertex_chart, unroll_mesh
+from kinesic.face.assets.mesh import MESH_PARTS
+from kinesic.face.assets.paint import COMPLEXIONS, EYE_HALF_WIDTH, paint_iris, paint_skin
+from kinesic.face.assets.rig import FRAME_INDICES
 from kinesic.face.assets.skinning import Skin
 from kinesic.files.gltf import GltfFile
 
 Rows = NDArray[np.intp]
 
-PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # linear
-HEM = 0.04  # [m] on each side of a border that the clothes' texture spans
-ROUGH = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}
-PAINTED = 512  # pixels along a side of the painted skin
-HAIRLINE = (-0.06, 0.12)  # in the chart's unit, where skin becomes hair
+PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # RGB
+HEM_HALF_WIDTH = 0.04  # [m] width of the clothes' texture on each side of a border
+PART_ROUGHNESS = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}  # glTF roughness (0 glossy, 1 matt) of each surface
+PAINTING_SIZE = 512  # [pixels] width and height of the skin texture
+HAIRLINE_RANGE = (-0.06, 0.12)  # start and end of the transition from skin to hair, in chart units
 
 
 @dataclass(frozen=True, eq=False)
 class AddedSkin:
-    """The moving nodes of a skin that was added to a scene."""
+    """Animated nodes of a skin that was added to a glTF scene."""
 
     face: int  # the node with morph targets
     _skin: Skin
@@ -41,37 +41,37 @@ class AddedSkin:
     _robot: Robot
 
     def turns(self, angles: Floats, units: Sequence[Mapping[str, float]]) -> Iterator[tuple[int, Floats]]:
-        """Yields nodes with their (m, 3, 3) rotations, for (m, n) [rad] and m faces."""
-        stands = np.array([self._skin.stand(row)[0] for row in angles])
+        """Yield each skin node with its rotations over time, (m, 3, 3)."""
+        stands = np.array([self._skin.pose_frames(row)[0] for row in angles])
         bodies = self._robot.skeleton.frames(angles).rotations
         for frame, (node, parent) in self._joints.items():
             yield node, bodies[:, parent].transpose(0, 2, 1) @ stands[:, frame]
-        shown = [intensities(row) for row in units]
+        shown = [read_intensities(row) for row in units]
         for number, node in enumerate(self._eyes):
-            yield node, np.array([gaze_rotation(row, number) for row in shown])
+            yield node, np.array([compute_gaze_rotation(row, number) for row in shown])
 
     def weights(self, units: Sequence[Mapping[str, float]]) -> Floats:
-        """(m, s) weights of the morph targets."""
-        return np.array([shape_weights(self._figure.mesh, row) for row in units])
+        """Return the morph target weights over time, (m, s)."""
+        return np.array([compute_shape_weights(self._figure.mesh, row) for row in units])
 
 
 def add_skin(file: GltfFile, nodes: Sequence[int], robot: Robot) -> AddedSkin:
-    """Adds the figure of a robot, moved by its segments' nodes and by some between them.
+    """Add a skinned human figure to a glTF scene.
 
     Args:
-        file: that grows.
-        nodes: of the segments, in the skeleton's order.
-        robot: whose skin it is.
+        file: glTF file to extend.
+        nodes: nodes of the segments, in the skeleton's order.
+        robot: robot with the skin.
     """
     figure = load_figure()
     skin_of = Skin(figure, robot.skeleton)
     partial, joints = _joints(file, nodes, robot, skin_of)
     eyes = _eyes(file, nodes, robot, figure, skin_of)
     inverses = np.tile(np.eye(4), (len(joints) + 2, 1, 1))
-    inverses[: len(joints), :3, :3] = skin_of.unbound
-    inverses[: len(joints), :3, 3] = -np.einsum("fij,fj->fi", skin_of.unbound, skin_of.centres)
+    inverses[: len(joints), :3, :3] = skin_of.inverse_bind_rotations
+    inverses[: len(joints), :3, 3] = -np.einsum("fij,fj->fi", skin_of.inverse_bind_rotations, skin_of.centres)
     for k, centre in enumerate(figure.mesh.eyes):
-        head = skin_of.unbound[PLACE["skullbase"]]
+        head = skin_of.inverse_bind_rotations[FRAME_INDICES["skullbase"]]
         inverses[len(joints) + k, :3, :3], inverses[len(joints) + k, :3, 3] = head, -head @ centre
     bound = file.numbers(inverses.transpose(0, 2, 1).reshape(-1, 16))
     moved = file.add("skins", name="rig", joints=[*joints, *eyes], inverseBindMatrices=bound)
@@ -88,27 +88,27 @@ def add_skin(file: GltfFile, nodes: Sequence[int], robot: Robot) -> AddedSkin:
 def _joints(
     file: GltfFile, nodes: Sequence[int], robot: Robot, skin_of: Skin
 ) -> tuple[dict[int, tuple[int, int]], list[int]]:
-    """Frames between segments get nodes of their own: frame -> node and parent; and the nodes of all frames."""
+    """Add nodes for rig frames between segments and return all joints."""
     partial: dict[int, tuple[int, int]] = {}
-    found: list[int] = []
-    for name, place in PLACE.items():
+    joints: list[int] = []
+    for name, place in FRAME_INDICES.items():
         frame = skin_of.frames[place]
         segment = robot.skeleton.segment(frame.segment)
         if name == frame.segment:
-            found.append(nodes[segment])
+            joints.append(nodes[segment])
             continue
         parent, origin, _ = robot.skeleton.steps[segment]
         node = file.add("nodes", name=name, translation=origin.tolist())
         _hang(file, nodes[parent], node)
         partial[place] = node, parent
-        found.append(node)
-    return partial, found
+        joints.append(node)
+    return partial, joints
 
 
 def _eyes(file: GltfFile, nodes: Sequence[int], robot: Robot, figure: DressedPerson, skin_of: Skin) -> tuple[int, int]:
-    """Nodes of the left and the right eyeball."""
-    head = PLACE["skullbase"]
-    places = (figure.mesh.eyes - skin_of.centres[head]) @ skin_of.unbound[head].T
+    """Add glTF nodes for both eyeballs, left first."""
+    head = FRAME_INDICES["skullbase"]
+    places = (figure.mesh.eyes - skin_of.centres[head]) @ skin_of.inverse_bind_rotations[head].T
     left, right = (
         file.add("nodes", name=f"{side}_eyeball", translation=place.tolist())
         for side, place in zip("lr", places, strict=True)
@@ -126,56 +126,58 @@ def _hang(file: GltfFile, parent: int, node: int) -> None:
 
 
 class _Surface:
-    """The primitives of a figure."""
+    """Builder of the glTF mesh primitives of a figure."""
 
     def __init__(self, file: GltfFile, figure: DressedPerson) -> None:
         self._file, self._figure, mesh = file, figure, figure.mesh
-        self._chart = vertex_chart(mesh)
+        self._chart = compute_vertex_chart(mesh)
         self._normals = mesh.normals(mesh.positions)
         self._points = mesh.positions + self._normals * figure.hair[:, None]
         self._deltas = figure.mesh.deltas.tocsc()
         strongest = np.asarray(figure.weights.argmax(axis=1)).ravel()
-        arms = [place for name, place in PLACE.items() if name[:2] in ("l_", "r_") and "clavicular" not in name]
-        skinned = mesh.parts == PARTS.index("skin")
+        arms = [place for name, place in FRAME_INDICES.items() if name[:2] in ("l_", "r_") and "clavicular" not in name]
+        skinned = mesh.parts == MESH_PARTS.index("skin")
         self._hands = skinned & np.isin(strongest, arms) & (mesh.positions[:, 2] < -0.3)
-        self._face = ~self._hands & (mesh.parts != PARTS.index("cloth"))
+        self._face = ~self._hands & (mesh.parts != MESH_PARTS.index("cloth"))
 
     def face(self) -> list[dict[str, object]]:
-        """Head, eyes, teeth, tongue and lashes, with morph targets."""
+        """Build the head, eyes, teeth, tongue and lashes, with morph targets."""
         mesh, triangles = self._figure.mesh, self._figure.mesh.triangles
         first = triangles[:, 0]
-        sources, chart, corners = unroll(self._chart, triangles)
-        found = [self._painted(sources, chart, corners[(mesh.parts[first] == 0) & self._face[first]], morphs=True)]
-        eyes = triangles[mesh.parts[first] == PARTS.index("eyes")]
-        material = self._material("eyes", texture=_encoded(iris(COMPLEXIONS["female"])))
+        sources, chart, corners = unroll_mesh(self._chart, triangles)
+        primitives = [self._painted(sources, chart, corners[(mesh.parts[first] == 0) & self._face[first]], morphs=True)]
+        eyes = triangles[mesh.parts[first] == MESH_PARTS.index("eyes")]
+        material = self._material("eyes", texture=_encoded(paint_iris(COMPLEXIONS["female"])))
         everyone = np.arange(len(mesh.positions))
-        found.append(self._primitive(everyone, eyes, material, self._chart[:, :2] / EYE * 0.5 + 0.5, morphs=True))
+        primitives.append(
+            self._primitive(everyone, eyes, material, self._chart[:, :2] / EYE_HALF_WIDTH * 0.5 + 0.5, morphs=True)
+        )
         for part, colour in PLAIN_COLOURS.items():
-            of_part = triangles[mesh.parts[first] == PARTS.index(part)]
-            found.append(self._primitive(everyone, of_part, self._material(part, colour), morphs=True))
-        return found
+            of_part = triangles[mesh.parts[first] == MESH_PARTS.index(part)]
+            primitives.append(self._primitive(everyone, of_part, self._material(part, colour), morphs=True))
+        return primitives
 
     def body(self) -> list[dict[str, object]]:
-        """Hands and clothes."""
+        """Build the hands and clothes."""
         mesh, triangles = self._figure.mesh, self._figure.mesh.triangles
         first = triangles[:, 0]
         everyone = np.arange(len(mesh.positions))
-        found = [self._painted(everyone, self._chart, triangles[self._hands[first]], morphs=False)]
+        primitives = [self._painted(everyone, self._chart, triangles[self._hands[first]], morphs=False)]
         assert mesh.plain is not None  # a figure has it
-        cloth = mesh.parts == PARTS.index("cloth")
+        cloth = mesh.parts == MESH_PARTS.index("cloth")
         for look in np.unique(mesh.plain[cloth], axis=0):
             worn = triangles[(cloth & (mesh.plain == look).all(axis=1))[first]]
             material = self._material("cloth", tuple((look[:3] ** 2).tolist()), texture=_hem(), cut=True)
-            across = np.stack([0.5 + mesh.tips / (2 * HEM), np.full(len(mesh.tips), 0.5)], axis=1)
-            found.append(self._primitive(everyone, worn, material, np.clip(across, 0.0, 1.0)))
-        return found
+            across = np.stack([0.5 + mesh.tips / (2 * HEM_HALF_WIDTH), np.full(len(mesh.tips), 0.5)], axis=1)
+            primitives.append(self._primitive(everyone, worn, material, np.clip(across, 0.0, 1.0)))
+        return primitives
 
     def _painted(self, sources: Rows, chart: Floats, corners: Rows, *, morphs: bool) -> dict[str, object]:
-        """Skin with its painting; hair is a colour of vertices."""
+        """Build the painted skin as glTF primitive, with hair as vertex colour."""
         complexion = COMPLEXIONS["female"]
-        wide, high, left, low = chart_window()
+        wide, high, left, low = compute_chart_window()
         across = chart[:, :2] * (wide, high) + (left, low)
-        t = np.clip((chart[:, 3] - HAIRLINE[0]) / (HAIRLINE[1] - HAIRLINE[0]), 0.0, 1.0)
+        t = np.clip((chart[:, 3] - HAIRLINE_RANGE[0]) / (HAIRLINE_RANGE[1] - HAIRLINE_RANGE[0]), 0.0, 1.0)
         hair = np.clip(np.asarray(complexion.hair) / complexion.skin, 0.0, 1.0)
         colours = 1.0 + (t * t * (3 - 2 * t))[:, None] * (hair - 1.0)
         material = self._material("skin", texture=_painting())
@@ -191,43 +193,48 @@ class _Surface:
         *,
         morphs: bool = False,
     ) -> dict[str, object]:
-        """One surface of (t, 3) corners, whose vertices are those of the mesh at sources; across: right and up 0..1."""
+        """Build one glTF primitive from triangle corners (t, 3).
+
+        Its vertices are those of the mesh at `sources`. `across` are texture coordinates to the right and up, 0..1.
+        """
         used, placed = np.unique(corners, return_inverse=True)
-        own, file = sources[used], self._file
-        places, weights = self._influences(own)
+        vertex_rows, file = sources[used], self._file
+        places, weights = self._influences(vertex_rows)
         attributes = {
-            "POSITION": file.numbers(self._points[own], target="vertices", bounds=True),
-            "NORMAL": file.numbers(self._normals[own], target="vertices"),
+            "POSITION": file.numbers(self._points[vertex_rows], target="vertices", bounds=True),
+            "NORMAL": file.numbers(self._normals[vertex_rows], target="vertices"),
         }
         for k in range(2):
             part = slice(4 * k, 4 * k + 4)
             attributes[f"JOINTS_{k}"] = file.numbers(places[:, part], "u1", "vertices")
-            attributes[f"WEIGHTS_{k}"] = file.shares(weights[:, part])
+            attributes[f"WEIGHTS_{k}"] = file.weights(weights[:, part])
         if across is not None:
             downward = across[used] * (1.0, -1.0) + (0.0, 1.0)
             attributes["TEXCOORD_0"] = file.numbers(downward, target="vertices")
         if colours is not None:
             attributes["COLOR_0"] = file.numbers(colours[used], target="vertices")
         indices = file.numbers(placed.ravel(), "u4", "indices")
-        found: dict[str, object] = {"attributes": attributes, "indices": indices, "material": material}
+        primitive: dict[str, object] = {"attributes": attributes, "indices": indices, "material": material}
         if morphs:
-            found["targets"] = [{"POSITION": self._morph(own, shape)} for shape in range(self._deltas.shape[1])]
-        return found
+            primitive["targets"] = [
+                {"POSITION": self._morph(vertex_rows, shape)} for shape in range(self._deltas.shape[1])
+            ]
+        return primitive
 
-    def _morph(self, own: Rows, shape: int) -> int:
-        """Writes by how much a shape moves each vertex, and returns the index of that."""
-        moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)[own]
+    def _morph(self, vertex_rows: Rows, shape: int) -> int:
+        """Write a blend shape's displacements and return the accessor index."""
+        moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)[vertex_rows]
         places = np.flatnonzero(np.abs(moves).max(axis=1) > 0.0)
-        return self._file.sparse(len(own), places, moves[places])
+        return self._file.sparse(len(vertex_rows), places, moves[places])
 
-    def _influences(self, own: Rows) -> tuple[NDArray[np.intp], Floats]:
-        """(v, 8) joints that move each vertex, and (v, 8) how much; eyeballs follow their own."""
+    def _influences(self, vertex_rows: Rows) -> tuple[NDArray[np.intp], Floats]:
+        """Return eight joints and weights per vertex, eyeballs included, (v, 8) each."""
         mesh = self._figure.mesh
-        rows = self._figure.weights[own].toarray()
+        rows = self._figure.weights[vertex_rows].toarray()
         places = np.argsort(-rows, axis=1)[:, :8]
         weights = np.take_along_axis(rows, places, axis=1)
-        balls = np.flatnonzero(mesh.parts[own] == PARTS.index("eyes"))
-        places[balls, 0] = len(PLACE) + np.where(mesh.positions[own[balls], 1] > 0.0, 0, 1)
+        balls = np.flatnonzero(mesh.parts[vertex_rows] == MESH_PARTS.index("eyes"))
+        places[balls, 0] = len(FRAME_INDICES) + np.where(mesh.positions[vertex_rows[balls], 1] > 0.0, 0, 1)
         return np.where(weights > 0.0, places, 0), weights
 
     def _material(
@@ -236,7 +243,7 @@ class _Surface:
         look: dict[str, object] = {
             "baseColorFactor": [*colour, 1.0],
             "metallicFactor": 0.0,
-            "roughnessFactor": ROUGH.get(name, 0.6),
+            "roughnessFactor": PART_ROUGHNESS.get(name, 0.6),
         }
         if texture is not None:
             mime = "image/png" if texture.startswith(b"\x89PNG") else "image/jpeg"
@@ -247,29 +254,29 @@ class _Surface:
 
 @cache
 def _painting() -> bytes:
-    """The painted skin as a JPEG."""
-    pixels = np.asarray(skin(COMPLEXIONS["female"]))[:, :, :3]
-    side = len(pixels) // PAINTED
-    return _encoded(pixels.reshape(PAINTED, side, PAINTED, side, 3).mean(axis=(1, 3)))
+    """Return the painted skin texture as a JPEG."""
+    pixels = np.asarray(paint_skin(COMPLEXIONS["female"]))[:, :, :3]
+    side = len(pixels) // PAINTING_SIZE
+    return _encoded(pixels.reshape(PAINTING_SIZE, side, PAINTING_SIZE, side, 3).mean(axis=(1, 3)))
 
 
 def _encoded(linear: Floats) -> bytes:
-    """A JPEG of (n, n, 3) linear colours, first row at the bottom."""
+    """Encode linear colours (n, n, 3), bottom row first, as a JPEG."""
     data = io.BytesIO()
     Image.fromarray(np.rint(255 * screen_colours(linear)).astype(np.uint8)[::-1]).save(data, "JPEG", quality=88)
     return data.getvalue()
 
 
 def screen_colours(linear: Floats) -> Floats:
-    """Turns linear colours into what screens show, 0..1."""
+    """Convert linear colours to sRGB values in 0..1."""
     low, high = linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
     return np.asarray(np.where(linear < 0.0031308, low, high).clip(0.0, 1.0))
 
 
 @cache
 def _hem() -> bytes:
-    """A PNG that is cloth on its left, has a seam, and is nothing on its right."""
-    where = (np.arange(128) + 0.5) / 128 * 2 * HEM - HEM
+    """Return the texture of garment borders (cloth, seam, transparency) as a PNG."""
+    where = (np.arange(128) + 0.5) / 128 * 2 * HEM_HALF_WIDTH - HEM_HALF_WIDTH
     shade = np.where(where > -0.007, 225, 255)
     alpha = np.where(where < 0.0, 255, 0)
     row = np.stack([shade, shade, shade, alpha], axis=1).astype(np.uint8)

@@ -1,1 +1,1 @@
-"""Draws the figures of the report's page as SVG."""
+"""SVG plots of the report page."""

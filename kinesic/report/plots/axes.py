@@ -1,4 +1,4 @@
-"""Figures of the page, as SVG in its colours: axes with few ticks that take data and draw them in place."""
+"""Axes that draw data as SVG in the colours of the page."""
 
 from collections.abc import Callable, Iterable
 from enum import StrEnum
@@ -12,7 +12,7 @@ from kinesic.body.arrays import Floats
 
 
 class ThemeColour(StrEnum):
-    """Variables of the page's style sheet, so that one figure suits light and dark."""
+    """CSS variables for plot colours in light and dark themes."""
 
     INK = "var(--ink)"
     FAINT = "var(--faint)"
@@ -25,66 +25,77 @@ class ThemeColour(StrEnum):
     FAIL = "var(--fail)"
 
 
-WIDTH = 11.0  # [in] of a figure; the page scales it
-INCH = 72  # units of the drawing, which are those of type
-SMALL = 7.5  # size of letters
-TICK, GAP = 2.0, 3.0  # length of a tick, and air to its label
-TICK_SPACING = 60.0  # between ticks of time, at least
-TICK_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # between ticks, times a power of ten
-ABOVE = 0.05  # share of what is drawn that is left free above it, where nobody sets a limit
+FIGURE_WIDTH = 11.0  # [in] width of a plot before the page scales it
+UNITS_PER_INCH = 72  # SVG units, equal to typographic points
+FONT_SIZE = 7.5  # [pt] size of all plot texts
+TICK_LENGTH = 2.0  # [pt] length of axis ticks
+LABEL_GAP = 3.0  # [pt] gap between a tick and its label
+TICK_SPACING = 60.0  # [pt] smallest distance between time ticks
+TICK_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # tick intervals, times a power of ten
+HEADROOM_FRACTION = 0.05  # free fraction of the height above data without a fixed upper limit
 
 Align = Literal["left", "center", "right"]
-ANCHORS: dict[Align, str] = {"left": "start", "center": "middle", "right": "end"}
+TEXT_ANCHORS: dict[Align, str] = {"left": "start", "center": "middle", "right": "end"}  # SVG text anchors, by alignment
 DrawingLayer = Literal["under", "lines", "over"]
 
 
 class Figure:
-    """A figure to which axes are added."""
+    """An SVG drawing that contains axes."""
 
-    def __init__(self, height: float, *, width: float = WIDTH, style: str = "plot") -> None:
-        """Begins a figure.
+    def __init__(self, height: float, *, width: float = FIGURE_WIDTH, style: str = "plot") -> None:
+        """Create an empty figure.
 
         Args:
             height: [in].
-            width: [in]; the page scales it to its own.
-            style: its classes in the style sheet of the page.
+            width: [in]; the page scales it.
+            style: CSS classes of the figure.
         """
         self.height, self.width, self._style = height, width, style
         self._axes: list[Axes] = []
         self._words: list[str] = []
 
     def axes(self, left: float, bottom: float, width: float, height: float, *, timed: bool = False) -> "Axes":
-        """Adds axes.
+        """Add axes at a position within the figure.
 
         Args:
-            left: [in] from the figure's left.
-            bottom: [in] from its foot.
+            left: [in] from the left edge of the figure.
+            bottom: [in] from its bottom edge.
             width: [in].
             height: [in].
-            timed: whether they run over performance time, in which the replay shows where it is.
+            timed: whether the abscissa is performance time, on which the replay shows its position.
         """
-        self._axes.append(Axes(left * INCH, (self.height - bottom - height) * INCH, width * INCH, height * INCH, timed))
+        self._axes.append(
+            Axes(
+                left * UNITS_PER_INCH,
+                (self.height - bottom - height) * UNITS_PER_INCH,
+                width * UNITS_PER_INCH,
+                height * UNITS_PER_INCH,
+                timed,
+            )
+        )
         return self._axes[-1]
 
     def write(self, left: float, bottom: float, words: str) -> None:
-        """Writes a title at a place [in] from the figure's left foot."""
-        self._words.append(_text(left * INCH, (self.height - bottom) * INCH, words, ThemeColour.INK, "left", size=9.0))
+        """Write a title at a position [in] from the lower left corner."""
+        self._words.append(
+            _text(
+                left * UNITS_PER_INCH, (self.height - bottom) * UNITS_PER_INCH, words, ThemeColour.INK, "left", size=9.0
+            )
+        )
 
     def svg(self) -> Markup:
-        """Makes an element of the page of it."""
+        """Return the figure as an SVG element."""
         body = "".join([*(axes.svg() for axes in self._axes), *self._words])
         columns = sorted({(axes.left, axes.left + axes.width) for axes in self._axes if axes.timed})
-        heads = "".join(
-            f'<i class="playhead" data-from="{x0 / INCH / self.width:.5f}" data-to="{x1 / INCH / self.width:.5f}"></i>'
-            for x0, x1 in columns
-        )
-        view = f'viewBox="0 0 {self.width * INCH:g} {self.height * INCH:g}"'
+        spans = ((x0 / UNITS_PER_INCH / self.width, x1 / UNITS_PER_INCH / self.width) for x0, x1 in columns)
+        heads = "".join(f'<i class="playhead" data-from="{x0:.5f}" data-to="{x1:.5f}"></i>' for x0, x1 in spans)
+        view = f'viewBox="0 0 {self.width * UNITS_PER_INCH:g} {self.height * UNITS_PER_INCH:g}"'
         drawn = f"<svg {view}>{body}</svg>{heads}"
         return Markup(f'<div class="{self._style}"><div>{drawn}</div></div>')  # every text is escaped
 
 
 class Axes:
-    """A rectangle with an abscissa and an ordinate; what is drawn beyond its limits is cut."""
+    """Rectangular plot area with x and y axis."""
 
     def __init__(self, left: float, top: float, width: float, height: float, timed: bool) -> None:
         self.left, self.top, self.width, self.height, self.timed = left, top, width, height, timed
@@ -95,18 +106,21 @@ class Axes:
         self._drawn: list[tuple[DrawingLayer, Callable[[], str]]] = []
 
     def limit_x(self, first: float, last: float) -> None:
-        """Sets the values at the left and the right end."""
+        """Set the x values at the left and right end."""
         self._x = (first, last)
 
     def limit_y(self, low: float, high: float | None = None) -> None:
-        """Sets the values at the foot and at the top; None: a little above what is drawn by now."""
+        """Set the y values at the bottom and top.
+
+        None selects a value slightly beyond the data drawn before.
+        """
         if high is None:
-            high = self._highest + ABOVE * (self._highest - low) if self._highest > low else low + 1.0
+            high = self._highest + HEADROOM_FRACTION * (self._highest - low) if self._highest > low else low + 1.0
         self._y = (low, high)
 
     @property
     def y_limits(self) -> tuple[float, float]:
-        """The values at the foot and at the top."""
+        """Lowest and highest y value shown."""
         return self._y
 
     def line(
@@ -118,7 +132,7 @@ class Axes:
         width: float = 1.1,
         dashed: bool = False,
     ) -> None:
-        """Draws a line through (m,) points."""
+        """Draw a line through (m,) points."""
         self._highest = max(self._highest, float(y.max(initial=-np.inf)))
         look = f"fill:none;stroke:{colour};stroke-width:{width:g};stroke-linejoin:round;stroke-linecap:round"
         dashes = ";stroke-dasharray:4 2;stroke-linecap:butt" if dashed else ""
@@ -132,7 +146,7 @@ class Axes:
     def bars(
         self, spans: Iterable[tuple[float, float]], low: float, high: float, colour: ThemeColour, opacity: float = 1.0
     ) -> None:
-        """Draws a bar from `low` to `high` for each (begin, end)."""
+        """Draw a bar from `low` to `high` for each time span."""
         ends = [np.array(span) for span in spans]
 
         def draw() -> str:
@@ -146,13 +160,13 @@ class Axes:
         self._drawn.append(("under", draw))
 
     def band(self, low: float, high: float, colour: ThemeColour) -> None:
-        """Fills everything between two values of the ordinate."""
+        """Fill the area between two y values."""
         self.bars([self._x], low, high, colour)
 
     def level(
         self, y: float, colour: ThemeColour, *, width: float = 0.8, span: tuple[float, float] | None = None
     ) -> None:
-        """Draws a line at a value of the ordinate, all across or over a span of the abscissa."""
+        """Draw a horizontal line at a y value."""
 
         def draw() -> str:
             x0, x1 = self._across(np.array(span or self._x))
@@ -164,7 +178,7 @@ class Axes:
     def verticals(
         self, at: Iterable[float], colour: ThemeColour, *, width: float = 1.0, span: tuple[float, float] | None = None
     ) -> None:
-        """Draws lines at values of the abscissa, from foot to top or over a span of the ordinate."""
+        """Draw vertical lines across the axes or part of them."""
         places = np.array([*at], dtype=np.float64)
 
         def draw() -> str:
@@ -174,7 +188,7 @@ class Axes:
         self._drawn.append(("lines", draw))
 
     def dots(self, x: Floats, y: Floats, fill: ThemeColour, edge: ThemeColour) -> None:
-        """Draws a dot at each of (m,) points."""
+        """Draw a dot at each of (m,) points."""
 
         def draw() -> str:
             look = f"fill:{fill};stroke:{edge};stroke-width:.8"
@@ -194,14 +208,14 @@ class Axes:
         place: Literal["axes", "time", "data"] = "axes",
         align: Align = "left",
     ) -> None:
-        """Writes a text, which may stand outside.
+        """Write a text in or next to the axes.
 
         Args:
-            at: the text's side that `align` names, and its base line.
-            words: may come from strangers.
-            colour: of the text.
-            place: "axes": both of `at` are shares of the axes; "time": the first is a time; "data": both are data.
-            align: which side of the text lies there.
+            at: position of the aligned side of the text and of its base line.
+            words: text, possibly from a foreign document.
+            colour: colour of the text.
+            place: "axes": both are fractions of the axes; "time": the first is a time; "data": both are data.
+            align: side of the text at that position.
         """
 
         def draw() -> str:
@@ -212,13 +226,18 @@ class Axes:
         self._drawn.append(("over", draw))
 
     def head(self, what: str, note: str, *, height: float) -> None:
-        """Writes what is shown above the left end, and a note above the right end, at a share of the height."""
+        """Write a heading at the left and a note at the right.
+
+        The height is a fraction of the axes.
+        """
         self.write((0.0, height), what)
         self.write((1.0, height), note, colour=ThemeColour.FAINT, align="right")
 
     def svg(self) -> str:
-        """Draws everything: a nested drawing cuts what is beyond the limits."""
-        inside = "".join(draw() for wanted in ("under", "lines") for layer, draw in self._drawn if layer == wanted)
+        """Return the axes and their clipped data as SVG."""
+        inside = "".join(
+            draw() for layer_name in ("under", "lines") for layer, draw in self._drawn if layer == layer_name
+        )
         over = [draw() for layer, draw in self._drawn if layer == "over"]
         words = "".join(text for text in over if text.startswith("<text"))
         dots = "".join(text for text in over if not text.startswith("<text"))
@@ -228,20 +247,24 @@ class Axes:
         return f'{frame}<svg overflow="hidden" {place}>{grid}{inside}{dots}</svg>{labels}{words}'
 
     def _scale(self) -> tuple[str, str]:
-        """Lines of the grid inside, and ticks with numbers outside."""
+        """Draw grid lines, ticks and tick labels."""
         foot, left = self.top + self.height, self.left
         grid, ticks, numbers = [], [], []
         for value, name in nice_ticks(*self._x, max(int(self.width / TICK_SPACING), 1)):
             (x,) = self._across(np.array([value]))
             grid.append((x, 0.0, x, self.height))
-            ticks.append((left + x, foot, left + x, foot + TICK))
+            ticks.append((left + x, foot, left + x, foot + TICK_LENGTH))
             if self.labelled:
-                numbers.append(_text(left + x, foot + TICK + GAP + 0.7 * SMALL, name, ThemeColour.FAINT, "center"))
+                numbers.append(
+                    _text(left + x, foot + TICK_LENGTH + LABEL_GAP + 0.7 * FONT_SIZE, name, ThemeColour.FAINT, "center")
+                )
         for value, name in nice_ticks(*self._y, self.ticks) if self.ticks else ():
             (y,) = self._down(np.array([value]))
             grid.append((0.0, y, self.width, y))
-            ticks.append((left - TICK, self.top + y, left, self.top + y))
-            numbers.append(_text(left - TICK - GAP, self.top + y + 0.36 * SMALL, name, ThemeColour.FAINT, "right"))
+            ticks.append((left - TICK_LENGTH, self.top + y, left, self.top + y))
+            numbers.append(
+                _text(left - TICK_LENGTH - LABEL_GAP, self.top + y + 0.36 * FONT_SIZE, name, ThemeColour.FAINT, "right")
+            )
         return _strokes(grid, ThemeColour.GRID, 0.5), _strokes(ticks, ThemeColour.FAINT, 0.5) + "".join(numbers)
 
     def _across(self, x: Floats) -> list[float]:
@@ -256,7 +279,10 @@ class Axes:
 
 
 def nice_ticks(first: float, last: float, most: int) -> list[tuple[float, str]]:
-    """Finds round values between two limits, which divide them into at most `most` spaces, with their numbers."""
+    """Return round values between two limits, with their labels.
+
+    They divide the range into at most `most` intervals.
+    """
     low, high = sorted((first, last))
     least = (high - low) / most
     if not least > 0 or not np.isfinite(least):
@@ -273,7 +299,7 @@ def _strokes(ends: Iterable[tuple[float, float, float, float]], colour: ThemeCol
     return f'<path style="stroke:{colour};stroke-width:{width:g}" d="{path}"/>' if path else ""
 
 
-def _text(x: float, y: float, words: str, colour: ThemeColour, align: Align, *, size: float = SMALL) -> str:
+def _text(x: float, y: float, words: str, colour: ThemeColour, align: Align, *, size: float = FONT_SIZE) -> str:
     printable = "".join(letter if letter.isprintable() else " " for letter in words)
-    look = f"font-size:{size:g}px;fill:{colour};text-anchor:{ANCHORS[align]}"
+    look = f"font-size:{size:g}px;fill:{colour};text-anchor:{TEXT_ANCHORS[align]}"
     return f'<text style="{look}" x="{x:.2f}" y="{y:.2f}">{escape(printable)}</text>'

@@ -1,24 +1,24 @@
-"""What fits on a figure: labels that are short enough, and as many points as can be seen."""
+"""Fit labels and lines into the available space of a plot."""
 
 from collections.abc import Iterable
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.report.plots.axes import INCH, SMALL
+from kinesic.report.plots.axes import FONT_SIZE, UNITS_PER_INCH
 
-POINTS = 1000  # of one line; more cannot be seen
-_LETTER = 0.55 * SMALL / INCH  # [in] mean width
+MAX_LINE_POINTS = 1000  # visible points of one line
+_LETTER_WIDTH = 0.55 * FONT_SIZE / UNITS_PER_INCH  # [in] mean character width
 
 
 def fit_text(words: str, width: float) -> str:
-    """Cuts a text to a width [in]."""
-    letters = int(width / _LETTER)
+    """Shorten a text to fit a width [in]."""
+    letters = int(width / _LETTER_WIDTH)
     return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
 
 
 def spaced_indices(times: Iterable[float], least: float) -> list[int]:
-    """Picks times, in increasing order, that leave at least `least` [s] between them, by their indices."""
+    """Select times that are at least `least` [s] apart, by index."""
     kept: list[int] = []
     last = -np.inf
     for k, time in enumerate(times):
@@ -29,8 +29,11 @@ def spaced_indices(times: Iterable[float], least: float) -> list[int]:
 
 
 def thin_line(times: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Thins a line of (m,) times and values to about `POINTS` points that show the same extremes."""
-    size = int(np.ceil(2 * len(times) / POINTS))
+    """Reduce a line to about `MAX_LINE_POINTS` points, keeping its extremes.
+
+    Times and values are (m,).
+    """
+    size = int(np.ceil(2 * len(times) / MAX_LINE_POINTS))
     if size < 3:
         return times, values
     starts = np.arange(0, len(times), size)

@@ -1,35 +1,39 @@
-"""How much room is left over time: distance to the body, share of the servos' limits, and tracking error."""
+"""Plots of margins over time: clearance, servo limits and tracking error."""
 
 import numpy as np
 from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
-from kinesic.controller.performance import Performance
-from kinesic.report.plots.axes import WIDTH, Axes, Figure, ThemeColour
+from kinesic.metrics.dry_run import DryRun
+from kinesic.report.plots.axes import FIGURE_WIDTH, Axes, Figure, ThemeColour
 from kinesic.report.plots.fitting import thin_line
 
-PANEL, BOTTOM = 1.35, 0.3  # [in]
-LEFT, RIGHT = 0.45, 0.1  # [in]
-HEADING = 1.05  # share of a panel's height
+PANEL_HEIGHT = 1.35  # [in] height of a panel with its heading
+BOTTOM_MARGIN = 0.3  # [in] margin below the panels
+LEFT_MARGIN = 0.45  # [in] margin left of the panels
+RIGHT_MARGIN = 0.1  # [in] margin right of the panels
+HEADING_POSITION = 1.05  # y position of the heading, relative to the panel's height
 
 
-def margins(performance: Performance) -> Markup:
-    """Draws clearance, shares of limits and tracking error over performance time."""
-    panels = (_clearance, _shares, _tracking)
-    drawn = Figure(PANEL * len(panels) + BOTTOM)
+def margins(performance: DryRun) -> Markup:
+    """Draw clearance, limit ratios and tracking error over performance time."""
+    panels = (_clearance, _limit_ratios, _tracking)
+    drawn = Figure(PANEL_HEIGHT * len(panels) + BOTTOM_MARGIN)
     for row, panel in enumerate(panels):
-        bottom = BOTTOM + PANEL * (len(panels) - 1 - row)
-        axes = drawn.axes(LEFT, bottom, WIDTH - LEFT - RIGHT, PANEL - 0.25, timed=True)
+        bottom = BOTTOM_MARGIN + PANEL_HEIGHT * (len(panels) - 1 - row)
+        axes = drawn.axes(
+            LEFT_MARGIN, bottom, FIGURE_WIDTH - LEFT_MARGIN - RIGHT_MARGIN, PANEL_HEIGHT - 0.25, timed=True
+        )
         axes.limit_x(0.0, float(performance.measured.times[-1]))
         axes.labelled = row == len(panels) - 1
         panel(axes, performance)
     return drawn.svg()
 
 
-def _clearance(axes: Axes, performance: Performance) -> None:
-    """Distance of the closest pair of segments, with the least that is required."""
+def _clearance(axes: Axes, performance: DryRun) -> None:
+    """Draw the distance of the closest segment pair and its minimum."""
     plan, measured = performance.plan, performance.measured
-    least = 1000 * plan.setup.robot.least_clearance
+    least = 1000 * plan.setup.robot.min_clearance
     curves = (
         (plan.clearance_times, plan.clearance, ThemeColour.PLANNED, False),
         (measured.times, measured.clearance, ThemeColour.PERFORMED, True),
@@ -43,41 +47,45 @@ def _clearance(axes: Axes, performance: Performance) -> None:
     worst = measured.clearance.worst
     a, b = measured.clearance.pairs[worst]
     nearest = f"nearest: {a} and {b} at {measured.times[worst]:.2f} s"
-    axes.head("distance to the body [mm]", nearest, height=HEADING)
+    axes.head("distance to the body [mm]", nearest, height=HEADING_POSITION)
 
 
-def _shares(axes: Axes, performance: Performance) -> None:
-    """The hinge that is nearest to its limit, of speed, acceleration, jerk and duty."""
+def _limit_ratios(axes: Axes, performance: DryRun) -> None:
+    """Draw the largest limit ratio of velocity, acceleration, jerk and duty."""
     limits, times = performance.plan.setup.limits, performance.measured.times
-    speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
-    shares = (
+    speeds, accelerations = performance.reference.velocities, performance.reference.accelerations
+    ratios_by_name = (
         ("speed", np.abs(speeds) / limits.speed, ThemeColour.PLANNED),
         ("acceleration", np.abs(accelerations) / limits.acceleration, ThemeColour.FAINT),
         ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, ThemeColour.ASKED),
         ("duty", np.abs(performance.reference.duties), ThemeColour.SPEECH),
     )
-    for _, share, colour in shares:
-        axes.line(*thin_line(times, share.max(axis=1)), colour)
-    top = max(1.1, *(1.05 * float(share.max()) for _, share, _ in shares))
+    for _, ratios, colour in ratios_by_name:
+        axes.line(*thin_line(times, ratios.max(axis=1)), colour)
+    top = max(1.1, *(1.05 * float(ratios.max()) for _, ratios, _ in ratios_by_name))
     axes.limit_y(0.0, top)
     axes.level(1.0, ThemeColour.FAIL)
     axes.band(1.0, top, ThemeColour.OUTSIDE)
-    axes.head("share of limit, worst hinge", "", height=HEADING)
-    for k, (name, share, colour) in enumerate(shares):
-        axes.write((1.0 - 0.21 * (3 - k), HEADING), _peak(name, share, performance), colour=colour, align="right")
+    axes.head("fraction of limit, worst hinge", "", height=HEADING_POSITION)
+    for k, (name, ratios, colour) in enumerate(ratios_by_name):
+        heading = _peak(name, ratios, performance)
+        axes.write((1.0 - 0.21 * (3 - k), HEADING_POSITION), heading, colour=colour, align="right")
 
 
-def _tracking(axes: Axes, performance: Performance) -> None:
-    """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
+def _tracking(axes: Axes, performance: DryRun) -> None:
+    """Draw the largest tracking error of any joint.
+
+    Grey includes joints that hardly move.
+    """
     everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
     counted = np.where(performance.reference.moving, everything, 0.0)
     for errors, colour in ((everything, ThemeColour.ASKED), (counted, ThemeColour.PERFORMED)):
         axes.line(*thin_line(performance.measured.times, errors.max(axis=1)), colour)
     axes.limit_y(0.0)
     title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"
-    axes.head(title, _peak("while moving", counted, performance), height=HEADING)
+    axes.head(title, _peak("while moving", counted, performance), height=HEADING_POSITION)
 
 
-def _peak(name: str, values: Floats, performance: Performance) -> str:
+def _peak(name: str, values: Floats, performance: DryRun) -> str:
     hinge = performance.plan.setup.robot.skeleton.names[int(values.max(axis=0).argmax())]
     return f"{name}: {values.max():.2f}, {hinge}"

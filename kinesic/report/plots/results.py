@@ -1,4 +1,4 @@
-"""A picture of many results: a panel for each kind of them that a folder holds."""
+"""Overview picture of benchmark results in a folder."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -9,114 +9,131 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from kinesic.body.config import ConfigError
+from kinesic.report.checks.check import CHECK_LIMITS
 from kinesic.tasks.store import Store
 
-INK, FAINT, GOOD, BAD, OTHER = "#333333", "#8a8a8a", "#2b7a78", "#b3261e", "#d98e2b"
-SMALL = 8.0  # [pt]
-WIDTH, HEIGHT, ROW = 10.0, 4.2, 0.2  # [in] of the picture, of a panel at least, and of a row of bars
-DPI = 110
+INK_COLOUR = "#333333"  # colour of texts and axes
+FAINT_COLOUR = "#8a8a8a"  # colour of secondary lines
+GOOD_COLOUR = "#2b7a78"  # colour of values within their limits
+BAD_COLOUR = "#b3261e"  # colour of values beyond their limits
+FONT_SIZE = 8.0  # [pt] size of all texts in the picture
+PICTURE_WIDTH = 10.0  # [in] width of the picture
+MIN_PANEL_HEIGHT = 4.2  # [in] height of the smallest panel
+ROW_HEIGHT = 0.2  # [in] height of a row of bars
+PICTURE_DPI = 110  # [dots/in] resolution of the PNG
 
-CHECKS = """
-SELECT name, quantile_cont(share, 0.05), quantile_cont(share, 0.5), quantile_cont(share, 0.95), max(share),
-    bool_or(status = 'fail') FROM (SELECT name, status, "value" / "limit" AS share FROM checks WHERE "limit" > 0)
-GROUP BY name ORDER BY max(share)
+MAX_RATIO = 100.0  # largest drawn ratio of the limit of a minimum to a value near 0
+MINIMUM_CHECKS = ", ".join(f"'{name}'" for name, limit in CHECK_LIMITS.items() if limit.at_least)
+# The ratio exceeds 1 where a value is beyond its limit: of a minimum, it is that of the limit to the value.
+RATIO_LABEL = "value / {0}, or {0} / value of a minimum; right of 1: beyond the {0}"  # axis label; {0}: limit or goal
+CHECKS_QUERY = f"""
+SELECT name, quantile_cont(ratio, 0.05), quantile_cont(ratio, 0.5), quantile_cont(ratio, 0.95), max(ratio),
+    bool_or(status = 'fail') FROM (SELECT name, status, CASE WHEN name IN ({MINIMUM_CHECKS})
+    THEN "limit" / greatest("value", "limit" / {MAX_RATIO}) ELSE "value" / "limit" END AS ratio
+    FROM checks WHERE "limit" > 0)
+GROUP BY name ORDER BY max(ratio)
 """
-SWEEP = "SELECT DISTINCT parameter, measure FROM sweep ORDER BY parameter"
-FIGURES = "SELECT name, value / goal, ok FROM figures WHERE value > 0 AND goal > 0 ORDER BY value / goal"
-DESIGNS = "SELECT price, lateness, mass, unbeaten, state FROM designs WHERE state <> 'out' AND price IS NOT NULL"
+SWEEP_QUERY = "SELECT DISTINCT parameter, measure FROM sweep ORDER BY parameter"
+METRICS_QUERY = """
+SELECT name, CASE WHEN better = 'higher' THEN goal / value ELSE value / goal END AS ratio, ok
+FROM figures WHERE value > 0 AND goal > 0 ORDER BY ratio
+"""
+DESIGNS_QUERY = "SELECT price, lateness, mass, unbeaten, state FROM designs WHERE state <> 'out' AND price IS NOT NULL"
 
 
 def draw_results(store: Store, path: Path) -> None:
-    """Draws the results of a folder as a PNG.
+    """Draw the results of a folder as a PNG.
 
     Args:
-        store: of the results.
-        path: of the picture.
+        store: store of the results.
+        path: path of the picture.
 
     Raises:
-        ConfigError: there is nothing of which a picture is known.
+        ConfigError: no result in the store has a picture.
     """
-    panels = [(draw, rows) for table, (draw, rows) in PANELS.items() if table in store.tables]
+    panels = [(draw, rows) for table, (draw, rows) in RESULT_PANELS.items() if table in store.tables]
     if not panels:
-        raise ConfigError(f"no picture of {', '.join(store.tables)} is known, of {', '.join(PANELS)} there is one")
-    heights = [max(HEIGHT, ROW * rows(store)) for _, rows in panels]
-    figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
+        raise ConfigError(
+            f"no picture of {', '.join(store.tables)} is known, of {', '.join(RESULT_PANELS)} there is one"
+        )
+    heights = [max(MIN_PANEL_HEIGHT, ROW_HEIGHT * rows(store)) for _, rows in panels]
+    figure = Figure(figsize=(PICTURE_WIDTH, sum(heights)), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, (draw, _) in zip(
         figure.subplots(len(panels), squeeze=False, height_ratios=heights)[:, 0], panels, strict=True
     ):
         draw(store, axes)
-        axes.tick_params(labelsize=SMALL, labelcolor=INK, length=2)
+        axes.tick_params(labelsize=FONT_SIZE, labelcolor=INK_COLOUR, length=2)
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
-    figure.savefig(path, dpi=DPI, format="png", metadata={"Software": None})
+    figure.savefig(path, dpi=PICTURE_DPI, format="png", metadata={"Software": None})
 
 
 def _draw_checks(store: Store, axes: Axes) -> None:
-    """Each check over all documents as a share of its limit: 5 to 95 %, the median, and the largest."""
-    rows = store.ask(CHECKS).rows
+    """Draw quantiles, median and maximum of each check, relative to limits."""
+    rows = store.ask(CHECKS_QUERY).rows
     shares = np.array([row[1:5] for row in rows], dtype=float).reshape(-1, 4)
     for height, (low, middle, high, most) in enumerate(shares):
-        colour = BAD if rows[height][5] else GOOD
+        colour = BAD_COLOUR if rows[height][5] else GOOD_COLOUR
         axes.plot([low, high], [height, height], color=colour, linewidth=3.0, solid_capstyle="butt")
         axes.plot([middle], [height], color="white", marker="o", markersize=4, markeredgecolor=colour)
         axes.plot([most], [height], color=colour, marker="|", markersize=8)
-    axes.axvline(1.0, color=FAINT, linewidth=0.8)
+    axes.axvline(1.0, color=FAINT_COLOUR, linewidth=0.8)
     axes.set_yticks(range(len(rows)), [str(row[0]) for row in rows])
     axes.set_xscale("symlog", linthresh=1.0)
-    _name(axes, "checks of all documents: 5 to 95 %, median, largest; red: one failed", "value / limit", "")
+    _name(axes, "checks of all documents: 5 to 95 %, median, largest; red: one failed", RATIO_LABEL.format("limit"), "")
 
 
 def _draw_sweep(store: Store, axes: Axes) -> None:
-    """Each parameter's own measure over its values, as a share of its largest."""
-    for parameter, measure in store.ask(SWEEP).rows:
+    """Draw each swept parameter's measure relative to its maximum."""
+    for parameter, measure in store.ask(SWEEP_QUERY).rows:
         name, column = str(parameter), str(measure).replace('"', "")
         query = (
             f'SELECT "value", "{column}" FROM sweep WHERE parameter = \'{name}\' AND "{column}" IS NOT NULL ORDER BY 1'
         )
-        found = np.array(store.ask(query).rows, dtype=float).reshape(-1, 2)
+        rows = np.array(store.ask(query).rows, dtype=float).reshape(-1, 2)
         axes.plot(
-            found[:, 0], found[:, 1] / max(np.abs(found[:, 1]).max(initial=0.0), 1e-12), "o-", label=f"{name}: {column}"
+            rows[:, 0], rows[:, 1] / max(np.abs(rows[:, 1]).max(initial=0.0), 1e-12), "o-", label=f"{name}: {column}"
         )
-    axes.legend(fontsize=SMALL, frameon=False)
+    axes.legend(fontsize=FONT_SIZE, frameon=False)
     _name(axes, "each parameter's own measure", "value of the parameter", "measure / its largest")
 
 
 def _draw_figures(store: Store, axes: Axes) -> None:
-    """Each measured figure as a share of its goal."""
-    rows = store.ask(FIGURES).rows
+    """Draw each metric relative to its goal."""
+    rows = store.ask(METRICS_QUERY).rows
     shares = [float(str(row[1])) for row in rows]
-    axes.barh(range(len(rows)), shares, color=[GOOD if row[2] else BAD for row in rows], height=0.7)
-    axes.axvline(1.0, color=INK, linewidth=0.8)
+    axes.barh(range(len(rows)), shares, color=[GOOD_COLOUR if row[2] else BAD_COLOUR for row in rows], height=0.7)
+    axes.axvline(1.0, color=INK_COLOUR, linewidth=0.8)
     axes.set_yticks(range(len(rows)), [str(row[0]) for row in rows])
     axes.set_xlim(left=0.0)
-    _name(axes, "figures beside their goals; red: missed", "value / goal", "")
+    _name(axes, "figures beside their goals; red: missed", RATIO_LABEL.format("goal"), "")
 
 
 def _draw_designs(store: Store, axes: Axes) -> None:
-    """Lateness over price of each design that was weighed; the larger, the heavier."""
-    rows = store.ask(DESIGNS).rows
-    kinds = (("no other one beats it", GOOD, True), ("beaten, or left behind", FAINT, False))
+    """Draw lateness over price of robot designs, dot size showing mass."""
+    rows = store.ask(DESIGNS_QUERY).rows
+    kinds = (("no other one beats it", GOOD_COLOUR, True), ("beaten, or left behind", FAINT_COLOUR, False))
     for label, colour, best in kinds:
         chosen = np.array([row[:3] for row in rows if bool(row[3]) is best], dtype=float).reshape(-1, 3)
         axes.scatter(chosen[:, 0], chosen[:, 1], s=12.0 * chosen[:, 2] ** 1.5, color=colour, alpha=0.7, label=label)
-    axes.legend(fontsize=SMALL, frameon=False)
+    axes.legend(fontsize=FONT_SIZE, frameon=False)
     _name(axes, "designs; the larger, the heavier", "price of the servos [US$]", "lateness of strokes, mean [ms]")
 
 
 def _name(axes: Axes, title: str, across: str, up: str) -> None:
-    axes.set_title(title, fontsize=10, color=INK, loc="left")
-    axes.set_xlabel(across, fontsize=SMALL, color=INK)
-    axes.set_ylabel(up, fontsize=SMALL, color=INK)
+    axes.set_title(title, fontsize=10, color=INK_COLOUR, loc="left")
+    axes.set_xlabel(across, fontsize=FONT_SIZE, color=INK_COLOUR)
+    axes.set_ylabel(up, fontsize=FONT_SIZE, color=INK_COLOUR)
 
 
 def _rows_of(query: str) -> Callable[[Store], int]:
     return lambda store: len(store.ask(query).rows)
 
 
-PANELS: Mapping[str, tuple[Callable[[Store, Axes], None], Callable[[Store], int]]] = {
-    "checks": (_draw_checks, _rows_of(CHECKS)),
-    "sweep": (_draw_sweep, _rows_of(SWEEP)),
-    "figures": (_draw_figures, _rows_of(FIGURES)),
+RESULT_PANELS: Mapping[str, tuple[Callable[[Store, Axes], None], Callable[[Store], int]]] = {
+    "checks": (_draw_checks, _rows_of(CHECKS_QUERY)),
+    "sweep": (_draw_sweep, _rows_of(SWEEP_QUERY)),
+    "figures": (_draw_figures, _rows_of(METRICS_QUERY)),
     "designs": (_draw_designs, lambda store: 0),
 }

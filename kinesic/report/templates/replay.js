@@ -265,7 +265,8 @@
     new ResizeObserver(redraw).observe(canvas);
   } else {
     stage.classList.add("flat");
-    document.getElementById("film").open = true;
+    const film = document.getElementById("film"); // null: the page has no film
+    if (film) film.open = true;
   }
   const poster = data.marks.find((mark) => mark.kind.includes("stroke"));
   time = poster ? poster.at : 0;

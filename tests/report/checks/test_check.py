@@ -1,46 +1,64 @@
 """How a value is judged: a goal that is missed warns, by far it is poor, and a danger fails."""
 
+import re
+from dataclasses import dataclass
 from math import nan
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import GRAVITY, LIMITS, Check, format_time, grade
+from kinesic.metrics.dry_run import DryRun
+from kinesic.report.checks.check import CHECK_LIMITS, SEVERITY_RANKS, Check, format_time, grade
 from kinesic.report.checks.content import content_checks
 from kinesic.report.checks.servos import draw_load, loads, power_checks
 from kinesic.report.checks.twin import measure_tracking, stroke_errors
 
-POOR = {  # what an audience sees
-    "collision.foreseen": 0.0,
-    "collision.pace": 0.5,
-    "meaning.performed": 0.9,
-    "amplitude.path": 0.25,
-    "timing.shift": 0.5,
-    "timing.twin": 0.1,
-    "timing.arrival": 0.0,
-    "timing.stroke_median": 0.08,
-    "timing.stroke_p95": 0.2,
-    "tracking.rmse": 3.0,
-    "tracking.p95": 7.5,
-    "tracking.max": 15.0,
-    "tracking.lateness": 0.1,
-    "servo.saturation": 0.5,
-    "smoothness.hands": 10.0,
-    "measured.pace": 0.5,
-    "measured.rmse": 3.0,
-    "measured.p95": 7.5,
-    "measured.max": 15.0,
-}
-FATAL = {
-    "limits.margin",
-    *(f"limits.{each}" for each in ("position", "speed", "acceleration", "jerk", "reserve", "duty")),
-    *("collision.plan", "collision.twin", "collision.penetrations", "collision.performed", "measured.performed"),
-}
-LOW = {  # of which less is worse
-    *("limits.margin", "collision.plan", "collision.twin", "collision.foreseen", "collision.pace"),
-    *("collision.performed", "meaning.performed", "tracking.restoring", "measured.performed", "measured.pace"),
-}
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "report.md"
+CHECK_ROW = re.compile(r"^\| (`\w+\.\w+`(?:, `\w+\.\w+`)*) \| .+ \| (.+) \|$", re.MULTILINE)
+POOR_BOUNDS = re.compile(r"poor (?:above|below) ([\d.]+(?:, [\d.]+)*(?: and [\d.]+)?)( ms)?")
+
+
+@dataclass(frozen=True)
+class DocumentedLimit:
+    """Limit of one check as documented in docs/reference/report.md."""
+
+    is_fatal: bool
+    at_least: bool
+    poor: float | None
+
+
+def documented_limits() -> dict[str, DocumentedLimit]:
+    """Read the third column of the table of checks; bounds in ms are converted to seconds."""
+    limits: dict[str, DocumentedLimit] = {}
+    for names, text in CHECK_ROW.findall(PAGE.read_text(encoding="utf-8")):
+        checks, match = re.findall(r"\w+\.\w+", names), POOR_BOUNDS.search(text)
+        bounds = [] if match is None else [float(bound) for bound in re.findall(r"[\d.]+", match[1])]
+        scale = 0.001 if match is not None and match[2] else 1.0
+        for k, check in enumerate(checks):
+            poor = scale * bounds[min(k, len(bounds) - 1)] if bounds else None
+            limits[check] = DocumentedLimit(text.startswith("fails"), "below" in text, poor)
+    return limits
+
+
+LIMITS = documented_limits()
+POOR = {name: limit.poor for name, limit in LIMITS.items() if limit.poor is not None}
+FATAL = {name for name, limit in LIMITS.items() if limit.is_fatal}
+LOW = {name for name, limit in LIMITS.items() if limit.at_least}
+
+
+def test_report_page_documents_the_limit_of_each_check():
+    assert sorted(LIMITS) == sorted(CHECK_LIMITS), (
+        "edit CHECK_LIMITS in kinesic/report/checks/check.py or the table of checks in docs/reference/report.md"
+    )
+    for name, limit in CHECK_LIMITS.items():
+        documented = DocumentedLimit(limit.beyond == "fail", limit.at_least, limit.poor)
+        assert LIMITS[name] == documented, f"{name}: docs/reference/report.md and CHECK_LIMITS differ"
+
+
+def test_check_without_limit_names_the_file_to_edit():
+    with pytest.raises(LookupError, match=r"servo\.unknown: add it to CHECK_LIMITS in kinesic/report/checks/check\.py"):
+        Check.of("servo.unknown", 1.0, 2.0)
 
 
 @pytest.mark.parametrize("name", LIMITS)
@@ -55,43 +73,47 @@ def test_value_at_its_limit_passes_and_one_beyond_warns_or_fails(name: str):
 
 
 @pytest.mark.parametrize(("name", "bound"), POOR.items())
-def test_goal_missed_by_far_is_poor(name: str, bound: float):
+def test_value_far_beyond_its_goal_is_poor(name: str, bound: float):
     worse = -1.0 if name in LOW else 1.0
     limit = bound - 0.1 * worse
     assert Check.of(name, bound, limit).status == "warn"
     found = Check.of(name, bound + 0.001 * worse, limit, "somewhere")
     assert (found.status, found.limit, found.at_least) == ("poor", bound, name in LOW)
-    assert (found.value, found.unit, found.where) == (bound + 0.001 * worse, LIMITS[name].unit, "somewhere")
+    assert (found.value, found.unit, found.where) == (bound + 0.001 * worse, CHECK_LIMITS[name].unit, "somewhere")
 
 
-def test_load_beyond_what_a_servo_bears_for_long_fails():
+def test_load_above_the_continuous_torque_fails():
     assert Check.of("limits.holding", 0.8, 0.5).status == "warn"
     found = Check.of("limits.holding", 0.81, 0.5, "l_elbow")
     assert (found.status, found.limit, found.where) == ("fail", 0.8, "l_elbow")
 
 
-def test_gravest_check_grades_a_performance():
+def test_most_severe_check_grades_a_performance():
     def graded(*names: str) -> str:
         return grade(Check("x", each, 0.0, 0.0, "m") for each in names)
 
     assert (graded(), graded("pass", "warn")) == ("ok", "ok")
     assert graded("warn", "poor", "pass") == "poor"
     assert graded("poor", "fail", "pass") == "fail"
-    assert list(GRAVITY) == sorted(GRAVITY, key=lambda each: GRAVITY[each]) == ["fail", "poor", "warn", "pass"]
+    assert (
+        list(SEVERITY_RANKS)
+        == sorted(SEVERITY_RANKS, key=lambda each: SEVERITY_RANKS[each])
+        == ["fail", "poor", "warn", "pass"]
+    )
 
 
-def test_time_of_a_place_has_hundredths_and_no_negative_zero():
+def test_times_are_formatted_in_hundredths_without_negative_zero():
     assert [format_time(time) for time in (1.234, -0.001, 12.0)] == ["at 1.23 s", "at 0.00 s", "at 12.00 s"]
 
 
-def test_share_that_is_performed_names_what_is_dropped(calm: Performance, hurried: Performance):
+def test_check_of_performed_fraction_names_dropped_behaviours(calm: DryRun, hurried: DryRun):
     whole, part = (content_checks(each)[0] for each in (calm, hurried))
     assert (whole.name, whole.value, whole.status, whole.where) == ("meaning.performed", 1.0, "pass", "")
     assert (part.value, part.status) == (0.75, "poor")
     assert part.where.startswith("dropped: xyzzy")
 
 
-def test_tracking_figures_are_those_of_the_strokes(hurried: Performance):
+def test_tracking_metrics_equal_those_of_the_strokes(hurried: DryRun):
     found = measure_tracking(hurried)
     errors = [abs(error) for error, _ in stroke_errors(hurried) if error is not None]
     assert errors
@@ -107,7 +129,7 @@ def test_tracking_figures_are_those_of_the_strokes(hurried: Performance):
     )
 
 
-def test_planned_duty_is_the_largest_of_each_hinge(hurried: Performance):
+def test_planned_duty_is_the_maximum_per_joint(hurried: DryRun):
     names = hurried.plan.setup.robot.skeleton.names
     largest = np.abs(hurried.reference.duties).max(axis=0)
     assert {load.hinge: load.planned for load in loads(hurried)} == pytest.approx(
@@ -115,7 +137,7 @@ def test_planned_duty_is_the_largest_of_each_hinge(hurried: Performance):
     )
 
 
-def test_draw_is_held_against_the_supply(hurried: Performance):
+def test_supply_draw_is_compared_with_the_supply(hurried: DryRun):
     supply, power = hurried.plan.setup.robot.supply, hurried.measured.power
     found = draw_load(hurried)
     assert found.allowed == supply.amps

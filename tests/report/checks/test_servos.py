@@ -5,20 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.performance import Performance
-from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
-from kinesic.report.plots.spark import BINS, spark
+from kinesic.metrics.dry_run import DryRun
+from kinesic.report.checks.servos import CONTINUOUS_TORQUE_RATIO, draw_load, loads
+from kinesic.report.plots.spark import TIME_BINS, spark
 from tests.performances import bearing
 
 
-def test_the_most_strained_comes_first(hurried: Performance) -> None:
+def test_most_loaded_drive_is_listed_first(hurried: DryRun) -> None:
     found = loads(hurried)
     assert sorted(load.hinge for load in found) == sorted(hurried.plan.setup.robot.skeleton.names)
     assert [load.strain for load in found] == sorted((load.strain for load in found), reverse=True)
     assert all(0.0 <= load.rms <= load.torque for load in found)
 
 
-def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
+def test_load_metrics_equal_those_of_the_samples(hurried: DryRun) -> None:
     measured, robot = hurried.measured, hurried.plan.setup.robot
     duties = np.full_like(measured.duties, 0.6)
     duties[:, 3] = 0.0
@@ -30,19 +30,19 @@ def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
     assert load.duty == pytest.approx(1.5)
     assert load.duty_at in measured.times[10:15]
     assert load.saturated == pytest.approx(0.05)
-    assert (first.rms, first.strain) == (pytest.approx(0.6), pytest.approx(0.6 / CONTINUOUS))
+    assert (first.rms, first.strain) == (pytest.approx(0.6), pytest.approx(0.6 / CONTINUOUS_TORQUE_RATIO))
 
 
-def test_draw_sums_up_the_supply(hurried: Performance) -> None:
+def test_supply_draw_sums_all_servos(hurried: DryRun) -> None:
     power = hurried.measured.power
     found = draw_load(hurried)
     assert 0.0 < found.mean < found.peak == power.peak.max()
     assert found.energy == power.energy
 
 
-def test_a_spark_shows_the_peak(hurried: Performance) -> None:
+def test_spark_plot_shows_the_peak(hurried: DryRun) -> None:
     load = replace(loads(hurried)[0], duties=np.r_[np.zeros(5000), 1.25, np.zeros(5000)])
     drawn = spark(load)
-    assert drawn.count("L") == BINS
+    assert drawn.count("L") == TIME_BINS
     assert " 0L" in drawn
     assert "<svg" in spark(replace(load, duties=np.zeros(1)))

@@ -6,42 +6,43 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.controller.performance import Performance
-from kinesic.controller.watch.clearance import EASY
+from kinesic.controller.watch.clearance import SLOWING_FRACTION
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks.watch import watch_checks
 
 
-def found(performance: Performance):
+def found(performance: DryRun):
     return {check.name: check for check in watch_checks(performance)}
 
 
-def with_rooms(performance: Performance, rooms) -> Performance:
+def with_clearances(performance: DryRun, clearances) -> DryRun:
     other = replace(performance)
-    other.__dict__["rooms"] = sealed(rooms)
+    other.__dict__["clearance_forecast"] = sealed(clearances)
     return other
 
 
 @pytest.mark.parametrize(
-    ("room", "status"), [(EASY + 0.01, "pass"), (EASY - 0.01, "warn"), (0.01, "warn"), (-0.01, "poor")]
+    ("room", "status"),
+    [(SLOWING_FRACTION + 0.01, "pass"), (SLOWING_FRACTION - 0.01, "warn"), (0.01, "warn"), (-0.01, "poor")],
 )
-def test_little_clearance_warns_and_none_is_poor(calm, room, status):
-    rooms = np.full_like(calm.rooms, 1.0)
-    rooms[7] = room * calm.plan.setup.robot.least_clearance
-    check = found(with_rooms(calm, rooms))["collision.foreseen"]
-    assert (check.status, check.value) == (status, rooms[7])
+def test_low_clearance_warns_and_zero_clearance_is_poor(calm, room, status):
+    clearances = np.full_like(calm.clearance_forecast, 1.0)
+    clearances[7] = room * calm.plan.setup.robot.min_clearance
+    check = found(with_clearances(calm, clearances))["collision.foreseen"]
+    assert (check.status, check.value) == (status, clearances[7])
     assert check.where == "at 0.70 s"
 
 
 @pytest.mark.parametrize(("pace", "status"), [(1.0, "pass"), (0.9, "warn"), (0.3, "poor")])
-def test_time_that_ran_slower_is_told(calm, pace, status):
-    check = found(replace(calm, least_pace=pace))["collision.pace"]
+def test_performance_slowed_by_the_clearance_watch_is_reported(calm, pace, status):
+    check = found(replace(calm, min_pace=pace))["collision.pace"]
     assert (check.status, check.value) == (status, pace)
 
 
-def test_a_performance_that_was_stopped_fails(calm):
+def test_performance_stopped_before_contact_fails_its_check(calm):
     half = len(calm.reference.times) // 2
     cut = replace(calm, reference=replace(calm.reference, times=calm.reference.times[:half]))
-    cut.__dict__["rooms"] = calm.rooms
+    cut.__dict__["clearance_forecast"] = calm.clearance_forecast
     check = found(cut)["collision.performed"]
     assert check.status == "fail"
     assert check.value == pytest.approx(0.5, abs=0.01)
@@ -49,7 +50,7 @@ def test_a_performance_that_was_stopped_fails(calm):
     assert found(calm)["collision.performed"].status == "pass"
 
 
-def test_the_errors_that_were_measured_are_what_is_checked(calm):
+def test_tracking_error_reduces_the_checked_clearance(calm):
     """The same plan with a right arm that strays towards the body and away from it has less room."""
     hinge = calm.plan.setup.robot.skeleton.joint("r_shoulder_abduct")
     angles = np.array(calm.measured.angles)

@@ -9,15 +9,22 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import dry_run, plan, set_up
-from kinesic.face.assets.action_units import CHANNELS, gaze_rotation, intensities, shape_weights
+from kinesic.controller.dry_run import dry_run
+from kinesic.face.assets.action_units import (
+    FACE_CHANNELS,
+    compute_gaze_rotation,
+    compute_shape_weights,
+    read_intensities,
+)
 from kinesic.face.assets.body import load_figure
-from kinesic.face.assets.rig import FRAMES
+from kinesic.face.assets.rig import SKINNING_FRAMES
 from kinesic.face.assets.skinning import Skin
 from kinesic.report.figure.face_data import face_data
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.replay import replay_data
 from kinesic.report.scene import read_scripts
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 MOST = 1.5e6  # [bytes] that a page grows by
 HUMAN, FIGURE = Robot.load("human"), load_figure()
@@ -39,17 +46,17 @@ def unpacked(data: dict) -> dict:
     return {"shapes": data["shapes"], "weights": weights.tolist(), "gaze": gaze.tolist()}
 
 
-def test_only_shapes_that_are_used_are_sent():
+def test_unused_blend_shapes_are_omitted():
     assert face_data(UNITS[:1])["shapes"] == []
     assert 0 < len(face_data(UNITS)["shapes"]) < len(FIGURE.mesh.shapes) / 2
-    every = [{channel: 1.0} for channel in CHANNELS]
+    every = [{channel: 1.0} for channel in FACE_CHANNELS]
     data = face_data(every)
     assert len(data["shapes"]) > 45
     assert len(json.dumps(skin_data(HUMAN))) + len(json.dumps(data)) < MOST
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_the_page_moves_vertices_and_eyes_as_kinesic_does():
+def test_page_script_moves_vertices_and_eyes_like_the_renderer():
     stand = HUMAN.skeleton.frames(HUMAN.skeleton.rest)
     placed = np.tile(np.eye(4), (len(stand.origins), 1, 1))
     placed[:, :3, :3], placed[:, :3, 3] = stand.rotations, stand.origins
@@ -67,18 +74,21 @@ def test_the_page_moves_vertices_and_eyes_as_kinesic_does():
     skin, eyes = Skin(FIGURE, HUMAN.skeleton), FIGURE.mesh.vertices("eyes")
     for units, found in zip(UNITS, json.loads(ended.stdout), strict=True):
         moves = np.array(found["moves"]).reshape(-1, 3)
-        asked = (FIGURE.mesh.deltas @ shape_weights(FIGURE.mesh, units)).reshape(-1, 3)
+        asked = (FIGURE.mesh.deltas @ compute_shape_weights(FIGURE.mesh, units)).reshape(-1, 3)
         assert np.abs(moves - asked).max() < 5e-4
         assert moves.any() == bool(units)
-        bones = np.array(found["bones"]).reshape(-1, 4, 4)[len(FRAMES) :, :3]
+        bones = np.array(found["bones"]).reshape(-1, 4, 4)[len(SKINNING_FRAMES) :, :3]
         for number, (bone, centre) in enumerate(zip(bones, FIGURE.mesh.eyes, strict=True)):
             ball = eyes[(FIGURE.mesh.positions[eyes, 1] > 0.0) == (number == 0)]
-            turned = centre + (FIGURE.mesh.positions[ball] - centre) @ gaze_rotation(intensities(units), number).T
+            turned = (
+                centre
+                + (FIGURE.mesh.positions[ball] - centre) @ compute_gaze_rotation(read_intensities(units), number).T
+            )
             placed_by_page = FIGURE.mesh.positions[ball] @ bone[:, :3].T + bone[:, 3]
-            assert np.abs(placed_by_page - skin.carry(turned, HUMAN.skeleton.rest)).max() < 2e-5
+            assert np.abs(placed_by_page - skin.move_with_head(turned, HUMAN.skeleton.rest)).max() < 2e-5
 
 
-def test_the_replay_of_a_robot_with_skin_has_its_face_at_every_frame():
+def test_replay_of_a_skinned_robot_has_a_face_per_frame():
     face = '<faceFacs id="f" au="12" start="0" end="1"/>'
     smile = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{face}</bml>'
     with_skin, without = (replay_data(dry_run(plan(smile, set_up(name)))) for name in ("human", "upper22"))

@@ -11,10 +11,10 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.face.assets.body import POSITION_STEP, load_figure
-from kinesic.face.assets.rig import FRAMES, PLACE
+from kinesic.face.assets.rig import FRAME_INDICES, SKINNING_FRAMES
 from kinesic.face.assets.skinning import Skin
 from kinesic.report.figure.face_data import face_data
-from kinesic.report.figure.skin_data import BORDER, VERTEX, skin_data
+from kinesic.report.figure.skin_data import MAX_BORDER_DISTANCE, VERTEX_TYPE, skin_data
 from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
 
 from ...chromium import binary, opened
@@ -41,38 +41,38 @@ const shown = (posture) => {
 
 
 def rows() -> np.ndarray:
-    return np.frombuffer(b64decode(str(skin_data(HUMAN)["vertices"])), dtype=VERTEX)
+    return np.frombuffer(b64decode(str(skin_data(HUMAN)["vertices"])), dtype=VERTEX_TYPE)
 
 
-def test_vertices_are_those_of_the_figure():
+def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
     packed = rows()
     hair = FIGURE.mesh.normals(FIGURE.mesh.positions) * FIGURE.hair[:, None]
     assert np.abs(packed["place"][:, :3] * POSITION_STEP - FIGURE.mesh.positions - hair).max() <= POSITION_STEP
     assert (packed["weights"].sum(axis=1, dtype=int) == 255).all()
-    weights = np.zeros((len(packed), len(FRAMES) + 2))
+    weights = np.zeros((len(packed), len(SKINNING_FRAMES) + 2))
     np.put_along_axis(weights, packed["joints"].astype(int), packed["weights"] / 255.0, axis=1)
-    weights[:, PLACE["skullbase"]] += weights[:, len(FRAMES) :].sum(axis=1)
-    assert np.abs(weights[:, : len(FRAMES)] - FIGURE.weights.toarray()).max() < 0.02
+    weights[:, FRAME_INDICES["skullbase"]] += weights[:, len(SKINNING_FRAMES) :].sum(axis=1)
+    assert np.abs(weights[:, : len(SKINNING_FRAMES)] - FIGURE.weights.toarray()).max() < 0.02
     left = FIGURE.mesh.positions[:, 1] > 0.0
     for eye, side in enumerate((left, ~left)):
-        assert set(np.flatnonzero(weights[:, len(FRAMES) + eye])) == set(FIGURE.mesh.vertices("eyes")) & set(
+        assert set(np.flatnonzero(weights[:, len(SKINNING_FRAMES) + eye])) == set(FIGURE.mesh.vertices("eyes")) & set(
             np.flatnonzero(side)
         )
     cloth = FIGURE.mesh.vertices("cloth")
     near = cloth[np.abs(FIGURE.mesh.tips[cloth]) < 0.3]
-    assert np.abs(packed["mark"][near, 0] / 32767 * BORDER - FIGURE.mesh.tips[near]).max() < 1e-4
+    assert np.abs(packed["mark"][near, 0] / 32767 * MAX_BORDER_DISTANCE - FIGURE.mesh.tips[near]).max() < 1e-4
     triangles = np.frombuffer(b64decode(str(skin_data(HUMAN)["triangles"])), dtype="<u2").reshape(-1, 3)
     assert np.array_equal(triangles, FIGURE.mesh.triangles)
 
 
-def test_a_page_grows_by_little_and_only_with_a_skin():
+def test_only_a_skin_enlarges_the_page_and_only_slightly():
     assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MOST
     assert "skin" not in scene_data(Robot.load("upper36"))
     assert "skin" in scene_data(HUMAN)
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_frames_of_the_page_move_skin_as_kinesic_does():
+def test_page_script_moves_the_skin_like_the_renderer():
     lower, upper = HUMAN.skeleton.lower, HUMAN.skeleton.upper
     angles = np.array(
         [HUMAN.skeleton.rest, lower, upper, *np.random.default_rng(2).uniform(lower, upper, (3, len(lower)))]
@@ -89,16 +89,16 @@ def test_frames_of_the_page_move_skin_as_kinesic_does():
     found = np.array(json.loads(ended.stdout)).reshape(len(angles), -1, 4, 4)
     moved = Skin(FIGURE, HUMAN.skeleton)
     for bones, posture in zip(found, angles, strict=True):
-        turns, ways = moved.matrices(posture)
+        turns, ways = moved.compute_frame_motions(posture)
         np.testing.assert_allclose(bones[: len(turns), :3, :3], turns, atol=2e-5)
         np.testing.assert_allclose(bones[: len(turns), :3, 3], ways, atol=2e-5)
         assert not bones[:, 3].any()
         assert len(bones) == len(turns) + 2
-        np.testing.assert_array_equal(bones[len(turns) :], bones[[PLACE["skullbase"]] * 2])  # eyes look ahead
+        np.testing.assert_array_equal(bones[len(turns) :], bones[[FRAME_INDICES["skullbase"]] * 2])  # eyes look ahead
 
 
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
-def test_the_page_shows_skin_and_clothes_and_what_is_lit_or_strained(tmp_path: Path):
+def test_page_shows_skin_clothes_lighting_and_load(tmp_path: Path):
     data = {**scene_data(HUMAN), "features": face_data([{"26": 1.0}])}
     text = PAGE.replace("SIDE", str(SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
     (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")

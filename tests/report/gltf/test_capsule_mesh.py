@@ -8,7 +8,7 @@ from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 
 
 @pytest.mark.parametrize("end", [(0.0, 0.0, 0.3), (0.2, -0.1, 0.0), (0.0, 0.0, 0.0)], ids=["upright", "across", "ball"])
-def test_a_capsule_is_closed_and_faces_outward(trimesh: ModuleType, end: tuple[float, float, float]):
+def test_capsule_mesh_is_closed_and_faces_outward(trimesh: ModuleType, end: tuple[float, float, float]):
     capsule = Capsule(np.zeros(3), np.array(end), 0.05)
     surface = capsule_mesh(capsule)
     mesh = trimesh.Trimesh(surface.positions, surface.corners)
@@ -20,7 +20,7 @@ def test_a_capsule_is_closed_and_faces_outward(trimesh: ModuleType, end: tuple[f
     np.testing.assert_allclose(surface.positions - nearest, 0.05 * surface.normals, atol=1e-12)
 
 
-def test_several_are_one_surface():
+def test_joined_capsules_are_one_surface():
     one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
     both = join_surfaces([one, one])
     assert both.corners.max() == 2 * len(one.positions) - 1

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import plan, set_up
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
 from kinesic.report.gltf.scene import (
@@ -18,10 +17,12 @@ from kinesic.report.gltf.scene import (
     SceneMotion,
     key_times,
     save_scene,
-    smooth_quaternions,
     write_scene,
 )
-from kinesic.sim.shells.shell import shell_of
+from kinesic.report.segment_motion import smooth_quaternions
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
+from kinesic.sim.shells.shell import load_shell
 
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
 ROBOTS = {name: Robot.load(name) for name in ("upper22", "upper36", "human")}
@@ -56,7 +57,7 @@ def values(tables: dict, block: bytes, index: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
-def test_another_library_finds_every_segment_where_it_is(trimesh: ModuleType, robot: Robot, tmp_path: Path):
+def test_segment_positions_read_by_another_gltf_library_are_equal(trimesh: ModuleType, robot: Robot, tmp_path: Path):
     angles = wild(robot, 1)
     scene = trimesh.load(written(robot, angles, tmp_path / "robot.glb"))
     stand = robot.skeleton.frames(angles[0])
@@ -67,9 +68,9 @@ def test_another_library_finds_every_segment_where_it_is(trimesh: ModuleType, ro
 
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
-def test_another_library_finds_the_shell(trimesh: ModuleType, name: str, tmp_path: Path):
+def test_shell_meshes_are_read_by_another_gltf_library(trimesh: ModuleType, name: str, tmp_path: Path):
     robot = ROBOTS[name]
-    shell = shell_of(robot)
+    shell = load_shell(robot)
     assert shell is not None
     scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     counts = {kind: sum(len(getattr(s, kind)) for s in shell.segments.values()) for kind in ("shell", "joint")}
@@ -81,7 +82,7 @@ def test_another_library_finds_the_shell(trimesh: ModuleType, name: str, tmp_pat
     np.testing.assert_allclose(scene.extents[1], 0.62 + 0.5, atol=0.15)  # y is up
 
 
-def test_another_library_finds_the_capsules_of_a_robot_without_shell(trimesh: ModuleType, tmp_path: Path):
+def test_capsules_of_a_robot_without_shell_are_read_by_another_gltf_library(trimesh: ModuleType, tmp_path: Path):
     robot = replace(ROBOTS["upper22"], path=tmp_path / "robot.toml")
     scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     head = next(segment for segment in robot.skeleton.segments if segment.name == "skullbase").capsules[0]
@@ -92,7 +93,7 @@ def test_another_library_finds_the_capsules_of_a_robot_without_shell(trimesh: Mo
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
-def test_the_animation_has_every_posture(trimesh: ModuleType, robot: Robot, tmp_path: Path):
+def test_gltf_animation_reproduces_each_posture_of_the_motion(trimesh: ModuleType, robot: Robot, tmp_path: Path):
     angles = wild(robot)
     tables, block = read(written(robot, angles, tmp_path / "robot.glb"))
     (animation,) = tables["animations"]
@@ -124,7 +125,7 @@ def test_the_animation_has_every_posture(trimesh: ModuleType, robot: Robot, tmp_
     np.testing.assert_allclose(times.ravel(), np.arange(len(angles)) / KEY_FRAME_RATE, atol=1e-6)
 
 
-def test_the_skin_moves_as_it_is_drawn(trimesh: ModuleType, tmp_path: Path):
+def test_gltf_skin_moves_like_the_rendered_skin(trimesh: ModuleType, tmp_path: Path):
     """Joints, inverse bind matrices and weights of the file put the vertices of hands and clothes where they are."""
     human, figure = ROBOTS["human"], load_figure()
     angles = wild(human, 1)
@@ -144,7 +145,7 @@ def test_the_skin_moves_as_it_is_drawn(trimesh: ModuleType, tmp_path: Path):
         mixed = np.einsum("vk,vkij->vij", weights, joints[places])
         rest.append(read_in["POSITION"])
         seen.append(np.einsum("vij,vj->vi", mixed[:, :3, :3], read_in["POSITION"]) + mixed[:, :3, 3])
-    drawn = Skin(figure, human.skeleton).place(figure.mesh.positions, angles[0]) @ TO_GLTF.T
+    drawn = Skin(figure, human.skeleton).move_skin(figure.mesh.positions, angles[0]) @ TO_GLTF.T
     where = {tuple(np.round(point, 5)): k for k, point in enumerate(figure.mesh.positions.astype("f4").astype(float))}
     known = [(where[key], k) for k, key in enumerate(map(tuple, np.round(np.concatenate(rest), 5))) if key in where]
     own, theirs = np.array(known).T
@@ -152,7 +153,7 @@ def test_the_skin_moves_as_it_is_drawn(trimesh: ModuleType, tmp_path: Path):
     np.testing.assert_allclose(np.concatenate(seen)[theirs], drawn[own], atol=2e-5)
 
 
-def test_the_face_has_morph_targets(tmp_path: Path):
+def test_gltf_face_has_morph_targets(tmp_path: Path):
     human = ROBOTS["human"]
     tables, block = read(written(human, human.skeleton.rest[None], tmp_path / "human.glb", {"26": 1.0}))
     (face,) = [mesh for mesh in tables["meshes"] if mesh["name"] == "face"]
@@ -164,14 +165,14 @@ def test_the_face_has_morph_targets(tmp_path: Path):
     assert {name for name, weight in zip(names, shown, strict=True) if weight} == {"jawOpen"}
 
 
-def test_quaternions_never_go_the_long_way_round():
+def test_exported_quaternions_have_no_sign_jumps():
     turns = np.linspace(0.0, 4 * np.pi, 50)
     rotations = np.array([[[np.cos(t), -np.sin(t), 0], [np.sin(t), np.cos(t), 0], [0, 0, 1]] for t in turns])
     found = smooth_quaternions(rotations)
     assert (np.einsum("mi,mi->m", found[1:], found[:-1]) > 0.9).all()
 
 
-def test_a_plan_is_written_as_a_whole(tmp_path: Path):
+def test_scene_of_a_plan_is_written_atomically(tmp_path: Path):
     bml = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="1"/></bml>'
     planned = plan(bml, set_up())
     tables, block = read(save_scene(planned, tmp_path / "nod.glb", force=False))
@@ -181,7 +182,7 @@ def test_a_plan_is_written_as_a_whole(tmp_path: Path):
 
 
 @pytest.mark.parametrize("duration", [11.2, 0.01, 1 / 30, 1.0, 2.0333334, 100 / 30 + 1e-9])
-def test_key_frames_are_apart_and_reach_the_end(duration: float):
+def test_gltf_key_frame_times_are_distinct_and_end_with_the_motion(duration: float):
     times = key_times(duration).astype("f4")
     assert times[0] == 0.0
     assert times[-1] == np.float32(duration)

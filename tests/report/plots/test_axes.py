@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from kinesic.report.plots.axes import INCH, WIDTH, Axes, Figure, ThemeColour, nice_ticks
+from kinesic.report.plots.axes import FIGURE_WIDTH, UNITS_PER_INCH, Axes, Figure, ThemeColour, nice_ticks
 
 
 @pytest.fixture
@@ -28,17 +28,29 @@ def elements(figure: Figure, tag: str) -> list[ElementTree.Element]:
     return [element for element in ElementTree.fromstring(text).iter() if element.tag == tag]
 
 
-def test_data_come_to_their_places(drawn: tuple[Figure, Axes]):
+def test_plot_data_are_drawn_at_their_coordinates(drawn: tuple[Figure, Axes]):
     figure, axes = drawn
     axes.line(np.array([0.0, 5.0, 10.0]), np.array([-1.0, 0.0, 1.0]), ThemeColour.PLANNED)
     (line,) = elements(figure, "polyline")
-    assert numbers(line.attrib["points"]) == [0.0, INCH, INCH / 2, INCH / 2, INCH, 0.0]
+    assert numbers(line.attrib["points"]) == [
+        0.0,
+        UNITS_PER_INCH,
+        UNITS_PER_INCH / 2,
+        UNITS_PER_INCH / 2,
+        UNITS_PER_INCH,
+        0.0,
+    ]
     _, inner = elements(figure, "svg")
-    assert [float(inner.attrib[name]) for name in ("x", "y", "width", "height")] == [2 * INCH, INCH, INCH, INCH]
+    assert [float(inner.attrib[name]) for name in ("x", "y", "width", "height")] == [
+        2 * UNITS_PER_INCH,
+        UNITS_PER_INCH,
+        UNITS_PER_INCH,
+        UNITS_PER_INCH,
+    ]
     assert inner.attrib["overflow"] == "hidden", "what is beyond the limits is cut"
 
 
-def test_an_axis_may_run_backwards(drawn: tuple[Figure, Axes]):
+def test_plot_axes_may_be_inverted(drawn: tuple[Figure, Axes]):
     figure, axes = drawn
     axes.limit_x(10.0, 0.0)
     axes.limit_y(4.0, 0.0)
@@ -46,36 +58,38 @@ def test_an_axis_may_run_backwards(drawn: tuple[Figure, Axes]):
     frame, bar = elements(figure, "rect")
     assert "fill:none" in frame.attrib["style"]
     places = [float(bar.attrib[name]) for name in ("x", "y", "width", "height")]
-    assert places == pytest.approx([0.8 * INCH, INCH / 4, 0.1 * INCH, INCH / 2], abs=0.01)
+    assert places == pytest.approx(
+        [0.8 * UNITS_PER_INCH, UNITS_PER_INCH / 4, 0.1 * UNITS_PER_INCH, UNITS_PER_INCH / 2], abs=0.01
+    )
 
 
-def test_without_a_limit_there_is_room_above_what_is_drawn(drawn: tuple[Figure, Axes]):
+def test_missing_limit_leaves_headroom_above_the_data(drawn: tuple[Figure, Axes]):
     _, axes = drawn
     axes.line(np.array([0.0, 1.0]), np.array([2.0, 8.0]), ThemeColour.PLANNED)
     axes.limit_y(0.0)
     assert axes.y_limits == (0.0, pytest.approx(8.4))
 
 
-def test_words_of_strangers_are_escaped_and_stay_on_their_side(drawn: tuple[Figure, Axes]):
+def test_markup_in_plot_texts_is_escaped(drawn: tuple[Figure, Axes]):
     figure, axes = drawn
     axes.write((1.0, 1.0), "<script>\x9b&", align="right")
     text = next(element for element in elements(figure, "text") if element.text == "<script> &")
     assert "text-anchor:end" in text.attrib["style"]
-    assert (float(text.attrib["x"]), float(text.attrib["y"])) == (3 * INCH, INCH)
+    assert (float(text.attrib["x"]), float(text.attrib["y"])) == (3 * UNITS_PER_INCH, UNITS_PER_INCH)
 
 
-def test_numbers_stand_below_where_they_are_wanted(drawn: tuple[Figure, Axes]):
+def test_tick_labels_are_drawn_below_the_axes_on_request(drawn: tuple[Figure, Axes]):
     figure, axes = drawn
     assert {element.text for element in elements(figure, "text")} >= {"0", "10", "\u22121"}
     axes.labelled, axes.ticks = False, 0
     assert elements(figure, "text") == []
 
 
-def test_a_playhead_stands_where_axes_of_time_begin_and_end():
+def test_playhead_spans_the_time_axes():
     figure = Figure(1.0)
     figure.axes(1.1, 0.3, 4.4, 0.5, timed=True)
     assert 'data-from="0.10000" data-to="0.50000"' in figure.svg()
-    assert WIDTH == 11.0
+    assert FIGURE_WIDTH == 11.0
 
 
 @pytest.mark.parametrize(
@@ -89,7 +103,7 @@ def test_a_playhead_stands_where_axes_of_time_begin_and_end():
         ((3.0, 3.0), 3, []),
     ],
 )
-def test_ticks_are_round_and_few(limits: tuple[float, float], most: int, names: list[str]):
+def test_ticks_are_few_round_values(limits: tuple[float, float], most: int, names: list[str]):
     ticks = nice_ticks(*limits, most)
     assert [name for _, name in ticks] == names
     assert all(min(limits) - 1e-9 <= value <= max(limits) + 1e-9 for value, _ in ticks)

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.motion.desired import join_keys
 from kinesic.report.page import write_page
-from kinesic.report.plots.fitting import POINTS, fit_text, spaced_indices, thin_line
+from kinesic.report.plots.fitting import MAX_LINE_POINTS, fit_text, spaced_indices, thin_line
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import HingeCurves, joints, still_hinges
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.score import NARROW, score
+from kinesic.report.plots.score import NARROW_LAYOUT, score
 from kinesic.report.report import report
 
 
@@ -24,23 +24,21 @@ def words_of(figure: str) -> set[str | None]:
 
 
 @pytest.fixture(scope="module")
-def moves(hurried: Performance) -> list[str]:
+def moves(hurried: DryRun) -> list[str]:
     return list(joints(hurried, HingeCurves.of(hurried)))
 
 
 @pytest.fixture(scope="module")
-def acts(hurried: Performance) -> str:
-    return score(hurried) or ""
+def acts(hurried: DryRun) -> str:
+    return score(hurried.plan, float(hurried.measured.times[-1])) or ""
 
 
 @pytest.fixture(scope="module")
-def ways(hurried: Performance) -> str:
+def ways(hurried: DryRun) -> str:
     return hands(hurried)
 
 
-def test_figures_are_well_formed_and_show_the_hinges_that_move(
-    hurried: Performance, moves: list[str], acts: str, ways: str
-) -> None:
+def test_plots_are_valid_xml_and_show_moving_joints(hurried: DryRun, moves: list[str], acts: str, ways: str) -> None:
     drawn = set().union(*(words_of(figure) for figure in moves))
     names = set(hurried.plan.setup.robot.skeleton.names)
     assert "skullbase_tilt" in drawn
@@ -49,9 +47,7 @@ def test_figures_are_well_formed_and_show_the_hinges_that_move(
     assert len(words_of(ways)) > 3
 
 
-def test_figures_over_time_bear_playheads_where_their_axes_are(
-    hurried: Performance, moves: list[str], acts: str, ways: str
-) -> None:
+def test_plots_over_time_have_playheads_at_their_axes(hurried: DryRun, moves: list[str], acts: str, ways: str) -> None:
     for figure in (acts, margins(hurried), *moves):
         heads = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', figure)
         assert heads
@@ -59,35 +55,35 @@ def test_figures_over_time_bear_playheads_where_their_axes_are(
     assert "playhead" not in ways
 
 
-def test_a_narrow_score_shows_the_same_over_its_bars(hurried: Performance, acts: str) -> None:
-    narrow = score(hurried, NARROW) or ""
+def test_narrow_timeline_plot_has_the_same_labels_above_its_bars(hurried: DryRun, acts: str) -> None:
+    narrow = score(hurried.plan, float(hurried.measured.times[-1]), NARROW_LAYOUT) or ""
     assert {"offer", "NOD"} <= words_of(narrow) & words_of(acts)
     (head,) = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', narrow)
-    assert float(head[0]) == pytest.approx(NARROW.left / NARROW.width, abs=1e-4)
-    assert float(head[1]) == pytest.approx(1 - NARROW.right / NARROW.width, abs=1e-4)
+    assert float(head[0]) == pytest.approx(NARROW_LAYOUT.left / NARROW_LAYOUT.width, abs=1e-4)
+    assert float(head[1]) == pytest.approx(1 - NARROW_LAYOUT.right / NARROW_LAYOUT.width, abs=1e-4)
 
 
-def test_thinned_keeps_the_extremes() -> None:
+def test_reduced_plot_line_keeps_its_extremes() -> None:
     times = np.arange(120_000) / 100
     values = np.sin(times)
     values[77_777], values[4_321] = 5.0, -5.0
     few_times, few = thin_line(times, values)
-    assert len(few) <= POINTS + 2
+    assert len(few) <= MAX_LINE_POINTS + 2
     assert (few.max(), few.min()) == (5.0, -5.0)
     assert few_times[0] == times[0]
     assert few_times[-1] == times[-1]
     assert (np.diff(few_times) > 0).all()
 
 
-def test_labels_fit() -> None:
+def test_plot_labels_are_shortened_to_the_available_width() -> None:
     assert fit_text("short", 3.0) == "short"
     assert fit_text("a very long name of a behaviour", 1.0).endswith("\u2026")
     assert fit_text("long", 0.01) == ""
     assert spaced_indices([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]
 
 
-def test_what_was_asked_is_drawn_once_for_the_curves_of_a_page_and_once_for_its_player(
-    hurried: Performance, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_desired_motion_is_sampled_once_for_plots_and_once_for_the_player(
+    hurried: DryRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn, draw, data = [], join_keys, report(hurried, source="hurried.bml")
     monkeypatch.setattr("kinesic.planning.plan.join_keys", lambda *keys: drawn.append(keys) or draw(*keys))

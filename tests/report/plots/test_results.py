@@ -4,7 +4,7 @@ import pytest
 from PIL import Image
 
 from kinesic.body.config import ConfigError
-from kinesic.report.plots.results import draw_results
+from kinesic.report.plots.results import CHECKS_QUERY, MAX_RATIO, METRICS_QUERY, draw_results
 from kinesic.tasks.store import open_store
 
 duckdb = pytest.importorskip("duckdb", reason="the extra store is not installed")
@@ -25,7 +25,8 @@ def height(path) -> int:
         return picture.height
 
 
-def test_each_kind_of_results_has_a_panel(tmp_path):
+@pytest.mark.soak
+def test_plot_of_results_has_one_panel_per_kind_of_result(tmp_path):
     heights = []
     for name, data in RUNS.items():
         (tmp_path / name).write_text(json.dumps(data))
@@ -35,7 +36,27 @@ def test_each_kind_of_results_has_a_panel(tmp_path):
     assert heights[0] < heights[1] < heights[2]
 
 
-def test_tables_of_which_no_picture_is_known_say_so(tmp_path):
+def test_error_names_a_result_table_that_cannot_be_plotted(tmp_path):
     duckdb.sql("SELECT 1 AS x").write_parquet(str(tmp_path / "mine.parquet"))
     with open_store(tmp_path) as store, pytest.raises(ConfigError, match="no picture of mine is known, of checks"):
         draw_results(store, tmp_path / "results.png")
+
+
+def test_plot_draws_violated_minimum_checks_right_of_ratio_one(tmp_path):
+    entries = [
+        {"name": "collision.twin", "status": "fail", "value": 0.005, "limit": 0.01, "unit": "m", "where": ""},
+        {"name": "meaning.performed", "status": "pass", "value": 1.0, "limit": 0.5, "unit": "ratio", "where": ""},
+        {"name": "collision.performed", "status": "fail", "value": -1.0, "limit": 0.9, "unit": "ratio", "where": ""},
+        {"name": "limits.speed", "status": "fail", "value": 1.5, "limit": 1.0, "unit": "ratio", "where": ""},
+    ]
+    entry = {"file": "a.bml", "outcome": "performed", "exit": 1, "behaviours": [], "checks": entries, "error": ""}
+    (tmp_path / "finished.jsonl").write_text(json.dumps({"key": "1", "entry": entry}) + "\n")
+    figure = FIGURE | {"goal": 4.0, "better": "higher"}
+    (tmp_path / "bench.json").write_text(json.dumps([figure, FIGURE | {"name": "b"}]))
+    with open_store(tmp_path) as store:
+        ratios = {row[0]: row[4] for row in store.ask(CHECKS_QUERY).rows}
+        figures = {row[0]: row[1] for row in store.ask(METRICS_QUERY).rows}
+    assert ratios == pytest.approx(
+        {"meaning.performed": 0.5, "limits.speed": 1.5, "collision.twin": 2.0, "collision.performed": MAX_RATIO}
+    )
+    assert figures == pytest.approx({"a": 2.0, "b": 2.0})

@@ -1,0 +1,1 @@
+"""Recordings for the viewers of robotics: MCAP for Foxglove, and Rerun files."""
