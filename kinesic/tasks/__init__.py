@@ -1,1 +1,1 @@
-"""Tasks in, results out: works through tasks in processes of this machine or on a cluster, each once."""
+"""Execution of tasks in local processes or on a cluster, each once."""

@@ -1,4 +1,4 @@
-"""What works through tasks: one protocol, whichever machines do them, and the engine that is in use."""
+"""Interface of task engines, and choice of the current engine."""
 
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -14,55 +14,58 @@ Result = TypeVar("Result")
 
 
 class Engine(Protocol):
-    """Works through tasks. A worker that is killed loses nothing: its task is done again, and its result comes once."""
+    """Executor of tasks in several workers.
+
+    If a worker is killed, its task is repeated, and each result comes once.
+    """
 
     @property
     def place(self) -> str:
-        """Where tasks are done, in words for people; of a cluster also where its dashboard is."""
+        """Description of the workers, with the dashboard address of a cluster."""
 
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yields tasks with their results, in the order in which they are ready.
+        """Yield tasks with their results in order of completion.
 
         Args:
-            tasks: picklable and hashable, each another one.
-            prepare: called once in each worker, gives the function that does a task; picklable.
-            preload: module that workers begin with.
+            tasks: distinct, picklable and hashable tasks.
+            prepare: called once in each worker, returns the function that does a task; picklable.
+            preload: module that workers import first.
         """
 
 
 @dataclass(frozen=True)
 class Processes:
-    """Does tasks in processes of this machine."""
+    """Engine of local processes."""
 
     jobs: int
 
     @property
     def place(self) -> str:
-        """How many processes there are."""
+        """Description of the engine: number of local processes."""
         return f"{self.jobs} processes" if self.jobs > 1 else "1 process"
 
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yields tasks with their results, in the order in which they are ready."""
+        """Yield tasks with their results in order of completion."""
         return run_pool(tasks, prepare, jobs=self.jobs, preload=preload)
 
 
-_USED: ContextVar[Engine | None] = ContextVar("engine", default=None)
+_CURRENT_ENGINE: ContextVar[Engine | None] = ContextVar("engine", default=None)
 
 
-def engine_in_use() -> Engine:
-    """Gives the engine that was chosen with `using_engine`; without one, a process for each core of this machine."""
-    return _USED.get() or Processes(os.cpu_count() or 1)
+def current_engine() -> Engine:
+    """Return the task engine in use, or one process per core."""
+    return _CURRENT_ENGINE.get() or Processes(os.cpu_count() or 1)
 
 
 @contextmanager
 def using_engine(engine: Engine) -> Iterator[Engine]:
-    """Has an engine do all tasks meanwhile."""
-    token = _USED.set(engine)
+    """Use a task engine for all tasks inside the context."""
+    token = _CURRENT_ENGINE.set(engine)
     try:
         yield engine
     finally:
-        _USED.reset(token)
+        _CURRENT_ENGINE.reset(token)

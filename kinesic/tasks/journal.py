@@ -1,4 +1,7 @@
-"""Notes what of a long run is done, one line of JSON each: it goes on where it stopped, and does nothing twice."""
+"""Journal of a long run as JSON lines.
+
+An interrupted run continues without repeating finished tasks.
+"""
 
 from collections.abc import Callable, Generator, Iterator, Mapping
 from pathlib import Path
@@ -16,36 +19,39 @@ Entry = TypeVar("Entry")
 
 
 class JournalLine(msgspec.Struct, Generic[Entry], frozen=True):
-    """One finished piece of work."""
+    """One finished task in the journal."""
 
-    key: str  # everything that its result depends on
+    key: str  # all inputs of the result
     entry: Entry
 
 
 class Journal(Generic[Entry]):
-    """A file of finished work. A line counts when it is whole; what a killed process began to write does not."""
+    """Journal file of finished tasks as JSON lines.
+
+    Incomplete lines of a killed process are ignored.
+    """
 
     def __init__(self, path: Path, kind: type[Entry]) -> None:
-        """Names the file; nothing is read or written yet.
+        """Set the journal's path without reading or writing.
 
         Args:
-            path: of the file; it need not exist.
-            kind: of the entries, any type that msgspec can read.
+            path: path of the file, which need not exist.
+            kind: type of the entries, any type that msgspec can read.
         """
         self._path = path
-        self._decoder = msgspec.json.Decoder(JournalLine[kind])  # type: ignore[valid-type]  # a type that is known at run time
+        self._decoder = msgspec.json.Decoder(JournalLine[kind])  # type: ignore[valid-type]  # the type is known only at run time
 
     def read(self) -> dict[str, Entry]:
-        """Reads every whole line: key -> entry."""
+        """Read all complete journal lines as key -> entry."""
         return dict(self._entries())
 
     def rewrite(self, entries: Mapping[str, Entry]) -> None:
-        """Replaces the file by these entries, at once."""
+        """Replace the journal file atomically by new entries."""
         with new_file(self._path, force=True) as fresh:
             fresh.write_bytes(b"".join(_line(key, entry) for key, entry in entries.items()))
 
     def append(self, key: str, entry: Entry) -> None:
-        """Adds one finished piece of work."""
+        """Append one finished task to the journal."""
         with open_to_add(self._path) as file:
             file.write(_line(key, entry))
 
@@ -77,27 +83,28 @@ def run_once(
     forgets: bool = True,
     preload: str = "",
 ) -> Generator[tuple[Task, Entry | WorkerCrash], None, None]:
-    """Yields each task with its result once: those of earlier runs first, from the journal, then what is left.
+    """Run each task once across interrupted runs.
 
-    A result is noted as soon as it is known, and a crash is not: the next run tries it again.
+    Results of earlier runs come first. A result is recorded as soon as it is available. A crash is not recorded, so
+    that the next run repeats the task.
 
     Args:
-        tasks: each with its key, which says everything that its result depends on.
-        prepare: called once in each worker, gives the function that does a task; picklable.
-        engine: does them.
-        journal: of the run; None: nothing is remembered.
-        keep: makes of a result what is noted, and writes here what shall be in a file before it counts as done.
-        holds: whether a result that is noted still counts.
-        forgets: whether the journal loses what is of no task; a run of several rounds keeps that.
-        preload: module that workers begin with.
+        tasks: task -> key, which contains everything that its result depends on.
+        prepare: called once in each worker, returns the function that does a task; picklable.
+        engine: engine for the tasks.
+        journal: journal of the run; None: nothing is recorded.
+        keep: converts a result to its entry, and writes files that must exist before the task counts as done.
+        holds: returns whether a recorded entry is still valid.
+        forgets: whether entries of unvalid tasks are removed; a run of several rounds keeps them.
+        preload: module that workers import first.
     """
-    noted = journal.read() if journal else {}
-    known = {key: entry for key, entry in noted.items() if holds(entry)}
-    known = {key: known[key] for key in tasks.values() if key in known}
+    recorded = journal.read() if journal else {}
+    valid = {key: entry for key, entry in recorded.items() if holds(entry)}
+    valid = {key: valid[key] for key in tasks.values() if key in valid}
     if journal and forgets:
-        journal.rewrite(known)
-    yield from ((task, known[key]) for task, key in tasks.items() if key in known)
-    left = [task for task, key in tasks.items() if key not in known]
+        journal.rewrite(valid)
+    yield from ((task, valid[key]) for task, key in tasks.items() if key in valid)
+    left = [task for task, key in tasks.items() if key not in valid]
     for task, result in engine.run(left, prepare, preload=preload):
         if isinstance(result, WorkerCrash):
             yield task, result

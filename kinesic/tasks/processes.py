@@ -1,6 +1,6 @@
-"""Works through a list of tasks in several processes; one that dies takes only its own task with it.
+"""Execution of a list of tasks in several processes.
 
-A process that is killed from outside is no fault of its task, which another process begins anew.
+A process that dies affects only its own task. If it was killed from outside, another process repeats the task.
 """
 
 import faulthandler
@@ -10,49 +10,50 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
 from itertools import count
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Generic, TypeVar
 
-from kinesic.child import Child, child_context
+from kinesic.child import Child, PipeEnd, child_context
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
-FATAL = "Fatal Python error"
-OUTSIDE = (signal.SIGKILL, signal.SIGTERM)  # who dies of these was killed by somebody, or for want of memory
-TRIES = 4  # of a task whose processes are killed
+FATAL_PREFIX = "Fatal Python error"  # Prefix of the error line of a crashed interpreter
+# Signals from outside, also sent for lack of memory; Windows has no SIGKILL.
+OUTSIDE_SIGNALS = (getattr(signal, "SIGKILL", signal.SIGTERM), signal.SIGTERM)  # signals of a kill from outside
+MAX_TRIES = 4  # Attempts per task whose processes are killed
 
 
 @dataclass(frozen=True)
 class WorkerCrash:
-    """Why a process died while it had a task."""
+    """Reason why a worker process died during a task."""
 
     reason: str  # one line
     trace: str  # what it wrote to standard error
-    is_killed: bool = False  # from outside, and not by its own fault
+    is_killed: bool = False  # whether it was killed from outside
 
 
 @dataclass
 class _Worker(Generic[Task, Result]):
     child: Child
-    line: Connection
+    line: PipeEnd
     errors: Path  # its standard error
     task: Task
-    tries: int  # how often the task was begun
+    tries: int  # attempts including this one
 
     def result(self) -> Result | WorkerCrash:
-        """Receives the result of its task, or why it crashed."""
+        """Receive a task's result from the worker, or its crash."""
         try:
             result: Result = self.line.recv()
         except (EOFError, ConnectionError):
             self.line.close()
-            return _crash(self.child.wait() or 0, self.errors.read_text(errors="replace"))
+            return _describe_crash(self.child.wait() or 0, self.errors.read_text(errors="replace"))
         return result
 
     def go_on(self, task: Task, tries: int) -> bool:
-        """Gives it another task; says no where it was killed meanwhile."""
+        """Send the worker its next task and return False if it died."""
         try:
             self.line.send(task)
         except (BrokenPipeError, ConnectionError):
@@ -68,23 +69,23 @@ class _Worker(Generic[Task, Result]):
 def run_pool(
     tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, jobs: int, preload: str = ""
 ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-    """Works through tasks in processes of their own.
+    """Run tasks in a pool of worker processes.
 
-    When the caller stops iterating, or is interrupted, the processes end.
+    The processes end when the caller stops iterating or is interrupted.
 
     Args:
-        tasks: picklable.
-        prepare: called once in each process, gives the function that does a task; picklable.
+        tasks: picklable tasks.
+        prepare: called once in each process, returns the function that does a task; picklable.
         jobs: number of processes.
-        preload: module that processes begin with.
+        preload: module that processes import first.
 
     Yields:
-        Tasks with their results, in the order in which they are ready.
+        Tasks with their results in order of completion.
     """
     context = child_context(*((preload,) if preload else ()))
     left = deque((task, 1) for task in tasks)
     began = count()
-    working: dict[Connection, _Worker[Task, Result]] = {}
+    working: dict[PipeEnd, _Worker[Task, Result]] = {}
     with TemporaryDirectory() as folder:
 
         def hire() -> None:
@@ -99,9 +100,9 @@ def run_pool(
                 hire()
             while working:
                 for line in wait(list(working)):
-                    worker = working[line]  # type: ignore[index]  # wait gives back what it was given
+                    worker = working[line]  # type: ignore[index]  # wait returns its arguments
                     task, result = worker.task, worker.result()
-                    again = isinstance(result, WorkerCrash) and result.is_killed and worker.tries < TRIES
+                    again = isinstance(result, WorkerCrash) and result.is_killed and worker.tries < MAX_TRIES
                     if again:
                         left.append((task, worker.tries + 1))
                     if isinstance(result, WorkerCrash) or not left or not worker.go_on(*left[0]):
@@ -118,8 +119,8 @@ def run_pool(
                 worker.dismiss()
 
 
-def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:
-    """Does the first task, then those that are sent, until there are no more."""
+def _work(line: PipeEnd, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:
+    """Run tasks in a worker process as they arrive."""
     with errors.open("wb") as file:
         os.dup2(file.fileno(), 2)
     faulthandler.enable(file=2)
@@ -132,10 +133,13 @@ def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], tas
             return
 
 
-def _crash(code: int, trace: str) -> WorkerCrash:
-    """Says why a process ended: its signal or exit code, and the error that it wrote last."""
+def _describe_crash(code: int, trace: str) -> WorkerCrash:
+    """Describe the unexpected end of a worker process.
+
+    The description has its exit code or signal, and its last error.
+    """
     lines = [line.strip() for line in trace.splitlines() if line.strip()]
-    fatal = [line for line in lines if line.startswith(FATAL)]
-    said = (fatal or lines[-1:] or ["it wrote nothing"])[0]
-    how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    return WorkerCrash(f"its process ended with {how}: {said}", trace, -code in OUTSIDE)
+    fatal = [line for line in lines if line.startswith(FATAL_PREFIX)]
+    error = (fatal or lines[-1:] or ["it wrote nothing"])[0]
+    end = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+    return WorkerCrash(f"its process ended with {end}: {error}", trace, -code in OUTSIDE_SIGNALS)

@@ -1,4 +1,7 @@
-"""Which program a process runs: workers that run another one give other results."""
+"""Version of the running program, for comparison between workers.
+
+Workers with another version give other results.
+"""
 
 import hashlib
 from collections.abc import Iterator
@@ -7,23 +10,23 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from platform import python_version
 
-PACKAGE = Path(__file__).resolve().parents[1]
-PARTS = (".py", ".toml", ".cpp", ".h")  # endings of the sources, which are the same wherever they are compiled
-LIBRARIES = ("numpy", "scipy", "mujoco-core", "casadi")  # whose figures results depend on
+PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
+SOURCE_SUFFIXES = (".py", ".toml", ".cpp", ".h")  # Suffixes of sources, which are identical on all machines
+VERSIONED_LIBRARIES = ("numpy", "scipy", "mujoco-core", "casadi")  # Libraries that affect numerical results
 
 
 def program_files(endings: tuple[str, ...]) -> Iterator[Path]:
-    """Yields the files of the program with some endings, in order."""
-    return (file for file in sorted(PACKAGE.rglob("*")) if file.suffix in endings)
+    """Yield the files of this program with given suffixes, in order."""
+    return (file for file in sorted(PACKAGE_FOLDER.rglob("*")) if file.suffix in endings)
 
 
 @cache
 def program_version() -> str:
-    """Says which program this process runs: a hash of its sources, and the versions of what it calculates with."""
+    """Return a hash of the sources, with the versions of numerical libraries."""
     digest = hashlib.blake2b(digest_size=6)
-    for file in program_files(PARTS):
-        digest.update(str(file.relative_to(PACKAGE)).encode() + b"\0" + file.read_bytes())
-    libraries = ", ".join(f"{name} {_version(name)}" for name in LIBRARIES)
+    for file in program_files(SOURCE_SUFFIXES):
+        digest.update(str(file.relative_to(PACKAGE_FOLDER)).encode() + b"\0" + file.read_bytes())
+    libraries = ", ".join(f"{name} {_version(name)}" for name in VERSIONED_LIBRARIES)
     return f"sources {digest.hexdigest()}, python {python_version()}, {libraries}"
 
 

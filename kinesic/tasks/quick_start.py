@@ -1,6 +1,7 @@
-"""Has workers of dask begin as forks of a process that holds what they need (`--preload-nanny`).
+"""Fast start of dask workers as forks of a prepared process.
 
-Others import for a second or two of CPU, and on a busy machine they are killed again before they have done anything.
+It is used through `--preload-nanny`. Other workers import for one or two seconds of CPU, and on a busy machine they
+are killed before they have done anything.
 """
 
 import dask
@@ -8,20 +9,20 @@ from distributed.utils import get_mp_context
 
 from kinesic.child import child_context, has_private_forkserver
 
-IMPORTED = "kinesic.report.batch"  # what most tasks import
+PRELOADED_MODULE = "kinesic.report.batch"  # Module that most tasks import
 
 
 def quick_start() -> dict[str, str]:
-    """Prepares this process, and gives the settings of dask under which its nannies begin workers by forks."""
+    """Prepare this process and return dask settings that start workers as forks."""
     if not has_private_forkserver():
         return {}
     method = {"distributed.worker.multiprocessing-method": "forkserver"}
     with dask.config.set(method):
-        get_mp_context()  # it names modules of its own, once; ours are named after it
-    child_context("distributed.nanny", "distributed.worker", IMPORTED)
+        get_mp_context()  # it sets its own modules once, before ours are added
+    child_context("distributed.nanny", "distributed.worker", PRELOADED_MODULE)
     return method
 
 
 def dask_setup(nanny: object) -> None:
-    """Is called by `dask worker` before a nanny begins a worker."""
+    """Apply the settings before a nanny of `dask worker` starts a worker."""
     dask.config.set(quick_start())

@@ -1,4 +1,4 @@
-"""Results of many tasks as Parquet: tables that are made of what a run has written, and asked in SQL."""
+"""Results of many tasks as Parquet tables with SQL queries."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -12,36 +12,40 @@ from kinesic.files.output_file import new_file
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection
 
-JOURNAL = "finished.jsonl"  # of documents that were performed
-SWEEP, FIGURES, DESIGNS = "sweep.json", "bench.json", "designs.json"  # what other runs leave
+JOURNAL_FILE = "finished.jsonl"  # Name of the file with the journal of performed documents
+SWEEP_FILE = "sweep.json"  # Name of the file with the results of a sweep
+FIGURES_FILE = "bench.json"  # Name of the file with the results of a benchmark
+DESIGNS_FILE = "designs.json"  # Name of the file with the results of a design search
 
-ENTRY = (
+ENTRY_TYPE = (
     "STRUCT(file VARCHAR, outcome VARCHAR, exit INTEGER, error VARCHAR, report VARCHAR, behaviours VARCHAR[][], "
     'checks STRUCT(name VARCHAR, status VARCHAR, "value" DOUBLE, "limit" DOUBLE, unit VARCHAR, "where" VARCHAR)[])'
 )
-COLUMNS = f"{{'key': 'VARCHAR', 'entry': '{ENTRY}'}}"
-READ = f"read_json(?, format='newline_delimited', columns={COLUMNS}, ignore_errors=true)"
-LINES = f"(SELECT * FROM {READ} WHERE entry.file IS NOT NULL)"  # a line that is not whole is a row of nothing
-WHOLE = "read_json(?, maximum_object_size=1000000000)"
-TABLES: Mapping[str, Mapping[str, str]] = {
-    JOURNAL: {
-        "documents": f"SELECT key, entry.file, entry.outcome, entry.exit, entry.error, entry.report FROM {LINES}",
+JOURNAL_COLUMNS = f"{{'key': 'VARCHAR', 'entry': '{ENTRY_TYPE}'}}"
+READ_JOURNAL = f"read_json(?, format='newline_delimited', columns={JOURNAL_COLUMNS}, ignore_errors=true)"
+VALID_LINES = f"(SELECT * FROM {READ_JOURNAL} WHERE entry.file IS NOT NULL)"  # an incomplete line is a row of NULL
+READ_JSON = "read_json(?, maximum_object_size=1000000000)"
+TABLE_QUERIES: Mapping[str, Mapping[str, str]] = {
+    JOURNAL_FILE: {
+        "documents": f"SELECT key, entry.file, entry.outcome, entry.exit, entry.error, entry.report FROM {VALID_LINES}",
         "behaviours": f"SELECT file, b[1] AS type, b[2] AS outcome FROM "
-        f"(SELECT entry.file AS file, unnest(entry.behaviours) AS b FROM {LINES})",
-        "checks": f"SELECT file, c.* FROM (SELECT entry.file AS file, unnest(entry.checks) AS c FROM {LINES})",
+        f"(SELECT entry.file AS file, unnest(entry.behaviours) AS b FROM {VALID_LINES})",
+        "checks": f"SELECT file, c.* FROM (SELECT entry.file AS file, unnest(entry.checks) AS c FROM {VALID_LINES})",
     },
-    SWEEP: {
+    SWEEP_FILE: {
         "sweep": "SELECT gesture, style, parameter, measure, p.* FROM (SELECT gesture, style, s.parameter, s.measure, "
-        f"unnest(s.played) AS p FROM (SELECT gesture, style, unnest(series) AS s FROM {WHOLE}))"
+        f"unnest(s.played) AS p FROM (SELECT gesture, style, unnest(series) AS s FROM {READ_JSON}))"
     },
-    FIGURES: {"figures": "SELECT * FROM read_json(?)"},
-    DESIGNS: {"designs": f"SELECT d.* EXCLUDE (performed, changes) FROM (SELECT unnest(designs) AS d FROM {WHOLE})"},
+    FIGURES_FILE: {"figures": "SELECT * FROM read_json(?)"},
+    DESIGNS_FILE: {
+        "designs": f"SELECT d.* EXCLUDE (performed, changes) FROM (SELECT unnest(designs) AS d FROM {READ_JSON})"
+    },
 }
 
 
 @dataclass(frozen=True)
 class QueryResult:
-    """What a query found."""
+    """Columns and rows that an SQL query returns."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[object, ...], ...]
@@ -49,33 +53,33 @@ class QueryResult:
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """The results of a folder."""
+    """SQL access to the results in a folder."""
 
     connection: "DuckDBPyConnection"
     tables: tuple[str, ...]
 
     def ask(self, query: str) -> QueryResult:
-        """Asks in SQL.
+        """Run an SQL query on the results.
 
         Raises:
-            ConfigError: the query is wrong.
+            ConfigError: the query is invalid.
         """
         import duckdb  # noqa: PLC0415 - an extra, which is there: the store is open
 
         try:
-            found = self.connection.execute(query)
-            return QueryResult(tuple(column[0] for column in found.description or ()), tuple(found.fetchall()))
+            cursor = self.connection.execute(query)
+            return QueryResult(tuple(column[0] for column in cursor.description or ()), tuple(cursor.fetchall()))
         except duckdb.Error as error:
             names = ", ".join(self.tables)
-            raise ConfigError(f"the query is wrong: {str(error).splitlines()[0]}; tables are {names}") from None
+            raise ConfigError(f"invalid query: {str(error).splitlines()[0]}; tables are {names}") from None
 
 
 @contextmanager
 def open_store(folder: Path) -> Iterator[Store]:
-    """Opens the results of a folder; tables that are older than what they are made of are written anew.
+    """Open the results of a folder, and update outdated tables.
 
     Args:
-        folder: of a run; each NAME.parquet in it is a table NAME.
+        folder: folder of a run; each NAME.parquet in it is a table NAME.
 
     Raises:
         ConfigError: duckdb is not installed, or there are no results.
@@ -85,11 +89,11 @@ def open_store(folder: Path) -> Iterator[Store]:
     except ModuleNotFoundError:
         raise ConfigError("results need duckdb: pip install 'kinesic[store]'") from None
     with duckdb.connect() as connection:
-        connection.execute("SET enable_progress_bar_print = false")  # it would go where rows go
-        for source, tables in TABLES.items():
+        connection.execute("SET enable_progress_bar_print = false")  # it would mix with printed rows
+        for source, tables in TABLE_QUERIES.items():
             if (folder / source).exists():
                 for name, select in tables.items():
-                    _refresh(connection, folder / f"{name}.parquet", folder / source, select)
+                    _update_table(connection, folder / f"{name}.parquet", folder / source, select)
         paths = sorted(folder.glob("*.parquet"))
         if not paths:
             raise ConfigError(f"{folder}: no results; `kinesic validate DOCUMENTS --out {folder}` makes some")
@@ -99,8 +103,8 @@ def open_store(folder: Path) -> Iterator[Store]:
         yield Store(connection, tuple(path.stem for path in paths))
 
 
-def _refresh(connection: "DuckDBPyConnection", path: Path, source: Path, select: str) -> None:
-    """Writes a table, unless it is younger than what it is made of."""
+def _update_table(connection: "DuckDBPyConnection", path: Path, source: Path, select: str) -> None:
+    """Write a Parquet table, unless it is newer than its source."""
     if path.exists() and path.stat().st_mtime_ns > source.stat().st_mtime_ns:
         return
     with new_file(path, force=True) as fresh:

@@ -1,4 +1,4 @@
-"""Certificates of a cluster, made as the guide says: by the commands of docs/many.md."""
+"""Cluster certificates made by the commands of docs/how-to/run-many-documents.md."""
 
 import re
 import subprocess
@@ -6,7 +6,7 @@ from pathlib import Path
 
 from kinesic.tasks.dask_access import Certificates
 
-GUIDE = Path(__file__).resolve().parents[2] / "docs" / "many.md"
+GUIDE = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "run-many-documents.md"
 
 
 def make_certificates(folder: Path) -> Certificates:

@@ -1,4 +1,4 @@
-"""A cluster as its owner begins it: `dask scheduler` and `dask worker`, each a process of its own."""
+"""Scheduler and workers of dask as separate processes."""
 
 import json
 import subprocess

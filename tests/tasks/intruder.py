@@ -1,8 +1,8 @@
 """Another user of this machine, who tries to run code through the ports of a cluster of dask.
 
 `python intruder.py plain PORT ...` connects without a certificate, `python intruder.py forged PORT ...` with one that
-it made itself. Each line of output is a user whose process ran its code. All imports come first: the other user may
-not be able to read them.
+it made itself, and `plain,forged` in both ways. Each line of output is a user whose process ran its code. All imports
+come first: the other user may not be able to read them.
 """
 
 import asyncio
@@ -10,6 +10,7 @@ import os
 import pickle
 import signal
 import sys
+from itertools import product
 
 from distributed import Client, Security, rpc
 
@@ -30,26 +31,25 @@ async def run_in_cluster(address: str, security: Security) -> int:
         return int(await client.submit(os.getuid))
 
 
-def main(kind: str, ports: list[str]) -> None:
-    """Try both ways at every port, as another user where the system allows that."""
-    security = Security.temporary() if kind == "forged" else Security()
-    scheme = "tls" if kind == "forged" else "tcp"
+def main(kinds: list[str], ports: list[str]) -> None:
+    """Try all ways at every port, as another user where the system allows that."""
+    ways = {"plain": ("tcp", Security), "forged": ("tls", Security.temporary)}
+    doors = [(scheme, make_security()) for scheme, make_security in (ways[kind] for kind in kinds)]
     if os.getuid() == 0:
         os.setgroups([])
         os.setgid(NOBODY)
         os.setuid(NOBODY)
     for port in ports:
-        for attempt in (run_in_worker, run_in_cluster):
+        for (scheme, security), attempt in product(doors, (run_in_worker, run_in_cluster)):
             if os.fork() == 0:
                 signal.alarm(PATIENCE)  # ends this process: an HTTP port leaves the question unanswered
                 user = asyncio.run(attempt(f"{scheme}://127.0.0.1:{port}", security))
                 sys.stdout.write(f"{user}\n")
                 sys.stdout.flush()
                 os._exit(0)
-    for _ in ports:
-        os.wait()
+    for _ in range(len(ports) * len(doors) * 2):
         os.wait()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2:])
+    main(sys.argv[1].split(","), sys.argv[2:])

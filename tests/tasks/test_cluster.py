@@ -30,7 +30,7 @@ def two():
 
 
 def note_and_square(folder: Path, number: int) -> int:
-    """Leaves a note of who did it, in time to be killed."""
+    """Record the worker of a task, in time to be killed."""
     (folder / f"{number}-{os.getpid()}").touch()
     time.sleep(0.03)
     return number**2
@@ -44,7 +44,7 @@ def victims(folder: Path) -> set[int]:
     return {int(path.name.split("-")[1]) for path in folder.iterdir()}
 
 
-def test_every_task_is_done_once_and_what_fails_is_named(two):
+def test_cluster_runs_every_task_once_and_names_failures(two):
     tasks = [f"{k} ** 2" for k in range(20)] + ["1 / 0"]
     found = list(two.run(tasks, EVALUATE))
     assert sorted(task for task, _ in found) == sorted(tasks)
@@ -54,7 +54,7 @@ def test_every_task_is_done_once_and_what_fails_is_named(two):
     assert "ZeroDivisionError: division by zero" in results["1 / 0"].reason
 
 
-def test_of_quick_tasks_that_are_handed_out_together_only_those_that_fail_are_named(two):
+def test_only_failed_tasks_of_a_group_are_named(two):
     tasks = [f"{k} + 1" for k in range(300)]
     tasks[150], tasks[220] = "1 / 0", "[][1]"
     found = dict(two.run(tasks, EVALUATE))
@@ -65,22 +65,22 @@ def test_of_quick_tasks_that_are_handed_out_together_only_those_that_fail_are_na
     assert all(found[f"{k} + 1"] == k + 1 for k in range(300) if k not in (150, 220))
 
 
-def test_equal_tasks_are_done_as_often_as_they_are_asked_for(two):
+def test_equal_tasks_run_as_often_as_requested(two):
     found = list(two.run(["2 + 2"] * 100, EVALUATE))
     assert found == [("2 + 2", 4)] * 100
 
 
 @pytest.mark.parametrize(("done", "spent", "size"), [(0, 0.0, 1), (10, 0.2, 5), (10, 5.0, 1), (100, 0.001, 32)])
-def test_groups_take_a_tenth_of_a_second(done, spent, size):
+def test_task_groups_are_sized_to_a_tenth_of_a_second(done, spent, size):
     assert module._group_size(done, spent) == size
 
 
-def test_its_place_names_workers(two):
+def test_engine_description_names_the_workers(two):
     assert two.place == "2 workers"
 
 
 @pytest.mark.parametrize("kind", ["processes", "cluster"])
-def test_a_worker_that_is_killed_loses_and_doubles_nothing(kind, two, tmp_path):
+def test_killed_worker_loses_and_duplicates_no_task(kind, two, tmp_path):
     engine = Processes(2) if kind == "processes" else two
     (tmp_path / "notes").mkdir()
     journal = Journal(tmp_path / "finished.jsonl", int)
@@ -100,7 +100,7 @@ def test_a_worker_that_is_killed_loses_and_doubles_nothing(kind, two, tmp_path):
     assert len(lines) == COUNT
 
 
-def test_a_worker_of_another_program_is_refused(two, monkeypatch):
+def test_cluster_worker_with_another_program_version_is_refused(two, monkeypatch):
     monkeypatch.setattr(module, "program_version", lambda: "sources of tomorrow")
     with pytest.raises(ConfigError, match=r"runs another kinesic.*\n.*there: sources [0-9a-f]{12}"):
         Cluster(two._client)
@@ -109,7 +109,7 @@ def test_a_worker_of_another_program_is_refused(two, monkeypatch):
 
 
 @pytest.mark.parametrize("address", ["local:", "local:0", "local:two", "tcp://127.0.0.1:1", "nowhere:"])
-def test_an_address_that_is_none_says_what_would_be_one(address, monkeypatch):
+def test_invalid_cluster_address_error_shows_valid_forms(address, monkeypatch):
     monkeypatch.setattr(module, "SCHEDULER_TIMEOUT", 1)
     insecure = not address.startswith("local:")
     with pytest.raises(ConfigError, match=r"local:N for N workers"), cluster(address, insecure=insecure):

@@ -74,7 +74,7 @@ def refused(address: str, **named: object) -> str:
 
 
 @pytest.mark.parametrize("address", ["tls://10.0.0.2:8786", "wss://10.0.0.2:8786"])
-def test_scheduler_elsewhere_gets_the_certificates_and_the_client_is_closed(clients, files, address):
+def test_remote_scheduler_gets_certificates_and_the_client_is_closed(clients, files, address):
     with open_client(address, timeout=3.0, certificates=files) as client:
         assert [client] == clients
         assert not client.closed
@@ -90,15 +90,15 @@ def test_scheduler_elsewhere_gets_the_certificates_and_the_client_is_closed(clie
     )
 
 
-def test_without_certificates_those_of_dasks_configuration_count(clients):
+def test_certificates_missing_on_the_command_line_come_from_the_dask_configuration(clients):
     with open_client("tls://10.0.0.2:8786", timeout=3.0):
         pass
     assert clients[0].named["security"] is None
 
 
 @pytest.mark.parametrize("address", ["tcp://10.0.0.2:8786", "10.0.0.2:8786", "xtls://10.0.0.2", "TLS://10.0.0.2"])
-def test_connection_without_tls_needs_insistence_even_with_certificates(clients, files, address):
-    assert "without TLS whoever reaches its ports runs code there" in refused(address)
+def test_connection_without_tls_needs_the_insecure_option(clients, files, address):
+    assert "without TLS, anyone who reaches its ports runs code there" in refused(address)
     assert f"--cluster {address}: without TLS" in refused(address, certificates=files)
     assert clients == []
     with open_client(address, timeout=1.0, insecure=True):
@@ -107,17 +107,17 @@ def test_connection_without_tls_needs_insistence_even_with_certificates(clients,
 
 
 @pytest.mark.parametrize("missing", ["ca", "cert", "key"])
-def test_missing_certificate_is_named_before_anything_is_connected(clients, files, missing):
+def test_missing_certificate_is_reported_before_connecting(clients, files, missing):
     path: Path = getattr(files, missing)
     path.unlink()
     option = {"ca": "--tls-ca", "cert": "--tls-cert", "key": "--tls-key"}[missing]
-    assert f"{option} {path}: there is no such file" in refused("tls://10.0.0.2:8786", certificates=files)
+    assert f"{option} {path}: no such file" in refused("tls://10.0.0.2:8786", certificates=files)
     path.mkdir()
-    assert "there is no such file" in refused("tls://10.0.0.2:8786", certificates=files)
+    assert "no such file" in refused("tls://10.0.0.2:8786", certificates=files)
     assert clients == []
 
 
-def test_key_that_others_can_read_is_refused(clients, files):
+def test_private_key_readable_by_others_is_refused(clients, files):
     files.key.chmod(0o604)
     assert "--tls-key" in refused("tls://10.0.0.2:8786", certificates=files)
     files.key.chmod(0o600)
@@ -129,12 +129,12 @@ def test_key_that_others_can_read_is_refused(clients, files):
 @pytest.mark.parametrize(
     ("error", "said"),
     [
-        (OSError("timed out"), r"no scheduler answers \(timed out\); it takes ADDRESS"),
-        (ValueError("no port"), r"no scheduler answers \(no port\); it takes ADDRESS"),
+        (OSError("timed out"), r"no scheduler answers \(timed out\); give ADDRESS"),
+        (ValueError("no port"), r"no scheduler answers \(no port\); give ADDRESS"),
         (TypeError("no ca"), r"no certificate \(no ca\); give tls://"),
     ],
 )
-def test_failed_connection_says_what_would_have_worked(monkeypatch, error, said):
+def test_failed_cluster_connection_names_the_remedy(monkeypatch, error, said):
     import distributed  # noqa: PLC0415 - an extra
 
     def fail(*_: object, **__: object) -> None:
@@ -145,7 +145,7 @@ def test_failed_connection_says_what_would_have_worked(monkeypatch, error, said)
         pass
 
 
-def test_workers_of_this_machine_get_certificates_for_one_run_and_a_folder_of_their_own(clients, clusters):
+def test_local_cluster_workers_get_a_private_folder_and_certificates_per_run(clients, clusters):
     with open_client("local:3", timeout=1.0) as client:
         (cluster,) = clusters
         assert client.given == (cluster,)
@@ -169,7 +169,7 @@ def test_workers_of_this_machine_get_certificates_for_one_run_and_a_folder_of_th
     assert cluster.named["scheduler_kwargs"] == {"dashboard": False}
 
 
-def test_two_runs_have_different_certificates(clients, clusters):
+def test_two_cluster_runs_have_different_certificates(clients, clusters):
     for _ in range(2):
         with open_client("local:1", timeout=1.0):
             pass
@@ -177,23 +177,23 @@ def test_two_runs_have_different_certificates(clients, clusters):
     assert first != second
 
 
-def test_workers_of_this_machine_take_no_certificates_and_need_no_insistence(clients, clusters, files):
-    assert "certificates of their own" in refused("local:1", certificates=files)
-    assert "certificates of their own" in refused("local:1", insecure=True)
+def test_local_cluster_workers_refuse_certificates_and_the_insecure_option(clients, clusters, files):
+    assert "their own certificates" in refused("local:1", certificates=files)
+    assert "their own certificates" in refused("local:1", insecure=True)
     assert clusters == clients == []
 
 
 @pytest.mark.parametrize("count", ["", "0", "-1", "two", "1.5", "1e3", "+1"])
-def test_number_of_workers_is_a_whole_one(clients, clusters, count):
-    assert f"{count or 'nothing'} is no number of workers" in refused(f"local:{count}")
+def test_worker_count_in_a_cluster_address_must_be_an_integer(clients, clusters, count):
+    assert f"{count or 'nothing'} is not a number of workers" in refused(f"local:{count}")
     assert clusters == clients == []
 
 
-def test_count_of_workers_is_read_as_written():
+def test_worker_count_is_read_from_the_cluster_address():
     assert [dask_access._count(f"local:{count}") for count in ("1", "2", "64")] == [1, 2, 64]
 
 
-def test_missing_cryptography_is_named(clients, clusters, monkeypatch):
+def test_missing_cryptography_package_is_reported(clients, clusters, monkeypatch):
     import distributed  # noqa: PLC0415 - an extra
 
     def fail() -> None:

@@ -1,4 +1,4 @@
-"""The journal of a run: what is done is done once, and what a crash or a kill left is done again."""
+"""Journal of a run: finished tasks are skipped, crashed ones repeated."""
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -40,7 +40,7 @@ def journal(tmp_path: Path) -> Journal[int]:
     return Journal(tmp_path / "journal.jsonl", int)
 
 
-def test_without_a_journal_all_is_done_each_time():
+def test_all_tasks_are_repeated_without_a_journal():
     for _ in range(2):
         engine = Engine()
         assert run(engine, None, preload="a.module") == {1: 11, 2: 22, 3: 33}
@@ -48,7 +48,7 @@ def test_without_a_journal_all_is_done_each_time():
         assert engine.preload == "a.module"
 
 
-def test_what_is_noted_is_not_done_again(journal: Journal[int]):
+def test_recorded_task_is_not_repeated(journal: Journal[int]):
     assert run(Engine(), journal, {1: "one", 2: "two"}) == {1: 11, 2: 22}
     assert journal.read() == {"one": 11, "two": 22}
     engine = Engine()
@@ -57,7 +57,7 @@ def test_what_is_noted_is_not_done_again(journal: Journal[int]):
     assert journal.read() == {"one": 11, "two": 22, "three": 33}
 
 
-def test_each_result_is_noted_as_soon_as_it_is_known(journal: Journal[int]):
+def test_each_task_result_is_recorded_immediately(journal: Journal[int]):
     results = run_once(TASKS, tenfold, Engine(), journal, keep=lambda task, result: result)
     next(results)
     assert journal.read() == {"one": 10}
@@ -67,7 +67,7 @@ def test_each_result_is_noted_as_soon_as_it_is_known(journal: Journal[int]):
     assert engine.done == [2, 3]
 
 
-def test_a_task_whose_key_changed_is_done_again(journal: Journal[int]):
+def test_task_whose_journal_key_changed_runs_again(journal: Journal[int]):
     run(Engine(), journal)
     engine = Engine()
     run(engine, journal, {1: "one", 2: "another"})
@@ -75,20 +75,20 @@ def test_a_task_whose_key_changed_is_done_again(journal: Journal[int]):
     assert set(journal.read()) == {"one", "another"}, "what is of no task is forgotten"
 
 
-def test_a_run_of_several_rounds_keeps_what_is_of_no_task(journal: Journal[int]):
+def test_run_in_several_rounds_keeps_journal_entries_of_other_tasks(journal: Journal[int]):
     run(Engine(), journal)
     run(Engine(), journal, {1: "one"}, forgets=False)
     assert set(journal.read()) == {"one", "two", "three"}
 
 
-def test_what_no_longer_holds_is_done_again(journal: Journal[int]):
+def test_task_with_an_invalid_journal_entry_runs_again(journal: Journal[int]):
     run(Engine(), journal)
     engine = Engine()
     assert run(engine, journal, holds=lambda entry: entry != 22) == {1: 11, 2: 22, 3: 33}
     assert engine.done == [2]
 
 
-def test_a_crash_is_told_and_tried_again(journal: Journal[int]):
+def test_crashed_task_is_reported_and_retried(journal: Journal[int]):
     found = run(Engine(2), journal)
     assert isinstance(found[2], WorkerCrash)
     assert (found[1], found[3]) == (11, 33)
@@ -98,14 +98,14 @@ def test_a_crash_is_told_and_tried_again(journal: Journal[int]):
     assert engine.done == [2]
 
 
-def test_half_a_line_and_lines_of_others_count_for_nothing(journal: Journal[int], tmp_path: Path):
+def test_partial_and_foreign_journal_lines_are_ignored(journal: Journal[int], tmp_path: Path):
     journal.append("one", 11)
     with (tmp_path / "journal.jsonl").open("ab") as file:
         file.write(b'nonsense\n{"key":"two","entry":"text"}\n{"key":"three","entry":33}\n{"key":"four","entry":4')
     assert journal.read() == {"one": 11, "three": 33}
 
 
-def test_the_last_line_of_a_key_counts_and_no_file_is_nothing(journal: Journal[int]):
+def test_journal_keeps_the_last_line_per_key_and_may_be_missing(journal: Journal[int]):
     assert journal.read() == {}
     journal.append("one", 1)
     journal.append("one", 2)

@@ -23,16 +23,16 @@ def alive(pid: int) -> bool:
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
-def test_every_task_is_done_once(jobs):
+def test_every_task_runs_once_in_local_processes(jobs):
     tasks = [f"{k} ** 2" for k in range(7)]
     assert dict(run_pool(tasks, EVALUATE, jobs=jobs)) == {task: k**2 for k, task in enumerate(tasks)}
 
 
-def test_no_tasks():
+def test_empty_task_list_has_no_results():
     assert list(run_pool([], EVALUATE, jobs=2)) == []
 
 
-def test_processes_that_die_are_named_with_their_task_and_the_others_go_on():
+def test_died_processes_are_reported_by_task_and_the_others_continue():
     tasks = ["1 + 1", *DIES, "2 + 2", "3 + 3"]
     found = dict(run_pool(tasks, EVALUATE, jobs=2))
     assert [found[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]
@@ -42,7 +42,7 @@ def test_processes_that_die_are_named_with_their_task_and_the_others_go_on():
     assert 'File "<string>", line 1' in found["1 / 0"].trace
 
 
-def test_processes_end_when_nobody_listens_any_more():
+def test_worker_processes_end_when_the_caller_stops_iterating():
     results = run_pool(["__import__('os').getpid()"] + ["__import__('time').sleep(60)"] * 3, EVALUATE, jobs=2)
     _, pid = next(results)
     assert alive(pid)

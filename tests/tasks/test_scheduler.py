@@ -1,4 +1,4 @@
-"""A cluster that somebody else has begun: `dask scheduler` here, `dask worker` there, each a program of its own."""
+"""Cluster of an external scheduler and workers."""
 
 import os
 import signal
@@ -35,15 +35,15 @@ def address(tmp_path_factory):
         yield address
 
 
-def test_the_place_of_workers_and_of_their_dashboard_is_told(address, capsys):
+def test_scheduler_description_names_workers_and_dashboard(address, capsys):
     with Workers(None, address, insecure=True).engine():
         pass
     warning, place = capsys.readouterr().err.splitlines()
-    assert warning.startswith("warn: --insecure: whoever reaches a port of this cluster can run code")
+    assert warning.startswith("warn: --insecure: anyone who can reach a port of this cluster can run code")
     assert place.startswith("cluster: 1 workers, dashboard http://127.0.0.1:")
 
 
-def test_a_worker_that_is_killed_is_begun_anew_as_a_fork_and_nothing_is_lost(address):
+def test_no_task_is_lost_or_duplicated_when_a_scheduler_worker_is_killed(address):
     with cluster(address, insecure=True) as engine:
         results, killed = {}, 0
         for task, (pid, _, square) in engine.run([SQUARE.format(k) for k in range(30)], EVALUATE):
@@ -57,7 +57,7 @@ def test_a_worker_that_is_killed_is_begun_anew_as_a_fork_and_nothing_is_lost(add
         assert dict(engine.run([HAS_ALL], EVALUATE)) == {HAS_ALL: True}
 
 
-def test_workers_of_another_program_are_refused(address, monkeypatch):
+def test_scheduler_workers_with_another_program_version_are_refused(address, monkeypatch):
     monkeypatch.setattr(module, "program_version", lambda: "sources of tomorrow")
     with (
         pytest.raises(ConfigError, match=r"runs another kinesic.*\n.*there: sources [0-9a-f]{12}"),
@@ -66,7 +66,7 @@ def test_workers_of_another_program_are_refused(address, monkeypatch):
         pass
 
 
-def test_a_scheduler_without_workers_says_how_to_begin_some(tmp_path, monkeypatch):
+def test_scheduler_without_workers_reports_the_start_command(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "SCHEDULER_TIMEOUT", 1)
     with (
         dask_scheduler(tmp_path) as lonely,
@@ -84,11 +84,11 @@ def succeed_once(note: Path) -> int:
     return os.getpid()
 
 
-def test_a_result_that_dies_with_its_worker_is_made_anew_or_is_named(address, tmp_path):
+def test_task_result_lost_with_its_worker_is_repeated_or_reported(address, tmp_path):
     with cluster(address, insecure=True) as engine:
         future = engine._client.submit(succeed_once, tmp_path / "note", pure=False)
         pid = next(iter(engine._client.run(os.getpid).values()))
         while not future.done():
             time.sleep(0.01)
         os.kill(pid, signal.SIGKILL)
-        assert module._result(future).reason == "it failed on the cluster with ValueError: asked twice"
+        assert module._fetch_result(future).reason == "it failed on the cluster with ValueError: asked twice"

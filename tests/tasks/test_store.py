@@ -9,7 +9,7 @@ from kinesic.tasks.store import QueryResult, open_store
 
 pytest.importorskip("duckdb", reason="the extra store is not installed")
 
-MANY = Path(__file__).resolve().parents[2] / "docs" / "many.md"
+MANY = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "run-many-documents.md"
 
 
 def ask(folder: Path, query: str) -> QueryResult:
@@ -31,7 +31,7 @@ def folder(tmp_path):
     return made
 
 
-def test_a_journal_becomes_tables_of_its_whole_lines(folder):
+def test_complete_journal_lines_become_tables(folder):
     assert ask(folder, "SELECT file, outcome FROM documents ORDER BY file").rows == (
         ("1.bml", "performed"),
         ("2.bml", "performed"),
@@ -45,36 +45,36 @@ def test_a_journal_becomes_tables_of_its_whole_lines(folder):
 QUERIES = re.findall(r'^kinesic results "(.+)" reports', MANY.read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def test_the_guide_has_ten_queries():
+def test_query_guide_has_ten_queries():
     assert len(QUERIES) == 10
 
 
 @pytest.mark.parametrize("query", QUERIES)
-def test_a_query_of_the_guide_is_answered(query, folder):
+def test_each_query_of_the_guide_is_answered(query, folder):
     assert ask(folder, query).columns
 
 
-def test_nothing_is_printed_while_a_question_takes_long(folder, capfd):
+def test_long_sql_query_prints_no_progress(folder, capfd):
     with open_store(folder) as store:
         store.ask("SET progress_bar_time = 1")  # [ms]
         assert store.ask("SELECT count(DISTINCT random()) FROM range(2000000)").rows
     assert capfd.readouterr().out == ""
 
 
-def test_what_is_added_to_the_journal_is_found(folder):
+def test_appended_journal_entry_appears_in_the_tables(folder):
     ask(folder, "SELECT 1 FROM documents")
     (folder / "finished.jsonl").write_text(line(1, "pass") + line(2, "fail") + line(3, "pass"))
     assert ask(folder, "SELECT count(*) FROM documents").rows == ((3,),)
 
 
-def test_a_wrong_query_and_a_folder_without_results_say_what_there_is(folder, tmp_path):
+def test_errors_of_invalid_queries_and_empty_folders_name_the_tables(folder, tmp_path):
     with pytest.raises(ConfigError, match="tables are behaviours, checks, documents"):
         ask(folder, "SELECT * FROM document")
     with pytest.raises(ConfigError, match="no results; `kinesic validate"):
         ask(tmp_path, "SELECT 1")
 
 
-def test_a_sweep_is_a_row_for_each_value(tmp_path):
+def test_stored_sweep_has_a_row_per_parameter_value(tmp_path):
     played = [{"value": value, "swept_volume": 2 + value, "strokes": None} for value in (-1.0, 1.0)]
     series = {"parameter": "spatial", "measure": "swept_volume", "sign": 1.0, "monotone": True, "played": played}
     text = json.dumps({"gesture": "beat", "style": "calm", "series": [series], "presets": {"angry": {}}})
@@ -87,7 +87,7 @@ def test_a_sweep_is_a_row_for_each_value(tmp_path):
     assert (tmp_path / "sweep.parquet").stat().st_size > 0
 
 
-def test_figures_and_designs_are_tables(tmp_path):
+def test_benchmark_metrics_and_designs_become_tables(tmp_path):
     figure = {"name": "a.b", "value": None, "unit": "s", "goal": 1.0, "better": "lower", "why": "none", "ok": None}
     (tmp_path / "bench.json").write_text(json.dumps([figure, figure | {"name": "a.c", "value": 0.5, "ok": True}]))
     design = {"design": "x = 1", "changes": {"x": "1"}, "state": "out", "price": 1.0, "performed": []}
@@ -96,7 +96,7 @@ def test_figures_and_designs_are_tables(tmp_path):
     assert ask(tmp_path, "SELECT * FROM designs").columns == ("design", "state", "price")
 
 
-def test_the_name_of_a_table_that_somebody_sent_is_no_query(folder, tmp_path, monkeypatch):
+def test_table_name_with_sql_code_is_not_executed(folder, tmp_path, monkeypatch):
     ask(folder, "SELECT 1")
     monkeypatch.chdir(tmp_path)
     (folder / 'x" AS SELECT 1; COPY documents TO "stolen.csv"; --.parquet').write_bytes(
