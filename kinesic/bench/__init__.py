@@ -1,9 +1,9 @@
-"""What `kinesic bench` measures: one file or folder per part."""
+"""Benchmarks of `kinesic bench`, one module or package per part."""
 
 from collections.abc import Mapping
 
-# Each part by its modules, each of which has a function `bench`; those of another part are not imported.
-PARTS: Mapping[str, tuple[str, ...]] = {
+# Modules of each part; each module has a function `bench`. Only the modules of the requested part are imported.
+BENCH_PARTS: Mapping[str, tuple[str, ...]] = {
     "ik": ("ik",),
     "expressivity": ("expressivity",),
     "naturalness": ("naturalness",),

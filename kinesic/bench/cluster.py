@@ -1,7 +1,10 @@
-"""Measures engines of tasks: what a task costs beside its work, and how much more is done by more workers.
+"""Benchmark of the task engines: throughput and CPU time per task.
 
-Dry runs of a second are done by one worker and by more, in processes and on dask, as fast as they can. It counts from
-the moment at which every worker is at work. On a busy machine only the CPU of who calls and of a worker tell something.
+It measures overhead of a task and speed-up by more workers.
+
+One or several workers dry-run one-second documents as fast as they can, in processes and on dask. The measurement
+starts when every worker has finished a task. On a busy machine only the CPU times of the caller and of a worker are
+reliable.
 """
 
 import os
@@ -16,99 +19,118 @@ from pathlib import Path
 from statistics import median
 from time import monotonic, process_time
 
-from kinesic.bench.figure import Figure
-from kinesic.controller.perform import set_up
+from kinesic.bench.metric import Metric
 from kinesic.report.batch import DocumentVerdict, judge
+from kinesic.session.setup import set_up
 from kinesic.tasks.engine import Engine, Processes
 
-NOD = '<head id="h" lexeme="NOD" start="0.1" end="{}"/>'
-BLOCK = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{NOD}</bml>'
-SHARE = 180  # documents for each worker
-ROUNDS = 3  # of one and of two workers, in turn; of more only one
-EMPTY = 400  # tasks without work
-TAIL = 20  # tasks for each worker that do not count: in the end some workers are idle
-EFFICIENT, PAIR = 0.9, 2  # goal with so many workers
-NO_DASK = "dask.distributed is not installed: pip install 'kinesic[cluster]'"
-READY = "import distributed.worker, kinesic.report.batch; from kinesic.controller.perform import set_up; set_up()"
-CLOCK = "\nimport time; print(time.process_time())"
+NOD_TEMPLATE = '<head id="h" lexeme="NOD" start="0.1" end="{}"/>'
+BLOCK_TEMPLATE = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{NOD_TEMPLATE}</bml>'
+TASKS_PER_WORKER = 180  # planned documents per worker and measurement
+MEASUREMENT_ROUNDS = 3  # measurements with one and two workers, alternating; larger counts are measured once
+EMPTY_TASKS = 400  # tasks without work, which measure the engine's overhead
+IGNORED_TAIL_TASKS = 20  # last tasks per worker, not counted because some workers are idle at the end
+MIN_EFFICIENCY = 0.9  # throughput per worker relative to a single worker, with GOAL_WORKERS workers
+GOAL_WORKERS = 2  # workers for which MIN_EFFICIENCY is the goal
+DASK_MISSING = "dask.distributed is not installed: pip install 'kinesic[cluster]'"
+WORKER_IMPORTS = "import distributed.worker, kinesic.report.batch; from kinesic.session.setup import set_up; set_up()"
+PRINT_CPU_TIME = "\nimport time; print(time.process_time())"
 
 
 @dataclass(frozen=True)
-class Done:
-    """A task that a worker has done."""
+class CompletedTask:
+    """A task that a worker completed."""
 
     worker: int
-    began: float  # [s] of CPU that the worker had taken by then
-    ended: float
+    began: float  # [s] CPU time of the worker at the start of the task
+    ended: float  # [s] CPU time of the worker at the end of the task
     verdict: DocumentVerdict | None
 
 
 @dataclass(frozen=True)
-class Pace:
-    """How fast workers were."""
+class Throughput:
+    """Task throughput of some workers, and CPU time per task."""
 
-    rate: float  # [1/s] tasks
-    work: float  # [s] of CPU of a task itself
-    beside: float  # [s] of CPU that its worker took beside it
-    caller: float  # [s] of CPU that it took from who called
-    ready: float  # [s] of CPU until a worker was at its first task
+    rate: float  # tasks completed [1/s]
+    work: float  # [s] CPU time of a task itself
+    overhead: float  # [s] CPU time of the worker per task in addition to the task itself
+    caller: float  # [s] CPU time of the caller per task
+    startup: float  # [s] CPU time of a worker until its first task
 
 
-def bench() -> list[Figure]:
-    """Measures both engines, with one worker, two, four, and so on, as many as this machine has cores."""
-    counts = [2**power for power in range(5) if 2**power <= max(os.cpu_count() or 1, PAIR)]
-    figures = [*_figures("processes", counts, lambda count: nullcontext(Processes(count)))]
+def bench() -> list[Metric]:
+    """Measure both task engines with increasing numbers of workers."""
+    counts = [2**power for power in range(5) if 2**power <= max(os.cpu_count() or 1, GOAL_WORKERS)]
+    metrics = [*_metrics("processes", counts, lambda count: nullcontext(Processes(count)))]
     if find_spec("distributed") is None:
-        return [*figures, Figure("cluster.dask", None, "", None, "lower", NO_DASK)]
-    return [*figures, *_figures("dask", counts, _dask), _fresh()]
+        return [*metrics, Metric("cluster.dask", None, "", None, "lower", DASK_MISSING)]
+    return [*metrics, *_metrics("dask", counts, _open_dask), _measure_start()]
 
 
-def _dask(count: int) -> AbstractContextManager[Engine]:
-    from kinesic.tasks.cluster import cluster  # noqa: PLC0415 - an extra
+def _open_dask(count: int) -> AbstractContextManager[Engine]:
+    from kinesic.tasks.cluster import cluster  # noqa: PLC0415 - optional dependency
 
     return cluster(f"local:{count}")
 
 
-def _figures(
+def _metrics(
     name: str, counts: Iterable[int], engine_of: Callable[[int], AbstractContextManager[Engine]]
-) -> list[Figure]:
-    paces: dict[int, list[Pace]] = {count: [] for count in counts}
-    for lap in range(ROUNDS):
-        for count, found in paces.items():
-            if count <= PAIR or not lap:
+) -> list[Metric]:
+    runs_by_count: dict[int, list[Throughput]] = {count: [] for count in counts}
+    for measurement in range(MEASUREMENT_ROUNDS):
+        for count, runs in runs_by_count.items():
+            if count <= GOAL_WORKERS or not measurement:
                 with engine_of(count) as engine:
-                    found.append(pace(engine, _prepare, [f"{0.8 + 1e-4 * k:.4f}" for k in range(SHARE * count)], count))
+                    runs.append(
+                        measure_throughput(
+                            engine, _prepare, [f"{0.8 + 1e-4 * k:.4f}" for k in range(TASKS_PER_WORKER * count)], count
+                        )
+                    )
     with engine_of(1) as engine:
-        empty = pace(engine, _idle, [str(k) for k in range(EMPTY)], 1)
-    alone, begun = median(each.rate for each in paces[1]), median(each.ready for each in paces[1])
-    figures = [
-        Figure(f"cluster.{name}.empty_caller", 1000 * empty.caller, "ms", None, "lower", "CPU, a task without work"),
-        Figure(f"cluster.{name}.empty_worker", 1000 * empty.beside, "ms", None, "lower", "likewise"),
-        Figure(f"cluster.{name}.begin", begun, "s", None, "lower", "CPU of a worker until its first task"),
+        empty = measure_throughput(engine, _idle, [str(k) for k in range(EMPTY_TASKS)], 1)
+    single, begun = median(run.rate for run in runs_by_count[1]), median(run.startup for run in runs_by_count[1])
+    metrics = [
+        Metric(f"cluster.{name}.empty_caller", 1000 * empty.caller, "ms", None, "lower", "CPU per empty task"),
+        Metric(f"cluster.{name}.empty_worker", 1000 * empty.overhead, "ms", None, "lower", "CPU per empty task"),
+        Metric(f"cluster.{name}.begin", begun, "s", None, "lower", "CPU of a worker until its first task"),
     ]
-    for count, found in paces.items():
-        kind, rate = f"cluster.{name}.{count}", median(each.rate for each in found)
-        goal = EFFICIENT if count == PAIR else None
-        middle = sorted(found, key=lambda each: each.work)[len(found) // 2]
-        figures += [
-            Figure(f"{kind}.rate", rate, "tasks/s", None, "higher"),
-            Figure(f"{kind}.efficiency", rate / alone / count, "share", goal, "higher", "of the rate of one worker"),
-            Figure(f"{kind}.work", 1000 * middle.work, "ms", None, "lower", "CPU of a task itself"),
-            Figure(f"{kind}.worker", 1000 * middle.beside, "ms", None, "lower", "CPU of its worker beside it"),
-            Figure(f"{kind}.caller", 1000 * middle.caller, "ms", None, "lower", "CPU of who called, a task"),
+    for count, runs in runs_by_count.items():
+        kind, rate = f"cluster.{name}.{count}", median(run.rate for run in runs)
+        goal = MIN_EFFICIENCY if count == GOAL_WORKERS else None
+        middle = sorted(runs, key=lambda run: run.work)[len(runs) // 2]
+        metrics += [
+            Metric(f"{kind}.rate", rate, "tasks/s", None, "higher"),
+            Metric(
+                f"{kind}.efficiency", rate / single / count, "share", goal, "higher", "of the rate of a single worker"
+            ),
+            Metric(f"{kind}.work", 1000 * middle.work, "ms", None, "lower", "CPU of a task itself"),
+            Metric(
+                f"{kind}.worker",
+                1000 * middle.overhead,
+                "ms",
+                None,
+                "lower",
+                "worker CPU per task in addition to the task",
+            ),
+            Metric(f"{kind}.caller", 1000 * middle.caller, "ms", None, "lower", "CPU of the caller per task"),
         ]
-    return figures
+    return metrics
 
 
-def pace(engine: Engine, prepare: Callable[[], Callable[[str], Done]], tasks: list[str], workers: int) -> Pace:
-    """Has workers do tasks, and measures from the moment at which each has done one until they run out of tasks."""
+def measure_throughput(
+    engine: Engine, prepare: Callable[[], Callable[[str], CompletedTask]], tasks: list[str], workers: int
+) -> Throughput:
+    """Run tasks and measure the throughput of started workers.
+
+    The measurement ends `IGNORED_TAIL_TASKS` tasks per worker before the last one.
+    """
     seen: Counter[int] = Counter()
-    counted: list[Done] = []
+    counted: list[CompletedTask] = []
     ready: list[float] = []
-    began, called, over, spent = 0.0, 0.0, 0.0, 0.0
-    last = len(tasks) - TAIL * workers
+    began, called, counted_until, spent = 0.0, 0.0, 0.0, 0.0
+    last = len(tasks) - IGNORED_TAIL_TASKS * workers
     for number, (task, done) in enumerate(engine.run(tasks, prepare, preload=__name__), 1):
-        if not isinstance(done, Done):
+        if not isinstance(done, CompletedTask):
             raise RuntimeError(f"{task}: {done.reason}")
         if done.worker not in seen:
             ready.append(done.began)
@@ -118,36 +140,42 @@ def pace(engine: Engine, prepare: Callable[[], Callable[[str], Done]], tasks: li
         if not began and len(seen) == workers:
             began, called = monotonic(), process_time()
         if number <= last:
-            over, spent = monotonic(), process_time()
+            counted_until, spent = monotonic(), process_time()
     count = max(1, len(counted))
     work = sum(done.ended - done.began for done in counted)
     taken = 0.0
     for worker in seen:
-        own = sorted((done for done in counted if done.worker == worker), key=lambda done: done.began)
-        taken += own[-1].began - own[0].began - sum(done.ended - done.began for done in own[:-1]) if own else 0.0
-    return Pace(count / max(over - began, 1e-9), work / count, taken / count, (spent - called) / count, median(ready))
+        chain = sorted((done for done in counted if done.worker == worker), key=lambda done: done.began)
+        taken += (
+            chain[-1].began - chain[0].began - sum(done.ended - done.began for done in chain[:-1]) if chain else 0.0
+        )
+    return Throughput(
+        count / max(counted_until - began, 1e-9), work / count, taken / count, (spent - called) / count, median(ready)
+    )
 
 
-def _prepare() -> Callable[[str], Done]:
-    known = set_up()
+def _prepare() -> Callable[[str], CompletedTask]:
+    setup = set_up()
 
-    def do(end: str) -> Done:
+    def do(end: str) -> CompletedTask:
         began = process_time()
-        verdict, _ = judge(Path(f"{end}.bml"), known, content=BLOCK.format(end).encode())
-        return Done(os.getpid(), began, process_time(), verdict)
+        verdict, _ = judge(Path(f"{end}.bml"), setup, content=BLOCK_TEMPLATE.format(end).encode())
+        return CompletedTask(os.getpid(), began, process_time(), verdict)
 
     return do
 
 
-def _idle() -> Callable[[str], Done]:
-    def do(task: str) -> Done:
+def _idle() -> Callable[[str], CompletedTask]:
+    def do(task: str) -> CompletedTask:
         now = process_time()
-        return Done(os.getpid(), now, now, None)
+        return CompletedTask(os.getpid(), now, now, None)
 
     return do
 
 
-def _fresh() -> Figure:
-    """[s] of CPU that a worker takes to begin which is no fork."""
-    text = subprocess.run([sys.executable, "-c", READY + CLOCK], stdout=subprocess.PIPE, check=True, text=True).stdout
-    return Figure("cluster.dask.begin_afresh", float(text), "s", None, "lower", "CPU, where workers are no forks")
+def _measure_start() -> Metric:
+    """Measure the CPU time [s] to start a new worker."""
+    text = subprocess.run(
+        [sys.executable, "-c", WORKER_IMPORTS + PRINT_CPU_TIME], stdout=subprocess.PIPE, check=True, text=True
+    ).stdout
+    return Metric("cluster.dask.begin_afresh", float(text), "s", None, "lower", "CPU, for workers that are not forked")

@@ -1,7 +1,8 @@
-"""Measures the twin: how much faster than real time, and how near servos come to a plan.
+"""Benchmark of the twin: simulation speed, tracking errors and clearance.
 
-The table compares plans with and without feed-forward and correction. Gain and delay of a twin are identified from the
-first document that it performs, and goals of all others lead by them; beside it stands what it does without.
+The table compares plans with and without feed-forward and correction. Gain and delay of a twin are identified from its
+first document; the setpoints of all later documents compensate for them. The same runs without identification are
+listed for comparison.
 """
 
 from collections.abc import Iterable, Iterator
@@ -12,24 +13,26 @@ from time import process_time
 
 import numpy as np
 
-from kinesic.bench.blocks import corpus_folder, passage_text, plan_corpus
-from kinesic.bench.figure import Figure
+from kinesic.bench.blocks import find_corpus, plan_corpus, write_passage
+from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Floats
-from kinesic.body.choices import Terms
-from kinesic.controller.learned_gains import learn
-from kinesic.controller.perform import dry_run, dry_runs, plan, set_up
-from kinesic.controller.performance import Performance
+from kinesic.body.choices import InvertedTerms
+from kinesic.controller.dry_run import dry_run, dry_runs
+from kinesic.controller.learned_gains import identify_servos
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import checks
-from kinesic.sim.log import log_of
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors, join_factors
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
+from kinesic.sim.log import make_log
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors, join_factors
 
-BLOCKS = 50
-HALF_A_DEGREE = pi / 360
-TWINS: tuple[tuple[str, Factors], ...] = (("nominal", NOMINAL), ("pessimistic", PESSIMISTIC))
-WRONG: tuple[tuple[str, Factors], ...] = (  # each in one way
+CORPUS_BLOCKS = 50  # number of corpus documents to perform
+HALF_A_DEGREE = pi / 360  # [rad] joint play of a loose twin
+REFERENCE_TWINS: tuple[tuple[str, Factors], ...] = (("nominal", NOMINAL_FACTORS), ("pessimistic", PESSIMISTIC_FACTORS))
+DETUNED_TWINS: tuple[tuple[str, Factors], ...] = (  # twins that each differ from nominal in one factor
     ("gain_0.5", Factors(gain=0.5)),
     ("gain_2", Factors(gain=2.0)),
     ("latency_15_ms", Factors(latency=0.015)),
@@ -41,34 +44,34 @@ WRONG: tuple[tuple[str, Factors], ...] = (  # each in one way
     ("mass_1.25", Factors(mass=1.25)),
     ("sag_0.2_ohm", Factors(resistance=0.2)),
 )
-SOFT_LATE_AND_LOOSE = Factors(gain=0.5, latency=0.015, play=HALF_A_DEGREE, resistance=0.2)
-TOGETHER: tuple[
+SOFT_LATE_LOOSE = Factors(gain=0.5, latency=0.015, play=HALF_A_DEGREE, resistance=0.2)
+WORST_TWINS: tuple[
     tuple[str, Factors], ...
-] = (  # worse than wrong in one way: all that is promised is that nothing touches
+] = (  # several wrong factors at once; only freedom from collisions is required
     ("supply_3_a", Factors(resistance=0.1, amps=3.0)),
     ("weak_and_heavy", Factors(stall=0.7, friction=2.0, armature=1.5, mass=1.25)),
-    ("soft_late_and_loose", SOFT_LATE_AND_LOOSE),
-    ("pessimistic_soft_late_and_loose", join_factors(PESSIMISTIC, SOFT_LATE_AND_LOOSE)),
+    ("soft_late_and_loose", SOFT_LATE_LOOSE),
+    ("pessimistic_soft_late_and_loose", join_factors(PESSIMISTIC_FACTORS, SOFT_LATE_LOOSE)),
 )
 
 
 @dataclass(frozen=True)
-class Help:
-    """What helps the servos to follow."""
+class TrackingAid:
+    """Combination of tracking aids: feed-forward, correction, identification."""
 
-    suffix: str  # of its figures
-    terms: Terms
+    suffix: str  # suffix of the metric names
+    terms: InvertedTerms
     correction: bool = False
-    identifies: bool = False  # gain and delay, from the first document
+    identifies: bool = False  # identifies gain and delay from the first document
 
 
-HELPS: tuple[Help, ...] = (
-    Help("", "full", correction=True, identifies=True),
-    Help("_unidentified", "full", correction=True),
-    Help("_feedforward_only", "full"),
-    Help("_without", "none"),
+TRACKING_AIDS: tuple[TrackingAid, ...] = (
+    TrackingAid("", "full", correction=True, identifies=True),
+    TrackingAid("_unidentified", "full", correction=True),
+    TrackingAid("_feedforward_only", "full"),
+    TrackingAid("_without", "none"),
 )
-GOALS: dict[str, float | None] = {  # None: only told
+METRIC_GOALS: dict[str, float | None] = {  # goals by metric; None: reported without a goal
     "rmse": 1.0,
     "p95": 2.5,
     "max": 5.0,
@@ -77,42 +80,45 @@ GOALS: dict[str, float | None] = {  # None: only told
     "stroke_max": None,
     "stroke_lost": 0.0,
 }
-UNITS = dict.fromkeys(("rmse", "p95", "max"), "deg") | {"stroke_lost": "strokes"}  # others: ms
-NEAREST, APART = "clearance", 0.0  # [mm] the only figure that is the better the higher, and the only goal of all twins
-NOMINAL_RMSE = 0.2  # [deg]
-REPETITIONS = 7
+METRIC_UNITS = dict.fromkeys(("rmse", "p95", "max"), "deg") | {
+    "stroke_lost": "strokes"
+}  # of metrics that are not in ms
+CLEARANCE_METRIC = "clearance"  # [mm] higher is better; the only goal that holds in every twin
+MIN_CLEARANCE = 0.0  # [mm] goal of the clearance in every twin
+MAX_NOMINAL_RMSE = 0.2  # [deg] goal for the nominal twin's tracking error
+PASSAGE_RUNS = 7  # number of timed dry runs of the passage
 
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Tracking and stroke errors of several performances together."""
+    """Tracking and stroke errors of several performances."""
 
-    angles: Floats  # (k,) [rad] of all moving hinges
-    strokes: Floats  # (s,) [s] to the asked time, of the strokes that were planned there and that arrived
+    angles: Floats  # (k,) [rad] absolute errors of all moving joints
+    strokes: Floats  # (s,) [s] deviation from the requested time, for strokes planned at that time that arrived
     lost: int  # strokes that never arrived
-    nearest: float  # [m] two segments came
+    min_distance: float  # [m] smallest distance between two segments
 
     @classmethod
-    def of(cls, performances: Iterable[Performance]) -> "Errors":
-        """Gathers the samples that count."""
+    def from_performances(cls, performances: Iterable[DryRun]) -> "Errors":
+        """Collect tracking and stroke errors of several performances."""
         angles: list[Floats] = []
         strokes: list[float] = []
-        lost, nearest = 0, inf
+        lost, min_distance = 0, inf
         for performance in performances:
-            nearest = min(nearest, float(performance.measured.clearance.distances.min()))
+            min_distance = min(min_distance, float(performance.measured.clearance.distances.min()))
             angles.append(np.abs(performance.errors[performance.reference.moving]))
             lags = [(sync, lag) for sync, lag in performance.lags.items() if sync.is_stroke]
             lost += sum(lag is None for _, lag in lags)
             strokes += [
-                abs(sync.planned + lag - sync.asked)
+                abs(sync.planned + lag - sync.requested)
                 for sync, lag in lags
-                if lag is not None and abs(sync.planned - sync.asked) <= SHIFT_TO_WARN
+                if lag is not None and abs(sync.planned - sync.requested) <= SHIFT_TO_WARN
             ]
-        return cls(np.concatenate(angles), np.array(strokes), lost, nearest)
+        return cls(np.concatenate(angles), np.array(strokes), lost, min_distance)
 
     @property
-    def figures(self) -> dict[str, float]:
-        """Error statistics by name, in degrees, milliseconds and counts."""
+    def metrics(self) -> dict[str, float]:
+        """Tracking and stroke error statistics by metric name."""
         degrees = np.degrees(self.angles)
         return {
             "rmse": float(np.sqrt(np.mean(degrees**2))),
@@ -122,73 +128,82 @@ class Errors:
             "stroke_p95": 1000 * float(np.percentile(self.strokes, 95)),
             "stroke_max": 1000 * float(self.strokes.max()),
             "stroke_lost": float(self.lost),
-            NEAREST: 1000 * self.nearest,
+            CLEARANCE_METRIC: 1000 * self.min_distance,
         }
 
 
-def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
-    """Measures each figure of each twin, with feed-forward and correction, with feed-forward only, and with neither.
+def tracking_metrics(setup: Setup, blocks: int = CORPUS_BLOCKS) -> list[Metric]:
+    """Measure tracking metrics for every twin and combination of tracking aids.
 
-    Only the first, whose servos are identified, has goals; it is measured in wrong twins, too, and so is the second.
+    Only the first combination, with identification, has goals. It and the second are also measured in the detuned
+    twins.
     """
-    where = corpus_folder()
-    plans = plan_corpus(where, known, blocks) if where else ()
+    folder = find_corpus()
+    plans = plan_corpus(folder, setup, blocks) if folder else ()
     why = "" if plans else "no corpus of BML documents (KINESIC_CORPUS)"
     return [
-        _figure(name, twin, given.suffix, value, why)
-        for given in HELPS
-        for twin, factors in ((*TWINS, *WRONG, *TOGETHER) if given.correction else TWINS)
-        for name, value in _figures(plans, factors, given).items()
+        _metric(name, twin, aids.suffix, value, why)
+        for aids in TRACKING_AIDS
+        for twin, factors in ((*REFERENCE_TWINS, *DETUNED_TWINS, *WORST_TWINS) if aids.correction else REFERENCE_TWINS)
+        for name, value in _metrics(plans, factors, aids).items()
     ]
 
 
-def _figures(plans: Iterable[Plan], factors: Factors, given: Help) -> dict[str, float | None]:
+def _metrics(plans: Iterable[Plan], factors: Factors, aids: TrackingAid) -> dict[str, float | None]:
     if not plans:
-        return dict.fromkeys((*GOALS, NEAREST))
-    return {**Errors.of(_performed(plans, factors, given)).figures}
+        return dict.fromkeys((*METRIC_GOALS, CLEARANCE_METRIC))
+    return {**Errors.from_performances(_perform_all(plans, factors, aids)).metrics}
 
 
-def _performed(plans: Iterable[Plan], factors: Factors, given: Help) -> Iterator[Performance]:
-    believed = NOMINAL
+def _perform_all(plans: Iterable[Plan], factors: Factors, aids: TrackingAid) -> Iterator[DryRun]:
+    believed = NOMINAL_FACTORS
     for number, planned in enumerate(plans):
-        helped = given.correction
+        corrects = aids.correction
         run = dry_run(
-            planned, twin=factors, feedforward=given.terms, correction=helped, watch=helped, believed=believed
+            planned,
+            twin=factors,
+            feedforward=aids.terms,
+            correction=corrects,
+            watch=corrects,
+            believed=believed,
         )
-        if given.identifies and number == 0:
-            believed = learn(log_of(run.measured), planned.setup.robot).believed
+        if aids.identifies and number == 0:
+            believed = identify_servos(make_log(run.measured), planned.setup.robot).estimate
         yield run
 
 
-def _figure(name: str, twin: str, kind: str, value: float | None, why: str) -> Figure:
-    if name == NEAREST:
-        return Figure(f"twin.{name}_{twin}{kind}", value, "mm", None if kind else APART, "higher", why)
-    goal = None if kind or twin in dict(TOGETHER) else GOALS[name]
+def _metric(name: str, twin: str, kind: str, value: float | None, why: str) -> Metric:
+    if name == CLEARANCE_METRIC:
+        return Metric(f"twin.{name}_{twin}{kind}", value, "mm", None if kind else MIN_CLEARANCE, "higher", why)
+    goal = None if kind or twin in dict(WORST_TWINS) else METRIC_GOALS[name]
     if (name, twin, kind) == ("rmse", "nominal", ""):
-        goal = NOMINAL_RMSE
-    return Figure(f"twin.{name}_{twin}{kind}", value, UNITS.get(name, "ms"), goal, "lower", why)
+        goal = MAX_NOMINAL_RMSE
+    return Metric(f"twin.{name}_{twin}{kind}", value, METRIC_UNITS.get(name, "ms"), goal, "lower", why)
 
 
-def bench() -> list[Figure]:
-    """Measures the passage in both twins: simulated time over feed-forward, physics and checks; then documents."""
-    known = set_up()
-    plans = [plan(passage_text(repetition), known) for repetition in range(REPETITIONS)]
-    everyone = tuple(factors for _, factors in TWINS)
-    _timed(plans[0], everyone)
-    one = [_timed(planned, everyone[:1]) for planned in plans]
-    both = [_timed(planned, everyone) for planned in plans]
+def bench() -> list[Metric]:
+    """Measure simulation speed, clearance and tracking errors of the twin.
+
+    The speed is simulated time over the CPU time of feed-forward, physics and checks, for one and for both twins.
+    """
+    setup = set_up()
+    plans = [plan(write_passage(repetition), setup) for repetition in range(PASSAGE_RUNS)]
+    all_twins = tuple(factors for _, factors in REFERENCE_TWINS)
+    _time_dry_run(plans[0], all_twins)
+    one = [_time_dry_run(planned, all_twins[:1]) for planned in plans]
+    both = [_time_dry_run(planned, all_twins) for planned in plans]
     runs = [performance for _, performances in both for performance in performances]
     clearance = min(float(performance.measured.clearance.distances.min()) for performance in runs)
     return [
-        Figure("twin.real_time", median(speed for speed, _ in one), "x", 100.0, "higher"),
-        Figure("twin.real_time_both", median(speed for speed, _ in both), "x", 60.0, "higher"),
-        Figure("twin.clearance", 1000 * clearance, "mm", 10.0, "higher"),
-        *tracking_figures(known, BLOCKS),
+        Metric("twin.real_time", median(speed_ratio for speed_ratio, _ in one), "x", 100.0, "higher"),
+        Metric("twin.real_time_both", median(speed_ratio for speed_ratio, _ in both), "x", 60.0, "higher"),
+        Metric("twin.clearance", 1000 * clearance, "mm", 10.0, "higher"),
+        *tracking_metrics(setup, CORPUS_BLOCKS),
     ]
 
 
-def _timed(planned: Plan, twins: tuple[Factors, ...]) -> tuple[float, tuple[Performance, ...]]:
-    """Simulated time over time spent, and what was performed."""
+def _time_dry_run(planned: Plan, twins: tuple[Factors, ...]) -> tuple[float, tuple[DryRun, ...]]:
+    """Perform dry runs and return their real-time factor."""
     began = process_time()
     performances = dry_runs(planned, twins)
     for performance in performances:

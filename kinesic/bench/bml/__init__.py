@@ -1,4 +1,4 @@
-"""Measures BML as others expect it: scenarios, documents, the live server and its speech."""
+"""Benchmark of BML conformance: scenarios, documents, the live server and its speech."""
 
 from collections.abc import Iterator
 
@@ -6,42 +6,44 @@ from kinesic.bench.bml.conformance import play_suite
 from kinesic.bench.bml.draft_names import judge_draft_names
 from kinesic.bench.bml.expectations import (
     ExpectationVerdict,
-    Parsing,
+    ParsingSuite,
     ReferenceSuite,
-    Scenarios,
-    expected,
-    verdict_figures,
+    ScenarioSuite,
+    read_expectations,
+    verdict_metrics,
 )
 from kinesic.bench.bml.parsing import judge_parsing, judge_references
-from kinesic.bench.figure import Figure
-from kinesic.controller.perform import set_up
+from kinesic.bench.metric import Metric
+from kinesic.session.setup import set_up
 
-SCENARIOS, DOCUMENTS, GRAMMAR = "realizertester", "openbmlparser", "syncref"  # suites, by the names of their files
-NO_CORPUS = "no expectations of this suite; KINESIC_CORPUS names the folder that holds them"
+SCENARIO_SUITE = "realizertester"  # suite names are file names in the corpus
+DOCUMENT_SUITE = "openbmlparser"
+GRAMMAR_SUITE = "syncref"
+MISSING_SUITE = "no expectations of this suite: KINESIC_CORPUS must name the folder that holds them"
 
 
-def bench() -> list[Figure]:
-    """Plays and reads every suite that is there."""
-    return [*verdict_figures(list(verdicts())), *_missing()]
+def bench() -> list[Metric]:
+    """Run every available BML suite and count met expectations."""
+    return [*verdict_metrics(list(verdicts())), *_missing()]
 
 
 def verdicts() -> Iterator[ExpectationVerdict]:
-    """Judges every expectation of all suites: of others, where they are, and our own."""
+    """Judge every expectation of kinesic's own suite and of the corpus suites."""
     yield from judge_draft_names(set_up())
-    if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
-        yield from play_suite(SCENARIOS, *scenarios, set_up())
-    if (documents := expected(DOCUMENTS, Parsing)) is not None:
-        yield from judge_parsing(DOCUMENTS, *documents)
-    if (grammar := expected(GRAMMAR, ReferenceSuite)) is not None:
-        yield from judge_references(GRAMMAR, grammar[1])
+    if (scenarios := read_expectations(SCENARIO_SUITE, ScenarioSuite)) is not None:
+        yield from play_suite(SCENARIO_SUITE, *scenarios, set_up())
+    if (documents := read_expectations(DOCUMENT_SUITE, ParsingSuite)) is not None:
+        yield from judge_parsing(DOCUMENT_SUITE, *documents)
+    if (grammar := read_expectations(GRAMMAR_SUITE, ReferenceSuite)) is not None:
+        yield from judge_references(GRAMMAR_SUITE, grammar[1])
 
 
-def _missing() -> Iterator[Figure]:
-    found = {
-        SCENARIOS: expected(SCENARIOS, Scenarios),
-        DOCUMENTS: expected(DOCUMENTS, Parsing),
-        GRAMMAR: expected(GRAMMAR, ReferenceSuite),
+def _missing() -> Iterator[Metric]:
+    suites = {
+        SCENARIO_SUITE: read_expectations(SCENARIO_SUITE, ScenarioSuite),
+        DOCUMENT_SUITE: read_expectations(DOCUMENT_SUITE, ParsingSuite),
+        GRAMMAR_SUITE: read_expectations(GRAMMAR_SUITE, ReferenceSuite),
     }
-    for suite, there in found.items():
-        if there is None:
-            yield Figure(f"bml.{suite}.passed", None, "expectations", None, "higher", NO_CORPUS)
+    for suite, expectations in suites.items():
+        if expectations is None:
+            yield Metric(f"bml.{suite}.passed", None, "expectations", None, "higher", MISSING_SUITE)

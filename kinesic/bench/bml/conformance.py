@@ -1,6 +1,6 @@
-"""Plays scenarios of a conformance suite in virtual time: sends documents, checks feedback.
+"""Conformance scenarios in virtual time: send documents and check the feedback.
 
-Targets that documents look or point at, and that the robot does not know, are put into a targets file of our own.
+Targets that documents use but the robot lacks are defined in a generated targets file.
 """
 
 import tempfile
@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
-from kinesic.bench.bml.expectations import ExpectationVerdict, Scenario, Scenarios, Step
+from kinesic.bench.bml.expectations import ExpectationVerdict, Scenario, ScenarioSuite, Step
 from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage
 from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
 from kinesic.bml.parse import parse
@@ -17,35 +17,42 @@ from kinesic.body.arrays import Floats
 from kinesic.expressivity.context import read_targets
 from kinesic.planning.setup import Setup
 
-DRAFT = "draft"  # what suites in the draft's dialect begin with
-NEAR = (1.5, 0.4, 1.2)  # [m] where a target is put that is nowhere else
-APART = 0.1  # [m] from one to the next
+DRAFT_PREFIX = "draft"  # prefix of suites in the draft's dialect
+FIRST_TARGET = (1.5, 0.4, 1.2)  # [m] position of the first generated target
+TARGET_SPACING = 0.1  # [m] distance between generated targets
 
 Check = Callable[[Step, Feedback], str]
 
 
-def play_suite(suite: str, where: Path, expected: Scenarios, setup: Setup) -> Iterator[ExpectationVerdict]:
-    """Plays every scenario; its suite's name says which dialect it is in, and the draft's is read strictly.
+def play_suite(suite: str, folder: Path, expected: ScenarioSuite, setup: Setup) -> Iterator[ExpectationVerdict]:
+    """Play every scenario and yield its verdict.
+
+    The scenario's name contains its dialect; drafts are read strictly.
 
     Args:
-        suite: name of all of them.
-        where: folder of the documents.
-        expected: scenarios and what is expected.
-        setup: of the robot that performs.
+        suite: name of the suite.
+        folder: folder of the documents.
+        expected: scenarios with their expectations.
+        setup: robot, style and options.
     """
-    texts = [(where / name).read_bytes() for name, users in expected.documents.items() if users]
-    known = replace(setup, targets={**setup.targets, **place_targets(texts, setup)})
+    texts = [(folder / name).read_bytes() for name, users in expected.documents.items() if users]
+    extended_setup = replace(setup, targets={**setup.targets, **place_targets(texts, setup)})
     for name, scenario in expected.scenarios.items():
         dialect, _, test = name.partition("/")
-        reads = replace(known, dialect="draft") if dialect.startswith(DRAFT) else known
-        yield ExpectationVerdict(suite, f"{dialect}.{test}", _play(scenario, where, expected, reads))
+        scenario_setup = (
+            replace(extended_setup, dialect="draft") if dialect.startswith(DRAFT_PREFIX) else extended_setup
+        )
+        yield ExpectationVerdict(suite, f"{dialect}.{test}", _play(scenario, folder, expected, scenario_setup))
 
 
 def place_targets(texts: list[bytes], setup: Setup) -> Mapping[str, Floats]:
-    """Gives targets that documents name and the robot has not a place in the world, (3,) [m], by a targets file."""
+    """Return world positions (3,) [m] of targets missing in the robot file.
+
+    They are read from a generated targets file.
+    """
     names = sorted({name for text in texts for name in _targets(text)} - setup.robot.targets.keys())
-    x, y, z = NEAR
-    lines = [f'"{name}" = [{x}, {y - APART * k}, {z}]' for k, name in enumerate(names)]
+    x, y, z = FIRST_TARGET
+    lines = [f'"{name}" = [{x}, {y - TARGET_SPACING * k}, {z}]' for k, name in enumerate(names)]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "targets.toml"
         file.write_text("\n".join(lines), encoding="utf-8")
@@ -63,23 +70,26 @@ def _targets(text: bytes) -> Iterator[str]:
             yield action.target
 
 
-def _play(scenario: Scenario, where: Path, expected: Scenarios, setup: Setup) -> str:
-    """Why a scenario fails; empty when it passes."""
+def _play(scenario: Scenario, folder: Path, expected: ScenarioSuite, setup: Setup) -> str:
+    """Play a scenario and return the reason of its failure.
+
+    The result is empty if it passes.
+    """
     realizer = Realizer(setup)
     for step in scenario.steps:
-        why = _check(step, realizer.feedback) if step.check else _do(step, realizer, where, expected.timeout)
+        why = _check(step, realizer.feedback) if step.check else _do(step, realizer, folder, expected.timeout)
         if why:
             return why
     return ""
 
 
-def _do(step: Step, realizer: Realizer, where: Path, timeout: float) -> str:
+def _do(step: Step, realizer: Realizer, folder: Path, timeout: float) -> str:
     match step.do:
         case "send":
             if step.inline_block is not None:
                 realizer.send(tostring(Element("bml", step.inline_block)), source="<inline>")
             else:
-                realizer.send((where / step.document).read_bytes(), source=step.document)
+                realizer.send((folder / step.document).read_bytes(), source=step.document)
         case "sleep":
             realizer.wait(step.seconds)
         case "clear_feedback":
@@ -91,57 +101,57 @@ def _do(step: Step, realizer: Realizer, where: Path, timeout: float) -> str:
             if not realizer.wait_until(lambda feedback: feedback.sync_time(step.sync) is not None, timeout=timeout):
                 return f"{step.sync} is not reported within {timeout:g} s"
         case _:
-            return f"'{step.do}' is nothing that can be done"
+            return f"'{step.do}' is not a known action"
     return ""
 
 
 def _check(step: Step, feedback: Feedback) -> str:
-    check = CHECKS.get(step.check)
-    return f"'{step.check}' is no check" if check is None else check(step, feedback)
+    check = CHECK_FUNCTIONS.get(step.check)
+    return f"'{step.check}' is not a known check" if check is None else check(step, feedback)
 
 
-def _failures(feedback: Feedback) -> list[ReceivedMessage]:
-    """Messages that something cannot be as asked; drafts call them exceptions, BML 1.0 warnings."""
+def _list_warnings(feedback: Feedback) -> list[ReceivedMessage]:
+    """Return the warnings (exceptions in BML drafts) of some feedback."""
     return feedback.of("warningFeedback")
 
 
-def _none(step: Step, feedback: Feedback) -> str:
-    found = _failures(feedback)
-    said = "; ".join(f"{message.id}: {message.text}" for message in found)
-    return "" if len(found) == step.count else f"{len(found)} {step.check}, not {step.count}: {said}"
+def _check_count(step: Step, feedback: Feedback) -> str:
+    warnings = _list_warnings(feedback)
+    texts = "; ".join(f"{message.id}: {message.text}" for message in warnings)
+    return "" if len(warnings) == step.count else f"{len(warnings)} {step.check}, not {step.count}: {texts}"
 
 
-def _duplicates(_: Step, feedback: Feedback) -> str:
+def _check_duplicates(_: Step, feedback: Feedback) -> str:
     return "".join(f"reported more than once: {', '.join(again)}" for again in (feedback.repeated(),) if again)
 
 
-def _blocks(step: Step, feedback: Feedback) -> str:
-    for point, wanted in (("start", step.started), ("end", step.ended)):
-        if feedback.blocks(point) != list(wanted):
-            return f"{point} of blocks {feedback.blocks(point)}, not {list(wanted)}"
+def _check_blocks(step: Step, feedback: Feedback) -> str:
+    for point, expected in (("start", step.started), ("end", step.ended)):
+        if feedback.blocks(point) != list(expected):
+            return f"{point} of blocks {feedback.blocks(point)}, not {list(expected)}"
     return ""
 
 
-def _order(step: Step, feedback: Feedback) -> str:
-    found = feedback.syncs(step.behaviour)
-    left = iter(found)
-    missing = [sync for sync in step.syncs if sync not in left]
-    return f"{step.behaviour}: {missing[0]} is missing, or out of order, in {found}" if missing else ""
+def _check_order(step: Step, feedback: Feedback) -> str:
+    reported = feedback.syncs(step.behaviour)
+    remaining = iter(reported)
+    missing = [sync for sync in step.syncs if sync not in remaining]
+    return f"{step.behaviour}: {missing[0]} is missing, or out of order, in {reported}" if missing else ""
 
 
-def _time(step: Step, feedback: Feedback) -> str:
-    found = feedback.sync_time(step.sync)
-    if found is None:
+def _check_time(step: Step, feedback: Feedback) -> str:
+    time = feedback.sync_time(step.sync)
+    if time is None:
         return f"{step.sync} was not reported"
-    holds = {
-        "sync_time": abs(found - step.time) <= (step.tolerance or 0.0),
-        "sync_before_time": found < step.time,
-        "sync_after_time": found > step.time,
+    is_met = {
+        "sync_time": abs(time - step.time) <= (step.tolerance or 0.0),
+        "sync_before_time": time < step.time,
+        "sync_after_time": time > step.time,
     }[step.check]
-    return "" if holds else f"{step.sync} at {found:.3f} s, {step.check} {step.time:g} s"
+    return "" if is_met else f"{step.sync} at {time:.3f} s, {step.check} {step.time:g} s"
 
 
-def _coincide(step: Step, feedback: Feedback) -> str:
+def _check_coincidence(step: Step, feedback: Feedback) -> str:
     a, b = feedback.sync_time(step.a), feedback.sync_time(step.b)
     if a is None or b is None:
         return f"{step.a if a is None else step.b} was not reported"
@@ -149,7 +159,7 @@ def _coincide(step: Step, feedback: Feedback) -> str:
     return "" if gap <= (step.tolerance or 0.0) else f"{step.a} and {step.b} are {gap:.3f} s apart"
 
 
-def _succeeds(step: Step, feedback: Feedback) -> str:
+def _check_succession(step: Step, feedback: Feedback) -> str:
     start, end = feedback.block_time(step.start_of, "start"), feedback.block_time(step.end_of, "end")
     if start is None or end is None:
         return f"start of {step.start_of} or end of {step.end_of} was not reported"
@@ -157,40 +167,40 @@ def _succeeds(step: Step, feedback: Feedback) -> str:
     return "" if abs(gap) <= (step.tolerance or 0.0) else f"{step.start_of} starts {gap:.3f} s after {step.end_of} ends"
 
 
-def _lasts(step: Step, feedback: Feedback) -> str:
+def _check_duration(step: Step, feedback: Feedback) -> str:
     start, end = feedback.block_time(step.block, "start"), feedback.block_time(step.block, "end")
     return "" if start is not None and end is not None and end > start else f"{step.block}: {start} to {end} s"
 
 
-def _not_negative(_: Step, feedback: Feedback) -> str:
+def _check_not_negative(_: Step, feedback: Feedback) -> str:
     early = [message.id for message in feedback.of("syncPointProgress") if message.time < 0.0]
     return f"before the start of their block: {', '.join(early)}" if early else ""
 
 
-def _one_named(step: Step, feedback: Feedback) -> str:
-    found = [message.id for message in _failures(feedback)]
-    return "" if len(found) == 1 and found[0] in step.among else f"{found} named, not one of {list(step.among)}"
+def _check_one_named(step: Step, feedback: Feedback) -> str:
+    names = [message.id for message in _list_warnings(feedback)]
+    return "" if len(names) == 1 and names[0] in step.among else f"{names} named, not one of {list(step.among)}"
 
 
-def _either(step: Step, feedback: Feedback) -> str:
-    named = [message.id for message in _failures(feedback)]
+def _check_alternatives(step: Step, feedback: Feedback) -> str:
+    named = [message.id for message in _list_warnings(feedback)]
     steps = (then for case in step.cases if case.when_named in named for then in case.then)
     return next(filter(None, (_check(then, feedback) for then in steps)), "")
 
 
-CHECKS: Mapping[str, Check] = {
-    "exceptions": _none,
-    "warnings": _none,
-    "no_duplicate_feedback": _duplicates,
-    "blocks": _blocks,
-    "sync_order": _order,
-    "sync_time": _time,
-    "sync_before_time": _time,
-    "sync_after_time": _time,
-    "syncs_coincide": _coincide,
-    "block_starts_when_block_ends": _succeeds,
-    "block_duration_positive": _lasts,
-    "sync_times_not_negative": _not_negative,
-    "one_behaviour_named": _one_named,
-    "either": _either,
+CHECK_FUNCTIONS: Mapping[str, Check] = {
+    "exceptions": _check_count,
+    "warnings": _check_count,
+    "no_duplicate_feedback": _check_duplicates,
+    "blocks": _check_blocks,
+    "sync_order": _check_order,
+    "sync_time": _check_time,
+    "sync_before_time": _check_time,
+    "sync_after_time": _check_time,
+    "syncs_coincide": _check_coincidence,
+    "block_starts_when_block_ends": _check_succession,
+    "block_duration_positive": _check_duration,
+    "sync_times_not_negative": _check_not_negative,
+    "one_behaviour_named": _check_one_named,
+    "either": _check_alternatives,
 }

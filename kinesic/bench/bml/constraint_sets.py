@@ -1,7 +1,9 @@
-"""What a block asks for in the form of the reference parser: classes of equal times, and orders.
+"""Time constraints of a block, grouped as by the reference parser.
 
-Construction: OpenBMLParser (facts: BML 1.0, 2.5). Equalities are united over shared points of behaviours, with their
-offsets; the start of the block alone unites nothing.
+Classes of equal times and orders.
+
+Construction: OpenBMLParser (BML 1.0, 2.5). Equalities with a sync point in common are merged with their offsets; the
+    start of the block alone merges nothing.
 """
 
 from collections.abc import Mapping
@@ -9,15 +11,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from kinesic.bml.block import Block, Precedence
-from kinesic.bml.timing.constraints import Point, Tie, point_of, ties
+from kinesic.bml.timing.constraints import Equality, Point, find_equalities, get_point
 from kinesic.bml.timing.network import Potentials
 
-Equals = Mapping[Point, float]  # time(point) + offset is one time for all
+TimeClass = Mapping[Point, float]  # time(point) + offset is the same for all points of a class
 
 
 @dataclass(frozen=True)
-class After:
-    """time(point) is at most time(target) + offset, for each target."""
+class OrderConstraint:
+    """Time order of sync points: time(point) <= time(target) + offset."""
 
     point: Point
     targets: tuple[tuple[Point, float], ...]
@@ -25,46 +27,52 @@ class After:
 
 @dataclass(frozen=True)
 class Constraints:
-    """Classes and orders of a block, those from `required` parts apart as well."""
+    """Sets of simultaneous sync points, and time orders, of one block.
+
+    Those from `required` parts of the block are also listed separately.
+    """
 
     block: str
-    classes: tuple[Equals, ...]
-    required_classes: tuple[Equals, ...]
-    afters: tuple[After, ...]
-    required_afters: tuple[After, ...]
+    classes: tuple[TimeClass, ...]
+    required_classes: tuple[TimeClass, ...]
+    afters: tuple[OrderConstraint, ...]
+    required_afters: tuple[OrderConstraint, ...]
 
     def directly_linked(self, one: str, other: str) -> bool:
-        """Whether two behaviours share a class."""
+        """Return whether a constraint links two behaviours' sync points at fixed offsets."""
         return other in self._neighbours(one)
 
     def connected(self, one: str, other: str) -> bool:
-        """Whether a chain of classes leads from one behaviour to the other."""
-        return other in self._reached(one)
+        """Return whether a chain of constraints connects two behaviours."""
+        return other in self._connected_behaviours(one)
 
     def directly_grounded(self, behaviour: str) -> bool:
-        """Whether a class of the behaviour contains the start of the block."""
+        """Return whether a behaviour is tied to the block's start."""
         return any(self._start in self.classes[index] for index in self._classes_of.get(behaviour, ()))
 
     def directly_after_grounded(self, behaviour: str) -> bool:
-        """Whether the behaviour must come after a time of the block."""
+        """Return whether the behaviour must come after a given block time."""
         targets = (target for after in self.afters if after.point == self._start for target, _ in after.targets)
         return any((target.block, target.behaviour) == (self.block, behaviour) for target in targets)
 
     def grounded(self, behaviour: str) -> bool:
-        """Whether the behaviour is connected to one that is directly grounded."""
-        return any(self.directly_grounded(other) for other in self._reached(behaviour))
+        """Return whether constraints connect the behaviour to the block's start."""
+        return any(self.directly_grounded(other) for other in self._connected_behaviours(behaviour))
 
     def ungrounded_loops(self, behaviour: str) -> list[list[str]]:
-        """Shortest ways from a behaviour over several classes back to it, where no other behaviour is grounded."""
-        found: dict[frozenset[str], list[str]] = {}
+        """Return shortest constraint loops of a behaviour without a fixed time."""
+        loops: dict[frozenset[str], list[str]] = {}
         for index in self._classes_of.get(behaviour, ()):
             for other in self._members[index]:
-                if other != behaviour and (way := self._way(other, behaviour, without=index)) is not None:
-                    found.setdefault(frozenset(way), way)
-        return list(found.values())
+                if (
+                    other != behaviour
+                    and (path := self._find_shortest_path(other, behaviour, excluded_class=index)) is not None
+                ):
+                    loops.setdefault(frozenset(path), path)
+        return list(loops.values())
 
-    def blocks(self) -> frozenset[str]:
-        """Other blocks that are referred to."""
+    def referenced_blocks(self) -> frozenset[str]:
+        """Return the ids of other blocks that this block refers to."""
         points = [point for group in self.classes for point in group]
         points += [point for after in self.afters for point in (after.point, *(target for target, _ in after.targets))]
         return frozenset(point.block for point in points) - {self.block}
@@ -91,7 +99,7 @@ class Constraints:
     def _neighbours(self, behaviour: str) -> set[str]:
         return {other for index in self._classes_of.get(behaviour, ()) for other in self._members[index]}
 
-    def _reached(self, behaviour: str) -> set[str]:
+    def _connected_behaviours(self, behaviour: str) -> set[str]:
         reached, fringe = {behaviour}, [behaviour]
         while fringe:
             new = self._neighbours(fringe.pop()) - reached
@@ -99,58 +107,65 @@ class Constraints:
             fringe += new
         return reached
 
-    def _way(self, start: str, goal: str, *, without: int) -> list[str] | None:
-        """Behaviours on a shortest way that avoids a class and grounded behaviours, the goal left out."""
+    def _find_shortest_path(self, start: str, goal: str, *, excluded_class: int) -> list[str] | None:
+        """Find a shortest constraint path that avoids a set and grounded behaviours.
+
+        Returns:
+            Behaviours of the path without the goal; None if there is no path.
+        """
         before: dict[str, str | None] = {start: None}
         fringe = [start]
-        for behaviour in fringe:  # grows while it is walked: breadth first
+        for behaviour in fringe:  # grows during the iteration: breadth-first search
             if self.directly_grounded(behaviour):
                 continue
             for index in self._classes_of[behaviour]:
-                for other in self._members[index] if index != without else ():
+                for other in self._members[index] if index != excluded_class else ():
                     if other == goal:
-                        return _back(behaviour, before)
+                        return _trace_back(behaviour, before)
                     if other not in before:
                         before[other] = behaviour
                         fringe.append(other)
         return None
 
 
-def _back(behaviour: str, before: Mapping[str, str | None]) -> list[str]:
-    way = []
+def _trace_back(behaviour: str, before: Mapping[str, str | None]) -> list[str]:
+    path = []
     step: str | None = behaviour
     while step is not None:
-        way.append(step)
+        path.append(step)
         step = before[step]
-    return way[::-1]
+    return path[::-1]
 
 
-def constraints_of(block: Block) -> Constraints:
-    """Collects what a block asks for. Equalities that contradict earlier ones are left to the schedule."""
-    every = list(ties(block))
+def collect_constraints(block: Block) -> Constraints:
+    """Collect the time constraints of a block.
+
+    Equalities that contradict earlier ones are left to the schedule.
+    """
+    all_ties = list(find_equalities(block))
     orders = [constraint for constraint in block.constraints if isinstance(constraint, Precedence)]
     return Constraints(
         block=block.id,
-        classes=_classes(block.id, every),
-        required_classes=_classes(block.id, [tie for tie in every if tie.required]),
+        classes=_classes(block.id, all_ties),
+        required_classes=_classes(block.id, [equality for equality in all_ties if equality.required]),
         afters=_afters(orders),
         required_afters=_afters([order for order in orders if order.required]),
     )
 
 
-def _classes(block: str, every: list[Tie]) -> tuple[Equals, ...]:
+def _classes(block: str, all_ties: list[Equality]) -> tuple[TimeClass, ...]:
     potentials = Potentials()
     start = Point(block, "bml", "start")
-    absolute: list[tuple[Point, float]] = []  # (point, its time)
-    for tie in every:
-        left, right = point_of(tie.left), point_of(tie.right)
-        gap = tie.right.offset - tie.left.offset
+    absolute: list[tuple[Point, float]] = []  # points with absolute block times
+    for equality in all_ties:
+        left, right = get_point(equality.left), get_point(equality.right)
+        gap = equality.right.offset - equality.left.offset
         if right == start:
             potentials.find(left)
             absolute.append((left, gap))
         else:
             potentials.join(left, right, gap)
-    classes = [{point: 0.0 - gap for point, gap in group.items()} for group in potentials.classes()]
+    classes = [{point: 0.0 - gap for point, gap in group.items()} for group in potentials.list_sets()]
     for point, time in absolute:
         for group in classes:
             if point in group:
@@ -158,9 +173,9 @@ def _classes(block: str, every: list[Tie]) -> tuple[Equals, ...]:
     return tuple(classes)
 
 
-def _afters(orders: list[Precedence]) -> tuple[After, ...]:
+def _afters(orders: list[Precedence]) -> tuple[OrderConstraint, ...]:
     targets: dict[Point, list[tuple[Point, float]]] = {}
     for order in orders:
-        later = targets.setdefault(point_of(order.earlier), [])
-        later += [(point_of(ref), ref.offset - order.earlier.offset) for ref in order.later]
-    return tuple(After(point, tuple(later)) for point, later in targets.items())
+        later = targets.setdefault(get_point(order.earlier), [])
+        later += [(get_point(ref), ref.offset - order.earlier.offset) for ref in order.later]
+    return tuple(OrderConstraint(point, tuple(later)) for point, later in targets.items())

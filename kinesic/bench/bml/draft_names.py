@@ -1,4 +1,7 @@
-"""Plays documents in the words of drafts and dialects: sync points in other spellings come when they are asked for."""
+"""Scenarios with draft and dialect spellings of sync points.
+
+Each sync point must come at its requested time.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -7,26 +10,26 @@ from kinesic.bench.bml.expectations import ExpectationVerdict
 from kinesic.bench.bml.virtual_realizer import Realizer
 from kinesic.planning.setup import Setup
 
-SUITE = "draft_names"
-NEAR = 0.1  # [s] from when a sync point was asked for, as the scenarios of others allow
-LONGEST = 60.0  # [s] in which a scenario is over
+SUITE_NAME = "draft_names"
+TIME_TOLERANCE = 0.1  # [s] allowed deviation of a sync point, as in the third-party scenarios
+SCENARIO_TIMEOUT = 60.0  # [s] virtual time after which a scenario fails
 
 
 @dataclass(frozen=True)
 class DraftScenario:
-    """A block, and when sync points of it are expected."""
+    """A block and the expected times of its sync points."""
 
-    inside: str  # of <bml id="b">
-    times: Mapping[str, float]  # "behaviour:sync" in BML 1.0's name -> [s] block time
-    head: str = ""  # more attributes of the <bml>
-    strict: bool = False  # read as the strict draft
+    content: str  # content of <bml id="b">
+    times: Mapping[str, float]  # "behaviour:sync" by BML 1.0's names -> block time [s]
+    attributes: str = ""  # further attributes of <bml>
+    strict: bool = False  # read as a strict draft
 
 
 _SPEECH = (
     '<speech id="s" {}="1"><text>Hello there, my dear friend</text></speech><head id="h" lexeme="NOD" start="s:{}"/>'
 )
 
-SCENARIOS: Mapping[str, DraftScenario] = {
+DRAFT_SCENARIOS: Mapping[str, DraftScenario] = {
     "stroke_start": DraftScenario('<gesture id="g" type="beat" stroke_start="2.0"/>', {"g:strokeStart": 2.0}),
     "stroke-start": DraftScenario('<gesture id="g" type="beat" stroke-start="2.0"/>', {"g:strokeStart": 2.0}),
     "stroke_end": DraftScenario(
@@ -61,7 +64,7 @@ SCENARIOS: Mapping[str, DraftScenario] = {
             f'<face id="f{k}" type="smile" stroke_start="{t}" stroke_end="{t + 2}"/>' for k, t in enumerate((0, 4, 8))
         ),
         {"f1:attackPeak": 4.0, "f2:attackPeak": 8.0},
-        head=' agent="Amber"',
+        attributes=' agent="Amber"',
     ),
     "references": DraftScenario(
         '<gesture id="g" lexeme="offer" stroke_start="2" stroke_end="2.6"/>'
@@ -78,32 +81,35 @@ SCENARIOS: Mapping[str, DraftScenario] = {
     "strict": DraftScenario(
         '<gesture id="g" type="beat" stroke_start="2.0"/><head id="h" type="NOD" stroke="g:stroke_start"/>',
         {"g:strokeStart": 2.0, "h:stroke": 2.0},
-        head=' xmlns="http://www.mindmakers.org/projects/BML"',
+        attributes=' xmlns="http://www.mindmakers.org/projects/BML"',
         strict=True,
     ),
 }
 
 
 def judge_draft_names(setup: Setup) -> Iterator[ExpectationVerdict]:
-    """Plays every scenario in virtual time.
+    """Play every draft-spelling scenario in virtual time and yield its verdict.
 
     Args:
-        setup: of the robot that performs.
+        setup: robot, style and options.
     """
-    for name, scenario in SCENARIOS.items():
-        known = replace(setup, dialect="draft") if scenario.strict else setup
-        yield ExpectationVerdict(SUITE, name, judge_scenario(scenario, known))
+    for name, scenario in DRAFT_SCENARIOS.items():
+        scenario_setup = replace(setup, dialect="draft") if scenario.strict else setup
+        yield ExpectationVerdict(SUITE_NAME, name, judge_scenario(scenario, scenario_setup))
 
 
 def judge_scenario(scenario: DraftScenario, setup: Setup) -> str:
-    """Says what comes at another time than it is expected; empty where all is as it is asked."""
+    """Play a block and describe its sync points with wrong times.
+
+    The result is empty if all are right.
+    """
     realizer = Realizer(setup)
-    realizer.send(f'<bml id="b"{scenario.head}>{scenario.inside}</bml>')
-    realizer.wait_until(lambda feedback: "b" in feedback.blocks("end"), timeout=LONGEST)
-    found = {sync: realizer.feedback.sync_time(f"b:{sync}") for sync in scenario.times}
+    realizer.send(f'<bml id="b"{scenario.attributes}>{scenario.content}</bml>')
+    realizer.wait_until(lambda feedback: "b" in feedback.blocks("end"), timeout=SCENARIO_TIMEOUT)
+    times = {sync: realizer.feedback.sync_time(f"b:{sync}") for sync in scenario.times}
     wrong = [
-        f"{sync} {'never' if found[sync] is None else f'at {found[sync]:.3f} s'}, not at {time:g} s"
+        f"{sync} {'never' if times[sync] is None else f'at {times[sync]:.3f} s'}, not at {time:g} s"
         for sync, time in scenario.times.items()
-        if (at := found[sync]) is None or abs(at - time) > NEAR
+        if (actual := times[sync]) is None or abs(actual - time) > TIME_TOLERANCE
     ]
     return "; ".join(wrong)

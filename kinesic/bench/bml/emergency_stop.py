@@ -1,11 +1,10 @@
-"""The emergency stop under floods: when it is acknowledged, and when the goals are still.
+"""Benchmark of the emergency stop under floods: delay until acknowledgement and standstill.
 
-The server runs in a process of its own and the flood in another. An operator stops a moving robot again and again: by a
-connection that is there, by a new one, by WebSocket, by standard input, by a stop line.
+The server and the flood run in processes of their own. An operator stops a moving robot repeatedly: by an open
+connection, by a new one, by WebSocket, by standard input and by a stop line.
 """
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -24,36 +23,39 @@ from websockets.sync.client import connect
 
 from kinesic.bench.bml import flood, witnessed_server
 from kinesic.bench.bml.witnessed_server import read_goals
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.body.robot import Robot
 from kinesic.client import Client, StopLine
+from kinesic.host import processor_load
 
-BLOCK = '<bml id="{}"><gesture id="l" lexeme="BEAT" mode="LEFT_HAND" start="0"/><gesture id="r" lexeme="BEAT" ' + (
-    'mode="RIGHT_HAND" start="0"/><head id="h" lexeme="NOD" start="0"/></bml>'
+BLOCK_TEMPLATE = (
+    '<bml id="{}"><gesture id="l" lexeme="BEAT" mode="LEFT_HAND" start="0"/><gesture id="r" lexeme="BEAT" '
+    + ('mode="RIGHT_HAND" start="0"/><head id="h" lexeme="NOD" start="0"/></bml>')
 )
-STOP = '{"do": "stop"}'
-IDLE = "idle"
-ACKNOWLEDGED, STILL = 50.0, 150.0  # [ms] at most
-STOPS = 24  # of the bench, for each flood; more are asked for by `measure_stops`
-QUIET = 0.35  # [s] after which goals are looked at
-TICK = 2.0 * np.pi / 4096.0  # [rad] by which a goal of a servo can change at all
-MOVING = 0.01  # [rad] in two commands: half a radian a second
-STARTING = 3.0  # [s] that a motion is waited for
-PATIENCE = 30.0  # [s]
-RISING = 1.0  # [s] until a flood is one
+STOP_MESSAGE = '{"do": "stop"}'
+NO_FLOOD = "idle"  # name of the measurement without a flood
+MAX_ACKNOWLEDGE_DELAY = 50.0  # [ms] 99th percentile from a stop to its acknowledgement
+MAX_STILL_DELAY = 150.0  # [ms] 99th percentile from a stop to standstill
+STOPS_PER_FLOOD = 24  # stops per flood in the benchmark
+SETTLING_TIME = 0.35  # [s] wait after a stop before goals are read
+GOAL_RESOLUTION = 2.0 * np.pi / 4096.0  # [rad] resolution of a servo's goal
+MOTION_THRESHOLD = 0.01  # [rad] goal change within two commands that counts as motion: half a radian per second
+MOTION_TIMEOUT = 3.0  # [s] time limit for a motion to start
+ACKNOWLEDGE_TIMEOUT = 30.0  # [s] time limit of an acknowledgement
+FLOOD_START_TIME = 1.0  # [s] wait after a flood starts, before the first stop
 
 
 @dataclass(frozen=True)
-class Stopping:
-    """What came of one emergency stop, from when it was sent [ms]."""
+class StopDelay:
+    """Delays of one emergency stop after it was sent [ms]."""
 
     acknowledged: float
-    still: float | None  # when the last goal came that was not the final one; None: nothing moved
+    still: float | None  # until the last goal that differs from the final one; None: nothing moved
 
 
 @dataclass(frozen=True, eq=False)
 class WatchedServer:
-    """A server that writes its goals down."""
+    """Server process that records the servo goals which it sends."""
 
     process: subprocess.Popen[str]
     port: int
@@ -61,34 +63,37 @@ class WatchedServer:
     joints: int
 
     def is_moving(self) -> bool:
-        """Whether goals have just changed."""
+        """Return whether the servo goals changed in the last commands."""
         last = read_goals(self.goals, self.joints, 3)[:, 1:]
-        return len(last) == 3 and float(np.abs(last[-1] - last[0]).max()) > MOVING
+        return len(last) == 3 and float(np.abs(last[-1] - last[0]).max()) > MOTION_THRESHOLD
 
 
-def bench() -> list[Figure]:
-    """Stops without a flood and under each."""
-    found = []
-    for name in (IDLE, *flood.FLOODS):
+def bench() -> list[Metric]:
+    """Measure emergency-stop delays without and under each network flood."""
+    metrics = []
+    for name in (NO_FLOOD, *flood.FLOOD_FUNCTIONS):
         with watched_server() as server:
-            found += stop_figures(name, measure_stops(server, name, STOPS))
-    return found
+            metrics += stop_metrics(name, measure_stops(server, name, STOPS_PER_FLOOD))
+    return metrics
 
 
-def stop_figures(name: str, stops: list[Stopping]) -> list[Figure]:
-    """The worst hundredth of stops under a flood, beside the goals."""
-    acknowledged = [each.acknowledged for each in stops]
-    still = [each.still for each in stops if each.still is not None]
-    load = f"load {os.getloadavg()[0]:.1f}"
+def stop_metrics(name: str, stops: list[StopDelay]) -> list[Metric]:
+    """Return 99th percentiles of emergency-stop delays under a flood."""
+    acknowledged = [stop.acknowledged for stop in stops]
+    still = [stop.still for stop in stops if stop.still is not None]
+    load = f"load {processor_load():.1f}"
     return [
-        _p99(f"bml.stop.acknowledged_p99.{name}", acknowledged, ACKNOWLEDGED, load),
-        _p99(f"bml.stop.still_p99.{name}", still, STILL, load),
+        _p99(f"bml.stop.acknowledged_p99.{name}", acknowledged, MAX_ACKNOWLEDGE_DELAY, load),
+        _p99(f"bml.stop.still_p99.{name}", still, MAX_STILL_DELAY, load),
     ]
 
 
 @contextmanager
 def watched_server() -> Iterator[WatchedServer]:
-    """Opens a server on a free port; it is killed at the end."""
+    """Start a recording server on a free port.
+
+    Kill it on exit.
+    """
     joints = len(Robot.load("upper22").skeleton.rest)
     with TemporaryDirectory() as folder:
         goals = Path(folder) / "goals"
@@ -103,51 +108,51 @@ def watched_server() -> Iterator[WatchedServer]:
 
 @contextmanager
 def flooding(name: str, port: int) -> Iterator[None]:
-    """Floods a server meanwhile."""
-    if name == IDLE:
+    """Flood a server with requests while the context is open."""
+    if name == NO_FLOOD:
         yield
         return
     with subprocess.Popen([sys.executable, flood.__file__, name, str(port)]) as process:
         try:
-            sleep(RISING)
+            sleep(FLOOD_START_TIME)
             yield
         finally:
             process.kill()
 
 
-def measure_stops(server: WatchedServer, name: str, stops: int) -> list[Stopping]:
-    """Stops the moving robot so many times under a flood, each time in another way."""
-    random, numbers, found = Random(7), count(), list[Stopping]()
-    with Client(port=server.port) as client, _ways(server) as ways, flooding(name, server.port):
+def measure_stops(server: WatchedServer, name: str, stops: int) -> list[StopDelay]:
+    """Stop the moving robot repeatedly, alternating between the stop channels."""
+    random, numbers, delays = Random(7), count(), list[StopDelay]()
+    with Client(port=server.port) as client, _open_channels(server) as channels, flooding(name, server.port):
         for k in range(stops):
             client.do("resume")
-            client.send(BLOCK.format(f"moves{next(numbers)}"))
-            end = monotonic() + STARTING
+            client.send(BLOCK_TEMPLATE.format(f"moves{next(numbers)}"))
+            end = monotonic() + MOTION_TIMEOUT
             while not server.is_moving() and monotonic() < end:
                 sleep(0.01)
             sleep(random.uniform(0.0, 0.2))
-            found.append(_stop(server, ways[k % len(ways)]))
+            delays.append(_stop(server, channels[k % len(channels)]))
             while client.receive(0.0):
                 pass
-    return found
+    return delays
 
 
-def _stop(server: WatchedServer, way: Callable[[], None]) -> Stopping:
+def _stop(server: WatchedServer, stop: Callable[[], None]) -> StopDelay:
     sent = monotonic()
-    way()
+    stop()
     acknowledged = monotonic() - sent
-    sleep(max(0.0, QUIET - acknowledged))
-    commands = read_goals(server.goals, server.joints, round(200 * (QUIET + acknowledged)))
+    sleep(max(0.0, SETTLING_TIME - acknowledged))
+    commands = read_goals(server.goals, server.joints, round(200 * (SETTLING_TIME + acknowledged)))
     times, goals = commands[:, 0] - sent, commands[:, 1:]
-    moved = np.abs(goals - goals[-1]).max(axis=1) > TICK
-    moved[:-1] |= np.abs(np.diff(goals, axis=0)).max(axis=1) > TICK
+    moved = np.abs(goals - goals[-1]).max(axis=1) > GOAL_RESOLUTION
+    moved[:-1] |= np.abs(np.diff(goals, axis=0)).max(axis=1) > GOAL_RESOLUTION
     late = times[moved & (times > 0.0)]
-    return Stopping(1000.0 * acknowledged, 1000.0 * float(late.max()) if len(late) else None)
+    return StopDelay(1000.0 * acknowledged, 1000.0 * float(late.max()) if len(late) else None)
 
 
 @contextmanager
-def _ways(server: WatchedServer) -> Iterator[tuple[Callable[[], None], ...]]:
-    """Ways to stop; each returns when the stop is acknowledged."""
+def _open_channels(server: WatchedServer) -> Iterator[tuple[Callable[[], None], ...]]:
+    """Yield functions that stop the robot and await the acknowledgement."""
     with (
         Client(port=server.port) as present,
         connect(f"ws://127.0.0.1:{server.port}") as web,
@@ -156,25 +161,25 @@ def _ways(server: WatchedServer) -> Iterator[tuple[Callable[[], None], ...]]:
 
         def by_tcp() -> None:
             present.stop()
-            _await(lambda: present.receive(PATIENCE))
+            _await(lambda: present.receive(ACKNOWLEDGE_TIMEOUT))
 
         def by_new_connection() -> None:
-            with Client(port=server.port, timeout=PATIENCE) as client:
+            with Client(port=server.port, timeout=ACKNOWLEDGE_TIMEOUT) as client:
                 client.stop()
-                _await(lambda: client.receive(PATIENCE))
+                _await(lambda: client.receive(ACKNOWLEDGE_TIMEOUT))
 
         def by_websocket() -> None:
-            web.send(STOP)
-            _await(lambda: str(web.recv(PATIENCE)))
+            web.send(STOP_MESSAGE)
+            _await(lambda: str(web.recv(ACKNOWLEDGE_TIMEOUT)))
 
         def by_standard_input() -> None:
             if server.process.stdin is not None and server.process.stdout is not None:
-                server.process.stdin.write(STOP + "\0")
+                server.process.stdin.write(STOP_MESSAGE + "\0")
                 server.process.stdin.flush()
                 _await(server.process.stdout.readline)
 
         def by_stop_line() -> None:
-            line.stop(PATIENCE)
+            line.stop(ACKNOWLEDGE_TIMEOUT)
 
         yield by_tcp, by_new_connection, by_websocket, by_standard_input, by_stop_line
 
@@ -186,16 +191,16 @@ def _await(receive: Callable[[], str | None]) -> None:
     raise RuntimeError("the stop was not acknowledged")
 
 
-def _port(said: IO[str] | None) -> int:
-    line = said.readline() if said is not None else ""
-    found = re.search(r"listening at \S*:(\d+)", line)
-    if found is None:
+def _port(stderr: IO[str] | None) -> int:
+    line = stderr.readline() if stderr is not None else ""
+    port = re.search(r"listening at \S*:(\d+)", line)
+    if port is None:
         raise RuntimeError(f"the server did not open: {line}")
-    return int(found[1])
+    return int(port[1])
 
 
-def _p99(name: str, values: list[float], goal: float, load: str) -> Figure:
+def _p99(name: str, values: list[float], goal: float, load: str) -> Metric:
     if not values:
-        return Figure(name, None, "ms", goal, "lower", why="nothing moved")
-    why = f"median {np.median(values):.0f}, of {len(values)}, {load}"
-    return Figure(name, float(np.percentile(values, 99)), "ms", goal, "lower", why=why)
+        return Metric(name, None, "ms", goal, "lower", why="nothing moved")
+    why = f"median {np.median(values):.0f}, {len(values)} stops, {load}"
+    return Metric(name, float(np.percentile(values, 99)), "ms", goal, "lower", why=why)

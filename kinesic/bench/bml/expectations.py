@@ -1,6 +1,6 @@
-"""Reads what the tests of others state about documents, as typed data, and says what became of each expectation.
+"""Expectations of third-party tests as typed data, and the verdicts on them.
 
-The schemas of the files stand in a page beside them; `null` means that nothing is stated.
+The schemas are documented in a page next to the files; `null` means that nothing is expected.
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,17 +10,17 @@ from typing import TypeVar
 
 import msgspec
 
-from kinesic.bench.blocks import corpus_folder
-from kinesic.bench.figure import Figure
+from kinesic.bench.blocks import find_corpus
+from kinesic.bench.metric import Metric
 
-EXPECTATIONS = "expectations"
+EXPECTATIONS_FOLDER = "expectations"  # name of the folder in the corpus
 
 Shape = TypeVar("Shape")
-GOAL = 0.97  # share of a suite that must pass
+MIN_PASS_FRACTION = 0.97  # fraction of a suite's expectations that must be met
 
 
 class Step(msgspec.Struct, frozen=True):
-    """One thing to do, or to check, in a scenario."""
+    """One action or check of a scenario."""
 
     do: str = ""
     check: str = ""
@@ -44,24 +44,27 @@ class Step(msgspec.Struct, frozen=True):
     end_of: str = ""
     among: tuple[str, ...] = ()
     within: str = msgspec.field(default="", name="in")
-    cases: tuple["Case", ...] = ()
+    cases: tuple["NamedCase", ...] = ()
 
 
-class Case(msgspec.Struct, frozen=True):
-    """Steps for when one behaviour was named."""
+class NamedCase(msgspec.Struct, frozen=True):
+    """Steps to run only if a warning named a certain behaviour."""
 
     when_named: str
     then: tuple[Step, ...]
 
 
 class Scenario(msgspec.Struct, frozen=True):
-    """Steps in order."""
+    """Sequence of actions and checks that a BML realizer must pass."""
 
     steps: tuple[Step, ...]
 
 
-class Scenarios(msgspec.Struct, frozen=True):
-    """A suite of scenarios over documents; names are `suite/test`."""
+class ScenarioSuite(msgspec.Struct, frozen=True):
+    """A suite of scenarios over documents.
+
+    Names have the form `suite/test`.
+    """
 
     tolerance: float  # [s]
     timeout: float  # [s]
@@ -69,60 +72,60 @@ class Scenarios(msgspec.Struct, frozen=True):
     scenarios: dict[str, Scenario]
 
 
-class Time(msgspec.Struct, frozen=True):
-    """A sync point `behaviour:sync` and an offset."""
+class SyncOffset(msgspec.Struct, frozen=True):
+    """A sync point `behaviour:sync` with an offset."""
 
     sync: str
     offset: float = 0.0  # [s]
 
 
-class Later(msgspec.Struct, frozen=True):
-    """Points that are not before another."""
+class AfterExpectation(msgspec.Struct, frozen=True):
+    """A sync point and others that must not precede it."""
 
-    ref: Time
-    targets: tuple[Time | tuple[Time, ...], ...]
+    ref: SyncOffset
+    targets: tuple[SyncOffset | tuple[SyncOffset, ...], ...]
 
 
-class Stated(msgspec.Struct, frozen=True):
-    """What is stated about one document."""
+class DocumentExpectation(msgspec.Struct, frozen=True):
+    """Expectations about one document."""
 
     parse: str
     block: str | None = None
-    constraints: tuple[tuple[Time, ...], ...] | None = None
-    required_constraints: tuple[tuple[Time, ...], ...] | None = None
-    after_constraints: tuple[Later, ...] | None = None
-    required_after_constraints: tuple[Later, ...] | None = None
+    constraints: tuple[tuple[SyncOffset, ...], ...] | None = None
+    required_constraints: tuple[tuple[SyncOffset, ...], ...] | None = None
+    after_constraints: tuple[AfterExpectation, ...] | None = None
+    required_after_constraints: tuple[AfterExpectation, ...] | None = None
     behaviour_count: int | None = None
     required_behaviours: dict[str, bool] | None = None
 
 
-class Fact(msgspec.Struct, frozen=True):
-    """What is stated about behaviours of a block."""
+class BehaviourFact(msgspec.Struct, frozen=True):
+    """Expected fact about behaviours of a block, such as being linked."""
 
     fact: str
     value: bool | tuple[str | tuple[str, ...], ...]
     behaviours: tuple[str, ...] = ()
 
 
-class Inline(msgspec.Struct, frozen=True):
-    """A small block with what is stated about it."""
+class InlineExpectation(msgspec.Struct, frozen=True):
+    """A small BML block and the facts expected of it."""
 
     test: str
     bml: str
     strict: bool
     parse: str
-    facts: tuple[Fact, ...] = ()
+    facts: tuple[BehaviourFact, ...] = ()
 
 
-class Parsing(msgspec.Struct, frozen=True):
-    """A suite about what documents mean before any time is known."""
+class ParsingSuite(msgspec.Struct, frozen=True):
+    """A suite about the constraints that documents express."""
 
-    documents: dict[str, Stated | None]
-    inline: tuple[Inline, ...]
+    documents: dict[str, DocumentExpectation | None]
+    inline: tuple[InlineExpectation, ...]
 
 
 class ReferenceExpectation(msgspec.Struct, frozen=True):
-    """One sync reference, or two to be compared, with what it is."""
+    """A sync reference with its expected parts, or two references to compare."""
 
     test: str
     default_block: str
@@ -149,43 +152,53 @@ class ReferenceSuite(msgspec.Struct, frozen=True):
     written: tuple[ReferenceExpectation, ...]
 
 
-def expected(name: str, shape: type[Shape]) -> tuple[Path, Shape] | None:
-    """Reads a file of expectations by its name; None where there is no corpus, or no such file in it.
+def read_expectations(name: str, shape: type[Shape]) -> tuple[Path, Shape] | None:
+    """Read the file of expectations with a given name.
+
+    Return None if it does not exist.
 
     Returns:
-        The folder of the documents that the file is about, and what it states.
+        The folder of the documents and the expectations about them.
     """
-    where = corpus_folder()
-    if where is None or not (file := where / EXPECTATIONS / f"{name}.json").is_file():
+    folder = find_corpus()
+    if folder is None or not (file := folder / EXPECTATIONS_FOLDER / f"{name}.json").is_file():
         return None
-    return where / name, msgspec.json.decode(file.read_bytes(), type=shape)
+    return folder / name, msgspec.json.decode(file.read_bytes(), type=shape)
 
 
 @dataclass(frozen=True)
 class ExpectationVerdict:
-    """One expectation."""
+    """Result of one expectation."""
 
     suite: str
     name: str
-    why: str = ""  # it failed; empty: passed
+    why: str = ""  # reason of the failure; empty if passed
 
     @property
     def passed(self) -> bool:
-        """Whether it holds."""
+        """Whether the expectation is met."""
         return not self.why
 
 
-def verdict_figures(verdicts: Sequence[ExpectationVerdict]) -> Iterator[Figure]:
-    """Counts for each suite how many pass and how many fail, and says for each that fails why.
+def verdict_metrics(verdicts: Sequence[ExpectationVerdict]) -> Iterator[Metric]:
+    """Yield the numbers of passed and failed expectations, then each failure.
 
     Args:
-        verdicts: of any suites.
+        verdicts: verdicts of any suites.
     """
     for suite in dict.fromkeys(verdict.suite for verdict in verdicts):
-        own = [verdict for verdict in verdicts if verdict.suite == suite]
-        failed = [verdict for verdict in own if not verdict.passed]
+        of_suite = [verdict for verdict in verdicts if verdict.suite == suite]
+        failed = [verdict for verdict in of_suite if not verdict.passed]
         name = f"bml.{suite}"
-        yield Figure(f"{name}.passed", len(own) - len(failed), f"of {len(own)}", GOAL * len(own), "higher")
-        yield Figure(f"{name}.failed", len(failed), f"of {len(own)}", (1.0 - GOAL) * len(own), "lower")
+        yield Metric(
+            f"{name}.passed",
+            len(of_suite) - len(failed),
+            f"of {len(of_suite)}",
+            MIN_PASS_FRACTION * len(of_suite),
+            "higher",
+        )
+        yield Metric(
+            f"{name}.failed", len(failed), f"of {len(of_suite)}", (1.0 - MIN_PASS_FRACTION) * len(of_suite), "lower"
+        )
         for verdict in failed:
-            yield Figure(f"{name}.{verdict.name}", 0.0, "passed", 1.0, "higher", verdict.why)
+            yield Metric(f"{name}.{verdict.name}", 0.0, "passed", 1.0, "higher", verdict.why)

@@ -1,4 +1,7 @@
-"""Merges blocks into a motion, or puts them in its place, at random moments: how soon, and what it then exceeds."""
+"""Benchmark of merging blocks into a motion and of replacing a motion.
+
+It measures the merging time and limit violations at random replacement times.
+"""
 
 import random
 from dataclasses import dataclass
@@ -7,24 +10,24 @@ from time import process_time
 
 import numpy as np
 
-from kinesic.bench.blocks import passage_text
-from kinesic.bench.figure import Figure
+from kinesic.bench.blocks import write_passage
+from kinesic.bench.metric import Metric
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at
-from kinesic.planning.clearance import LEAST_RESERVE, scan_clearance
+from kinesic.planning.clearance import MIN_LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
 from kinesic.realizer.merge import merge, replace_motion
+from kinesic.session.setup import set_up
 
-CUTS = 200
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-SMALL = ('<head id="h" lexeme="NOD"/>', '<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')
-LARGE = (
-    *SMALL,
+REPLACEMENT_COUNT = 200  # motion replacements at random times
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+SMALL_BLOCKS = ('<head id="h" lexeme="NOD"/>', '<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')
+LARGE_BLOCKS = (
+    *SMALL_BLOCKS,
     '<gaze id="z" target="right" start="0" end="1.5"/>',
     '<pointing id="p" target="left" mode="LEFT_HAND"/>',
     '<gesture id="o" lexeme="offer" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" start="o:stroke"/>',
@@ -33,60 +36,60 @@ LARGE = (
 
 @dataclass(frozen=True)
 class MergeCut:
-    """One moment at which a block took the place of a motion."""
+    """Replacement of a running motion by a block at one time."""
 
     time: float  # [s] performance time
-    ratio: float  # largest share of any limit at 1 kHz, from the cut on
-    step: float  # [rad] of control points that were in force at the cut
-    delay: float  # [s] by which the block came later
-    dropped: int  # behaviours left out
-    clearance: float  # [m] over what is asked for
+    ratio: float  # largest value / limit at 1 kHz after the cut
+    step: float  # [rad] largest change of control points already in force at the cut
+    delay: float  # [s] delay of the block
+    dropped: int  # number of dropped behaviours
+    clearance: float  # [m] clearance minus the required clearance
 
 
-def bench() -> list[Figure]:
-    """Times a nod and a beat over the passage, and replaces the passage in the midst of everything."""
-    known = set_up()
-    found = replace_at_random(known, CUTS)
+def bench() -> list[Metric]:
+    """Measure merging of blocks into, and replacement of, a running motion."""
+    setup = set_up()
+    cuts = replace_at_random(setup, REPLACEMENT_COUNT)
     return [
-        Figure("bml.live.merged", 1000 * median(_merging(known)), "ms", 15.0, "lower"),
-        Figure("bml.live.replaced_ratio", max(cut.ratio for cut in found), "of limit", 1.001, "lower"),
-        Figure("bml.live.replaced_step", max(cut.step for cut in found), "rad", 1e-8, "lower"),
-        Figure("bml.live.replaced_clearance", min(cut.clearance for cut in found), "m", 0.0, "higher"),
-        Figure("bml.live.replaced_delay", max(cut.delay for cut in found), "s", None, "lower"),
-        Figure("bml.live.replaced_dropped", float(sum(cut.dropped for cut in found)), "count", 0.0, "lower"),
+        Metric("bml.live.merged", 1000 * median(_time_merging(setup)), "ms", 15.0, "lower"),
+        Metric("bml.live.replaced_ratio", max(cut.ratio for cut in cuts), "of limit", 1.001, "lower"),
+        Metric("bml.live.replaced_step", max(cut.step for cut in cuts), "rad", 1e-8, "lower"),
+        Metric("bml.live.replaced_clearance", min(cut.clearance for cut in cuts), "m", 0.0, "higher"),
+        Metric("bml.live.replaced_delay", max(cut.delay for cut in cuts), "s", None, "lower"),
+        Metric("bml.live.replaced_dropped", float(sum(cut.dropped for cut in cuts)), "count", 0.0, "lower"),
     ]
 
 
-def replace_at_random(known: Setup, count: int, *, seed: int = 0) -> list[MergeCut]:
-    """Replaces the passage, planned well, at random moments by blocks of all kinds.
+def replace_at_random(setup: Setup, count: int, *, seed: int = 0) -> list[MergeCut]:
+    """Replace the motion of the passage by blocks at random times.
 
     Args:
-        known: of planning.
-        count: of the moments.
-        seed: of their choice.
+        setup: robot, style and options.
+        count: number of replacements.
+        seed: seed of random times and blocks.
     """
-    chance, running = random.Random(seed), plan_block(parse(passage_text(0)), known).trajectory
-    coming = [plan_block(parse(ROOT.format("b", text)), known) for text in LARGE]
-    found = []
+    rng, running = random.Random(seed), plan_block(parse(write_passage(0)), setup).trajectory
+    plans = [plan_block(parse(BLOCK_TEMPLATE.format("b", text)), setup) for text in LARGE_BLOCKS]
+    cuts = []
     for _ in range(count):
-        time = chance.uniform(0.0, running.duration)
-        over = replace_motion(running, time, chance.choice(coming))
+        time = rng.uniform(0.0, running.duration)
+        replacement = replace_motion(running, time, rng.choice(plans))
         knot = knot_at(time)
-        left = Trajectory(over.trajectory.controls[knot:], 0.0)
-        largest = max(float(peak.ratios.max()) for peak in check_limits(left, known.limits).shares.values())
-        step = np.abs(over.trajectory.controls[: knot + 3] - running.controls[: knot + 3]).max()
-        least = known.robot.least_clearance + LEAST_RESERVE
-        near = float(scan_clearance(left, known.distances)[1].distances.min()) - least
-        found.append(MergeCut(time, largest, float(step), over.zero - time, len(over.dropped), near))
-    return found
+        remaining = Trajectory(replacement.trajectory.controls[knot:], 0.0)
+        largest = max(float(peak.ratios.max()) for peak in check_limits(remaining, setup.limits).by_quantity.values())
+        step = np.abs(replacement.trajectory.controls[: knot + 3] - running.controls[: knot + 3]).max()
+        min_clearance = setup.robot.min_clearance + MIN_LAG_RESERVE
+        clearance = float(scan_clearance(remaining, setup.distances)[1].distances.min()) - min_clearance
+        cuts.append(MergeCut(time, largest, float(step), replacement.zero - time, len(replacement.dropped), clearance))
+    return cuts
 
 
-def _merging(known: Setup) -> list[float]:
-    """[s] of one core that a nod or a beat takes to be laid over the last second of the passage."""
-    running = plan_quickly(parse(passage_text(0)), known).trajectory
-    small = [plan_quickly(parse(ROOT.format("b", text)), known) for text in SMALL]
+def _time_merging(setup: Setup) -> list[float]:
+    """Measure CPU times [s] of merging small blocks into a motion."""
+    running = plan_quickly(parse(write_passage(0)), setup).trajectory
+    small = [plan_quickly(parse(BLOCK_TEMPLATE.format("b", text)), setup) for text in SMALL_BLOCKS]
     seconds = []
-    for k in range(CUTS // 10):
+    for k in range(REPLACEMENT_COUNT // 10):
         time = running.duration - 1.0 + 0.04 * (k % 20)
         began = process_time()
         merge(running, time, small[k % len(small)], begin=time)

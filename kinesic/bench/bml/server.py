@@ -1,7 +1,9 @@
-"""The live server, from outside: how soon a block begins, and whether anything is lost or grows under many of them.
+"""Benchmark of a running server, measured by connected client programs.
 
-A server runs in a process of its own; clients speak to it by TCP. A block's first command is out when its blockProgress
-`start` is told, so that this message's arrival is an upper bound for it.
+It measures latency, lost blocks and memory growth.
+
+The server runs in a process of its own; clients connect by TCP. A block's first command has been sent when its
+blockProgress `start` is reported, so this message's arrival is an upper bound of the latency.
 """
 
 import re
@@ -19,45 +21,53 @@ from typing import IO, Literal
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.client import Client
 
-BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{1 + 1.5 * k}"/>' for k in range(4))
-SMALL = (
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+LONG_BEHAVIOURS = "".join(
+    f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{1 + 1.5 * k}"/>' for k in range(4)
+)
+SMALL_BEHAVIOURS = (
     '<head id="h" lexeme="NOD" start="0"/>',
     '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0"/>',
     '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
-EVERY = 1.0  # [s] between blocks whose latency is measured
-CALMS = 5.0  # [s] without the end of a block, after which none is expected
-LOOK = 0.05  # [s] between two looks at whether the server is open
-RATE = 10  # [1/s] of blocks in the endurance run
-SETTLED = 0.25  # share of the endurance run after which memory counts
-FIRST_COMMAND, FIRST_FEEDBACK, FLAT = 100.0, 20.0, 5.0  # [ms], [ms], [%]
-NO_MEMORY = "this system does not tell what a process holds"
-BLOCKS, SECONDS = 40, 20.0  # of the bench; soak asks for more
+BLOCK_INTERVAL = 1.0  # [s] between blocks of the latency measurement
+END_TIMEOUT = 5.0  # [s] wait for the next message after the endurance run
+POLL_INTERVAL = 0.05  # [s] between checks whether the server is listening
+ENDURANCE_RATE = 10  # [1/s] block rate of the endurance run
+SETTLED_FRACTION = 0.25  # fraction of the endurance run before the first memory sample
+MAX_COMMAND_LATENCY = 100.0  # [ms] 95th percentile from a block to its first command
+MAX_FEEDBACK_LATENCY = 20.0  # [ms] 95th percentile from a block to its first feedback
+MAX_MEMORY_GROWTH = 5.0  # [%] goal of the server's memory growth in the endurance run
+MEMORY_UNKNOWN = "this system does not report the memory of a process"
+LATENCY_BLOCKS = 40  # blocks of the latency measurement
+ENDURANCE_SECONDS = 20.0  # [s] duration of the endurance run
 
 Verb = Literal["serve", "studio"]
 
 
 @dataclass(frozen=True)
 class Server:
-    """A server in its own process."""
+    """kinesic server in a process of its own."""
 
     process: subprocess.Popen[bytes]
     port: int
 
     @property
     def memory(self) -> int | None:
-        """[bytes] that it and its children hold; None where the system does not tell."""
-        found = [_resident(pid) for pid in _family(self.process.pid)]
-        return None if not found or None in found else sum(size for size in found if size is not None)
+        """Resident memory [bytes] of the server and its children.
+
+        The result is None if not available.
+        """
+        sizes = [_resident(pid) for pid in _list_process_tree(self.process.pid)]
+        return None if not sizes or None in sizes else sum(size for size in sizes if size is not None)
 
 
 @dataclass(frozen=True)
 class FeedbackLatency:
-    """How soon a block is answered, from when it is sent [ms]."""
+    """Delays from sending a block to its first feedback and start [ms]."""
 
     feedback: float  # to its first feedback
     command: float  # to its start
@@ -65,74 +75,82 @@ class FeedbackLatency:
 
 @dataclass(frozen=True)
 class Endurance:
-    """What came of many blocks a second."""
+    """Result of an endurance run with many blocks per second."""
 
     sent: int
-    lost: int  # blocks whose end was never told
-    growth: float | None  # [%] of memory after it had settled
-    late: int  # ticks of the loop that came late
+    lost: int  # blocks without a reported end
+    growth: float | None  # [%] growth of memory after it had settled
+    late: int  # late ticks of the loop
 
 
-def bench() -> list[Figure]:
-    """Latencies at one block a second beside another one that plays, then ten blocks a second."""
+def bench() -> list[Metric]:
+    """Measure feedback latencies and endurance of the server."""
     with open_server() as server:
-        found = latencies(server, BLOCKS)
-        lasting = endurance(server, SECONDS)
+        latencies = measure_latencies(server, LATENCY_BLOCKS)
+        run = run_endurance(server, ENDURANCE_SECONDS)
     return [
-        _p95("bml.live.first_command_p95", [each.command for each in found], FIRST_COMMAND),
-        _p95("bml.live.first_feedback_p95", [each.feedback for each in found], FIRST_FEEDBACK),
-        Figure("bml.live.lost", float(lasting.lost), "blocks", 0.0, "lower", why=f"of {lasting.sent}"),
-        Figure(
-            "bml.live.memory", lasting.growth, "%", FLAT, "lower", why="" if lasting.growth is not None else NO_MEMORY
+        _p95("bml.live.first_command_p95", [latency.command for latency in latencies], MAX_COMMAND_LATENCY),
+        _p95("bml.live.first_feedback_p95", [latency.feedback for latency in latencies], MAX_FEEDBACK_LATENCY),
+        Metric("bml.live.lost", float(run.lost), "blocks", 0.0, "lower", why=f"of {run.sent} blocks"),
+        Metric(
+            "bml.live.memory",
+            run.growth,
+            "%",
+            MAX_MEMORY_GROWTH,
+            "lower",
+            why="" if run.growth is not None else MEMORY_UNKNOWN,
         ),
     ]
 
 
 @contextmanager
 def open_server(*options: str, cwd: Path | None = None, verb: Verb = "serve") -> Iterator[Server]:
-    """Opens a server on a free port, with more options of its verb; it is stopped at the end."""
+    """Start a server on a free port and stop it on exit.
+
+    `options` are further options of its command `verb`.
+    """
     command = [sys.executable, "-m", "kinesic", verb, "--listen", "127.0.0.1:0", *options]
     with (
-        TemporaryFile("w+") as said,
-        subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=said, cwd=cwd) as process,
+        TemporaryFile("w+") as stderr,
+        subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=stderr, cwd=cwd) as process,
     ):
         try:
-            yield Server(process, _port(process, said))
+            yield Server(process, _wait_for_port(process, stderr))
         finally:
             process.terminate()
 
 
-def _port(process: subprocess.Popen[bytes], said: IO[str]) -> int:
-    """Where a server listens, as soon as it says so."""
+def _wait_for_port(process: subprocess.Popen[bytes], stderr: IO[str]) -> int:
+    """Return the server's port once the server reports it."""
     while True:
-        said.seek(0)
-        text = said.read()
-        if (found := re.search(r"listening at \S*:(\d+)", text)) is not None:
-            return int(found[1])
+        stderr.seek(0)
+        text = stderr.read()
+        if (port := re.search(r"listening at \S*:(\d+)", text)) is not None:
+            return int(port[1])
         if process.poll() is not None:
             raise RuntimeError(f"the server did not open: {text}")
-        sleep(LOOK)
+        sleep(POLL_INTERVAL)
 
 
-def latencies(server: Server, blocks: int) -> list[FeedbackLatency]:
-    """Sends small blocks, one a second, while another one plays."""
-    found: list[FeedbackLatency] = []
+def measure_latencies(server: Server, blocks: int) -> list[FeedbackLatency]:
+    """Send small blocks, one per second, while another block plays."""
+    latencies: list[FeedbackLatency] = []
     with Client(port=server.port) as other, Client(port=server.port) as client:
         for k in range(blocks):
             if k % 5 == 0:
-                other.send(BLOCK.format(f"long{k}", LONG))
-                sleep(EVERY)  # till it plays
+                other.send(BLOCK_TEMPLATE.format(f"long{k}", LONG_BEHAVIOURS))
+                sleep(BLOCK_INTERVAL)  # until it plays
             began = monotonic()
             while other.receive(0.0):
                 pass
-            found.append(_latency(client, f"small{k}", SMALL[k % len(SMALL)]))
-            sleep(max(0.0, began + EVERY - monotonic()))
-    return found
+            latencies.append(_measure_latency(client, f"small{k}", SMALL_BEHAVIOURS[k % len(SMALL_BEHAVIOURS)]))
+            sleep(max(0.0, began + BLOCK_INTERVAL - monotonic()))
+    return latencies
 
 
-def _latency(client: Client, name: str, behaviours: str) -> FeedbackLatency:
+def _measure_latency(client: Client, name: str, behaviours: str) -> FeedbackLatency:
     began, first = monotonic(), None
-    for message in client.perform(BLOCK.format(name, behaviours)):
+    for message in client.perform(BLOCK_TEMPLATE.format(name, behaviours)):
         if first is None and f'id="{name}"' in message:
             first = monotonic()
         if f'id="{name}:start"' in message and first is not None:
@@ -140,61 +158,64 @@ def _latency(client: Client, name: str, behaviours: str) -> FeedbackLatency:
     raise RuntimeError(f"{name} never began")
 
 
-def endurance(server: Server, seconds: float) -> Endurance:
-    """Sends ten blocks a second, of a nod or a beat each, and counts those that end."""
+def run_endurance(server: Server, seconds: float) -> Endurance:
+    """Send ten small blocks per second and count the completed ones."""
     ended, late = set[str](), 0
     memory: list[tuple[float, int]] = []
     with Client(port=server.port) as client:
         began = monotonic()
         for number in count():
-            time = number / RATE
+            time = number / ENDURANCE_RATE
             if time >= seconds:
                 break
             _receive_ends(client, began + time, ended)
-            client.send(BLOCK.format(f"many{number}", SMALL[number % 2]))
-            if number % RATE == 0 and (size := server.memory) is not None:
+            client.send(BLOCK_TEMPLATE.format(f"many{number}", SMALL_BEHAVIOURS[number % 2]))
+            if number % ENDURANCE_RATE == 0 and (size := server.memory) is not None:
                 memory.append((time, size))
         sent = number
         before = -1
-        while before < len(ended) < sent:  # as long as some still end
+        while before < len(ended) < sent:  # while blocks still end
             before = len(ended)
-            _receive_ends(client, monotonic() + CALMS, ended, enough=sent)
+            _receive_ends(client, monotonic() + END_TIMEOUT, ended, max_count=sent)
         client.do("status")
-        while (message := client.receive(CALMS)) is not None and '"late":' not in message:
+        while (message := client.receive(END_TIMEOUT)) is not None and '"late":' not in message:
             pass
         late = int(re.findall(r'"late":(\d+)', message or '"late":0')[0])
-    return Endurance(sent, sent - len(ended), _grown(memory, seconds), late)
+    return Endurance(sent, sent - len(ended), _compute_memory_growth(memory, seconds), late)
 
 
-def _receive_ends(client: Client, until: float, ended: set[str], *, enough: float = inf) -> None:
-    """Notes whose end is told, until a time or until enough have ended."""
-    while len(ended) < enough and (left := until - monotonic()) > 0.0:
-        message = client.receive(left)
-        found = re.search(r'<blockProgress[^>]* id="(many\d+):end"', message or "")
-        if found is not None:
-            ended.add(found[1])
+def _receive_ends(client: Client, deadline: float, ended: set[str], *, max_count: float = inf) -> None:
+    """Record the ids of ended blocks until a deadline or count."""
+    while len(ended) < max_count and (remaining := deadline - monotonic()) > 0.0:
+        message = client.receive(remaining)
+        end = re.search(r'<blockProgress[^>]* id="(many\d+):end"', message or "")
+        if end is not None:
+            ended.add(end[1])
 
 
-def _grown(memory: list[tuple[float, int]], seconds: float) -> float | None:
-    """[%] by which the last tenth is above what the first settled tenth was."""
-    early = [size for time, size in memory if SETTLED <= time / seconds <= SETTLED + 0.1]
+def _compute_memory_growth(memory: list[tuple[float, int]], seconds: float) -> float | None:
+    """Return the memory growth [%] between early and last samples."""
+    early = [size for time, size in memory if SETTLED_FRACTION <= time / seconds <= SETTLED_FRACTION + 0.1]
     last = [size for time, size in memory if time / seconds >= 0.9]
     return 100.0 * (float(np.median(last)) / float(np.median(early)) - 1.0) if early and last else None
 
 
-def _family(pid: int) -> list[int]:
-    """A process and all its descendants; empty where the system does not tell."""
+def _list_process_tree(pid: int) -> list[int]:
+    """Return a process id and those of all descendants.
+
+    The result is empty if not available.
+    """
     tasks = Path(f"/proc/{pid}/task")
     if not tasks.is_dir():
         return []
     children = [int(child) for task in tasks.iterdir() for child in (task / "children").read_text().split()]
-    return [pid, *(each for child in children for each in _family(child))]
+    return [pid, *(descendant for child in children for descendant in _list_process_tree(child))]
 
 
 def _resident(pid: int) -> int | None:
-    found = re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())
-    return 1024 * int(found[1]) if found else None
+    resident = re.search(r"VmRSS:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())
+    return 1024 * int(resident[1]) if resident else None
 
 
-def _p95(name: str, values: list[float], goal: float) -> Figure:
-    return Figure(name, float(np.percentile(values, 95)), "ms", goal, "lower", why=f"median {np.median(values):.1f}")
+def _p95(name: str, values: list[float], goal: float) -> Metric:
+    return Metric(name, float(np.percentile(values, 95)), "ms", goal, "lower", why=f"median {np.median(values):.1f}")

@@ -1,6 +1,8 @@
-"""A live server that writes down every goal with its moment, so that whoever stops it sees when the goals are still.
+"""Live server that records every goal with its timestamp.
 
-Started as a program, `python -m kinesic.bench.bml.witnessed_server FILE`; it serves the twin, as `kinesic serve` does.
+A benchmark of the emergency stop reads from the record when the goals are still.
+
+Run as a program, `python -m kinesic.bench.bml.witnessed_server FILE` serves the twin as `kinesic serve` does.
 """
 
 import asyncio
@@ -12,29 +14,36 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
-from kinesic.controller.perform import set_up
-from kinesic.serve.server import Address, open_serving, until_done
+from kinesic.serve.address import Address
+from kinesic.serve.server import open_serving, serve_until_done
 from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
+from kinesic.session.setup import set_up
 
 
 class GoalRecorder:
-    """A sink that writes the machine's monotonic time [s] and the goals [rad] of each command to a file."""
+    """Sink that writes timestamped servo goals to a file.
+
+    A row holds the machine's monotonic time [s] and the goals [rad].
+    """
 
     def __init__(self, path: Path) -> None:
-        """Begins an empty file."""
+        """Create the empty file for the servo goals."""
         self._file = path.open("wb", buffering=0)
 
     def write(self, command: Command, /) -> None:
-        """Adds one command."""
-        self._file.write(np.array([monotonic(), *command.goals]).tobytes())
+        """Append the timestamp and servo goals of one command."""
+        self._file.write(np.array([monotonic(), *command.setpoints]).tobytes())
 
     def close(self) -> None:
-        """Closes the file."""
+        """Close the file of servo goals."""
         self._file.close()
 
 
 def read_goals(path: Path, joints: int, last: int) -> Floats:
-    """Reads the last commands so far: (last, 1 + joints), the time [s] first."""
+    """Read the last recorded goals as rows (last, 1 + joints).
+
+    Each row begins with its time [s].
+    """
     size = 8 * (1 + joints)
     with path.open("rb") as file:
         whole = file.seek(0, 2) // size
@@ -44,10 +53,10 @@ def read_goals(path: Path, joints: int, last: int) -> Floats:
 
 async def _serve(path: Path) -> None:
     sinks = [RealTimeSink(GoalRecorder(path)), RealTimeSink(RealTwin(set_up().robot))]
-    address, folder = Address("127.0.0.1", 0), path.parent  # where clients may keep documents, too
+    address, folder = Address("127.0.0.1", 0), path.parent  # clients may save documents there
     async with open_serving(set_up, sinks, address=address, folder=folder) as serving:
-        print(f"listening at {serving.address}", file=sys.stderr, flush=True)  # noqa: T201 - a program of its own
-        await until_done(serving, asyncio.Event(), console=True)
+        print(f"listening at {serving.address}", file=sys.stderr, flush=True)  # noqa: T201 - program output
+        await serve_until_done(serving, asyncio.Event(), console=True)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Drives servos as the fault matrix compares it: by kinesic's bus, by dynamixel-sdk as it comes, and by lerobot."""
+"""Drivers that the fault matrix compares: kinesic's bus, dynamixel-sdk and lerobot."""
 
-# ruff: noqa: N802  # overrides bear the names of the SDK
+# ruff: noqa: N802  # overridden methods keep the SDK's names
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,85 +19,95 @@ from kinesic.hardware.protocol.sdk import WirePort
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-NEVER = -inf  # [s] the time of a servo that has not answered
-LEROBOT, LEROBOT_BUS = "lerobot.motors", "lerobot.motors.dynamixel"
+NEVER_READ = -inf  # [s] time of a servo that has not answered yet
+LEROBOT_MODULE = "lerobot.motors"
+LEROBOT_BUS_MODULE = "lerobot.motors.dynamixel"
 
 
 @dataclass(frozen=True, eq=False)
 class DriverReading:
-    """What a driver believes at the end of a cycle."""
+    """Servo positions and errors estimated by a driver after a cycle."""
 
     positions: Ticks  # (n,)
-    times: Floats  # (n,) [s] on the wire's clock when each was taken; NEVER
-    fresh: Flags  # (n,) taken in this cycle
-    late: Flags  # (n,) of which a position of an earlier cycle has come in this one, with its right time
-    alerts: Flags  # (n,) known to have a hardware error
+    times: Floats  # (n,) [s] on the wire's clock when each position was taken; NEVER if none was
+    fresh: Flags  # (n,) whether the position was taken in this cycle
+    late: Flags  # (n,) whether a position of an earlier cycle arrived in this one with its correct time
+    alerts: Flags  # (n,) whether a hardware error is reported
 
 
 class Driver(Protocol):
-    """A driver of servos: goals out, positions back, once a period."""
+    """A servo driver that writes goals and reads positions once per period."""
 
     def cycle(self, goals: Ticks) -> DriverReading:
-        """Runs one cycle; goals are (n,) ticks."""
+        """Send goals to all servos and read their positions.
+
+        Goals are (n,) ticks.
+        """
 
 
 class KinesicDriver:
-    """The bus of this package."""
+    """Driver on top of kinesic's own bus."""
 
     name = "kinesic"
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], period: float) -> None:
-        """Checks and prepares the servos.
+        """Check and prepare the servos.
 
         Raises:
-            BusError: they are not what they should be.
+            BusError: the servos differ from the expected ones.
         """
         self._bus = open_bus(wire, servos, period=period)
 
     def cycle(self, goals: Ticks) -> DriverReading:
-        """See `Driver`."""
+        """Send goals and read positions in one cycle of kinesic's bus."""
         cycle = self._bus.cycle(goals)
-        alerts = cycle.each("hardware_error") != 0
+        alerts = cycle.raw_values("hardware_error") != 0
         return DriverReading(cycle.positions, cycle.times, cycle.fresh, cycle.late, alerts)
 
 
 class PlainPort(WirePort):
-    """The SDK's port with the SDK's own timeouts: bytes, twice its latency timer of 16 ms, and 2 ms."""
+    """Port of dynamixel-sdk on a virtual wire, with the SDK's own timeouts.
+
+    The timeout is the bytes' time plus twice the latency timer of 16 ms plus 2 ms.
+    """
 
     def setPacketTimeout(self, packet_length: int) -> None:
-        """As the SDK does."""
+        """Set the timeout exactly as the SDK does."""
         PortHandler.setPacketTimeout(self, packet_length)
 
 
 class SdkDriver:
-    """Group sync write and group sync read of the unmodified dynamixel-sdk, on a virtual wire's clock."""
+    """Driver of the unmodified dynamixel-sdk on a virtual wire."""
 
     name = "dynamixel-sdk"
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], period: float, *, fast: bool = False) -> None:
-        """Nothing is checked, as the SDK's examples do."""
+        """Prepare the SDK's group instructions without checking any servo.
+
+        The SDK's examples do the same.
+        """
         del period
         self._wire, self._ids, self._fast = wire, [servo.id for servo in servos], fast
         port, protocol = PlainPort(wire), Protocol2PacketHandler()
-        goal, place = Register.GOAL_POSITION.field, Register.PRESENT_POSITION.field
+        goal, position = Register.GOAL_POSITION.field, Register.PRESENT_POSITION.field
         self._goals = GroupSyncWrite(port, protocol, goal.address, goal.size)
-        self._places = GroupSyncRead(port, protocol, place.address, place.size)
+        self._position_group = GroupSyncRead(port, protocol, position.address, position.size)
         for servo in self._ids:
-            self._places.addParam(servo)
+            self._position_group.addParam(servo)
         self._positions: Ticks = np.zeros(len(servos), dtype=np.int64)
-        self._times: Floats = np.full(len(servos), NEVER)
+        self._times: Floats = np.full(len(servos), NEVER_READ)
 
     def cycle(self, goals: Ticks) -> DriverReading:
-        """See `Driver`."""
+        """Send goals and read positions with the SDK's group instructions."""
         self._goals.clearParam()
         for servo, goal in zip(self._ids, goals.tolist(), strict=True):
             self._goals.addParam(servo, list(Register.GOAL_POSITION.field.pack(goal)))
         self._goals.txPacket()
-        result = self._places.fastSyncRead() if self._fast else self._places.txRxPacket()
+        result = self._position_group.fastSyncRead() if self._fast else self._position_group.txRxPacket()
         fresh: Flags = np.full(len(self._ids), result == COMM_SUCCESS)
         if result == COMM_SUCCESS:
             field = Register.PRESENT_POSITION.field
-            raw = [self._places.getData(servo, field.address, field.size) for servo in self._ids]
+            raw = [self._position_group.getData(servo, field.address, field.size) for servo in self._ids]
             self._positions = np.array(raw, dtype=np.uint32).astype(np.int32).astype(np.int64)
             self._times = np.full(len(self._ids), self._wire.now())
         none: Flags = np.zeros(len(self._ids), dtype=np.bool_)
@@ -109,7 +119,7 @@ class _Group(Protocol):
 
 
 class _Motors(Protocol):
-    """What is used of lerobot's bus."""
+    """Attributes and methods of lerobot's motor bus that the driver uses."""
 
     port_handler: PlainPort
     sync_reader: _Group
@@ -123,63 +133,72 @@ class _Motors(Protocol):
 
 
 class LerobotPort(PlainPort):
-    """The SDK's port, on a wire that opens when lerobot says so."""
+    """Port of dynamixel-sdk on a virtual wire, opened by lerobot."""
 
     def __init__(self, wire: Wire) -> None:
         super().__init__(wire)
         self.is_open = False
 
     def openPort(self) -> bool:
-        """Opens the port, whose wire is there already."""
+        """Mark lerobot's port as open.
+
+        Its wire exists already.
+        """
         self.is_open = True
         return True
 
 
-def lerobot_missing() -> str:
-    """Returns why lerobot cannot be driven; empty if it can."""
+def why_lerobot_is_missing() -> str:
+    """Return the reason why lerobot cannot be used.
+
+    The result is empty if it can.
+    """
     try:
-        import_module(LEROBOT_BUS)
+        import_module(LEROBOT_BUS_MODULE)
     except ImportError as error:
         return f"lerobot is not installed: {error}"
     return ""
 
 
 class LerobotDriver:
-    """`sync_write` of goals and `sync_read` of positions, on a virtual wire's clock."""
+    """Driver by lerobot's `sync_write` of goals and `sync_read` of positions.
+
+    It runs on a virtual wire's clock.
+    """
 
     name = "lerobot"
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], period: float, *, retries: int = 0) -> None:
-        """Connects as lerobot does, which asks every servo who it is.
+        """Connect as lerobot does, which pings every servo.
 
         Raises:
             BusError: lerobot refuses these servos.
-            ImportError: it is not installed.
+            ImportError: lerobot is not installed.
         """
         del period
         self._wire, self._retries = wire, retries
         self._names = [f"servo{servo.id}" for servo in servos]
-        self._motors = _motors(wire, dict(zip(self._names, servos, strict=True)))
+        self._make_motor_bus = _make_motor_bus(wire, dict(zip(self._names, servos, strict=True)))
         try:
-            self._motors.connect()
+            self._make_motor_bus.connect()
         except (RuntimeError, ConnectionError) as error:
             raise BusError(" ".join(str(error).partition("\nFull expected")[0].split())) from None
 
     def cycle(self, goals: Ticks) -> DriverReading:
-        """See `Driver`."""
-        named = dict(zip(self._names, goals.tolist(), strict=True))
-        self._motors.sync_write("Goal_Position", named, normalize=False, num_retry=self._retries)
-        found = self._motors.sync_read("Present_Position", normalize=False, num_retry=self._retries)
-        positions: Ticks = np.array([found[name] for name in self._names], dtype=np.int64)
-        every: Flags = np.ones(len(self._names), dtype=np.bool_)
-        return DriverReading(positions, np.full(len(self._names), self._wire.now()), every, ~every, ~every)
+        """Send goals and read positions with lerobot's group instructions."""
+        goals_by_name = dict(zip(self._names, goals.tolist(), strict=True))
+        self._make_motor_bus.sync_write("Goal_Position", goals_by_name, normalize=False, num_retry=self._retries)
+        answers = self._make_motor_bus.sync_read("Present_Position", normalize=False, num_retry=self._retries)
+        positions: Ticks = np.array([answers[name] for name in self._names], dtype=np.int64)
+        fresh: Flags = np.ones(len(self._names), dtype=np.bool_)
+        return DriverReading(positions, np.full(len(self._names), self._wire.now()), fresh, ~fresh, ~fresh)
 
 
-def _motors(wire: Wire, servos: Mapping[str, Servo]) -> _Motors:
-    """Lerobot's bus, whose port is a wire."""
-    dynamixel, motors = import_module(LEROBOT_BUS), import_module(LEROBOT)
-    way = motors.MotorNormMode.DEGREES
-    known = {name: motors.Motor(each.id, each.model.name.replace("_", "-"), way) for name, each in servos.items()}
-    found: _Motors = dynamixel.DynamixelMotorsBus(port=wire.name, motors=known)
-    found.port_handler = found.sync_reader.port = found.sync_writer.port = LerobotPort(wire)
-    return found
+def _make_motor_bus(wire: Wire, servos: Mapping[str, Servo]) -> _Motors:
+    """Return lerobot's motor bus with a virtual wire as its port."""
+    dynamixel, motors = import_module(LEROBOT_BUS_MODULE), import_module(LEROBOT_MODULE)
+    mode = motors.MotorNormMode.DEGREES
+    listed = {name: motors.Motor(servo.id, servo.model.name.replace("_", "-"), mode) for name, servo in servos.items()}
+    bus: _Motors = dynamixel.DynamixelMotorsBus(port=wire.name, motors=listed)
+    bus.port_handler = bus.sync_reader.port = bus.sync_writer.port = LerobotPort(wire)
+    return bus

@@ -1,6 +1,8 @@
-"""Compares drivers under faults: the fault matrix as figures, as a table and as records.
+"""Comparison of drivers under faults.
 
-Everything is in virtual time: the figures are those of wire, servos and driver, whatever the machine does meanwhile.
+Metrics, tables and records of the fault matrix.
+
+Everything runs in virtual time, so the metrics depend on wire, servos and driver but not on the machine's load.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -9,22 +11,38 @@ from functools import partial
 
 import numpy as np
 
-from kinesic.bench.bus.drivers import KinesicDriver, LerobotDriver, SdkDriver, lerobot_missing
-from kinesic.bench.bus.matrix import PERIOD, FaultCase, Opens, TrialResult, cases, matrix, trial
-from kinesic.bench.figure import Figure
+from kinesic.bench.bus.drivers import KinesicDriver, LerobotDriver, SdkDriver, why_lerobot_is_missing
+from kinesic.bench.bus.matrix import (
+    BUS_PERIOD,
+    DriverFactory,
+    FaultCase,
+    TrialResult,
+    list_cases,
+    run_matrix,
+    run_trial,
+)
+from kinesic.bench.metric import Metric
 
-SERVOS, BAUD, SEEDS = 14, 1_000_000, (0, 1, 2)
-SIZES, BAUDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000)  # of the whole matrix
-FRESH, P99, TOLD, WRONG = 99.9, 1.0, 1.0, 0.0  # [%] at 1 % faults, [periods], [periods], [count]
-DRIVERS: Mapping[str, Opens] = {
+SERVO_COUNT = 14
+BAUD_RATE = 1_000_000  # [bit/s] baud rate of the bus with kinesic's driver
+FAULT_SEEDS = (0, 1, 2)
+MATRIX_SERVO_COUNTS = (7, 14, 26)
+MATRIX_BAUD_RATES = (57_600, 1_000_000, 4_000_000)  # [bit/s] baud rates at which drivers are compared under faults
+MIN_FRESH = 99.9  # [%] goal of freshly read positions with 1 % random faults
+MAX_P99_DURATION = 1.0  # [periods] goal of the 99th percentile of bus cycle durations
+MAX_REPORT_DELAY = 1.0  # [periods] goal of the delay from a hardware error to its report
+MAX_WRONG_COUNT = 0.0  # goal of the number of exceptions and wrong positions
+DRIVER_FACTORIES: Mapping[str, DriverFactory] = {
     KinesicDriver.name: KinesicDriver,
     SdkDriver.name: SdkDriver,
     LerobotDriver.name: LerobotDriver,
     f"{LerobotDriver.name}, 3 retries": partial(LerobotDriver, retries=3),
 }
-MISSING: Mapping[str, Callable[[], str]] = {name: lerobot_missing for name in DRIVERS if LerobotDriver.name in name}
-REASON = 12  # [characters] longer than any figure: why a driver would not drive
-COLUMNS = (
+MISSING_REASONS: Mapping[str, Callable[[], str]] = {
+    name: why_lerobot_is_missing for name in DRIVER_FACTORIES if LerobotDriver.name in name
+}
+MAX_CELL_WIDTH = 12  # [characters] widest text that widens its column; longer ones are reasons of refusal
+TABLE_COLUMNS = (
     "fault",
     "servos",
     "baud",
@@ -35,37 +53,47 @@ COLUMNS = (
     "p50 ms",
     "p99 ms",
     "max ms",
-    "told ms",
+    "reported ms",
 )
 
 
-def bench() -> list[Figure]:
-    """Measures every fault for 14 servos at 1 Mbaud, the seeds together."""
-    figures: list[Figure] = []
-    for case in cases():
-        found = [trial(case, KinesicDriver, servos=SERVOS, baud=BAUD, seed=seed) for seed in SEEDS]
-        figures += _figures(case, found)
-    return figures
+def bench() -> list[Metric]:
+    """Measure kinesic's bus under every fault, with 14 servos at 1 Mbaud."""
+    metrics: list[Metric] = []
+    for case in list_cases():
+        results = [
+            run_trial(case, KinesicDriver, servos=SERVO_COUNT, baud=BAUD_RATE, seed=seed) for seed in FAULT_SEEDS
+        ]
+        metrics += _fault_metrics(case, results)
+    return metrics
 
 
-def _figures(case: FaultCase, found: Sequence[TrialResult]) -> Iterator[Figure]:
-    """What a fault must not do; a servo that must be refused has no other figures."""
+def _fault_metrics(case: FaultCase, results: Sequence[TrialResult]) -> Iterator[Metric]:
+    """Yield the metrics of the driver under one bus fault.
+
+    Refused servos have only the count of wrong values.
+    """
     name = f"bus.fault.{_slug(case.name)}"
-    wrong = sum(result.exceptions + result.wrong for result in found)
-    refused = next((result.refused for result in found if result.refused), "")
-    yield Figure(
-        f"{name}.wrong", wrong, "exceptions and wrong values", WRONG, "lower", why=refused and f"refused: {refused}"
+    wrong = sum(result.exceptions + result.wrong for result in results)
+    refused = next((result.refused for result in results if result.refused), "")
+    yield Metric(
+        f"{name}.wrong",
+        wrong,
+        "exceptions and wrong values",
+        MAX_WRONG_COUNT,
+        "lower",
+        why=refused and f"refused: {refused}",
     )
     if refused:
         return
     if "1%" in case.name:
-        fresh = 100 * float(np.mean([result.fresh for result in found]))
-        yield Figure(f"{name}.fresh", fresh, "%", FRESH, "higher")
-    durations = np.concatenate([result.durations for result in found])
-    yield Figure(f"{name}.p99", float(np.percentile(durations, 99)) / PERIOD, "periods", P99, "lower")
-    reported = [result.reported for result in found if result.reported is not None]
+        fresh = 100 * float(np.mean([result.fresh for result in results]))
+        yield Metric(f"{name}.fresh", fresh, "%", MIN_FRESH, "higher")
+    durations = np.concatenate([result.durations for result in results])
+    yield Metric(f"{name}.p99", float(np.percentile(durations, 99)) / BUS_PERIOD, "periods", MAX_P99_DURATION, "lower")
+    reported = [result.reported for result in results if result.reported is not None]
     if reported:
-        yield Figure(f"{name}.told", max(reported) / PERIOD, "periods", TOLD, "lower")
+        yield Metric(f"{name}.told", max(reported) / BUS_PERIOD, "periods", MAX_REPORT_DELAY, "lower")
 
 
 def _slug(name: str) -> str:
@@ -74,31 +102,42 @@ def _slug(name: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class DriverTrials:
-    """What one driver did in the whole matrix."""
+    """Results of one driver in the whole fault matrix."""
 
     driver: str
-    why: str  # it was not tried; empty where it was
+    why: str  # reason why the driver was not tried; empty if it was
     results: Sequence[TrialResult]
 
     def __str__(self) -> str:
-        return f"{self.driver}\n\n{f'null: {self.why}' if self.why else text(self.results)}\n"
+        return f"{self.driver}\n\n{f'null: {self.why}' if self.why else format_table(self.results)}\n"
 
     def record(self) -> dict[str, object]:
-        """Returns the trials for a machine to read."""
+        """Return all trials of the driver as a JSON-compatible record."""
         return {"driver": self.driver, "why": self.why, "trials": [record(result) for result in self.results]}
 
 
 def compare_drivers(
-    *, sizes: Sequence[int] = SIZES, bauds: Sequence[int] = BAUDS, seeds: Sequence[int] = SEEDS
+    *,
+    sizes: Sequence[int] = MATRIX_SERVO_COUNTS,
+    bauds: Sequence[int] = MATRIX_BAUD_RATES,
+    seeds: Sequence[int] = FAULT_SEEDS,
 ) -> Iterator[DriverTrials]:
-    """Runs the whole matrix for every driver that is installed; it takes many minutes."""
-    for name, opens in DRIVERS.items():
-        why = MISSING.get(name, str)()
-        yield DriverTrials(name, why, [] if why else list(matrix(opens, sizes=sizes, bauds=bauds, seeds=seeds)))
+    """Run the whole fault matrix for every installed driver.
+
+    This takes many minutes.
+    """
+    for name, make_driver in DRIVER_FACTORIES.items():
+        why = MISSING_REASONS.get(name, str)()
+        yield DriverTrials(
+            name, why, [] if why else list(run_matrix(make_driver, sizes=sizes, bauds=bauds, seeds=seeds))
+        )
 
 
-def rows(results: Sequence[TrialResult]) -> list[tuple[str, ...]]:
-    """Makes the table of the matrix, one row for each fault, size and rate, the seeds together."""
+def table_rows(results: Sequence[TrialResult]) -> list[tuple[str, ...]]:
+    """Return table rows by fault, servo count and baud rate.
+
+    A row combines all seeds.
+    """
     groups: dict[tuple[str, int, int], list[TrialResult]] = {}
     for result in results:
         groups.setdefault((result.case, result.servos, result.baud), []).append(result)
@@ -108,10 +147,10 @@ def rows(results: Sequence[TrialResult]) -> list[tuple[str, ...]]:
 def _row(name: str, servos: int, baud: int, group: Sequence[TrialResult]) -> tuple[str, ...]:
     refused = next((result.refused for result in group if result.refused), "")
     if refused:
-        return name, str(servos), str(baud), refused, *[""] * (len(COLUMNS) - 4)
-    every = np.concatenate([result.durations for result in group])
+        return name, str(servos), str(baud), refused, *[""] * (len(TABLE_COLUMNS) - 4)
+    durations = np.concatenate([result.durations for result in group])
     reported = [result.reported for result in group if result.reported is not None]
-    figures = (*(np.percentile(every, percent) for percent in (50, 99)), every.max())
+    timings = (*(np.percentile(durations, percent) for percent in (50, 99)), durations.max())
     return (
         name,
         str(servos),
@@ -120,13 +159,16 @@ def _row(name: str, servos: int, baud: int, group: Sequence[TrialResult]) -> tup
         str(sum(result.wrong for result in group)),
         f"{100 * np.mean([result.fresh for result in group]):.2f}",
         f"{1000 * max(result.oldest for result in group):.1f}",
-        *(f"{1000 * figure:.2f}" for figure in figures),
+        *(f"{1000 * timing:.2f}" for timing in timings),
         f"{1000 * max(reported):.1f}" if reported else "",
     )
 
 
 def record(result: TrialResult) -> dict[str, str | float | None]:
-    """Writes one trial for a machine: shares from 0 to 1, times in seconds."""
+    """Return one fault trial as a JSON-compatible record.
+
+    Fractions in 0..1, times in seconds.
+    """
     return {
         "case": result.case,
         "servos": result.servos,
@@ -144,10 +186,12 @@ def record(result: TrialResult) -> dict[str, str | float | None]:
     }
 
 
-def text(results: Sequence[TrialResult]) -> str:
-    """Writes the table as lines of text."""
-    lines = [COLUMNS, *rows(results)]
-    widths = [max(len(line[k]) for line in lines if len(line[3]) < REASON or k < 3) for k in range(len(COLUMNS))]
+def format_table(results: Sequence[TrialResult]) -> str:
+    """Format the comparison of drivers as aligned lines of text."""
+    lines = [TABLE_COLUMNS, *table_rows(results)]
+    widths = [
+        max(len(line[k]) for line in lines if len(line[3]) < MAX_CELL_WIDTH or k < 3) for k in range(len(TABLE_COLUMNS))
+    ]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines
     )

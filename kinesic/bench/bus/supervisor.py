@@ -1,4 +1,7 @@
-"""Measures the load of the whole supervisor (wires, player, limits, monitor, status) while it performs in real time."""
+"""CPU load of a whole supervisor that performs in real time.
+
+The load includes wires, player, limits, monitor and status.
+"""
 
 import gc
 import mmap
@@ -10,61 +13,62 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.bus.serial_wire import SerialWire
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS
 from kinesic.hardware.supervisor.channel import Channel, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
+from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
 
-BUS, RANGE = "bench", 1.5  # [rad] to either side
-SWING = 0.2  # [rad] either way from the middle of the motion
-PATIENCE = 10.0  # [s] until it performs
-SETTLED = 0.5  # [s] of the performance before the measurement
+BUS_NAME = "bench"
+JOINT_RANGE = 1.5  # [rad] range of each virtual servo's joint to either side
+MOTION_AMPLITUDE = 0.2  # [rad] amplitude of the joints' sinusoidal motion
+START_TIMEOUT = 10.0  # [s] time limit for the supervisor to begin the performance
+SETTLING_TIME = 0.5  # [s] wait between the start of the performance and the measurement
 
 
 def measure_supervisor(link: Path, *, model: str, count: int, baud: int, period: float, seconds: float) -> float | None:
-    """Measures the CPU share of a supervisor that performs on virtual servos.
+    """Measure the CPU load of a supervisor that performs on virtual servos.
 
     Args:
-        link: of their port.
-        model: of the servos, whose ids are 1..count.
-        count: how many.
-        baud: [bit/s].
-        period: [s].
-        seconds: of the measurement.
+        link: link to the port of the virtual servos.
+        model: servo model; the servo ids are 1..count.
+        count: number of servos.
+        baud: baud rate [bit/s].
+        period: control period [s].
+        seconds: duration of the measurement [s].
 
     Returns:
-        Of one core, system calls included; None if it did not come to perform.
+        CPU time / wall time, system calls included; None if the supervisor did not start to perform.
     """
     channel, settings = Channel(mmap.mmap(-1, memory_size(count)), count), SupervisorSettings(period=period)
     supervisor = Supervisor(
-        manifest(model, count, baud),
-        Surroundings(lambda bus: SerialWire(link, baud), channel, planner=lambda: True, journal=EventLog(None)),
+        build_manifest(model, count, baud),
+        SupervisorContext(lambda bus: SerialWire(link, baud), channel, planner=lambda: True, journal=EventLog(None)),
         settings,
         watchdog=settings.patient_watchdog,
     )
     supervisor.open()
-    for k in range(round((SETTLED + seconds + settings.lead) / period)):
-        channel.write(k * period, np.full(count, SWING * (1 - np.cos(2 * k * period))))
-    limit = time.monotonic() + PATIENCE
+    for k in range(round((SETTLING_TIME + seconds + settings.lead) / period)):
+        channel.write(k * period, np.full(count, MOTION_AMPLITUDE * (1 - np.cos(2 * k * period))))
+    limit = time.monotonic() + START_TIMEOUT
     while supervisor.state.stage is not Stage.ACTIVE and time.monotonic() < limit:
         _run(supervisor, settings, period)
-    performs = supervisor.state.stage is Stage.ACTIVE
-    _run(supervisor, settings, SETTLED)
+    has_started = supervisor.state.stage is Stage.ACTIVE
+    _run(supervisor, settings, SETTLING_TIME)
     gc.collect()
-    gc.freeze()  # as its own process does
+    gc.freeze()  # as in the supervisor's own process
     began, cpu = time.monotonic(), time.process_time()
     _run(supervisor, settings, seconds)
-    share = (time.process_time() - cpu) / (time.monotonic() - began)
+    load = (time.process_time() - cpu) / (time.monotonic() - began)
     gc.unfreeze()
     channel.set("release", 1)
-    limit = time.monotonic() + PATIENCE
+    limit = time.monotonic() + START_TIMEOUT
     while not supervisor.done and time.monotonic() < limit:
         _run(supervisor, settings, period)
-    return share if performs else None
+    return load if has_started else None
 
 
 def _run(supervisor: Supervisor, settings: SupervisorSettings, seconds: float) -> None:
@@ -74,12 +78,12 @@ def _run(supervisor: Supervisor, settings: SupervisorSettings, seconds: float) -
         supervisor.sleep(began + (k + 1) * settings.period)
 
 
-def manifest(model: str, count: int, baud: int) -> Manifest:
-    """Lists so many servos on one wire, a hinge each."""
+def build_manifest(model: str, count: int, baud: int) -> Manifest:
+    """Build a manifest of `count` servos on one bus."""
     members = [
         Member(
-            bus=BUS,
-            servo=Servo(k + 1, MODELS[model]),
+            bus=BUS_NAME,
+            servo=Servo(k + 1, SERVO_MODELS[model]),
             hinge=f"hinge{k + 1}",
             joint=k,
             zero=MID_TICKS,
@@ -93,11 +97,11 @@ def manifest(model: str, count: int, baud: int) -> Manifest:
         for k in range(count)
     ]
     return Manifest(
-        robot=BUS,
-        bauds={BUS: baud},
+        robot=BUS_NAME,
+        bauds={BUS_NAME: baud},
         members=tuple(members),
         rest=sealed(np.zeros(count)),
-        lower=sealed(np.full(count, -RANGE)),
-        upper=sealed(np.full(count, RANGE)),
+        lower=sealed(np.full(count, -JOINT_RANGE)),
+        upper=sealed(np.full(count, JOINT_RANGE)),
         chains=tuple(frozenset({k}) for k in range(count)),
     )

@@ -1,21 +1,21 @@
-"""Measures what each parameter of expressivity changes, whether gestures stay distinct, and what fingers do."""
+"""Benchmark of expressivity: parameters, distinct gestures and fingers."""
 
 from pathlib import Path
 
 from kinesic.bench.expressivity import fingers, lexicon, sweeps
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 
-PARTS = (sweeps, lexicon, fingers)
+EXPRESSIVITY_PARTS = (sweeps, lexicon, fingers)
 
 
-def bench() -> list[Figure]:
-    """Measures every figure of the part."""
-    return [figure for part in PARTS for figure in part.bench()]
+def bench() -> list[Metric]:
+    """Measure expressivity parameters, distinct gestures and fingers."""
+    return [metric for part in EXPRESSIVITY_PARTS for metric in part.bench()]
 
 
 def draw(folder: Path) -> list[Path]:
-    """Draws what was measured: each parameter's own measure in all gestures, and what a gesture looks like."""
+    """Plot the measured effect of each parameter, and example hand paths."""
     return [
-        sweeps.draw(sweeps.swept(), folder / "expressivity-measures.png"),
-        sweeps.draw_paths(sweeps.swept(), folder / "expressivity-paths.png"),
+        sweeps.draw(sweeps.sweep_all(), folder / "expressivity-measures.png"),
+        sweeps.draw_paths(sweeps.sweep_all(), folder / "expressivity-paths.png"),
     ]

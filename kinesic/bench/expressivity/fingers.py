@@ -1,70 +1,80 @@
-"""Hands with fingers: each gesture planned alone on upper36; shapes are there in time, and fingers keep clear."""
+"""Benchmark of fingers: each gesture planned alone on upper36.
+
+Hand shapes must be complete in time, and fingers must keep their distance.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Floats
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.hands.fingers import finger_joints, shape_angles
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.hand_shapes import find_shape
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.studies.gestures.isolated import BEHAVIOUR, plan_gesture
+from kinesic.session.setup import set_up
+from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 
-PART, ROBOT = "expressivity.fingers", "upper36"
-COMPLETE = np.radians(4.0)  # that a drive may still lack, where the shape is there
-LEAST_COMPLETE = 95.0  # [%]
+METRIC_PREFIX = "expressivity.fingers"
+FINGER_ROBOT = "upper36"
+MAX_SHAPE_ERROR = np.radians(4.0)  # [rad] largest finger angle error of a complete hand shape
+MIN_COMPLETE = 95.0  # [%] goal of hands whose shape is complete at strokeStart
 
 
 @dataclass(frozen=True)
 class FingerResult:
-    """What fingers do in one gesture."""
+    """Finger shapes and clearance in one gesture."""
 
     gesture: str
     dropped: bool
-    lacks: tuple[float, ...]  # [rad] of each hand that takes a shape, of its worst drive at strokeStart
-    clearance: float  # [m] least of fingers, to whatever counts
+    shape_errors: tuple[float, ...]  # [rad] largest drive error at strokeStart, for each hand with a shape
+    clearance: float  # [m] smallest distance of a finger from other segments
 
 
-def bench() -> list[Figure]:
-    """Plans each gesture of the lexicon."""
-    known = set_up(ROBOT)
-    return finger_figures([judge_fingers(form, known) for form in known.lexicon.forms])
+def bench() -> list[Metric]:
+    """Plan each gesture of the lexicon and measure its fingers."""
+    setup = set_up(FINGER_ROBOT)
+    return finger_metrics([judge_fingers(form, setup) for form in setup.lexicon.forms])
 
 
-def finger_figures(results: Sequence[FingerResult]) -> list[Figure]:
-    """Sums up."""
-    lacks = [lack for result in results for lack in result.lacks]
-    complete = 100.0 * float(np.mean([lack <= COMPLETE for lack in lacks])) if lacks else 100.0
-    late = ", ".join(result.gesture for result in results if any(lack > COMPLETE for lack in result.lacks))
+def finger_metrics(results: Sequence[FingerResult]) -> list[Metric]:
+    """Summarize the finger results of gestures as metrics."""
+    shape_errors = [error for result in results for error in result.shape_errors]
+    complete_percent = (
+        100.0 * float(np.mean([error <= MAX_SHAPE_ERROR for error in shape_errors])) if shape_errors else 100.0
+    )
+    late = ", ".join(
+        result.gesture for result in results if any(error > MAX_SHAPE_ERROR for error in result.shape_errors)
+    )
     clearance = 1000 * min(result.clearance for result in results)
     dropped = [result.gesture for result in results if result.dropped]
     return [
-        Figure(f"{PART}.shapes", float(len(lacks)), "hands", None, "higher"),
-        Figure(f"{PART}.complete", complete, "% at strokeStart", LEAST_COMPLETE, "higher", late),
-        Figure(f"{PART}.clearance", clearance, "mm", 10.0, "higher"),
-        Figure(f"{PART}.dropped", float(len(dropped)), "gestures", 0.0, "lower", ", ".join(dropped)),
+        Metric(f"{METRIC_PREFIX}.shapes", float(len(shape_errors)), "hands", None, "higher"),
+        Metric(f"{METRIC_PREFIX}.complete", complete_percent, "% at strokeStart", MIN_COMPLETE, "higher", late),
+        Metric(f"{METRIC_PREFIX}.clearance", clearance, "mm", 10.0, "higher"),
+        Metric(f"{METRIC_PREFIX}.dropped", float(len(dropped)), "gestures", 0.0, "lower", ", ".join(dropped)),
     ]
 
 
-def judge_fingers(form: GestureForm, known: Setup) -> FingerResult:
-    """Plans one gesture and looks at its fingers."""
-    planned = plan_gesture(form, known)
-    dropped = planned.keyframes.outcomes[BEHAVIOUR].kind == "dropped"
-    return FingerResult(form.id, dropped, () if dropped else _lacks(form, planned), _clearance(planned))
+def judge_fingers(form: GestureForm, setup: Setup) -> FingerResult:
+    """Plan one gesture and measure its fingers."""
+    planned = plan_gesture(form, setup)
+    dropped = planned.keyframes.outcomes[BEHAVIOUR_ID].kind == "dropped"
+    return FingerResult(
+        form.id, dropped, () if dropped else _measure_shape_errors(form, planned), _measure_clearance(planned)
+    )
 
 
-def _lacks(form: GestureForm, planned: Plan) -> tuple[float, ...]:
-    """(k,) [rad] of each hand with a shape in the first key of its stroke."""
+def _measure_shape_errors(form: GestureForm, planned: Plan) -> tuple[float, ...]:
+    """Return the shape error (k,) [rad] of each shaped hand."""
     starts = [sync.planned for sync in planned.syncs if sync.sync == "strokeStart"]
     if not starts or not form.keys:
         return ()
-    robot, moment = planned.setup.robot, np.array([planned.trajectory.zero + starts[0]])
-    angles: Floats = planned.trajectory.sample(moment)[0][0]
+    robot, time = planned.setup.robot, np.array([planned.trajectory.zero + starts[0]])
+    angles: Floats = planned.trajectory.sample(time)[0][0]
     return tuple(
         float(np.abs(angles[list(finger_joints(robot, side))] - shape_angles(shape, robot, side)).max())
         for side, pose in form.keys[0].hands.items()
@@ -72,7 +82,12 @@ def _lacks(form: GestureForm, planned: Plan) -> tuple[float, ...]:
     )
 
 
-def _clearance(planned: Plan) -> float:
-    """[m] of the moments of the plan in which fingers are what comes nearest; infinite where they never are."""
+def _measure_clearance(planned: Plan) -> float:
+    """Return the fingers' smallest distance [m] from other segments.
+
+    The result is infinite without fingers.
+
+    Only times at which fingers are the closest segments count.
+    """
     rows = zip(planned.clearance.distances, planned.clearance.pairs, strict=True)
     return min((float(gap) for gap, pair in rows if any(part.endswith("_fingers") for part in pair)), default=np.inf)

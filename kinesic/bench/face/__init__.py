@@ -1,25 +1,25 @@
-"""Measures the face: what occlusion costs and misses, its skin, wrinkles, lids and lips, and its frame rate."""
+"""Benchmark of the face: occlusion, scattering, wrinkles, eyelids, lips and frame rate."""
 
-# A machine without OpenGL has every figure's name, and a reason instead of its value.
+# Without OpenGL every metric keeps its name and gives a reason instead of a value.
 
 from collections.abc import Iterator
 from typing import Literal, get_args
 
-from kinesic.bench.face.lips import RATES, measure_lips
-from kinesic.bench.face.stages import NAME as STAGE
+from kinesic.bench.face.lips import SPEECH_RATES, measure_lips
+from kinesic.bench.face.stages import STAGE_PREFIX as STAGE_PREFIX
 from kinesic.bench.face.stages import stages_of
-from kinesic.bench.figure import Figure
-from kinesic.face.display import available
-from kinesic.face.render.presets import PRESETS, TILES, Estimator, Pattern
+from kinesic.bench.metric import Metric
+from kinesic.face.display import find_display_problem
+from kinesic.face.render.presets import QUALITY_PRESETS, TILE_SIZES, Estimator, Pattern
 from kinesic.speech.espeak_pool import espeak_fault
 
 Better = Literal["lower", "higher"]
 
-LIPS = "face.lips."
-SIZES = (5, 11, 21)  # samples across, of Table 3.1
-PICTURES = ((512, 512), (1024, 768))
-FASTEST = 24.0  # [Hz] wanted of preset normal at the first of them
-THESIS_MS = {  # Table 3.1, on a GTX 480: exact and separable
+LIP_PREFIX = "face.lips."
+OCCLUSION_SIZES = (5, 11, 21)  # filter widths of ambient occlusion [samples], as in thesis Table 3.1
+PICTURE_SIZES = ((512, 512), (1024, 768))  # [pixels] sizes of the timed pictures
+MIN_FRAME_RATE = 24.0  # [Hz] frame rate goal of preset normal at the first picture size
+THESIS_MS = {  # exact and separable occlusion times [ms] in Table 3.1, on a GTX 480
     ("crytek", 5): (3.2, 3.4),
     ("crytek", 11): (13.9, 5.8),
     ("crytek", 21): (49.7, 9.9),
@@ -32,42 +32,54 @@ THESIS_MS = {  # Table 3.1, on a GTX 480: exact and separable
 }
 
 
-def bench() -> list[Figure]:
-    """Measures every figure of the part."""
-    reason = available()
-    mute = reason or espeak_fault()
-    values = {} if reason else _measured()
-    if not mute:
+def bench() -> list[Metric]:
+    """Measure rendering quality and speed, lids and lips of the face."""
+    reason = find_display_problem()
+    lips_reason = reason or espeak_fault()
+    values = {} if reason else _measure_values()
+    if not lips_reason:
         values |= measure_lips()
     return [
-        Figure(name, values.get(name), unit, goal, better, (mute if name.startswith(LIPS) else reason) or _beside(name))
-        for name, unit, goal, better in expected_figures()
+        Metric(
+            name,
+            values.get(name),
+            unit,
+            goal,
+            better,
+            (lips_reason if name.startswith(LIP_PREFIX) else reason) or _quote_thesis(name),
+        )
+        for name, unit, goal, better in expected_metrics()
     ]
 
 
-def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
-    """Lists name, unit, goal and direction of each figure."""
-    for preset in PRESETS:
-        for width, height in PICTURES:
-            normal = preset == "normal" and (width, height) == PICTURES[0]
-            yield f"face.fps.{preset}_{width}x{height}", "Hz", FASTEST if normal else None, "higher"
+def expected_metrics() -> Iterator[tuple[str, str, float | None, Better]]:
+    """Yield name, unit, goal and preferred direction of each face metric."""
+    for preset in QUALITY_PRESETS:
+        for width, height in PICTURE_SIZES:
+            normal = preset == "normal" and (width, height) == PICTURE_SIZES[0]
+            yield f"face.fps.{preset}_{width}x{height}", "Hz", MIN_FRAME_RATE if normal else None, "higher"
             yield f"face.fps.{preset}_{width}x{height}_cpu", "ms", None, "lower"
     yield "face.fps.covered", "%", 40.0, "higher"
-    yield "face.figure.draft_512x512", "Hz", FASTEST, "higher"
+    yield "face.figure.draft_512x512", "Hz", MIN_FRAME_RATE, "higher"
     yield "face.figure.normal_512x512", "Hz", None, "higher"
     yield "face.figure.filmed_1280x720", "Hz", None, "higher"
     yield "face.figure.linear_ms", "ms", None, "lower"
     yield "face.figure.dual_ms", "ms", None, "lower"
-    for preset, drawn in PRESETS.items():
-        for width, height in PICTURES:
+    for preset, drawn in QUALITY_PRESETS.items():
+        for width, height in PICTURE_SIZES:
             for stage in (*stages_of(drawn), "picture"):
-                yield f"{STAGE}{preset}_{width}x{height}_{stage}", "ms", None, "lower"
+                yield f"{STAGE_PREFIX}{preset}_{width}x{height}_{stage}", "ms", None, "lower"
     for estimator in get_args(Estimator):
-        for size in SIZES:
+        for size in OCCLUSION_SIZES:
             for kind in ("exact", "separable"):
                 yield f"face.occlusion.{estimator}_{size}_{kind}", "ms", None, "lower"
-            yield f"face.occlusion.{estimator}_{size}_ratio", "x", 4.0 if size == SIZES[-1] else None, "higher"
-            yield f"face.occlusion.{estimator}_{size}_rmse", "", 0.02 if size == SIZES[-1] else None, "lower"
+            yield (
+                f"face.occlusion.{estimator}_{size}_ratio",
+                "x",
+                4.0 if size == OCCLUSION_SIZES[-1] else None,
+                "higher",
+            )
+            yield f"face.occlusion.{estimator}_{size}_rmse", "", 0.02 if size == OCCLUSION_SIZES[-1] else None, "lower"
             yield f"face.occlusion.{estimator}_{size}_rmse_occluded", "", None, "lower"
     yield "face.occlusion.samples_21_exact", "count", None, "lower"
     yield "face.occlusion.samples_21_separable", "count", None, "lower"
@@ -76,7 +88,7 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
     yield "face.occlusion.boxes_correlation", "", None, "higher"
     for pattern in get_args(Pattern):
         yield f"face.occlusion.boxes_{pattern}_rmse", "", None, "lower"
-    for tile in TILES:
+    for tile in TILE_SIZES:
         yield f"face.occlusion.boxes_tile_{tile}_rmse", "", None, "lower"
     for name in ("one_axis", "one_axis_same_cost"):
         yield f"face.occlusion.boxes_{name}_rmse", "", None, "lower"
@@ -96,30 +108,30 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
     yield "face.wrinkle.steepest", "deg", 65.0, "lower"
     yield "face.lids.uneven", "", 0.1, "lower"
     yield "face.lids.outside", "count", 0.0, "lower"
-    for rate in RATES:
-        yield f"{LIPS}{rate}_release_median", "ms", 20.0, "lower"
-        yield f"{LIPS}{rate}_release_p95", "ms", 45.0, "lower"
-        yield f"{LIPS}{rate}_open", "count", 0.0, "lower"
-        yield f"{LIPS}{rate}_late", "count", 0.0, "lower"
-        yield f"{LIPS}{rate}_fastest", "mm/s", 300.0, "lower"
+    for rate in SPEECH_RATES:
+        yield f"{LIP_PREFIX}{rate}_release_median", "ms", 20.0, "lower"
+        yield f"{LIP_PREFIX}{rate}_release_p95", "ms", 45.0, "lower"
+        yield f"{LIP_PREFIX}{rate}_open", "count", 0.0, "lower"
+        yield f"{LIP_PREFIX}{rate}_late", "count", 0.0, "lower"
+        yield f"{LIP_PREFIX}{rate}_fastest", "mm/s", 300.0, "lower"
 
 
-def _measured() -> dict[str, float]:
-    from kinesic.bench.face import eyes, figure, frame_rate, occlusion, scattering, stages, wrinkles  # noqa: PLC0415 - they need the names above
+def _measure_values() -> dict[str, float]:
+    from kinesic.bench.face import eyes, frame_rate, full_body, occlusion, scattering, stages, wrinkles  # noqa: PLC0415 - they need the names above
 
     return {
-        **frame_rate.frames(PICTURES),
-        **stages.measure_stages(PICTURES),
-        **figure.measure_figure(),
-        **occlusion.occlusion(SIZES),
-        **scattering.scattering(),
+        **frame_rate.measure_frame_rates(PICTURE_SIZES),
+        **stages.measure_stages(PICTURE_SIZES),
+        **full_body.measure_full_body(),
+        **occlusion.measure_occlusion(OCCLUSION_SIZES),
+        **scattering.measure_scattering(),
         **wrinkles.measure_law_violations(),
         **eyes.measure_eyes(),
     }
 
 
-def _beside(name: str) -> str:
-    """What the thesis measured."""
+def _quote_thesis(name: str) -> str:
+    """Return the thesis' value of a face metric as a note."""
     for (estimator, size), (exact, separable) in THESIS_MS.items():
         stem = f"face.occlusion.{estimator}_{size}_"
         if name == stem + "exact":

@@ -1,4 +1,4 @@
-"""Times drawing: by the graphics card's own clock, or by ours where the processor draws."""
+"""Timing of drawing, by the graphics card's clock or the processor's."""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -8,15 +8,15 @@ import numpy as np
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Column
 
-SOFTWARE = ("llvmpipe", "softpipe", "swrast")
-BUSY = 0.015  # [s] that a card is kept busy for, in which what is timed next is asked for
-SIDE = 512  # pixels of what it draws meanwhile
-MOST = 1e7  # steps of each pixel
+SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swrast")
+BUSY_TIME = 0.015  # [s] filler work of the graphics card while the measured commands are queued
+BUSY_SIZE = 512  # [pixels] side of the picture drawn as filler work
+MAX_BUSY_STEPS = 1e7  # largest filler iterations per pixel
 
-VERTEX = """#version 330 core
+VERTEX_SHADER = """#version 330 core
 in vec2 corner;
 void main() { gl_Position = vec4(corner, 0.5, 1.0); }"""
-FRAGMENT = """#version 330 core
+FRAGMENT_SHADER = """#version 330 core
 uniform float steps;
 out vec4 found;
 void main() {
@@ -27,33 +27,36 @@ void main() {
 
 
 class Clock:
-    """Measures how long a context draws, without the time that asking for it takes.
+    """A clock of drawing time that excludes the time to submit commands.
 
-    A card that waits for us would count our own slowness: before each measurement it is kept busy, until all of it is
-    in its queue.
+    A card that waits for commands would add the submission time. Before each measurement the card is therefore kept
+    busy until all commands are in its queue.
     """
 
     def __init__(self, context: GlContext, *, of_card: bool | None = None) -> None:
-        """Finds out which clock serves, and how much keeps a card busy.
+        """Choose GPU or CPU clock, and calibrate a busy load for GPUs.
 
         Args:
-            context: that draws.
-            of_card: whether its own clock is asked; None: unless the processor draws.
+            context: OpenGL context that draws.
+            of_card: whether to use the card's own clock; None: use it unless the processor draws.
         """
         self.context = context
-        self.of_card = not any(name in context.renderer for name in SOFTWARE) if of_card is None else of_card
+        self.of_card = not any(name in context.renderer for name in SOFTWARE_RENDERERS) if of_card is None else of_card
         self._steps = 0.0
         if self.of_card:
-            self._frame = context.frame([context.texture((SIDE, SIDE), 4)])
-            self._program = context.program(VERTEX, FRAGMENT)
+            self._frame = context.frame([context.texture((BUSY_SIZE, BUSY_SIZE), 4)])
+            self._program = context.program(VERTEX_SHADER, FRAGMENT_SHADER)
             corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
             self._triangle = context.vertices(self._program, [Column("corner", corners, 2, 0, 2)])
             self._steps = 16.0
-            while context.elapsed(self._keep_busy) < BUSY and self._steps < MOST:
+            while context.elapsed(self._keep_busy) < BUSY_TIME and self._steps < MAX_BUSY_STEPS:
                 self._steps *= 2.0
 
     def milliseconds(self, draw: Callable[[], object], *, of_card: bool | None = None) -> float:
-        """Draws and tells how long that took, by the card's clock or not, if that is said."""
+        """Call a drawing function once and return the drawing time [ms].
+
+        `of_card` overrides the choice of the clock.
+        """
         self.context.finish()
         if self.of_card if of_card is None else of_card:
             self._keep_busy()

@@ -1,4 +1,4 @@
-"""How many pictures of a moving face are drawn in a second, read back and all."""
+"""Benchmark of the frame rate of a moving face, read-back included."""
 
 from collections.abc import Iterator, Sequence
 from itertools import islice
@@ -9,28 +9,33 @@ from time import perf_counter, process_time
 from kinesic.face.gl.textures import Size
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import DRAFT, NORMAL, PRESETS
+from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET, QUALITY_PRESETS
 
-WARM, FRAMES = 3, 48
-SLOW_FRAMES = 6  # of a preset that takes its time
+WARM_UP_FRAMES = 3  # frames drawn before the measurement
+MEASURED_FRAMES = 48  # number of timed frames per preset and size
+SLOW_PRESET_FRAMES = 6  # number of timed frames of slow presets
 
 
-def frames(sizes: Sequence[Size]) -> dict[str, float]:
-    """Measures pictures a second and processor time of one, by preset and size, and how much the head covers."""
-    found = {}
-    for name, preset in PRESETS.items():
+def measure_frame_rates(sizes: Sequence[Size]) -> dict[str, float]:
+    """Measure the face's frame rate and CPU time by preset and size."""
+    metrics = {}
+    for name, preset in QUALITY_PRESETS.items():
         for width, height in sizes:
             with Portrait(preset=preset, size=(width, height)) as portrait:
-                wall, cpu = _timed(portrait, FRAMES if preset in (DRAFT, NORMAL) else SLOW_FRAMES)
-            found[f"face.fps.{name}_{width}x{height}"] = 1.0 / wall
-            found[f"face.fps.{name}_{width}x{height}_cpu"] = 1000.0 * cpu
-    with Portrait(preset=NORMAL, size=sizes[0]) as portrait:
-        found["face.fps.covered"] = 100.0 * min(_covered(portrait, *frame) for frame in islice(moving_face(), FRAMES))
-    return found
+                wall, cpu = _time_frames(
+                    portrait, MEASURED_FRAMES if preset in (DRAFT_PRESET, NORMAL_PRESET) else SLOW_PRESET_FRAMES
+                )
+            metrics[f"face.fps.{name}_{width}x{height}"] = 1.0 / wall
+            metrics[f"face.fps.{name}_{width}x{height}_cpu"] = 1000.0 * cpu
+    with Portrait(preset=NORMAL_PRESET, size=sizes[0]) as portrait:
+        metrics["face.fps.covered"] = 100.0 * min(
+            _coverage(portrait, *frame) for frame in islice(moving_face(), MEASURED_FRAMES)
+        )
+    return metrics
 
 
 def moving_face() -> Iterator[tuple[dict[str, float], Camera]]:
-    """Yields a face that talks, smiles, blinks and looks about as the head turns; never the same twice."""
+    """Yield an endless, never repeating motion of a talking, smiling, turning head."""
     k = 0
     while True:
         units = {
@@ -45,18 +50,18 @@ def moving_face() -> Iterator[tuple[dict[str, float], Camera]]:
         k += 1
 
 
-def _timed(portrait: Portrait, count: int) -> tuple[float, float]:
-    """Seconds of the clock and of the processors for a frame, at the median."""
+def _time_frames(portrait: Portrait, count: int) -> tuple[float, float]:
+    """Return the median wall time and CPU time [s] of a frame."""
     wall, cpu = [], []
-    for units, camera in islice(moving_face(), WARM + count):
+    for units, camera in islice(moving_face(), WARM_UP_FRAMES + count):
         began, spent = perf_counter(), process_time()
         portrait.draw(units, camera)
         wall.append(perf_counter() - began)
         cpu.append(process_time() - spent)
-    return median(wall[WARM:]), median(cpu[WARM:])
+    return median(wall[WARM_UP_FRAMES:]), median(cpu[WARM_UP_FRAMES:])
 
 
-def _covered(portrait: Portrait, units: dict[str, float], camera: Camera) -> float:
+def _coverage(portrait: Portrait, units: dict[str, float], camera: Camera) -> float:
     geometry = portrait.pipeline.geometry
     with geometry.context:
         geometry.draw(units, camera)

@@ -1,8 +1,10 @@
-"""Measures lips that speak: when they close and open beside the sound that is heard, and how fast.
+"""Benchmark of speaking lips.
 
-Where lips are is taken from the head's mesh. When they should be there is taken from the samples of the voice alone:
-a burst, or the end of a nasal, is the steepest rise of loudness in three bands, and the end of the vowel before the
-steepest fall. The voice's own times say no more than in which part of the sound to look.
+It measures closing and opening compared with the sound, and speed.
+
+The lips' positions come from the head's mesh. The expected times come from the audio samples alone: a burst, or the end
+of a nasal, is the steepest rise of loudness in three bands, and the end of the vowel before it the steepest fall. The
+voice's own times only limit the part of the sound to search.
 """
 
 from collections.abc import Iterator, Sequence
@@ -12,164 +14,182 @@ from typing import NamedTuple
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.utterance import VOWELS, Phoneme, Script, Sound, Utterance
+from kinesic.body.utterance import VOWEL_LETTERS, Phoneme, Script, Sound, Utterance
 from kinesic.expressivity.face.visemes import visemes
 from kinesic.face.assets.action_units import deform
-from kinesic.face.assets.lips import Lips, lips
+from kinesic.face.assets.lips import Lips, find_lips
 from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.speech.espeak import Espeak
 
-SENTENCES = (
+LIP_SENTENCES = (
     "Peter Piper picked a pepper, but nobody helped him.",
     "Tomorrow morning my family may come by boat.",
     "The camera is above the table, maybe beside the lamp.",
     "Pretty blue umbrellas bob up and down in May.",
     "I am sorry about the broken cup, Emma.",
 )
-RATES = {"slow": 0.8, "quick": 1.25}
-BILABIAL = ("p", "b", "m")
-OPEN_SOUNDS = VOWELS | frozenset("lɹrwj")  # between which and closed lips a step is heard
-TICK = 0.01  # [s] of what servos and screens get
-OPEN = 0.3  # [mm] between lips that can be seen to be apart
-BESIDE = 0.03  # [s] round a sound, in which its burst is looked for
-BEFORE = 0.07  # [s] before it, in which the sound before may stop
-BANDS = (400.0, 900.0, 1500.0, 3500.0, 8000.0)  # [Hz]; between the second and the third lies what nasals keep
-KEPT = (0, 2, 3)  # of the bands between them
-SPECTRUM_WINDOW, HOP = 0.012, 0.001  # [s]
-QUIET = 3e-4  # of a band's mean power, below which nothing is heard
-MIDDLE = slice(9, 16)  # columns of the lips
+SPEECH_RATES = {"slow": 0.8, "quick": 1.25}
+BILABIAL_LETTERS = ("p", "b", "m")
+OPEN_SOUNDS = VOWEL_LETTERS | frozenset("lɹrwj")  # letters of sounds that differ audibly from closed lips
+CONTROL_PERIOD = 0.01  # [s] period at which lip motion is sampled, as by servos and screens
+MIN_VISIBLE_GAP = 0.3  # [mm] smallest visible gap between the lips
+BURST_WINDOW = 0.03  # [s] search window around a sound for its burst
+STOP_WINDOW = 0.07  # [s] search window before a sound for the end of the previous sound
+BAND_EDGES = (
+    400.0,
+    900.0,
+    1500.0,
+    3500.0,
+    8000.0,
+)  # [Hz] band edges; nasals keep the power between the second and third
+USED_BANDS = (0, 2, 3)  # indices of the BAND_EDGES bands whose loudness is measured
+SPECTRUM_WINDOW = 0.012  # [s] length of a short-time spectrum
+HOP_TIME = 0.001  # [s] between successive spectra
+SILENCE_POWER = 3e-4  # power added to a frequency band, as a fraction of its mean, to avoid log(0)
+MIDDLE_COLUMNS = slice(9, 16)  # columns of lip vertices in the middle of the mouth
 
 
 class Closing(NamedTuple):
-    """Lips that close for one or several sounds, beside the sound; times in seconds of the utterance."""
+    """One closure of the lips with its times in motion and sound.
+
+    Times of the utterance [s].
+    """
 
     sounds: str
-    shut: float | None  # when they have closed; None: never
-    open: float | None  # when they open again
-    stops: float | None  # when the vowel before is heard to stop; None: none is
-    bursts: float | None  # when their opening is heard; None: it is not
+    shut: float | None  # lips closed; None: never
+    open: float | None  # lips open again
+    stops: float | None  # end of the vowel before, from the sound; None: no vowel
+    bursts: float | None  # opening of the lips, from the sound; None: not audible
 
     @property
     def is_late(self) -> bool:
-        """Whether the vowel before stops while the lips are still apart."""
+        """Whether the lips close only after the preceding vowel's audible end."""
         return self.shut is not None and self.stops is not None and self.shut > self.stops
 
 
 @dataclass(frozen=True, eq=False)
 class Talk:
-    """What one utterance does to the lips."""
+    """Lip motion and lip closures of one utterance."""
 
     closings: tuple[Closing, ...]
-    fastest: float  # [mm/s] of one lip from the other
+    fastest: float  # [mm/s] largest speed between the lips
 
 
-def measure_lips(sentences: Sequence[str] = SENTENCES) -> dict[str, float]:
-    """Measures all figures of the lips, for the voices' rates; the voice must be there."""
+def measure_lips(sentences: Sequence[str] = LIP_SENTENCES) -> dict[str, float]:
+    """Measure all lip metrics at slow and quick speech rates.
+
+    A voice is required.
+    """
     head = load_head("female")
-    found: dict[str, float] = {}
-    for name, rate in RATES.items():
-        talks = [talk(Espeak().say(Script(text), rate=rate), head) for text in sentences]
-        closings = [closing for each in talks for closing in each.closings]
-        errors = [1000 * abs(each.open - each.bursts) for each in closings if each.open and each.bursts]
-        found[f"face.lips.{name}_release_median"] = float(np.median(errors))
-        found[f"face.lips.{name}_release_p95"] = float(np.percentile(errors, 95))
-        found[f"face.lips.{name}_open"] = sum(each.shut is None for each in closings)
-        found[f"face.lips.{name}_late"] = sum(each.is_late for each in closings)
-        found[f"face.lips.{name}_fastest"] = max(each.fastest for each in talks)
-    return found
+    metrics: dict[str, float] = {}
+    for name, rate in SPEECH_RATES.items():
+        talks = [measure_talk(Espeak().say(Script(text), rate=rate), head) for text in sentences]
+        closings = [closing for talk in talks for closing in talk.closings]
+        errors = [1000 * abs(closing.open - closing.bursts) for closing in closings if closing.open and closing.bursts]
+        metrics[f"face.lips.{name}_release_median"] = float(np.median(errors))
+        metrics[f"face.lips.{name}_release_p95"] = float(np.percentile(errors, 95))
+        metrics[f"face.lips.{name}_open"] = sum(closing.shut is None for closing in closings)
+        metrics[f"face.lips.{name}_late"] = sum(closing.is_late for closing in closings)
+        metrics[f"face.lips.{name}_fastest"] = max(talk.fastest for talk in talks)
+    return metrics
 
 
-def talk(said: Utterance, head: Mesh) -> Talk:
-    """Measures the lips of a head that says something."""
-    assert said.sound is not None
-    times = np.arange(-0.3, said.duration + 0.3, TICK)
-    shown = visemes(said.phonemes, times)
-    mouth = lips(head)
+def measure_talk(utterance: Utterance, head: Mesh) -> Talk:
+    """Measure the lips of a head during an utterance."""
+    assert utterance.sound is not None
+    times = np.arange(-0.3, utterance.duration + 0.3, CONTROL_PERIOD)
+    shown = visemes(utterance.phonemes, times)
+    mouth = find_lips(head)
     rows = [{channel: row[k] for channel, row in shown.items()} for k in range(len(times))]
-    apart = np.array([_apart(head, mouth, row) for row in rows])
-    heard = loudness_steps(said.sound)
-    closings = tuple(_closing(run, (times, apart), heard) for run in _runs(said.phonemes))
-    return Talk(closings, float(np.abs(np.diff(apart)).max() / TICK))
+    gap = np.array([_measure_lip_gap(head, mouth, row) for row in rows])
+    loudness = loudness_steps(utterance.sound)
+    closings = tuple(_measure_closing(run, (times, gap), loudness) for run in _find_runs(utterance.phonemes))
+    return Talk(closings, float(np.abs(np.diff(gap)).max() / CONTROL_PERIOD))
 
 
 def loudness_steps(sound: Sound) -> tuple[Floats, Floats]:
-    """Finds how much louder a sound is right after each moment than right before, with silence round it.
+    """Return the change of a sound's loudness [dB] around each time.
 
     Returns:
-        (n,) [s] moments, and (n,) [dB] the mean over three bands.
+        Times (n,) [s], and changes (n,) [dB], averaged over three bands.
     """
-    wide, hop = round(SPECTRUM_WINDOW * sound.rate), round(HOP * sound.rate)
+    wide, hop = round(SPECTRUM_WINDOW * sound.rate), round(HOP_TIME * sound.rate)
     samples = np.pad(sound.samples.astype(np.float64), 10 * wide)
     frames = np.lib.stride_tricks.sliding_window_view(samples, wide)[::hop]
     power = np.abs(np.fft.rfft(frames * np.hanning(wide), 4 * wide)) ** 2
-    places = np.searchsorted(np.fft.rfftfreq(4 * wide, 1.0 / sound.rate), BANDS)
-    bands = np.add.reduceat(power, places[:-1], axis=1)[:, KEPT]
-    level = 10.0 * np.log10(bands + QUIET * bands.mean(axis=0))
+    edges = np.searchsorted(np.fft.rfftfreq(4 * wide, 1.0 / sound.rate), BAND_EDGES)
+    bands = np.add.reduceat(power, edges[:-1], axis=1)[:, USED_BANDS]
+    level = 10.0 * np.log10(bands + SILENCE_POWER * bands.mean(axis=0))
     across = round(wide / hop)
-    moments = (np.arange(len(level) - across) + across) * hop / sound.rate - 10 * wide / sound.rate
-    return moments, np.asarray((level[across:] - level[:-across]).mean(axis=1))
+    step_times = (np.arange(len(level) - across) + across) * hop / sound.rate - 10 * wide / sound.rate
+    return step_times, np.asarray((level[across:] - level[:-across]).mean(axis=1))
 
 
-def _apart(head: Mesh, mouth: Lips, units: dict[str, float]) -> float:
-    """How far the lips are apart in the middle [mm]."""
-    return float(-1000.0 * mouth.overlap(deform(head, units))[MIDDLE].min())
+def _measure_lip_gap(head: Mesh, mouth: Lips, units: dict[str, float]) -> float:
+    """Return the gap in the middle of the lips [mm]."""
+    return float(-1000.0 * mouth.overlap(deform(head, units))[MIDDLE_COLUMNS].min())
 
 
 @dataclass(frozen=True, eq=False)
 class _Run:
-    """Sounds for which lips close once."""
+    """Successive bilabial sounds (p, b, m) with a single lip closure."""
 
     sounds: list[Phoneme]
-    before: str  # letters of the neighbours, where no pause is between them
-    after: str
+    before: str  # last letter of the sound before, empty after a pause
+    after: str  # first letter of the sound after, empty before a pause
 
     @property
     def is_heard_to_open(self) -> bool:
-        """Stops burst; the end of a nasal is heard before what is open."""
+        """Whether the lip opening is audible in the sound.
+
+        Bursts always are, nasals only before open sounds.
+        """
         return self.sounds[-1].letters[-1] != "m" or self.after in OPEN_SOUNDS
 
 
-def _runs(phonemes: Sequence[Phoneme]) -> Iterator[_Run]:
-    """Yields sounds for which lips close once."""
+def _find_runs(phonemes: Sequence[Phoneme]) -> Iterator[_Run]:
+    """Yield successive bilabial sounds with a single lip closure."""
     run: list[Phoneme] = []
     before = ""
     for sound, after in zip(phonemes, (*phonemes[1:], None), strict=True):
-        follows = after is not None and after.start - sound.end < HOP
+        follows = after is not None and after.start - sound.end < HOP_TIME
         letter = after.letters[:1] if after is not None and follows else ""
-        if sound.letters[:1] in BILABIAL:
+        if sound.letters[:1] in BILABIAL_LETTERS:
             run.append(sound)
-            if letter not in BILABIAL:
+            if letter not in BILABIAL_LETTERS:
                 yield _Run(run, before, letter)
                 run = []
         if not run:
             before = sound.letters[-1:] if follows else ""
 
 
-def _closing(run: _Run, mouth: tuple[Floats, Floats], heard: tuple[Floats, Floats]) -> Closing:
-    """Looks at one closure: the stretch of closed lips that is nearest to where its opening is heard."""
-    (times, apart), (moments, steps) = mouth, heard
+def _measure_closing(run: _Run, mouth: tuple[Floats, Floats], loudness: tuple[Floats, Floats]) -> Closing:
+    """Measure the lip closure nearest to an audible opening."""
+    (times, gap), (step_times, steps) = mouth, loudness
     begin, end = run.sounds[0].start, run.sounds[-1].end
-    near = (moments > begin - BESIDE) & (moments < end + BESIDE)
-    bursts = float(moments[near][steps[near].argmax()])
-    earlier = (moments > begin - BEFORE) & (moments < bursts - SPECTRUM_WINDOW)
+    is_near = (step_times > begin - BURST_WINDOW) & (step_times < end + BURST_WINDOW)
+    bursts = float(step_times[is_near][steps[is_near].argmax()])
+    is_earlier = (step_times > begin - STOP_WINDOW) & (step_times < bursts - SPECTRUM_WINDOW)
     closing = Closing(
         "".join(sound.letters for sound in run.sounds),
         shut=None,
         open=None,
-        stops=float(moments[earlier][steps[earlier].argmin()]) if run.before in OPEN_SOUNDS else None,
+        stops=float(step_times[is_earlier][steps[is_earlier].argmin()]) if run.before in OPEN_SOUNDS else None,
         bursts=bursts if run.is_heard_to_open else None,
     )
-    closed = np.flatnonzero((apart < OPEN) & (times > begin - BEFORE) & (times < end))
+    closed = np.flatnonzero((gap < MIN_VISIBLE_GAP) & (times > begin - STOP_WINDOW) & (times < end))
     if not len(closed):
         return closing
-    parted = np.flatnonzero(apart >= OPEN)
-    place = closed[np.abs(times[closed] - bursts).argmin()]
-    first, last = parted[parted < place].max(initial=-1) + 1, parted[parted > place].min(initial=len(apart))
-    return closing._replace(shut=_crossing(times, apart, first - 1), open=_crossing(times, apart, last - 1))
+    visible = np.flatnonzero(gap >= MIN_VISIBLE_GAP)
+    index = closed[np.abs(times[closed] - bursts).argmin()]
+    first, last = visible[visible < index].max(initial=-1) + 1, visible[visible > index].min(initial=len(gap))
+    return closing._replace(
+        shut=_find_crossing_time(times, gap, first - 1), open=_find_crossing_time(times, gap, last - 1)
+    )
 
 
-def _crossing(times: Floats, apart: Floats, place: int) -> float:
-    """When lips begin or cease to be seen apart [s], between a place and the next."""
-    if not 0 <= place < len(times) - 1:
-        return float(times[0 if place < 0 else -1])
-    return float(times[place] + TICK * (OPEN - apart[place]) / (apart[place + 1] - apart[place]))
+def _find_crossing_time(times: Floats, gap: Floats, index: int) -> float:
+    """Interpolate the time [s] at which the lip gap becomes visible."""
+    if not 0 <= index < len(times) - 1:
+        return float(times[0 if index < 0 else -1])
+    return float(times[index] + CONTROL_PERIOD * (MIN_VISIBLE_GAP - gap[index]) / (gap[index + 1] - gap[index]))

@@ -1,4 +1,9 @@
-"""Measures Table 3.1 again: occlusion exact and separable, times and difference, on a face and on boxes."""
+"""Benchmark of ambient occlusion on the face (thesis Table 3.1).
+
+It measures exact and separable occlusion on a face and on boxes.
+
+It measures times and differences.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,62 +19,66 @@ from kinesic.bench.face.clock import Clock
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
-from kinesic.face.render.camera import FRONT
+from kinesic.face.render.camera import FRONT_CAMERA
 from kinesic.face.render.geometry import PositionBuffer, PositionPass
-from kinesic.face.render.occlusion import OcclusionPass, samples
-from kinesic.face.render.passes import texture
+from kinesic.face.render.occlusion import OcclusionPass, count_samples
+from kinesic.face.render.passes import make_texture
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL, TILES, Estimator, Occlusion, Pattern
+from kinesic.face.render.presets import NORMAL_PRESET, TILE_SIZES, Estimator, Occlusion, Pattern
 
-TABLE_SIZE = (1024, 768)  # pixels; the thesis has 50 000 triangles, the finer head has 41 000
-REPETITIONS = 5
-UNITS = {"12": 0.5, "26": 0.6}
-LARGEST = Occlusion(size=21)
-OCCLUDED = 0.9  # openness of pixels that count as occluded, at most: most of a face is open, and hides errors
-OTHERWISE = {  # what boxes are drawn with, too: Figure 3.9, 3.3
-    "one_axis": replace(LARGEST, axes=1),
-    "one_axis_same_cost": replace(LARGEST, axes=1, size=2 * LARGEST.size - 1),
+TABLE_SIZE = (1024, 768)  # [pixels]; the thesis draws 50 000 triangles, the finer head has 41 000
+TIMING_REPETITIONS = 5  # number of timed drawings per estimator
+SMILE_UNITS = {"12": 0.5, "26": 0.6}
+LARGEST_SETTINGS = Occlusion(size=21)
+MAX_OCCLUDED_OPENNESS = 0.9  # openness below which a pixel counts as occluded; open pixels would hide errors
+OTHER_SETTINGS = {  # further occlusion settings for the picture of boxes: Figures 3.9 and 3.3
+    "one_axis": replace(LARGEST_SETTINGS, axes=1),
+    "one_axis_same_cost": replace(LARGEST_SETTINGS, axes=1, size=2 * LARGEST_SETTINGS.size - 1),
 }
-BOXES, SIDE = 60, 256  # in how many pixels along a side
-SCALE = 2000.0  # [pixels/m] there
-TO_XYZ = np.array(  # IEC 61966-2-1, D65
+BOX_COUNT = 60  # random boxes in the compared picture
+BOX_PICTURE_SIDE = 256  # [pixels] width and height of the picture of boxes
+BOX_SCALE = 2000.0  # [pixels/m] scale of the picture of boxes
+RGB_TO_XYZ = np.array(  # linear sRGB to XYZ: IEC 61966-2-1, D65
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
-WHITE = np.array([0.95047, 1.0, 1.08883])
-SMALL, STEEP = 216 / 24389, 24389 / 27
+WHITE_POINT = np.array([0.95047, 1.0, 1.08883])
+LAB_EPSILON = 216 / 24389  # relative luminance below which CIE L*a*b* is linear
+LAB_KAPPA = 24389 / 27  # slope of the linear part of CIE L*a*b*
 
 
-def occlusion(sizes: Sequence[int]) -> dict[str, float]:
-    """Measures milliseconds of each estimator and size, exact and separable, and how far apart they are."""
-    found = {
-        "face.occlusion.samples_21_exact": float(samples(replace(LARGEST, exact=True))),
-        "face.occlusion.samples_21_separable": float(samples(LARGEST)),
+def measure_occlusion(sizes: Sequence[int]) -> dict[str, float]:
+    """Measure times [ms] and errors of all ambient-occlusion estimators and sizes."""
+    metrics = {
+        "face.occlusion.samples_21_exact": float(count_samples(replace(LARGEST_SETTINGS, exact=True))),
+        "face.occlusion.samples_21_separable": float(count_samples(LARGEST_SETTINGS)),
     }
-    with Portrait(preset=replace(NORMAL, subdivided=True, hair=False), size=TABLE_SIZE) as portrait:
+    with Portrait(preset=replace(NORMAL_PRESET, subdivided=True, hair=False), size=TABLE_SIZE) as portrait:
         geometry = portrait.pipeline.geometry
         with geometry.context as context:
-            geometry.draw(UNITS, FRONT)
+            geometry.draw(SMILE_UNITS, FRONT_CAMERA)
             head, seen = geometry.parts() > 0, PositionPass(context, geometry).draw()
             clock = Clock(context)
-            scale = TABLE_SIZE[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
+            scale = TABLE_SIZE[1] / (2 * FRONT_CAMERA.distance * np.tan(np.radians(FRONT_CAMERA.field_deg) / 2))
             for estimator in get_args(Estimator):
                 for size in sizes:
                     settings = Occlusion(size=size, estimator=estimator)
-                    found |= _compared(clock, seen, settings, scale, head)
-            found |= _on_boxes(context)
-    return found | _on_the_picture()
+                    metrics |= _compare_passes(clock, seen, settings, scale, head)
+            metrics |= _measure_boxes(context)
+    return metrics | _measure_picture()
 
 
-def _compared(clock: Clock, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags) -> dict[str, float]:
+def _compare_passes(
+    clock: Clock, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
+) -> dict[str, float]:
     passes = {
         "separable": OcclusionPass(clock.context, seen, settings),
         "exact": OcclusionPass(clock.context, seen, replace(settings, exact=True)),
     }
-    openness = {kind: each.draw(scale).read()[..., 0][head] for kind, each in passes.items()}
+    openness = {kind: occluder.draw(scale).read()[..., 0][head] for kind, occluder in passes.items()}
     times: dict[str, list[float]] = {kind: [] for kind in passes}
-    for _ in range(REPETITIONS):  # by turns, so that other load falls on both
-        for kind, each in passes.items():
-            times[kind].append(clock.milliseconds(partial(each.draw, scale)))
+    for _ in range(TIMING_REPETITIONS):  # alternating, so that other load affects both
+        for kind, occluder in passes.items():
+            times[kind].append(clock.milliseconds(partial(occluder.draw, scale)))
     exact, separable = median(times["exact"]), median(times["separable"])
     stem = f"face.occlusion.{settings.estimator}_{settings.size}"
     return {
@@ -81,81 +90,93 @@ def _compared(clock: Clock, seen: PositionBuffer, settings: Occlusion, scale: fl
     }
 
 
-def _on_boxes(context: GlContext) -> dict[str, float]:
-    """How far separable is from exact where more is hidden, with each pattern."""
-    position, normal = (texture(context, each, "f4") for each in boxes())
-    for each in (position, normal):
-        each.filter = (gl.NEAREST, gl.NEAREST)
+def _measure_boxes(context: GlContext) -> dict[str, float]:
+    """Measure errors of occlusion estimators on a picture of random boxes."""
+    position, normal = (make_texture(context, values, "f4") for values in render_boxes())
+    for source in (position, normal):
+        source.filter = (gl.GL_NEAREST, gl.GL_NEAREST)
     seen = PositionBuffer(position, normal)
 
-    def opened(settings: Occlusion) -> Floats:
-        return OcclusionPass(context, seen, settings).draw(SCALE).read()[..., 0]
+    def draw_openness(settings: Occlusion) -> Floats:
+        return OcclusionPass(context, seen, settings).draw(BOX_SCALE).read()[..., 0]
 
-    exact, separable = opened(replace(LARGEST, exact=True)), opened(LARGEST)
+    exact, separable = draw_openness(replace(LARGEST_SETTINGS, exact=True)), draw_openness(LARGEST_SETTINGS)
     return {
         "face.occlusion.boxes_rmse": rmse(exact, separable),
         "face.occlusion.boxes_rmse_occluded": rmse_occluded(exact, separable),
         "face.occlusion.boxes_correlation": float(np.corrcoef(exact.ravel(), separable.ravel())[0, 1]),
         **{
-            f"face.occlusion.boxes_{pattern}_rmse": rmse(exact, opened(replace(LARGEST, pattern=pattern)))
+            f"face.occlusion.boxes_{pattern}_rmse": rmse(
+                exact, draw_openness(replace(LARGEST_SETTINGS, pattern=pattern))
+            )
             for pattern in get_args(Pattern)
         },
         **{
-            f"face.occlusion.boxes_tile_{tile}_rmse": rmse(exact, opened(replace(LARGEST, tile=tile))) for tile in TILES
+            f"face.occlusion.boxes_tile_{tile}_rmse": rmse(exact, draw_openness(replace(LARGEST_SETTINGS, tile=tile)))
+            for tile in TILE_SIZES
         },
-        **{f"face.occlusion.boxes_{name}_rmse": rmse(exact, opened(settings)) for name, settings in OTHERWISE.items()},
+        **{
+            f"face.occlusion.boxes_{name}_rmse": rmse(exact, draw_openness(settings))
+            for name, settings in OTHER_SETTINGS.items()
+        },
     }
 
 
-def boxes() -> tuple[Floats, Floats]:
-    """(n, n, 4) positions with part, and normals, of a heap of boxes seen from above."""
+def render_boxes() -> tuple[Floats, Floats]:
+    """Return positions and normals (n, n, 4) of boxes seen from above.
+
+    The fourth number of a position is its part.
+    """
     random = np.random.default_rng(3)
-    y, x = np.mgrid[:SIDE, :SIDE] / SCALE
-    height = np.zeros((SIDE, SIDE))
-    for _ in range(BOXES):
-        left, low = random.integers(0, SIDE - 16, 2)
+    y, x = np.mgrid[:BOX_PICTURE_SIDE, :BOX_PICTURE_SIDE] / BOX_SCALE
+    height = np.zeros((BOX_PICTURE_SIDE, BOX_PICTURE_SIDE))
+    for _ in range(BOX_COUNT):
+        left, low = random.integers(0, BOX_PICTURE_SIDE - 16, 2)
         wide, tall = random.integers(8, 56, 2)
         height[low : low + tall, left : left + wide] = random.uniform(0.002, 0.02)
     position = np.stack([x, y, height - 0.8, np.ones_like(x)], axis=-1)
     return position, np.broadcast_to((0.0, 0.0, 1.0, 0.0), position.shape).copy()
 
 
-def _on_the_picture() -> dict[str, float]:
-    """What is seen of the difference, in CIE Lab, where the head is."""
+def _measure_picture() -> dict[str, float]:
+    """Measure the occlusion estimators' colour difference in pictures of the head."""
     pictures = []
     for exact in (False, True):
-        preset = replace(NORMAL, occlusion=replace(LARGEST, exact=exact), coarse=1)
+        preset = replace(NORMAL_PRESET, occlusion=replace(LARGEST_SETTINGS, exact=exact), coarse=1)
         with Portrait(preset=preset) as portrait:
-            pictures.append(portrait.draw(UNITS))
+            pictures.append(portrait.draw(SMILE_UNITS))
             with portrait.pipeline.geometry.context:
                 head = portrait.pipeline.geometry.parts() > 0
-    apart = colour_difference(*pictures)[maximum_filter(head, 3)]
+    difference = colour_difference(*pictures)[maximum_filter(head, 3)]
     return {
-        "face.occlusion.lab_mean": float(apart.mean()),
-        "face.occlusion.lab_p95": float(np.percentile(apart, 95)),
+        "face.occlusion.lab_mean": float(difference.mean()),
+        "face.occlusion.lab_p95": float(np.percentile(difference, 95)),
     }
 
 
 def rmse(one: Floats, other: Floats) -> float:
-    """Root of the mean square of the difference."""
+    """Return the root mean square difference of two occlusion pictures."""
     return float(np.sqrt(np.mean((one - other) ** 2)))
 
 
 def rmse_occluded(exact: Floats, other: Floats) -> float:
-    """The same of the pixels alone that are occluded."""
-    occluded = exact < OCCLUDED
+    """Return the root mean square difference of occlusion at occluded pixels."""
+    occluded = exact < MAX_OCCLUDED_OPENNESS
     return rmse(exact[occluded], other[occluded])
 
 
 def lab(pixels: NDArray[np.uint8]) -> Floats:
-    """Converts (..., 3) sRGB pixels into L*, a* and b* (CIE 1976, thesis 3.5)."""
+    """Convert sRGB pixels (..., 3) to CIE L*a*b* (thesis 3.5)."""
     encoded = pixels / 255.0
     linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    shares = linear @ TO_XYZ.T / WHITE
-    x, y, z = np.moveaxis(np.where(shares > SMALL, np.cbrt(shares), (STEEP * shares + 16) / 116), -1, 0)
+    ratios = linear @ RGB_TO_XYZ.T / WHITE_POINT
+    x, y, z = np.moveaxis(np.where(ratios > LAB_EPSILON, np.cbrt(ratios), (LAB_KAPPA * ratios + 16) / 116), -1, 0)
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 
 def colour_difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> Floats:
-    """Measures how far colours are apart (...); 1 is about what people can see."""
+    """Return the L*a*b* distance between two pictures' colours, pixel by pixel.
+
+    1 is about the smallest visible difference.
+    """
     return np.asarray(np.linalg.norm(lab(one) - lab(other), axis=-1))

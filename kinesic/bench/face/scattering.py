@@ -1,4 +1,4 @@
-"""What adaptive scattering saves, and how much of the effect it keeps (thesis 5.2)."""
+"""Benchmark of adaptive scattering: time saved and effect kept (thesis 5.2)."""
 
 from dataclasses import replace
 from functools import partial
@@ -7,69 +7,72 @@ from statistics import median
 from kinesic.bench.face.clock import Clock
 from kinesic.bench.face.occlusion import colour_difference
 from kinesic.body.arrays import Flags, Picture
-from kinesic.face.assets.action_units import intensities
-from kinesic.face.render.camera import FRONT
-from kinesic.face.render.pipeline import pixels_per_metre
+from kinesic.face.assets.action_units import read_intensities
+from kinesic.face.render.camera import FRONT_CAMERA
+from kinesic.face.render.pipeline import compute_pixel_scale
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL, Preset, Scattering
-from kinesic.face.render.wrinkles import shares
+from kinesic.face.render.presets import NORMAL_PRESET, Preset, Scattering
+from kinesic.face.render.wrinkles import compute_map_strengths
 
-UNITS = {"6": 0.6, "12": 0.8, "26": 0.4}
-REPETITIONS = 9
-VISIBLE = 1.0  # of a difference in Lab
-ADAPTIVE = Scattering()  # as in preset normal
-EVERYWHERE = Scattering(threshold=1.0)
-WHOLE = Scattering(threshold=1.0, steps=5)  # as in preset full
-LEVELS = replace(WHOLE, levels=3)
+SMILE_UNITS = {"6": 0.6, "12": 0.8, "26": 0.4}
+TIMING_REPETITIONS = 9  # number of timed drawings per scattering setting
+VISIBLE_DIFFERENCE = 1.0  # smallest visible colour difference in L*a*b*
+ADAPTIVE_SETTINGS = Scattering()  # scattering settings of preset normal
+EVERYWHERE_SETTINGS = Scattering(threshold=1.0)
+FULL_SETTINGS = Scattering(threshold=1.0, steps=5)  # scattering settings of preset full
+LEVEL_SETTINGS = replace(FULL_SETTINGS, levels=3)
 
 
-def scattering() -> dict[str, float]:
-    """Time of the whole filter over that of the adaptive one; shares of skin filtered and of the effect that is kept.
+def measure_scattering() -> dict[str, float]:
+    """Measure speed and accuracy of adaptive skin scattering against full filtering.
 
-    The effect is the difference in Lab between no scattering and scattering everywhere; what is kept of it is what the
-    adaptive picture's own difference to everywhere leaves, on all skin and where the effect is visible. In levels, all
-    skin is filtered, by more samples the more it is occluded (Figures 5.2 and 5.3).
+    The effect is the colour difference in L*a*b* between no scattering and scattering everywhere. The kept effect is 1
+    minus the adaptive picture's difference to scattering everywhere, relative to the effect, on all skin and where the
+    effect is visible. With levels all skin is filtered, by more samples the more it is occluded (Figures 5.2 and 5.3).
     """
-    none = _drawn(None)[0]
-    full, shared, _ = _drawn(EVERYWHERE)
-    adaptive, filtered, skin = _drawn(ADAPTIVE)
+    none = _draw(None)[0]
+    full, shared, _ = _draw(EVERYWHERE_SETTINGS)
+    adaptive, filtered, skin = _draw(ADAPTIVE_SETTINGS)
     effect, missed = colour_difference(none, full)[skin], colour_difference(adaptive, full)[skin]
-    seen = effect > VISIBLE
-    whole, levels = _drawn(WHOLE)[0], _drawn(LEVELS)[0]
+    is_visible = effect > VISIBLE_DIFFERENCE
+    whole, levels = _draw(FULL_SETTINGS)[0], _draw(LEVEL_SETTINGS)[0]
     whole_effect, in_levels = colour_difference(none, whole)[skin], colour_difference(levels, whole)[skin]
     return {
-        "face.scattering.ratio": _ratio(EVERYWHERE, ADAPTIVE),
+        "face.scattering.ratio": _time_ratio(EVERYWHERE_SETTINGS, ADAPTIVE_SETTINGS),
         "face.scattering.filtered": 100.0 * filtered / shared,
         "face.scattering.kept": 100.0 * (1.0 - float(missed.sum() / effect.sum())),
-        "face.scattering.kept_visible": 100.0 * (1.0 - float(missed[seen].sum() / effect[seen].sum())),
-        "face.scattering.levels_ratio": _ratio(WHOLE, LEVELS),
+        "face.scattering.kept_visible": 100.0 * (1.0 - float(missed[is_visible].sum() / effect[is_visible].sum())),
+        "face.scattering.levels_ratio": _time_ratio(FULL_SETTINGS, LEVEL_SETTINGS),
         "face.scattering.levels_kept": 100.0 * (1.0 - float(in_levels.sum() / whole_effect.sum())),
     }
 
 
-def _drawn(settings: Scattering | None) -> tuple[Picture, float, Flags]:
-    """A picture; the share of it that was filtered; where there is skin."""
-    with Portrait(preset=_preset(settings)) as portrait:
-        pixels, pipeline = portrait.draw(UNITS), portrait.pipeline
+def _draw(settings: Scattering | None) -> tuple[Picture, float, Flags]:
+    """Draw the head with its filtered skin fraction and skin mask."""
+    with Portrait(preset=_make_preset(settings)) as portrait:
+        pixels, pipeline = portrait.draw(SMILE_UNITS), portrait.pipeline
         with pipeline.geometry.context:
             skin = pipeline.geometry.parts() == 1
-            return pixels, pipeline.scatter.marked() if pipeline.scatter else 0.0, skin
+            return pixels, pipeline.scatter.measure_filtered_fraction() if pipeline.scatter else 0.0, skin
 
 
-def _ratio(whole: Scattering, part: Scattering) -> float:
-    """Time of the filter over all skin by that of one that does less, marks and all, by turns."""
-    with Portrait(preset=_preset(whole)) as full, Portrait(preset=_preset(part)) as adaptive:
-        scale = pixels_per_metre(FRONT, full.size[1])
+def _time_ratio(whole: Scattering, part: Scattering) -> float:
+    """Return the filter time with full settings / that with cheaper settings.
+
+    Both are timed in turn.
+    """
+    with Portrait(preset=_make_preset(whole)) as full, Portrait(preset=_make_preset(part)) as adaptive:
+        scale = compute_pixel_scale(FRONT_CAMERA, full.size[1])
         clocks = [_clock(full), _clock(adaptive)]
         times: tuple[list[float], list[float]] = ([], [])
-        for _ in range(REPETITIONS):
-            for portrait, clock, found in zip((full, adaptive), clocks, times, strict=True):
-                portrait.draw(UNITS)
+        for _ in range(TIMING_REPETITIONS):
+            for portrait, clock, spent in zip((full, adaptive), clocks, times, strict=True):
+                portrait.draw(SMILE_UNITS)
                 pipeline = portrait.pipeline
                 with clock.context:
-                    _, bent = pipeline.relief.draw(shares(intensities(UNITS)))
+                    _, bent = pipeline.relief.draw(compute_map_strengths(read_intensities(SMILE_UNITS)))
                     if pipeline.scatter:
-                        found.append(clock.milliseconds(partial(pipeline.scatter.draw, bent, scale)))
+                        spent.append(clock.milliseconds(partial(pipeline.scatter.draw, bent, scale)))
     return median(times[0]) / median(times[1])
 
 
@@ -78,6 +81,6 @@ def _clock(portrait: Portrait) -> Clock:
         return Clock(context)
 
 
-def _preset(settings: Scattering | None) -> Preset:
-    """Preset normal; smooth edges would blur what is compared."""
-    return replace(NORMAL, scattering=settings, smooth=False)
+def _make_preset(settings: Scattering | None) -> Preset:
+    """Return the preset `normal` without edge smoothing, which would blur compared pixels."""
+    return replace(NORMAL_PRESET, scattering=settings, smooth=False)

@@ -1,4 +1,4 @@
-"""How long each stage of a picture takes, and a picture as a whole without being read back."""
+"""Benchmark of the rendering stages of a face picture, without read-back."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -9,19 +9,18 @@ from time import perf_counter
 from kinesic.bench.face.clock import Clock
 from kinesic.bench.face.frame_rate import moving_face
 from kinesic.face.gl.textures import Size
-from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import PRESETS, Preset
+from kinesic.face.render.presets import QUALITY_PRESETS, Preset
 
-WARM, PICTURES = 1, 5
-NAME = "face.stage."
-MOVED = "mesh"  # what the processor does, whoever draws
-Frame = tuple[dict[str, float], Camera]
+WARM_UP_PICTURES = 1
+MEASURED_PICTURES = 5
+STAGE_PREFIX = "face.stage."
+MESH_STAGE = "mesh"  # stage computed by the CPU even if a graphics card draws
 
 
 def stages_of(preset: Preset) -> Iterator[str]:
-    """Yields the stages that a picture has, in their order."""
-    yield from (MOVED, "geometry", "wrinkles")
+    """Yield the rendering stages of a face picture in order."""
+    yield from (MESH_STAGE, "geometry", "wrinkles")
     if preset.occlusion or preset.shadow:
         yield "positions"
     parts = (
@@ -34,35 +33,35 @@ def stages_of(preset: Preset) -> Iterator[str]:
         ("smoothing", preset.smooth),
         ("shrinking", preset.samples > 1),
     )
-    yield from (name for name, there in parts if there)
+    yield from (name for name, is_drawn in parts if is_drawn)
 
 
 def measure_stages(sizes: Sequence[Size]) -> dict[str, float]:
-    """Measures milliseconds of each stage of each preset, and of a picture, at the median."""
-    found: dict[str, float] = {}
-    for name, preset in PRESETS.items():
+    """Measure median times [ms] of rendering stages and pictures by preset."""
+    metrics: dict[str, float] = {}
+    for name, preset in QUALITY_PRESETS.items():
         for width, height in sizes:
-            stem = f"{NAME}{name}_{width}x{height}_"
+            stem = f"{STAGE_PREFIX}{name}_{width}x{height}_"
             with Portrait(preset=preset, size=(width, height)) as portrait:
-                timed = _timed(portrait)
-            found |= {stem + stage: spent for stage, spent in timed.items()}
-    return found
+                timed = _time_stages(portrait)
+            metrics |= {stem + stage: spent for stage, spent in timed.items()}
+    return metrics
 
 
-def _timed(portrait: Portrait) -> dict[str, float]:
-    """Milliseconds of each stage, and of the picture."""
+def _time_stages(portrait: Portrait) -> dict[str, float]:
+    """Return the times [ms] of the rendering stages and the picture."""
     spent: dict[str, list[float]] = {}
     with portrait.pipeline.geometry.context as context:
         clock = Clock(context)
-        for frame in islice(moving_face(), WARM + PICTURES):
+        for frame in islice(moving_face(), WARM_UP_PICTURES + MEASURED_PICTURES):
             steps = portrait.pipeline.stages(*frame, 1.0)
             for name in stages_of(portrait.preset):
-                timed = clock.milliseconds(partial(next, steps), of_card=clock.of_card and name != MOVED)
+                timed = clock.milliseconds(partial(next, steps), of_card=clock.of_card and name != MESH_STAGE)
                 spent.setdefault(name, []).append(timed)
         context.finish()
         began = perf_counter()
-        for frame in islice(moving_face(), WARM, WARM + PICTURES):
-            portrait.pipeline.drawn(*frame, 1.0)
+        for frame in islice(moving_face(), WARM_UP_PICTURES, WARM_UP_PICTURES + MEASURED_PICTURES):
+            portrait.pipeline.draw_target(*frame, 1.0)
         context.finish()
-        whole = 1e3 * (perf_counter() - began) / PICTURES
-    return {name: median(each[WARM:]) for name, each in spent.items()} | {"picture": whole}
+        whole = 1e3 * (perf_counter() - began) / MEASURED_PICTURES
+    return {name: median(times[WARM_UP_PICTURES:]) for name, times in spent.items()} | {"picture": whole}

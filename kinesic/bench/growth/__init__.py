@@ -1,4 +1,4 @@
-"""Measures how time and memory of planning and of dry runs grow with the length of a document and with hinges."""
+"""Benchmark of scaling with document length and joint count."""
 
 import gc
 import json
@@ -13,178 +13,197 @@ from time import process_time
 
 import numpy as np
 
-from kinesic.bench.figure import OTHERS, OURS, SECOND, SMALL, Figure, label_axes, picture
-from kinesic.bench.growth.robots import robots
+from kinesic.bench.growth.robots import make_robots
+from kinesic.bench.metric import LABEL_SIZE, MAIN_COLOUR, OTHER_COLOUR, SECOND_COLOUR, Metric, label_axes, picture
 from kinesic.bench.plan.plan_process import peak_memory
-from kinesic.child import SLOW
-from kinesic.controller.perform import dry_run, plan, set_up
+from kinesic.child import SLOW_IMPORTS
+from kinesic.controller.dry_run import dry_run
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-PROGRAM = "kinesic.bench.growth.length_process"
-LENGTHS = (1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 300.0, 600.0)  # [s]
-LONG = 10.0  # [s] from which on the exponent counts: a short block is mostly its fixed cost
-SHORTER, LONGER = 60.0, 600.0  # [s] between which memory is to stay flat
-PACE = 2.0  # [s] from stroke to stroke
-LEXEMES = ("beat", "flat_surface", "shrug", "stop", "wave")
-SHORT = 10.0  # [s] of the document that robots of all sizes perform
-TIMES: Mapping[str, str] = {"plan": "planning", "run": "dry run"}
-MEMORY: Mapping[str, str] = {"plan_memory": "planning", "memory": "with the dry run"}
-COLOURS: Mapping[str, str] = {"plan": OURS, "run": SECOND, "plan_memory": OTHERS, "memory": SECOND}
-LINEAR, NEARLY = 1.1, 1.3  # goals: exponents in length, and in hinges
-FLAT = 1.5  # goal: times as much memory for the longer document
+LENGTH_PROGRAM = "kinesic.bench.growth.length_process"
+DOCUMENT_LENGTHS = (1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 300.0, 600.0)  # [s] durations of the measured documents
+MIN_FIT_LENGTH = 10.0  # [s] shortest document in the exponent fit; shorter blocks have mostly fixed costs
+SHORTER_LENGTH = 60.0  # [s] duration of the shorter of two documents whose memory is compared
+LONGER_LENGTH = 600.0  # [s] duration of the longer of two documents whose memory is compared
+STROKE_INTERVAL = 2.0  # [s] between gesture strokes of a generated document
+GESTURE_LEXEMES = ("beat", "flat_surface", "shrug", "stop", "wave")
+COMMON_LENGTH = 10.0  # [s] length of the document performed by robots of all sizes
+TIME_LABELS: Mapping[str, str] = {"plan": "planning", "run": "dry run"}
+MEMORY_LABELS: Mapping[str, str] = {"plan_memory": "planning", "memory": "with the dry run"}
+CURVE_COLOURS: Mapping[str, str] = {
+    "plan": MAIN_COLOUR,
+    "run": SECOND_COLOUR,
+    "plan_memory": OTHER_COLOUR,
+    "memory": SECOND_COLOUR,
+}
+MAX_LENGTH_EXPONENT = 1.1  # goal for the exponent of CPU time over document length
+MAX_JOINT_EXPONENT = 1.3  # goal for the exponent of CPU time over the number of joints
+MAX_MEMORY_RATIO = 1.5  # goal for the memory of the longer document / that of the shorter one
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What a document took."""
+    """CPU time and memory to plan and perform a document."""
 
-    size: float  # [s] of length, or hinges
-    planning: float  # [s] of CPU
-    running: float  # [s] of CPU, checks included
-    planning_memory: float  # [MB] of the process at most until it was planned
-    memory: float  # [MB] of the process at most until it was performed and judged
+    size: float  # length [s], or number of joints
+    planning: float  # [s] CPU time
+    running: float  # [s] CPU time, checks included
+    planning_memory: float  # [MB] peak of the process after planning
+    memory: float  # [MB] peak of the process after performance and checks
 
 
-def bench() -> list[Figure]:
-    """Measures every figure of the part."""
+def bench() -> list[Metric]:
+    """Measure time and memory over document length and joint count."""
     return [
-        *_exponents("length", by_length(), LINEAR, least=LONG, names=TIMES),
-        *_flatness(by_length()),
-        *_exponents("hinges", by_hinges(), NEARLY, least=0.0, names=TIMES),
-        *_points("length", by_length(), "s", names=(*TIMES, *MEMORY)),
-        *_points("hinges", by_hinges(), "hinges", names=tuple(TIMES)),
+        *_exponents("length", cost_by_length(), MAX_LENGTH_EXPONENT, min_size=MIN_FIT_LENGTH, names=TIME_LABELS),
+        *_compare_memory(cost_by_length()),
+        *_exponents("hinges", cost_by_joints(), MAX_JOINT_EXPONENT, min_size=0.0, names=TIME_LABELS),
+        *_points("length", cost_by_length(), "s", names=(*TIME_LABELS, *MEMORY_LABELS)),
+        *_points("hinges", cost_by_joints(), "hinges", names=tuple(TIME_LABELS)),
     ]
 
 
 def draw(folder: Path) -> list[Path]:
-    """Draws what was measured: time and memory over length, and time over hinges, with the fitted exponents."""
-    path, lengths, across = folder / "growth.png", by_length(), "length of the document [s]"
+    """Plot time and memory by document length, and time by joint count.
+
+    The legends give the fitted exponents.
+    """
+    path, lengths, length_label = folder / "growth.png", cost_by_length(), "length of the document [s]"
     with picture(path, 12.0, 3.6) as drawn:
         columns = zip(
             drawn.subplots(1, 3),
-            ((lengths, LONG, TIMES), (lengths, LONG, MEMORY), (by_hinges(), 0.0, TIMES)),
-            ((across, "s of CPU"), (across, "MB of the process"), ("hinges", "s of CPU")),
+            (
+                (lengths, MIN_FIT_LENGTH, TIME_LABELS),
+                (lengths, MIN_FIT_LENGTH, MEMORY_LABELS),
+                (cost_by_joints(), 0.0, TIME_LABELS),
+            ),
+            ((length_label, "s of CPU"), (length_label, "MB of the process"), ("joints", "s of CPU")),
             strict=True,
         )
-        for axes, (costs, least, names), labels in columns:
-            slopes = exponents(costs, least=least)
-            sizes, plot = [cost.size for cost in costs], axes.semilogx if names is MEMORY else axes.loglog
-            for name, said in names.items():
-                values, label = [figure_of(cost, name) for cost in costs], f"{said}, exponent {slopes[name]:.2f}"
-                plot(sizes, values, "o-", color=COLOURS[name], label=label, markersize=4)
-            if names is MEMORY:
+        for axes, (costs, min_size, names), labels in columns:
+            slopes = fit_exponents(costs, min_size=min_size)
+            sizes, plot = [cost.size for cost in costs], axes.semilogx if names is MEMORY_LABELS else axes.loglog
+            for name, title in names.items():
+                values, label = [value_of(cost, name) for cost in costs], f"{title}, exponent {slopes[name]:.2f}"
+                plot(sizes, values, "o-", color=CURVE_COLOURS[name], label=label, markersize=4)
+            if names is MEMORY_LABELS:
                 axes.set_ylim(bottom=0.0)
-            axes.set_xticks(sizes, [f"{size:g}" for size in sizes], fontsize=SMALL)
+            axes.set_xticks(sizes, [f"{size:g}" for size in sizes], fontsize=LABEL_SIZE)
             axes.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
-            axes.legend(fontsize=SMALL, frameon=False)
+            axes.legend(fontsize=LABEL_SIZE, frameon=False)
             label_axes(axes, *labels)
     return [path]
 
 
 @cache
-def by_length() -> tuple[Cost, ...]:
-    """Plans and performs documents of growing length, on upper22.
+def cost_by_length() -> tuple[Cost, ...]:
+    """Plan and perform documents of increasing length on upper22.
 
-    Each has a process of its own, which has done one of ten seconds before. Its memory counts as a whole, with Python
-    and all libraries: it is what the system has to give it.
+    Each runs in a process of its own that has already performed a document of ten seconds. The memory is that of the
+    whole process, with Python and all libraries.
     """
-    return tuple(_measure_apart(length) for length in LENGTHS)
+    return tuple(_measure_apart(length) for length in DOCUMENT_LENGTHS)
 
 
 def _measure_apart(length: float) -> Cost:
-    command = [sys.executable, "-m", PROGRAM, str(length)]
+    command = [sys.executable, "-m", LENGTH_PROGRAM, str(length)]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=True)
     return Cost(**json.loads(done.stdout))
 
 
 @cache
-def by_hinges() -> tuple[Cost, ...]:
-    """Plans and performs the same document with robots of more and more hinges."""
+def cost_by_joints() -> tuple[Cost, ...]:
+    """Plan and perform one document on robots with more and more joints."""
     warm_up(set_up())
-    return tuple(measure(set_up(robot), SHORT, float(len(robot.drives))) for robot in robots())
+    return tuple(measure_cost(set_up(robot), COMMON_LENGTH, float(len(robot.drives))) for robot in make_robots())
 
 
-def warm_up(known: Setup) -> None:
-    """Imports all that plans may need, then plans and performs a document like those that are measured."""
-    for name in SLOW:
+def warm_up(setup: Setup) -> None:
+    """Import slow libraries, then plan and perform a document once."""
+    for name in SLOW_IMPORTS:
         import_module(name)
-    measure(known, SHORT, SHORT)
+    measure_cost(setup, COMMON_LENGTH, COMMON_LENGTH)
 
 
-def document(length: float) -> str:
-    """Writes a document of gestures in even steps, and a nod to every fifth."""
-    strokes = np.arange(min(1.0, length / 2), length, PACE)
+def write_document(length: float) -> str:
+    """Return a document of evenly spaced gestures and nods."""
+    strokes = np.arange(min(1.0, length / 2), length, STROKE_INTERVAL)
     lines = [
-        f'<gesture id="g{k}" lexeme="{LEXEMES[k % len(LEXEMES)]}" stroke="{stroke:.3f}"/>'
-        + (f'<head id="h{k}" lexeme="NOD" start="{stroke:.3f}"/>' if k % len(LEXEMES) == 0 else "")
+        f'<gesture id="g{k}" lexeme="{GESTURE_LEXEMES[k % len(GESTURE_LEXEMES)]}" stroke="{stroke:.3f}"/>'
+        + (f'<head id="h{k}" lexeme="NOD" start="{stroke:.3f}"/>' if k % len(GESTURE_LEXEMES) == 0 else "")
         for k, stroke in enumerate(strokes)
     ]
     return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="long">{"".join(lines)}</bml>'
 
 
-def measure(known: Setup, length: float, size: float) -> Cost:
-    """Plans and performs a document.
+def measure_cost(setup: Setup, length: float, size: float) -> Cost:
+    """Plan and perform a document and return its cost.
 
     Args:
-        known: who performs it.
-        length: of the document [s].
-        size: by which the cost is filed.
+        setup: robot, style and options.
+        length: length of the document [s].
+        size: size stored in the cost, in seconds or joints.
     """
-    text = document(length)
+    text = write_document(length)
     gc.collect()
     began = process_time()
-    planned = plan(text, known)
+    planned = plan(text, setup)
     middle, planning_memory = process_time(), peak_memory()
     checks(dry_run(planned))
     return Cost(size, middle - began, process_time() - middle, planning_memory, peak_memory())
 
 
-def figure_of(cost: Cost, name: str) -> float:
-    """Looks up one of the figures of a cost by its name in `TIMES` or `MEMORY`."""
-    every = {"plan": cost.planning, "run": cost.running, "plan_memory": cost.planning_memory, "memory": cost.memory}
-    return every[name]
+def value_of(cost: Cost, name: str) -> float:
+    """Return the time or memory of a document by its metric name."""
+    values = {"plan": cost.planning, "run": cost.running, "plan_memory": cost.planning_memory, "memory": cost.memory}
+    return values[name]
 
 
-def exponents(costs: Sequence[Cost], *, least: float) -> dict[str, float]:
-    """Fits y = a x^e to each figure, from a least size on, and gives e."""
-    chosen = [cost for cost in costs if cost.size >= least]
-    sizes = np.log([cost.size for cost in chosen])
+def fit_exponents(costs: Sequence[Cost], *, min_size: float) -> dict[str, float]:
+    """Fit the exponent e of y = a x^e to each metric.
+
+    Only sizes >= `min_size` count.
+    """
+    large_costs = [cost for cost in costs if cost.size >= min_size]
+    sizes = np.log([cost.size for cost in large_costs])
     return {
-        name: float(np.polyfit(sizes, np.log([figure_of(cost, name) for cost in chosen]), 1)[0])
-        for name in (*TIMES, *MEMORY)
+        name: float(np.polyfit(sizes, np.log([value_of(cost, name) for cost in large_costs]), 1)[0])
+        for name in (*TIME_LABELS, *MEMORY_LABELS)
     }
 
 
 def _exponents(
-    kind: str, costs: Sequence[Cost], goal: float, *, least: float, names: Mapping[str, str]
-) -> list[Figure]:
-    slopes = exponents(costs, least=least)
-    return [Figure(f"growth.{kind}.{name}", slopes[name], "exponent", goal, "lower") for name in names]
+    kind: str, costs: Sequence[Cost], goal: float, *, min_size: float, names: Mapping[str, str]
+) -> list[Metric]:
+    slopes = fit_exponents(costs, min_size=min_size)
+    return [Metric(f"growth.{kind}.{name}", slopes[name], "exponent", goal, "lower") for name in names]
 
 
-def _flatness(costs: Sequence[Cost]) -> list[Figure]:
-    """Says how many times as much memory the longer document takes as the shorter one."""
-    by_size, why = {cost.size: cost for cost in costs}, f"{LONGER:g} s beside {SHORTER:g} s"
+def _compare_memory(costs: Sequence[Cost]) -> list[Metric]:
+    """Return the memory ratio of the longer to the shorter document."""
+    by_size, why = {cost.size: cost for cost in costs}, f"{LONGER_LENGTH:g} s compared with {SHORTER_LENGTH:g} s"
     return [
-        Figure(
+        Metric(
             f"growth.length.{name}",
-            figure_of(by_size[LONGER], name) / figure_of(by_size[SHORTER], name),
+            value_of(by_size[LONGER_LENGTH], name) / value_of(by_size[SHORTER_LENGTH], name),
             "times",
-            FLAT,
+            MAX_MEMORY_RATIO,
             "lower",
             why,
         )
-        for name in MEMORY
+        for name in MEMORY_LABELS
     ]
 
 
-def _points(kind: str, costs: Sequence[Cost], unit: str, *, names: Sequence[str]) -> list[Figure]:
+def _points(kind: str, costs: Sequence[Cost], unit: str, *, names: Sequence[str]) -> list[Metric]:
     return [
-        Figure(
+        Metric(
             f"growth.{kind}.{cost.size:g}.{name}",
-            figure_of(cost, name),
-            "MB" if name in MEMORY else "s",
+            value_of(cost, name),
+            "MB" if name in MEMORY_LABELS else "s",
             None,
             "lower",
             unit,

@@ -1,13 +1,16 @@
-"""Plans and performs a document and prints what that took: `python -m kinesic.bench.growth.length_process SECONDS`."""
+"""Process that measures the cost of one document.
+
+Run `python -m kinesic.bench.growth.length_process SECONDS`; it prints JSON.
+"""
 
 import json
 import sys
 from dataclasses import asdict
 
-from kinesic.bench.growth import measure, warm_up
-from kinesic.controller.perform import set_up
+from kinesic.bench.growth import measure_cost, warm_up
+from kinesic.session.setup import set_up
 
 if __name__ == "__main__":
-    known, length = set_up(), float(sys.argv[1])
-    warm_up(known)
-    sys.stdout.write(json.dumps(asdict(measure(known, length, length))))
+    setup, length = set_up(), float(sys.argv[1])
+    warm_up(setup)
+    sys.stdout.write(json.dumps(asdict(measure_cost(setup, length, length))))

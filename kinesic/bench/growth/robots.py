@@ -1,57 +1,65 @@
-"""Robots of fewer and of more hinges than any that comes with kinesic, made of those."""
+"""Robots with fewer or more joints, derived from the supplied ones."""
 
 from collections.abc import Iterator
 
 import msgspec
 
-from kinesic.body.config import locate
+from kinesic.body.config import locate_config
 from kinesic.body.robot import Robot
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import HingeTable, MountTable, RobotFile
 
-PARTS = (("skullbase", "neck"), ("vl5", "torso"), ("l_sternoclavicular", "clavicles"))  # that a body can do without
-FOREARMS = ("_elbow_twisting", "_wrist_flexion", "_wrist_pivot")  # ends of names of hinges behind the elbow
-FINGER = "xc330_t181"  # the servo that turns a joint in place of a linkage
+REMOVABLE_PARTS = (("skullbase", "neck"), ("vl5", "torso"), ("l_sternoclavicular", "clavicles"))  # body, chain
+FOREARM_ENDINGS = ("_elbow_twisting", "_wrist_flexion", "_wrist_pivot")  # name endings of the joints behind the elbow
+FINGER_SERVO = "xc330_t181"  # servo that drives a joint in place of a linkage
 
 
-def robots() -> Iterator[Robot]:
-    """Yields robots with more and more hinges: upper22 without parts and whole, upper36, and all its joints driven.
+def make_robots() -> Iterator[Robot]:
+    """Yield robots with increasing numbers of joints.
 
-    The least of them has shoulders and elbows alone.
+    They are upper22 without parts and whole, upper36, and upper36 with all joints driven. The smallest has only
+    shoulders and elbows.
     """
-    path = locate("robot", "upper22")
+    path = locate_config("robot", "upper22")
     file = read_robot(path, RobotFile)
-    made = [file]
-    for body, chain in PARTS:
-        made.insert(0, _without(made[0], body, chain))
-    made.insert(0, _stiffened(made[0], {hinge.name for hinge in made[0].hinge if hinge.name.endswith(FOREARMS)}))
-    yield from (Robot.of(robot_from_tables(each, path)) for each in made)
-    path = locate("robot", "upper36")
+    files = [file]
+    for body, chain in REMOVABLE_PARTS:
+        files.insert(0, _without(files[0], body, chain))
+    files.insert(
+        0, _without_joints(files[0], {hinge.name for hinge in files[0].hinge if hinge.name.endswith(FOREARM_ENDINGS)})
+    )
+    yield from (Robot.of(robot_from_tables(table, path)) for table in files)
+    path = locate_config("robot", "upper36")
     whole = read_robot(path, RobotFile)
-    yield from (Robot.of(robot_from_tables(each, path)) for each in (whole, _driven(whole)))
+    yield from (Robot.of(robot_from_tables(table, path)) for table in (whole, _with_all_driven(whole)))
 
 
 def _without(file: RobotFile, body: str, chain: str) -> RobotFile:
-    """Makes the hinges of a body stiff."""
-    chains = {name: [each for each in bodies if each != body] for name, bodies in file.chains.items() if name != chain}
-    stiff = _stiffened(file, {hinge.name for hinge in file.hinge if hinge.body == body})
-    return msgspec.structs.replace(stiff, chains=chains)
+    """Remove one body's joints and a named chain from a robot file."""
+    chains = {name: [part for part in bodies if part != body] for name, bodies in file.chains.items() if name != chain}
+    reduced = _without_joints(file, {hinge.name for hinge in file.hinge if hinge.body == body})
+    return msgspec.structs.replace(reduced, chains=chains)
 
 
-def _stiffened(file: RobotFile, names: set[str]) -> RobotFile:
-    """Makes some hinges stiff."""
-    left = [hinge for hinge in file.hinge if hinge.name not in names]
+def _without_joints(file: RobotFile, names: set[str]) -> RobotFile:
+    """Remove the named joints from a robot file."""
+    remaining = [hinge for hinge in file.hinge if hinge.name not in names]
     rest = {name: angle for name, angle in file.rest.items() if name not in names}
-    return msgspec.structs.replace(file, hinge=left, rest=rest)
+    return msgspec.structs.replace(file, hinge=remaining, rest=rest)
 
 
-def _driven(file: RobotFile) -> RobotFile:
-    """Gives each joint that follows another one a servo of its own."""
+def _with_all_driven(file: RobotFile) -> RobotFile:
+    """Give each coupled joint a servo of its own."""
     drives = [
         HingeTable(
-            each.name, each.body, each.axis, each.range_deg, servo=FINGER, mount=MountTable("l_elbow", (0, 0, -0.1))
+            joint.name,
+            joint.body,
+            joint.axis,
+            joint.range_deg,
+            servo=FINGER_SERVO,
+            mount=MountTable("l_elbow", (0, 0, -0.1)),
         )
-        for each in file.coupling
+        for joint in file.coupling
     ]
     return msgspec.structs.replace(file, hinge=[*file.hinge, *drives], coupling=[])

@@ -1,12 +1,13 @@
-"""Measures what each stage of the solver contributes: the same targets with some of its stages only.
+"""Ablation study of the IK solver: its stages measured separately.
 
-The stages are the specification's, one after another; the compiled entries answer where a row is one of them, and
-only those are timed. No goals: whatever the figures show is the answer. Drawn: the solver at work on one target,
-and what is left of it without some of its stages.
+The same targets with only some of its stages.
+
+The compiled stages run one after another. Only rows that are one call of the solver are timed. There are no goals. The
+plots show the solver on one target, and the success without some of its stages.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -16,151 +17,208 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.random import default_rng
 
-from kinesic.bench.figure import ALARM, INK, OTHERS, OURS, SECOND, SMALL, Figure, name_rows, picture
-from kinesic.bench.ik.arms import targets
+from kinesic.bench.ik.arms import draw_targets
+from kinesic.bench.metric import (
+    ALARM_COLOUR,
+    INK_COLOUR,
+    LABEL_SIZE,
+    MAIN_COLOUR,
+    OTHER_COLOUR,
+    SECOND_COLOUR,
+    Metric,
+    name_rows,
+    picture,
+)
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik import KERNEL
-from kinesic.ik.arm.hinges import extract
-from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.masses import settle_masses
+from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.multistart import approach, reach, reach_many
-from kinesic.ik.arm.polish import polish
-from kinesic.ik.arm.shoulder_elbow import EXACT, bend_elbow, place_shoulder
-from kinesic.ik.arm.swivel import elbow_at
-from kinesic.ik.scalar3 import Vector, minus, vector, within
+from kinesic.ik.arm.seeds import seeds
+from kinesic.ik.arm.subproblems import first_of_two, turn_towards
+from kinesic.ik.scalar3 import IDENTITY_ROTATION, Vector, distance, minus, rotated, turned, unit, vector, within
 from kinesic.ik.solve import solve
 
-TARGETS = {"compiled": 2000, "numpy": 60}
-TENTH_MM, MM = 1e-4, 1e-3
+TARGET_COUNT = 2000
+STRICT_POSITION_ERROR = 1e-4  # [m] strict bound of the hand's position error
+LOOSE_POSITION_ERROR = 1e-3  # [m] loose bound of the hand's position error
 
-ENTRIES = ("polish_seeds", "whole")  # one call for one target, as a user makes it
-TARGET = (0.075, -0.064, 0.164)  # [m] of the hand, in the frame of the chain's base
-SWIVELS = 73
-PALE = "#bbbbbb"
+USER_ENTRIES = ("polish_seeds", "whole")  # ablation rows that run kinesic's public functions, one target at a time
+DRAWN_TARGET = (0.075, -0.064, 0.164)  # [m] hand target of the plot, in the frame of the chain's base
+SWIVEL_SAMPLES = 73  # drawn points on the elbow's circle
+PALE_COLOUR = "#bbbbbb"  # colour of the rest posture and the elbow's circle
+MISS_WEIGHT = 1e3  # cost per bone length of distance between a bone's end and its target
+TRAVEL_WEIGHT = 1e-3  # cost per radian of joint travel
+EXACT_MISS = 1e-6  # hand error / reach below which a posture counts as exact
 
 ArmSolver = Callable[["AblationArm", Floats], Sequence[float] | Floats]
 
 
 @dataclass(frozen=True, eq=False)
 class AblationArm:
-    """The arm that is asked, and where it begins each time."""
+    """The arm used in the IK ablation and its start posture."""
 
     chain: Chain
     linkage: Linkage
     rest: tuple[float, ...]  # [rad]
 
 
-def bench() -> list[Figure]:
-    """Measures shares, travel and times of every row."""
+def bench() -> list[Metric]:
+    """Measure success, travel and time of every ablation row."""
     chain = Robot.load().arms["l"]
     arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
-    goals = targets(default_rng(93), chain, TARGETS[KERNEL])
-    return [figure for name, row in ROWS.items() for figure in _figures(name, row.answer, arm, goals)]
+    arm_targets = draw_targets(default_rng(93), chain, TARGET_COUNT)
+    return [metric for name, row in ABLATION_ROWS.items() for metric in _metrics(name, row.answer, arm, arm_targets)]
 
 
 def ablation_name(row: str, quantity: Literal["mm", "tenth_mm", "travel", "us"]) -> str:
-    """Names a figure."""
+    """Return the metric name of one ablation row and quantity."""
     return f"ik.ablation_{row}_{quantity}"
 
 
-def _figures(row: str, answer: ArmSolver, arm: AblationArm, goals: Floats) -> list[Figure]:
+def _metrics(row: str, answer: ArmSolver, arm: AblationArm, arm_targets: Floats) -> list[Metric]:
     misses: list[float] = []
     travels: list[float] = []
     seconds: list[float] = []
-    for target in goals:
+    for target in arm_targets:
         began = perf_counter()
-        found = answer(arm, target)
+        solution = answer(arm, target)
         seconds.append(perf_counter() - began)
-        angles = np.array([*found, *arm.rest[len(found) :]])
+        angles = np.array([*solution, *arm.rest[len(solution) :]])
         misses.append(float(np.linalg.norm(arm.chain.hand(angles) - target)))
         travels.append(float(np.abs(angles - arm.chain.rest).sum()))
-    figures = [
-        Figure(ablation_name(row, "mm"), float(np.mean(np.array(misses) < MM)), "share", None, "higher"),
-        Figure(ablation_name(row, "tenth_mm"), float(np.mean(np.array(misses) < TENTH_MM)), "share", None, "higher"),
-        Figure(ablation_name(row, "travel"), median(travels), "rad", None, "lower"),
+    metrics = [
+        Metric(
+            ablation_name(row, "mm"), float(np.mean(np.array(misses) < LOOSE_POSITION_ERROR)), "share", None, "higher"
+        ),
+        Metric(
+            ablation_name(row, "tenth_mm"),
+            float(np.mean(np.array(misses) < STRICT_POSITION_ERROR)),
+            "share",
+            None,
+            "higher",
+        ),
+        Metric(ablation_name(row, "travel"), median(travels), "rad", None, "lower"),
     ]
-    if row in ENTRIES and KERNEL == "compiled":
-        figures.append(Figure(ablation_name(row, "us"), 1e6 * median(seconds), "us", None, "lower"))
-    return figures
+    if row in USER_ENTRIES:
+        metrics.append(Metric(ablation_name(row, "us"), 1e6 * median(seconds), "us", None, "lower"))
+    return metrics
 
 
-def masses(arm: AblationArm, target: Vector) -> tuple[Vector, ...]:
-    """Settles the masses [m]: ends of the bones from the base to the hand; no elbow's range is known."""
-    place = place_shoulder(arm.linkage, target, near=arm.rest, rest=arm.rest)
+def settle_bone_ends(arm: AblationArm, target: Vector) -> list[Sequence[float]]:
+    """Return the arm's bone ends [m] by the mass-spring model.
+
+    The model ignores the elbow's range.
+    """
+    girdle, shoulder, hand, _ = arm_of(arm.chain).placed(target, arm.rest, arm.rest)
     elbow = arm.linkage.walk(arm.rest, len(arm.linkage.links) - 2)[1][-1]
     lengths = [link.length for link in arm.linkage.links[-3:-1]]
-    return (*place.girdle, *settle_masses((place.shoulder, elbow, place.target), lengths, place.target).points[1:])
+    points, _, _ = arm_of(arm.chain).settle((shoulder, elbow, hand), lengths, hand)
+    return [*girdle, *points[1:]]
 
 
-def guessed(arm: AblationArm, points: Sequence[Vector]) -> tuple[float, ...]:
-    """Computes hinge angles [rad] from points greedily, bone by bone, without revising an earlier branch."""
+def guess_angles(arm: AblationArm, points: Sequence[Sequence[float]]) -> tuple[float, ...]:
+    """Compute joint angles [rad] from bone ends, bone by bone without backtracking."""
     angles: tuple[float, ...] = ()
     for count, (link, point) in enumerate(zip(arm.linkage.links, points, strict=False)):
         frame, ends = arm.linkage.walk(angles, count)
-        bone = Linkage((0.0, 0.0, 0.0), (replace(link, first=0),), arm.linkage.side, link.length, link.length)
-        goal = within(frame, minus(point, ends[-1]))
-        angles += extract(bone, [goal], arm.rest[link.first :]).angles
+        goal = within(frame, minus(vector(np.array(point)), ends[-1]))
+        start = arm.rest[link.first : link.first + len(link.pivots)]
+        branches = _aim_bone(link, unit(goal), start)
+        angles += min(branches, key=lambda turns: _branch_cost(link, goal, turns, start))
     return angles
 
 
-def _masses_guess(arm: AblationArm, target: Floats) -> Sequence[float]:
-    return guessed(arm, masses(arm, vector(target)))
+def _aim_bone(link: Link, direction: Vector, start: Sequence[float]) -> list[tuple[float, ...]]:
+    """Return up to two joint-angle solutions [rad] that aim a bone.
+
+    Joints before the last two stay.
+    """
+    if not start:
+        return [()]
+    fixed = tuple(start[:-2])
+    for pivot, angle in zip(link.pivots, fixed, strict=False):
+        direction = turned(direction, pivot.axis, -angle)
+    last = link.pivots[-1]
+    if len(start) == 1:
+        aimed = turn_towards(last.axis, link.along, direction)
+        return [(start[-1] if aimed is None else last.held(aimed, start[-1]),)]
+    first, branches = link.pivots[-2], []
+    for branch in first_of_two(first.axis, last.axis, link.along, direction) or (start[-2],):
+        angle = first.held(branch, start[-2])
+        aimed = turn_towards(last.axis, link.along, turned(direction, first.axis, -angle))
+        branches.append((*fixed, angle, start[-1] if aimed is None else last.held(aimed, start[-1])))
+    return branches
 
 
-def _masses_branches(arm: AblationArm, target: Floats) -> Sequence[float]:
-    return extract(arm.linkage, masses(arm, vector(target)), arm.rest).angles
+def _branch_cost(link: Link, goal: Vector, angles: Sequence[float], start: Sequence[float]) -> float:
+    miss = distance(rotated(link.turn(IDENTITY_ROTATION, angles), link.bone), goal) / link.length
+    travel = sum(abs(angle - begin) for angle, begin in zip(angles, start, strict=True))
+    return MISS_WEIGHT * miss + TRAVEL_WEIGHT * travel
 
 
-def _circle(arm: AblationArm, target: Floats) -> Sequence[float]:
-    place = place_shoulder(arm.linkage, vector(target), near=arm.rest, rest=arm.rest)
-    return bend_elbow(arm.linkage, place, near=arm.rest, swivel=None).angles
+def _extract(arm: AblationArm, points: Sequence[Sequence[float]]) -> Sequence[float]:
+    return arm_of(arm.chain).extract(points, arm.rest)[0]
 
 
-def _masses_branches_polish_seeds(arm: AblationArm, target: Floats) -> Sequence[float]:
-    begin, mobility = _masses_branches(arm, target), arm.linkage.mobility
-    return approach(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
+def _solve_masses_guess(arm: AblationArm, target: Floats) -> Sequence[float]:
+    return guess_angles(arm, settle_bone_ends(arm, vector(target)))
 
 
-def _polish(arm: AblationArm, target: Floats) -> Floats:
+def _solve_masses_branches(arm: AblationArm, target: Floats) -> Sequence[float]:
+    return _extract(arm, settle_bone_ends(arm, vector(target)))
+
+
+def _solve_circle(arm: AblationArm, target: Floats) -> Sequence[float]:
+    girdle, shoulder, hand, _ = arm_of(arm.chain).placed(vector(target), arm.rest, arm.rest)
+    return arm_of(arm.chain).bent(girdle, shoulder, hand, arm.rest, None)[0]
+
+
+def _solve_with_seeds(arm: AblationArm, target: Floats) -> Sequence[float]:
+    start_angles, mobility = _solve_masses_branches(arm, target), arm.linkage.mobility
+    solver, arm_seeds = arm_of(arm.chain), seeds(arm.linkage)
+    return approach(solver, arm_seeds, vector(target), start_angles, posture=arm.rest, mobility=mobility)[0]
+
+
+def _solve_polish(arm: AblationArm, target: Floats) -> Floats:
     rows, _ = reach_many(arm.chain, target[None], arm.chain.rest)
     return rows.ravel()
 
 
-def _polish_seeds(arm: AblationArm, target: Floats) -> Floats:
+def _solve_polish_seeds(arm: AblationArm, target: Floats) -> Floats:
     angles = arm.chain.rest.copy()
     reach(arm.chain, target, angles)
     return angles
 
 
-def _polished(arm: AblationArm, target: Floats, begin: Sequence[float]) -> Sequence[float]:
+def _polish_from(arm: AblationArm, target: Floats, start_angles: Sequence[float]) -> Sequence[float]:
     mobility = arm.linkage.mobility
-    return polish(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
+    return arm_of(arm.chain).polish(vector(target), start_angles, arm.rest, mobility)[0]
 
 
 @dataclass(frozen=True)
 class AblationRow:
-    """One selection of stages."""
+    """One selection of solver stages."""
 
-    words: str
+    words: str  # label in the plot
     answer: ArmSolver
 
 
-ROWS = {
-    "masses_guess": AblationRow("masses, one guess each", _masses_guess),
-    "masses_branches": AblationRow("masses, all branches", _masses_branches),
-    "circle": AblationRow("elbow's circle", _circle),
+ABLATION_ROWS = {
+    "masses_guess": AblationRow("masses, one guess per bone", _solve_masses_guess),
+    "masses_branches": AblationRow("masses, all branches", _solve_masses_branches),
+    "circle": AblationRow("elbow's circle", _solve_circle),
     "masses_guess_polish": AblationRow(
-        "masses, one guess, LM", lambda arm, goal: _polished(arm, goal, _masses_guess(arm, goal))
+        "masses, one guess, LM", lambda arm, goal: _polish_from(arm, goal, _solve_masses_guess(arm, goal))
     ),
     "masses_branches_polish": AblationRow(
-        "masses, branches, LM", lambda arm, goal: _polished(arm, goal, _masses_branches(arm, goal))
+        "masses, branches, LM", lambda arm, goal: _polish_from(arm, goal, _solve_masses_branches(arm, goal))
     ),
-    "masses_branches_polish_seeds": AblationRow("masses, branches, LM, seeds", _masses_branches_polish_seeds),
-    "polish": AblationRow("LM alone", _polish),
-    "polish_seeds": AblationRow("LM, seeds", _polish_seeds),
+    "masses_branches_polish_seeds": AblationRow("masses, branches, LM, seeds", _solve_with_seeds),
+    "polish": AblationRow("LM alone", _solve_polish),
+    "polish_seeds": AblationRow("LM, seeds", _solve_polish_seeds),
     "whole": AblationRow(
         "the whole solver", lambda arm, goal: solve(arm.chain, Reach(goal), start=arm.chain.rest).angles
     ),
@@ -168,80 +226,79 @@ ROWS = {
 
 
 def draw(values: Mapping[str, float], path: Path) -> Path:
-    """Draws one target's solution in two views, and the ablation.
+    """Draw one target's IK solution in two views, and the ablation results.
 
     Args:
-        values: figures by name, those of `ablation.bench` among them.
-        path: of the picture, PNG.
+        values: metric values by name, including those of `ablation.bench`.
+        path: path of the PNG file.
 
     Returns:
         The path.
 
     Raises:
-        KeyError: a figure of the ablation is missing.
+        KeyError: a metric of the ablation is missing.
     """
     chain = Robot.load().arms["l"]
     arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
     with picture(path, 12.5, 4.8) as drawn:
         first, second, third = drawn.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
-        _masses(first, arm)
+        _draw_masses(first, arm)
         _draw_circle(second, arm)
-        _bars(third, values)
+        _draw_bars(third, values)
     return path
 
 
-def _masses(axes: Axes, arm: AblationArm) -> None:
-    ends = masses(arm, TARGET)
-    limited = extract(arm.linkage, ends, arm.rest).angles
-    _line(axes, _posture(arm, arm.rest), PALE, "at rest")
-    _line(axes, (arm.linkage.origin, *ends), OURS, "masses and springs")
-    _line(axes, _posture(arm, limited), SECOND, "their hinges, inside the ranges")
-    _dressed(axes, "masses know no ranges")
+def _draw_masses(axes: Axes, arm: AblationArm) -> None:
+    ends = settle_bone_ends(arm, DRAWN_TARGET)
+    limited = _extract(arm, ends)
+    _draw_line(axes, _posture(arm, arm.rest), PALE_COLOUR, "at rest")
+    _draw_line(axes, (arm.linkage.origin, *ends), MAIN_COLOUR, "masses and springs")
+    _draw_line(axes, _posture(arm, limited), SECOND_COLOUR, "their joints within the ranges")
+    _finish_axes(axes, "masses ignore the ranges")
 
 
 def _draw_circle(axes: Axes, arm: AblationArm) -> None:
-    """The elbow's circle, the part that the ranges allow, and the answer."""
-    place = place_shoulder(arm.linkage, TARGET, near=arm.rest, rest=arm.rest)
-    circle = [
-        elbow_at(arm.linkage, place.shoulder, place.target, swivel) for swivel in np.linspace(-np.pi, np.pi, SWIVELS)
-    ]
+    """Draw the elbow's circle, its part within joint ranges, and the solution."""
+    solver = arm_of(arm.chain)
+    girdle, shoulder, hand, _ = solver.placed(DRAWN_TARGET, arm.rest, arm.rest)
+    circle = [solver.elbow_at(shoulder, hand, swivel) for swivel in np.linspace(-np.pi, np.pi, SWIVEL_SAMPLES).tolist()]
     allowed = [
         elbow
         for elbow in circle
-        if extract(arm.linkage, (*place.girdle, elbow, place.target), arm.rest).miss <= EXACT * arm.linkage.farthest
+        if solver.extract((*girdle, elbow, hand), arm.rest)[1] <= EXACT_MISS * arm.linkage.farthest
     ]
-    axes.plot([y for _, y, _ in circle], [z for _, _, z in circle], color=PALE, label="elbow's circle")
-    axes.plot([y for _, y, _ in allowed], [z for _, _, z in allowed], ".", color=OURS, label="inside the ranges")
-    found = solve(arm.chain, Reach(np.array(TARGET)), start=arm.chain.rest)
-    _line(axes, _posture(arm, found.angles.tolist()), OTHERS, "the answer")
-    _dressed(axes, "the nearest elbow that the ranges allow")
+    axes.plot([y for _, y, _ in circle], [z for _, _, z in circle], color=PALE_COLOUR, label="elbow's circle")
+    axes.plot([y for _, y, _ in allowed], [z for _, _, z in allowed], ".", color=MAIN_COLOUR, label="within the ranges")
+    solution = solve(arm.chain, Reach(np.array(DRAWN_TARGET)), start=arm.chain.rest)
+    _draw_line(axes, _posture(arm, solution.angles.tolist()), OTHER_COLOUR, "the solution")
+    _finish_axes(axes, "the nearest elbow within the ranges")
 
 
-def _bars(axes: Axes, values: Mapping[str, float]) -> None:
-    for row, key in enumerate(ROWS):
-        share = 100.0 * values[ablation_name(key, "mm")]
-        axes.barh(-row, share, height=0.66, color=OTHERS if key == "whole" else OURS, zorder=2)
-        axes.text(share - 1.0, -row, f"{share:.1f}", ha="right", va="center", fontsize=SMALL, color="white")
-    name_rows(axes, [row.words for row in ROWS.values()])
+def _draw_bars(axes: Axes, values: Mapping[str, float]) -> None:
+    for row, key in enumerate(ABLATION_ROWS):
+        percent = 100.0 * values[ablation_name(key, "mm")]
+        axes.barh(-row, percent, height=0.66, color=OTHER_COLOUR if key == "whole" else MAIN_COLOUR, zorder=2)
+        axes.text(percent - 1.0, -row, f"{percent:.1f}", ha="right", va="center", fontsize=LABEL_SIZE, color="white")
+    name_rows(axes, [row.words for row in ABLATION_ROWS.values()])
     axes.set_xlim(0.0, 100.0)
-    axes.set_title("targets below 1 mm [%]", fontsize=10, color=INK)
+    axes.set_title("targets below 1 mm [%]", fontsize=10, color=INK_COLOUR)
 
 
 def _posture(arm: AblationArm, angles: Sequence[float]) -> list[Vector]:
     return arm.linkage.walk(angles, len(arm.linkage.links) - 1)[1]
 
 
-def _line(axes: Axes, points: Sequence[Vector], colour: str, label: str) -> None:
-    """Joints from the front: y to the left, z up [m]."""
+def _draw_line(axes: Axes, points: Sequence[Sequence[float]], colour: str, label: str) -> None:
+    """Draw joints from the front: y to the left, z up [m]."""
     axes.plot([y for _, y, _ in points], [z for _, _, z in points], "o-", color=colour, markersize=4, label=label)
 
 
-def _dressed(axes: Axes, title: str) -> None:
-    axes.plot(TARGET[1], TARGET[2], "+", color=ALARM, markersize=14, zorder=5, label="target")
-    axes.set_title(title, fontsize=10, color=INK)
+def _finish_axes(axes: Axes, title: str) -> None:
+    axes.plot(DRAWN_TARGET[1], DRAWN_TARGET[2], "+", color=ALARM_COLOUR, markersize=14, zorder=5, label="target")
+    axes.set_title(title, fontsize=10, color=INK_COLOUR)
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_xaxis()
-    axes.set_xlabel("left [m], seen from the front", fontsize=SMALL)
-    axes.set_ylabel("up [m]", fontsize=SMALL)
-    axes.tick_params(labelsize=SMALL, length=2)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=SMALL, frameon=False)
+    axes.set_xlabel("left [m], seen from the front", fontsize=LABEL_SIZE)
+    axes.set_ylabel("up [m]", fontsize=LABEL_SIZE)
+    axes.tick_params(labelsize=LABEL_SIZE, length=2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, fontsize=LABEL_SIZE, frameon=False)

@@ -1,8 +1,8 @@
-"""Other libraries, each asked for angles that bring the hand to a position, as its own documentation asks it.
+"""Other IK libraries for hand positions, used as documented.
 
-They read the arm as a URDF of the hinges that carry the hand. They start at rest and may stop half a millimetre from
-the target. Differential libraries (mink, pink, placo) are driven to convergence by a loop here. None was tuned for this
-arm. What they need is imported when a solver is built.
+They read the arm as a URDF of the joints that carry the hand, start at rest and may stop 0.5 mm from the target.
+Differential libraries (mink, pink, placo) are iterated to convergence here. None was tuned for this arm. Their modules
+are imported when a solver is built.
 """
 
 from collections.abc import Callable
@@ -18,31 +18,32 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.skeleton import Hinge
 
-BASE, HAND = "base", "hand"  # links of the URDF
-FAST = 1e6  # [rad/s, Nm] no limit that a search could feel
+BASE_LINK = "base"  # URDF link at the chain's base
+HAND_LINK = "hand"  # URDF link of the hand
+URDF_NO_LIMIT = 1e6  # [rad/s, Nm] velocity and effort that never limit a URDF joint
 if TYPE_CHECKING:
     import roboticstoolbox as rtb
 
-Solver = Callable[[Floats], Floats]  # (3,) [m] in the chain's base -> (k,) [rad] of its hinges
+Solver = Callable[[Floats], Floats]  # (3,) [m] in the chain's base -> (k,) [rad] joint angles
 
-NEAR = 5e-4  # [m] where a search may stop
-STEPS = 100  # of a differential library
-PATIENCE = 0.1  # [s] of a library that begins again until it is there
-DAMPING = 1e-6  # of their quadratic programs
+STOP_DISTANCE = 5e-4  # [m] hand error at which a peer's search may stop
+MAX_STEPS = 100  # iterations of differential IK libraries
+TIME_LIMIT = 0.1  # [s] time limit of IK libraries with random restarts
+QP_DAMPING = 1e-6  # damping of the peers' quadratic programs
 
 
 @dataclass(frozen=True, eq=False)
 class WristHinge:
-    """A hinge that moves the hand's centre, and where it sits."""
+    """A joint that moves the wrist, and its offset from the previous."""
 
     hinge: Hinge
-    offset: Floats  # (3,) [m] from the hinge before it, in that one's segment
+    offset: Floats  # (3,) [m] from the previous joint, in that joint's segment
 
 
-def carriers(chain: Chain) -> tuple[WristHinge, ...]:
-    """Lists the hinges up to the hand's centre.
+def list_carriers(chain: Chain) -> tuple[WristHinge, ...]:
+    """List the arm joints that move the hand's centre.
 
-    The last joint sits in this centre and turns around it: peers are spared its hinges.
+    The last joint lies in this centre and turns around it, so the peers do not get it.
     """
     offsets = [chain.origin_in_base, *(joint.bone for joint in chain.joints)]
     return tuple(
@@ -52,26 +53,28 @@ def carriers(chain: Chain) -> tuple[WristHinge, ...]:
     )
 
 
-def forearm(chain: Chain) -> Floats:
-    """(3,) [m] from the last carrier to the hand's centre."""
+def forearm_offset(chain: Chain) -> Floats:
+    """Return the vector (3,) [m] from the last joint to the hand."""
     return chain.joints[-2].bone
 
 
-def urdf(chain: Chain) -> str:
-    """Writes the arm as URDF: links `base`, one behind each hinge with its name, and `hand` in the hand's centre.
+def write_urdf(chain: Chain) -> str:
+    """Return the arm as URDF.
 
-    Every link weighs something, because readers refuse moving links without mass; nothing here depends on it.
+    Its links are `base`, one named after each joint, and `hand` in the hand's centre.
+
+    Every link has a mass because some readers refuse moving links without one; the results do not depend on it.
     """
-    links = [BASE, *(carrier.hinge.name for carrier in carriers(chain)), HAND]
+    links = [BASE_LINK, *(carrier.hinge.name for carrier in list_carriers(chain)), HAND_LINK]
     joints = [
         _joint(carrier, parent=parent, child=child)
-        for carrier, (parent, child) in zip(carriers(chain), pairwise(links), strict=False)
+        for carrier, (parent, child) in zip(list_carriers(chain), pairwise(links), strict=False)
     ]
-    # MuJoCo would merge the hand into the forearm
+    # MuJoCo would otherwise merge the hand into the forearm
     return f"""<robot name="arm"><mujoco><compiler fusestatic="false"/></mujoco>
 {"".join(_link(link) for link in links)}{"".join(joints)}
-<joint name="{HAND}_fixed" type="fixed"><parent link="{links[-2]}"/><child link="{HAND}"/>
-<origin xyz="{_numbers(forearm(chain))}"/></joint></robot>"""
+<joint name="{HAND_LINK}_fixed" type="fixed"><parent link="{links[-2]}"/><child link="{HAND_LINK}"/>
+<origin xyz="{_numbers(forearm_offset(chain))}"/></joint></robot>"""
 
 
 def _link(name: str) -> str:
@@ -81,7 +84,7 @@ def _link(name: str) -> str:
 
 def _joint(carrier: WristHinge, *, parent: str, child: str) -> str:
     hinge = carrier.hinge
-    limit = f'lower="{hinge.lower!r}" upper="{hinge.upper!r}" velocity="{FAST}" effort="{FAST}"'
+    limit = f'lower="{hinge.lower!r}" upper="{hinge.upper!r}" velocity="{URDF_NO_LIMIT}" effort="{URDF_NO_LIMIT}"'
     return f"""<joint name="{hinge.name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
 <origin xyz="{_numbers(carrier.offset)}"/><axis xyz="{_numbers(hinge.axis)}"/><limit {limit}/></joint>
 """
@@ -93,181 +96,197 @@ def _numbers(values: Floats) -> str:
 
 @dataclass(frozen=True)
 class Peer:
-    """A library and how it solves."""
+    """Another IK library, with a function that builds its solver."""
 
-    name: str  # of its module
-    package: str  # as it is installed
-    needs: tuple[str, ...]  # modules
+    name: str  # name of its module
+    package: str  # name of its package
+    needs: tuple[str, ...]  # required modules
     build: Callable[[Chain], Solver]
 
 
 def roboticstoolbox(chain: Chain) -> Solver:
-    """Levenberg-Marquardt with random restarts, in C, on a row of elementary transforms.
+    """Build roboticstoolbox's Levenberg-Marquardt solver (in C) with random restarts.
 
     Raises:
-        ValueError: an axis is none of x, y, z and their opposites.
+        ValueError: an axis is not parallel to x, y or z.
     """
     import roboticstoolbox as rtb  # noqa: PLC0415 - optional
 
-    row = [transform for carrier in carriers(chain) for transform in (*_moves(carrier.offset), _turn(carrier))]
-    arm = rtb.ETS([*row, *_moves(forearm(chain))])
+    row = [
+        transform
+        for carrier in list_carriers(chain)
+        for transform in (*_make_translations(carrier.offset), _make_rotation(carrier))
+    ]
+    arm = rtb.ETS([*row, *_make_translations(forearm_offset(chain))])
     start = chain.rest[: arm.n].copy()
     pose = np.eye(4)
     position_only = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-    cost = 0.5 * NEAR**2  # half the square of the error
+    cost = 0.5 * STOP_DISTANCE**2  # half of the squared error
 
     def solve(target: Floats) -> Floats:
         pose[:3, 3] = target
-        found = arm.ik_LM(pose, q0=start, tol=cost, mask=position_only)
-        return _whole(chain, found.q)
+        solution = arm.ik_LM(pose, q0=start, tol=cost, mask=position_only)
+        return _fill_angles(chain, solution.q)
 
     return solve
 
 
 def ikpy(chain: Chain) -> Solver:
-    """Bounded least squares of SciPy over a chain of links."""
+    """Build IKPy's solver: bounded least squares over a chain of links."""
     from ikpy.chain import Chain as Links  # noqa: PLC0415 - optional
     from ikpy.link import OriginLink, URDFLink  # noqa: PLC0415 - optional
 
     level = [0.0, 0.0, 0.0]
     turning = [
         URDFLink(carrier.hinge.name, carrier.offset, level, carrier.hinge.axis, bounds=_bounds(carrier))
-        for carrier in carriers(chain)
+        for carrier in list_carriers(chain)
     ]
-    hand = URDFLink(HAND, forearm(chain), level, joint_type="fixed")
+    hand = URDFLink(HAND_LINK, forearm_offset(chain), level, joint_type="fixed")
     arm = Links([OriginLink(), *turning, hand], active_links_mask=[False, *(True for _ in turning), False])
     start = np.array([0.0, *chain.rest[: len(turning)], 0.0])
 
     def solve(target: Floats) -> Floats:
-        return _whole(chain, arm.inverse_kinematics(target, initial_position=start)[1:-1])
+        return _fill_angles(chain, arm.inverse_kinematics(target, initial_position=start)[1:-1])
 
     return solve
 
 
 def mink(chain: Chain) -> Solver:
-    """Differential inverse kinematics on MuJoCo."""
+    """Build mink's solver: differential inverse kinematics on MuJoCo."""
     import mink as library  # noqa: PLC0415 - optional
-    import mujoco  # noqa: PLC0415 - only this bench needs it here
+    import mujoco  # noqa: PLC0415 - only needed here
 
-    configuration = library.Configuration(mujoco.MjModel.from_xml_string(urdf(chain)))
+    configuration = library.Configuration(mujoco.MjModel.from_xml_string(write_urdf(chain)))
     limits = [library.ConfigurationLimit(configuration.model)]
-    task = library.FrameTask(HAND, "body", position_cost=1.0, orientation_cost=0.0)
+    task = library.FrameTask(HAND_LINK, "body", position_cost=1.0, orientation_cost=0.0)
     start = chain.rest[: configuration.model.nq].copy()
 
     def solve(target: Floats) -> Floats:
         configuration.update(start)
         task.set_target(library.SE3.from_translation(target))
-        for _ in range(STEPS):
-            if np.linalg.norm(task.compute_error(configuration)[:3]) < NEAR:
+        for _ in range(MAX_STEPS):
+            if np.linalg.norm(task.compute_error(configuration)[:3]) < STOP_DISTANCE:
                 break
             try:
-                step = library.solve_ik(configuration, [task], 1.0, "daqp", damping=DAMPING, limits=limits)
+                step = library.solve_ik(configuration, [task], 1.0, "daqp", damping=QP_DAMPING, limits=limits)
             except library.NoSolutionFound:
                 break
             configuration.integrate_inplace(step, 1.0)
-        return _whole(chain, configuration.q)
+        return _fill_angles(chain, configuration.q)
 
     return solve
 
 
 def pink(chain: Chain) -> Solver:
-    """Differential inverse kinematics on Pinocchio."""
+    """Build Pink's solver: differential inverse kinematics on Pinocchio."""
     import pink as library  # noqa: PLC0415 - optional
-    import pinocchio  # noqa: PLC0415 - comes with it
+    import pinocchio  # noqa: PLC0415 - installed with pink
 
-    model = pinocchio.buildModelFromXML(urdf(chain))
+    model = pinocchio.buildModelFromXML(write_urdf(chain))
     data, start = model.createData(), chain.rest[: model.nq].copy()
-    task = library.FrameTask(HAND, position_cost=1.0, orientation_cost=0.0)
+    task = library.FrameTask(HAND_LINK, position_cost=1.0, orientation_cost=0.0)
 
     def solve(target: Floats) -> Floats:
         configuration = library.Configuration(model, data, start)
         task.set_target(pinocchio.SE3(np.eye(3), target))
-        for _ in range(STEPS):
-            if np.linalg.norm(task.compute_error(configuration)[:3]) < NEAR:
+        for _ in range(MAX_STEPS):
+            if np.linalg.norm(task.compute_error(configuration)[:3]) < STOP_DISTANCE:
                 break
             try:
-                step = library.solve_ik(configuration, [task], 1.0, "daqp", damping=DAMPING, safety_break=False)
+                step = library.solve_ik(configuration, [task], 1.0, "daqp", damping=QP_DAMPING, safety_break=False)
             except library.exceptions.NoSolutionFound:
                 break
-            # rounding would otherwise leave the limits, and be warned of at every step
+            # rounding would otherwise exceed the limits and cause a warning at every step
             moved = configuration.integrate(step, 1.0)
             configuration.update(np.clip(moved, model.lowerPositionLimit, model.upperPositionLimit))
-        return _whole(chain, configuration.q)
+        return _fill_angles(chain, configuration.q)
 
     return solve
 
 
 def placo(chain: Chain) -> Solver:
-    """Task-space inverse kinematics by quadratic programs in C++, on Pinocchio."""
+    """Build PlaCo's solver: task-space inverse kinematics by quadratic programs.
+
+    It is written in C++, on Pinocchio.
+    """
     import placo as library  # noqa: PLC0415 - optional
 
-    robot = library.RobotWrapper("", library.Flags.ignore_collisions, urdf(chain))
+    robot = library.RobotWrapper("", library.Flags.ignore_collisions, write_urdf(chain))
     solver = library.KinematicsSolver(robot)
     solver.mask_fbase(True)
     solver.enable_joint_limits(True)
-    task = solver.add_position_task(HAND, np.zeros(3))
-    task.configure(HAND, "soft", 1.0)
-    solver.add_regularization_task(DAMPING)
-    free = len(robot.state.q) - len(carriers(chain))  # the pose of its floating base
-    start = np.array([*robot.state.q[:free], *chain.rest[: len(carriers(chain))]])
+    task = solver.add_position_task(HAND_LINK, np.zeros(3))
+    task.configure(HAND_LINK, "soft", 1.0)
+    solver.add_regularization_task(QP_DAMPING)
+    free = len(robot.state.q) - len(list_carriers(chain))  # values of the floating base's pose
+    start = np.array([*robot.state.q[:free], *chain.rest[: len(list_carriers(chain))]])
 
     def solve(target: Floats) -> Floats:
         robot.state.q = start
         robot.update_kinematics()
         task.target_world = target
-        for _ in range(STEPS):
+        for _ in range(MAX_STEPS):
             solver.solve(True)
             robot.update_kinematics()
-            if np.linalg.norm(robot.get_T_world_frame(HAND)[:3, 3] - target) < NEAR:
+            if np.linalg.norm(robot.get_T_world_frame(HAND_LINK)[:3, 3] - target) < STOP_DISTANCE:
                 break
-        return _whole(chain, robot.state.q[free:])
+        return _fill_angles(chain, robot.state.q[free:])
 
     return solve
 
 
 def optik(chain: Chain) -> Solver:
-    """Nonlinear least squares with random restarts, in Rust; it knows poses alone: turning weighs nothing."""
+    """Build optik's solver: nonlinear least squares with random restarts, in Rust.
+
+    It solves for poses only, so orientation gets weight zero.
+    """
     from optik import Robot, SolverConfig  # noqa: PLC0415 - optional
 
     with TemporaryDirectory() as folder:
         path = Path(folder, "arm.urdf")
-        path.write_text(urdf(chain), encoding="utf-8")
-        robot = Robot.from_urdf_file(str(path), BASE, HAND)
+        path.write_text(write_urdf(chain), encoding="utf-8")
+        robot = Robot.from_urdf_file(str(path), BASE_LINK, HAND_LINK)
     robot.set_parallelism(1)
-    count = len(carriers(chain))
+    count = len(list_carriers(chain))
     config = SolverConfig(
-        solution_mode="speed", max_time=PATIENCE, tol_f=NEAR**2, linear_weight=[1.0] * 3, angular_weight=[0.0] * 3
+        solution_mode="speed",
+        max_time=TIME_LIMIT,
+        tol_f=STOP_DISTANCE**2,
+        linear_weight=[1.0] * 3,
+        angular_weight=[0.0] * 3,
     )
     start, pose = chain.rest[:count].tolist(), np.eye(4)
 
     def solve(target: Floats) -> Floats:
         pose[:3, 3] = target
-        found = robot.ik(config, pose, start)
-        return chain.rest if found is None else _whole(chain, np.array(found[0]))
+        solution = robot.ik(config, pose, start)
+        return chain.rest if solution is None else _fill_angles(chain, np.array(solution[0]))
 
     return solve
 
 
-def _moves(offset: Floats) -> list["rtb.ET"]:
-    """Translations along x, y and z."""
+def _make_translations(offset: Floats) -> list["rtb.ET"]:
+    """Return roboticstoolbox translations along x, y and z."""
     import roboticstoolbox as rtb  # noqa: PLC0415 - optional
 
-    along = (rtb.ET.tx, rtb.ET.ty, rtb.ET.tz)
-    return [move(float(length)) for move, length in zip(along, offset, strict=True) if length != 0.0]
+    translations = (rtb.ET.tx, rtb.ET.ty, rtb.ET.tz)
+    return [move(float(length)) for move, length in zip(translations, offset, strict=True) if length != 0.0]
 
 
-def _turn(carrier: WristHinge) -> "rtb.ET":
-    """A rotation by the hinge's angle, flipped where its axis is an opposite one.
+def _make_rotation(carrier: WristHinge) -> "rtb.ET":
+    """Return a roboticstoolbox rotation by a joint's angle, flipped for negative axes.
 
     Raises:
-        ValueError: its axis is none of x, y, z and their opposites.
+        ValueError: the axis is not parallel to x, y or z.
     """
     import roboticstoolbox as rtb  # noqa: PLC0415 - optional
 
     hinge = carrier.hinge
     main = int(np.argmax(np.abs(hinge.axis)))
     if np.count_nonzero(hinge.axis) != 1:
-        raise ValueError(f"{hinge.name}: axis {hinge.axis.tolist()} has no elementary transform; x, y or z would have")
+        raise ValueError(
+            f"{hinge.name}: axis {hinge.axis.tolist()} has no elementary transform; it must be parallel to x, y or z"
+        )
     turn = (rtb.ET.Rx, rtb.ET.Ry, rtb.ET.Rz)[main]
     return turn(flip=bool(hinge.axis[main] < 0.0), qlim=np.array(_bounds(carrier)))
 
@@ -276,14 +295,14 @@ def _bounds(carrier: WristHinge) -> tuple[float, float]:
     return carrier.hinge.lower, carrier.hinge.upper
 
 
-def _whole(chain: Chain, angles: Floats) -> Floats:
-    """The hinges that a peer was spared stay at rest."""
-    whole = chain.rest.copy()
-    whole[: len(angles)] = angles
-    return whole
+def _fill_angles(chain: Chain, angles: Floats) -> Floats:
+    """Extend a solver's angles to all arm joints, the others at rest."""
+    all_angles = chain.rest.copy()
+    all_angles[: len(angles)] = angles
+    return all_angles
 
 
-PEERS = (
+PEER_LIBRARIES = (
     Peer("roboticstoolbox", "roboticstoolbox-python", ("roboticstoolbox",), roboticstoolbox),
     Peer("optik", "optik-py", ("optik",), optik),
     Peer("placo", "placo", ("placo",), placo),

@@ -1,6 +1,8 @@
-"""The rest of the reach protocol: other starts, travel, narrow ranges, paths at three rates, the elbow's swivel.
+"""Benchmark of reaching: start postures, joint travel, closed paths and narrowed ranges.
 
-Drawn: how exact and how fast, how far the hinges turn, and how the elbow follows a path.
+Other starts, travel, narrow ranges, paths and swivel.
+
+The plots show accuracy and time, the travel of the joints, and the joint angles on a path.
 """
 
 from dataclasses import replace
@@ -11,161 +13,168 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.random import default_rng
 
-from kinesic.bench.figure import ALARM, INK, OURS, SMALL, Figure, label_axes, picture
-from kinesic.bench.ik.arms import targets
-from kinesic.bench.ik.tracking import LAP, RATE, damped_least_squares, ellipse
+from kinesic.bench.ik.arms import draw_targets
+from kinesic.bench.ik.tracking import LAP_DURATION, TRACKING_RATE, damped_least_squares, ellipse
+from kinesic.bench.metric import ALARM_COLOUR, INK_COLOUR, LABEL_SIZE, MAIN_COLOUR, Metric, label_axes, picture
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik import KERNEL
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.solve import solve
 from kinesic.ik.track import Tracker
 
-TARGETS = {"compiled": 2000, "numpy": 100}
-STARTS = 60  # whose best is the reference of travel
-TRAVELLED = 100  # targets
-TENTH_MM = 1e-4
-RATES = (50, 200, 1000)  # [Hz]
+TARGET_COUNT = 2000
+RANDOM_STARTS = 60  # random start postures; the best result is the reference of travel
+TRAVEL_TARGETS = 100  # targets for which joint travel is measured
+STRICT_POSITION_ERROR = 1e-4  # [m] strict bound of the hand's position error
+TRACKING_RATES = (50, 200, 1000)  # [Hz] compared sample rates of a closed hand path
 DRAWN_TARGETS = 1500
-FLOOR = 1e-17  # [m] what a miss of nothing is drawn as
+ERROR_FLOOR = 1e-17  # [m] added to plotted errors, so that zero has a logarithm
 
 
-def bench() -> list[Figure]:
-    """Measures P2, P3, P4, P5 and P8 on upper22's left arm."""
+def bench() -> list[Metric]:
+    """Measure IK from varied starts, on closed paths and with narrowed ranges."""
     chain = Robot.load().arms["l"]
-    return [*_starts(chain), *_travel(chain), *_narrowed(chain), *_rates(chain), *_swivel(chain)]
+    return [
+        *_measure_starts(chain),
+        *_measure_travel(chain),
+        *_measure_narrowed(chain),
+        *_compare_rates(chain),
+        *_measure_swivel(chain),
+    ]
 
 
-def _share(chain: Chain, start: Floats, goals: Floats) -> float:
-    found = (solve(chain, Reach(target), start=start) for target in goals)
-    return float(np.mean([solution.residual < TENTH_MM for solution in found]))
+def _success_rate(chain: Chain, start: Floats, goals: Floats) -> float:
+    solutions = (solve(chain, Reach(target), start=start) for target in goals)
+    return float(np.mean([solution.residual < STRICT_POSITION_ERROR for solution in solutions]))
 
 
-def _starts(chain: Chain) -> list[Figure]:
-    """P2: the straight arm, the arm held out to the side, and the corners of the ranges."""
-    goals = targets(default_rng(2), chain, TARGETS[KERNEL])
+def _measure_starts(chain: Chain) -> list[Metric]:
+    """Measure the IK success of starts from extreme postures (P2)."""
+    goals = draw_targets(default_rng(2), chain, TARGET_COUNT)
     out = np.zeros(len(chain.rest))
     out[2] = np.pi / 2
     starts = {"straight": np.zeros_like(out), "aside": out, "lower_corner": chain.lower, "upper_corner": chain.upper}
     return [
-        Figure(f"ik.success_from_{name}", _share(chain, start, goals), "share", 0.9999, "higher")
+        Metric(f"ik.success_from_{name}", _success_rate(chain, start, goals), "share", 0.9999, "higher")
         for name, start in starts.items()
     ]
 
 
-def _travel(chain: Chain) -> list[Figure]:
-    """P3: turning from rest, over the least of many starts that also reach."""
-    chance = default_rng(3)
+def _measure_travel(chain: Chain) -> list[Metric]:
+    """Measure the IK solver's joint travel relative to the smallest possible (P3)."""
+    rng = default_rng(3)
     total, largest = [], []
-    for target in targets(chance, chain, TRAVELLED):
+    for target in draw_targets(rng, chain, TRAVEL_TARGETS):
         reach = Reach(target)
-        starts = [chain.rest, *(chance.uniform(chain.lower, chain.upper) for _ in range(STARTS))]
-        moves = [np.abs(solve(chain, reach, start=start).angles - chain.rest) for start in starts]
-        total.append(moves[0].sum() / max(min(move.sum() for move in moves), 1e-9))
-        largest.append(moves[0].max() / max(min(move.max() for move in moves), 1e-9))
+        starts = [chain.rest, *(rng.uniform(chain.lower, chain.upper) for _ in range(RANDOM_STARTS))]
+        travels = [np.abs(solve(chain, reach, start=start).angles - chain.rest) for start in starts]
+        total.append(travels[0].sum() / max(min(move.sum() for move in travels), 1e-9))
+        largest.append(travels[0].max() / max(min(move.max() for move in travels), 1e-9))
     return [
-        Figure("ik.travel_over_best", float(np.median(total)), "x", None, "lower", f"best of {STARTS} starts"),
-        Figure("ik.largest_turn_over_best", float(np.median(largest)), "x", None, "lower"),
+        Metric("ik.travel_over_best", float(np.median(total)), "x", None, "lower", f"best of {RANDOM_STARTS} starts"),
+        Metric("ik.largest_turn_over_best", float(np.median(largest)), "x", None, "lower"),
     ]
 
 
-def _narrowed(chain: Chain) -> list[Figure]:
-    """P8: the same arm with 60 and 35 % of its ranges about their middles."""
-    figures = []
-    for share in (0.6, 0.35):
-        narrow = _with_ranges(chain, share)
-        goals = targets(default_rng(8), narrow, TARGETS[KERNEL])
-        met = _share(narrow, narrow.rest, goals)
-        figures.append(Figure(f"ik.success_ranges_{round(100 * share)}", met, "share", 0.999, "higher"))
-    return figures
+def _measure_narrowed(chain: Chain) -> list[Metric]:
+    """Measure the IK success of an arm with narrowed joint ranges (P8)."""
+    metrics = []
+    for fraction in (0.6, 0.35):
+        narrow = _with_ranges(chain, fraction)
+        goals = draw_targets(default_rng(8), narrow, TARGET_COUNT)
+        success = _success_rate(narrow, narrow.rest, goals)
+        metrics.append(Metric(f"ik.success_ranges_{round(100 * fraction)}", success, "share", 0.999, "higher"))
+    return metrics
 
 
-def _with_ranges(chain: Chain, share: float) -> Chain:
+def _with_ranges(chain: Chain, fraction: float) -> Chain:
     joints = []
     for joint in chain.joints:
         hinges = []
         for hinge in joint.hinges:
-            middle, half = (hinge.upper + hinge.lower) / 2, share * (hinge.upper - hinge.lower) / 2
+            middle, half = (hinge.upper + hinge.lower) / 2, fraction * (hinge.upper - hinge.lower) / 2
             rest = float(np.clip(hinge.rest, middle - half, middle + half))
             hinges.append(replace(hinge, lower=middle - half, upper=middle + half, rest=rest))
         joints.append(replace(joint, hinges=tuple(hinges)))
     return replace(chain, joints=tuple(joints))
 
 
-def _laps(chain: Chain, rate: int) -> Floats:
-    """(steps, k) [rad] of the second lap of the ellipse."""
+def _track_second_lap(chain: Chain, rate: int) -> Floats:
+    """Return joint angles (steps, k) [rad] of a closed path's second lap."""
     tracker = Tracker(chain, period=1 / rate)
-    steps = round(LAP * rate)
+    steps = round(LAP_DURATION * rate)
     rows = [tracker.step(ellipse(2 * np.pi * (step % steps) / steps)) for step in range(2 * steps)]
     return sealed(rows[steps:])
 
 
-def _rates(chain: Chain) -> list[Figure]:
-    """P4: the same lap at three rates, as the largest difference over the range of angles."""
-    slow, *others = (_laps(chain, rate)[:: rate // RATES[0]] for rate in RATES)
-    apart = max(float(np.abs(lap - slow).max()) for lap in others) / float(np.ptp(slow, axis=0).max())
-    return [Figure("ik.tracking_rates_differ", apart, "share", 0.01, "lower", "50, 200 and 1000 Hz")]
+def _compare_rates(chain: Chain) -> list[Metric]:
+    """Compare joint angles of a closed path tracked at three rates (P4)."""
+    slow, *others = (_track_second_lap(chain, rate)[:: rate // TRACKING_RATES[0]] for rate in TRACKING_RATES)
+    difference = max(float(np.abs(lap - slow).max()) for lap in others) / float(np.ptp(slow, axis=0).max())
+    return [Metric("ik.tracking_rates_differ", difference, "share", 0.01, "lower", "50, 200 and 1000 Hz")]
 
 
-def _swivel(chain: Chain) -> list[Figure]:
-    """P5: how the elbow swings on a closed path."""
-    swings = np.unwrap([found for row in _laps(chain, 200) if (found := swivel(chain, row)) is not None])
+def _measure_swivel(chain: Chain) -> list[Metric]:
+    """Measure the elbow's swivel on a closed hand path (P5)."""
+    swivels = np.unwrap([angle for row in _track_second_lap(chain, 200) if (angle := swivel(chain, row)) is not None])
     return [
-        Figure("ik.swivel_spread", float(np.std(swings)), "rad", None, "lower", "standard deviation over a lap"),
-        Figure("ik.swivel_step", float(np.abs(np.diff(swings)).max()), "rad", None, "lower", "largest, at 200 Hz"),
+        Metric("ik.swivel_spread", float(np.std(swivels)), "rad", None, "lower", "standard deviation over a lap"),
+        Metric("ik.swivel_step", float(np.abs(np.diff(swivels)).max()), "rad", None, "lower", "largest, at 200 Hz"),
     ]
 
 
 def draw(path: Path) -> Path:
-    """Measures and draws; returns the path of the PNG."""
+    """Plot IK errors, times and travel, and return the picture's path."""
     chain = Robot.load().arms["l"]
-    misses, seconds, travel = _solved(chain)
+    misses, seconds, travel = _solve_targets(chain)
     with picture(path, 11.0, 6.4) as drawn:
         axes = drawn.subplots(2, 2)
-        _shares(axes[0, 0], 1000 * misses + FLOOR, "miss of the hand [mm]", "P1: 0.1 mm is the goal", goal=0.1)
-        _shares(axes[0, 1], 1e6 * seconds, "time of one solve from Python [us]", "P1")
-        _shares(axes[1, 0], travel, "turning from rest, sum over hinges [rad]", "P3", logarithmic=False)
-        _lap(axes[1, 1], chain)
+        _draw_distribution(
+            axes[0, 0], 1000 * misses + ERROR_FLOOR, "miss of the hand [mm]", "P1: goal 0.1 mm", goal=0.1
+        )
+        _draw_distribution(axes[0, 1], 1e6 * seconds, "time of one solve from Python [us]", "P1")
+        _draw_distribution(axes[1, 0], travel, "travel from rest, sum over joints [rad]", "P3", logarithmic=False)
+        _draw_laps(axes[1, 1], chain)
     return path
 
 
-def _solved(chain: Chain) -> tuple[Floats, Floats, Floats]:
-    """Misses [m], times [s] and travels [rad] of seeded targets, (TARGETS,) each."""
+def _solve_targets(chain: Chain) -> tuple[Floats, Floats, Floats]:
+    """Return IK errors [m], times [s] and joint travels [rad] per target."""
     rows = []
-    for target in targets(default_rng(1), chain, DRAWN_TARGETS):
+    for target in draw_targets(default_rng(1), chain, DRAWN_TARGETS):
         began = perf_counter()
         angles = solve(chain, Reach(target), start=chain.rest).angles
-        took = perf_counter() - began
-        rows.append((np.linalg.norm(chain.hand(angles) - target), took, np.abs(angles - chain.rest).sum()))
+        duration = perf_counter() - began
+        rows.append((np.linalg.norm(chain.hand(angles) - target), duration, np.abs(angles - chain.rest).sum()))
     misses, seconds, travel = np.array(rows).T
     return misses, seconds, travel
 
 
-def _shares(
+def _draw_distribution(
     axes: Axes, values: Floats, label: str, title: str, *, goal: float | None = None, logarithmic: bool = True
 ) -> None:
-    axes.plot(np.sort(values), np.arange(1, len(values) + 1) / len(values), color=OURS)
+    axes.plot(np.sort(values), np.arange(1, len(values) + 1) / len(values), color=MAIN_COLOUR)
     if logarithmic:
         axes.set_xscale("log")
     if goal is not None:
-        axes.axvline(goal, color=ALARM, linewidth=0.8)
-    label_axes(axes, label, "share of targets", title=title)
+        axes.axvline(goal, color=ALARM_COLOUR, linewidth=0.8)
+    label_axes(axes, label, "fraction of targets", title=title)
     axes.grid(alpha=0.3)
 
 
-def _lap(axes: Axes, chain: Chain) -> None:
-    steps = round(LAP * RATE)
-    tracker = Tracker(chain, period=1 / RATE)
+def _draw_laps(axes: Axes, chain: Chain) -> None:
+    steps = round(LAP_DURATION * TRACKING_RATE)
+    tracker = Tracker(chain, period=1 / TRACKING_RATE)
     ours = np.array([tracker.step(ellipse(2 * np.pi * step / steps)) for step in range(2 * steps)])
     plain = np.concatenate(damped_least_squares(chain, ellipse, steps, 2))
-    times = np.arange(2 * steps) / RATE
+    times = np.arange(2 * steps) / TRACKING_RATE
     for hinge in range(1, 4):
-        axes.plot(times, np.degrees(plain[:, hinge]), color=ALARM, linewidth=0.8, label="damped least squares")
-        axes.plot(times, np.degrees(ours[:, hinge]), color=OURS, linewidth=1.2, label="tracker")
-    axes.axvline(LAP, color=INK, linewidth=0.5)
-    axes.legend(*(entries[:2] for entries in axes.get_legend_handles_labels()), fontsize=SMALL, frameon=False)
-    title = "P4, P5: the second lap is the first again"
-    label_axes(axes, "time on the ellipse, two laps [s]", "shoulder hinges [deg]", title=title)
+        axes.plot(times, np.degrees(plain[:, hinge]), color=ALARM_COLOUR, linewidth=0.8, label="damped least squares")
+        axes.plot(times, np.degrees(ours[:, hinge]), color=MAIN_COLOUR, linewidth=1.2, label="tracker")
+    axes.axvline(LAP_DURATION, color=INK_COLOUR, linewidth=0.5)
+    axes.legend(*(entries[:2] for entries in axes.get_legend_handles_labels()), fontsize=LABEL_SIZE, frameon=False)
+    title = "P4, P5: the second lap repeats the first"
+    label_axes(axes, "time on the ellipse, two laps [s]", "shoulder joints [deg]", title=title)
     axes.grid(alpha=0.3)

@@ -1,9 +1,11 @@
-"""The thesis's Table 7.1 measured again, with the methods that it left out: ball chains of 6 and 10 bones, no limits.
+"""Thesis Table 7.1 (IK methods) measured again with further methods.
 
-All in one kernel; the whole process counts: points, and a rotation for every joint. The time of one solve is the
-shortest of its repeats; then the median over targets, and its ratio to the thesis's method 2. Targets come in batches
-that all methods solve in turn, twice, so that a busy moment of the machine falls on no method alone. Drawn as bars:
-iterations and time of every method, the thesis's figures beside.
+The chains have 6 or 10 ball joints without limits.
+
+All methods run in one kernel; the measured time covers points and a rotation for every joint. The time of one solve is
+the shortest of its repeats; the table has the median over targets and its ratio to method 2 of the thesis. All methods
+solve batches of targets in turn, twice, so that other load affects no method alone. The plots show iterations and time
+of every method next to the thesis' values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,28 +17,41 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from kinesic.bench.figure import ALARM, INK, OTHERS, OURS, SECOND, SMALL, Figure, name_rows, picture
-from kinesic.bench.ik.baselines import METHODS, TOLERANCE, Method, Runs, curved, run_chain
+from kinesic.bench.ik.baselines import IK_METHODS, RESIDUAL_TOLERANCE, ChainRuns, Method, make_curved_chain, run_chain
+from kinesic.bench.metric import (
+    ALARM_COLOUR,
+    INK_COLOUR,
+    LABEL_SIZE,
+    MAIN_COLOUR,
+    OTHER_COLOUR,
+    SECOND_COLOUR,
+    Metric,
+    name_rows,
+    picture,
+)
 from kinesic.body.arrays import Floats
-from kinesic.ik import KERNEL
 
 Quantity = Literal["iterations", "us", "ratio", "success", "unreachable"]
 
-SIZES = (6, 10)  # bones
-REACHABLE, UNREACHABLE = 2000, 500  # targets, even in volume
-NEAR, INSIDE, BEYOND, FAR = 0.1, 0.97, 1.02, 2.0  # chain lengths from the base
-STRAIGHT = 1e-2  # residual at which an unreachable target counts as pointed at
-BATCHES = 8
-PASSES = 2  # over the targets that are timed
-REFERENCE: Method = "pinned_verlet"
-UNITS: dict[Quantity, str] = {
+CHAIN_SIZES = (6, 10)  # bones of the two measured chains
+REACHABLE_TARGETS = 2000  # number of reachable targets, uniform in volume
+UNREACHABLE_TARGETS = 500
+MIN_DISTANCE = 0.1  # [chain lengths] smallest distance of a reachable target from the base
+MAX_DISTANCE = 0.97  # [chain lengths] largest distance of a reachable target from the base
+MIN_FAR_DISTANCE = 1.02  # [chain lengths] smallest distance of an unreachable target from the base
+MAX_FAR_DISTANCE = 2.0  # [chain lengths] largest distance of an unreachable target from the base
+POINTING_RESIDUAL = 1e-2  # residual / chain length at which a chain points at an unreachable target
+BATCH_COUNT = 8  # batches in which the targets are solved
+TIMING_PASSES = 2  # number of timed passes over all targets
+REFERENCE_METHOD: Method = "pinned_verlet"
+QUANTITY_UNITS: dict[Quantity, str] = {
     "iterations": "mean",
     "us": "us",
     "ratio": "x method 2",
     "success": "share",
     "unreachable": "share",
 }
-WORDS: dict[Method, str] = {
+METHOD_LABELS: dict[Method, str] = {
     "force_verlet": "thesis 1: springs, force",
     "pinned_verlet": "thesis 2: springs, pinned",
     "tridiagonal": "springs solved directly",
@@ -50,153 +65,170 @@ WORDS: dict[Method, str] = {
     "dls_dense": "DLS, 3n x 3n",
     "sdls": "SDLS",
 }
-FIRST_HEURISTIC, FIRST_JACOBIAN = METHODS.index("fabrik"), METHODS.index("transpose")
+FIRST_HEURISTIC_ROW = IK_METHODS.index("fabrik")  # index of the first heuristic method
+FIRST_JACOBIAN_ROW = IK_METHODS.index("transpose")  # index of the first method with a Jacobian
 
 
 @dataclass(frozen=True)
-class Printed:
-    """What the thesis prints for one method and size."""
+class ThesisRow:
+    """Values printed in Table 7.1 for one IK method and chain size."""
 
     iterations: float
     milliseconds: float
 
 
-THESIS: dict[tuple[Method, int], Printed] = {
-    ("force_verlet", 6): Printed(49.6, 0.195),
-    ("force_verlet", 10): Printed(60.5, 0.253),
-    ("pinned_verlet", 6): Printed(26.9, 0.132),
-    ("pinned_verlet", 10): Printed(40.1, 0.169),
-    ("ccd", 6): Printed(33.2, 0.131),
-    ("ccd", 10): Printed(39.7, 0.148),
-    ("pinv_svd", 6): Printed(51.8, 1.095),
-    ("pinv_svd", 10): Printed(55.9, 1.310),
-    ("transpose", 6): Printed(6.8, 0.124),
-    ("transpose", 10): Printed(17.1, 0.235),
-    ("dls_dense", 6): Printed(55.6, 1.237),
-    ("dls_dense", 10): Printed(68.7, 1.450),
+THESIS_ROWS: dict[tuple[Method, int], ThesisRow] = {
+    ("force_verlet", 6): ThesisRow(49.6, 0.195),
+    ("force_verlet", 10): ThesisRow(60.5, 0.253),
+    ("pinned_verlet", 6): ThesisRow(26.9, 0.132),
+    ("pinned_verlet", 10): ThesisRow(40.1, 0.169),
+    ("ccd", 6): ThesisRow(33.2, 0.131),
+    ("ccd", 10): ThesisRow(39.7, 0.148),
+    ("pinv_svd", 6): ThesisRow(51.8, 1.095),
+    ("pinv_svd", 10): ThesisRow(55.9, 1.310),
+    ("transpose", 6): ThesisRow(6.8, 0.124),
+    ("transpose", 10): ThesisRow(17.1, 0.235),
+    ("dls_dense", 6): ThesisRow(55.6, 1.237),
+    ("dls_dense", 10): ThesisRow(68.7, 1.450),
 }
 
 
 def table_name(method: Method, bones: int, quantity: Quantity) -> str:
-    """Names a figure."""
+    """Return the metric name of one cell of thesis Table 7.1."""
     return f"ik.table71_{method}_n{bones}_{quantity}"
 
 
-def printed(method: Method, bones: int, quantity: Quantity) -> float | None:
-    """What the thesis says of a figure, the time as a multiple of method 2's; None where it says nothing."""
-    row = THESIS.get((method, bones))
+def thesis_value(method: Method, bones: int, quantity: Quantity) -> float | None:
+    """Return a value of thesis Table 7.1, times relative to method 2.
+
+    The result is None if not printed.
+    """
+    row = THESIS_ROWS.get((method, bones))
     if row is None or quantity not in ("iterations", "ratio"):
         return None
-    return row.iterations if quantity == "iterations" else row.milliseconds / THESIS[REFERENCE, bones].milliseconds
+    return (
+        row.iterations
+        if quantity == "iterations"
+        else row.milliseconds / THESIS_ROWS[REFERENCE_METHOD, bones].milliseconds
+    )
 
 
-def bench() -> list[Figure]:
-    """Measures iterations, times and successes of every method at both sizes: a comparison, without goals."""
-    return [figure for bones in SIZES for figure in _figures(bones)]
+def bench() -> list[Metric]:
+    """Measure iterations, times and successes of every IK method and size.
+
+    It is a comparison without goals.
+    """
+    return [metric for bones in CHAIN_SIZES for metric in _metrics(bones)]
 
 
-def _figures(bones: int) -> list[Figure]:
-    values = _measured(bones) if KERNEL == "compiled" else {}
-    figures = []
-    for method in METHODS:
-        for quantity, unit in UNITS.items():
-            value, thesis = values.get((method, quantity)), printed(method, bones, quantity)
-            why = "the kernel is not compiled" if value is None else "" if thesis is None else f"thesis {thesis:.3g}"
+def _metrics(bones: int) -> list[Metric]:
+    values = _measure(bones)
+    metrics = []
+    for method in IK_METHODS:
+        for quantity, unit in QUANTITY_UNITS.items():
+            value, thesis = values[method, quantity], thesis_value(method, bones, quantity)
+            why = "" if thesis is None else f"thesis {thesis:.3g}"
             better: Literal["lower", "higher"] = "higher" if unit == "share" else "lower"
-            figures.append(Figure(table_name(method, bones, quantity), value, unit, None, better, why))
-    return figures
+            metrics.append(Metric(table_name(method, bones, quantity), value, unit, None, better, why))
+    return metrics
 
 
-def _measured(bones: int) -> dict[tuple[Method, Quantity], float]:
-    inside = _targets(REACHABLE, NEAR, INSIDE)
-    passes = [_runs(bones, inside) for _ in range(PASSES)]
-    outside = _runs(bones, _targets(UNREACHABLE, BEYOND, FAR))
-    shortest = {method: np.min([runs[method].nanoseconds for runs in passes], axis=0) for method in METHODS}
+def _measure(bones: int) -> dict[tuple[Method, Quantity], float]:
+    inside = _draw_targets(REACHABLE_TARGETS, MIN_DISTANCE, MAX_DISTANCE)
+    passes = [_run_all(bones, inside) for _ in range(TIMING_PASSES)]
+    outside = _run_all(bones, _draw_targets(UNREACHABLE_TARGETS, MIN_FAR_DISTANCE, MAX_FAR_DISTANCE))
+    shortest = {method: np.min([runs[method].nanoseconds for runs in passes], axis=0) for method in IK_METHODS}
     times = {method: 1e-3 * float(np.median(nanoseconds)) for method, nanoseconds in shortest.items()}
     values: dict[tuple[Method, Quantity], float] = {}
     for method, runs in passes[0].items():
         values[method, "iterations"] = float(runs.iterations.mean())
         values[method, "us"] = times[method]
-        values[method, "ratio"] = times[method] / times[REFERENCE]
-        values[method, "success"] = float((runs.residuals <= TOLERANCE).mean())
-        values[method, "unreachable"] = float((outside[method].residuals < STRAIGHT).mean())
+        values[method, "ratio"] = times[method] / times[REFERENCE_METHOD]
+        values[method, "success"] = float((runs.residuals <= RESIDUAL_TOLERANCE).mean())
+        values[method, "unreachable"] = float((outside[method].residuals < POINTING_RESIDUAL).mean())
     return values
 
 
-def _runs(bones: int, targets: Floats) -> dict[Method, Runs]:
-    rest = curved(bones)
-    parts: dict[Method, list[Runs]] = {method: [] for method in METHODS}
-    for batch in np.array_split(targets, BATCHES):
-        for method, found in parts.items():
-            found.append(run_chain(method, rest, batch))
-    return {method: _joined(found) for method, found in parts.items()}
+def _run_all(bones: int, targets: Floats) -> dict[Method, ChainRuns]:
+    rest = make_curved_chain(bones)
+    parts: dict[Method, list[ChainRuns]] = {method: [] for method in IK_METHODS}
+    for batch in np.array_split(targets, BATCH_COUNT):
+        for method, runs in parts.items():
+            runs.append(run_chain(method, rest, batch))
+    return {method: _join_runs(runs) for method, runs in parts.items()}
 
 
-def _joined(parts: Sequence[Runs]) -> Runs:
+def _join_runs(parts: Sequence[ChainRuns]) -> ChainRuns:
     iterations = np.concatenate([part.iterations for part in parts])
     residuals = np.concatenate([part.residuals for part in parts])
-    return Runs(iterations, residuals, np.concatenate([part.nanoseconds for part in parts]))
+    return ChainRuns(iterations, residuals, np.concatenate([part.nanoseconds for part in parts]))
 
 
-def _targets(count: int, nearest: float, farthest: float) -> Floats:
-    """Even in volume between two spheres around the base, (count, 3) in chain lengths."""
+def _draw_targets(count: int, nearest: float, farthest: float) -> Floats:
+    """Draw targets (count, 3) [chain lengths], uniform in volume between two spheres."""
     random = np.random.default_rng(71)
-    lines = random.normal(size=(count, 3))
-    far = np.cbrt(random.uniform(nearest**3, farthest**3, count))
-    return np.asarray(lines / np.linalg.norm(lines, axis=1)[:, None] * far[:, None])
+    directions = random.normal(size=(count, 3))
+    distances = np.cbrt(random.uniform(nearest**3, farthest**3, count))
+    return np.asarray(directions / np.linalg.norm(directions, axis=1)[:, None] * distances[:, None])
 
 
 def draw(values: Mapping[str, float], path: Path) -> Path:
-    """Draws the table.
+    """Draw the iterations and times of Table 7.1 as bar charts.
 
     Args:
-        values: figures by name, as `kinesic bench ik --json` lists them; others are ignored.
-        path: of the picture, PNG.
+        values: metric values by name, as listed by `kinesic bench ik --json`; others are ignored.
+        path: path of the PNG file.
 
     Returns:
         The path.
 
     Raises:
-        KeyError: a figure of the table is missing.
+        KeyError: a metric of the table is missing.
     """
     with picture(path, 11.0, 7.6) as drawn:
         axes = drawn.subplots(2, 2, sharey=True)
-        for column, bones in enumerate(SIZES):
-            _bars(axes[0, column], values, bones, "iterations")
-            _bars(axes[1, column], values, bones, "ratio")
-            axes[0, column].set_title(f"{bones} ball joints", fontsize=11, color=INK)
+        for column, bones in enumerate(CHAIN_SIZES):
+            _draw_bars(axes[0, column], values, bones, "iterations")
+            _draw_bars(axes[1, column], values, bones, "ratio")
+            axes[0, column].set_title(f"{bones} ball joints", fontsize=11, color=INK_COLOUR)
         drawn.suptitle(
             "Reach without limits: residual below 1/1000 of the chain's length, at most 300 iterations", fontsize=11
         )
-        diamond = axes[0, 0].plot([], [], "D", markerfacecolor="white", markeredgecolor=ALARM, linestyle="none")
-        drawn.legend(diamond, ["printed in the thesis"], loc="outside lower right", fontsize=SMALL, frameon=False)
+        diamond = axes[0, 0].plot([], [], "D", markerfacecolor="white", markeredgecolor=ALARM_COLOUR, linestyle="none")
+        drawn.legend(diamond, ["printed in the thesis"], loc="outside lower right", fontsize=LABEL_SIZE, frameon=False)
     return path
 
 
-def _bars(axes: Axes, values: Mapping[str, float], bones: int, quantity: Quantity) -> None:
-    """One quantity of all methods on a logarithmic axis; times as multiples of method 2's, left of it the faster."""
-    counted = quantity == "iterations"
-    begin = 0.8 if counted else 1.0
-    for row, method in enumerate(METHODS):
-        value, thesis = values[table_name(method, bones, quantity)], printed(method, bones, quantity)
+def _draw_bars(axes: Axes, values: Mapping[str, float], bones: int, quantity: Quantity) -> None:
+    """Draw one quantity of all IK methods on a logarithmic axis.
+
+    Times are multiples of method 2's time; faster methods extend to the left.
+    """
+    is_count = quantity == "iterations"
+    begin = 0.8 if is_count else 1.0
+    for row, method in enumerate(IK_METHODS):
+        value, thesis = values[table_name(method, bones, quantity)], thesis_value(method, bones, quantity)
         axes.barh(-row, value - begin, left=begin, height=0.66, color=_colour(method), zorder=2)
         if thesis is not None:
-            axes.plot(thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=ALARM, zorder=4)
-        figure = f"{value:.1f}" if counted else f"{value:.2f}"
-        axes.text(1.01, -row, figure, transform=axes.get_yaxis_transform(), va="center", fontsize=SMALL, color=INK)
+            axes.plot(thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=ALARM_COLOUR, zorder=4)
+        metric = f"{value:.1f}" if is_count else f"{value:.2f}"
+        axes.text(
+            1.01, -row, metric, transform=axes.get_yaxis_transform(), va="center", fontsize=LABEL_SIZE, color=INK_COLOUR
+        )
         success = values[table_name(method, bones, "success")]
-        if counted and success < 1.0:
-            axes.text(0.9, -row, f"reaches {100.0 * success:.1f} %", va="center", fontsize=SMALL, color="white")
+        if is_count and success < 1.0:
+            axes.text(0.9, -row, f"reaches {100.0 * success:.1f} %", va="center", fontsize=LABEL_SIZE, color="white")
     axes.set_xscale("log")
-    axes.set_xlim((begin, 130.0) if counted else (0.25, 17.0))
+    axes.set_xlim((begin, 130.0) if is_count else (0.25, 17.0))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
-    unit = f"median time, in those of thesis method 2 ({values[table_name(REFERENCE, bones, 'us')]:.1f} \u00b5s)"
-    axes.set_xlabel("iterations, mean" if counted else unit, fontsize=SMALL)
-    name_rows(axes, [WORDS[method] for method in METHODS])
+    reference_us = values[table_name(REFERENCE_METHOD, bones, "us")]
+    unit = f"median time relative to method 2 of the thesis ({reference_us:.1f} \u00b5s)"
+    axes.set_xlabel("iterations, mean" if is_count else unit, fontsize=LABEL_SIZE)
+    name_rows(axes, [METHOD_LABELS[method] for method in IK_METHODS])
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=True, axis="x", color="#e4e4e4", linewidth=0.6)
 
 
 def _colour(method: Method) -> str:
-    row = METHODS.index(method)
-    return OURS if row < FIRST_HEURISTIC else SECOND if row < FIRST_JACOBIAN else OTHERS
+    row = IK_METHODS.index(method)
+    return MAIN_COLOUR if row < FIRST_HEURISTIC_ROW else SECOND_COLOUR if row < FIRST_JACOBIAN_ROW else OTHER_COLOUR

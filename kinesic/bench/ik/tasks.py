@@ -1,7 +1,9 @@
-"""What an arm is asked beside a position: a full pose, both hands with the torso, targets out of reach.
+"""Benchmark of hand poses, directions, two hands and unreachable targets.
 
-The reference of the last is the best posture for a reach, by IPOPT from many beginnings (CasADi). It is slow and knows
-nothing of springs, branches or closed forms: what it finds is what the solver is measured by.
+It measures full poses, both hands with the torso, unreachable targets.
+
+The reference for unreachable targets is the best posture by IPOPT from many starts (CasADi). It is slow and independent
+of the solver's springs, branches and closed forms.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,24 +15,27 @@ from time import perf_counter
 import numpy as np
 from numpy.random import default_rng
 
-from kinesic.bench.figure import Figure
 from kinesic.bench.ik.arms import random_arm
+from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
-from kinesic.ik import KERNEL
 from kinesic.ik.pose import hold_reach, solve_pose
 from kinesic.ik.solve import solve
 from kinesic.ik.two_hands import reach_both
 
-POSES, PAIRS, BEYOND = 1000, 150, 40
-ARMS, POSES_OF_ARM = 60, 100
-MM, LIKE = 1e-3, 1e-2  # [m], [rad]
-NEAR_BEST = 5e-3  # [m]
-PERFECT = 1e-12  # cost at which no further beginning is tried
-DIRECTIONS = 0.1  # weight of pointing and palm, beside 1 for the position
-OPTIONS: Mapping[str, bool | int | float | str] = {
+POSE_COUNT = 1000  # random hand poses
+PAIR_COUNT = 150  # pairs of hand targets
+UNREACHABLE_COUNT = 40  # targets out of reach
+ARM_COUNT = 60  # arms with random joint orders and lengths
+POSES_PER_ARM = 100
+MAX_POSITION_ERROR = 1e-3  # [m] position error below which a task counts as solved
+MAX_ANGLE_ERROR = 1e-2  # [rad] direction error below which a task counts as solved
+RESIDUAL_MARGIN = 5e-3  # [m] excess over the optimizer's residual at which a task counts as solved
+PERFECT_COST = 1e-12  # cost below which the optimizer tries no further start
+DIRECTION_WEIGHT = 0.1  # cost weight of pointing and palm directions; the position has weight 1
+IPOPT_OPTIONS: Mapping[str, bool | int | float | str] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",  # no banner
@@ -40,138 +45,166 @@ OPTIONS: Mapping[str, bool | int | float | str] = {
 }
 
 
-def bench() -> list[Figure]:
-    """Measures shares of tasks that are met."""
+def bench() -> list[Metric]:
+    """Measure the fraction of solved IK tasks by kind."""
     robot = Robot.load()
-    return [_poses(robot), *_directions(robot), _poses_of_random_arms(), *_pairs(robot), _beyond(robot)]
-
-
-def _poses(robot: Robot) -> Figure:
-    chain, chance, met = robot.arms["l"], default_rng(11), 0
-    for _ in range(POSES):
-        rotations, centres = chain.frames(chance.uniform(chain.lower, chain.upper))
-        met += solve_pose(chain, centres[-2], rotations[-1], start=chain.rest).reached
-    return Figure("ik.pose", met / POSES, "share", 0.999, "higher", f"{POSES} poses of postures inside the limits")
-
-
-def _directions(robot: Robot) -> list[Figure]:
-    """Place, pointing and palm of one hand, as one call; judged by the body's own forward kinematics."""
-    chain, chance, seconds, met = robot.arms["l"], default_rng(14), [], 0
-    for _ in range(POSES):
-        asked = _held(chain, chance.uniform(chain.lower, chain.upper))
-        began = perf_counter()
-        found = hold_reach(chain, asked, start=chain.rest)
-        seconds.append(perf_counter() - began)
-        now = _held(chain, found.angles)
-        errors = _between(now.pointing, asked.pointing), _between(now.palm, asked.palm)
-        met += bool(np.linalg.norm(now.position - asked.position) < MM and max(errors) < LIKE)
-    micro, why = 1e6 * np.array(seconds), f"{POSES} poses of postures inside the limits"
     return [
-        Figure("ik.hold", met / POSES, "share", 0.999, "higher", f"1 mm and 0.01 rad; {why}"),
-        Figure(f"ik.hold_{KERNEL}", float(np.median(micro)), "us", 12.0, "lower", why),
-        Figure(f"ik.hold_{KERNEL}_p90", float(np.percentile(micro, 90)), "us", None, "lower", why),
+        _measure_poses(robot),
+        *_measure_directions(robot),
+        _poses_of_random_arms(),
+        *_measure_pairs(robot),
+        _measure_unreachable(robot),
     ]
 
 
-def _poses_of_random_arms() -> Figure:
-    chance, shares = default_rng(15), []
-    for _ in range(ARMS):
-        chain, met = random_arm(chance), 0
-        for _ in range(POSES_OF_ARM):
-            rotations, centres = chain.frames(chance.uniform(chain.lower, chain.upper))
-            met += solve_pose(chain, centres[-2], rotations[-1], start=chain.rest).reached
-        shares.append(met / POSES_OF_ARM)
-    note = f"{ARMS} arms of every shape, {POSES_OF_ARM} poses each; the worst {min(shares):.3f}"
-    return Figure("ik.pose_random_arms", float(np.mean(shares)), "share", 0.999, "higher", note)
+def _measure_poses(robot: Robot) -> Metric:
+    chain, rng, solved_count = robot.arms["l"], default_rng(11), 0
+    for _ in range(POSE_COUNT):
+        rotations, centres = chain.frames(rng.uniform(chain.lower, chain.upper))
+        solved_count += solve_pose(chain, centres[-2], rotations[-1], start=chain.rest).reached
+    return Metric(
+        "ik.pose",
+        solved_count / POSE_COUNT,
+        "share",
+        0.999,
+        "higher",
+        f"{POSE_COUNT} poses of postures inside the limits",
+    )
 
 
-def _held(chain: Chain, angles: Floats) -> Reach:
-    """What the hand of a posture (k,) [rad] does."""
+def _measure_directions(robot: Robot) -> list[Metric]:
+    """Measure position, pointing and palm of one hand in one call.
+
+    The body's own forward kinematics judges the result.
+    """
+    chain, rng, seconds, solved_count = robot.arms["l"], default_rng(14), [], 0
+    for _ in range(POSE_COUNT):
+        requested = _compute_hand_state(chain, rng.uniform(chain.lower, chain.upper))
+        began = perf_counter()
+        solution = hold_reach(chain, requested, start=chain.rest)
+        seconds.append(perf_counter() - began)
+        actual = _compute_hand_state(chain, solution.angles)
+        errors = _measure_angle(actual.pointing, requested.pointing), _measure_angle(actual.palm, requested.palm)
+        solved_count += bool(
+            np.linalg.norm(actual.position - requested.position) < MAX_POSITION_ERROR and max(errors) < MAX_ANGLE_ERROR
+        )
+    micro, why = 1e6 * np.array(seconds), f"{POSE_COUNT} poses of postures inside the limits"
+    return [
+        Metric("ik.hold", solved_count / POSE_COUNT, "share", 0.999, "higher", f"1 mm and 0.01 rad; {why}"),
+        Metric("ik.hold_compiled", float(np.median(micro)), "us", 12.0, "lower", why),
+        Metric("ik.hold_compiled_p90", float(np.percentile(micro, 90)), "us", None, "lower", why),
+    ]
+
+
+def _poses_of_random_arms() -> Metric:
+    rng, success_rates = default_rng(15), []
+    for _ in range(ARM_COUNT):
+        chain, solved_count = random_arm(rng), 0
+        for _ in range(POSES_PER_ARM):
+            rotations, centres = chain.frames(rng.uniform(chain.lower, chain.upper))
+            solved_count += solve_pose(chain, centres[-2], rotations[-1], start=chain.rest).reached
+        success_rates.append(solved_count / POSES_PER_ARM)
+    note = f"{ARM_COUNT} arms of every shape, {POSES_PER_ARM} poses each; the worst {min(success_rates):.3f}"
+    return Metric("ik.pose_random_arms", float(np.mean(success_rates)), "share", 0.999, "higher", note)
+
+
+def _compute_hand_state(chain: Chain, angles: Floats) -> Reach:
+    """Return the hand's position, pointing and palm of a posture (k,) [rad]."""
     rotations, centres = chain.frames(angles)
     along = centres[-1] - centres[-2]
     return Reach(np.array(centres[-2]), along / np.linalg.norm(along), rotations[-1] @ chain.palm)
 
 
-def _pairs(robot: Robot) -> list[Figure]:
-    skeleton, chance = robot.skeleton, default_rng(12)
+def _measure_pairs(robot: Robot) -> list[Metric]:
+    skeleton, rng = robot.skeleton, default_rng(12)
     solved, seconds = [], []
-    for _ in range(PAIRS):
-        origins = skeleton.frames(chance.uniform(skeleton.lower, skeleton.upper)).origins
+    for _ in range(PAIR_COUNT):
+        origins = skeleton.frames(rng.uniform(skeleton.lower, skeleton.upper)).origins
         hands = {side: origins[robot.arm(side).wrist] for side in SIDES}
         began = perf_counter()
         solved.append(reach_both(robot, hands, start=skeleton.rest))
         seconds.append(perf_counter() - began)
-    share = float(np.mean([found.reached for found in solved]))
-    travel = float(np.mean([found.torso_travel for found in solved]))
+    success = float(np.mean([pair.reached for pair in solved]))
+    travel = float(np.mean([pair.torso_travel for pair in solved]))
     return [
-        Figure("ik.both_hands", share, "share", 0.97, "higher", f"{PAIRS} pairs with torso"),
-        Figure("ik.both_hands_torso_travel", travel, "rad", None, "lower"),
-        Figure(f"ik.both_hands_{KERNEL}", 1e6 * median(seconds), "us", None, "lower"),
+        Metric("ik.both_hands", success, "share", 0.97, "higher", f"{PAIR_COUNT} pairs with torso"),
+        Metric("ik.both_hands_torso_travel", travel, "rad", None, "lower"),
+        Metric("ik.both_hands_compiled", 1e6 * median(seconds), "us", None, "lower"),
     ]
 
 
-def _beyond(robot: Robot) -> Figure:
-    chain, chance, near = robot.arms["l"], default_rng(13), 0
+def _measure_unreachable(robot: Robot) -> Metric:
+    chain, rng, near_count = robot.arms["l"], default_rng(13), 0
     shoulder = chain.frames(chain.rest)[1][1]
-    for _ in range(BEYOND):
-        away = chance.normal(size=3)
-        target = Reach(shoulder + chance.uniform(1.1, 1.8) * robot.arm_length * away / np.linalg.norm(away))
+    for _ in range(UNREACHABLE_COUNT):
+        direction = rng.normal(size=3)
+        target = Reach(shoulder + rng.uniform(1.1, 1.8) * robot.arm_length * direction / np.linalg.norm(direction))
         best = best_posture(chain, target).residual
-        near += solve(chain, target, start=chain.rest).residual - best <= NEAR_BEST
-    return Figure(
-        "ik.unreachable", near / BEYOND, "share", 0.95, "higher", f"{BEYOND} targets, within 5 mm of the best"
+        near_count += solve(chain, target, start=chain.rest).residual - best <= RESIDUAL_MARGIN
+    return Metric(
+        "ik.unreachable",
+        near_count / UNREACHABLE_COUNT,
+        "share",
+        0.95,
+        "higher",
+        f"{UNREACHABLE_COUNT} targets, within 5 mm of the best",
     )
 
 
 @dataclass(frozen=True, eq=False)
 class BestPosture:
-    """The best posture found from several starts, and what it still misses."""
+    """Best arm posture found from several starts, with its errors."""
 
-    angles: Floats  # (k,) [rad] inside the ranges
-    residual: float  # [m] from the hand to the position, measured on these angles
+    angles: Floats  # (k,) [rad] within the ranges
+    residual: float  # [m] distance of the hand from the position
     pointing_error: float | None  # [rad]
     palm_error: float | None  # [rad]
-    beginnings: int  # that were needed
+    starts: int  # number of starts used
 
 
-def best_posture(chain: Chain, reach: Reach, *, beginnings: int = 20, seed: int = 0) -> BestPosture:
-    """Minimises what is left of a reach over the box of the ranges.
+def best_posture(chain: Chain, reach: Reach, *, starts: int = 20, seed: int = 0) -> BestPosture:
+    """Minimise the hand's pose error within the joint ranges by IPOPT.
 
     Args:
-        chain: the arm.
-        reach: of its hand, in the frame of the chain's base; a swivel is not heeded.
-        beginnings: the rest posture and random ones, at most so many.
-        seed: of the random ones.
+        chain: arm to solve for.
+        reach: target of its hand in the frame of the chain's base; a swivel is ignored.
+        starts: maximum number of starts: the rest posture, then random ones.
+        seed: seed of the random starts.
 
     Returns:
-        The posture with the least squares: the hand's miss in arm lengths, and the directions' (1 - cosine).
+        The posture of least cost: squared error in arm lengths, plus (1 - cosine) of the directions.
     """
-    minimise, random = _minimiser(chain), np.random.default_rng(seed)
-    wanted = np.concatenate([np.asarray(reach.position), _weighed(reach.pointing), _weighed(reach.palm)])
+    minimise, random = _make_minimiser(chain), np.random.default_rng(seed)
+    target_vector = np.concatenate(
+        [np.asarray(reach.position), _weigh_direction(reach.pointing), _weigh_direction(reach.palm)]
+    )
     best, least, tried = chain.rest, np.inf, 0
-    while tried < beginnings and least > PERFECT:
+    while tried < starts and least > PERFECT_COST:
         begin = random.uniform(chain.lower, chain.upper) if tried else chain.rest
         tried += 1
-        found, cost = minimise(begin, wanted)
+        posture, cost = minimise(begin, target_vector)
         if cost < least:
-            best, least = found, cost
+            best, least = posture, cost
     angles = np.clip(best, chain.lower, chain.upper)
     rotations, centres = chain.frames(angles)
     return BestPosture(
         sealed(angles),
         float(np.linalg.norm(centres[-2] - reach.position)),
-        None if reach.pointing is None else _between(centres[-1] - centres[-2], reach.pointing),
-        None if reach.palm is None else _between(rotations[-1] @ chain.palm, reach.palm),
+        None if reach.pointing is None else _measure_angle(centres[-1] - centres[-2], reach.pointing),
+        None if reach.palm is None else _measure_angle(rotations[-1] @ chain.palm, reach.palm),
         tried,
     )
 
 
 @lru_cache(maxsize=8)
-def _minimiser(chain: Chain) -> Callable[[Floats, Floats], tuple[Floats, float]]:
-    """IPOPT on this chain: from a beginning (k,) and what is wanted (9,), the posture (k,) and its cost."""
-    import casadi  # noqa: PLC0415 - offline only, and slow to import
+def _make_minimiser(chain: Chain) -> Callable[[Floats, Floats], tuple[Floats, float]]:
+    """Return an IPOPT solver for the arm's pose error.
 
-    angles, wanted = casadi.SX.sym("angles", len(chain.rest)), casadi.SX.sym("wanted", 9)
+    It maps a start (k,) and a target (9,) to the posture (k,) and its cost.
+    """
+    import casadi  # noqa: PLC0415 - slow import, used offline only
+
+    angles, target_vector = casadi.SX.sym("angles", len(chain.rest)), casadi.SX.sym("wanted", 9)
     rotation, hand, k = casadi.SX.eye(3), casadi.SX(chain.origin_in_base), 0
     for joint in chain.joints:
         for hinge in joint.hinges:
@@ -181,26 +214,32 @@ def _minimiser(chain: Chain) -> Callable[[Floats, Floats], tuple[Floats, float]]
         if joint is not chain.joints[-1]:
             hand += rotation @ joint.bone
     size, bone = float(chain.lengths[:-1].sum()), chain.joints[-1].bone
-    cost = casadi.sumsqr(hand - wanted[:3]) / size**2
-    for own, wish in ((bone / np.linalg.norm(bone), wanted[3:6]), (chain.palm, wanted[6:])):
-        cost += casadi.sumsqr(wish) / DIRECTIONS - casadi.dot(rotation @ own, wish)
-    solver = casadi.nlpsol("optimum", "ipopt", {"x": angles, "p": wanted, "f": cost}, OPTIONS)
+    cost = casadi.sumsqr(hand - target_vector[:3]) / size**2
+    for direction, wish in ((bone / np.linalg.norm(bone), target_vector[3:6]), (chain.palm, target_vector[6:])):
+        cost += casadi.sumsqr(wish) / DIRECTION_WEIGHT - casadi.dot(rotation @ direction, wish)
+    solver = casadi.nlpsol("optimum", "ipopt", {"x": angles, "p": target_vector, "f": cost}, IPOPT_OPTIONS)
 
-    def minimise(begin: Floats, asked: Floats) -> tuple[Floats, float]:
-        found = solver(x0=begin, p=asked, lbx=chain.lower, ubx=chain.upper)
-        return np.array(found["x"]).ravel(), float(found["f"])
+    def minimise(begin: Floats, target: Floats) -> tuple[Floats, float]:
+        solution = solver(x0=begin, p=target, lbx=chain.lower, ubx=chain.upper)
+        return np.array(solution["x"]).ravel(), float(solution["f"])
 
     return minimise
 
 
-def _weighed(direction: Floats | None) -> Floats:
-    """(3,) of length `DIRECTIONS`; the null vector for what is not asked."""
-    return np.zeros(3) if direction is None else DIRECTIONS * direction / np.linalg.norm(direction)
+def _weigh_direction(direction: Floats | None) -> Floats:
+    """Return a direction (3,) scaled to `DIRECTION_WEIGHT`.
+
+    The result is zero if it is not requested.
+    """
+    return np.zeros(3) if direction is None else DIRECTION_WEIGHT * direction / np.linalg.norm(direction)
 
 
-def _between(present: Floats | None, wanted: Floats | None) -> float:
-    """[rad] between two directions; 0 for what is not asked."""
-    if present is None or wanted is None:
+def _measure_angle(present: Floats | None, target_vector: Floats | None) -> float:
+    """Return the angle [rad] between two directions.
+
+    The result is 0 if one is not requested.
+    """
+    if present is None or target_vector is None:
         return 0.0
-    cosine = present @ wanted / (np.linalg.norm(present) * np.linalg.norm(wanted))
+    cosine = present @ target_vector / (np.linalg.norm(present) * np.linalg.norm(target_vector))
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)))

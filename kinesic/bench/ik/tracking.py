@@ -1,4 +1,4 @@
-"""Measures how an arm follows a path: time of a step, error, and whether it comes home after a lap.
+"""Benchmark of hand path tracking: step time, error and lap drift.
 
 The tracker is compared with plain damped least squares.
 """
@@ -9,37 +9,40 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot
-from kinesic.ik import KERNEL
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.polish import columns
+from kinesic.ik.scalar3 import cross, minus
 from kinesic.ik.track import Tracker
 
 Path = Callable[[float], Floats]  # turn [rad] -> (3,) [m] in the chain's base
 
-ROUNDS = 50
-DAMPING = 1e-3
-TOLERANCE = 1e-4  # [m]
+DLS_ITERATIONS = 50  # iterations per target of the damped least squares
+DLS_DAMPING = 1e-3  # damping of the damped least squares
+DLS_TOLERANCE = 1e-4  # [m] position error at which its iteration stops
 
-RATE = 200  # [Hz]
-LAP = 2.5  # [s]
-LAPS = 3
+TRACKING_RATE = 200  # [Hz] sample rate of the tracked path
+LAP_DURATION = 2.5  # [s] duration of one lap of the closed path
+LAP_COUNT = 3
 
 
 def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: int, laps: int) -> Floats:
-    """Follows a closed path, each target from the posture before; angles are clipped to the ranges.
+    """Follow a closed path by damped least squares.
+
+    Angles are clipped to the ranges.
+
+    Each target starts from the previous posture.
 
     Args:
         chain: a left arm.
-        path: turn [rad] -> (3,) [m].
-        steps: of one lap.
-        laps: how many.
+        path: function from turn [rad] to position (3,) [m].
+        steps: number of steps of one lap.
+        laps: number of laps.
 
     Returns:
-        (laps, steps, h) [rad] of the hinges before the hand's own.
+        Joint angles (laps, steps, h) [rad] of the joints before the hand's own.
     """
     linkage = linkage_of(chain)
     count = linkage.links[-1].first
@@ -47,30 +50,41 @@ def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: i
     rows = []
     for step in range(laps * steps):
         target = path(2 * np.pi * step / steps)
-        for _ in range(ROUNDS):
-            hand, moves = columns(linkage, angles.tolist())
-            error, jacobian = target - np.array(hand), np.array(moves).T
-            if np.linalg.norm(error) < TOLERANCE:
+        for _ in range(DLS_ITERATIONS):
+            hand, lines = linkage.hinge_lines(angles.tolist())
+            jacobian_rows = [cross(axis, minus(hand, pole)) for axis, pole in lines]
+            error, jacobian = target - np.array(hand), np.array(jacobian_rows).T
+            if np.linalg.norm(error) < DLS_TOLERANCE:
                 break
-            push = np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(3), error)
-            angles = np.clip(angles + jacobian.T @ push, lower, upper)
+            correction = np.linalg.solve(jacobian @ jacobian.T + DLS_DAMPING * np.eye(3), error)
+            angles = np.clip(angles + jacobian.T @ correction, lower, upper)
         rows.append(angles)
     return np.array(rows).reshape(laps, steps, count)
 
 
 def jerk(laps: Floats, rate: int) -> float:
-    """Measures root mean square jerk [rad/s^3] of (laps, steps, h) [rad], once the arm has come to the path."""
+    """Return the RMS joint jerk [rad/s^3] of laps (laps, steps, h) [rad].
+
+    The first quarter of a lap, while the arm moves to the path, is left out.
+    """
     angles = np.concatenate(laps)[laps.shape[1] // 4 :]
     return float(np.sqrt((np.diff(angles, 3, axis=0) ** 2).sum(axis=1).mean()) * rate**3)
 
 
 def ellipse(turn: float) -> Floats:
-    """(3,) [m] 0.24 x 0.36 m in front of the left shoulder, in the frame of the chain's base."""
+    """Return a point (3,) [m] of the elliptic hand path.
+
+    The frame is that of the chain's base.
+    """
     return np.array([0.28, 0.1 + 0.12 * np.cos(turn), -0.05 + 0.18 * np.sin(turn)])
 
 
 def tracking_paths(chain: Chain) -> dict[str, Path]:
-    """The ellipse, out and back to 94 % of the reach, a circle about the T-pose, and up and down beside the body."""
+    """Return the test paths of the hand by name.
+
+    They are the ellipse, a line to 94 % of the reach and back, a circle around the T-pose, and a vertical line next to
+    the body.
+    """
     shoulder = chain.frames(chain.rest)[1][-4]
     length = float(chain.lengths[-3:-1].sum())
     return {
@@ -81,24 +95,24 @@ def tracking_paths(chain: Chain) -> dict[str, Path]:
     }
 
 
-def _followed(chain: Chain, path: Path) -> tuple[float, float]:
-    """Largest error [m] of the last lap, and how far it is from the lap before [rad]."""
-    tracker, steps = Tracker(chain, period=1 / RATE), round(LAP * RATE)
+def _follow(chain: Chain, path: Path) -> tuple[float, float]:
+    """Return hand error [m] and joint drift [rad] of the last lap."""
+    tracker, steps = Tracker(chain, period=1 / TRACKING_RATE), round(LAP_DURATION * TRACKING_RATE)
     goals = [path(2 * np.pi * step / steps) for step in range(steps)]
-    laps = np.array([[tracker.step(target) for target in goals] for _ in range(LAPS)])
+    laps = np.array([[tracker.step(target) for target in goals] for _ in range(LAP_COUNT)])
     errors = [float(np.linalg.norm(chain.hand(row) - target)) for row, target in zip(laps[-1], goals, strict=True)]
     return max(errors), float(np.abs(laps[-1] - laps[-2]).max())
 
 
-def bench() -> list[Figure]:
-    """Measures laps at 200 Hz: the ellipse is timed, error and drift are the worst over all paths."""
+def bench() -> list[Metric]:
+    """Measure step time, error and drift of path tracking at 200 Hz."""
     chain = Robot.load().arms["l"]
-    tracker = Tracker(chain, period=1 / RATE)
-    steps = round(LAP * RATE)
+    tracker = Tracker(chain, period=1 / TRACKING_RATE)
+    steps = round(LAP_DURATION * TRACKING_RATE)
     goals = [ellipse(2 * np.pi * step / steps) for step in range(steps)]
     seconds: list[float] = []
     laps = []
-    for _ in range(LAPS):
+    for _ in range(LAP_COUNT):
         lap = []
         for target in goals:
             began = perf_counter()
@@ -106,14 +120,21 @@ def bench() -> list[Figure]:
             seconds.append(perf_counter() - began)
         laps.append(lap)
     rows = np.array(laps)
-    plain = damped_least_squares(chain, ellipse, steps, LAPS)
-    followed = {name: _followed(chain, path) for name, path in tracking_paths(chain).items()}
+    plain = damped_least_squares(chain, ellipse, steps, LAP_COUNT)
+    followed = {name: _follow(chain, path) for name, path in tracking_paths(chain).items()}
     errors, drifts = ({name: pair[k] for name, pair in followed.items()} for k in range(2))
     return [
-        Figure(f"ik.tracking_step_{KERNEL}", 1e6 * median(seconds), "us", 1.2, "lower"),
-        Figure("ik.tracking_error", 1000 * max(errors.values()), "mm", 0.1, "lower", "worst of four paths"),
-        Figure(
+        Metric("ik.tracking_step_compiled", 1e6 * median(seconds), "us", 1.2, "lower"),
+        Metric("ik.tracking_error", 1000 * max(errors.values()), "mm", 0.1, "lower", "worst of four paths"),
+        Metric(
             "ik.tracking_drift", max(drifts.values()), "rad", 0.01, "lower", max(drifts, key=lambda name: drifts[name])
         ),
-        Figure("ik.tracking_jerk_of_dls", jerk(plain, RATE) / jerk(rows, RATE), "x", 50.0, "higher", "DLS over ours"),
+        Metric(
+            "ik.tracking_jerk_of_dls",
+            jerk(plain, TRACKING_RATE) / jerk(rows, TRACKING_RATE),
+            "x",
+            50.0,
+            "higher",
+            "DLS over ours",
+        ),
     ]

@@ -1,9 +1,9 @@
-"""Makes sentences of templates: prose as people talk, and sentences with one deictic word each."""
+"""Sentences from templates: spoken prose and sentences with one deictic word."""
 
 import random
 from collections.abc import Sequence
 
-OPENINGS = (
+SENTENCE_OPENINGS = (
     "",
     "Well, ",
     "And ",
@@ -15,7 +15,7 @@ OPENINGS = (
     "So ",
     "Perhaps ",
 )
-WHO = (
+SENTENCE_SUBJECTS = (
     "the old captain",
     "my sister",
     "everybody in the village",
@@ -25,7 +25,7 @@ WHO = (
     "she",
     "you",
 )
-DO = (
+SENTENCE_VERBS = (
     "found",
     "never saw",
     "described",
@@ -35,21 +35,21 @@ DO = (
     "could hardly believe",
     "sold",
 )
-WHAT = (
+SENTENCE_OBJECTS = (
     "three enormous boxes", "a tiny silver key", "the whole story", "nothing at all", "the long road to the river",
     "many wonderful pictures", "a heavy round stone", "the letter from his mother", "the small wooden bridge",
 )  # fmt: skip
-ENDINGS = (
+SENTENCE_ENDINGS = (
     "", " before the rain came", ", but nobody listened", " and laughed", ", first slowly and then very fast",
     " in the great hall of the palace", ", because the night was cold", " on Sunday morning", ", my friend",
 )  # fmt: skip
-ASIDES = (
+SHORT_ASIDES = (
     "Is that not strange?", "Hello, and welcome!", "No, I do not believe it.", "What can we do now?",
     "Thank you very much!",
     "It was apples, bread, cheese and wine.", "Look over there!", "You must be very careful.", "I am so happy :)",
 )  # fmt: skip
-EVERY = 6  # sentences after which an aside comes
-POINTING = (  # where a word points, and the intent that shows it; none: it points at nothing
+ASIDE_INTERVAL = 6  # an aside replaces every sixth sentence
+DEICTIC_TEMPLATES = (  # sentence template and its deictic intent, or none
     ("Put the {thing} over there.", "world-place-there"),
     ("There was a {thing} in the garden.", ""),
     ("There are many kinds of {thing}.", ""),
@@ -61,23 +61,33 @@ POINTING = (  # where a word points, and the intent that shows it; none: it poin
     ("I said that the {thing} was broken.", "deictic-me"),
     ("The {thing} that he found was new.", ""),
 )
-THINGS = (
+DEICTIC_OBJECTS = (
     "lamp", "basket", "table", "garden chair", "red bicycle", "kettle", "picture", "blanket", "candle", "little boat",
     "umbrella", "drum", "ladder", "mirror", "old clock", "guitar", "bottle", "hammer", "carpet", "wooden spoon",
 )  # fmt: skip
 
 
 def prose(count: int, seed: int = 0) -> Sequence[str]:
-    """Makes sentences as they follow one another in a talk."""
-    chance = random.Random(seed)
-    made = []
+    """Return sentences as they follow one another in a talk."""
+    rng = random.Random(seed)
+    sentences = []
     for number in range(count):
-        opening, who, do, what, ending = (chance.choice(each) for each in (OPENINGS, WHO, DO, WHAT, ENDINGS))
-        said = f"{opening}{who} {do} {what}{ending}."
-        made.append(chance.choice(ASIDES) if number % EVERY == EVERY - 1 else said[0].upper() + said[1:])
-    return made
+        opening, subject, verb, noun, ending = (
+            rng.choice(words)
+            for words in (SENTENCE_OPENINGS, SENTENCE_SUBJECTS, SENTENCE_VERBS, SENTENCE_OBJECTS, SENTENCE_ENDINGS)
+        )
+        sentence = f"{opening}{subject} {verb} {noun}{ending}."
+        sentences.append(
+            rng.choice(SHORT_ASIDES)
+            if number % ASIDE_INTERVAL == ASIDE_INTERVAL - 1
+            else sentence[0].upper() + sentence[1:]
+        )
+    return sentences
 
 
 def deictic_sentences() -> Sequence[tuple[str, str]]:
-    """Makes 200 sentences, each with the intent of what it points at; empty where it points at nothing."""
-    return [(text.format(thing=thing), intent) for text, intent in POINTING for thing in THINGS]
+    """Return 200 sentences with their deictic intents.
+
+    The result is empty if there is none.
+    """
+    return [(text.format(thing=thing), intent) for text, intent in DEICTIC_TEMPLATES for thing in DEICTIC_OBJECTS]

@@ -1,116 +1,159 @@
-"""What the lexicon must reach to move as people do, in the default manner."""
+"""Goals of human-like motion for the lexicon in the default style."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
-from kinesic.bench.naturalness.captured_table import captured_table
+from kinesic.bench.metric import Metric
+from kinesic.bench.naturalness.captured_table import read_captured_table
 from kinesic.bench.naturalness.lexicon import MeasuredGesture
 from kinesic.bench.naturalness.measures import GestureMeasures
-from kinesic.bench.naturalness.rows import SPEED, values, whole_return
+from kinesic.bench.naturalness.rows import SPEED_UNIT, has_complete_return, values
 from kinesic.body.arrays import Flags, Floats
 
-PART = "naturalness"
-MEDIANS: Mapping[str, float] = {  # goals of rows
+METRIC_PREFIX = "naturalness"
+MEDIAN_GOALS: Mapping[str, float] = {  # goals for the medians of hand-motion measures
     "return_speed": 1.5,
     "return_speed_all": 1.5,
     "units_per_second": 1.0,
     "sparc": -3.0,
 }
-LARGEST_RETURN = 2.6  # [arm lengths/s]
-FLOWING = 0.3  # of the largest speed, with which a hand passes through strokeStart
-EXPRESSIVE = frozenset(("beat", "deictic", "emblem"))  # categories in which the stroke is the effort
-VARIED = 4.0  # the 95th by the 5th percentile of the largest speed
-APART = 0.25  # that a distribution may be from the captured one
-COMPARED = ("duration", "stroke_time", "hold_time", "path", "largest_speed")  # with the captured distributions
+MAX_RETURN_SPEED = 2.6  # [arm lengths/s] goal for the 95th percentile of the return speed
+MIN_FLOW = 0.3  # speed at strokeStart / largest speed from which a gesture counts as flowing
+EXPRESSIVE_CATEGORIES = frozenset(("beat", "deictic", "emblem"))  # gesture categories whose stroke should be fastest
+MIN_VARIETY = 4.0  # goal for the 95th / 5th percentile of gestures' largest speeds
+MAX_DISTANCE = 0.25  # goal for the Kolmogorov-Smirnov distance from captured distributions
+COMPARED_ROWS = (
+    "duration",
+    "stroke_time",
+    "hold_time",
+    "path",
+    "largest_speed",
+)  # rows compared with captured distributions
 
 
-def bar_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Figure]:
-    """Measures all bars that are no median of a row.
+def bar_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:
+    """Measure effort, variety and violations of hand motion against their goals.
 
     Args:
-        gestures: the lexicon in one manner, at least one of them performed.
-        arm: [m] of the robot, from shoulder to wrist.
+        gestures: lexicon in one style, with at least one performed gesture.
+        arm: arm length of the robot from shoulder to wrist [m].
     """
-    hands = [each.hand for each in gestures if each.hand]
-    return [*_effort_figures(gestures), *_variety_figures(hands, arm), *_law_figures(gestures)]
+    hands = [gesture.hand for gesture in gestures if gesture.hand]
+    return [*_measure_effort(gestures), *_measure_variety(hands, arm), *_count_violations(gestures)]
 
 
-def kolmogorov_smirnov(ours: Floats, theirs: Floats) -> float:
-    """Measures how far two samples are apart: the Kolmogorov-Smirnov distance, 0 to 1."""
-    places = np.concatenate([ours, theirs])
-    mine, others = (np.searchsorted(np.sort(sample), places, side="right") / len(sample) for sample in (ours, theirs))
-    return float(np.abs(mine - others).max())
+def kolmogorov_smirnov(first_sample: Floats, second_sample: Floats) -> float:
+    """Return the Kolmogorov-Smirnov distance (0..1) of two samples."""
+    points = np.concatenate([first_sample, second_sample])
+    first, second = (
+        np.searchsorted(np.sort(sample), points, side="right") / len(sample) for sample in (first_sample, second_sample)
+    )
+    return float(np.abs(first - second).max())
 
 
-def _effort_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
-    """How effort is spread over the phases."""
-    hands = [each.hand for each in gestures if each.hand]
-    dynamic = [each.hand for each in gestures if each.hand and each.dynamic]
-    expressive = [each.hand for each in gestures if each.hand and each.dynamic and each.category in EXPRESSIVE]
-    few, fewer = f"{len(dynamic)} gestures", f"{len(expressive)} gestures: {', '.join(sorted(EXPRESSIVE))}"
-    strokes = _known(hand.stroke_to_preparation for hand in dynamic)
+def _measure_effort(gestures: Sequence[MeasuredGesture]) -> list[Metric]:
+    """Return speed metrics of gesture phases: preparation, stroke and return."""
+    hands = [gesture.hand for gesture in gestures if gesture.hand]
+    dynamic = [gesture.hand for gesture in gestures if gesture.hand and gesture.is_dynamic]
+    expressive = [
+        gesture.hand
+        for gesture in gestures
+        if gesture.hand and gesture.is_dynamic and gesture.category in EXPRESSIVE_CATEGORIES
+    ]
+    dynamic_note, expressive_note = (
+        f"{len(dynamic)} gestures",
+        f"{len(expressive)} gestures: {', '.join(sorted(EXPRESSIVE_CATEGORIES))}",
+    )
+    strokes = _drop_missing(hand.stroke_to_preparation for hand in dynamic)
     returns = {
-        "return_to_preparation": _known(hand.return_to_preparation for hand in hands if whole_return(hand)),
-        "return_to_preparation_all": _known(hand.return_to_preparation for hand in hands),
+        "return_to_preparation": _drop_missing(
+            hand.return_to_preparation for hand in hands if has_complete_return(hand)
+        ),
+        "return_to_preparation_all": _drop_missing(hand.return_to_preparation for hand in hands),
     }
     peaks = np.array([(hand.stroke_speed or 0.0) > (hand.preparation_speed or 0.0) for hand in hands])
-    flowing, stroking = values("flow", dynamic) >= FLOWING, values("stroke_speed", dynamic)
-    told = values("stroke_speed", expressive)
+    is_flowing, stroke_speeds = values("flow", dynamic) >= MIN_FLOW, values("stroke_speed", dynamic)
+    expressive_speeds = values("stroke_speed", expressive)
     return [
         *(
-            Figure(f"{PART}.{name}_p95", _percentile(values(name, hands), 95), SPEED, LARGEST_RETURN, "lower")
+            Metric(
+                f"{METRIC_PREFIX}.{name}_p95",
+                _percentile(values(name, hands), 95),
+                SPEED_UNIT,
+                MAX_RETURN_SPEED,
+                "lower",
+            )
             for name in ("return_speed", "return_speed_all")
         ),
-        *(Figure(f"{PART}.{name}", _percentile(found), "", 1.0, "lower") for name, found in returns.items()),
-        Figure(f"{PART}.stroke_dynamic", _percentile(stroking), SPEED, 1.5, "higher", few),
-        Figure(f"{PART}.stroke_expressive", _percentile(told), SPEED, 1.5, "higher", fewer),
-        Figure(f"{PART}.stroke_to_preparation", _percentile(strokes), "", 0.55, "higher", few),
-        Figure(f"{PART}.flow_share", _share(flowing), "", 0.5, "higher", few),
-        Figure(f"{PART}.peak_in_stroke", _share(peaks), "", None, "higher", "captured 0.74"),
+        *(Metric(f"{METRIC_PREFIX}.{name}", _percentile(ratios), "", 1.0, "lower") for name, ratios in returns.items()),
+        Metric(f"{METRIC_PREFIX}.stroke_dynamic", _percentile(stroke_speeds), SPEED_UNIT, 1.5, "higher", dynamic_note),
+        Metric(
+            f"{METRIC_PREFIX}.stroke_expressive",
+            _percentile(expressive_speeds),
+            SPEED_UNIT,
+            1.5,
+            "higher",
+            expressive_note,
+        ),
+        Metric(f"{METRIC_PREFIX}.stroke_to_preparation", _percentile(strokes), "", 0.55, "higher", dynamic_note),
+        Metric(f"{METRIC_PREFIX}.flow_share", _fraction(is_flowing), "", 0.5, "higher", dynamic_note),
+        Metric(f"{METRIC_PREFIX}.peak_in_stroke", _fraction(peaks), "", None, "higher", "captured 0.74"),
     ]
 
 
-def _variety_figures(hands: Sequence[GestureMeasures], arm: float) -> list[Figure]:
-    """How far gestures differ from one another, and their distributions from the captured ones."""
-    table, speeds = captured_table(), values("largest_speed", hands)
-    people = {name: np.array(found) for name, found in table.values.items()}
+def _measure_variety(hands: Sequence[GestureMeasures], arm: float) -> list[Metric]:
+    """Return the variety of hand speeds and distances from captured distributions."""
+    table, speeds = read_captured_table(), values("largest_speed", hands)
+    people = {name: np.array(sample) for name, sample in table.values.items()}
     low, high = np.percentile(speeds, (5, 95)).tolist()
     whole = kolmogorov_smirnov(values("duration", hands), people["whole_duration"])
     metres = kolmogorov_smirnov(arm * speeds, table.arm * people["largest_speed"])
     arms = kolmogorov_smirnov(values("arm_lengths", hands), people["path"] / table.arm)
     return [
-        Figure(f"{PART}.variety", high / low, "", VARIED, "higher", "captured 9.3"),
+        Metric(f"{METRIC_PREFIX}.variety", high / low, "", MIN_VARIETY, "higher", "captured 9.3"),
         *(
-            Figure(f"{PART}.ks_{name}", kolmogorov_smirnov(values(name, hands), people[name]), "", APART, "lower")
-            for name in COMPARED
+            Metric(
+                f"{METRIC_PREFIX}.ks_{name}",
+                kolmogorov_smirnov(values(name, hands), people[name]),
+                "",
+                MAX_DISTANCE,
+                "lower",
+            )
+            for name in COMPARED_ROWS
         ),
-        Figure(f"{PART}.ks_duration_whole", whole, "", None, "lower", "from captured gestures whose return is whole"),
-        Figure(f"{PART}.ks_path_arms", arms, "", None, "lower", "in arm lengths"),
-        Figure(f"{PART}.ks_largest_speed_metres", metres, "", None, "lower", "in m/s"),
+        Metric(
+            f"{METRIC_PREFIX}.ks_duration_whole",
+            whole,
+            "",
+            None,
+            "lower",
+            "compared with captured gestures with a complete return",
+        ),
+        Metric(f"{METRIC_PREFIX}.ks_path_arms", arms, "", None, "lower", "in arm lengths"),
+        Metric(f"{METRIC_PREFIX}.ks_largest_speed_metres", metres, "", None, "lower", "in m/s"),
     ]
 
 
-def _law_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
-    """What natural motion must not cost."""
-    late = [each.gesture for each in gestures if each.late]
-    dropped = [each.gesture for each in gestures if each.hand is None]
-    beyond = float(sum(each.violations for each in gestures))
+def _count_violations(gestures: Sequence[MeasuredGesture]) -> list[Metric]:
+    """Count dropped gestures, late strokes and violated limits."""
+    late = [gesture.gesture for gesture in gestures if gesture.is_late]
+    dropped = [gesture.gesture for gesture in gestures if gesture.hand is None]
+    violations = float(sum(gesture.violations for gesture in gestures))
     return [
-        Figure(f"{PART}.dropped", float(len(dropped)), "gestures", 0.0, "lower", ", ".join(dropped)),
-        Figure(f"{PART}.stroke_moved", float(len(late)), "strokes", 0.0, "lower", ", ".join(late)),
-        Figure(f"{PART}.violations", beyond, "limits", 0.0, "lower"),
+        Metric(f"{METRIC_PREFIX}.dropped", float(len(dropped)), "gestures", 0.0, "lower", ", ".join(dropped)),
+        Metric(f"{METRIC_PREFIX}.stroke_moved", float(len(late)), "strokes", 0.0, "lower", ", ".join(late)),
+        Metric(f"{METRIC_PREFIX}.violations", violations, "limits", 0.0, "lower"),
     ]
 
 
-def _known(found: Iterable[float | None]) -> Floats:
-    return np.array([value for value in found if value is not None], dtype=np.float64)
+def _drop_missing(measured: Iterable[float | None]) -> Floats:
+    return np.array([value for value in measured if value is not None], dtype=np.float64)
 
 
-def _percentile(found: Floats, share: float = 50) -> float | None:
-    return float(np.percentile(found, share)) if found.size else None
+def _percentile(sample: Floats, percent: float = 50) -> float | None:
+    return float(np.percentile(sample, percent)) if sample.size else None
 
 
-def _share(found: Flags) -> float | None:
-    return float(found.mean()) if found.size else None
+def _fraction(flags: Flags) -> float | None:
+    return float(flags.mean()) if flags.size else None

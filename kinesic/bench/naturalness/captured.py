@@ -1,4 +1,7 @@
-"""Captured gestures of a folder, and how the hand that goes farther moves in each."""
+"""Measurement of captured gestures in a folder.
+
+The hand with the longer path counts.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -8,52 +11,54 @@ from pathlib import Path
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
-from kinesic.bench.naturalness.rows import row_figures
+from kinesic.bench.naturalness.rows import row_metrics
 from kinesic.bench.naturalness.smartbody_files import CapturedJoint, joint_positions, read_motion, read_skeleton
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
 
-PART = "naturalness.captured"
-CHEST = "JtSpineC"
-ARMS = tuple(tuple(f"Jt{name}{side}" for name in ("Shoulder", "Elbow", "Wrist")) for side in ("Lf", "Rt"))
-SMOOTH = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0  # over neighbouring frames, against the noise of capture
-BETWEEN = re.compile(r"@Idle[A-Za-z]*\d*$|_ToIdle|_WeightShift")  # names of clips in which nothing is said
+METRIC_PREFIX = "naturalness.captured"
+CHEST_JOINT = "JtSpineC"
+ARM_JOINTS = tuple(tuple(f"Jt{name}{side}" for name in ("Shoulder", "Elbow", "Wrist")) for side in ("Lf", "Rt"))
+SMOOTHING_WEIGHTS = (
+    np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0
+)  # smoothing weights of neighbouring frames, against the noise of capture
+IDLE_CLIPS = re.compile(r"@Idle[A-Za-z]*\d*$|_ToIdle|_WeightShift")  # names of clips without gestures
 
 
 @dataclass(frozen=True)
 class CapturedGesture:
-    """One clip."""
+    """Hand-motion measures of one captured gesture clip."""
 
     name: str
     hand: GestureMeasures | None
-    why: str = ""  # it is not measured
+    why: str = ""  # reason if it is not measured
 
 
 def measure_clips(folder: Path) -> list[CapturedGesture]:
-    """Measures all clips below a folder that are gestures.
+    """Measure all gesture clips below a folder.
 
-    A clip `ACTOR@NAME.skm` moves the skeleton `ACTOR.sk`, which stands below the folder or in one beside it.
+    A clip `ACTOR@NAME.skm` moves the skeleton `ACTOR.sk`, which lies below the folder or in `skeletons` next to it.
 
     Raises:
-        ConfigError: there is no such folder.
+        ConfigError: the folder does not exist.
     """
     if not folder.is_dir():
         raise ConfigError(f"{folder}: no such folder")
-    clips = sorted(path for path in folder.rglob("*.skm") if not BETWEEN.search(path.stem))
-    skeletons = {path.stem: path for place in (folder.parent / "skeletons", folder) for path in place.rglob("*.sk")}
+    clips = sorted(path for path in folder.rglob("*.skm") if not IDLE_CLIPS.search(path.stem))
+    skeletons = {path.stem: path for root in (folder.parent / "skeletons", folder) for path in root.rglob("*.sk")}
     return [_measure(path, skeletons) for path in clips]
 
 
-def captured_figures(clips: Sequence[CapturedGesture]) -> list[Figure]:
-    """Sums up clips: each row beside the percentiles that come with kinesic."""
+def captured_metrics(clips: Sequence[CapturedGesture]) -> list[Metric]:
+    """Return the hand-motion metrics of captured clips."""
     hands = [clip.hand for clip in clips if clip.hand]
     unread = [f"{clip.name}: {clip.why}" for clip in clips if clip.hand is None]
     return [
-        Figure(f"{PART}.clips", float(len(hands)), "clips", None, "higher"),
-        Figure(f"{PART}.unread", float(len(unread)), "clips", None, "lower", "; ".join(unread[:3])),
-        *(row_figures(PART, hands, {}) if hands else ()),
+        Metric(f"{METRIC_PREFIX}.clips", float(len(hands)), "clips", None, "higher"),
+        Metric(f"{METRIC_PREFIX}.unread", float(len(unread)), "clips", None, "lower", "; ".join(unread[:3])),
+        *(row_metrics(METRIC_PREFIX, hands, {}) if hands else ()),
     ]
 
 
@@ -62,38 +67,41 @@ def _measure(path: Path, skeletons: Mapping[str, Path]) -> CapturedGesture:
     if actor not in skeletons:
         return CapturedGesture(path.stem, None, f"no skeleton {actor}.sk")
     try:
-        return CapturedGesture(path.stem, measure_clip(_actor(skeletons[actor]), path))
+        return CapturedGesture(path.stem, measure_clip(_load_actor(skeletons[actor]), path))
     except ConfigError as error:
         return CapturedGesture(path.stem, None, str(error))
 
 
 @cache
-def _actor(path: Path) -> tuple[CapturedJoint, ...]:
+def _load_actor(path: Path) -> tuple[CapturedJoint, ...]:
     return read_skeleton(path)
 
 
 def measure_clip(skeleton: Sequence[CapturedJoint], path: Path) -> GestureMeasures:
-    """Measures the hand that goes farther in one clip, from its first frame to its last.
+    """Measure the hand with the longer path in one captured clip.
 
     Raises:
-        ConfigError: it cannot be read, or its actor has no arms.
+        ConfigError: the clip cannot be read, or its actor has no arms.
     """
     motion = read_motion(path)
-    places = joint_positions(skeleton, motion)
-    missing = [name for name in (CHEST, *ARMS[0], *ARMS[1]) if name not in places]
+    positions = joint_positions(skeleton, motion)
+    missing = [name for name in (CHEST_JOINT, *ARM_JOINTS[0], *ARM_JOINTS[1]) if name not in positions]
     if missing:
         raise ConfigError(f"{path}: its skeleton lacks {', '.join(missing)}")
     syncs = {**motion.syncs, "start": float(motion.times[0]), "end": float(motion.times[-1])}
-    found = []
-    for names in ARMS:
-        shoulder, elbow, wrist = (places[name] for name in names)
+    hands = []
+    for names in ARM_JOINTS:
+        shoulder, elbow, wrist = (positions[name] for name in names)
         arm = float(np.linalg.norm(elbow[0] - shoulder[0]) + np.linalg.norm(wrist[0] - elbow[0]))
-        found.append(measure_hand(motion.times, smoothed(wrist - places[CHEST]), syncs, arm))
-    return max(found, key=lambda hand: hand.path)
+        hands.append(measure_hand(motion.times, smooth_path(wrist - positions[CHEST_JOINT]), syncs, arm))
+    return max(hands, key=lambda hand: hand.path)
 
 
-def smoothed(path: Floats) -> Floats:
-    """Smooths (m, 3) frames by their neighbours; before the first and after the last it stands still."""
-    beyond = len(SMOOTH) // 2
-    padded = np.pad(path, ((beyond, beyond), (0, 0)), mode="edge")
-    return np.stack([np.convolve(column, SMOOTH, mode="valid") for column in padded.T], axis=1)
+def smooth_path(path: Floats) -> Floats:
+    """Smooth the frames (m, 3) of a path with a moving average.
+
+    The ends are extended by constant frames.
+    """
+    margin = len(SMOOTHING_WEIGHTS) // 2
+    padded = np.pad(path, ((margin, margin), (0, 0)), mode="edge")
+    return np.stack([np.convolve(column, SMOOTHING_WEIGHTS, mode="valid") for column in padded.T], axis=1)

@@ -1,4 +1,4 @@
-"""What captured gestures measure: percentiles and values of `configs/captured_gestures.toml`."""
+"""Statistics of captured gestures from `configs/captured_gestures.toml`."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -9,18 +9,18 @@ from kinesic.body.config import CONFIGS, read_toml
 
 
 class CapturedTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Statistics of gestures that people made, by the names of `ROWS`."""
+    """Statistics of captured human gestures by name of the measure."""
 
-    arm: float  # [m] shoulder to wrist
-    percentiles: Mapping[str, tuple[float, float, float, float, float]]  # 5, 25, 50, 75, 95
-    values: Mapping[str, tuple[float, ...]]  # of each gesture, in ascending order
+    arm: float  # [m] length from shoulder to wrist
+    percentiles: Mapping[str, tuple[float, float, float, float, float]]  # 5th, 25th, 50th, 75th and 95th
+    values: Mapping[str, tuple[float, ...]]  # one value per gesture, in ascending order
 
 
 @cache
-def captured_table() -> CapturedTable:
-    """Reads the table that comes with kinesic.
+def read_captured_table() -> CapturedTable:
+    """Read the supplied statistics of captured gestures.
 
     Raises:
-        ConfigError: it is missing or wrong.
+        ConfigError: the table is missing or invalid.
     """
     return read_toml(CONFIGS / "captured_gestures.toml", CapturedTable)

@@ -1,73 +1,91 @@
-"""Whether gestures can be read: hands where their meaning needs them, and no two alike that mean different things."""
+"""Legibility of gestures: hands in the required positions and distinct meanings."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import degrees
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.bench.naturalness.likeness import Pair, nearest_pairs
-from kinesic.bench.naturalness.places import FACE
+from kinesic.bench.naturalness.places import FACE_POINTS
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.lexicon.legibility_table import LegibilityTable
 
-TOO_NEAR = 0.05  # [m] below which two gestures look alike
-LISTED = 0.08  # [m] up to which pairs are looked for
-APART_AT_HEAD = 0.08  # [m] likewise of gestures at the head, which look alike sooner
-SHOWN = 5  # pairs that are named
+ALIKE_DISTANCE = 0.05  # [m] distance below which two gestures look alike
+LISTING_DISTANCE = 0.08  # [m] largest distance of pairs of similar gestures in the list
+HEAD_ALIKE_DISTANCE = 0.08  # [m] distance below which gestures at the head look alike
+NAMED_PAIRS = 5  # pairs of similar gestures named in notes
 
 
 def different_pairs(seen: Mapping[str, Floats], table: LegibilityTable) -> list[Pair]:
-    """Lists the nearest pairs of gestures that mean different things, the nearest first."""
-    return [pair for pair in nearest_pairs(seen, LISTED) if not table.may_be_alike(pair.a, pair.b)]
+    """List the most similar gestures with different meanings, nearest first."""
+    return [pair for pair in nearest_pairs(seen, LISTING_DISTANCE) if not table.may_be_alike(pair.a, pair.b)]
 
 
-def legibility_figures(
+def legibility_metrics(
     part: str, seen: Mapping[str, Floats], places: Mapping[str, float], table: LegibilityTable
-) -> list[Figure]:
-    """Counts gestures that are taken for others, and hands that are not in their place.
+) -> list[Metric]:
+    """Count gestures that look like others, and hands outside their required positions.
 
     Args:
-        part: what the names of the figures begin with.
-        seen: (m, p, 3) [m] what is seen of each gesture's stroke.
-        places: [m] from the place that a gesture needs, by gesture.
-        table: what is asked.
+        part: prefix of the metric names.
+        seen: visible points of each gesture's stroke (m, p, 3) [m].
+        places: distance [m] from the required position, by gesture.
+        table: requirements.
     """
     pairs = different_pairs(seen, table)
-    alike = [pair for pair in pairs if pair.distance < TOO_NEAR]
-    away = [name for name, distance in places.items() if distance > table.places[name].within]
-    figures = [
-        Figure(f"{part}.alike", float(len(alike)), "pairs", 0.0, "lower", told(alike)),
-        Figure(f"{part}.misplaced", float(len(away)), "gestures", 0.0, "lower", ", ".join(away)),
+    alike = [pair for pair in pairs if pair.distance < ALIKE_DISTANCE]
+    misplaced = [name for name, distance in places.items() if distance > table.places[name].within]
+    metrics = [
+        Metric(f"{part}.alike", float(len(alike)), "pairs", 0.0, "lower", describe_pairs(alike)),
+        Metric(f"{part}.misplaced", float(len(misplaced)), "gestures", 0.0, "lower", ", ".join(misplaced)),
     ]
     if pairs:
         nearest = 1000 * pairs[0].distance
-        figures.append(Figure(f"{part}.nearest_pair", nearest, "mm", 1000 * TOO_NEAR, "higher", told(pairs[:SHOWN])))
-    at_head = {name for name, asked in table.places.items() if asked.at in FACE}
-    near = [pair for pair in pairs if {pair.a, pair.b} <= at_head and pair.distance < APART_AT_HEAD]
-    figures.append(Figure(f"{part}.alike_at_head", float(len(near)), "pairs", None, "lower", told(near[:SHOWN])))
+        metrics.append(
+            Metric(
+                f"{part}.nearest_pair",
+                nearest,
+                "mm",
+                1000 * ALIKE_DISTANCE,
+                "higher",
+                describe_pairs(pairs[:NAMED_PAIRS]),
+            )
+        )
+    at_head = {name for name, requirement in table.places.items() if requirement.at in FACE_POINTS}
+    alike_at_head = [pair for pair in pairs if {pair.a, pair.b} <= at_head and pair.distance < HEAD_ALIKE_DISTANCE]
+    metrics.append(
+        Metric(
+            f"{part}.alike_at_head",
+            float(len(alike_at_head)),
+            "pairs",
+            None,
+            "lower",
+            describe_pairs(alike_at_head[:NAMED_PAIRS]),
+        )
+    )
     if places:
         farthest = 1000 * max(places.values())
-        figures.append(Figure(f"{part}.farthest_place", farthest, "mm", None, "lower", _ordered(places)))
-    return figures
+        metrics.append(Metric(f"{part}.farthest_place", farthest, "mm", None, "lower", _describe_farthest(places)))
+    return metrics
 
 
-def shoulder_figure(part: str, lifts: Mapping[str, float], table: LegibilityTable) -> Figure:
-    """Counts gestures whose shoulders should rise, and do not.
+def shoulder_metric(part: str, lifts: Mapping[str, float], table: LegibilityTable) -> Metric:
+    """Count gestures whose shoulders do not rise as required.
 
     Args:
-        part: what the name of the figure begins with.
-        lifts: [rad] of the shoulder that rises more, by gesture.
-        table: what is asked.
+        part: prefix of the metric name.
+        lifts: rotation [rad] of the shoulder that rises more, by gesture.
+        table: requirements.
     """
-    low = [name for name, least in table.shoulders.items() if name in lifts and degrees(lifts[name]) < least]
-    return Figure(f"{part}.low_shoulders", float(len(low)), "gestures", 0.0, "lower", ", ".join(low))
+    low = [name for name, min_lift in table.shoulders.items() if name in lifts and degrees(lifts[name]) < min_lift]
+    return Metric(f"{part}.low_shoulders", float(len(low)), "gestures", 0.0, "lower", ", ".join(low))
 
 
-def told(pairs: Sequence[Pair]) -> str:
-    """Names pairs and their distances [mm]."""
+def describe_pairs(pairs: Sequence[Pair]) -> str:
+    """Return gesture names and distances [mm] of pairs as text."""
     return ", ".join(f"{pair.a} and {pair.b} {1000 * pair.distance:.0f}" for pair in pairs)
 
 
-def _ordered(places: Mapping[str, float]) -> str:
-    """The gestures farthest from their places."""
-    far: Iterable[str] = sorted(places, key=lambda name: -places[name])[:SHOWN]
-    return ", ".join(f"{name} {1000 * places[name]:.0f}" for name in far)
+def _describe_farthest(places: Mapping[str, float]) -> str:
+    """Return the gestures farthest from their required positions as text."""
+    farthest: Iterable[str] = sorted(places, key=lambda name: -places[name])[:NAMED_PAIRS]
+    return ", ".join(f"{name} {1000 * places[name]:.0f}" for name in farthest)

@@ -1,6 +1,6 @@
-"""Measures how much gestures look alike from the front: hands, elbows and head through the stroke.
+"""Visual similarity of gestures from the front, by hands, elbows and head.
 
-Fingers do not count: most robots have none that could tell two gestures apart.
+Fingers do not count: most robots have none that could distinguish two gestures.
 """
 
 from collections.abc import Mapping
@@ -11,16 +11,16 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 
-DEPTH = 0.5  # that a distance towards the eye counts, of one across
-TIPS = 1.8  # times as far from the wrist as the middle of the palm
-PALM = 0.1  # [arm lengths] from the middle of the palm, where it faces
-HEAD = 0.2  # [arm lengths] from the middle of the eyes, up
-SAMPLES = 60  # of a stroke, in its own time
+DEPTH_WEIGHT = 0.5  # weight of distances in depth relative to those across the view
+TIP_RATIO = 1.8  # wrist-to-finger-tip distance / wrist-to-palm distance
+PALM_OFFSET = 0.1  # [arm lengths] offset of the compared point in front of the palm
+HEAD_OFFSET = 0.2  # [arm lengths] offset of the compared point above the eyes
+STROKE_SAMPLES = 60  # samples of a stroke, at equal time intervals
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two gestures."""
+    """Two gestures and their visual distance."""
 
     distance: float  # [m]
     a: str
@@ -28,13 +28,14 @@ class Pair:
 
 
 def measure_appearance(robot: Robot, angles: Floats) -> Floats:
-    """Finds what is seen of a stroke, (m, p, 3) [m], depth made smaller.
+    """Return visible points (m, p, 3) [m] of hands, elbows and head.
 
-    Of each arm elbow, wrist, finger tips and where the palm faces; of the head the eyes and a point above them.
+    Each arm gives its elbow, wrist, finger tips and a point in front of the palm; the head gives the eyes and a point
+    above them.
 
     Args:
-        robot: whose motion it is.
-        angles: (m, n) [rad], evenly through the stroke.
+        robot: robot that performs the motion.
+        angles: joint angles (m, n) [rad], evenly sampled through the stroke.
     """
     frames = robot.skeleton.frames(angles)
 
@@ -45,28 +46,28 @@ def measure_appearance(robot: Robot, angles: Floats) -> Floats:
     points = []
     for side in SIDES:
         arm = robot.arm(side)
-        ahead, facing = arm.palm.position, PALM * robot.arm_length * arm.palm.facing
+        ahead, facing = arm.palm.position, PALM_OFFSET * robot.arm_length * arm.palm.facing
         points.append(frames.origins[:, arm.elbow])
-        points += [track(arm.wrist, at) for at in (np.zeros(3), TIPS * ahead, ahead + facing)]
+        points += [track(arm.wrist, at) for at in (np.zeros(3), TIP_RATIO * ahead, ahead + facing)]
     eyes = robot.sites["eyes"]
-    head, above = robot.skeleton.segment(eyes.segment), np.array([0.0, 0.0, HEAD * robot.arm_length])
+    head, above = robot.skeleton.segment(eyes.segment), np.array([0.0, 0.0, HEAD_OFFSET * robot.arm_length])
     points += [track(head, at) for at in (eyes.position, eyes.position + above)]
-    return sealed(np.stack(points, axis=1) * [DEPTH, 1.0, 1.0])
+    return sealed(np.stack(points, axis=1) * [DEPTH_WEIGHT, 1.0, 1.0])
 
 
-def nearest_pairs(seen: Mapping[str, Floats], most: float) -> list[Pair]:
-    """Lists pairs of gestures that look alike, the nearest first.
+def nearest_pairs(seen: Mapping[str, Floats], max_distance: float) -> list[Pair]:
+    """List pairs of gestures that look alike, nearest first.
 
-    Two gestures are as far apart as the point that differs most, as the root of its mean square over the stroke.
+    The distance of two gestures is that of their most different point, as an RMS over the stroke.
 
     Args:
-        seen: (m, p, 3) [m] by gesture, all with as many samples.
-        most: [m] distance up to which a pair is listed.
+        seen: visible points (m, p, 3) [m] by gesture, all with the same number of samples.
+        max_distance: largest distance of a listed pair [m].
     """
-    names, found = list(seen), []
-    every = np.stack(list(seen.values())) if names else np.empty((0, 1, 1, 3))
+    names, pairs = list(seen), []
+    list_tasks = np.stack(list(seen.values())) if names else np.empty((0, 1, 1, 3))
     for k, name in enumerate(names):
-        squares = ((every[k + 1 :] - every[k]) ** 2).sum(axis=-1).mean(axis=1)
+        squares = ((list_tasks[k + 1 :] - list_tasks[k]) ** 2).sum(axis=-1).mean(axis=1)
         distances = np.sqrt(squares).max(axis=-1)
-        found += [Pair(float(distances[j]), name, names[k + 1 + j]) for j in np.flatnonzero(distances <= most)]
-    return sorted(found, key=lambda pair: pair.distance)
+        pairs += [Pair(float(distances[j]), name, names[k + 1 + j]) for j in np.flatnonzero(distances <= max_distance)]
+    return sorted(pairs, key=lambda pair: pair.distance)

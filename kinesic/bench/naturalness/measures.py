@@ -1,4 +1,7 @@
-"""Measures how a hand moves in one gesture: speeds by phase, flow, movement units and spectral arc length. Pure."""
+"""Measures of hand motion in one gesture.
+
+Speeds by phase, flow, units and smoothness.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,73 +11,76 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.studies.sweep.geometry import length
 
-RATE = 30.0  # [Hz] of captured clips; units and spectra are taken at this rate
-CUT = 10.0  # [Hz] up to which a spectrum is looked at
-FAINT = 0.05  # of its largest amplitude, below which the end of a spectrum is left out
-PADDING = 4  # times that the length of a profile is doubled, so that its spectrum is smooth
-LEAST_PEAK = 0.1  # of the largest speed, that a movement unit has
-DIP = 0.5  # of the lower of two peaks, below which the speed falls between two units
-ONSET = 0.05  # of the largest speed before strokeStart, with which a preparation begins
-LEAST_PREPARATION = 0.2  # [s] below which nothing is said of its smoothness
-STILL = 1e-3  # [arm lengths/s] below which a hand stands still
-ROUNDING = 1e-3  # [s] by which times of files are rounded
+PROFILE_RATE = 30.0  # [Hz] sample rate of captured clips, used for movement units and spectra
+MAX_FREQUENCY = 10.0  # [Hz] upper limit of the speed spectrum in the spectral arc length
+MIN_AMPLITUDE = 0.05  # spectral amplitude / largest one below which the speed spectrum is cut off
+PADDING_DOUBLINGS = 4  # number of times a speed profile is doubled with zeros for a smooth spectrum
+MIN_PEAK_RATIO = 0.1  # smallest peak speed of a movement unit / largest speed
+MAX_DIP_RATIO = 0.5  # largest minimum speed between two movement units / lower peak
+ONSET_RATIO = 0.05  # speed at which a preparation starts / largest speed before strokeStart
+MIN_PREPARATION_TIME = 0.2  # [s] shortest preparation whose smoothness is measured
+STILL_SPEED = 1e-3  # [arm lengths/s] speed below which a hand counts as still
+TIME_ROUNDING = 1e-3  # [s] rounding error of times in files
 
 
 @dataclass(frozen=True)
 class GestureMeasures:
-    """How the hand that goes farther moves in one gesture; None where phases are unknown or too short."""
+    """Motion of the hand with the longer path in one gesture.
+
+    Values are None if phases are unknown or too short.
+    """
 
     duration: float  # [s]
     stroke_time: float | None  # [s] from strokeStart to strokeEnd
     hold_time: float | None  # [s] from strokeEnd to relax
     return_time: float | None  # [s] from relax to end
     largest_speed: float  # [arm lengths/s]
-    preparation_speed: float | None  # [arm lengths/s] the largest before strokeStart
-    stroke_speed: float | None  # [arm lengths/s] the largest of the stroke
-    return_speed: float | None  # [arm lengths/s] the largest of the way back
-    flow: float | None  # speed at strokeStart, as a share of the largest before strokeEnd
+    preparation_speed: float | None  # [arm lengths/s] largest before strokeStart
+    stroke_speed: float | None  # [arm lengths/s] largest during the stroke
+    return_speed: float | None  # [arm lengths/s] largest during the return
+    flow: float | None  # speed at strokeStart / largest speed before strokeEnd
     lead: float | None  # [s] from the largest speed between ready and strokeEnd to the stroke
-    units: int
-    sparc: float | None
-    preparation_sparc: float | None
-    path: float  # [m]
-    arm_lengths: float  # [arm lengths] the path
-    stroke_path: float | None  # [arm lengths] of the stroke
+    units: int  # movement units
+    sparc: float | None  # spectral arc length, a smoothness
+    preparation_sparc: float | None  # the same of the preparation
+    path: float  # [m] of the wrist relative to the chest
+    arm_lengths: float  # [arm lengths] the same path
+    stroke_path: float | None  # [arm lengths] path during the stroke
 
     @property
     def units_per_second(self) -> float:
-        """Movement units, by duration [1/s]."""
+        """Movement units per second [1/s]."""
         return self.units / self.duration
 
     @property
     def stroke_to_preparation(self) -> float | None:
-        """Largest speed of the stroke, by that of the preparation."""
+        """Largest speed of the stroke / that of the preparation."""
         return ratio(self.stroke_speed, self.preparation_speed)
 
     @property
     def return_to_preparation(self) -> float | None:
-        """Largest speed of the way back, by that of the preparation."""
+        """Largest speed of the return / that of the preparation."""
         return ratio(self.return_speed, self.preparation_speed)
 
 
 def ratio(value: float | None, other: float | None) -> float | None:
-    """Divides what is known by what is known and not zero."""
+    """Return value / other, or None if undefined."""
     return value / other if value is not None and other else None
 
 
 def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: float) -> GestureMeasures:
-    """Measures one hand in one gesture.
+    """Measure the motion of one hand in one gesture.
 
     Args:
-        times: (m,) [s] of the samples.
-        path: (m, 3) [m] of the wrist, as the chest carries it.
-        syncs: sync points [s], `start` and `end` among them; any other may be missing.
-        arm: [m] its length from shoulder to wrist.
+        times: times of the samples (m,) [s].
+        path: positions of the wrist relative to the chest (m, 3) [m].
+        syncs: times of sync points [s]; `start` and `end` are required, others optional.
+        arm: arm length from shoulder to wrist [m].
     """
     speeds = np.linalg.norm(np.gradient(path, times, axis=0), axis=1) / arm
-    profile = _Profile(times, np.where(speeds < STILL, 0.0, speeds), syncs)
+    profile = _Profile(times, np.where(speeds < STILL_SPEED, 0.0, speeds), syncs)
     whole, stroke = profile.samples("start", "end"), profile.samples("strokeStart", "strokeEnd")
-    evenly = profile.evenly("start", "end")
+    resampled = profile.resampled("start", "end")
     return GestureMeasures(
         duration=syncs["end"] - syncs["start"],
         stroke_time=profile.time("strokeStart", "strokeEnd"),
@@ -86,9 +92,9 @@ def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: f
         return_speed=profile.largest("relax", "end"),
         flow=_flow(profile),
         lead=_lead(profile),
-        units=count_units(evenly),
-        sparc=spectral_arc_length(evenly),
-        preparation_sparc=_preparation_sparc(profile.evenly("start", "strokeStart")),
+        units=count_units(resampled),
+        sparc=spectral_arc_length(resampled),
+        preparation_sparc=_measure_preparation_smoothness(profile.resampled("start", "strokeStart")),
         path=length(path[whole]),
         arm_lengths=length(path[whole]) / arm,
         stroke_path=length(path[stroke]) / arm if stroke.any() else None,
@@ -96,17 +102,19 @@ def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: f
 
 
 def count_units(speeds: Floats) -> int:
-    """Counts movement units: peaks of speed, between which it falls below half of the lower one.
+    """Count the movement units of a hand's speed profile.
+
+    Speed peaks separated by less than half of the lower peak.
 
     Args:
-        speeds: (m,) in any unit; peaks below a tenth of the largest do not count.
+        speeds: speeds (m,) in any unit; peaks below a tenth of the largest speed do not count.
     """
     rising = np.concatenate([[True], speeds[1:] > speeds[:-1]])
     falling = np.concatenate([speeds[:-1] >= speeds[1:], [True]])
-    peaks = np.flatnonzero(rising & falling & (speeds > LEAST_PEAK * speeds.max(initial=0.0)))
+    peaks = np.flatnonzero(rising & falling & (speeds > MIN_PEAK_RATIO * speeds.max(initial=0.0)))
     kept: list[int] = []
     for peak in peaks.tolist():
-        if not kept or speeds[kept[-1] : peak].min() < DIP * min(speeds[kept[-1]], speeds[peak]):
+        if not kept or speeds[kept[-1] : peak].min() < MAX_DIP_RATIO * min(speeds[kept[-1]], speeds[peak]):
             kept.append(peak)
         elif speeds[peak] > speeds[kept[-1]]:
             kept[-1] = peak
@@ -114,65 +122,73 @@ def count_units(speeds: Floats) -> int:
 
 
 def spectral_arc_length(speeds: Floats) -> float | None:
-    """Measures smoothness: minus the length of the spectrum of a speed profile (SPARC, Balasubramanian 2015).
+    """Return the negative spectral arc length of a speed profile.
 
-    Frequencies and amplitudes are both normalised; the spectrum ends where it stays below a twentieth of its largest
-    amplitude, at most at 10 Hz. A single smooth reach has about -1.4; each stop and each tremor makes it longer.
+    The measure is SPARC (Balasubramanian 2015).
+
+    Frequencies and amplitudes are normalised; the spectrum ends where it stays below a twentieth of its largest
+    amplitude, at most at 10 Hz. A single smooth reach gives about -1.4; stops and tremors give lower values.
 
     Args:
-        speeds: (m,) at `RATE`, in any unit.
+        speeds: speeds (m,) at `PROFILE_RATE`, in any unit.
 
     Returns:
-        The figure, None for a profile without motion or of fewer than three samples.
+        The value, or None for a profile without motion or with fewer than three samples.
     """
     if len(speeds) < 3 or not speeds.any():
         return None
-    count = 2 ** (int(np.ceil(np.log2(len(speeds)))) + PADDING)
-    frequencies = np.fft.rfftfreq(count, 1.0 / RATE)
+    count = 2 ** (int(np.ceil(np.log2(len(speeds)))) + PADDING_DOUBLINGS)
+    frequencies = np.fft.rfftfreq(count, 1.0 / PROFILE_RATE)
     amplitudes = np.abs(np.fft.rfft(speeds, count))
     amplitudes /= amplitudes.max()
-    end = np.flatnonzero((frequencies <= CUT) & (amplitudes >= FAINT))[-1]
+    end = np.flatnonzero((frequencies <= MAX_FREQUENCY) & (amplitudes >= MIN_AMPLITUDE))[-1]
     steps = np.diff(frequencies[: end + 1]) / frequencies[end]
     return -float(np.hypot(steps, np.diff(amplitudes[: end + 1])).sum())
 
 
 @dataclass(frozen=True, eq=False)
 class _Profile:
-    """A speed profile and its sync points."""
+    """Speed profile of one hand with the gesture's sync points."""
 
     times: Floats  # (m,) [s]
     speeds: Floats  # (m,) [arm lengths/s]
     syncs: Mapping[str, float]  # [s]
 
     def time(self, begin: str, end: str) -> float | None:
-        """From one sync point to another [s]."""
-        known = begin in self.syncs and end in self.syncs
-        return self.syncs[end] - self.syncs[begin] if known else None
+        """Return the time [s] between two of a gesture's sync points.
+
+        The result is None if one is missing.
+        """
+        is_complete = begin in self.syncs and end in self.syncs
+        return self.syncs[end] - self.syncs[begin] if is_complete else None
 
     def samples(self, begin: str, end: str) -> Flags:
-        """(m,) whether a sample lies between two sync points; none does where one is missing."""
+        """Return the mask (m,) of samples between two sync points.
+
+        The mask is empty if one of the points is missing.
+        """
         first, last = self.syncs.get(begin, np.inf), self.syncs.get(end, -np.inf)
-        within: Flags = (self.times >= first - ROUNDING) & (self.times <= last + ROUNDING)
+        within: Flags = (self.times >= first - TIME_ROUNDING) & (self.times <= last + TIME_ROUNDING)
         return within
 
     def largest(self, begin: str, end: str) -> float | None:
-        """Largest speed between two sync points [arm lengths/s]."""
+        """Return the hand's largest speed between two sync points [arm lengths/s]."""
         within = self.speeds[self.samples(begin, end)]
         return float(within.max()) if within.size else None
 
-    def evenly(self, begin: str, end: str) -> Floats:
-        """(k,) speeds between two sync points, at `RATE`."""
+    def resampled(self, begin: str, end: str) -> Floats:
+        """Return hand speeds (k,) between two sync points, resampled at `PROFILE_RATE`."""
         if self.time(begin, end) is None:
             return np.empty(0)
-        places = np.arange(self.syncs[begin], self.syncs[end] + ROUNDING, 1.0 / RATE)
-        speeds: Floats = np.interp(places, self.times, self.speeds)
+        times = np.arange(self.syncs[begin], self.syncs[end] + TIME_ROUNDING, 1.0 / PROFILE_RATE)
+        speeds: Floats = np.interp(times, self.times, self.speeds)
         return speeds
 
 
-def _preparation_sparc(speeds: Floats) -> float | None:
-    """Smoothness from where a hand sets out, as it may have waited before."""
-    moving = speeds[int((speeds > ONSET * speeds.max(initial=0.0)).argmax()) :] if speeds.size else speeds
-    return spectral_arc_length(moving) if len(moving) > LEAST_PREPARATION * RATE else None
+def _measure_preparation_smoothness(speeds: Floats) -> float | None:
+    """Return the spectral arc length of a preparation from motion onset."""
+    moving = speeds[int((speeds > ONSET_RATIO * speeds.max(initial=0.0)).argmax()) :] if speeds.size else speeds
+    return spectral_arc_length(moving) if len(moving) > MIN_PREPARATION_TIME * PROFILE_RATE else None
 
 
 def _flow(profile: _Profile) -> float | None:

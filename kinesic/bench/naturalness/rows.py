@@ -1,4 +1,4 @@
-"""The rows that are measured of gestures, performed or captured, each as a distribution."""
+"""Measures of hand motion that are compared as distributions."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -6,45 +6,48 @@ from typing import Literal
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
-from kinesic.bench.naturalness.captured_table import captured_table
+from kinesic.bench.metric import Metric
+from kinesic.bench.naturalness.captured_table import read_captured_table
 from kinesic.bench.naturalness.measures import GestureMeasures
 from kinesic.body.arrays import Floats
 
-EFFORT = ("preparation_speed", "stroke_speed", "return_speed_all", "flow")  # rows that tell categories apart
-PERCENTILES = (5, 25, 50, 75, 95)
-WHOLE = 0.7  # [s] from which on a return is whole: captured ones are often cut
-SPEED = "arm lengths/s"
+EFFORT_ROWS = ("preparation_speed", "stroke_speed", "return_speed_all", "flow")  # they distinguish gesture categories
+ROW_PERCENTILES = (5, 25, 50, 75, 95)
+MIN_COMPLETE_RETURN = 0.7  # [s] shortest complete return; shorter ones may be cut in captured clips
+SPEED_UNIT = "arm lengths/s"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One measure of a gesture."""
+    """Measure of hand motion with its label, unit and preferred direction."""
 
-    words: str
+    words: str  # label
     unit: str
     better: Literal["lower", "higher"]
-    of: Callable[[GestureMeasures], float | None]
+    value_of: Callable[[GestureMeasures], float | None]
 
 
-def whole_return(hand: GestureMeasures) -> bool:
-    """Whether a return is long enough to be whole."""
-    return hand.return_time is not None and hand.return_time > WHOLE
+def has_complete_return(hand: GestureMeasures) -> bool:
+    """Return whether the hand's return lasts long enough to be complete."""
+    return hand.return_time is not None and hand.return_time > MIN_COMPLETE_RETURN
 
 
-ROWS: Mapping[str, Row] = {
-    "largest_speed": Row("largest speed", SPEED, "lower", lambda hand: hand.largest_speed),
-    "preparation_speed": Row("largest speed, preparation", SPEED, "lower", lambda hand: hand.preparation_speed),
-    "stroke_speed": Row("largest speed, stroke", SPEED, "higher", lambda hand: hand.stroke_speed),
+MOTION_ROWS: Mapping[str, Row] = {
+    "largest_speed": Row("largest speed", SPEED_UNIT, "lower", lambda hand: hand.largest_speed),
+    "preparation_speed": Row("largest speed, preparation", SPEED_UNIT, "lower", lambda hand: hand.preparation_speed),
+    "stroke_speed": Row("largest speed, stroke", SPEED_UNIT, "higher", lambda hand: hand.stroke_speed),
     "return_speed": Row(
         "largest speed, returns over 0.7 s",
-        SPEED,
+        SPEED_UNIT,
         "lower",
-        lambda hand: hand.return_speed if whole_return(hand) else None,
+        lambda hand: hand.return_speed if has_complete_return(hand) else None,
     ),
-    "return_speed_all": Row("largest speed, all returns", SPEED, "lower", lambda hand: hand.return_speed),
+    "return_speed_all": Row("largest speed, all returns", SPEED_UNIT, "lower", lambda hand: hand.return_speed),
     "return_time": Row(
-        "duration of returns over 0.7 s", "s", "higher", lambda hand: hand.return_time if whole_return(hand) else None
+        "duration of returns over 0.7 s",
+        "s",
+        "higher",
+        lambda hand: hand.return_time if has_complete_return(hand) else None,
     ),
     "flow": Row("flow at strokeStart", "", "higher", lambda hand: hand.flow),
     "units": Row("movement units", "", "lower", lambda hand: float(hand.units)),
@@ -61,35 +64,35 @@ ROWS: Mapping[str, Row] = {
 
 
 def values(name: str, hands: Iterable[GestureMeasures]) -> Floats:
-    """(m,) what is known of one row, over some gestures."""
-    found = (ROWS[name].of(hand) for hand in hands)
-    return np.array([value for value in found if value is not None], dtype=np.float64)
+    """Return the available values (m,) of one hand-motion measure."""
+    row_values = (MOTION_ROWS[name].value_of(hand) for hand in hands)
+    return np.array([value for value in row_values if value is not None], dtype=np.float64)
 
 
-def row_figures(
-    part: str, hands: Iterable[GestureMeasures], goals: Mapping[str, float], *, names: Iterable[str] = ROWS
-) -> list[Figure]:
-    """Gives the median of each row, with its percentiles and those of captured gestures beside it.
+def row_metrics(
+    part: str, hands: Iterable[GestureMeasures], goals: Mapping[str, float], *, names: Iterable[str] = MOTION_ROWS
+) -> list[Metric]:
+    """Return the median of each hand-motion measure with percentiles as notes.
 
     Args:
-        part: what the names of the figures begin with.
-        hands: of the gestures.
-        goals: of medians, by row.
-        names: of the rows.
+        part: prefix of the metric names.
+        hands: measured hands of the gestures.
+        goals: goals of the medians, by row.
+        names: names of the rows.
     """
     gestures = list(hands)
-    return [_figure(f"{part}.{name}", name, values(name, gestures), goals.get(name)) for name in names]
+    return [_metric(f"{part}.{name}", name, values(name, gestures), goals.get(name)) for name in names]
 
 
-def _figure(title: str, name: str, found: Floats, goal: float | None) -> Figure:
-    row, captured = ROWS[name], captured_table().percentiles.get(name)
-    if not found.size:
-        return Figure(title, None, row.unit, goal, row.better, "no gesture has it")
-    shares = f"{written(np.percentile(found, PERCENTILES).tolist())} (n {found.size})"
-    beside = f"; captured {written(captured)}" if captured else ""
-    return Figure(title, float(np.median(found)), row.unit, goal, row.better, shares + beside)
+def _metric(title: str, name: str, sample: Floats, goal: float | None) -> Metric:
+    row, captured = MOTION_ROWS[name], read_captured_table().percentiles.get(name)
+    if not sample.size:
+        return Metric(title, None, row.unit, goal, row.better, "no gesture has it")
+    note = f"{format_percentiles(np.percentile(sample, ROW_PERCENTILES).tolist())} (n {sample.size})"
+    captured_note = f"; captured {format_percentiles(captured)}" if captured else ""
+    return Metric(title, float(np.median(sample)), row.unit, goal, row.better, note + captured_note)
 
 
-def written(percentiles: Iterable[float]) -> str:
-    """Writes percentiles in a line."""
+def format_percentiles(percentiles: Iterable[float]) -> str:
+    """Format percentiles as one line of text."""
     return " ".join(f"{value:.2f}" for value in percentiles)

@@ -1,4 +1,4 @@
-"""Reads skeletons (.sk) and motions (.skm) as SmartBody writes them, and finds where joints are in each frame."""
+"""Reader of SmartBody skeletons (.sk) and motions (.skm), with forward kinematics."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -11,15 +11,15 @@ from scipy.spatial.transform import Rotation
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 
-WIDTHS: Mapping[str, int] = {"XPos": 1, "YPos": 1, "ZPos": 1, "Quat": 3}  # numbers of a channel in a frame
-SYNCS: Mapping[str, str] = {  # BML's sync points by the names of a motion's times
+CHANNEL_WIDTHS: Mapping[str, int] = {"XPos": 1, "YPos": 1, "ZPos": 1, "Quat": 3}  # numbers per frame and channel
+SYNC_NAMES: Mapping[str, str] = {  # BML sync points by the time's name in a motion file
     "ready": "ready",
     "strokeStart": "strokeStart",
     "emphasis": "stroke",
     "stroke": "strokeEnd",
     "relax": "relax",
 }
-LARGEST = 64_000_000  # [bytes]
+MAX_FILE_SIZE = 64_000_000  # [bytes] largest accepted SmartBody file
 
 _NUMBER = r"\s+([-+\d.eE]+)"
 _JOINT = re.compile(
@@ -33,113 +33,122 @@ _TIME = re.compile(r"^(\w+) time:\s*(\S+)", re.MULTILINE)
 
 @dataclass(frozen=True, eq=False)
 class CapturedJoint:
-    """One joint of an actor, as it is before any motion."""
+    """One joint of a SmartBody skeleton before any motion."""
 
     name: str
     parent: str | None
     offset: Floats  # (3,) [m] from the parent, in the parent's axes
-    turn: Floats  # (3,) [rad] rotation vector, before that of the motion
+    turn: Floats  # (3,) [rad] rotation vector applied before that of the motion
 
 
 @dataclass(frozen=True, eq=False)
 class CapturedMotion:
-    """What an actor did."""
+    """Captured motion of one actor."""
 
     times: Floats  # (m,) [s]
-    columns: Mapping[tuple[str, str], slice]  # of the frames, by joint and kind of channel
-    frames: Floats  # (m, k) [m] of shifts, [rad] of rotation vectors
-    syncs: Mapping[str, float]  # [s] sync points by their names in BML
+    columns: Mapping[tuple[str, str], slice]  # columns of the frames, by joint and kind of channel
+    frames: Floats  # (m, k) translations [m] and rotation vectors [rad]
+    syncs: Mapping[str, float]  # [s] BML sync points
 
 
 def read_skeleton(path: Path) -> tuple[CapturedJoint, ...]:
-    """Reads the joints of an actor, parents first.
+    """Read the joints of an actor, parents first.
 
     Raises:
-        ConfigError: the file is missing, or no skeleton.
+        ConfigError: the file is missing or not a skeleton.
     """
     joints: list[CapturedJoint] = []
-    above: list[str] = []
-    for found in _JOINT.finditer(re.sub(r"#.*", "", _read(path))):
-        if found["end"]:
-            above = above[:-1]
+    ancestors: list[str] = []
+    for match in _JOINT.finditer(re.sub(r"#.*", "", _read(path))):
+        if match["end"]:
+            ancestors = ancestors[:-1]
             continue
-        numbers = _numbers(found.groups(default="0")[2:], path)
-        turn = np.radians(numbers[6]) * numbers[3:6]  # the axis is a unit vector, or zero
-        joints.append(CapturedJoint(found["name"], above[-1] if above else None, numbers[:3], sealed(turn)))
-        above.append(found["name"])
+        numbers = _parse_numbers(match.groups(default="0")[2:], path)
+        turn = np.radians(numbers[6]) * numbers[3:6]  # the axis is a unit vector or zero
+        joints.append(CapturedJoint(match["name"], ancestors[-1] if ancestors else None, numbers[:3], sealed(turn)))
+        ancestors.append(match["name"])
     if not joints:
-        raise ConfigError(f"{path}: no skeleton: it has no joints")
+        raise ConfigError(f"{path}: not a skeleton: it has no joints")
     return tuple(joints)
 
 
 def read_motion(path: Path) -> CapturedMotion:
-    """Reads a motion.
+    """Read a SmartBody motion file (.skm).
 
     Raises:
-        ConfigError: the file is missing, or no motion.
+        ConfigError: the file is missing or not a motion.
     """
     text = _read(path)
     head, frames = _CHANNELS.search(text), _FRAME.findall(text)
     if head is None or len(frames) < 2:
-        raise ConfigError(f"{path}: no motion: it needs channels and two frames")
+        raise ConfigError(f"{path}: not a motion: it needs channels and at least two frames")
     columns, width = {}, 0
     for line in text[head.end() :].split("\n")[1 : int(head[1]) + 1]:
         name, _, kind = line.strip().partition(" ")
-        if kind not in WIDTHS:
-            raise ConfigError(f"{path}: channel {line.strip()!r}; it must be a joint and one of {', '.join(WIDTHS)}")
-        columns[name, kind] = slice(width, width := width + WIDTHS[kind])
-    rows = [_numbers(row.split(), path) for _, row in frames]
+        if kind not in CHANNEL_WIDTHS:
+            raise ConfigError(
+                f"{path}: channel {line.strip()!r}; it must be a joint and one of {', '.join(CHANNEL_WIDTHS)}"
+            )
+        columns[name, kind] = slice(width, width := width + CHANNEL_WIDTHS[kind])
+    rows = [_parse_numbers(row.split(), path) for _, row in frames]
     if {len(row) for row in rows} != {width}:
-        raise ConfigError(f"{path}: its channels ask for {width} numbers in every frame")
-    times = _numbers([time for time, _ in frames], path)
+        raise ConfigError(f"{path}: its channels require {width} numbers in each frame")
+    times = _parse_numbers([time for time, _ in frames], path)
     if (np.diff(times) <= 0.0).any():
-        raise ConfigError(f"{path}: its frames are not in the order of their times")
-    syncs = {SYNCS[name]: float(_numbers([time], path)[0]) for name, time in _TIME.findall(text) if name in SYNCS}
+        raise ConfigError(f"{path}: its frames are not in order of time")
+    syncs = {
+        SYNC_NAMES[name]: float(_parse_numbers([time], path)[0])
+        for name, time in _TIME.findall(text)
+        if name in SYNC_NAMES
+    }
     return CapturedMotion(times, columns, sealed(rows), syncs)
 
 
 def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:
-    """Finds the place of every joint in every frame (m, 3) [m]: y up, in the axes of the world.
+    """Return joint positions (m, 3) [m] in every captured frame, y up.
 
-    A joint turns by its own turn and then by the motion's; the next one lies at its offset in the axes of both.
+    A joint rotates by its own rotation and then by the motion's; its child lies at an offset in the rotated axes.
     """
-    still = np.zeros((len(motion.frames), 3))
-    places: dict[str, Floats] = {}
-    turns: dict[str | None, Rotation] = {None: Rotation.identity()}
+    zeros = np.zeros((len(motion.frames), 3))
+    positions: dict[str, Floats] = {}
+    rotations: dict[str | None, Rotation] = {None: Rotation.identity()}
     for joint in skeleton:
-        shift = still + joint.offset
+        offset = zeros + joint.offset
         for axis, kind in enumerate(("XPos", "YPos", "ZPos")):
             if (joint.name, kind) in motion.columns:
-                shift[:, axis] += motion.frames[:, motion.columns[joint.name, kind]][:, 0]
-        moved = (
-            motion.frames[:, motion.columns[joint.name, "Quat"]] if (joint.name, "Quat") in motion.columns else still
+                offset[:, axis] += motion.frames[:, motion.columns[joint.name, kind]][:, 0]
+        vectors = (
+            motion.frames[:, motion.columns[joint.name, "Quat"]] if (joint.name, "Quat") in motion.columns else zeros
         )
-        base = places[joint.parent] if joint.parent else still
-        places[joint.name] = sealed(base + turns[joint.parent].apply(shift))
-        turns[joint.name] = turns[joint.parent] * _rotation(joint.turn) * _rotation(moved)
-    return places
+        base = positions[joint.parent] if joint.parent else zeros
+        positions[joint.name] = sealed(base + rotations[joint.parent].apply(offset))
+        rotations[joint.name] = rotations[joint.parent] * _make_rotation(joint.turn) * _make_rotation(vectors)
+    return positions
 
 
-def _rotation(vectors: Floats) -> Rotation:
-    """One rotation, or one for each frame; SciPy takes no read-only array."""
+def _make_rotation(vectors: Floats) -> Rotation:
+    """Convert one or more rotation vectors to SciPy rotations.
+
+    SciPy does not accept read-only arrays.
+    """
     return Rotation.from_rotvec(vectors.copy())
 
 
 def _read(path: Path) -> str:
     try:
-        if path.stat().st_size > LARGEST:
-            raise ConfigError(f"{path}: more than {LARGEST // 1_000_000} MB")
+        if path.stat().st_size > MAX_FILE_SIZE:
+            raise ConfigError(f"{path}: more than {MAX_FILE_SIZE // 1_000_000} MB")
         return path.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
 
 
-def _numbers(words: Sequence[str], path: Path) -> Floats:
-    """(k,) finite numbers."""
+def _parse_numbers(words: Sequence[str], path: Path) -> Floats:
+    """Parse words as finite numbers (k,)."""
     try:
-        found = sealed([float(word) for word in words])
+        numbers = sealed([float(word) for word in words])
     except ValueError as error:
         raise ConfigError(f"{path}: {error}") from None
-    if not np.isfinite(found).all():
+    if not np.isfinite(numbers).all():
         raise ConfigError(f"{path}: a number is not finite")
-    return found
+    return numbers

@@ -1,6 +1,6 @@
-"""How much of a body lives while it tells a story: what stands still, what is frozen, and how long nobody is looked at.
+"""Benchmark of liveliness during a story: stillness, frozen holds and gaze.
 
-The story is told as the front door tells it, with everything on that is on by default.
+The story is performed with all default options, as through the public entry point.
 """
 
 from collections.abc import Sequence
@@ -10,87 +10,96 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot import SIDES
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.plan import Plan
-from kinesic.planning.secondary.drift import LEAST_HOLD
+from kinesic.planning.secondary.drift import MIN_HOLD_TIME
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-STYLES = ("neutral", "calm", "joyful")
-SEED = 0
-STEP = 0.02  # [s]
-STILL_TRUNK, STILL_HEAD, STILL = np.radians([0.1, 0.5, 0.5])  # [rad/s] of trunk, head and all hinges: less is nothing
-ASIDE = np.radians(7.0)  # that the head is off the listener
-FROZEN = 0.002  # [m] that a hand moves in a hold: less is nothing
-SAME, AWAY = 0.06, 0.05  # [rad] of an arm from key to key in a hold, under which the trunk may turn, and away from rest
-MOVED = 0.05  # [s] by which a stroke misses its word
+STORY_STYLES = ("neutral", "calm", "joyful")
+STORY_SEED = 0
+SAMPLE_STEP = 0.02  # [s] between samples of the story's motion
+STILL_TRUNK_SPEED = np.radians(0.1)  # [rad/s] speed below which the trunk counts as still
+STILL_HEAD_SPEED = np.radians(0.5)  # [rad/s] speed below which the head counts as still
+STILL_SPEED = np.radians(0.5)  # [rad/s] speed below which a joint counts as still
+ASIDE_ANGLE = np.radians(7.0)  # [rad] angle from the listener beyond which the head looks aside
+FROZEN_MOTION = 0.002  # [m] wrist motion below which a hold counts as frozen
+MAX_HOLD_CHANGE = 0.06  # [rad] largest joint change between the keys of a hold, as the trunk may turn
+MIN_HOLD_OFFSET = 0.05  # [rad] smallest offset of a held arm from rest
+MAX_STROKE_SHIFT = 0.05  # [s] shift beyond which a stroke misses its word
 
 
 @dataclass(frozen=True)
 class StoryMeasures:
-    """What an animator would count, through the time that somebody speaks."""
+    """Liveliness during the spoken part of a story."""
 
-    still_trunk: float  # share of the time
-    still_head: float
-    longest_trunk: float  # [s] that it stands still at once
-    longest_all: float  # [s] that nothing moves
-    holds: tuple[float, ...]  # [m] that hands move in each hold of their arm
-    aside: float  # share of the time that the head is off the listener
-    missed: tuple[str, ...]  # strokes that are dropped, or not at their word
+    still_trunk: float  # fraction of the time
+    still_head: float  # fraction of the time
+    longest_trunk: float  # [s] longest stillness of the trunk
+    longest_all: float  # [s] longest stillness of all joints
+    holds: tuple[float, ...]  # [m] motion of the wrist in each hold
+    aside: float  # fraction of the time with the head turned away from the listener
+    missed: tuple[str, ...]  # strokes dropped or not at their word
 
 
-def story_figures(part: str) -> list[Figure]:
-    """Measures the story that comes with kinesic in three styles.
+def story_metrics(part: str) -> list[Metric]:
+    """Measure the liveliness of the supplied story in three styles.
 
     Args:
-        part: what the names of the figures begin with.
+        part: prefix of the metric names.
     """
-    return [figure for style in STYLES for figure in _figures(f"{part}.story.{style}", story_measures(style))]
+    return [
+        metric for style in STORY_STYLES for metric in _metrics(f"{part}.story.{style}", measure_styled_story(style))
+    ]
 
 
 @cache
-def story_measures(style: str) -> StoryMeasures:
-    """Plans the story in a style, once in a process."""
-    known = replace(set_up(idle=1.0, variation=1.0, seed=SEED), style=Style.load(style))
-    return measure_story(plan((CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8"), known))
+def measure_styled_story(style: str) -> StoryMeasures:
+    """Plan the supplied story in a style and measure its liveliness.
+
+    The result is cached.
+    """
+    setup = replace(set_up(idle=1.0, variation=1.0, seed=STORY_SEED), style=Style.load(style))
+    return measure_story(plan((CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8"), setup))
 
 
 def measure_story(planned: Plan) -> StoryMeasures:
-    """Measures a plan through all that is said in it."""
+    """Measure the liveliness of a planned motion during its speech."""
     robot, motion = planned.setup.robot, planned.trajectory
     spoken = [timed.times for timed in planned.timeline.timed if timed.behaviour.id in planned.utterances]
-    times = motion.zero + np.arange(spoken[0]["start"], spoken[-1]["end"], STEP)
-    angles, speeds, _ = motion.sample(times)
+    times = motion.zero + np.arange(spoken[0]["start"], spoken[-1]["end"], SAMPLE_STEP)
+    angles, velocities, _ = motion.sample(times)
     torso, neck = list(robot.joints("torso")), list(robot.joints("neck"))
-    trunk, head = _slower(speeds[:, torso], STILL_TRUNK), _slower(speeds[:, neck], STILL_HEAD)
+    trunk, head = _is_slower(velocities[:, torso], STILL_TRUNK_SPEED), _is_slower(velocities[:, neck], STILL_HEAD_SPEED)
     ahead = robot.skeleton.frames(angles).rotations[:, robot.skeleton.segment(robot.chains["neck"][-1]), 0, 0]
     return StoryMeasures(
         still_trunk=float(trunk.mean()),
         still_head=float(head.mean()),
-        longest_trunk=longest(trunk) * STEP,
-        longest_all=longest(_slower(speeds, STILL)) * STEP,
-        holds=_holds(planned),
-        aside=float(np.mean(np.arccos(np.clip(ahead, -1.0, 1.0)) > ASIDE)),
-        missed=_missed(planned),
+        longest_trunk=longest_run(trunk) * SAMPLE_STEP,
+        longest_all=longest_run(_is_slower(velocities, STILL_SPEED)) * SAMPLE_STEP,
+        holds=_measure_holds(planned),
+        aside=float(np.mean(np.arccos(np.clip(ahead, -1.0, 1.0)) > ASIDE_ANGLE)),
+        missed=_missed_strokes(planned),
     )
 
 
-def longest(flags: Flags) -> int:
-    """Counts the longest run of true ones."""
+def longest_run(flags: Flags) -> int:
+    """Return the length of the longest run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return int(max((edges[1::2] - edges[::2]).tolist(), default=0))
 
 
-def _slower(speeds: Floats, least: float) -> Flags:
-    return np.asarray(np.abs(speeds).max(axis=1) < least)
+def _is_slower(velocities: Floats, limit: float) -> Flags:
+    return np.asarray(np.abs(velocities).max(axis=1) < limit)
 
 
-def _holds(planned: Plan) -> tuple[float, ...]:
-    """[m] that a wrist moves, in every hold of its arm away from rest."""
-    found, robot = [], planned.setup.robot
+def _measure_holds(planned: Plan) -> tuple[float, ...]:
+    """Return the wrist's motion [m] during every gesture hold."""
+    motions, robot = [], planned.setup.robot
     for arm in (robot.arm(side) for side in SIDES):
         joints, rest = list(arm.joints), robot.skeleton.rest[list(arm.joints)]
         keys = [
@@ -99,26 +108,32 @@ def _holds(planned: Plan) -> tuple[float, ...]:
             if posture.keyed[joints[0]]
         ]
         for (begin, one), (end, other) in pairwise(keys):
-            if end - begin > LEAST_HOLD and np.abs(one - other).max() < SAME and np.abs(one - rest).max() > AWAY:
-                angles = planned.trajectory.sample(planned.trajectory.zero + np.arange(begin, end, STEP))[0]
+            if (
+                end - begin > MIN_HOLD_TIME
+                and np.abs(one - other).max() < MAX_HOLD_CHANGE
+                and np.abs(one - rest).max() > MIN_HOLD_OFFSET
+            ):
+                angles = planned.trajectory.sample(planned.trajectory.zero + np.arange(begin, end, SAMPLE_STEP))[0]
                 wrist = robot.skeleton.frames(angles).origins[:, arm.wrist]
-                found.append(float(np.ptp(wrist, axis=0).max()))
-    return tuple(found)
+                motions.append(float(np.ptp(wrist, axis=0).max()))
+    return tuple(motions)
 
 
-def _missed(planned: Plan) -> tuple[str, ...]:
+def _missed_strokes(planned: Plan) -> tuple[str, ...]:
     dropped = [id for id, outcome in planned.keyframes.outcomes.items() if outcome.kind == "dropped"]
-    late = [s.behaviour for s in planned.syncs if s.sync == "stroke" and abs(s.planned - s.asked) > MOVED]
+    late = [
+        s.behaviour for s in planned.syncs if s.sync == "stroke" and abs(s.planned - s.requested) > MAX_STROKE_SHIFT
+    ]
     return (*dropped, *late)
 
 
-def _figures(part: str, story: StoryMeasures) -> Sequence[Figure]:
-    frozen, holds = sum(moved < FROZEN for moved in story.holds), len(story.holds)
+def _metrics(part: str, story: StoryMeasures) -> Sequence[Metric]:
+    frozen, holds = sum(moved < FROZEN_MOTION for moved in story.holds), len(story.holds)
     return (
-        Figure(f"{part}.still_trunk", story.still_trunk, "", 0.1, "lower", f"{story.longest_trunk:.1f} s at once"),
-        Figure(f"{part}.still_head", story.still_head, "", 0.1, "lower"),
-        Figure(f"{part}.still_all", story.longest_all, "s", 0.1, "lower", "at once"),
-        Figure(f"{part}.frozen_holds", float(frozen), "holds", 0.0, "lower", f"of {holds}"),
-        Figure(f"{part}.aside", story.aside, "", None, "lower", "of the time, head off the listener"),
-        Figure(f"{part}.missed", float(len(story.missed)), "strokes", 0.0, "lower", ", ".join(story.missed)),
+        Metric(f"{part}.still_trunk", story.still_trunk, "", 0.1, "lower", f"{story.longest_trunk:.1f} s in one piece"),
+        Metric(f"{part}.still_head", story.still_head, "", 0.1, "lower"),
+        Metric(f"{part}.still_all", story.longest_all, "s", 0.1, "lower", "longest"),
+        Metric(f"{part}.frozen_holds", float(frozen), "holds", 0.0, "lower", f"of {holds} holds"),
+        Metric(f"{part}.aside", story.aside, "", None, "lower", "fraction of the time with the head off the listener"),
+        Metric(f"{part}.missed", float(len(story.missed)), "strokes", 0.0, "lower", ", ".join(story.missed)),
     )

@@ -1,4 +1,4 @@
-"""How near to its word the hand is fastest and a nod ends, in texts that tie strokes to words."""
+"""Benchmark of timing between gestures or nods and their words."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -7,20 +7,28 @@ from statistics import median
 
 import numpy as np
 
-from kinesic.bench.figure import Figure
-from kinesic.bench.naturalness.rows import PERCENTILES, written
+from kinesic.bench.metric import Metric
+from kinesic.bench.naturalness.rows import ROW_PERCENTILES, format_percentiles
 from kinesic.bml.timing.syllables import find_syllables
 from kinesic.body.config import CONFIGS
-from kinesic.controller.perform import plan, set_up
-from kinesic.controller.synchrony import StrokeLag, median_lag, planned_lags
 from kinesic.expressivity.style.style import Style
+from kinesic.metrics.synchrony import StrokeLag, compute_median_lag, measure_planned_lags
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="tour">{}</bml>'
-STORY_STYLES: Mapping[str, str] = {"neutral": "", "calm": "_calm", "joyful": "_joyful"}  # and endings of their figures
-NODDED = "Well done, my friends, this is a wonderful afternoon, and everybody came to see our beautiful garden tonight."
-NODS, NOD = (1, 3, 7, 8, 10, 15, 16), 0.4  # words on which somebody nods, and how much
-LARGEST = 0.1  # [s] by which hands may be off in the median: people's lead the accent a little (Pouw and Dixon 2019)
-PASSAGE = (  # words, and the gesture whose stroke falls on the word after them
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="tour">{}</bml>'
+STORY_STYLES: Mapping[str, str] = {
+    "neutral": "",
+    "calm": "_calm",
+    "joyful": "_joyful",
+}  # style -> suffix of its metric names
+NODDED_TEXT = (
+    "Well done, my friends, this is a wonderful afternoon, and everybody came to see our beautiful garden tonight."
+)
+NODDED_WORDS = (1, 3, 7, 8, 10, 15, 16)  # indices of words with a nod
+NOD_AMOUNT = 0.4
+MAX_LAG = 0.1  # [s] goal for the median stroke lag; human hands precede the accent slightly (Pouw and Dixon 2019)
+PASSAGE_PARTS = (  # words, and the gesture whose stroke coincides with the next word
     ("Well, good afternoon to all of you, and", "inform_raise"),
     ("welcome to this house. If you will all follow me please, it is", "straight_ahead"),
     ("straight ahead, past the doors. The hall that you see there is really", "large"),
@@ -36,64 +44,72 @@ PASSAGE = (  # words, and the gesture whose stroke falls on the word after them
 )
 
 
-def synchrony_figures(part: str) -> list[Figure]:
-    """Measures the passage in the neutral manner, a story that nobody wrote for it in three, and nods.
+def synchrony_metrics(part: str) -> list[Metric]:
+    """Measure delays of gesture strokes and nods relative to speech.
 
     Args:
-        part: what the names of the figures begin with.
+        part: prefix of the metric names.
     """
-    nods = [*nod_lags().values()]
+    write_nods = [*nod_lags().values()]
     return [
-        _lag_figure(f"{part}.word_lag", passage_lags(), LARGEST),
+        _lag_metric(f"{part}.word_lag", passage_lags(), MAX_LAG),
         *(
-            _lag_figure(f"{part}.word_lag_story{ending}", story_lags(style), None if ending else LARGEST)
+            _lag_metric(f"{part}.word_lag_story{ending}", story_lags(style), None if ending else MAX_LAG)
             for style, ending in STORY_STYLES.items()
         ),
-        Figure(f"{part}.nod_lag", median(map(abs, nods)), "s", LARGEST, "lower", f"later: {_spread(nods)}"),
+        Metric(f"{part}.nod_lag", median(map(abs, write_nods)), "s", MAX_LAG, "lower", f"later: {_spread(write_nods)}"),
     ]
 
 
 @cache
 def passage_lags() -> tuple[StrokeLag, ...]:
-    """Plans the passage once in a process."""
-    return planned_lags(plan(passage(), set_up()))
+    """Plan the passage and return its stroke delays relative to words.
+
+    The result is cached.
+    """
+    return measure_planned_lags(plan(write_passage(), set_up()))
 
 
 @cache
 def story_lags(style: str) -> tuple[StrokeLag, ...]:
-    """Plans the story that comes with kinesic, once in a process."""
-    known = replace(set_up(), style=Style.load(style))
-    return planned_lags(plan((CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8"), known))
+    """Plan the supplied story in a style and return its stroke delays.
+
+    The result is cached.
+    """
+    setup = replace(set_up(), style=Style.load(style))
+    return measure_planned_lags(plan((CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8"), setup))
 
 
 @cache
 def nod_lags() -> Mapping[str, float]:
-    """Finds how much later than the accented syllable each of some nods ends [s], by id; negative where sooner."""
-    planned = plan(nods(), set_up())
+    """Return each nod's delay [s] after its stressed syllable, by id."""
+    planned = plan(write_nods(), set_up())
     times = {(sync.behaviour, sync.sync): sync.planned for sync in planned.syncs}
     syllables = find_syllables(planned.timeline.block, planned.utterances)
-    return {id: times[id, "strokeEnd"] - times[id, sync] - left for (id, sync), left in syllables.items()}
+    return {id: times[id, "strokeEnd"] - times[id, sync] - remaining for (id, sync), remaining in syllables.items()}
 
 
-def nods() -> str:
-    """Writes nods on words as BML."""
-    words = " ".join(f'<sync id="w{k}"/>{word}' for k, word in enumerate(NODDED.split()))
-    heads = "".join(f'<head id="n{k}" lexeme="NOD" amount="{NOD}" stroke="s:w{k}"/>' for k in NODS)
-    return ROOT.format(f'<speech id="s" start="1.5"><text>{words}</text></speech>{heads}')
+def write_nods() -> str:
+    """Write a spoken text with nods on some words as BML."""
+    words = " ".join(f'<sync id="w{k}"/>{word}' for k, word in enumerate(NODDED_TEXT.split()))
+    heads = "".join(f'<head id="n{k}" lexeme="NOD" amount="{NOD_AMOUNT}" stroke="s:w{k}"/>' for k in NODDED_WORDS)
+    return BLOCK_TEMPLATE.format(f'<speech id="s" start="1.5"><text>{words}</text></speech>{heads}')
 
 
-def passage() -> str:
-    """Writes the passage as BML."""
-    words = "".join(f'{said} <sync id="w{k}"/>' for k, (said, _) in enumerate(PASSAGE))
+def write_passage() -> str:
+    """Write the spoken passage with its gestures as BML."""
+    spoken = "".join(f'{words} <sync id="w{k}"/>' for k, (words, _) in enumerate(PASSAGE_PARTS))
     gestures = "".join(
-        f'<gesture id="{lexeme}" lexeme="{lexeme}" stroke="s:w{k}"/>' for k, (_, lexeme) in enumerate(PASSAGE) if lexeme
+        f'<gesture id="{lexeme}" lexeme="{lexeme}" stroke="s:w{k}"/>'
+        for k, (_, lexeme) in enumerate(PASSAGE_PARTS)
+        if lexeme
     )
-    return ROOT.format(f'<speech id="s" start="1.5"><text>{words}</text></speech>{gestures}')
+    return BLOCK_TEMPLATE.format(f'<speech id="s" start="1.5"><text>{spoken}</text></speech>{gestures}')
 
 
-def _lag_figure(name: str, lags: Sequence[StrokeLag], goal: float | None) -> Figure:
-    return Figure(name, median_lag(lags), "s", goal, "lower", f"later: {_spread([each.lag for each in lags])}")
+def _lag_metric(name: str, lags: Sequence[StrokeLag], goal: float | None) -> Metric:
+    return Metric(name, compute_median_lag(lags), "s", goal, "lower", f"later: {_spread([lag.lag for lag in lags])}")
 
 
-def _spread(found: Sequence[float]) -> str:
-    return f"{written(np.percentile(found, PERCENTILES).tolist())} (n {len(found)})"
+def _spread(lags: Sequence[float]) -> str:
+    return f"{format_percentiles(np.percentile(lags, ROW_PERCENTILES).tolist())} (n {len(lags)})"

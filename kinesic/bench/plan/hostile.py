@@ -1,4 +1,4 @@
-"""Documents that nobody writes who means well, and what it takes to plan each, in a process of its own."""
+"""Hostile documents, and the CPU time and memory to plan them."""
 
 import json
 import random
@@ -7,88 +7,95 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from kinesic.bench.blocks import ROOT, throng
-from kinesic.bench.figure import Figure
+from kinesic.bench.blocks import CROWD_TEMPLATE, write_crammed_block
+from kinesic.bench.metric import Metric
 
-CPU, MEMORY = 10.0, 500.0  # [s] and [MB] that a plan may take
-PATIENCE = 120  # [s] of CPU, after which a process is ended
-PROGRAM = "kinesic.bench.plan.plan_process"
+MAX_CPU_TIME = 10.0  # [s] CPU time goal for planning one hostile document
+MAX_MEMORY = 500.0  # [MB] memory goal for planning one hostile document
+CPU_LIMIT = 120  # [s] CPU time after which the planning process is killed
+PLAN_PROGRAM = "kinesic.bench.plan.plan_process"
 
-Write = Callable[[Sequence[str]], str]  # a document, from lexemes of gestures
+DocumentWriter = Callable[[Sequence[str]], str]  # writes a document from lexemes of gestures
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What the plan of a document took, without starting the process."""
+    """CPU time and memory to plan one document."""
 
     cpu: float  # [s]
-    memory: float  # [MB] that the process had at most, kinesic itself included
-    ending: str  # counts of outcomes, or why it was refused
+    memory: float  # [MB] peak of the process, kinesic itself included
+    ending: str  # counts of outcomes, or the reason of the refusal
 
 
-def pile(count: int) -> Write:
-    """So many gestures at any times within ten seconds."""
+def write_pile(count: int) -> DocumentWriter:
+    """Return a function that writes gestures at random times within 10 s."""
 
     def write(lexemes: Sequence[str]) -> str:
-        chance = random.Random(0)
+        rng = random.Random(0)
         return _document(
-            f'<gesture id="g{k}" lexeme="{chance.choice(lexemes)}" stroke="{chance.uniform(0, 10):.2f}"/>'
+            f'<gesture id="g{k}" lexeme="{rng.choice(lexemes)}" stroke="{rng.uniform(0, 10):.2f}"/>'
             for k in range(count)
         )
 
     return write
 
 
-def stairs(count: int, later: float, long: float) -> Write:
-    """So many gestures of some length [s], each a little later [s] than the one before."""
+def write_stairs(count: int, interval: float, duration: float) -> DocumentWriter:
+    """Return a function that writes long gestures starting at regular intervals [s]."""
 
     def write(lexemes: Sequence[str]) -> str:
-        chance = random.Random(0)
+        rng = random.Random(0)
         return _document(
-            f'<gesture id="g{k}" lexeme="{chance.choice(lexemes)}" start="{start:.2f}" end="{start + long:.2f}"/>'
-            for k, start in ((k, later * k) for k in range(count))
+            f'<gesture id="g{k}" lexeme="{rng.choice(lexemes)}" start="{start:.2f}" end="{start + duration:.2f}"/>'
+            for k, start in ((k, interval * k) for k in range(count))
         )
 
     return write
 
 
-def mob(count: int) -> Write:
-    """So many gestures and as many nods at any times within ten seconds."""
-    return lambda lexemes: throng(0, lexemes, count)
+def write_mob(count: int) -> DocumentWriter:
+    """Return a function that writes many gestures and nods within 10 s."""
+    return lambda lexemes: write_crammed_block(0, lexemes, count)
 
 
-def nods(count: int, every: float) -> Write:
-    """So many nods, one each so many seconds."""
-    return lambda lexemes: _document(f'<head id="h{k}" lexeme="NOD" start="{every * k:.2f}"/>' for k in range(count))
+def write_nods(count: int, interval: float) -> DocumentWriter:
+    """Return a function that writes nods at regular intervals [s]."""
+    return lambda lexemes: _document(f'<head id="h{k}" lexeme="NOD" start="{interval * k:.2f}"/>' for k in range(count))
 
 
-def looks(count: int) -> Write:
-    """So many looks to and fro, each begun while the one before it lasts."""
+def write_gazes(count: int) -> DocumentWriter:
+    """Return a function that writes overlapping gazes to left and right."""
     return lambda lexemes: _document(
         f'<gaze id="g{k}" target="{("left", "right")[k % 2]}" start="{0.3 * k:.2f}" end="{0.3 * k + 0.6:.2f}"/>'
         for k in range(count)
     )
 
 
-def stances(count: int, every: float, long: float) -> Write:
-    """So many postures of the arms of some length [s], one each so many seconds: no body holds one after the other."""
+def write_postures(count: int, interval: float, duration: float) -> DocumentWriter:
+    """Return a function that writes overlapping arm postures, which exclude each other.
+
+    They start at regular intervals [s] and have a given length [s].
+    """
     poses = ("ARMS_CROSSED", "ARMS_AKIMBO", "ARMS_OPEN", "ARMS_NEUTRAL")
     return lambda lexemes: _document(
-        f'<posture id="p{k}" start="{every * k:.2f}" end="{every * k + long:.2f}">'
+        f'<posture id="p{k}" start="{interval * k:.2f}" end="{interval * k + duration:.2f}">'
         f'<pose part="ARMS" lexeme="{poses[k % len(poses)]}"/></posture>'
         for k in range(count)
     )
 
 
-def ring(count: int, sync: str) -> Write:
-    """So many nods, each of which begins at a sync point of the next one, and the last at that of the first."""
+def write_ring(count: int, sync: str) -> DocumentWriter:
+    """Return a function that writes nods with circular time references."""
     return lambda lexemes: _document(
         f'<head id="h{k}" lexeme="NOD" start="h{(k + 1) % count}:{sync}"/>' for k in range(count)
     )
 
 
-def contradictions(count: int) -> Write:
-    """So many beats that are each to come a second before the seventh after it."""
+def write_contradictions(count: int) -> DocumentWriter:
+    """Return a function that writes beat gestures with contradictory constraints.
+
+    Each beat must come a second before the seventh one after it.
+    """
 
     def write(lexemes: Sequence[str]) -> str:
         beats = "".join(f'<gesture id="g{k}" lexeme="BEAT"/>' for k in range(count))
@@ -96,73 +103,77 @@ def contradictions(count: int) -> Write:
             f'<synchronize ref="g{k}:stroke"><sync ref="g{(k + 7) % count}:stroke+1"/></synchronize>'
             for k in range(count)
         )
-        return ROOT.format(f'{beats}<constraint id="c">{ties}</constraint>')
+        return CROWD_TEMPLATE.format(f'{beats}<constraint id="c">{ties}</constraint>')
 
     return write
 
 
-def marks(count: int) -> Write:
-    """A speech with so many marks, with a nod at every fifth."""
+def write_marks(count: int) -> DocumentWriter:
+    """Return a function that writes speech with many marks and some nods."""
 
     def write(lexemes: Sequence[str]) -> str:
         text = " ".join(f'word <sync id="m{k}"/>' for k in range(count))
         heads = "".join(f'<head id="h{k}" lexeme="NOD" stroke="s:m{k}"/>' for k in range(0, count, 5))
-        return ROOT.format(f'<speech id="s"><text>{text}</text></speech>{heads}')
+        return CROWD_TEMPLATE.format(f'<speech id="s"><text>{text}</text></speech>{heads}')
 
     return write
 
 
-def _always(inside: str) -> Write:
-    return lambda lexemes: ROOT.format(inside)
+def _constant(content: str) -> DocumentWriter:
+    return lambda lexemes: CROWD_TEMPLATE.format(content)
 
 
 def _document(lines: Iterable[str]) -> str:
-    return ROOT.format("".join(lines))
+    return CROWD_TEMPLATE.format("".join(lines))
 
 
-GAZES = (
+LONG_GAZES = (
     '<gaze id="a" target="left" start="0" end="900"/><gaze id="b" target="right" start="100" end="1000"/>'
     '<gesture id="g" lexeme="BEAT" stroke="999"/>'
 )
-FAR = '<gesture id="g" lexeme="BEAT" start="0" stroke="0.001" end="0.002"/><head id="n" lexeme="NOD" end="-1100"/>'
-DOCUMENTS: Mapping[str, Write] = {
-    **{f"pile_{count}": pile(count) for count in (20, 50, 100, 300)},
-    **{f"mob_{count}": mob(count) for count in (40, 200)},
-    "stairs_100": stairs(100, 0.05, 2.0),
-    "stairs_300": stairs(300, 0.05, 2.0),
-    "row_100": stairs(100, 0.3, 1.0),
-    "nods_1000_s": nods(1000, 1.0),
-    "nods_hurried": nods(1000, 0.1),
-    "looks_500": looks(500),
-    "stances_300": stances(300, 0.5, 2.0),
-    "ring_of_ends": ring(500, "end"),
-    "ring_of_starts": ring(500, "start"),
-    "contradictions": contradictions(200),
-    "marks": marks(3000),
-    "gazes_900_s": _always(GAZES),
-    "unreachable_times": _always(FAR),
-    "huge_numbers": _always('<gesture id="g" lexeme="BEAT" stroke="1e300"/><head id="h" lexeme="NOD" amount="1e99"/>'),
-    "repetition": _always('<head id="h" lexeme="NOD" repetition="10000"/>'),
-    "repetition_100": _always('<head id="h" lexeme="NOD" repetition="100" start="0" end="5"/>'),
-    "attribute_2_mb": _always(f'<gesture id="g" lexeme="{"x" * 2_000_000}"/><head id="h" lexeme="NOD"/>'),
-    "nested": _always("<required>" * 5000 + '<head id="h" lexeme="NOD"/>' + "</required>" * 5000),
+UNREACHABLE_GESTURE = (
+    '<gesture id="g" lexeme="BEAT" start="0" stroke="0.001" end="0.002"/><head id="n" lexeme="NOD" end="-1100"/>'
+)
+HOSTILE_DOCUMENTS: Mapping[str, DocumentWriter] = {
+    **{f"pile_{count}": write_pile(count) for count in (20, 50, 100, 300)},
+    **{f"mob_{count}": write_mob(count) for count in (40, 200)},
+    "stairs_100": write_stairs(100, 0.05, 2.0),
+    "stairs_300": write_stairs(300, 0.05, 2.0),
+    "row_100": write_stairs(100, 0.3, 1.0),
+    "nods_1000_s": write_nods(1000, 1.0),
+    "nods_hurried": write_nods(1000, 0.1),
+    "looks_500": write_gazes(500),
+    "stances_300": write_postures(300, 0.5, 2.0),
+    "ring_of_ends": write_ring(500, "end"),
+    "ring_of_starts": write_ring(500, "start"),
+    "contradictions": write_contradictions(200),
+    "marks": write_marks(3000),
+    "gazes_900_s": _constant(LONG_GAZES),
+    "unreachable_times": _constant(UNREACHABLE_GESTURE),
+    "huge_numbers": _constant(
+        '<gesture id="g" lexeme="BEAT" stroke="1e300"/><head id="h" lexeme="NOD" amount="1e99"/>'
+    ),
+    "repetition": _constant('<head id="h" lexeme="NOD" repetition="10000"/>'),
+    "repetition_100": _constant('<head id="h" lexeme="NOD" repetition="100" start="0" end="5"/>'),
+    "attribute_2_mb": _constant(f'<gesture id="g" lexeme="{"x" * 2_000_000}"/><head id="h" lexeme="NOD"/>'),
+    "nested": _constant("<required>" * 5000 + '<head id="h" lexeme="NOD"/>' + "</required>" * 5000),
 }
 
 
 def measure_plan(name: str) -> Cost:
-    """Plans a document of `DOCUMENTS` in a process of its own, which is ended when it takes far too long.
+    """Plan a hostile document in a separate process with a time limit.
 
     Raises:
-        subprocess.CalledProcessError: the process did not end well.
+        subprocess.CalledProcessError: the process failed.
     """
-    done = subprocess.run([sys.executable, "-m", PROGRAM, name], stdout=subprocess.PIPE, check=True)
-    return Cost(**json.loads(done.stdout))
+    process = subprocess.run([sys.executable, "-m", PLAN_PROGRAM, name], stdout=subprocess.PIPE, check=True)
+    return Cost(**json.loads(process.stdout))
 
 
-def figures(names: Sequence[str] = tuple(DOCUMENTS)) -> list[Figure]:
-    """Measures the worst of some documents."""
+def metrics(names: Sequence[str] = tuple(HOSTILE_DOCUMENTS)) -> list[Metric]:
+    """Measure the largest CPU time and memory to plan hostile documents."""
     costs = [measure_plan(name) for name in names]
     return [
-        Figure("plan.cpu_hostile", max(cost.cpu for cost in costs), "s", CPU, "lower"),
-        Figure("plan.memory_hostile", max(cost.memory for cost in costs), "MB", MEMORY, "lower"),
+        Metric("plan.cpu_hostile", max(cost.cpu for cost in costs), "s", MAX_CPU_TIME, "lower"),
+        Metric("plan.memory_hostile", max(cost.memory for cost in costs), "MB", MAX_MEMORY, "lower"),
     ]

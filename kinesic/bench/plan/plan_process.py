@@ -1,29 +1,33 @@
-"""Plans one hostile document and prints what that took: `python -m kinesic.bench.plan.plan_process NAME`."""
+"""Process that measures the cost of planning one hostile document.
+
+Run `python -m kinesic.bench.plan.plan_process NAME`; it prints JSON.
+"""
 
 import json
-import resource
 import sys
 from collections import Counter
 from dataclasses import asdict
+from math import nan
 from pathlib import Path
 from time import process_time
 
-from kinesic.bench.plan.hostile import DOCUMENTS, PATIENCE, Cost
+from kinesic.bench.plan.hostile import CPU_LIMIT, HOSTILE_DOCUMENTS, Cost
 from kinesic.bml.block import BmlError
-from kinesic.controller.perform import plan, set_up
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-KIB = 1024
-STATUS = Path("/proc/self/status")
+BYTES_PER_KIB = 1024
+STATUS_FILE = Path("/proc/self/status")
 
 
-def measure(name: str) -> Cost:
-    """Plans a document in this process."""
-    known = set_up()
-    text = DOCUMENTS[name]([form.id for form in known.lexicon.forms])
+def measure_cost(name: str) -> Cost:
+    """Return the CPU time and memory to plan a document."""
+    setup = set_up()
+    text = HOSTILE_DOCUMENTS[name]([form.id for form in setup.lexicon.forms])
     began = process_time()
     try:
-        found = plan(text, known)
-        kinds = Counter(outcome.kind for outcome in found.keyframes.outcomes.values())
+        planned = plan(text, setup)
+        kinds = Counter(outcome.kind for outcome in planned.keyframes.outcomes.values())
         ending = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
     except BmlError as error:
         ending = f"refused: {error}"[:200]
@@ -31,13 +35,28 @@ def measure(name: str) -> Cost:
 
 
 def peak_memory() -> float:
-    """Looks up the largest memory of this process [MB]; usage as told of a child includes its parent's at the start."""
-    if STATUS.exists():
-        told = dict(line.split(":", 1) for line in STATUS.read_text(encoding="utf-8").splitlines())
-        return float(told["VmHWM"].split()[0]) / KIB
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / KIB**2
+    """Return the peak memory of this process [MB].
+
+    The usage reported for a child process would include its parent's at the start.
+    """
+    if STATUS_FILE.exists():
+        status = dict(line.split(":", 1) for line in STATUS_FILE.read_text(encoding="utf-8").splitlines())
+        return float(status["VmHWM"].split()[0]) / BYTES_PER_KIB
+    peak = nan
+    if sys.platform != "win32":
+        import resource  # noqa: PLC0415 - Windows has none
+
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / BYTES_PER_KIB**2
+    return peak
+
+
+def _bound_time() -> None:
+    if sys.platform != "win32":
+        import resource  # noqa: PLC0415 - Windows has none
+
+        resource.setrlimit(resource.RLIMIT_CPU, (CPU_LIMIT, CPU_LIMIT))
 
 
 if __name__ == "__main__":
-    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
-    sys.stdout.write(json.dumps(asdict(measure(sys.argv[1]))))
+    _bound_time()
+    sys.stdout.write(json.dumps(asdict(measure_cost(sys.argv[1]))))

@@ -1,11 +1,11 @@
-"""Measures where the time goes, stage by stage, each beside what the machine allows at best."""
+"""Benchmark of planning and dry runs by stage."""
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.metric import Metric
 from kinesic.bench.speed import dry_runs, plans, starting
 
-PARTS = (dry_runs, plans, starting)
+SPEED_PARTS = (dry_runs, plans, starting)
 
 
-def bench() -> list[Figure]:
-    """Measures every figure of the part."""
-    return [figure for part in PARTS for figure in part.bench()]
+def bench() -> list[Metric]:
+    """Measure the speed of dry runs, planning and program start."""
+    return [metric for part in SPEED_PARTS for metric in part.bench()]

@@ -1,4 +1,7 @@
-"""A headless Chromium, driven over its debugging protocol: opens pages, moves the pointer, reads what a page says."""
+"""Headless Chromium driven by the Chrome debugging protocol.
+
+It opens pages, moves the pointer and evaluates scripts.
+"""
 
 import shutil
 import subprocess
@@ -14,8 +17,8 @@ import msgspec
 from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
-BINARIES = ("chromium", "chromium-browser", "google-chrome")
-FLAGS = (
+CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM_FLAGS = (
     "--headless=new",
     "--no-sandbox",
     "--disable-gpu",
@@ -25,125 +28,135 @@ FLAGS = (
     "--ignore-gpu-blocklist",
     "--remote-debugging-port=0",
 )
-PATIENCE = 60.0  # [s] until it opens, answers, or shows what is waited for
-LOOK = 0.02  # [s] between two looks at that
+BROWSER_TIMEOUT = 60.0  # [s] time limit of a browser start, answer or page condition
+POLL_INTERVAL = 0.02  # [s] between checks of a page condition
 
-Mouse = Literal["mousePressed", "mouseMoved", "mouseReleased"]
+MouseEvent = Literal["mousePressed", "mouseMoved", "mouseReleased"]
 Value = TypeVar("Value")
-NOTHING = msgspec.Raw(b"")
+EMPTY_REPLY = msgspec.Raw(b"")
 
 
 class Reply(msgspec.Struct):
-    """What the browser answers to a call; other messages have no number."""
+    """Answer of the browser to a protocol call.
+
+    Other messages have no number.
+    """
 
     id: int = 0
-    result: msgspec.Raw = NOTHING
-    error: msgspec.Raw = NOTHING
+    result: msgspec.Raw = EMPTY_REPLY
+    error: msgspec.Raw = EMPTY_REPLY
 
 
 class Evaluated(msgspec.Struct):
-    """What an expression is worth, as the browser wraps it."""
+    """Value of a JavaScript expression as wrapped by the browser."""
 
     result: dict[str, msgspec.Raw]
-    exceptionDetails: msgspec.Raw = NOTHING  # noqa: N815 - the browser's word
+    exceptionDetails: msgspec.Raw = EMPTY_REPLY  # noqa: N815 - the browser's name
 
 
 def find_binary() -> str | None:
-    """Finds the path of a Chromium; None where none is installed."""
-    return next(filter(None, map(shutil.which, BINARIES)), None)
+    """Return the path of an installed Chromium.
+
+    The result is None if none is installed.
+    """
+    return next(filter(None, map(shutil.which, CHROMIUM_NAMES)), None)
 
 
 class Page:
-    """An open page, or the browser itself."""
+    """Protocol connection to an open page or to the browser itself."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection, self._numbers = connection, count(1)
 
     def send(self, method: str, **parameters: object) -> int:
-        """Calls without waiting for the answer, and gives the call's number."""
+        """Send a protocol call without waiting, and return its number."""
         number = next(self._numbers)
         self._connection.send(msgspec.json.encode({"id": number, "method": method, "params": parameters}).decode())
         return number
 
     def call(self, method: str, **parameters: object) -> msgspec.Raw:
-        """Calls, and gives what the browser answers."""
+        """Send a protocol call and return the browser's answer."""
         number = self.send(method, **parameters)
-        while (reply := msgspec.json.decode(self._connection.recv(timeout=PATIENCE), type=Reply)).id != number:
+        while (reply := msgspec.json.decode(self._connection.recv(timeout=BROWSER_TIMEOUT), type=Reply)).id != number:
             pass
         if bytes(reply.error):
             raise RuntimeError(f"the browser does not {method}: {bytes(reply.error).decode()}")
         return reply.result
 
     def read(self, expression: str, kind: type[Value]) -> Value:
-        """Reads what an expression of the page's script is worth, which is of some kind."""
-        told = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
-        found = msgspec.json.decode(told, type=Evaluated)
-        if bytes(found.exceptionDetails) or "value" not in found.result:
-            raise RuntimeError(f"the page does not tell {expression}: {bytes(told).decode()}")
-        return msgspec.json.decode(found.result["value"], type=kind)
+        """Evaluate a JavaScript expression as a value of a type."""
+        answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        evaluated = msgspec.json.decode(answer, type=Evaluated)
+        if bytes(evaluated.exceptionDetails) or "value" not in evaluated.result:
+            raise RuntimeError(f"the page does not tell {expression}: {bytes(answer).decode()}")
+        return msgspec.json.decode(evaluated.result["value"], type=kind)
 
     def wait(self, expression: str) -> None:
-        """Waits until an expression is true."""
-        end = monotonic() + PATIENCE
+        """Wait until a JavaScript expression is true."""
+        end = monotonic() + BROWSER_TIMEOUT
         while not self.read(f"Boolean({expression})", bool):
             if monotonic() > end:
-                raise RuntimeError(f"the page is never so: {expression}")
-            sleep(LOOK)
+                raise RuntimeError(f"the page never fulfils {expression}")
+            sleep(POLL_INTERVAL)
 
-    def move(self, kind: Mouse, x: float, y: float) -> None:
-        """Presses, moves or lets go the left button at a place [CSS pixels], without waiting for what comes of it."""
+    def move(self, kind: MouseEvent, x: float, y: float) -> None:
+        """Send a mouse event at a page position [CSS pixels].
+
+        The page's reaction is not awaited.
+        """
         self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
 
 
 class Browser(subprocess.Popen[bytes]):
-    """A Chromium with these flags more, which runs until `end`."""
+    """Chromium process with additional flags that runs until `end`."""
 
-    def __init__(self, *more: str) -> None:
+    def __init__(self, *flags: str) -> None:
         self._profile = TemporaryDirectory(prefix="kinesic-chromium-", ignore_cleanup_errors=True)
         folder = Path(self._profile.name)
-        command = [str(find_binary()), *FLAGS, f"--user-data-dir={folder}", *more, "about:blank"]
+        command = [str(find_binary()), *CHROMIUM_FLAGS, f"--user-data-dir={folder}", *flags, "about:blank"]
         super().__init__(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        end = monotonic() + PATIENCE
-        while not (found := _words(folder / "DevToolsActivePort"))[1:]:
+        end = monotonic() + BROWSER_TIMEOUT
+        while not (port_lines := _read_words(folder / "DevToolsActivePort"))[1:]:
             if monotonic() > end:
                 raise RuntimeError(f"{command[0]} does not open")
-            sleep(LOOK)
-        self.address, self.name = f"ws://127.0.0.1:{found[0]}/devtools/", found[1].rpartition("/")[2]
+            sleep(POLL_INTERVAL)
+        self.address, self.name = f"ws://127.0.0.1:{port_lines[0]}/devtools/", port_lines[1].rpartition("/")[2]
 
     def end(self) -> None:
-        """Ends it, and removes what it has written."""
+        """Terminate the browser and remove its files."""
         self.terminate()
-        self.wait(PATIENCE)
+        self.wait(BROWSER_TIMEOUT)
         self._profile.cleanup()
 
     @contextmanager
     def open_page(self, url: str) -> Iterator[Page]:
-        """Opens a page of which nothing is known yet; it, and what is known of it, are gone afterwards."""
+        """Open a page with a fresh profile and discard both on exit."""
         with connect(f"{self.address}browser/{self.name}", max_size=None) as connection:
-            door = Page(connection)
+            browser_target = Page(connection)
             context = msgspec.json.decode(
-                door.call("Target.createBrowserContext", disposeOnDetach=True), type=dict[str, str]
+                browser_target.call("Target.createBrowserContext", disposeOnDetach=True), type=dict[str, str]
             )["browserContextId"]
             target = msgspec.json.decode(
-                door.call("Target.createTarget", url="about:blank", browserContextId=context), type=dict[str, str]
+                browser_target.call("Target.createTarget", url="about:blank", browserContextId=context),
+                type=dict[str, str],
             )["targetId"]
-            with connect(f"{self.address}page/{target}", max_size=None) as own:
-                page = Page(own)
+            with connect(f"{self.address}page/{target}", max_size=None) as page_connection:
+                page = Page(page_connection)
                 page.call("Page.navigate", url=url)
                 yield page
-            door.call("Target.disposeBrowserContext", browserContextId=context)
+            browser_target.call("Target.disposeBrowserContext", browserContextId=context)
 
 
 @contextmanager
-def open_browser(*more: str) -> Iterator[Browser]:
-    """Opens a Chromium with these flags more, and ends it."""
-    browser = Browser(*more)
+def open_browser(*flags: str) -> Iterator[Browser]:
+    """Start Chromium with additional flags and end it on exit."""
+    browser = Browser(*flags)
     try:
         yield browser
     finally:
         browser.end()
 
 
-def _words(file: Path) -> list[str]:
-    """Of a file, none as long as it is not there."""
+def _read_words(file: Path) -> list[str]:
+    """Split a file into words, none if the file is missing."""
     return file.read_text().split() if file.exists() else []

@@ -1,49 +1,63 @@
-"""The studio's page in a browser: how soon it is seen, and how soon a dragged hand is drawn where it was dragged to."""
+"""Timing of loads and drags of the studio page in a browser.
+
+First paint and drawing of a dragged hand.
+"""
 
 from math import cos, sin
 from time import monotonic, sleep
 
 from kinesic.bench.studio.browser import Browser, Page
 
-WINDOW_SIZE = (1280, 887)  # [pixels] with the browser's own 87
-MOVES = 59  # [1/s] of the pointer, so that they come at all moments between two frames, of which there are 60
-WAY = 40.0  # [CSS pixels] to each side on which the hand is dragged
-SETTLED = 1.0  # [s] after which the page has drawn all that it opens with
-STATE = "kinesicStudio.state()"
-READY = f"window.kinesicStudio !== undefined && {STATE}.planned > 0 && {STATE}.drawn > 0 && {STATE}.left !== null"
-PAINTED = "performance.getEntriesByName('first-contentful-paint')"
-SEEN = (
+WINDOW_SIZE = (1280, 887)  # [pixels] browser window, 87 of them for the browser's own bars
+POINTER_RATE = 59  # [1/s] mouse moves, just below 60 frames per second to reach every frame phase
+DRAG_AMPLITUDE = 40.0  # [CSS pixels] amplitude of the dragged pointer
+SETTLING_TIME = 1.0  # [s] wait for the page to finish its first drawing
+STATE_SCRIPT = "kinesicStudio.state()"
+READY_SCRIPT = (
+    f"window.kinesicStudio !== undefined && {STATE_SCRIPT}.planned > 0 && {STATE_SCRIPT}.drawn > 0"
+    f" && {STATE_SCRIPT}.left !== null"
+)
+PAINT_SCRIPT = "performance.getEntriesByName('first-contentful-paint')"
+DRAWN_SCRIPT = (
     "new Promise(seen => (function look() { "
-    f"if (window.kinesicStudio !== undefined && {STATE}.drawn > 0) seen(performance.now()); "
+    f"if (window.kinesicStudio !== undefined && {STATE_SCRIPT}.drawn > 0) seen(performance.now()); "
     "else requestAnimationFrame(look); })())"
-)  # [ms] from the page's address until its robot is drawn
+)  # [ms] from navigation until the robot is drawn
 
 
 def time_first_paints(browser: Browser, url: str, count: int) -> tuple[list[float], list[float]]:
-    """Times cold loads of the page [ms]: until anything is painted, and until its robot is drawn."""
-    painted, seen = list[float](), list[float]()
+    """Measure cold loads [ms] of the studio page.
+
+    First paint and first drawing of the robot.
+    """
+    painted, drawn = list[float](), list[float]()
     for _ in range(count):
         with browser.open_page(url) as page:
-            seen.append(page.read(SEEN, float))
-            page.wait(f"{PAINTED}.length > 0")
-            painted.append(page.read(f"{PAINTED}[0].startTime", float))
-    return painted, seen
+            drawn.append(page.read(DRAWN_SCRIPT, float))
+            page.wait(f"{PAINT_SCRIPT}.length > 0")
+            painted.append(page.read(f"{PAINT_SCRIPT}[0].startTime", float))
+    return painted, drawn
 
 
 def time_drags(page: Page, seconds: float) -> list[float]:
-    """Drags a hand on the open page, and times each posture [ms]: from the pointer's move until it is drawn."""
-    page.wait(READY)
+    """Drag a hand on the studio page and return drawing latencies [ms].
+
+    A latency is the time from the pointer's move until the posture is drawn.
+    """
+    page.wait(READY_SCRIPT)
     page.read("void document.querySelector('#view-front').click(), 0", int)
-    sleep(SETTLED)
-    x, y = (page.read(f"{STATE}.left.{axis}", float) for axis in "xy")
+    sleep(SETTLING_TIME)
+    x, y = (page.read(f"{STATE_SCRIPT}.left.{axis}", float) for axis in "xy")
     page.move("mousePressed", x, y)
-    page.read(f"{STATE}.latencies.length = 0", int)
+    page.read(f"{STATE_SCRIPT}.latencies.length = 0", int)
     began, k = monotonic(), 0
     while (now := monotonic() - began) < seconds:
-        page.move("mouseMoved", x + WAY * sin(3.0 * now), y - WAY + WAY * cos(2.0 * now))
+        page.move(
+            "mouseMoved", x + DRAG_AMPLITUDE * sin(3.0 * now), y - DRAG_AMPLITUDE + DRAG_AMPLITUDE * cos(2.0 * now)
+        )
         k += 1
-        sleep(max(0.0, began + k / MOVES - monotonic()))
-    found = page.read(f"{STATE}.latencies", list[float])
+        sleep(max(0.0, began + k / POINTER_RATE - monotonic()))
+    latencies = page.read(f"{STATE_SCRIPT}.latencies", list[float])
     page.move("mouseReleased", x, y)
-    page.wait(f"{STATE}.drawn > 0")
-    return found
+    page.wait(f"{STATE_SCRIPT}.drawn > 0")
+    return latencies

@@ -1,4 +1,4 @@
-"""The constraint sets that the reference parser states for its documents."""
+"""Constraint sets compared with those that the reference parser states for its documents."""
 
 import json
 import os
@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from kinesic.bench.bml.constraint_sets import After, Constraints, Equals, constraints_of
+from kinesic.bench.bml.constraint_sets import Constraints, OrderConstraint, TimeClass, collect_constraints
 from kinesic.bml.block import Block, BmlError
 from kinesic.bml.parse import parse
 from kinesic.bml.timing.constraints import Point
@@ -26,32 +26,32 @@ def _point(block: str, sync: str) -> Point:
     return Point(block, behaviour, name)
 
 
-def _shifted(group: Equals) -> dict[Point, float]:
-    """A class with the offset of its first point (by name) taken as 0, so that classes compare."""
+def _shifted(group: TimeClass) -> dict[Point, float]:
+    """Return a class with offsets relative to its first point by name."""
     zero = group[min(group)]
     return {point: round(offset - zero, 6) for point, offset in group.items()}
 
 
-def _same_classes(found: tuple[Equals, ...], wanted: list[list[dict[str, Any]]], block: str) -> bool:
-    expected = [{_point(block, m["sync"]): m["offset"] for m in group} for group in wanted]
+def _same_classes(constraints: tuple[TimeClass, ...], expected_sets: list[list[dict[str, Any]]], block: str) -> bool:
+    expected = [{_point(block, m["sync"]): m["offset"] for m in group} for group in expected_sets]
     key = repr
-    return sorted((sorted(_shifted(g).items()) for g in found), key=key) == sorted(
+    return sorted((sorted(_shifted(g).items()) for g in constraints), key=key) == sorted(
         (sorted(_shifted(g).items()) for g in expected), key=key
     )
 
 
-def _same_afters(found: tuple[After, ...], wanted: list[dict[str, Any]], block: str) -> bool:
+def _same_afters(constraints: tuple[OrderConstraint, ...], expected_sets: list[dict[str, Any]], block: str) -> bool:
     expected = {}
-    for after in wanted:
+    for after in expected_sets:
         ref, targets = after["ref"], after["targets"]
         expected[_point(block, ref["sync"])] = sorted(
             (_point(block, t["sync"]), round(t["offset"] - ref["offset"], 6)) for t in targets
         )
-    return {a.point: sorted((p, round(o, 6)) for p, o in a.targets) for a in found} == expected
+    return {a.point: sorted((p, round(o, 6)) for p, o in a.targets) for a in constraints} == expected
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)
-def test_documents(name: str) -> None:
+def test_time_constraints_of_corpus_documents_equal_those_of_the_reference_parser(name: str) -> None:
     facts = DOCUMENTS[name]
     text = (CORPUS / "openbmlparser" / name).read_bytes()
     if facts["parse"] == "error":
@@ -59,12 +59,18 @@ def test_documents(name: str) -> None:
             parse(text, source=name)
         return
     block = parse(text, source=name)
-    found = constraints_of(block)
+    constraints = collect_constraints(block)
     assert facts["block"] in (None, block.id)
-    for field, classes in (("constraints", found.classes), ("required_constraints", found.required_classes)):
+    for field, classes in (
+        ("constraints", constraints.classes),
+        ("required_constraints", constraints.required_classes),
+    ):
         if facts[field] is not None:
             assert _same_classes(classes, facts[field], block.id), (field, classes)
-    for field, afters in (("after_constraints", found.afters), ("required_after_constraints", found.required_afters)):
+    for field, afters in (
+        ("after_constraints", constraints.afters),
+        ("required_after_constraints", constraints.required_afters),
+    ):
         if facts[field] is not None:
             assert _same_afters(afters, facts[field], block.id), (field, afters)
     if facts["behaviour_count"] is not None:
@@ -74,20 +80,20 @@ def test_documents(name: str) -> None:
 
 
 @pytest.mark.parametrize("case", DATA["inline"], ids=lambda case: case["test"])
-def test_inline(case: dict[str, Any]) -> None:
+def test_time_constraints_of_small_blocks_equal_those_of_the_reference_parser(case: dict[str, Any]) -> None:
     if case["parse"] == "error":
         with pytest.raises(BmlError):
             parse(case["bml"], strict=case["strict"])
         return
-    found = constraints_of(parse(case["bml"], strict=case["strict"]))
+    constraints = collect_constraints(parse(case["bml"], strict=case["strict"]))
     for fact in case["facts"]:
-        assert _normal(_fact(found, fact)) == _normal(fact["value"]), fact
+        assert _normal(_fact(constraints, fact)) == _normal(fact["value"]), fact
 
 
-def _fact(found: Constraints, fact: dict[str, Any]) -> object:
+def _fact(constraints: Constraints, fact: dict[str, Any]) -> object:
     if fact["fact"] == "depends_on_blocks":
-        return sorted(found.blocks())
-    return getattr(found, fact["fact"])(*fact["behaviours"])
+        return sorted(constraints.referenced_blocks())
+    return getattr(constraints, fact["fact"])(*fact["behaviours"])
 
 
 def _normal(value: object) -> object:
@@ -96,7 +102,7 @@ def _normal(value: object) -> object:
     return value
 
 
-def test_contradicting_equalities_keep_the_first() -> None:
+def test_first_of_two_contradicting_time_equations_is_kept() -> None:
     block: Block = parse('<bml><head id="a" start="b:start+1"/><head id="b" start="a:start+1"/></bml>')
-    (group,) = constraints_of(block).classes
+    (group,) = collect_constraints(block).classes
     assert group[Point("block", "b", "start")] - group[Point("block", "a", "start")] == 1.0

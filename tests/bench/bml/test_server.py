@@ -1,9 +1,17 @@
-"""The bench of the live server, with a server of its own: a sample of what `make soak` runs for long."""
+"""Benchmark of the live server: a short sample of the long runs of `make soak`."""
 
 import pytest
 
 from kinesic.bench.bml import server as live_server
-from kinesic.bench.bml.server import FLAT, RATE, SMALL, _grown, endurance, latencies, open_server
+from kinesic.bench.bml.server import (
+    ENDURANCE_RATE,
+    MAX_MEMORY_GROWTH,
+    SMALL_BEHAVIOURS,
+    _compute_memory_growth,
+    measure_latencies,
+    open_server,
+    run_endurance,
+)
 
 pytestmark = pytest.mark.realtime
 
@@ -12,25 +20,26 @@ SECONDS = 3.0
 
 @pytest.fixture(scope="module")
 def server():
-    with open_server("--voice", "durations") as found:
-        yield found
+    with open_server("--voice", "durations") as running:
+        yield running
 
 
-def test_every_block_is_measured(server, monkeypatch):
-    monkeypatch.setattr(live_server, "EVERY", 0.5)
-    found = latencies(server, len(SMALL))
-    assert len(found) == len(SMALL)
-    assert all(0.0 < each.feedback <= each.command for each in found)
+def test_latency_of_each_block_is_measured(server, monkeypatch):
+    monkeypatch.setattr(live_server, "BLOCK_INTERVAL", 0.5)
+    delays = measure_latencies(server, len(SMALL_BEHAVIOURS))
+    assert len(delays) == len(SMALL_BEHAVIOURS)
+    assert all(0.0 < delay.feedback <= delay.command for delay in delays)
 
 
-def test_ten_blocks_a_second_lose_nothing_and_memory_stays(server):
-    lasting = endurance(server, SECONDS)
-    assert lasting.sent == SECONDS * RATE
-    assert lasting.lost == 0
-    assert lasting.growth is None or lasting.growth <= FLAT
+def test_server_loses_no_block_and_limits_memory_at_ten_blocks_per_second(server):
+    run = run_endurance(server, SECONDS)
+    assert run.sent == SECONDS * ENDURANCE_RATE
+    assert run.lost == 0
+    assert run.growth is None or run.growth <= MAX_MEMORY_GROWTH
 
 
-def test_a_server_that_does_not_open_says_why():
+@pytest.mark.soak
+def test_server_that_fails_to_start_gives_its_reason():
     with (
         pytest.raises(RuntimeError, match="did not open: kinesic: --rule rate=x"),
         open_server("--rule", "rate=x"),
@@ -38,7 +47,8 @@ def test_a_server_that_does_not_open_says_why():
         pass
 
 
-def test_growth_is_from_the_settled_part_to_the_end():
+@pytest.mark.soak
+def test_memory_growth_is_measured_after_the_initial_rise():
     memory = [(float(k), 100 if k < 5 else 200 if k < 15 else 210) for k in range(20)]
-    assert _grown(memory, 20.0) == pytest.approx(5.0)
-    assert _grown([], 20.0) is None
+    assert _compute_memory_growth(memory, 20.0) == pytest.approx(5.0)
+    assert _compute_memory_growth([], 20.0) is None

@@ -3,7 +3,8 @@ import pytest
 
 from kinesic.bench.bml import speech
 from kinesic.body.utterance import Sound
-from kinesic.controller.perform import plan, set_up
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.speech.espeak_pool import espeak_fault
 
 
@@ -13,45 +14,48 @@ def _engine() -> None:
         pytest.skip(espeak_fault())
 
 
-def test_silence_ends_where_sound_begins():
+def test_word_onsets_are_found_after_silences():
     samples = np.zeros(1000)
     samples[100:300], samples[320:400], samples[700:800] = 0.5, 0.5, -0.5
-    assert speech.onsets(Sound.of(1000, samples)) == [0.7]  # nobody is silent for 20 ms
+    assert speech.find_onsets(Sound.of(1000, samples)) == [0.7]  # pauses of 20 ms do not count as silence
 
 
-def test_strokes_meet_the_words_that_are_heard_on_the_pessimistic_twin():
+def test_strokes_are_within_30_ms_of_audible_words():
     errors = list(speech.heard_stroke_errors(3))
     assert len(errors) >= 4
     assert max(map(abs, errors)) <= 0.030
 
 
-def test_a_word_that_waits_is_met_as_well():
-    """Without a pause its stroke would be late; the pause is long enough to be seen in the sound."""
+def test_stroke_is_within_30_ms_of_a_word_delayed_by_a_pause():
+    """Check a stroke that is in time only because a pause delays its word.
+
+    The pause is long enough to be found in the sound.
+    """
     text = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" kinesic:pause="true">'
         '<speech id="s"><text>Now we look <sync id="zero"/>at <sync id="one"/>apples here</text></speech>'
         '<gesture id="right" lexeme="large" mode="RIGHT_HAND" start="s:zero" stroke="s:one"/></bml>'
     )
-    known = set_up(voice="espeak")
-    assert any("a pause of" in notice.text for notice in plan(text, known).notices)
-    (error,) = speech.performed_errors(text, known)
+    setup = set_up(voice="espeak")
+    assert any("a pause of" in notice.text for notice in plan(text, setup).notices)
+    (error,) = speech.stroke_errors(text, setup)
     assert abs(error) <= 0.030
 
 
-def test_a_voice_that_is_late_is_found_out(monkeypatch: pytest.MonkeyPatch):
-    """The measurement does not take the times of the plan for those of the sound."""
-    late = speech.sound
+def test_stroke_error_metric_detects_a_delayed_voice(monkeypatch: pytest.MonkeyPatch):
+    """Check that the measurement takes word times from the sound, not from the plan."""
+    original_sound = speech.sound
 
-    def later(planned):
-        heard = late(planned)
-        return Sound.of(heard.rate, np.concatenate([np.zeros(heard.rate // 10), heard.samples]))
+    def delayed_sound(planned):
+        audio = original_sound(planned)
+        return Sound.of(audio.rate, np.concatenate([np.zeros(audio.rate // 10), audio.samples]))
 
-    monkeypatch.setattr(speech, "sound", later)
+    monkeypatch.setattr(speech, "sound", delayed_sound)
     errors = list(speech.heard_stroke_errors(1))
     assert errors == pytest.approx([-0.1] * len(errors), abs=0.03)
 
 
-def test_every_figure_has_its_goal():
-    figures = speech.bench(sentences=4, blocks=1)
-    assert {figure.name for figure in figures} >= {"bml.speech.mark_error_max", "bml.speech.stroke_error_max"}
-    assert all(figure.ok for figure in figures if "error" in figure.name)
+def test_speech_mark_and_stroke_errors_meet_their_benchmark_goals():
+    metrics = speech.bench(sentences=4, blocks=1)
+    assert {metric.name for metric in metrics} >= {"bml.speech.mark_error_max", "bml.speech.stroke_error_max"}
+    assert all(metric.ok for metric in metrics if "error" in metric.name)

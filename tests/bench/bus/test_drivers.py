@@ -1,4 +1,4 @@
-"""lerobot as a driver of the fault matrix: a double with its interface, and itself where it is installed."""
+"""lerobot as a driver of the fault matrix: a test double, and the real package if installed."""
 
 import sys
 from enum import Enum
@@ -8,16 +8,16 @@ from types import ModuleType, SimpleNamespace
 import pytest
 from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
 
-from kinesic.bench.bus.drivers import LerobotDriver, lerobot_missing
-from kinesic.bench.bus.matrix import TrialResult, cases, trial
+from kinesic.bench.bus.drivers import LerobotDriver, why_lerobot_is_missing
+from kinesic.bench.bus.matrix import TrialResult, list_cases, run_trial
 
-CASES = {case.name: case for case in cases()}
-NUMBERS = {"xm430-w350": 1020}
+CASES = {case.name: case for case in list_cases()}
+MODEL_NUMBERS = {"xm430-w350": 1020}
 ADDRESSES = {"Goal_Position": 116, "Present_Position": 132}
 
 
 class Double:
-    """The part of lerobot's bus that the driver uses, on the SDK."""
+    """Test double for the part of lerobot's bus that the driver uses, built on the SDK."""
 
     def __init__(self, port: str, motors: dict[str, SimpleNamespace]) -> None:
         self.motors, self.port_handler = motors, PortHandler(port)
@@ -31,7 +31,7 @@ class Double:
         assert self.port_handler.openPort()
         for name, motor in self.motors.items():
             number, _, _ = self.packets.ping(self.port_handler, motor.id)
-            if number != NUMBERS[motor.model]:
+            if number != MODEL_NUMBERS[motor.model]:
                 raise RuntimeError(f"check failed\n\n{name}: found {number}\n\nFull expected motor list: all of them")
 
     def sync_write(self, data_name: str, values: dict[str, int], *, normalize: bool, num_retry: int) -> None:
@@ -56,50 +56,50 @@ class Double:
 
 @pytest.fixture
 def double(monkeypatch: pytest.MonkeyPatch) -> None:
-    """lerobot is installed, so it seems."""
+    """Replace the lerobot modules by a test double."""
     motors, dynamixel = ModuleType("lerobot.motors"), ModuleType("lerobot.motors.dynamixel")
-    way = Enum("MotorNormMode", ["DEGREES"])
+    mode = Enum("MotorNormMode", ["DEGREES"])
     vars(motors).update(
-        MotorNormMode=way, Motor=lambda id, model, norm_mode: SimpleNamespace(id=id, model=model, way=norm_mode)
+        MotorNormMode=mode, Motor=lambda id, model, norm_mode: SimpleNamespace(id=id, model=model, mode=norm_mode)
     )
     vars(dynamixel).update(DynamixelMotorsBus=Double)
     for module in (ModuleType("lerobot"), motors, dynamixel):
         monkeypatch.setitem(sys.modules, module.__name__, module)
 
 
-def tried(name: str, *, retries: int = 0, cycles: int = 60) -> TrialResult:
-    opens = partial(LerobotDriver, retries=retries)
-    return trial(CASES[name], opens, servos=5, baud=1_000_000, seed=1, cycles=cycles)
+def run_case(name: str, *, retries: int = 0, cycles: int = 60) -> TrialResult:
+    make_driver = partial(LerobotDriver, retries=retries)
+    return run_trial(CASES[name], make_driver, servos=5, baud=1_000_000, seed=1, cycles=cycles)
 
 
 @pytest.mark.usefixtures("double")
-def test_it_drives_the_servos_of_the_matrix():
-    found = tried("calm")
-    assert lerobot_missing() == ""
-    assert (found.exceptions, found.wrong, found.fresh) == (0, 0, 1.0)
-    assert found.duration(50) < 0.01
+def test_lerobot_reads_the_simulated_servos_without_errors():
+    result = run_case("calm")
+    assert why_lerobot_is_missing() == ""
+    assert (result.exceptions, result.wrong, result.fresh) == (0, 0, 1.0)
+    assert result.duration(50) < 0.01
 
 
 @pytest.mark.usefixtures("double")
-def test_a_failed_read_is_an_exception_or_costs_retries():
-    once, again = tried("lost 5%"), tried("lost 5%", retries=3)
+def test_lerobot_raises_for_failed_reads_or_retries_them():
+    once, again = run_case("lost 5%"), run_case("lost 5%", retries=3)
     assert once.exceptions > 0
     assert again.exceptions == 0
     assert again.duration(99) > 0.01
 
 
 @pytest.mark.usefixtures("double")
-def test_servos_that_it_refuses_are_refused_in_one_line():
-    assert tried("wrong model").refused == "check failed servo2: found 1060"
+def test_servo_of_the_wrong_model_is_reported_in_one_line():
+    assert run_case("wrong model").refused == "check failed servo2: found 1060"
 
 
-def test_what_is_not_installed_is_said(monkeypatch: pytest.MonkeyPatch):
+def test_missing_lerobot_package_is_reported(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "lerobot", None)
-    assert lerobot_missing().startswith("lerobot is not installed: ")
+    assert why_lerobot_is_missing().startswith("lerobot is not installed: ")
 
 
-def test_itself_drives_them_too():
-    if why := lerobot_missing():
+def test_installed_lerobot_drives_the_servos():
+    if why := why_lerobot_is_missing():
         pytest.skip(why)
-    found = tried("calm")
-    assert (found.exceptions, found.wrong, found.fresh) == (0, 0, 1.0)
+    result = run_case("calm")
+    assert (result.exceptions, result.wrong, result.fresh) == (0, 0, 1.0)

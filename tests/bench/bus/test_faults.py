@@ -1,4 +1,4 @@
-"""The fault matrix for every driver: as tables, and for machines."""
+"""Fault matrix of every driver, as tables and as JSON."""
 
 import json
 
@@ -10,32 +10,34 @@ from kinesic.bench.bus import faults
 from kinesic.bench.bus.matrix import FaultCase
 
 
-def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch: pytest.MonkeyPatch):
-    asked: list[object] = []
+def test_fault_benchmark_prints_a_table_or_a_reason_for_each_driver(monkeypatch: pytest.MonkeyPatch):
+    factories: list[object] = []
 
-    def one(opens: object, **named: object) -> list[object]:
-        asked.append(opens)
+    def no_trials(make_driver: object, **named: object) -> list[object]:
+        factories.append(make_driver)
         return []
 
-    monkeypatch.setattr(faults, "matrix", one)
-    monkeypatch.setattr(faults, "MISSING", {"lerobot": lambda: "not here", "lerobot, 3 retries": lambda: ""})
-    found = [str(trials) for trials in faults.compare_drivers(sizes=(7,), bauds=(1_000_000,), seeds=(0,))]
-    assert [table.splitlines()[0] for table in found] == ["kinesic", "dynamixel-sdk", "lerobot", "lerobot, 3 retries"]
-    assert found[2] == "lerobot\n\nnull: not here\n"
-    assert len(asked) == 3
+    monkeypatch.setattr(faults, "run_matrix", no_trials)
+    monkeypatch.setattr(faults, "MISSING_REASONS", {"lerobot": lambda: "not here", "lerobot, 3 retries": lambda: ""})
+    tables = [str(trials) for trials in faults.compare_drivers(sizes=(7,), bauds=(1_000_000,), seeds=(0,))]
+    assert [table.splitlines()[0] for table in tables] == ["kinesic", "dynamixel-sdk", "lerobot", "lerobot, 3 retries"]
+    assert tables[2] == "lerobot\n\nnull: not here\n"
+    assert len(factories) == 3
 
 
-def test_machines_read_every_trial(monkeypatch: pytest.MonkeyPatch):
-    def one(opens: faults.Opens, **named: object) -> list[faults.TrialResult]:
-        return [faults.trial(FaultCase("calm"), opens, servos=2, baud=57_600, seed=3, cycles=4)]
+def test_fault_benchmark_json_lists_every_trial(monkeypatch: pytest.MonkeyPatch):
+    def one_trial(make_driver: faults.DriverFactory, **named: object) -> list[faults.TrialResult]:
+        return [faults.run_trial(FaultCase("calm"), make_driver, servos=2, baud=57_600, seed=3, cycles=4)]
 
-    monkeypatch.setattr(faults, "matrix", one)
-    monkeypatch.setattr(faults, "DRIVERS", {"kinesic": faults.DRIVERS["kinesic"], "lerobot": one})
-    monkeypatch.setattr(faults, "MISSING", {"lerobot": lambda: "not here"})
+    monkeypatch.setattr(faults, "run_matrix", one_trial)
+    monkeypatch.setattr(
+        faults, "DRIVER_FACTORIES", {"kinesic": faults.DRIVER_FACTORIES["kinesic"], "lerobot": one_trial}
+    )
+    monkeypatch.setattr(faults, "MISSING_REASONS", {"lerobot": lambda: "not here"})
     printed = CliRunner().invoke(cli.kinesic, ["bench", "bus", "--matrix", "--json"], standalone_mode=False)
     kinesic, lerobot = json.loads(printed.output)
-    (trial,) = kinesic["trials"]
-    assert (trial["case"], trial["servos"], trial["baud"], trial["seed"]) == ("calm", 2, 57_600, 3)
-    assert (trial["exceptions"], trial["wrong"], trial["fresh"]) == (0, 0, 1.0)
-    assert 0 < trial["p99_s"] < trial["period_s"]
+    (record,) = kinesic["trials"]
+    assert (record["case"], record["servos"], record["baud"], record["seed"]) == ("calm", 2, 57_600, 3)
+    assert (record["exceptions"], record["wrong"], record["fresh"]) == (0, 0, 1.0)
+    assert 0 < record["p99_s"] < record["period_s"]
     assert lerobot == {"driver": "lerobot", "why": "not here", "trials": []}

@@ -5,39 +5,41 @@ from time import sleep
 
 import pytest
 
-from kinesic.bench.meaning.streaming import EVERY, PHRASES, first_command
+from kinesic.bench.meaning.streaming import STREAMED_PHRASES, WORD_INTERVAL, measure_first_command
 from kinesic.client import Client
 
-LATE = 0.3  # [s] that the server takes to begin
+ANSWER_DELAY = 0.3  # [s] delay of the server's answers
 SAYING = json.dumps({"told": "saying", "block": "said1-1", "text": "Hello my friend"})
 ALL_SAID = json.dumps({"told": "all_said", "block": "said1-1"})
-BEGINS, ENDS = (f'<blockProgress xmlns="x" id="said1-1:{point}" globalTime="1"/>' for point in ("start", "end"))
+START_MESSAGE, END_MESSAGE = (
+    f'<blockProgress xmlns="x" id="said1-1:{point}" globalTime="1"/>' for point in ("start", "end")
+)
 
 
-def answer(listener: socket.socket, heard: list[str], answers: tuple[str, ...]) -> None:
-    """A server that tells what it is given to tell once it has been told that no more words come."""
+def answer(listener: socket.socket, received: list[str], answers: tuple[str, ...]) -> None:
+    """Act as a server that sends given answers after the last word."""
     connection, _ = listener.accept()
     data = b""
     while b'"ends"' not in data:
         data += connection.recv(4096)
-    heard += [json.loads(each)["text"] for each in data.split(b"\0")[:-1] if b'"text"' in each]
-    for told in answers:
-        sleep(LATE * (told is not SAYING))
-        connection.sendall(told.encode() + b"\0")
+    received += [json.loads(part)["text"] for part in data.split(b"\0")[:-1] if b'"text"' in part]
+    for message in answers:
+        sleep(ANSWER_DELAY * (message is not SAYING))
+        connection.sendall(message.encode() + b"\0")
     connection.close()
 
 
-@pytest.mark.parametrize("told", [(SAYING, BEGINS, ALL_SAID, ENDS), (SAYING, ALL_SAID, ENDS)])
-def test_the_time_from_the_end_of_the_phrase_to_the_start_of_its_block_is_measured(told):
-    heard: list[str] = []
+@pytest.mark.parametrize("answers", [(SAYING, START_MESSAGE, ALL_SAID, END_MESSAGE), (SAYING, ALL_SAID, END_MESSAGE)])
+def test_delay_from_last_word_to_block_start_is_measured(answers):
+    received: list[str] = []
     with socket.create_server(("127.0.0.1", 0)) as listener:
-        server = Thread(target=answer, args=(listener, heard, told))
+        server = Thread(target=answer, args=(listener, received, answers))
         server.start()
         with Client(port=listener.getsockname()[1]) as client:
-            found = first_command(client, PHRASES[0])
+            delay = measure_first_command(client, STREAMED_PHRASES[0])
         server.join(5.0)
-    assert "".join(heard) == PHRASES[0]
-    if BEGINS in told:
-        assert 1000 * (LATE + EVERY) <= found < 1000 * 2 * (LATE + EVERY) + 1000
+    assert "".join(received) == STREAMED_PHRASES[0]
+    if START_MESSAGE in answers:
+        assert 1000 * (ANSWER_DELAY + WORD_INTERVAL) <= delay < 1000 * 2 * (ANSWER_DELAY + WORD_INTERVAL) + 1000
     else:
-        assert found == float("inf")
+        assert delay == float("inf")

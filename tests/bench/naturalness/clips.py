@@ -1,4 +1,4 @@
-"""An actor and a clip in SmartBody's format, as small as they can be."""
+"""A minimal actor and clip in SmartBody's format."""
 
 from pathlib import Path
 
@@ -33,20 +33,20 @@ MARKS = {"ready": 0.5, "strokeStart": 1.0, "emphasis": 1.4, "stroke": 1.5, "rela
 
 
 def write_skeleton(folder: Path) -> Path:
-    """Writes ChrTest.sk."""
+    """Write ChrTest.sk."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "ChrTest.sk").write_text(SKELETON)
     return folder / "ChrTest.sk"
 
 
 def write_clip(path: Path, turns, *, rate: float = 30.0, marks=MARKS) -> Path:
-    """Writes a clip.
+    """Write a clip.
 
     Args:
-        path: of the file.
-        turns: channel -> (m, 1) [m] or (m, 3) [rad]; those that are missing are zero.
-        rate: [Hz] of the frames.
-        marks: [s] by their names in a file.
+        path: path of the file.
+        turns: channel -> translations (m, 1) [m] or rotation vectors (m, 3) [rad]; missing channels are zero.
+        rate: frame rate [Hz].
+        marks: times [s] by their names in the file.
     """
     count = len(next(iter(turns.values())))
     columns = [turns.get(name, np.zeros((count, 1 if name.endswith("Pos") else 3))) for name in CHANNELS]

@@ -17,19 +17,19 @@ from .clips import write_clip, write_skeleton
 
 
 @pytest.fixture(scope="module")
-def few(known):
-    """Two gestures in two styles."""
+def few_gestures(known):
+    """Measure two gestures in two styles."""
     forms = [form for form in known.lexicon.forms if form.id in ("beat", "offer")]
-    found = [measure_gesture(form, known) for form in forms]
-    return (*found, *(replace(each, style="calm") for each in found))
+    measured = [measure_gesture(form, known) for form in forms]
+    return (*measured, *(replace(gesture, style="calm") for gesture in measured))
 
 
 @pytest.fixture(autouse=True)
-def varied(few, monkeypatch):
-    """Spares the benches the whole lexicon as it varies, and stories that other tests plan."""
-    monkeypatch.setattr(naturalness, "varied", lambda: {7: few[:2]})
+def short_benchmark(few_gestures, monkeypatch):
+    """Skip the varied lexicon, and stories that other tests plan."""
+    monkeypatch.setattr(naturalness, "varied", lambda: {7: few_gestures[:2]})
     monkeypatch.setattr(synchrony, "STORY_STYLES", {})
-    monkeypatch.setattr(story, "STYLES", story.STYLES[:1])
+    monkeypatch.setattr(story, "STORY_STYLES", story.STORY_STYLES[:1])
 
 
 @pytest.fixture
@@ -44,32 +44,35 @@ def run(*words):
     return cli.kinesic.main(["bench", *map(str, words)], standalone_mode=False)
 
 
-def test_a_folder_of_clips_is_measured_instead_of_the_lexicon(folder, capsys):
+def test_folder_of_clips_is_measured_instead_of_the_lexicon(folder, capsys):
     run("naturalness", "--capture", folder, "--json")
-    figures = {figure["name"]: figure for figure in json.loads(capsys.readouterr().out)}
-    assert figures["naturalness.captured.clips"]["value"] == 1
-    assert figures["naturalness.captured.duration"]["value"] == pytest.approx(89 / 30, abs=1e-5)
-    assert all(name.startswith("naturalness.captured.") for name in figures)
+    metrics = {metric["name"]: metric for metric in json.loads(capsys.readouterr().out)}
+    assert metrics["naturalness.captured.clips"]["value"] == 1
+    assert metrics["naturalness.captured.duration"]["value"] == pytest.approx(89 / 30, abs=1e-5)
+    assert all(name.startswith("naturalness.captured.") for name in metrics)
 
 
-def test_styles_are_measured_alone_or_beside_clips(folder, few, capsys, monkeypatch):
-    asked = []
-    monkeypatch.setattr(naturalness, "measured", lambda styles: asked.append(styles) or few)
+def test_naturalness_of_styles_is_measured_beside_captured_motion(folder, few_gestures, capsys, monkeypatch):
+    requested = []
+    monkeypatch.setattr(naturalness, "measured", lambda styles: requested.append(styles) or few_gestures)
     run("naturalness", "--style", "neutral", "--style", "calm", "--capture", folder, "--json")
-    names = {figure["name"] for figure in json.loads(capsys.readouterr().out)}
-    assert asked == [("neutral", "calm")]
+    names = {metric["name"] for metric in json.loads(capsys.readouterr().out)}
+    assert requested == [("neutral", "calm")]
     assert {"naturalness.flow", "naturalness.calm.flow", "naturalness.captured.flow", "naturalness.variety"} <= names
 
 
-def test_the_neutral_manner_is_measured_as_it_varies_too(few, monkeypatch):
-    monkeypatch.setattr(naturalness, "measured", lambda _: few)
-    names = {figure.name for figure in naturalness.bench_styles(["neutral", "calm"])}
+def test_neutral_style_is_measured_with_variation(few_gestures, monkeypatch):
+    monkeypatch.setattr(naturalness, "measured", lambda _: few_gestures)
+    names = {metric.name for metric in naturalness.bench_styles(["neutral", "calm"])}
     assert {"naturalness.varied.7.alike", "naturalness.varied.7.misplaced"} <= names
-    assert not any(".varied." in figure.name for figure in naturalness.bench_styles(["calm"]))
+    assert not any(".varied." in metric.name for metric in naturalness.bench_styles(["calm"]))
 
 
-def test_pictures_are_of_the_styles_that_are_measured(few, folder, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(naturalness, "measured", lambda styles: [each for each in few if each.style in styles])
+@pytest.mark.soak
+def test_naturalness_plots_show_only_the_measured_styles(few_gestures, folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(
+        naturalness, "measured", lambda styles: [gesture for gesture in few_gestures if gesture.style in styles]
+    )
     run("naturalness", "--style", "calm", "--plots", tmp_path / "calm")
     assert os.listdir(tmp_path / "calm") == ["naturalness.png"]
     run("naturalness", "--capture", folder, "--plots", tmp_path / "clips only")
@@ -78,28 +81,29 @@ def test_pictures_are_of_the_styles_that_are_measured(few, folder, tmp_path, cap
 
 
 @pytest.mark.parametrize("words", [("--style", "calm"), ("--capture", "clips")])
-def test_other_parts_have_neither_styles_nor_clips(words):
-    with pytest.raises(click.UsageError, match="naturalness alone"):
+def test_style_and_capture_options_are_rejected_except_for_naturalness(words):
+    with pytest.raises(click.UsageError, match="apply only to naturalness"):
         run("plan", *words)
 
 
-def test_without_a_corpus_it_says_what_is_missing(few, monkeypatch, tmp_path):
+def test_missing_corpus_is_reported(few_gestures, monkeypatch, tmp_path):
     monkeypatch.setenv("KINESIC_CORPUS", str(tmp_path / "nowhere"))
-    monkeypatch.setattr(naturalness, "measured", lambda _: few)
+    monkeypatch.setattr(naturalness, "measured", lambda _: few_gestures)
     missing = naturalness.bench()[-1]
     assert (missing.name, missing.value) == ("naturalness.captured.clips", None)
     assert "KINESIC_CORPUS" in missing.why
 
 
-def test_a_corpus_is_measured_beside_the_lexicon(few, monkeypatch, folder):
-    os.rename(folder, folder.parent / naturalness.CAPTURE)
+def test_naturalness_benchmark_also_measures_the_motion_capture_corpus(few_gestures, monkeypatch, folder):
+    os.rename(folder, folder.parent / naturalness.CAPTURE_FOLDER)
     monkeypatch.setenv("KINESIC_CORPUS", str(folder.parent))
-    monkeypatch.setattr(naturalness, "measured", lambda _: few)
-    assert {figure.name: figure.value for figure in naturalness.bench()}["naturalness.captured.clips"] == 1
+    monkeypatch.setattr(naturalness, "measured", lambda _: few_gestures)
+    assert {metric.name: metric.value for metric in naturalness.bench()}["naturalness.captured.clips"] == 1
 
 
-def test_pictures_show_all_manners_and_the_neutral_one_beside_people(few, tmp_path):
-    pictures = draw(few, tmp_path)
+@pytest.mark.soak
+def test_plots_of_naturalness_and_distances_from_people_are_drawn(few_gestures, tmp_path):
+    pictures = draw(few_gestures, tmp_path)
     assert [path.name for path in pictures] == ["naturalness.png", "naturalness-distances.png"]
     for path in pictures:
         with Image.open(path) as drawn:

@@ -2,52 +2,53 @@ import pytest
 
 from kinesic.bench.naturalness import synchrony
 from kinesic.bench.naturalness.synchrony import (
-    LARGEST,
-    NODS,
-    PASSAGE,
+    MAX_LAG,
+    NODDED_WORDS,
+    PASSAGE_PARTS,
     nod_lags,
     passage_lags,
     story_lags,
-    synchrony_figures,
+    synchrony_metrics,
 )
-from kinesic.controller.synchrony import StrokeLag, median_lag
+from kinesic.metrics.synchrony import StrokeLag, compute_median_lag
 
 
-def test_every_stroke_of_the_passage_meets_its_word(known):
+def test_gesture_strokes_of_the_test_passage_coincide_with_word_accents(known):
     lags = passage_lags()
-    assert [each.behaviour for each in lags] == [lexeme for _, lexeme in PASSAGE if lexeme]
-    assert max(abs(each.stroke - each.accent) for each in lags) < 0.011
-    assert median_lag(lags) <= LARGEST
-    assert all(len(known.lexicon.find(each.behaviour, "unspecified").form.keys) > 1 for each in lags)
+    assert [lag.behaviour for lag in lags] == [lexeme for _, lexeme in PASSAGE_PARTS if lexeme]
+    assert max(abs(lag.stroke - lag.accent) for lag in lags) < 0.011
+    assert compute_median_lag(lags) <= MAX_LAG
+    assert all(len(known.lexicon.find(lag.behaviour, "unspecified").form.keys) > 1 for lag in lags)
 
 
 @pytest.mark.parametrize(
-    ("style", "most"), [("neutral", 0.1), pytest.param("calm", 0.16, marks=pytest.mark.soak), ("joyful", 0.1)]
+    ("style", "limit"),
+    [("neutral", 0.1), *(pytest.param(*row, marks=pytest.mark.soak) for row in (("calm", 0.16), ("joyful", 0.1)))],
 )
-def test_a_story_that_nobody_wrote_for_it_meets_its_words_in_every_manner(style, most):
+def test_gesture_strokes_of_the_story_coincide_with_word_accents_in_every_style(style, limit):
     lags = story_lags(style)
     assert len(lags) == 16
-    assert max(abs(each.stroke - each.accent) for each in lags) < 0.011
-    assert median_lag(lags) <= most
+    assert max(abs(lag.stroke - lag.accent) for lag in lags) < 0.011
+    assert compute_median_lag(lags) <= limit
 
 
-def test_nods_end_with_the_accented_syllable_of_their_word():
-    found = nod_lags()
-    assert len(found) == len(NODS)
-    assert max(map(abs, found.values())) < 0.08
+def test_nods_end_with_the_accented_syllable():
+    lags = nod_lags()
+    assert len(lags) == len(NODDED_WORDS)
+    assert max(map(abs, lags.values())) < 0.08
 
 
-def test_the_row_is_the_median_and_the_spread(monkeypatch):
-    found = tuple(StrokeLag("g", "stroke", "s:m", 1.0, 1.0, 1.0 + lag) for lag in (-0.3, 0.1, 0.2))
-    monkeypatch.setattr(synchrony, "passage_lags", lambda: found)
-    monkeypatch.setattr(synchrony, "story_lags", lambda style: found)
-    figure, *stories, nodding = synchrony_figures("naturalness")
-    assert (figure.name, figure.value, figure.goal) == ("naturalness.word_lag", pytest.approx(0.2), 0.1)
-    assert [(each.name.removeprefix("naturalness.word_lag_"), each.goal) for each in stories] == [
+def test_stroke_lag_metric_is_the_median_absolute_lag(monkeypatch):
+    lags = tuple(StrokeLag("g", "stroke", "s:m", 1.0, 1.0, 1.0 + lag) for lag in (-0.3, 0.1, 0.2))
+    monkeypatch.setattr(synchrony, "passage_lags", lambda: lags)
+    monkeypatch.setattr(synchrony, "story_lags", lambda style: lags)
+    metric, *stories, nodding = synchrony_metrics("naturalness")
+    assert (metric.name, metric.value, metric.goal) == ("naturalness.word_lag", pytest.approx(0.2), 0.1)
+    assert [(story.name.removeprefix("naturalness.word_lag_"), story.goal) for story in stories] == [
         ("story", 0.1),
         ("story_calm", None),
         ("story_joyful", None),
     ]
     assert (nodding.name, nodding.ok) == ("naturalness.nod_lag", True)
-    assert figure.ok is False
-    assert "n 3" in figure.why
+    assert metric.ok is False
+    assert "n 3" in metric.why

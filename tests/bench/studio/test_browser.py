@@ -1,4 +1,4 @@
-"""The bench of the studio's page, in a real browser with a real server."""
+"""Benchmark of the studio's page with a real browser."""
 
 from collections.abc import Iterator
 
@@ -13,12 +13,12 @@ pytestmark = pytest.mark.realtime
 @pytest.fixture(scope="module")
 def page() -> Iterator[Page]:
     if find_binary() is None:
-        pytest.skip(studio.NO_BROWSER)
-    with open_browser() as browser, browser.open_page("data:text/html,<p id=p>here</p>") as found:
-        yield found
+        pytest.skip(studio.BROWSER_MISSING)
+    with open_browser() as browser, browser.open_page("data:text/html,<p id=p>here</p>") as opened:
+        yield opened
 
 
-def test_what_a_page_tells_has_its_kind_and_what_it_does_not_tell_is_said(page: Page):
+def test_browser_page_returns_typed_values_and_reports_javascript_errors(page: Page):
     page.wait("document.querySelector('#p') !== null")
     assert page.read("document.querySelector('#p').textContent", str) == "here"
     assert page.read("[1, 2.5]", list[float]) == [1.0, 2.5]
@@ -28,7 +28,7 @@ def test_what_a_page_tells_has_its_kind_and_what_it_does_not_tell_is_said(page: 
         page.call("Page.fly")
 
 
-def test_the_pointer_moves_on_the_page(page: Page):
+def test_browser_page_receives_pointer_moves(page: Page):
     page.read("void addEventListener('mousemove', event => window.at = [event.clientX, event.clientY]), 0", int)
     page.move("mouseMoved", 20.0, 30.0)
     page.wait("window.at")

@@ -1,10 +1,13 @@
-"""Where there is no browser that is said; with one, tests/studio/test_stage.py times the page."""
+"""Benchmark of the studio's page without a browser.
+
+With a browser, tests/studio/test_stage.py times the page.
+"""
 
 from kinesic.bench import studio
 
 
-def test_without_a_browser_it_is_said_which_one_would_do(monkeypatch):
+def test_missing_browser_is_reported_with_a_remedy(monkeypatch):
     monkeypatch.setattr(studio, "find_binary", lambda: None)
-    assert [(figure.name, figure.value, figure.why) for figure in studio.bench_page()] == [
+    assert [(metric.name, metric.value, metric.why) for metric in studio.bench_page()] == [
         (name, None, "no Chromium: apt-get install chromium") for name in studio.PAGE_GOALS
     ]

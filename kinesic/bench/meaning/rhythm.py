@@ -1,0 +1,166 @@
+"""Benchmark of the rhythm of gesture strokes in stories of a minute.
+
+The stories are planned, so that dropped and late strokes and the paths of the hands count. Speech is that of the best
+voice of this machine.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.bench.meaning.stories import STORIES
+from kinesic.bench.metric import Metric
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.pacing.memory import REPEAT_WINDOW
+from kinesic.intent.pacing.rhythm import is_beat
+from kinesic.intent.pacing.tempo import RUN_SPACING
+from kinesic.planning.plan import Plan
+from kinesic.session.documents import write_text
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
+
+STORY_STYLES: Mapping[str, str] = {"restrained": "shy", "neutral": "neutral", "lively": "joyful"}  # level -> style
+LEAST_RATE = 7.7  # [1/min] gestures of people retelling a cartoon, 5th percentile
+MOST_RATE = 34.0  # [1/min] their 95th percentile
+MAX_STROKE_DELAY = 0.1  # [s] delay above which a stroke counts as late
+RETURN_RATIO = 0.3  # distance from rest, relative to that at the strokes, below which a hand has returned
+SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
+MAX_LOSSES = 2.0  # largest number of dropped gestures, and of late strokes, in three stories
+MAX_SILENCE = 14.0  # [s] largest accepted silence of the hands, in the restrained style
+
+
+@dataclass(frozen=True)
+class PlannedStroke:
+    """Stroke of a planned gesture."""
+
+    time: float  # [s] block time
+    delay: float  # [s] behind the requested time
+    lexeme: str
+    hands: frozenset[Side]
+
+
+@dataclass(frozen=True)
+class StoryRhythm:
+    """Rhythm of one planned story."""
+
+    seconds: float  # [s] duration of the speech
+    strokes: tuple[PlannedStroke, ...]  # in time order
+    lost: int  # dropped gestures
+    returns: tuple[bool, ...]  # whether a hand returned to rest, for each two strokes of one hand in a run
+
+    @property
+    def rate(self) -> float:
+        """Strokes in a minute of speech."""
+        return 60.0 * len(self.strokes) / self.seconds
+
+    @property
+    def beats(self) -> float:
+        """Fraction of beats among the gestures."""
+        return sum(is_beat(stroke.lexeme) for stroke in self.strokes) / max(len(self.strokes), 1)
+
+    @property
+    def silence(self) -> float:
+        """Longest time without a stroke during the speech [s]."""
+        times = [0.0, *(stroke.time for stroke in self.strokes), self.seconds]
+        return max(after - before for before, after in pairwise(times))
+
+    @property
+    def repeats(self) -> int:
+        """Number of gestures shown less than a minute before."""
+        last: dict[str, float] = {}
+        count = 0
+        for stroke in self.strokes:
+            count += stroke.time - last.get(stroke.lexeme, -np.inf) < REPEAT_WINDOW
+            last[stroke.lexeme] = stroke.time
+        return count
+
+    @property
+    def late(self) -> int:
+        """Number of strokes that miss their word."""
+        return sum(abs(stroke.delay) > MAX_STROKE_DELAY for stroke in self.strokes)
+
+
+def bench(robot: str = "human") -> Iterator[Metric]:
+    """Measure the stroke rhythm of three stories in three styles.
+
+    Args:
+        robot: name of the body.
+    """
+    for level, style in STORY_STYLES.items():
+        stories = [measure_story(text, style, robot) for text in STORIES.values()]
+        yield from metrics(f"meaning.rhythm.{level}", stories)
+
+
+def metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
+    """Yield the figures of several stories in one style.
+
+    Args:
+        part: prefix of the names.
+        stories: measured ones.
+    """
+    rates, beats = [story.rate for story in stories], [100.0 * story.beats for story in stories]
+    returns = [each for story in stories for each in story.returns]
+    yield Metric(f"{part}.rate_least", min(rates), "per minute", LEAST_RATE, "higher")
+    yield Metric(f"{part}.rate_most", max(rates), "per minute", MOST_RATE, "lower")
+    yield Metric(f"{part}.beats_least", min(beats), "%", None, "higher")
+    yield Metric(f"{part}.beats_most", max(beats), "%", None, "lower")
+    yield Metric(f"{part}.silence", max(story.silence for story in stories), "s", MAX_SILENCE, "lower")
+    yield Metric(f"{part}.repeats", sum(story.repeats for story in stories), "gestures", None, "lower")
+    yield Metric(f"{part}.lost", sum(story.lost for story in stories), "gestures", MAX_LOSSES, "lower")
+    yield Metric(f"{part}.late", sum(story.late for story in stories), "strokes", MAX_LOSSES, "lower")
+    why = "" if returns else "no two strokes of one hand in a run"
+    yield Metric(f"{part}.returns", 100.0 * float(np.mean(returns)) if returns else None, "%", 0.0, "lower", why=why)
+
+
+def measure_story(text: str, style: str, robot: str) -> StoryRhythm:
+    """Plan a story in a style, and measure its rhythm."""
+    setup = replace(set_up(robot, voice="auto"), style=Style.load(style))
+    return measure_plan(plan(write_text(text, setup).bml, setup))
+
+
+def measure_plan(planned: Plan) -> StoryRhythm:
+    """Measure the rhythm of a planned text."""
+    gestures = {each.id: each.action for each in planned.timeline.block.behaviours if each.type == "gesture"}
+    strokes = [
+        PlannedStroke(
+            sync.planned,
+            sync.planned - sync.requested,
+            getattr(gestures[sync.behaviour], "lexeme", ""),
+            frozenset(
+                side for side in SIDES if f"{side}_hand" in planned.keyframes.uses.get(sync.behaviour, frozenset())
+            ),
+        )
+        for sync in planned.syncs
+        if sync.sync == "stroke" and sync.behaviour in gestures
+    ]
+    strokes.sort(key=lambda stroke: stroke.time)
+    speech = [each.times["end"] for each in planned.timeline.timed if each.behaviour.type == "speech"]
+    outcomes = planned.keyframes.outcomes
+    lost = sum(id in outcomes and outcomes[id].kind == "dropped" for id in gestures)
+    return StoryRhythm(max(speech, default=planned.duration), tuple(strokes), lost, tuple(_returns(planned, strokes)))
+
+
+def _returns(planned: Plan, strokes: Sequence[PlannedStroke]) -> Iterator[bool]:
+    """Yield whether a hand rested between successive strokes of a run."""
+    times = np.arange(0.0, planned.trajectory.duration, SAMPLE_PERIOD)
+    angles = planned.trajectory.sample(times)[0]
+    distances = {side: _distance_from_rest(planned.setup.robot, side, angles) for side in SIDES}
+    for before, after in pairwise(strokes):
+        span = slice(*np.searchsorted(times - planned.trajectory.zero, (before.time, after.time)))
+        for side in before.hands & after.hands if after.time - before.time <= RUN_SPACING else ():
+            path = distances[side][span]
+            if len(path):
+                yield bool(path.min() < RETURN_RATIO * min(path[0], path[-1]))
+
+
+def _distance_from_rest(robot: Robot, side: Side, angles: Floats) -> Floats:
+    """Return wrist distances (m,) [m] from rest, relative to the chest."""
+    rows = np.vstack([robot.skeleton.rest, angles])
+    origins = robot.skeleton.frames(rows).origins
+    path = origins[:, robot.arm(side).wrist] - origins[:, robot.skeleton.segment(robot.arms[side].base)]
+    distance: Floats = np.linalg.norm(path[1:] - path[0], axis=1)
+    return distance
