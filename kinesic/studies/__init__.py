@@ -1,1 +1,1 @@
-"""Experiments that need no real time: gestures played alone, sweeps, and studies of perception."""
+"""Offline experiments: isolated gestures, sweeps, and perception studies."""

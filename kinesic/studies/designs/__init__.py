@@ -1,1 +1,4 @@
-"""Searches designs of a robot: variants of its file, what each is worth, and which are not beaten."""
+"""Search for better robot designs by trials in the twin.
+
+Variants of a robot file, their evaluation and Pareto front.
+"""

@@ -1,4 +1,4 @@
-"""Which designs are not beaten by another one in anything that counts."""
+"""Pareto comparison of robot designs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,39 +11,47 @@ from kinesic.studies.designs.trial import Trial
 
 
 @dataclass(frozen=True)
-class Goal:
-    """What a design is judged by."""
+class DesignCriterion:
+    """Criterion of a comparison of robot designs, with unit and direction."""
 
-    head: str  # of its column
+    head: str  # heading of its column
     unit: str
-    step: float  # what is less apart counts as equal
-    value: Callable[[Trial], float]  # in the unit; less is better
-    more: bool = False  # more of it is better: the value is its negative
+    step: float  # smaller differences count as equal
+    value: Callable[[Trial], float]  # in the unit; smaller is better
+    more: bool = False  # larger values are better; `value` is negated
 
 
 def _price(trial: Trial) -> float:
     return inf if trial.body is None or trial.body.price is None else trial.body.price
 
 
-GOALS: Mapping[str, Goal] = {
-    "lateness": Goal("lateness", "ms", 1.0, lambda trial: 1000 * trial.lateness),
-    "violations": Goal("violations", "", 1.0, lambda trial: trial.violations),
-    "torque": Goal("torque", "of stall", 0.01, lambda trial: trial.body.torque if trial.body else inf),
-    "mass": Goal("mass", "kg", 0.01, lambda trial: trial.body.mass if trial.body else inf),
-    "price": Goal("price", "US$", 1.0, _price),
-    "sectors": Goal("sectors", "of 105", 1.0, lambda trial: -float(trial.body.sectors if trial.body else 0), more=True),
-    "arm": Goal("arm", "m", 0.005, lambda trial: -(trial.body.arm_length if trial.body else 0.0), more=True),
+DESIGN_CRITERIA: Mapping[str, DesignCriterion] = {
+    "lateness": DesignCriterion("lateness", "ms", 1.0, lambda trial: 1000 * trial.lateness),
+    "violations": DesignCriterion("violations", "", 1.0, lambda trial: trial.violations),
+    "torque": DesignCriterion("torque", "of stall", 0.01, lambda trial: trial.body.torque if trial.body else inf),
+    "mass": DesignCriterion("mass", "kg", 0.01, lambda trial: trial.body.mass if trial.body else inf),
+    "price": DesignCriterion("price", "US$", 1.0, _price),
+    "sectors": DesignCriterion(
+        "sectors", "of 105", 1.0, lambda trial: -float(trial.body.sectors if trial.body else 0), more=True
+    ),
+    "arm": DesignCriterion("arm", "m", 0.005, lambda trial: -(trial.body.arm_length if trial.body else 0.0), more=True),
 }
 
 
 def values_of(trials: Sequence[Trial]) -> Floats:
-    """Tabulates (m, g) what trials are judged by, in steps; less is better."""
-    rows = [[goal.value(trial) / goal.step for goal in GOALS.values()] for trial in trials]
-    return np.array([[np.round(value) for value in row] for row in rows]).reshape(len(rows), len(GOALS))
+    """Return the criteria of design trials in whole comparison steps, (m, g).
+
+    Smaller is better.
+    """
+    rows = [[goal.value(trial) / goal.step for goal in DESIGN_CRITERIA.values()] for trial in trials]
+    return np.array([[np.round(value) for value in row] for row in rows]).reshape(len(rows), len(DESIGN_CRITERIA))
 
 
 def beaten_by(trials: Sequence[Trial]) -> list[list[int]]:
-    """Lists for each trial those that are no worse in anything and better in something."""
+    """List the dominating trials of each design trial.
+
+    Such a trial is no worse in any criterion and better in at least one.
+    """
     values = values_of(trials)
     return [
         [int(other) for other in np.flatnonzero((values <= values[k]).all(axis=1) & (values < values[k]).any(axis=1))]
@@ -52,8 +60,11 @@ def beaten_by(trials: Sequence[Trial]) -> list[list[int]]:
 
 
 def unbeaten(trials: Sequence[Trial]) -> list[Trial]:
-    """Picks the trials that no other one beats; of those that are equal in all the one that changes least."""
-    best = [trial for trial, better in zip(trials, beaten_by(trials), strict=True) if not better]
+    """Return the design trials that no other dominates.
+
+    Of equal trials the one with the fewest changes is kept.
+    """
+    best = [trial for trial, better_than_base in zip(trials, beaten_by(trials), strict=True) if not better_than_base]
     simplest: dict[bytes, Trial] = {}
     for trial, row in zip(best, values_of(best), strict=True):
         equal = simplest.setdefault(row.tobytes(), trial)
@@ -63,15 +74,19 @@ def unbeaten(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def rank(trials: Sequence[Trial], base: Trial) -> list[Trial]:
-    """Sorts trials, the best first: who beats the base, then who is beaten by few, then by their mean place.
+    """Sort design trials, best first.
+
+    First come trials that dominate the base, then trials dominated by few, then those with the best mean rank.
 
     Args:
-        trials: to be sorted.
-        base: one of them, which shall be bettered.
+        trials: trials to sort.
+        base: one of them, to be improved.
     """
     values = values_of(trials)
-    places = np.array([(values < row).sum(axis=0) for row in values]).mean(axis=1)
-    beaten = beaten_by(trials)
-    better = beaten[trials.index(base)]
-    order = sorted(range(len(trials)), key=lambda k: (k not in better, len(beaten[k]), float(places[k])))
+    mean_ranks = np.array([(values < row).sum(axis=0) for row in values]).mean(axis=1)
+    dominators = beaten_by(trials)
+    better_than_base = dominators[trials.index(base)]
+    order = sorted(
+        range(len(trials)), key=lambda k: (k not in better_than_base, len(dominators[k]), float(mean_ranks[k]))
+    )
     return [trials[k] for k in order]

@@ -1,4 +1,7 @@
-"""Searches designs by successive halving: all perform a few documents, the best of them more, and a few perform all."""
+"""Search of robot designs by successive halving.
+
+All designs perform a few documents, the best of them more, and a few designs all documents.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -15,37 +18,40 @@ from kinesic.tasks.engine import Engine
 from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
 
-SHARE = 3  # of the designs one goes on, with so many times the documents
-FEWEST_DESIGNS = 8  # designs that go on, where there are so many
-AS_IT_IS: Design = ()
+HALVING_RATIO = 3  # ratio of designs, and of documents, between successive rounds of halving
+MIN_DESIGNS = 8  # smallest number of designs that continue after a round
+BASE_DESIGN: Design = ()  # design of the unchanged robot
 
 NamedDocument = tuple[str, bytes]  # name and content
 
 
 @dataclass(frozen=True)
 class Round:
-    """One round of a search."""
+    """Numbers of designs and documents in one round of successive halving."""
 
-    documents: int  # that each design has performed by then
-    designs: int  # that took part
+    documents: int  # documents performed by each design so far
+    designs: int  # number of designs in the round
 
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search has found."""
+    """Finished, eliminated and rejected robot designs of a search."""
 
-    finished: tuple[Trial, ...]  # that performed all documents, the best first; the robot as it is is among them
-    left: tuple[Trial, ...]  # that were left behind on the way
-    out: tuple[Trial, ...]  # that cannot be built, collide or do not hold themselves; each says why
+    finished: tuple[Trial, ...]  # performed all documents, best first; includes the unchanged robot
+    left: tuple[Trial, ...]  # eliminated in earlier rounds
+    out: tuple[Trial, ...]  # cannot be built, collide or cannot hold themselves; each gives its reason
     rounds: tuple[Round, ...]
 
 
 def document_steps(documents: Sequence[NamedDocument], *, seed: int = 0) -> list[list[NamedDocument]]:
-    """Parts documents, in random order, into what each round adds: a third of the next round's, and so on."""
+    """Split shuffled documents into those added in each halving round.
+
+    The rounds use a ninth, a third and all of the documents.
+    """
     order = np.random.default_rng(seed).permutation(len(documents))
     ends, count = [len(documents)], len(documents)
     while count > 1 and len(ends) < 3:
-        count = ceil(count / SHARE)
+        count = ceil(count / HALVING_RATIO)
         ends.insert(0, count)
     starts = [0, *ends[:-1]]
     return [[documents[k] for k in order[start:end]] for start, end in zip(starts, ends, strict=True)]
@@ -63,25 +69,27 @@ def search(
     seed: int = 0,
     stage: Callable[[str, float | None], None] = lambda words, share: None,
 ) -> SearchResult:
-    """Tries designs of a robot, which is always among them as it is.
+    """Find the best designs of a robot by successive halving.
+
+    The unchanged robot is always included.
 
     Args:
-        robot: its name, or its TOML file.
-        designs: to be tried.
-        documents: that they perform.
-        engine: does it.
-        style: of all documents.
-        settings: everything beside designs and documents that results depend on.
-        journal: of the run, which goes on where it stopped; None: nothing is remembered.
-        seed: of the order of the documents.
-        stage: is told what is done, and how much of it is over.
+        robot: name or TOML file of the robot.
+        designs: designs to try.
+        documents: documents to perform.
+        engine: engine that runs the tasks.
+        style: style of all documents.
+        settings: everything that affects the results in addition to designs and documents.
+        journal: journal of the run, which resumes where it stopped; None: no journal.
+        seed: seed of the order of the documents.
+        stage: callback with a text and the completed fraction.
 
     Raises:
-        ConfigError: the robot as it is is out, or it kills its process.
+        ConfigError: the unchanged robot is rejected, or it crashes its process.
     """
 
-    def run(tried: Sequence[Design], some: Sequence[NamedDocument], words: str) -> Iterator[Trial]:
-        tasks = [DesignTask(design, tuple(some), settings) for design in tried]
+    def run(designs_to_try: Sequence[Design], added_documents: Sequence[NamedDocument], words: str) -> Iterator[Trial]:
+        tasks = [DesignTask(design, tuple(added_documents), settings) for design in designs_to_try]
         results = run_once(
             {task: task.key for task in tasks},
             partial(prepare_trials, robot, style),
@@ -96,35 +104,37 @@ def search(
             yield Trial(task.design, result.reason) if isinstance(result, WorkerCrash) else result
 
     if journal:
-        journal.rewrite(journal.read())  # without the line that a killed run began
-    every = list(dict.fromkeys([AS_IT_IS, *designs]))
-    place = {design: number for number, design in enumerate(every)}
-    weighed = sorted(run(every, (), "weighing designs"), key=lambda trial: place[trial.design])
-    out = [trial for trial in weighed if trial.out]
-    _check_base(weighed[0], robot)
-    going = [trial for trial in weighed if not trial.out]
+        journal.rewrite(journal.read())  # drops a line that a killed run left incomplete
+    all_designs = list(dict.fromkeys([BASE_DESIGN, *designs]))
+    order = {design: number for number, design in enumerate(all_designs)}
+    body_trials = sorted(run(all_designs, (), "weighing designs"), key=lambda trial: order[trial.design])
+    out = [trial for trial in body_trials if trial.out]
+    _check_base(body_trials[0], robot)
+    remaining = [trial for trial in body_trials if not trial.out]
     left: list[Trial] = []
     rounds: list[Round] = []
-    for number, some in enumerate(steps := document_steps(documents, seed=seed), 1):
-        rounds.append(Round(sum(map(len, steps[:number])), len(going)))
-        added = {trial.design: trial for trial in run([t.design for t in going], some, f"round {number}")}
-        _check_base(added[AS_IT_IS], robot)
-        out += [replace(trial, out=added[trial.design].out) for trial in going if added[trial.design].out]
-        going = [
+    for number, added_documents in enumerate(steps := document_steps(documents, seed=seed), 1):
+        rounds.append(Round(sum(map(len, steps[:number])), len(remaining)))
+        added = {
+            trial.design: trial for trial in run([t.design for t in remaining], added_documents, f"round {number}")
+        }
+        _check_base(added[BASE_DESIGN], robot)
+        out += [replace(trial, out=added[trial.design].out) for trial in remaining if added[trial.design].out]
+        remaining = [
             replace(trial, documents=trial.documents + added[trial.design].documents)
-            for trial in going
+            for trial in remaining
             if not added[trial.design].out
         ]
-        going = rank(going, next(trial for trial in going if trial.design == AS_IT_IS))
+        remaining = rank(remaining, next(trial for trial in remaining if trial.design == BASE_DESIGN))
         if number < len(steps):
-            keep = max(FEWEST_DESIGNS, ceil(len(going) / SHARE))
-            best = going[:keep] + [trial for trial in going[keep:] if trial.design == AS_IT_IS]
-            left += [trial for trial in going if trial not in best]
-            going = best
-    return SearchResult(tuple(going), tuple(left), tuple(out), tuple(rounds))
+            kept_count = max(MIN_DESIGNS, ceil(len(remaining) / HALVING_RATIO))
+            best = remaining[:kept_count] + [trial for trial in remaining[kept_count:] if trial.design == BASE_DESIGN]
+            left += [trial for trial in remaining if trial not in best]
+            remaining = best
+    return SearchResult(tuple(remaining), tuple(left), tuple(out), tuple(rounds))
 
 
 def _check_base(base: Trial, robot: str) -> None:
-    """Refuses a search whose robot itself is out, so that nothing can be compared with it."""
+    """Raise an error if the unchanged robot is rejected as a design."""
     if base.out:
-        raise ConfigError(f"{robot} itself is out: {base.out}")
+        raise ConfigError(f"{robot} itself is rejected: {base.out}")

@@ -1,4 +1,4 @@
-"""Variants of a robot's file: bodies of another length, hinges with another servo or reduction."""
+"""Variants of a robot file: other body lengths, servos or reductions."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,171 +16,182 @@ from kinesic.body.robot import Robot
 from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import BodyTable, HingeTable, RobotFile, Triple, changes_text
 
-FEATURES = ("length", "servo", "reduction")
-FULL_TURN = 360.0  # [deg] of a servo
-FORM = "WHAT.FEATURE=A,B,..., such as l_shoulder.length=0.20,0.22 or *_elbow_flexion.servo=xm430_w210,xc430_w240"
+VARIED_FEATURES = ("length", "servo", "reduction")  # features of a robot that a design may change
+SERVO_RANGE = 360.0  # [deg] rotation range of a servo
+VARY_FORM = "WHAT.FEATURE=A,B,..., such as l_shoulder.length=0.20,0.22 or *_elbow_flexion.servo=xm430_w210,xc430_w240"
 
-Design = tuple[tuple[str, str], ...]  # (variable, value) of what differs; empty: the robot as it is
+Design = tuple[tuple[str, str], ...]  # (variable, value) pairs that differ from the robot; empty: unchanged
 
 
 @dataclass(frozen=True)
 class Variable:
-    """What is varied: a feature of a body or of hinges, and the values that it takes."""
+    """Design variable of a robot: a feature with the values to try."""
 
     name: str  # WHAT.FEATURE
     values: tuple[str, ...]
 
     @classmethod
     def parse(cls, text: str) -> "Variable":
-        """Reads WHAT.FEATURE=A,B,...
+        """Parse the command-line form WHAT.FEATURE=A,B,... of a varied feature.
 
         Raises:
-            ConfigError: it is not of that form.
+            ConfigError: the text has another form.
         """
         name, _, values = text.partition("=")
-        found = tuple(dict.fromkeys(value.strip() for value in values.split(",") if value.strip()))
+        parsed = tuple(dict.fromkeys(value.strip() for value in values.split(",") if value.strip()))
         _, _, feature = name.rpartition(".")
-        if not found or "." not in name:
-            raise ConfigError(f"--vary {text}: write {FORM}")
-        if feature not in FEATURES:
-            raise ConfigError(f"--vary {text}: no {feature}{suggestion(feature, list(FEATURES))}; write {FORM}")
-        return cls(name.strip(), found)
+        if not parsed or "." not in name:
+            raise ConfigError(f"--vary {text}: write {VARY_FORM}")
+        if feature not in VARIED_FEATURES:
+            raise ConfigError(
+                f"--vary {text}: no {feature}{suggestion(feature, list(VARIED_FEATURES))}; write {VARY_FORM}"
+            )
+        return cls(name.strip(), parsed)
 
 
 def draw_designs(variables: Sequence[Variable], count: int, *, seed: int = 0) -> list[Design]:
-    """Draws different designs at random from all combinations; all of them in order where they are no more.
+    """Draw different robot designs at random from all combinations.
+
+    If there are at most `count` combinations, all are returned in order.
 
     Args:
-        variables: each with its values.
-        count: of designs, at most.
-        seed: the same seed draws the same ones.
+        variables: variables with their values.
+        count: maximum number of designs.
+        seed: seed of the draw.
     """
     total = prod(len(variable.values) for variable in variables)
     if total <= count:
         values = product(*(variable.values for variable in variables))
-        return [tuple(zip((variable.name for variable in variables), chosen, strict=True)) for chosen in values]
-    random, found = np.random.default_rng(seed), dict[Design, None]()
-    while len(found) < count:
-        chosen = [variable.values[int(random.integers(len(variable.values)))] for variable in variables]
-        found[tuple((variable.name, value) for variable, value in zip(variables, chosen, strict=True))] = None
-    return list(found)
+        return [tuple(zip((variable.name for variable in variables), matching, strict=True)) for matching in values]
+    random, parsed = np.random.default_rng(seed), dict[Design, None]()
+    while len(parsed) < count:
+        matching = [variable.values[int(random.integers(len(variable.values)))] for variable in variables]
+        parsed[tuple((variable.name, value) for variable, value in zip(variables, matching, strict=True))] = None
+    return list(parsed)
 
 
 def build(file: RobotFile, design: Design, path: Path) -> Robot:
-    """Makes the robot of a design.
+    """Build the robot model of a design variant.
 
     Args:
-        file: of the robot that is varied.
-        design: what differs.
-        path: of that file, for messages.
+        file: file of the varied robot.
+        design: changes.
+        path: path of that file, for messages.
 
     Raises:
-        ConfigError: it cannot be built; says why.
+        ConfigError: the design cannot be built; the text gives the reason.
     """
     varied = apply_design(file, design, path)
     for hinge in varied.hinge:
         turned = (hinge.range_deg[1] - hinge.range_deg[0]) * hinge.reduction
-        if turned > FULL_TURN:
+        if turned > SERVO_RANGE:
             raise ConfigError(
-                f"{hinge.name} turns its servo by {turned:.0f} degrees, and one turn is {FULL_TURN:.0f}; "
-                f"a reduction of {FULL_TURN / (turned / hinge.reduction):.2g} is the most"
+                f"{hinge.name} turns its servo by {turned:.0f} degrees, more than one turn of {SERVO_RANGE:.0f}; "
+                f"the maximum reduction is {SERVO_RANGE / (turned / hinge.reduction):.2g}"
             )
     return Robot.of(robot_from_tables(varied, path))
 
 
 def apply_design(file: RobotFile, design: Design, path: Path) -> RobotFile:
-    """Changes a robot's file as a design says; a side that is mirrored follows.
+    """Apply a design to a robot file.
+
+    The mirrored side follows.
 
     Raises:
-        ConfigError: there is no such body or hinge, or a value is none.
+        ConfigError: a body or joint does not exist, or a value is invalid.
     """
     for name, value in design:
-        what, _, feature = name.rpartition(".")
+        target, _, feature = name.rpartition(".")
         if feature == "length":
-            file = _stretched(file, what, _number(value, name), path)
+            file = _change_length(file, target, _number(value, name), path)
         else:
-            file = msgspec.structs.replace(file, hinge=_redriven(file.hinge, what, feature, value, path))
+            file = msgspec.structs.replace(file, hinge=_change_drive(file.hinge, target, feature, value, path))
     return file
 
 
 def without_defaults(file: RobotFile, design: Design, path: Path) -> Design:
-    """Leaves out of a design what the robot has anyway.
+    """Drop the design changes that equal the robot's own values.
 
     Raises:
-        ConfigError: as `apply_design`.
+        ConfigError: see `apply_design`.
     """
     return tuple(change for change in design if apply_design(file, (change,), path) != file)
 
 
-def _redriven(hinges: list[HingeTable], pattern: str, feature: str, value: str, path: Path) -> list[HingeTable]:
-    """Gives all hinges whose names match another servo or reduction."""
-    chosen = [hinge.name for hinge in hinges if fnmatchcase(hinge.name, pattern)]
-    if not chosen:
+def _change_drive(hinges: list[HingeTable], pattern: str, feature: str, value: str, path: Path) -> list[HingeTable]:
+    """Replace servo or reduction of all joints whose names match a pattern."""
+    matching = [hinge.name for hinge in hinges if fnmatchcase(hinge.name, pattern)]
+    if not matching:
         raise ConfigError(f"{path}: no hinge {pattern}{suggestion(pattern, [hinge.name for hinge in hinges])}")
     given = value if feature == "servo" else _number(value, f"{pattern}.{feature}")
     changed: list[HingeTable] = []
     for hinge in hinges:
-        if hinge.name in chosen and hinge.servo is None:
-            raise ConfigError(f"{path}: hinge {hinge.name} has limits and no servo, and {feature} is of a servo")
-        changed.append(msgspec.structs.replace(hinge, **{feature: given}) if hinge.name in chosen else hinge)
+        if hinge.name in matching and hinge.servo is None:
+            raise ConfigError(f"{path}: hinge {hinge.name} has limits but no servo, which {feature} requires")
+        changed.append(msgspec.structs.replace(hinge, **{feature: given}) if hinge.name in matching else hinge)
     return changed
 
 
-def _stretched(file: RobotFile, name: str, length: float, path: Path) -> RobotFile:
-    """Gives a body another length, from its origin to that of the next one: all that it carries goes along with it.
+def _change_length(file: RobotFile, name: str, length: float, path: Path) -> RobotFile:
+    """Change the length of a body up to the next body.
 
-    Its structure weighs as much more as it is longer; servos weigh what they do.
+    Everything attached moves along. The structure's mass scales with the length, while servos keep their mass.
     """
     end = body_end(file, name, path)
     along, factor = end / np.linalg.norm(end), length / float(np.linalg.norm(end))
 
-    def moved(place: Triple) -> Triple:
-        shift = (factor - 1.0) * float(along @ np.array(place)) * along
-        x, y, z = (round(float(value), 6) for value in np.array(place) + shift)
+    def move(point: Triple) -> Triple:
+        shift = (factor - 1.0) * float(along @ np.array(point)) * along
+        x, y, z = (round(float(value), 6) for value in np.array(point) + shift)
         return (x, y, z)
 
     return msgspec.structs.replace(
         file,
-        body=[_body(body, name, moved, factor) for body in file.body],
-        hinge=[_hinge(hinge, name, moved) for hinge in file.hinge],
+        body=[_body(body, name, move, factor) for body in file.body],
+        hinge=[_hinge(hinge, name, move) for hinge in file.hinge],
         sites={
-            key: msgspec.structs.replace(site, at=moved(site.at)) if site.body == name else site
+            key: msgspec.structs.replace(site, at=move(site.at)) if site.body == name else site
             for key, site in file.sites.items()
         },
     )
 
 
 def body_end(file: RobotFile, name: str, path: Path) -> Floats:
-    """Finds (3,) [m] where a body ends: the origin of the only one that it carries, or its site.
+    """Return the end point of a body (3,) [m].
+
+    The origin of its only child, or its site.
 
     Raises:
-        ConfigError: there is no such body, or it branches, and so has no length.
+        ConfigError: the body does not exist, or it branches and has no length.
     """
-    known = [body.name for body in file.body]
-    if name not in known:
-        raise ConfigError(f"{path}: no body {name}{suggestion(name, known)}")
+    names = [body.name for body in file.body]
+    if name not in names:
+        raise ConfigError(f"{path}: no body {name}{suggestion(name, names)}")
     ends = [body.pos for body in file.body if body.parent == name]
     ends = ends or [site.at for site in file.sites.values() if site.body == name]
     if len(ends) != 1 or not any(ends[0]):
-        alone = [body.name for body in file.body if sum(other.parent == body.name for other in file.body) == 1]
-        raise ConfigError(f"{path}: body {name} carries {len(ends)} others and has no length; {', '.join(alone)} have")
+        with_length = [body.name for body in file.body if sum(other.parent == body.name for other in file.body) == 1]
+        raise ConfigError(
+            f"{path}: body {name} carries {len(ends)} others and has no length; "
+            f"bodies with a length: {', '.join(with_length)}"
+        )
     return np.array(ends[0])
 
 
-def _body(body: BodyTable, name: str, moved: Callable[[Triple], Triple], factor: float) -> BodyTable:
+def _body(body: BodyTable, name: str, move: Callable[[Triple], Triple], factor: float) -> BodyTable:
     if body.parent == name:
-        return msgspec.structs.replace(body, pos=moved(body.pos))
+        return msgspec.structs.replace(body, pos=move(body.pos))
     if body.name != name:
         return body
-    capsules = [msgspec.structs.replace(c, start=moved(c.start), end=moved(c.end)) for c in body.capsules]
+    capsules = [msgspec.structs.replace(c, start=move(c.start), end=move(c.end)) for c in body.capsules]
     return msgspec.structs.replace(body, mass=round(body.mass * factor, 6), capsules=capsules)
 
 
-def _hinge(hinge: HingeTable, name: str, moved: Callable[[Triple], Triple]) -> HingeTable:
-    at = moved(hinge.at) if hinge.body == name else hinge.at
+def _hinge(hinge: HingeTable, name: str, move: Callable[[Triple], Triple]) -> HingeTable:
+    at = move(hinge.at) if hinge.body == name else hinge.at
     mount = hinge.mount
     if mount is not None and mount.body == name:
-        mount = msgspec.structs.replace(mount, at=moved(mount.at))
+        mount = msgspec.structs.replace(mount, at=move(mount.at))
     return msgspec.structs.replace(hinge, at=at, mount=mount)
 
 
@@ -195,14 +206,14 @@ def _number(text: str, name: str) -> float:
 
 
 def write_design(file: RobotFile, design: Design, *, name: str, extends: str, heading: Sequence[str]) -> str:
-    """Writes a design as a robot's file that extends another and says only what differs.
+    """Write a robot design as a file of its changes.
 
     Args:
-        file: of the robot that is varied.
-        design: what differs.
-        name: of the new robot.
-        extends: name of the robot that is varied, or of its file in the folder of the new one.
-        heading: lines of the comment at its top.
+        file: file of the varied robot.
+        design: changes.
+        name: name of the new robot.
+        extends: name of the varied robot, or of its file in the folder of the new one.
+        heading: lines of the comment at the top.
     """
     varied = apply_design(file, design, Path(extends))
     return changes_text(

@@ -1,1 +1,4 @@
-"""A study of gestures: which of six meanings people see in each, and which performance looks more natural to them."""
+"""Perception study of gestures: design, web page, answers and analysis.
+
+Recognition of one of six meanings, and preference between performances.
+"""

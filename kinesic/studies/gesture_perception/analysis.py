@@ -1,7 +1,8 @@
-"""What answers say: how often gestures are recognised, what they are taken for, and what is preferred.
+"""Analysis of gesture studies: recognition rates, confusions and preferences.
 
-Shares have Wilson's interval, which keeps its coverage for few answers and near 0 and 1, and exact binomial tests.
-Both take answers as independent; those of one participant are not quite, so that true intervals are a little wider.
+Fractions have Wilson intervals, which keep their coverage for few answers and near 0 and 1, and exact binomial tests.
+Both treat answers as independent; those of one participant are slightly correlated, so the true intervals are a little
+wider.
 """
 
 from collections import Counter
@@ -9,157 +10,202 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeVar
 
-from kinesic.studies.gesture_perception.answers import Answers, ParticipantAnswer, Preference, Recognition
-from kinesic.studies.gesture_perception.design import OPTIONS, SIDES
+from kinesic.studies.gesture_perception.answers import Answers, ParticipantAnswer, Preference, Recognition, SpeechMatch
+from kinesic.studies.gesture_perception.design import OPTION_COUNT, STIMULUS_VERSIONS
+from kinesic.studies.gesture_perception.power import find_detectable_rate
 
 Tail = Literal["greater", "two-sided"]
 AnyAnswer = TypeVar("AnyAnswer", bound=ParticipantAnswer)
 
-CONFIDENCE = 0.95
-HABIT = 0.001  # share of chance below which a participant's favourite place is told
+CONFIDENCE_LEVEL = 0.95  # probability covered by the reported confidence intervals
+MAX_HABIT_P = 0.001  # p-value below which a participant's preferred answer position is reported
 
 
 @dataclass(frozen=True)
-class Share:
-    """How many of some answers are of a kind."""
+class Fraction:
+    """Fraction of answers with confidence interval and p-value."""
 
     hits: int
     total: int
-    interval: tuple[float, float]  # of the share, at `CONFIDENCE`
-    p: float  # that chance alone gives so many, or ones as far from it
+    interval: tuple[float, float]  # of the fraction, at `CONFIDENCE_LEVEL`
+    p: float  # p-value of the deviation from chance
 
     @property
     def rate(self) -> float:
-        """The share itself, 0..1."""
+        """Fraction of answers, 0..1."""
         return self.hits / self.total
 
 
 @dataclass(frozen=True)
 class Confusion:
-    """How often a gesture was taken for another."""
+    """Number of times that participants took one gesture for another."""
 
     shown: str
     chosen: str
     count: int
-    offered: int  # so often it could have been chosen
+    offered: int  # number of times it could have been chosen
 
 
 @dataclass(frozen=True)
 class Habit:
-    """How much a participant, or all, choose by the place where an answer stands."""
+    """Position among the answers that a participant chooses most often."""
 
-    place: int  # the favourite, from 1
-    share: Share  # of the answers; p that any place would be chosen so often by chance
+    place: int  # preferred position, from 1
+    share: Fraction  # of the answers; its p-value is for any position to be chosen as often by chance
 
 
 @dataclass(frozen=True)
 class RecognitionResult:
-    """What the recognition task says."""
+    """Recognition rates and confusions of a gesture study."""
 
-    overall: Share
-    gestures: Mapping[str, Share]  # the least recognised first
-    confusions: tuple[Confusion, ...]  # the most frequent first; the right answers are not among them
-    participants: Mapping[str, Share]
+    overall: Fraction
+    gestures: Mapping[str, Fraction]  # least recognised first
+    confusions: tuple[Confusion, ...]  # most frequent first, without correct answers
+    participants: Mapping[str, Fraction]
     habits: Mapping[str, Habit]  # by participant
 
 
 @dataclass(frozen=True)
 class PreferenceResult:
-    """What the comparisons say."""
+    """Preferences between pairs of performances in a gesture study."""
 
-    conditions: Mapping[str, Share]  # of answers that prefer the standard to the changed setting
-    first: Share  # of answers that prefer the first interval, whatever it was
+    conditions: Mapping[str, Fraction]  # fraction of answers that prefer the standard to the changed setting
+    first: Fraction  # fraction of answers that prefer the first interval
     habits: Mapping[str, Habit]  # by participant
 
 
-def share_of_hits(hits: int, total: int, chance: float, tail: Tail = "two-sided") -> Share:
-    """Compares a share with chance.
+def compare_with_chance(hits: int, total: int, chance: float, tail: Tail = "two-sided") -> Fraction:
+    """Compare a fraction of answers with chance.
 
     Args:
-        hits: answers of the kind.
-        total: answers, at least 1.
-        chance: share that guessing gives.
-        tail: which deviations from it count.
+        hits: number of answers of the kind.
+        total: number of answers, at least 1.
+        chance: fraction expected from guessing.
+        tail: deviations that count.
     """
-    from scipy.stats import binomtest  # noqa: PLC0415 - slow to import, and only answers need it
+    from scipy.stats import binomtest  # noqa: PLC0415 - slow import, only needed for answers
 
     test = binomtest(hits, total, chance, alternative=tail)
-    whole = binomtest(hits, total).proportion_ci(CONFIDENCE, method="wilson")
-    return Share(hits, total, (float(whole.low), float(whole.high)), float(test.pvalue))
+    whole = binomtest(hits, total).proportion_ci(CONFIDENCE_LEVEL, method="wilson")
+    return Fraction(hits, total, (float(whole.low), float(whole.high)), float(test.pvalue))
 
 
 def analyse_recognition(answers: Sequence[Recognition]) -> RecognitionResult | None:
-    """Says how well gestures are recognised; None without answers."""
+    """Analyse how often participants recognise each gesture.
+
+    The result is None without answers.
+    """
     if not answers:
         return None
     gestures = _by(answers, lambda answer: answer.stimulus)
-    shares = {gesture: _recognised(own) for gesture, own in gestures.items()}
+    shares = {gesture: _recognised(group) for gesture, group in gestures.items()}
     return RecognitionResult(
         _recognised(answers),
         dict(sorted(shares.items(), key=lambda item: (item[1].rate, item[0]))),
         confusions(answers),
-        {person: _recognised(own) for person, own in _by(answers, lambda answer: answer.participant).items()},
+        {person: _recognised(group) for person, group in _by(answers, lambda answer: answer.participant).items()},
         habits(answers),
     )
 
 
 def analyse_preference(answers: Sequence[Preference]) -> PreferenceResult | None:
-    """Says which performances are preferred; None without answers."""
+    """Analyse the preferred performances of a gesture study.
+
+    The result is None without answers.
+    """
     if not answers:
         return None
     return PreferenceResult(
         {
-            condition: share_of_hits(sum(answer.chosen == SIDES[0] for answer in own), len(own), 1 / len(SIDES))
-            for condition, own in sorted(_by(answers, lambda answer: answer.condition).items())
+            condition: compare_with_chance(
+                sum(answer.chosen == STIMULUS_VERSIONS[0] for answer in group), len(group), 1 / len(STIMULUS_VERSIONS)
+            )
+            for condition, group in sorted(_by(answers, lambda answer: answer.condition).items())
         },
-        share_of_hits(sum(answer.place == 0 for answer in answers), len(answers), 1 / len(SIDES)),
+        compare_with_chance(sum(answer.place == 0 for answer in answers), len(answers), 1 / len(STIMULUS_VERSIONS)),
         habits(answers),
     )
 
 
+@dataclass(frozen=True)
+class MatchResult:
+    """Rate at which participants find the speech of a motion, by system."""
+
+    systems: Mapping[str, Fraction]  # best matched first; chance is one half
+    first: Fraction  # fraction of answers that choose the first speech
+    detectable: Mapping[str, float]  # smallest rate that the answers of a system show with a power of 80 %
+
+
+def analyse_matches(answers: Sequence[SpeechMatch]) -> MatchResult | None:
+    """Analyse how often participants match a motion to its own speech.
+
+    The result is None without answers.
+    """
+    if not answers:
+        return None
+    shares = {
+        system: compare_with_chance(sum(answer.right for answer in group), len(group), 0.5)
+        for system, group in _by(answers, lambda answer: answer.system).items()
+    }
+    return MatchResult(
+        dict(sorted(shares.items(), key=lambda item: (-item[1].rate, item[0]))),
+        compare_with_chance(sum(answer.place == 0 for answer in answers), len(answers), 0.5),
+        {system: find_detectable_rate(share.total) for system, share in shares.items()},
+    )
+
+
 def confusions(answers: Iterable[Recognition]) -> tuple[Confusion, ...]:
-    """Counts what each gesture was taken for, and how often it could have been."""
+    """Count how often each gesture was mistaken for another."""
     taken, offered = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
     for answer in answers:
         offered.update((answer.stimulus, option) for option in answer.options if option != answer.stimulus)
         if not answer.right:
             taken[answer.stimulus, answer.chosen] += 1
-    found = (Confusion(shown, chosen, count, offered[shown, chosen]) for (shown, chosen), count in taken.items())
-    return tuple(sorted(found, key=lambda each: (-each.count, each.shown, each.chosen)))
+    pairs = (Confusion(shown, chosen, count, offered[shown, chosen]) for (shown, chosen), count in taken.items())
+    return tuple(sorted(pairs, key=lambda confusion: (-confusion.count, confusion.shown, confusion.chosen)))
 
 
 def confusion_matrix(answers: Sequence[Recognition]) -> tuple[tuple[str, ...], tuple[tuple[int, ...], ...]]:
-    """Counts choices: one row for each gesture that was shown or chosen, one column for what it was taken for."""
+    """Return the confusion matrix: shown gestures by row, chosen ones by column."""
     counts = Counter((answer.stimulus, answer.chosen) for answer in answers)
     names = tuple(sorted({name for pair in counts for name in pair}))
     return names, tuple(tuple(counts[shown, chosen] for chosen in names) for shown in names)
 
 
 def habits(answers: Sequence[ParticipantAnswer]) -> dict[str, Habit]:
-    """Finds the place that each participant chooses most often; right answers stand in each equally often."""
-    return {person: _habit(own) for person, own in _by(answers, lambda answer: answer.participant).items()}
+    """Find the answer position that each participant chooses most often.
+
+    Correct answers are at all positions equally often.
+    """
+    return {person: _find_habit(group) for person, group in _by(answers, lambda answer: answer.participant).items()}
 
 
-def strange(found: Answers) -> dict[str, Habit]:
-    """Lists participants who choose by place and not by what they see, each with the clearer of two habits."""
-    told: dict[str, Habit] = {}
-    for own in (habits(found.recognitions), habits(found.preferences)):
-        for person, habit in own.items():
-            if habit.share.p < min(HABIT, told[person].share.p if person in told else HABIT):
-                told[person] = habit
-    return told
+def find_position_choosers(answers: Answers) -> dict[str, Habit]:
+    """Return participants who choose by position rather than content.
+
+    Each has the clearer one of the two tasks' habits.
+    """
+    result: dict[str, Habit] = {}
+    for group in map(habits, (answers.recognitions, answers.preferences, answers.matches, answers.realisms)):
+        for person, habit in group.items():
+            if habit.share.p < min(MAX_HABIT_P, result[person].share.p if person in result else MAX_HABIT_P):
+                result[person] = habit
+    return result
 
 
-def _habit(answers: Sequence[ParticipantAnswer]) -> Habit:
-    """The favourite place; its p counts that it is the best of all places."""
+def _find_habit(answers: Sequence[ParticipantAnswer]) -> Habit:
+    """Return the most chosen answer position, with its p-value.
+
+    Its p-value counts all positions.
+    """
     choices = len(answers[0].options)
     (place, hits), *_ = Counter(answer.place for answer in answers).most_common(1)
-    share = share_of_hits(hits, len(answers), 1 / choices, "greater")
-    return Habit(place + 1, Share(share.hits, share.total, share.interval, min(1.0, choices * share.p)))
+    share = compare_with_chance(hits, len(answers), 1 / choices, "greater")
+    return Habit(place + 1, Fraction(share.hits, share.total, share.interval, min(1.0, choices * share.p)))
 
 
-def _recognised(answers: Sequence[Recognition]) -> Share:
-    return share_of_hits(sum(answer.right for answer in answers), len(answers), 1 / OPTIONS, "greater")
+def _recognised(answers: Sequence[Recognition]) -> Fraction:
+    return compare_with_chance(sum(answer.right for answer in answers), len(answers), 1 / OPTION_COUNT, "greater")
 
 
 def _by(answers: Iterable[AnyAnswer], key: Callable[[AnyAnswer], str]) -> dict[str, list[AnyAnswer]]:

@@ -1,7 +1,7 @@
-"""What a study of gestures asks: which of six meanings a gesture has, and which of two performances is more natural.
+"""Design of a gesture study: questions on meanings and comparisons of performances.
 
-The wrong meanings of a gesture are those of others in the same study, each used about as often as any other, so that
-nobody can tell the right one by how often it is offered.
+A question has six meanings. The wrong ones belong to other gestures of the study; all are used about equally often, so
+that their frequency does not reveal the right one.
 """
 
 from collections import Counter
@@ -14,104 +14,105 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.senses import Sense, nearest_sense
 
-StudyTask = Literal["recognition", "comparison"]
+StudyTask = Literal["recognition", "comparison", "mismatching", "realism"]
 StimulusVersion = Literal["standard", "changed"]
 
-TASKS: tuple[StudyTask, ...] = get_args(StudyTask)
-SIDES: tuple[StimulusVersion, ...] = get_args(StimulusVersion)
-OPTIONS = 6  # meanings that a gesture is offered with
-WORDS = 3  # of a meaning, as participants read it
-CATEGORIES = ("emblem", "emotion", "iconic")  # gestures that mean something without words
-SEPARATOR = "|"  # between the options of one answer
+STUDY_TASKS: tuple[StudyTask, ...] = get_args(StudyTask)
+STIMULUS_VERSIONS: tuple[StimulusVersion, ...] = get_args(StimulusVersion)
+OPTION_COUNT = 6  # number of meanings offered per gesture
+LABEL_WORDS = 3  # number of words of a meaning shown to participants
+MEANING_CATEGORIES = ("emblem", "emotion", "iconic")  # categories of gestures with a meaning of their own
+STANDARD_SYSTEM = "standard"  # name of the unchanged setting as a system
+OPTION_SEPARATOR = "|"  # separator of the options in an answer
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a gesture says."""
+    """Meaning of a gesture, as offered to participants."""
 
-    gesture: str  # its id
+    gesture: str  # id of the gesture
     sense: Sense
 
     @property
     def label(self) -> str:
-        """As participants read it: its most characteristic words, which say nothing of how it is done."""
-        return ", ".join(self.sense.words[:WORDS])
+        """Text for participants: characteristic words without the form of the gesture."""
+        return ", ".join(self.sense.words[:LABEL_WORDS])
 
-    def like(self, other: "Meaning") -> bool:
-        """Whether a word of one speaks of the other."""
+    def is_similar(self, other: "Meaning") -> bool:
+        """Return whether two meanings are described by matching words."""
         pairs = ((self, other), (other, self))
-        return any(nearest_sense(one.sense.words[:WORDS], (two.sense,)) is not None for one, two in pairs)
+        return any(nearest_sense(one.sense.words[:LABEL_WORDS], (two.sense,)) is not None for one, two in pairs)
 
 
 @dataclass(frozen=True)
 class StudyQuestion:
-    """A gesture, and the meanings that participants choose from."""
+    """A gesture with the meanings offered to participants."""
 
     right: Meaning
     foils: tuple[Meaning, ...]
 
     @property
     def options(self) -> tuple[Meaning, ...]:
-        """The right one first."""
+        """All meanings offered for the gesture, the right one first."""
         return (self.right, *self.foils)
 
 
 def draw_meanings(lexicon: Lexicon, count: int, seed: int, named: Sequence[str] = ()) -> tuple[Meaning, ...]:
-    """Draws the gestures of a study, in an order of chance.
+    """Draw the gestures of a study in random order.
 
     Args:
-        lexicon: of gestures.
-        count: of gestures at most, of those in `CATEGORIES`.
-        seed: of the draw.
-        named: gestures by their ids, which are taken instead.
+        lexicon: lexicon of gestures.
+        count: maximum number of gestures, from `CATEGORIES`.
+        seed: seed of the draw.
+        named: ids of gestures to use instead.
 
     Raises:
-        ConfigError: there is no such gesture, one is named twice, or its name cannot stand in answers.
+        ConfigError: a gesture does not exist, is named twice, or has a name that answers cannot contain.
     """
-    known = {form.id: sense for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)}
+    senses = {form.id: sense for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)}
     for name, times in Counter(named).items():
-        if name not in known:
-            raise ConfigError(f"no gesture {name}{suggestion(name, list(known))}")
+        if name not in senses:
+            raise ConfigError(f"no gesture {name}{suggestion(name, list(senses))}")
         if times > 1:
             raise ConfigError(f"gesture {name} is named {times} times; once is enough")
-    chance = Random(seed)
+    rng = Random(seed)
     drawn = list(named) or [
-        name for name, sense in known.items() if sense.category in CATEGORIES and SEPARATOR not in name
+        name for name, sense in senses.items() if sense.category in MEANING_CATEGORIES and OPTION_SEPARATOR not in name
     ]
-    chance.shuffle(drawn)
-    if strange := [name for name in drawn if SEPARATOR in name]:
-        raise ConfigError(f"gesture {strange[0]} cannot stand in answers, which have {SEPARATOR} between names")
-    return tuple(Meaning(name, known[name]) for name in (drawn if named else drawn[:count]))
+    rng.shuffle(drawn)
+    if invalid := [name for name in drawn if OPTION_SEPARATOR in name]:
+        raise ConfigError(f"gesture {invalid[0]} cannot be used in answers, which separate names by {OPTION_SEPARATOR}")
+    return tuple(Meaning(name, senses[name]) for name in (drawn if named else drawn[:count]))
 
 
 def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[StudyQuestion, ...]:
-    """Gives each gesture the meanings of five others, none of which is like its own or like one another.
+    """Choose five wrong meanings for each gesture, all different from each other.
 
     Args:
-        meanings: of the gestures of a study.
-        seed: of what is left to chance.
+        meanings: meanings of the study's gestures.
+        seed: seed of the choice.
 
     Raises:
-        ConfigError: there are too few different ones.
+        ConfigError: there are too few different meanings.
     """
-    chance, uses = Random(seed), Counter[str]()
+    rng, uses = Random(seed), Counter[str]()
     questions = []
     for right in meanings:
-        foils = _different(right, sorted(meanings, key=lambda other: (uses[other.gesture], chance.random())))
-        if len(foils) < OPTIONS - 1:
+        foils = _choose_different(right, sorted(meanings, key=lambda other: (uses[other.gesture], rng.random())))
+        if len(foils) < OPTION_COUNT - 1:
             raise ConfigError(
-                f"gesture {right.gesture} finds {len(foils)} other meanings among {len(meanings)} gestures, "
-                f"and needs {OPTIONS - 1}: take more gestures, or others"
+                f"gesture {right.gesture} has only {len(foils)} different meanings among {len(meanings)} gestures "
+                f"and needs {OPTION_COUNT - 1}: use more or other gestures"
             )
         uses.update(foil.gesture for foil in foils)
         questions.append(StudyQuestion(right, foils))
     return tuple(questions)
 
 
-def _different(right: Meaning, others: Iterable[Meaning]) -> tuple[Meaning, ...]:
-    """The first five of others that are neither like a meaning nor like one another."""
-    taken = [right]
+def _choose_different(right: Meaning, others: Iterable[Meaning]) -> tuple[Meaning, ...]:
+    """Return five meanings that differ from the right one and each other."""
+    chosen = [right]
     for other in others:
-        if len(taken) < OPTIONS and not any(other.like(each) for each in taken):
-            taken.append(other)
-    return tuple(taken[1:])
+        if len(chosen) < OPTION_COUNT and not any(other.is_similar(meaning) for meaning in chosen):
+            chosen.append(other)
+    return tuple(chosen[1:])

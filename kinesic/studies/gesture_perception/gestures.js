@@ -1,4 +1,5 @@
-// Plays gestures once each: first a participant says what each means, then which of two looks more natural.
+// Plays gestures once each: first a participant says what each means, then which of two looks more natural. A speech
+// study shows a motion with two speeches, one of which belongs to it, and the motions of two systems for a text.
 
 const GAP = 600; // [ms] of an empty stage, before and between motions
 const INK = [0.1, 0.1, 0.12];
@@ -30,7 +31,12 @@ function drawn() {
   const conditions = [...new Set(of("comparison").map((trial) => trial.condition))];
   const compared = conditions.flatMap((name) =>
     balanced(of("comparison").filter((trial) => trial.condition === name), study.comparisons));
-  return [...balanced(of("recognition"), study.recognitions), ...shuffled(compared)];
+  const systems = [...new Set(of("mismatching").map((trial) => trial.condition))];
+  const matched = systems.flatMap((name) =>
+    balanced(of("mismatching").filter((trial) => trial.condition === name), study.matches));
+  const pairs = [...new Set(of("realism").map((trial) => trial.condition))];
+  const rated = pairs.flatMap((name) => balanced(of("realism").filter((trial) => trial.condition === name), study.realisms));
+  return [...balanced(of("recognition"), study.recognitions), ...shuffled(compared), ...shuffled(matched), ...shuffled(rated)];
 }
 
 function known(item) {
@@ -46,16 +52,36 @@ function rowOf({ id, options }) {
 
 const wait = (span) => new Promise((done) => setTimeout(done, span / study.pace));
 
-function play({ angles, ...motion }) {
+let audio = null; // made when the participant begins, as browsers demand
+
+// Starts a speech so that its first word comes at a time [s] of the motion; returns what stops it.
+function speak(speech, begin) {
+  const packed = study.sounds[speech.sound];
+  if (packed === undefined || audio === null) return () => {};
+  const samples = new Int16Array(bytesOf(packed.samples).buffer);
+  const buffer = audio.createBuffer(1, samples.length, packed.rate);
+  buffer.copyToChannel(Float32Array.from(samples, (sample) => sample / 32768), 0);
+  const source = new AudioBufferSourceNode(audio, { buffer });
+  source.connect(audio.destination);
+  const delay = begin - speech.begin;
+  source.start(audio.currentTime + Math.max(delay, 0), Math.max(-delay, 0));
+  return () => source.stop();
+}
+
+// Plays a motion up to a time [s], with a speech if there is one: its own or that of another motion.
+function play({ angles, ...motion }, { until = motion.end, words = motion.words, shift = 0, start = () => () => {} } = {}) {
   const rows = new Int16Array(bytesOf(angles).buffer);
+  const stop = start();
   return new Promise((done) => {
     const began = performance.now();
     const tick = (now) => {
       const time = (study.pace * (now - began)) / 1000;
       scene.draw({ look, twin: { angles: rowAt(motion, rows, motion.step, time) }, beside: false, ink: INK });
-      found("words").textContent = motion.words.filter(([begin, end]) => begin <= time && time < end).map((said) => said[2]).join(" ");
-      if (time < motion.end) requestAnimationFrame(tick);
+      const said = words.filter(([begin, end]) => begin + shift <= time && time < end + shift);
+      found("words").textContent = said.map((each) => each[2]).join(" ");
+      if (time < until) requestAnimationFrame(tick);
       else {
+        stop();
         found("words").textContent = "";
         done();
       }
@@ -64,9 +90,27 @@ function play({ angles, ...motion }) {
   });
 }
 
+// How a motion is played with the speech of an option.
+function heard(trial, motion, option) {
+  const speech = study.speeches[trial.speeches[option]];
+  const { begin } = study.speeches[motion];
+  return {
+    until: trial.until,
+    words: study.motions[trial.speeches[option]].words,
+    shift: begin - speech.begin,
+    start: () => speak(speech, begin),
+  };
+}
+
+function listen() {
+  audio ??= "AudioContext" in window ? new AudioContext() : null;
+  audio?.resume();
+}
+
 async function present({ id, options }) {
   const trial = byId.get(id);
-  const comparing = trial.task === "comparison";
+  const matching = trial.task === "mismatching";
+  const comparing = trial.task !== "recognition";
   const motions = comparing ? options.map((side) => trial.motions[side]) : [trial.motions[trial.stimulus]];
   found("stage").style.display = "";
   for (const [k, motion] of motions.entries()) {
@@ -74,15 +118,24 @@ async function present({ id, options }) {
     if (comparing) found("count").textContent = `${state.place} of ${state.order.length}: the ${["first", "second"][k]}`;
     await wait(GAP);
     canvas.style.visibility = "visible";
-    await play(study.motions[motion]);
+    await play(study.motions[motion], matching ? heard(trial, motion, options[k]) : trial.task === "realism" ? { words: [] } : {});
   }
   found("stage").style.display = "none"; // the questions take its place
   shownAt = performance.now();
-  if (comparing) ask("chosen", "Which looked more natural?", options.map((side, k) => [side, ["the first", "the second"][k]]), "pair");
+  if (matching) ask("chosen", "Which speech belongs to the motion?", options.map((side, k) => [side, ["the first", "the second"][k]]), "pair");
+  else if (comparing) ask("chosen", "Which looked more natural?", options.map((side, k) => [side, ["the first", "the second"][k]]), "pair");
   else ask("chosen", "What did the robot mean?", options.map((gesture) => [gesture, study.meanings[gesture]]), "list");
 }
 
 const state = resumed();
 found("begin").disabled = scene === null;
+if (study.sounds?.length) {
+  found("begin").addEventListener("click", listen);
+  found("next").addEventListener("click", listen);
+  found("test").addEventListener("click", () => {
+    listen();
+    speak(study.speeches.find((speech) => speech.sound >= 0), 0);
+  });
+}
 found("unable").hidden = scene !== null;
 if (scene) lead();

@@ -1,4 +1,7 @@
-"""The page of a study of gestures: it draws the robot itself, so that making it needs neither films nor OpenGL."""
+"""Page of a gesture study, which draws the robot itself.
+
+Making it needs neither films nor OpenGL.
+"""
 
 import hashlib
 import json
@@ -8,15 +11,15 @@ from pathlib import Path
 from kinesic.body.robot import Robot
 from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
-from kinesic.studies.gesture_perception.answers import COLUMNS
-from kinesic.studies.gesture_perception.design import SEPARATOR, StudyQuestion
+from kinesic.studies.gesture_perception.answers import ANSWER_COLUMNS
+from kinesic.studies.gesture_perception.design import OPTION_SEPARATOR, StudyQuestion
 from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPair, motion_data
 from kinesic.studies.questionnaire.page import write_questionnaire
 
-HERE = Path(__file__).parent
-RECOGNITIONS = 24  # gestures that a participant is asked for; the right one stands in each place four times
+TEMPLATE_FOLDER = Path(__file__).parent
+RECOGNITION_COUNT = 24  # number of gestures per participant; four right answers at each position
 
-COMPARISONS = 6  # pairs of each condition that a participant compares, half of them with the standard first
+COMPARISON_COUNT = 6  # number of motion pairs per condition and participant, half of them standard first
 
 
 def write_gesture_page(
@@ -28,51 +31,51 @@ def write_gesture_page(
     *,
     post_to: str = "",
 ) -> None:
-    """Writes the page.
+    """Write the HTML page of a gesture study.
 
     Args:
-        path: of the page.
-        robot: that performs.
-        questions: what is asked for.
-        motions: of their gestures, by id.
-        pairs: what is compared.
-        post_to: URL that each participant's answers are sent to as CSV; empty: they are only offered as a file.
+        path: path of the page.
+        robot: robot that performs.
+        questions: questions of the recognition task.
+        motions: motions of their gestures, by id.
+        pairs: pairs to compare.
+        post_to: URL that receives each participant's answers as CSV; empty: answers are only offered as a file.
 
     Raises:
-        ConfigError: `post_to` is no http or https URL.
+        ConfigError: `post_to` is not an http or https URL.
     """
-    asked = [motions[question.right.gesture] for question in questions]
-    shown = list(dict.fromkeys([*asked, *(motion for pair in pairs for motion in pair.motions.values())]))
-    place = {motion: k for k, motion in enumerate(shown)}
+    question_motions = [motions[question.right.gesture] for question in questions]
+    shown = list(dict.fromkeys([*question_motions, *(motion for pair in pairs for motion in pair.motions.values())]))
+    motion_index = {motion: k for k, motion in enumerate(shown)}
     trials = [
-        *(_recognition(question, place[motions[question.right.gesture]]) for question in questions),
-        *(_comparison(pair, {side: place[motion] for side, motion in pair.motions.items()}) for pair in pairs),
+        *(_recognition(question, motion_index[motions[question.right.gesture]]) for question in questions),
+        *(_comparison(pair, {side: motion_index[motion] for side, motion in pair.motions.items()}) for pair in pairs),
     ]
     meanings = {meaning.gesture: meaning.label for question in questions for meaning in question.options}
     conditions = {pair.condition for pair in pairs}
-    most = min(len(questions), RECOGNITIONS) + sum(
-        min(sum(pair.condition == condition for pair in pairs), COMPARISONS) for condition in conditions
+    trial_count = min(len(questions), RECOGNITION_COUNT) + sum(
+        min(sum(pair.condition == condition for pair in pairs), COMPARISON_COUNT) for condition in conditions
     )
     content: dict[str, Json] = {
         "trials": [*trials],
         "meanings": {**meanings},
         "motions": motion_data(shown),
         "robot": scene_data(robot),
-        "recognitions": RECOGNITIONS,
-        "comparisons": COMPARISONS,
-        "separator": SEPARATOR,
-        "columns": list(COLUMNS),
-        "most": most,
+        "recognitions": RECOGNITION_COUNT,
+        "comparisons": COMPARISON_COUNT,
+        "separator": OPTION_SEPARATOR,
+        "columns": list(ANSWER_COLUMNS),
+        "most": trial_count,
         "pace": 1.0,
     }
-    print_of_content = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:12]
+    content_hash = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:12]
     write_questionnaire(
         path,
-        {"name": f"kinesic-gestures-{print_of_content}", **content},
-        template=HERE / "gestures.jinja",
-        script="\n".join((read_scripts(SCENE_SCRIPTS), (HERE / "gestures.js").read_text(encoding="utf-8"))),
+        {"name": f"kinesic-gestures-{content_hash}", **content},
+        template=TEMPLATE_FOLDER / "gestures.jinja",
+        script="\n".join((read_scripts(SCENE_SCRIPTS), (TEMPLATE_FOLDER / "gestures.js").read_text(encoding="utf-8"))),
         post_to=post_to,
-        shown=most,
+        shown=trial_count,
     )
 
 

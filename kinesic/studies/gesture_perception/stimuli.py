@@ -1,4 +1,7 @@
-"""What participants see: planned motions of gestures alone and of texts, and pairs that differ by one setting."""
+"""Sampled motions shown to the participants of a gesture study.
+
+Planned motions, and pairs that differ by one setting.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -8,46 +11,54 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
-from kinesic.controller.options import LIVELY, check_options
-from kinesic.controller.perform import plan
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.planning.captions import Caption, captions
+from kinesic.planning.captions import Caption, make_captions
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows
+from kinesic.session.options import INTERACTIVE_DEFAULTS, check_options
+from kinesic.session.plan import plan
 from kinesic.studies.gesture_perception.design import StimulusVersion
 from kinesic.studies.gestures.isolated import write_document
 
-MOTION_RATE = 50.0  # [Hz] of the motions
-SEEN = radians(1.0)  # that some hinge must differ by, sometime, before anybody can compare
+MOTION_RATE = 50.0  # [Hz] sample rate of sampled motions
+MIN_VISIBLE_DIFFERENCE = radians(1.0)  # [rad] smallest visible difference of a joint
 
 
 @dataclass(frozen=True, eq=False)
 class SampledMotion:
-    """A motion at a steady rate."""
+    """A motion sampled at a constant rate."""
 
     angles: Floats  # (m, n) [rad] at `MOTION_RATE`
-    words: tuple[Caption, ...] = ()  # that are said meanwhile
+    words: tuple[Caption, ...] = ()  # captions of the speech
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion [s]."""
+        return (len(self.angles) - 1) / MOTION_RATE
 
     def differs(self, other: "SampledMotion") -> bool:
-        """Whether somebody might see a difference: in when it ends, or in a hinge."""
+        """Return whether a difference from another motion is visible.
+
+        The motions differ in duration or in a joint angle.
+        """
         shorter = min(len(self.angles), len(other.angles))
         long_after = abs(len(self.angles) - len(other.angles)) > 0.2 * MOTION_RATE
-        return long_after or bool(np.abs(self.angles[:shorter] - other.angles[:shorter]).max() > SEEN)
+        return long_after or bool(np.abs(self.angles[:shorter] - other.angles[:shorter]).max() > MIN_VISIBLE_DIFFERENCE)
 
 
 @dataclass(frozen=True, eq=False)
 class StimulusPair:
-    """One document in the manner of the study, and with one setting changed."""
+    """Two motions of one document, with and without one changed setting."""
 
-    stimulus: str  # name of the document; a gesture's is its id
-    condition: str  # the setting, such as whole_body=0
+    stimulus: str  # name of the document; a gesture's id
+    condition: str  # the changed setting, such as whole_body=0
     motions: Mapping[StimulusVersion, SampledMotion]
 
 
 def gesture_documents(gestures: Iterable[str], lexicon: Lexicon) -> dict[str, str]:
-    """Writes BML that asks for each gesture alone, by its id."""
+    """Return BML documents with one gesture each, by gesture id."""
     forms = {gesture: lexicon.forms_by_id[gesture] for gesture in gestures}
     return {gesture: write_document(f"{form.category}={form.id}") for gesture, form in forms.items()}
 
@@ -55,12 +66,14 @@ def gesture_documents(gestures: Iterable[str], lexicon: Lexicon) -> dict[str, st
 def plan_motions(
     documents: Mapping[str, str | bytes], setup: Setup, left_out: Callable[[str], None] = lambda why: None
 ) -> dict[str, SampledMotion]:
-    """Plans documents; those of which the robot can perform nothing are told and left out.
+    """Plan the documents of a study and return their sampled motions.
+
+    Report and skip those that the robot cannot perform.
 
     Args:
-        documents: BML by its name.
-        setup: of planning.
-        left_out: gets why a document is left out.
+        documents: BML by name.
+        setup: robot, style and options.
+        left_out: callback with the reason why a document is skipped.
 
     Raises:
         BmlError: a document is refused.
@@ -73,18 +86,20 @@ def plan_motions(
             why = "; ".join(outcome.why for outcome in outcomes)
             left_out(f"{name} is left out, {setup.robot.name} cannot perform it: {why}")
         else:
-            motions[name] = _motion(planned)
+            motions[name] = sample_motion(planned)
     return motions
 
 
 def changed_setup(setup: Setup, condition: str) -> Setup:
-    """Changes one setting: a number of the style, idle motion (`idle=0`), or how far gestures vary (`variation=0`).
+    """Change one setting of a planning setup, given as NAME=VALUE.
+
+    It is a number of the style, idle motion (`idle=0`) or the variation of gestures (`variation=0`).
 
     Raises:
-        ConfigError: there is no such setting, or its value is out of range.
+        ConfigError: the setting does not exist, or its value is out of range.
     """
     name, _, value = condition.partition("=")
-    if name not in LIVELY:
+    if name not in INTERACTIVE_DEFAULTS:
         return replace(setup, style=setup.style.changed((condition,)))
     try:
         amount = float(value)
@@ -106,22 +121,22 @@ def plan_pairs(
     *,
     first: int = 0,
 ) -> list[StimulusPair]:
-    """Plans documents with one setting changed, until there are enough that somebody can tell apart.
+    """Plan documents with one setting changed until enough pairs differ visibly.
 
     Args:
-        documents: BML by its name.
-        motions: of those that the robot performs, as the setup has them.
-        setup: of planning.
-        condition: the setting.
-        count: of pairs at most.
-        first: of the documents that is tried; behind the last one comes the first.
+        documents: BML by name.
+        motions: motions with the unchanged setup.
+        setup: robot, style and options.
+        condition: the changed setting.
+        count: maximum number of pairs.
+        first: index of the first document to try; the order is cyclic.
 
     Raises:
-        ConfigError: there is no such setting.
+        ConfigError: the setting does not exist.
     """
-    other, pairs, tried = changed_setup(setup, condition), list[StimulusPair](), [*motions.items()]
-    start = first % max(len(tried), 1)
-    for name, standard in (*tried[start:], *tried[:start]):
+    other, pairs, candidates = changed_setup(setup, condition), list[StimulusPair](), [*motions.items()]
+    start = first % max(len(candidates), 1)
+    for name, standard in (*candidates[start:], *candidates[:start]):
         if len(pairs) == count:
             break
         changed = plan_motions({name: documents[name]}, other).get(name)
@@ -131,21 +146,27 @@ def plan_pairs(
 
 
 def motion_data(motions: Sequence[SampledMotion]) -> list[Json]:
-    """Gathers what `rowAt` reads: angles as 16-bit integers in base64, one row of hinges for each frame; and words."""
-    return [_packed(motion) for motion in motions]
+    """Return packed motions and captions for the study page's script.
+
+    Packed angles, one row per frame, and captions.
+
+    Angles are 16-bit integers in base64.
+    """
+    return [_pack(motion) for motion in motions]
 
 
-def _packed(motion: SampledMotion) -> Json:
+def _pack(motion: SampledMotion) -> Json:
     step = float(np.abs(motion.angles).max()) / np.iinfo(np.int16).max or 1.0
     return {
         "end": (len(motion.angles) - 1) / MOTION_RATE,
         "frames": len(motion.angles),
         "step": step,
         "angles": pack_rows(motion.angles / step, "<i2"),
-        "words": [[round(said.begin, 3), round(said.end, 3), said.text] for said in motion.words],
+        "words": [[round(caption.begin, 3), round(caption.end, 3), caption.text] for caption in motion.words],
     }
 
 
-def _motion(planned: Plan) -> SampledMotion:
+def sample_motion(planned: Plan) -> SampledMotion:
+    """Sample the motion of a plan, with its captions."""
     times = np.arange(int(np.ceil(planned.duration * MOTION_RATE)) + 1) / MOTION_RATE
-    return SampledMotion(planned.trajectory.sample(times)[0], tuple(captions(planned)))
+    return SampledMotion(planned.trajectory.sample(times)[0], tuple(make_captions(planned)))

@@ -1,1 +1,1 @@
-"""The gestures of the lexicon: each played alone, drawn as key postures, and listed as a vocabulary."""
+"""Gestures of the lexicon: isolated, as key postures, and as a vocabulary."""

@@ -1,4 +1,4 @@
-"""One gesture played alone, as a document that asks for nothing else."""
+"""Planning of a single gesture, in a document without other behaviours."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,106 +9,121 @@ import numpy as np
 from kinesic.bml.block import BmlError, HandMode
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
-from kinesic.controller.perform import plan
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.motion.keys import KeyPosture
-from kinesic.planning.face_track import faces
+from kinesic.planning.face_track import compute_faces
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
+from kinesic.session.plan import plan
 
-STROKE = 2.0  # [s] time enough for every preparation
-BEHAVIOUR = "gesture"
-_PATH_POINTS = 80
-BLINK = "45"
+STROKE_TIME = 2.0  # [s] requested stroke time of a single gesture, late enough for every preparation
+BEHAVIOUR_ID = "gesture"  # id of the only behaviour in a gesture's document
+_PATH_POINTS = 80  # number of samples of a hand path
+BLINK_UNIT = "45"  # action unit of the blink
 _MODES: dict[HandMode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
 
 
 @dataclass(frozen=True, eq=False)
 class Show:
-    """The stroke of a gesture as key postures, and the ways of the palms through it."""
+    """Key postures and palm paths of a gesture's stroke, for pictures."""
 
     form: GestureForm
-    postures: tuple[Floats, ...]  # (n,) [rad] each, in order
-    stroke: int  # which of them falls on the sync point `stroke`
-    paths: dict[Side, Floats]  # (m, 3) [m] in the world, of the hands that take part
-    faces: tuple[Mapping[str, float], ...]  # action units -> 0..1, one for each posture, with open eyes
+    postures: tuple[Floats, ...]  # joint angles (n,) [rad] in order of time
+    stroke: int  # index of the posture at the sync point `stroke`
+    paths: dict[Side, Floats]  # (m, 3) [m] in the world, for the hands that take part
+    faces: tuple[Mapping[str, float], ...]  # action units -> 0..1 for each posture, with open eyes
 
 
-def write_document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> str:
-    """Writes BML that asks for one gesture, its stroke at a time [s]."""
+def write_document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE_TIME) -> str:
+    """Return BML with one gesture and its stroke time [s]."""
     hands = f" mode={quoteattr(_MODES[mode])}" if _MODES[mode] else ""
     gesture = (
-        f"<gesture id={quoteattr(BEHAVIOUR)} lexeme={quoteattr(lexeme)}{hands} stroke={quoteattr(f'{stroke:g}')}/>"
+        f"<gesture id={quoteattr(BEHAVIOUR_ID)} lexeme={quoteattr(lexeme)}{hands} stroke={quoteattr(f'{stroke:g}')}/>"
     )
     return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="alone">{gesture}</bml>'
 
 
-def plan_gesture(form: GestureForm, setup: Setup, mode: HandMode = "unspecified", *, stroke: float = STROKE) -> Plan:
-    """Plans one gesture from rest to rest: itself, also where its hand cannot make its shapes."""
+def plan_gesture(
+    form: GestureForm, setup: Setup, mode: HandMode = "unspecified", *, stroke: float = STROKE_TIME
+) -> Plan:
+    """Plan one gesture alone, from rest to rest.
+
+    It is never substituted, even if the hand cannot make its shapes.
+    """
     alone = replace(setup, lexicon=setup.lexicon.as_written)
     return plan(write_document(f"{form.category}={form.id}", mode, stroke=stroke), alone)
 
 
 def stroke_error(planned: Plan) -> float:
-    """Measures how much later than asked a gesture's stroke comes [s]; not a number without one."""
-    strokes = [sync.planned - sync.asked for sync in planned.syncs if sync.sync == "stroke"]
+    """Return the delay [s] of a gesture's stroke after its requested time.
+
+    The result is NaN without one.
+    """
+    strokes = [sync.planned - sync.requested for sync in planned.syncs if sync.sync == "stroke"]
     return max(strokes, key=abs, default=float("nan"))
 
 
 def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
-    """Picks key postures of a gesture that is played alone, at most so many, and the ways of its palms.
+    """Return key postures and palm paths of an isolated gesture.
 
     Args:
-        form: of the gesture.
-        planned: as `plan_gesture` gives it.
-        most: at least 2; stroke and, if there is room, first and last are among them.
+        form: form of the gesture.
+        planned: plan from `plan_gesture`.
+        most: at least 2; the stroke and, if possible, the first and last posture are included.
 
     Raises:
-        BmlError: it could not be planned.
+        BmlError: the gesture could not be planned.
     """
-    outcome = planned.keyframes.outcomes[BEHAVIOUR]
+    outcome = planned.keyframes.outcomes[BEHAVIOUR_ID]
     if outcome.kind == "dropped":
-        raise BmlError(f"{form.id} cannot be drawn, {planned.setup.robot.name} cannot play it: {outcome.why}")
-    times = {sync.sync: sync for sync in planned.syncs if sync.behaviour == BEHAVIOUR}
+        raise BmlError(f"{form.id} cannot be drawn, as {planned.setup.robot.name} cannot perform it: {outcome.why}")
+    times = {sync.sync: sync for sync in planned.syncs if sync.behaviour == BEHAVIOUR_ID}
     first, stroke, last = (times[name] for name in ("strokeStart", "stroke", "strokeEnd"))
-    inside = [posture for posture in _of_arms(form, planned) if first.asked <= posture.time <= last.asked]
-    middle = int(np.argmin([abs(posture.time - stroke.asked) for posture in inside]))
-    chosen = _thinned(len(inside), middle, most)
-    spanned = planned.trajectory.zero + np.linspace(first.planned, last.planned, _PATH_POINTS)
-    frames = planned.setup.robot.skeleton.frames(planned.trajectory.sample(spanned)[0])
-    paths = {side: _palm(planned, side, frames.rotations, frames.origins) for side in SIDES if side in form.sides}
-    keys = [inside[k] for k in chosen]
-    moments = planned.trajectory.zero + np.array([key.time for key in keys])
-    between = planned.trajectory.sample(moments)[0]
-    postures = tuple(sealed(np.where(key.keyed, key.angles, row)) for key, row in zip(keys, between, strict=True))
-    return Show(form, postures, chosen.index(middle), paths, tuple(map(_awake, faces(planned, moments))))
+    stroke_keys = [
+        posture for posture in _make_arm_postures(form, planned) if first.requested <= posture.time <= last.requested
+    ]
+    middle = int(np.argmin([abs(posture.time - stroke.requested) for posture in stroke_keys]))
+    chosen = _choose_spread_indices(len(stroke_keys), middle, most)
+    path_times = planned.trajectory.zero + np.linspace(first.planned, last.planned, _PATH_POINTS)
+    frames = planned.setup.robot.skeleton.frames(planned.trajectory.sample(path_times)[0])
+    paths = {side: _trace_palm(planned, side, frames.rotations, frames.origins) for side in SIDES if side in form.sides}
+    keys = [stroke_keys[k] for k in chosen]
+    key_times = planned.trajectory.zero + np.array([key.time for key in keys])
+    sampled = planned.trajectory.sample(key_times)[0]
+    postures = tuple(sealed(np.where(key.keyed, key.angles, row)) for key, row in zip(keys, sampled, strict=True))
+    return Show(
+        form, postures, chosen.index(middle), paths, tuple(map(_without_blink, compute_faces(planned, key_times)))
+    )
 
 
-def _of_arms(form: GestureForm, planned: Plan) -> list[KeyPosture]:
-    """Postures that say where an arm of the gesture is; others are of fingers, head or trunk alone."""
+def _make_arm_postures(form: GestureForm, planned: Plan) -> list[KeyPosture]:
+    """Select the key postures that set an arm of the gesture.
+
+    Other postures set only fingers, head or trunk.
+    """
     robot = planned.setup.robot
     arms = [joint for side in form.sides for joint in robot.skeleton.joints_of(robot.arm(side).segments)]
     return [posture for posture in planned.postures.postures if any(posture.keyed[joint] for joint in arms)]
 
 
-def _awake(units: Mapping[str, float]) -> dict[str, float]:
-    """A face without a blink, which falls anywhere."""
-    return {unit: value for unit, value in units.items() if unit.lstrip("LR") != BLINK}
+def _without_blink(units: Mapping[str, float]) -> dict[str, float]:
+    """Return a face without the blink, which occurs at random times."""
+    return {unit: value for unit, value in units.items() if unit.lstrip("LR") != BLINK_UNIT}
 
 
-def _thinned(count: int, middle: int, most: int) -> list[int]:
-    """Indices, evenly spread, with the first, the middle one and the last."""
+def _choose_spread_indices(count: int, middle: int, most: int) -> list[int]:
+    """Return evenly spread indices that include first, middle and last."""
     if count <= most:
         return list(range(count))
-    spread = np.round(np.linspace(0, count - 1, most)).astype(int)
-    inner = 1 + int(np.argmin(np.abs(spread[1:-1] - middle))) if most > 2 else most - 1
+    indices = np.round(np.linspace(0, count - 1, most)).astype(int)
+    inner = 1 + int(np.argmin(np.abs(indices[1:-1] - middle))) if most > 2 else most - 1
     if middle not in (0, count - 1):
-        spread[inner] = middle
-    return sorted({int(k) for k in spread} | {middle})
+        indices[inner] = middle
+    return sorted({int(k) for k in indices} | {middle})
 
 
-def _palm(planned: Plan, side: Side, rotations: Floats, origins: Floats) -> Floats:
-    """(m, 3) [m] of one palm."""
+def _trace_palm(planned: Plan, side: Side, rotations: Floats, origins: Floats) -> Floats:
+    """Return the path of one palm (m, 3) [m]."""
     robot = planned.setup.robot
     palm = robot.arm(side).palm
     k = robot.skeleton.segment(palm.segment)

@@ -1,4 +1,4 @@
-"""A robot in some postures, drawn with light and shade: by MuJoCo, or with its skin where it has one."""
+"""Shaded pictures of a robot in some postures."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,75 +10,79 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
-from kinesic.body.rotation import about
+from kinesic.body.rotation import rotation_about
 from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.figure import FigurePortrait
 from kinesic.sim.film import FilmError, opengl_fault
-from kinesic.sim.model import turn_order
+from kinesic.sim.model import find_turn_indices
 from kinesic.sim.scene_style import styled_model
-from kinesic.studies.gestures.framing import RISE, Balls, Viewpoint
+from kinesic.studies.gestures.framing import CAMERA_ELEVATION, Balls, Viewpoint
 
 Units = Mapping[str, float]
 Draw = Callable[[Floats, Units, Viewpoint], Picture]
-NEUTRAL: Units = MappingProxyType({})
-ROUND, RATE = 96, 24.0  # pictures of a turntable, and how many are shown a second [Hz]
-SIDE = 480  # [pixels] of each
-SAMPLES = 4  # of a pixel
+NEUTRAL_FACE: Units = MappingProxyType({})  # face without active action units
+TURNTABLE_FRAMES = 96  # number of pictures of a turntable film
+TURNTABLE_RATE = 24.0  # [Hz] pictures per second of a turntable film
+TURNTABLE_SIZE = 480  # [pixels] side of a turntable picture
+PIXEL_SAMPLES = 4  # multisampling: samples per pixel
 
 
 def draw_stills(
     robot: Robot, postures: Sequence[Floats], faces: Sequence[Units], size: tuple[int, int]
 ) -> tuple[Viewpoint, list[Picture]]:
-    """Draws postures from the front, all from one place, and says from where.
+    """Draw robot postures from one frontal viewpoint, and return this viewpoint.
 
     Args:
-        robot: that is drawn.
-        postures: (n,) [rad] each.
-        faces: action units -> 0..1 of each, shown by a robot with skin.
-        size: (width, height) of a picture [pixels].
+        robot: robot to draw.
+        postures: joint angles (n,) [rad].
+        faces: action units -> 0..1 per posture, shown by a robot with skin.
+        size: width and height of a picture [pixels].
 
     Raises:
-        FilmError: OpenGL does not draw on this machine.
+        FilmError: OpenGL is not available.
     """
-    (view,) = Balls.of(robot, postures).viewpoints([0.0], size[0] / size[1], rise=_rise(robot))
-    with _drawing(robot, size) as draw:
+    (view,) = Balls.of(robot, postures).viewpoints([0.0], size[0] / size[1], rise=_choose_elevation(robot))
+    with _open_renderer(robot, size) as draw:
         return view, [draw(angles, units, view) for angles, units in zip(postures, faces, strict=True)]
 
 
-def draw_round(
-    robot: Robot, angles: Floats, units: Units = NEUTRAL, progress: Callable[[float], None] = lambda share: None
+def draw_turntable(
+    robot: Robot, angles: Floats, units: Units = NEUTRAL_FACE, progress: Callable[[float], None] = lambda share: None
 ) -> list[Picture]:
-    """Draws a posture from all around, beginning in front, with even steps and no end.
+    """Draw a robot's posture from all around, starting from the front.
 
     Args:
-        robot: that is drawn.
-        angles: (n,) [rad].
+        robot: robot to draw.
+        angles: joint angles (n,) [rad].
         units: action units -> 0..1, shown by a robot with skin.
-        progress: gets the share of the pictures that are drawn.
+        progress: callback with the fraction of drawn pictures.
 
     Raises:
-        FilmError: OpenGL does not draw on this machine.
+        FilmError: OpenGL is not available.
     """
-    yaws = [360.0 * k / ROUND for k in range(ROUND)]
+    yaws = [360.0 * k / TURNTABLE_FRAMES for k in range(TURNTABLE_FRAMES)]
     pictures = []
-    with _drawing(robot, (SIDE, SIDE)) as draw:
-        for view in Balls.of(robot, [angles]).viewpoints(yaws, 1.0, rise=_rise(robot)):
+    with _open_renderer(robot, (TURNTABLE_SIZE, TURNTABLE_SIZE)) as draw:
+        for view in Balls.of(robot, [angles]).viewpoints(yaws, 1.0, rise=_choose_elevation(robot)):
             pictures.append(draw(angles, units, view))
-            progress(len(pictures) / ROUND)
+            progress(len(pictures) / TURNTABLE_FRAMES)
     return pictures
 
 
-def _rise(robot: Robot) -> float:
-    """[deg] that the camera looks down; the figure's camera looks straight ahead."""
-    return RISE if robot.skin is None else 0.0
+def _choose_elevation(robot: Robot) -> float:
+    """Return the camera's elevation [deg].
+
+    The result is zero for a robot with skin.
+    """
+    return CAMERA_ELEVATION if robot.skin is None else 0.0
 
 
 @contextmanager
-def _drawing(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
-    """Opens what draws a robot in pictures of a size [pixels], each from its own viewpoint."""
+def _open_renderer(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
+    """Open a renderer of a robot for pictures of a size [pixels]."""
     if robot.skin is None:
-        with _model_drawing(robot, size) as draw:
+        with _open_mujoco(robot, size) as draw:
             yield draw
         return
     try:
@@ -96,22 +100,24 @@ def _drawing(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
 
 
 @contextmanager
-def _model_drawing(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
-    """Opens MuJoCo for it, once a process of its own has shown that it draws here."""
+def _open_mujoco(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
+    """Open a MuJoCo renderer, after a separate process has tested OpenGL."""
     if why := opengl_fault():
         raise FilmError(why)
     model = styled_model(robot, width=size[0], height=size[1])
-    model.vis.quality.offsamples = SAMPLES
-    data, order = mujoco.MjData(model), turn_order(robot, model)
+    model.vis.quality.offsamples = PIXEL_SAMPLES
+    data, order = mujoco.MjData(model), find_turn_indices(robot, model)
     camera = mujoco.MjvCamera()
-    places, ways = model.light_pos.copy(), model.light_dir.copy()
+    lamp_positions, lamp_directions = model.light_pos.copy(), model.light_dir.copy()
     with mujoco.Renderer(model, size[1], size[0]) as renderer:
 
         def draw_model(angles: Floats, _: Units, view: Viewpoint) -> Picture:
-            data.qpos[order] = robot.skeleton.turns(angles)
-            turn = about(np.array([0.0, 0.0, 1.0]), radians(view.yaw_deg))
-            model.light_pos[:] = view.middle + (places - view.middle) @ turn.T  # the lamps stand with the camera
-            model.light_dir[:] = ways @ turn.T
+            data.qpos[order] = robot.skeleton.with_couplings(angles)
+            turn = rotation_about(np.array([0.0, 0.0, 1.0]), radians(view.yaw_deg))
+            model.light_pos[:] = (
+                view.middle + (lamp_positions - view.middle) @ turn.T
+            )  # the lamps rotate with the camera
+            model.light_dir[:] = lamp_directions @ turn.T
             mujoco.mj_forward(model, data)
             model.vis.global_.fovy = view.field_deg
             camera.lookat[:], camera.distance = view.middle, view.distance

@@ -1,4 +1,4 @@
-"""Pictures of gestures: one as a strip of key postures, many as a contact sheet grouped by category."""
+"""Pictures of gestures: strips of key postures, and contact sheets by category."""
 
 import io
 from collections.abc import Iterable, Iterator, Sequence
@@ -6,141 +6,161 @@ from dataclasses import replace
 from itertools import groupby
 from math import ceil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backend_bases import FigureCanvasBase
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm
-from kinesic.studies.gestures.framing import OutlineWindow
+from kinesic.report.silhouette import (
+    OWNER_COLOURS,
+    OutlineWindow,
+    PenStroke,
+    fade_lines,
+    outline_lines,
+    project,
+    silhouette,
+)
 from kinesic.studies.gestures.isolated import Show
 from kinesic.studies.gestures.portraits import draw_stills
-from kinesic.studies.gestures.silhouette import COLOURS, PenStroke, outline_lines, pale, project, silhouette
 
-MOST_POSTURES = 6  # key postures in a strip
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-_TALL = 0.97  # on paper, whose unit that makes: what is seen of a robot is drawn so high, however tall it is
-_LABEL, _HEADING = 0.08, 0.16  # below each figure and above each category
-_FOOTER = 0.20  # below a strip
-_COLUMNS = 16
-_INK, _FAINT = "#222222", "#777777"
-_WAY_WIDTH, _DARKER = 0.007, 0.6  # of the picture's height, and times the colour of the arm
-_ARROW = 0.035  # of the picture's height
-_POINTS = 72  # to an inch
-_TONES = 96
-_MOST_TONES = 256
-PORTRAIT = 0.87  # width to height of a portrait
+MAX_POSTURES = 6  # largest number of key postures in the strip of one gesture
+
+_FIGURE_HEIGHT = 0.97  # [paper units] height of a figure, equal for robots of all heights
+_LABEL_HEIGHT = 0.08  # [paper units] height of the name below a figure
+_HEADING_HEIGHT = 0.16  # [paper units] height of a category's heading
+_FOOTER_HEIGHT = 0.20  # [paper units] height of the footer of a strip
+_SHEET_COLUMNS = 16  # number of figures in a row of a contact sheet
+_TITLE_COLOUR = "#222222"  # colour of titles
+_NOTE_COLOUR = "#777777"  # colour of the names under the drawn gestures
+_PATH_WIDTH = 0.007  # line width of a palm path / picture height
+_PATH_BRIGHTNESS = 0.6  # brightness of a palm path / brightness of its arm
+_ARROW_LENGTH = 0.035  # length of an arrow head / picture height
+_POINTS_PER_INCH = 72  # points per inch
+_LINE_TONES = 96  # number of colours of a line drawing
+_SHADED_TONES = 256  # number of colours of a shaded picture
+PORTRAIT_ASPECT = 0.87  # width / height of a shaded figure
 
 
 def draw_strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: float = 3.0, dots: int = 110) -> Path:
-    """Draws the key postures of one gesture side by side, the ways of its palms in each.
+    """Draw key postures and palm paths of one gesture.
 
     Args:
-        show: the gesture.
-        robot: that plays it.
-        path: of the picture; its ending says the format.
-        says: what is written below.
-        scale: [in] of the paper's unit; a figure is 0.97 units high.
-        dots: to an inch.
+        show: postures of the gesture.
+        robot: robot that performs.
+        path: path of the picture; its suffix selects the format.
+        says: text below the picture.
+        scale: inches per paper unit; a figure is 0.97 units high.
+        dots: dots per inch.
 
     Returns:
         The path.
     """
     count = len(show.postures)
-    bodies = [silhouette(robot, angles, _shapes(show.form, k, count)) for k, angles in enumerate(show.postures)]
-    lines = [[*outline_lines(body), *_ways(show)] for body in bodies]
+    bodies = [silhouette(robot, angles, _find_shapes(show.form, k, count)) for k, angles in enumerate(show.postures)]
+    lines = [[*outline_lines(body), *_draw_palm_paths(show)] for body in bodies]
     window = OutlineWindow.around(line for drawn in lines for line in drawn)
-    wide = window.wide * _TALL / window.tall
+    wide = window.wide * _FIGURE_HEIGHT / window.tall
     paper, axes = _strip_paper(show, wide, scale)
     for k, drawn in enumerate(lines):
-        _draw(axes, drawn, window, np.array([k * wide, _FOOTER]), scale)
+        _draw(axes, drawn, window, np.array([k * wide, _FOOTER_HEIGHT]), scale)
     _caption(axes, show, says, scale)
-    return _saved(paper, path, dots)
+    return _save(paper, path, dots)
 
 
 def draw_portraits(
     show: Show, robot: Robot, path: Path, *, says: str = "", scale: float = 3.0, dots: int = 110
 ) -> Path:
-    """Draws the same as `draw_strip` does, with light and shade; its arguments are the same.
+    """Draw the key postures of one gesture with shading.
+
+    The arguments are those of `draw_strip`.
 
     Raises:
-        FilmError: OpenGL does not draw on this machine.
+        FilmError: OpenGL is not available.
     """
-    wide = _TALL * PORTRAIT
-    tall = round(_TALL * scale * dots)
-    view, pictures = draw_stills(robot, show.postures, show.faces, (round(tall * PORTRAIT), tall))
+    wide = _FIGURE_HEIGHT * PORTRAIT_ASPECT
+    tall = round(_FIGURE_HEIGHT * scale * dots)
+    view, pictures = draw_stills(robot, show.postures, show.faces, (round(tall * PORTRAIT_ASPECT), tall))
     paper, axes = _strip_paper(show, wide, scale)
     for k, picture in enumerate(pictures):
-        left, low = k * wide, _FOOTER
-        axes.imshow(picture, extent=(left, left + wide, low, low + _TALL), aspect="auto", interpolation="none")
-        middle = np.array([left + wide / 2, low + _TALL / 2])
-        ways = [line for side, way in show.paths.items() for line in _way(_TALL * view.project(way) + middle, side)]
-        _add_lines(axes, outline_lines(ways), scale)
+        left, low = k * wide, _FOOTER_HEIGHT
+        axes.imshow(picture, extent=(left, left + wide, low, low + _FIGURE_HEIGHT), aspect="auto", interpolation="none")
+        middle = np.array([left + wide / 2, low + _FIGURE_HEIGHT / 2])
+        paths = [
+            line
+            for side, path_points in show.paths.items()
+            for line in _draw_path_with_arrow(_FIGURE_HEIGHT * view.project(path_points) + middle, side)
+        ]
+        _add_lines(axes, outline_lines(paths), scale)
     axes.set_xlim(0, len(pictures) * wide)
-    axes.set_ylim(0, _TALL + _FOOTER)
+    axes.set_ylim(0, _FIGURE_HEIGHT + _FOOTER_HEIGHT)
     _caption(axes, show, says, scale)
-    return _saved(paper, path, dots, tones=_MOST_TONES)
+    return _save(paper, path, dots, tones=_SHADED_TONES)
 
 
-def _strip_paper(show: Show, wide: float, scale: float) -> tuple[Figure, Axes]:
-    """An empty strip, with the names of its postures."""
-    paper, axes = _paper(len(show.postures) * wide, _TALL + _FOOTER, scale)
+def _strip_paper(show: Show, wide: float, scale: float) -> tuple["Figure", "Axes"]:
+    """Create an empty picture strip labelled with the posture names."""
+    paper, axes = _make_paper(len(show.postures) * wide, _FIGURE_HEIGHT + _FOOTER_HEIGHT, scale)
     for k in range(len(show.postures)):
         name = "stroke" if k == show.stroke else f"{k + 1}"
-        axes.text((k + 0.5) * wide, _FOOTER - 0.04, name, color=_FAINT, fontsize=2.9 * scale, ha="center")
+        axes.text((k + 0.5) * wide, _FOOTER_HEIGHT - 0.04, name, color=_NOTE_COLOUR, fontsize=2.9 * scale, ha="center")
     return paper, axes
 
 
-def _caption(axes: Axes, show: Show, says: str, scale: float) -> None:
+def _caption(axes: "Axes", show: Show, says: str, scale: float) -> None:
     title = f"{show.form.id} ({show.form.category})"
-    axes.text(0.02, 0.11, title, color=_INK, fontsize=3.5 * scale, weight="bold")
-    axes.text(0.02, 0.03, says, color=_INK, fontsize=2.9 * scale)
+    axes.text(0.02, 0.11, title, color=_TITLE_COLOUR, fontsize=3.5 * scale, weight="bold")
+    axes.text(0.02, 0.03, says, color=_TITLE_COLOUR, fontsize=2.9 * scale)
 
 
 def draw_gesture_sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale: float = 1.4, dots: int = 120) -> Path:
-    """Draws each gesture once, at its stroke, over the shadow of how its arms begin; grouped by category.
+    """Draw a contact sheet: each gesture's stroke over its pale start.
+
+    The figures are grouped by category.
 
     Args:
-        shows: in any order.
-        robot: that plays them.
-        path: of the picture; its ending says the format.
-        scale: [in] of the paper's unit; a figure is 0.97 units high.
-        dots: to an inch.
+        shows: postures of gestures, in any order.
+        robot: robot that performs.
+        path: path of the picture; its suffix selects the format.
+        scale: inches per paper unit; a figure is 0.97 units high.
+        dots: dots per inch.
 
     Returns:
         The path.
     """
-    drawn = {show.form.id: _outlined(show, robot) for show in shows}
+    drawn = {show.form.id: _draw_gesture_lines(show, robot) for show in shows}
     window = OutlineWindow.around(line for lines in drawn.values() for line in lines)
-    wide, groups = window.wide * _TALL / window.tall, _groups(shows)
-    rows = sum(ceil(len(group) / _COLUMNS) for _, group in groups)
-    tall = rows * (_TALL + _LABEL) + len(groups) * _HEADING
-    paper, axes = _paper(_COLUMNS * wide, tall, scale)
+    wide, groups = window.wide * _FIGURE_HEIGHT / window.tall, _groups(shows)
+    rows = sum(ceil(len(group) / _SHEET_COLUMNS) for _, group in groups)
+    tall = rows * (_FIGURE_HEIGHT + _LABEL_HEIGHT) + len(groups) * _HEADING_HEIGHT
+    paper, axes = _make_paper(_SHEET_COLUMNS * wide, tall, scale)
     top = tall
     for category, group in groups:
-        top -= _HEADING
-        axes.text(0.04, top + 0.04, f"{category} ({len(group)})", color=_INK, fontsize=9 * scale, weight="bold")
+        top -= _HEADING_HEIGHT
+        axes.text(
+            0.04, top + 0.04, f"{category} ({len(group)})", color=_TITLE_COLOUR, fontsize=9 * scale, weight="bold"
+        )
         for k, show in enumerate(group):
-            row, column = divmod(k, _COLUMNS)
-            left, low = column * wide, top - (row + 1) * (_TALL + _LABEL)
-            _draw(axes, drawn[show.form.id], window, np.array([left, low + _LABEL]), scale)
-            axes.text(left + wide / 2, low + 0.03, show.form.id, color=_INK, fontsize=5.6 * scale, ha="center")
-        top -= ceil(len(group) / _COLUMNS) * (_TALL + _LABEL)
-    return _saved(paper, path, dots)
+            row, column = divmod(k, _SHEET_COLUMNS)
+            left, low = column * wide, top - (row + 1) * (_FIGURE_HEIGHT + _LABEL_HEIGHT)
+            _draw(axes, drawn[show.form.id], window, np.array([left, low + _LABEL_HEIGHT]), scale)
+            axes.text(left + wide / 2, low + 0.03, show.form.id, color=_TITLE_COLOUR, fontsize=5.6 * scale, ha="center")
+        top -= ceil(len(group) / _SHEET_COLUMNS) * (_FIGURE_HEIGHT + _LABEL_HEIGHT)
+    return _save(paper, path, dots)
 
 
-def _outlined(show: Show, robot: Robot) -> list[PenStroke]:
-    """One gesture of the sheet."""
-    begins = pale([line for line in silhouette(robot, show.postures[0], {}) if line.owner != "trunk"])
-    shapes = _shapes(show.form, show.stroke, len(show.postures))
-    return [*begins, *outline_lines(silhouette(robot, show.postures[show.stroke], shapes)), *_ways(show)]
+def _draw_gesture_lines(show: Show, robot: Robot) -> list[PenStroke]:
+    """Return the lines of one gesture in the contact sheet."""
+    begins = fade_lines([line for line in silhouette(robot, show.postures[0], {}) if line.owner != "trunk"])
+    shapes = _find_shapes(show.form, show.stroke, len(show.postures))
+    return [*begins, *outline_lines(silhouette(robot, show.postures[show.stroke], shapes)), *_draw_palm_paths(show)]
 
 
 def _groups(shows: Iterable[Show]) -> list[tuple[str, list[Show]]]:
@@ -151,35 +171,38 @@ def _groups(shows: Iterable[Show]) -> list[tuple[str, list[Show]]]:
     return [(name, list(group)) for name, group in groupby(sorted(shows, key=key), lambda show: show.form.category)]
 
 
-def _shapes(form: GestureForm, k: int, count: int) -> dict[Side, str | None]:
-    """Hand shapes at one of the drawn postures: those of the form's key that is as far along."""
+def _find_shapes(form: GestureForm, k: int, count: int) -> dict[Side, str | None]:
+    """Return the hand shapes at one of a gesture's drawn postures."""
     keys = form.keys
-    near = round(k * (len(keys) - 1) / max(1, count - 1)) if len(keys) > 1 else 0
+    key_index = round(k * (len(keys) - 1) / max(1, count - 1)) if len(keys) > 1 else 0
     shapes: dict[Side, str | None] = {}
-    for key in keys[: near + 1]:
+    for key in keys[: key_index + 1]:
         shapes |= {side: pose.shape for side, pose in key.hands.items()}
     return shapes
 
 
-def _ways(show: Show) -> list[PenStroke]:
-    """The ways of the palms, with arrows where they end."""
-    return [line for side, path in show.paths.items() for line in _way(project(path), side)]
+def _draw_palm_paths(show: Show) -> list[PenStroke]:
+    """Return a gesture's palm paths with arrow heads as lines."""
+    return [line for side, path in show.paths.items() for line in _draw_path_with_arrow(project(path), side)]
 
 
-def _way(points: Floats, side: Side) -> Iterator[PenStroke]:
-    """One way, and the arrow at its end."""
-    red, green, blue = (_DARKER * part for part in COLOURS[side])
-    yield PenStroke(points, _WAY_WIDTH, (red, green, blue))
-    before = points[np.linalg.norm(points - points[-1], axis=1) > _ARROW]
+def _draw_path_with_arrow(points: Floats, side: Side) -> Iterator[PenStroke]:
+    """Yield the lines of one palm path and its arrow head."""
+    red, green, blue = (_PATH_BRIGHTNESS * part for part in OWNER_COLOURS[side])
+    yield PenStroke(points, _PATH_WIDTH, (red, green, blue))
+    before = points[np.linalg.norm(points - points[-1], axis=1) > _ARROW_LENGTH]
     if len(before):
-        along = _ARROW * (points[-1] - before[-1]) / np.linalg.norm(points[-1] - before[-1])
+        along = _ARROW_LENGTH * (points[-1] - before[-1]) / np.linalg.norm(points[-1] - before[-1])
         across = 0.5 * np.array([-along[1], along[0]])
         head = np.stack([points[-1] - along + across, points[-1], points[-1] - along - across])
-        yield PenStroke(head, _WAY_WIDTH, (red, green, blue))
+        yield PenStroke(head, _PATH_WIDTH, (red, green, blue))
 
 
-def _paper(wide: float, tall: float, scale: float) -> tuple[Figure, Axes]:
-    """An empty sheet of (wide, tall) [m], `scale` [in/m]."""
+def _make_paper(wide: float, tall: float, scale: float) -> tuple["Figure", "Axes"]:
+    """Return an empty matplotlib sheet of a size in paper units."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 - an extra
+    from matplotlib.figure import Figure  # noqa: PLC0415 - an extra
+
     paper = Figure(figsize=(wide * scale, tall * scale), facecolor="white")
     FigureCanvasAgg(paper)
     axes = paper.add_axes((0, 0, 1, 1))
@@ -189,20 +212,22 @@ def _paper(wide: float, tall: float, scale: float) -> tuple[Figure, Axes]:
     return paper, axes
 
 
-def _draw(axes: Axes, lines: Sequence[PenStroke], window: OutlineWindow, at: Floats, scale: float) -> None:
-    """Lines in their order, what is seen of them put with its lower left corner to a place (2,) on paper."""
-    times = _TALL / window.tall
+def _draw(axes: "Axes", lines: Sequence[PenStroke], window: OutlineWindow, at: Floats, scale: float) -> None:
+    """Draw a figure's lines, scaled to a position on the paper."""
+    times = _FIGURE_HEIGHT / window.tall
     corner = np.array([-window.wide / 2, window.low])
     moved = [replace(line, points=times * (line.points - corner) + at, width=times * line.width) for line in lines]
     _add_lines(axes, moved, scale)
 
 
-def _add_lines(axes: Axes, lines: Sequence[PenStroke], scale: float) -> None:
-    """Lines in their order, on paper."""
+def _add_lines(axes: "Axes", lines: Sequence[PenStroke], scale: float) -> None:
+    """Add pen strokes to the paper in order."""
+    from matplotlib.collections import LineCollection  # noqa: PLC0415 - an extra
+
     axes.add_collection(
         LineCollection(
             [line.points for line in lines],
-            linewidths=[line.width * scale * _POINTS for line in lines],
+            linewidths=[line.width * scale * _POINTS_PER_INCH for line in lines],
             colors=[line.colour for line in lines],
             capstyle="round",
             joinstyle="round",
@@ -212,20 +237,25 @@ def _add_lines(axes: Axes, lines: Sequence[PenStroke], scale: float) -> None:
 
 
 def check_picture(path: Path) -> None:
-    """Refuses a path whose ending names no format of pictures.
+    """Check that a path's suffix is a picture format.
 
     Raises:
-        ConfigError: it does not; names those that do.
+        ConfigError: it is not; the text lists the formats.
     """
-    known = FigureCanvasBase.get_supported_filetypes()
-    if path.suffix[1:].lower() not in known:
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415 - an extra
+
+    formats = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix[1:].lower() not in formats:
         raise ConfigError(
-            f"{path}: a picture of gestures ends in {', '.join(f'.{ending}' for ending in sorted(known))}"
+            f"{path}: the suffix of a picture must be one of {', '.join(f'.{suffix}' for suffix in sorted(formats))}"
         )
 
 
-def _saved(paper: Figure, path: Path, dots: int, *, tones: int = _TONES) -> Path:
-    """Writes a picture; PNG with few colours, so that it is small."""
+def _save(paper: "Figure", path: Path, dots: int, *, tones: int = _LINE_TONES) -> Path:
+    """Save a matplotlib sheet as a picture file.
+
+    PNG files get few colours to be small.
+    """
     if path.suffix.lower() != ".png":
         paper.savefig(path, dpi=dots)
         return path

@@ -1,1 +1,1 @@
-"""A perception study of the face, as the thesis made one (4.4): stimuli, a page that asks, and the analysis."""
+"""Perception study of the face (thesis 4.4): stimuli, page and analysis."""

@@ -1,6 +1,7 @@
-"""Answers of participants, one row of CSV per face, and what they say in the form of the thesis's Tables 4.3-4.5.
+"""Reader and analysis of answers, as in thesis Tables 4.3-4.5.
 
-Likert scales are not normally distributed; two conditions are compared by the Mann-Whitney test (thesis 4.5).
+An answer is one CSV row per face. Likert scales are not normally distributed, so two conditions are compared by the
+Mann-Whitney test (thesis 4.5).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,64 +11,64 @@ from statistics import fmean
 from typing import Literal, get_args
 
 from kinesic.body.config import ConfigError
-from kinesic.studies.perception.design import ACTIONS, POINTS, Presentation, Strength
+from kinesic.studies.perception.design import FACIAL_ACTIONS, LIKERT_POINTS, Presentation, Strength
 from kinesic.studies.questionnaire.answers import read_rows
 
 Wrinkles = Literal["with", "without"]
 
-OPINIONS = ("naturalness", "realism")
-LABELS = tuple(action.name for action in ACTIONS)
-CONDITIONS: Mapping[str, tuple[str, ...]] = {
+OPINION_COLUMNS = ("naturalness", "realism")  # columns of the answer file with the rated statements
+ACTION_NAMES = tuple(action.name for action in FACIAL_ACTIONS)
+CONDITION_VALUES: Mapping[str, tuple[str, ...]] = {
     "strength": get_args(Strength),
     "wrinkles": get_args(Wrinkles),
     "presentation": get_args(Presentation),
 }
-COLUMNS = (
-    *("participant", "place", "stimulus", "agent", "action", "region", *CONDITIONS),
-    *LABELS,
-    *OPINIONS,
+ANSWER_COLUMNS = (
+    *("participant", "place", "stimulus", "agent", "action", "region", *CONDITION_VALUES),
+    *ACTION_NAMES,
+    *OPINION_COLUMNS,
     "seconds",
     "age",
 )
-SIGNIFICANT = 0.05  # share of chance below which two conditions differ
-NEEDED_COLUMNS = ("participant", "action", *CONDITIONS, *LABELS, *OPINIONS)
-AGES = range(10, 120)  # [years] that are believed
-ALL = "all"  # the row of all actions together
+SIGNIFICANCE_LEVEL = 0.05  # p-value below which two conditions differ
+REQUIRED_COLUMNS = ("participant", "action", *CONDITION_VALUES, *ACTION_NAMES, *OPINION_COLUMNS)
+ACCEPTED_AGES = range(10, 120)  # [years] accepted ages
+ALL_ACTIONS = "all"  # name of the row for all actions together
 
 
 @dataclass(frozen=True)
 class Rating:
-    """What one participant said of one face."""
+    """Ratings of one face by one participant, on Likert scales."""
 
     action: str
     conditions: Mapping[str, str]  # strength, wrinkles, presentation
-    labels: Mapping[str, int]  # action asked for -> 1..5
+    labels: Mapping[str, int]  # action -> 1..5
     opinions: Mapping[str, int]  # naturalness, realism -> 1..5
     participant: str = ""
-    age: int | None = None  # [years] of the participant, who need not tell it
+    age: int | None = None  # [years] of the participant, optional
 
     @property
     def first_choice(self) -> bool:
-        """Whether the true label got more than every other one (thesis 4.5)."""
+        """Whether the true label got the most points (thesis 4.5)."""
         others = (points for name, points in self.labels.items() if name != self.action)
         return self.labels[self.action] > max(others, default=0)
 
 
 def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
-    """Reads the answers of all participants, but for those about distractor faces.
+    """Read the answers of all participants, except those about distractor faces.
 
     Raises:
-        ConfigError: a file or a column is missing, or a value is out of its range.
+        ConfigError: a file or column is missing, or a value is out of range.
     """
-    rows = read_rows(paths, NEEDED_COLUMNS)
-    found = tuple(_answer(where, row) for where, row in rows if row["action"] in LABELS)
-    if not found:
-        raise ConfigError(f"{', '.join(map(str, paths))}: no answer for any of {', '.join(LABELS)}")
-    return found
+    rows = read_rows(paths, REQUIRED_COLUMNS)
+    answers = tuple(_answer(location, row) for location, row in rows if row["action"] in ACTION_NAMES)
+    if not answers:
+        raise ConfigError(f"{', '.join(map(str, paths))}: no answer for any of {', '.join(ACTION_NAMES)}")
+    return answers
 
 
-MEASURES: Mapping[str, Callable[[Rating], int]] = {
-    "EXP": lambda answer: answer.labels[answer.action],  # the expression was seen
+RATING_MEASURES: Mapping[str, Callable[[Rating], int]] = {
+    "EXP": lambda answer: answer.labels[answer.action],  # recognition of the expression
     "NAT": lambda answer: answer.opinions["naturalness"],
     "RE": lambda answer: answer.opinions["realism"],
 }
@@ -75,21 +76,24 @@ MEASURES: Mapping[str, Callable[[Rating], int]] = {
 
 @dataclass(frozen=True)
 class ComparedMeans:
-    """One measure of one action under two conditions."""
+    """Means of one measure and action under two conditions."""
 
     means: tuple[float, float]  # 1..5; NaN without answers
     counts: tuple[int, int]
-    p: float  # that both are one distribution, two-sided; NaN where one side has no answers
+    p: float  # two-sided p-value of equal distributions; NaN if one side has no answers
 
     @property
     def significant(self) -> bool:
-        """Whether the conditions differ."""
-        return self.p < SIGNIFICANT
+        """Whether the conditions differ significantly."""
+        return self.p < SIGNIFICANCE_LEVEL
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The effect of one condition (Table 4.3: strength; 4.4: presentation), for each action and for `ALL` together."""
+    """Effect of one study condition, by action and for all actions.
+
+    Table 4.3 shows strength, Table 4.4 presentation.
+    """
 
     condition: str
     sides: tuple[str, str]
@@ -98,48 +102,50 @@ class Comparison:
 
 @dataclass(frozen=True)
 class FirstChoices:
-    """How often the true label was the first choice (Table 4.5)."""
+    """Frequency of the true label as the first choice (Table 4.5)."""
 
     shares: Mapping[tuple[str, str], float]  # (action, "with" or "without" wrinkles) -> 0..1; NaN without answers
     counts: Mapping[tuple[str, str], int]
 
 
 def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, str]) -> Comparison:
-    """Compares two sides of a condition, for each action and measure, and for all actions together (thesis 4.5).
+    """Compare two values of a study condition by action (thesis 4.5).
 
     Args:
-        answers: of all participants.
+        answers: answers of all participants.
         condition: strength, wrinkles or presentation.
-        sides: its two values.
+        sides: two values of the condition.
     """
-    groups = {action: [a for a in answers if a.action == action] for action in LABELS} | {ALL: answers}
+    groups = {action: [a for a in answers if a.action == action] for action in ACTION_NAMES} | {ALL_ACTIONS: answers}
     cells = {
-        (action, name): _cell(*([measure(a) for a in own if a.conditions[condition] == side] for side in sides))
-        for action, own in groups.items()
-        for name, measure in MEASURES.items()
+        (action, name): _compare_means(
+            *([measure(a) for a in group if a.conditions[condition] == side] for side in sides)
+        )
+        for action, group in groups.items()
+        for name, measure in RATING_MEASURES.items()
     }
     return Comparison(condition, sides, cells)
 
 
 @dataclass(frozen=True)
 class People:
-    """The participants of a study, by number and age."""
+    """Number and ages of a study's participants."""
 
     count: int
-    ages: tuple[int, ...]  # [years] of those who told it, in rising order
+    ages: tuple[int, ...]  # [years] in ascending order, where given
 
 
-def participants(answers: Sequence[Rating]) -> People:
-    """Counts who answered, and how old they are."""
+def count_participants(answers: Sequence[Rating]) -> People:
+    """Count the participants and list their ages."""
     ages = {answer.participant: answer.age for answer in answers}
     return People(len(ages), tuple(sorted(age for age in ages.values() if age is not None)))
 
 
-def first_choices(answers: Sequence[Rating]) -> FirstChoices:
-    """Counts the share of answers in which the true label got more than every other, with and without wrinkles."""
+def count_first_choices(answers: Sequence[Rating]) -> FirstChoices:
+    """Return fractions of true labels as first choice, with and without wrinkles."""
     groups = {
         (action, side): [a.first_choice for a in answers if a.action == action and a.conditions["wrinkles"] == side]
-        for action in LABELS
+        for action in ACTION_NAMES
         for side in ("with", "without")
     }
     return FirstChoices(
@@ -148,33 +154,33 @@ def first_choices(answers: Sequence[Rating]) -> FirstChoices:
     )
 
 
-def _cell(left: Sequence[int], right: Sequence[int]) -> ComparedMeans:
-    from scipy.stats import mannwhitneyu  # noqa: PLC0415 - slow to import, and only answers need it
+def _compare_means(left: Sequence[int], right: Sequence[int]) -> ComparedMeans:
+    from scipy.stats import mannwhitneyu  # noqa: PLC0415 - slow import, only needed for answers
 
     means = (fmean(left) if left else float("nan"), fmean(right) if right else float("nan"))
     p = float(mannwhitneyu(left, right, alternative="two-sided").pvalue) if left and right else float("nan")
     return ComparedMeans(means, (len(left), len(right)), p)
 
 
-def _answer(where: str, row: Mapping[str, str]) -> Rating:
-    conditions = {name: row[name] for name in CONDITIONS}
+def _answer(location: str, row: Mapping[str, str]) -> Rating:
+    conditions = {name: row[name] for name in CONDITION_VALUES}
     for name, value in conditions.items():
-        if value not in CONDITIONS[name]:
-            raise ConfigError(f"{where}: {name} is {value!r}, must be one of {', '.join(CONDITIONS[name])}")
-    labels = {name: _points(where, name, row[name]) for name in LABELS if row[name]}
+        if value not in CONDITION_VALUES[name]:
+            raise ConfigError(f"{location}: {name} is {value!r}, must be one of {', '.join(CONDITION_VALUES[name])}")
+    labels = {name: _points(location, name, row[name]) for name in ACTION_NAMES if row[name]}
     if row["action"] not in labels:
-        raise ConfigError(f"{where}: no answer in column {row['action']}, which is what was shown")
-    opinions = {name: _points(where, name, row[name]) for name in OPINIONS}
-    told = row.get("age", "")
-    age = _whole(where, "age", told, AGES) if told else None
+        raise ConfigError(f"{location}: no answer in column {row['action']}, which is the shown action")
+    opinions = {name: _points(location, name, row[name]) for name in OPINION_COLUMNS}
+    age_text = row.get("age", "")
+    age = _whole(location, "age", age_text, ACCEPTED_AGES) if age_text else None
     return Rating(row["action"], conditions, labels, opinions, row["participant"], age)
 
 
-def _points(where: str, name: str, text: str) -> int:
-    return _whole(where, name, text, range(1, POINTS + 1))
+def _points(location: str, name: str, text: str) -> int:
+    return _whole(location, name, text, range(1, LIKERT_POINTS + 1))
 
 
-def _whole(where: str, name: str, text: str, among: range) -> int:
-    if not (text.isascii() and text.isdecimal() and len(text) < 4 and int(text) in among):
-        raise ConfigError(f"{where}: {name} is {text!r}, must be a whole number from {among[0]} to {among[-1]}")
+def _whole(location: str, name: str, text: str, allowed: range) -> int:
+    if not (text.isascii() and text.isdecimal() and len(text) < 4 and int(text) in allowed):
+        raise ConfigError(f"{location}: {name} is {text!r}, must be a whole number from {allowed[0]} to {allowed[-1]}")
     return int(text)

@@ -1,7 +1,9 @@
-"""What a study shows and asks (thesis 4.4 and Table 4.2): 96 stimuli that count, and 32 more to confuse.
+"""Design of the face study (thesis 4.4, Table 4.2).
 
-Every face is shown with wrinkles and without, faint and strong, still and moving; a participant sees a quarter of all,
-as many of the upper face as of the lower and as many moving as still.
+96 counted and 32 distractor stimuli.
+
+Every face is shown with and without wrinkles, weak and strong, still and moving. A participant sees a quarter of all
+stimuli, with equal numbers of upper and lower faces and of moving and still faces.
 """
 
 from collections.abc import Mapping
@@ -16,27 +18,22 @@ Region = Literal["upper", "lower"]
 Strength = Literal["low", "high"]
 Presentation = Literal["animation", "image"]
 
-INTENSITIES: Mapping[Strength, float] = MappingProxyType({"low": 0.4, "high": 1.0})
-PER_CELL = 8  # stimuli of one region and presentation that a participant sees (Table 4.2)
-POINTS = 5  # of a Likert scale
+STRENGTH_INTENSITIES: Mapping[Strength, float] = MappingProxyType({"low": 0.4, "high": 1.0})
+STIMULI_PER_CELL = 8  # stimuli per participant, region and presentation (Table 4.2)
+LIKERT_POINTS = 5  # number of points of a Likert scale
 
 
 @dataclass(frozen=True)
 class FacialAction:
-    """Something that a face does."""
+    """Facial action with its action units and its text for participants."""
 
-    name: str  # numbers of its action units with + between them; "none"
-    region: Region  # whose questions are asked
-    label: str = ""  # as participants read it; empty: only shown to confuse
-    units: Mapping[str, float] = field(default_factory=dict)  # action unit -> intensity of the strong one
-
-    @property
-    def asked(self) -> bool:
-        """Whether participants are asked for it."""
-        return self.label != ""
+    name: str  # numbers of its action units joined by +; "none"
+    region: Region  # region of its questions
+    label: str = ""  # text for participants; empty for a distractor
+    units: Mapping[str, float] = field(default_factory=dict)  # action unit -> intensity of the strong version
 
 
-ACTIONS = (
+FACIAL_ACTIONS = (
     FacialAction("1+2", "upper", "The eyebrows are raised in a half circle", {"1": 1.0, "2": 1.0}),
     FacialAction("4", "upper", "The face is frowning", {"4": 1.0}),
     FacialAction("1+4", "upper", "The eyebrows are raised obliquely", {"1": 1.0, "4": 0.6}),
@@ -44,7 +41,7 @@ ACTIONS = (
     FacialAction("12", "lower", "The lips are extended, corners up", {"12": 1.0}),
     FacialAction("20", "lower", "The lips are extended straight", {"20": 1.0}),
 )
-CONFUSERS = (
+DISTRACTORS = (
     (FacialAction("5", "upper", units={"5": 1.0}), ("low", "high")),
     (FacialAction("7", "upper", units={"7": 1.0}), ("high",)),
     (FacialAction("none", "upper"), ("high",)),
@@ -52,12 +49,11 @@ CONFUSERS = (
     (FacialAction("15", "lower", units={"15": 1.0}), ("high",)),
     (FacialAction("none", "lower"), ("high",)),
 )
-LABELS: Mapping[str, str] = MappingProxyType({action.name: action.label for action in ACTIONS})
 
 
 @dataclass(frozen=True)
 class Stimulus:
-    """One face that a participant looks at, once."""
+    """One face that a participant sees once."""
 
     action: FacialAction
     agent: Variant
@@ -67,31 +63,34 @@ class Stimulus:
 
     @property
     def id(self) -> str:
-        """Names its file and its answers, such as `female-4-high-wrinkled-animation`."""
+        """Name of the stimulus, such as `female-4-high-wrinkled-animation`."""
         surface = "wrinkled" if self.wrinkles else "smooth"
         action = f"{self.action.name}-{self.action.region}" if self.action.name == "none" else self.action.name
         return "-".join((self.agent, action, self.strength, surface, self.presentation))
 
     @property
     def units(self) -> Mapping[str, float]:
-        """Action units at the peak, 0..1."""
-        share = INTENSITIES[self.strength]
-        return {unit: share * full for unit, full in self.action.units.items()}
+        """Action units of the face at the expression's peak, 0..1."""
+        intensity = STRENGTH_INTENSITIES[self.strength]
+        return {unit: intensity * full for unit, full in self.action.units.items()}
 
 
-def stimuli() -> tuple[Stimulus, ...]:
-    """Lists 128: 2 agents x 6 actions x 2 strengths x 2 (wrinkles or not) x 2 presentations, and 32 that confuse."""
+def list_stimuli() -> tuple[Stimulus, ...]:
+    """List all 128 stimuli of the face study.
+
+    They are 2 agents x 6 actions x 2 strengths x 2 (with or without wrinkles) x 2 presentations, and 32 distractors.
+    """
     agents, moving = get_args(Variant), get_args(Presentation)
     counted = (
         Stimulus(action, agent, strength, wrinkles, presentation)
         for action, agent, strength, wrinkles, presentation in product(
-            ACTIONS, agents, INTENSITIES, (True, False), moving
+            FACIAL_ACTIONS, agents, STRENGTH_INTENSITIES, (True, False), moving
         )
     )
-    confusing = (
+    distractors = (
         Stimulus(action, agent, strength, True, presentation)
-        for action, strengths in CONFUSERS
+        for action, strengths in DISTRACTORS
         for agent, strength, presentation in product(agents, get_args(Strength), moving)
         if strength in strengths
     )
-    return (*counted, *confusing)
+    return (*counted, *distractors)

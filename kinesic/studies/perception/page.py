@@ -1,118 +1,121 @@
-"""What participants see: stimuli, each a picture of an expression at its peak or a short film, and the page that asks.
+"""Stimuli of the face study, and the page that asks about them.
 
-The page shows each stimulus once; it needs a browser and the folder of stimuli, no server.
+A stimulus is a picture of an expression at its peak, or a short film.
+
+The page shows each stimulus once; it needs a browser and the folder of stimuli but no server.
 """
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 
 from kinesic.body.arrays import Picture
 from kinesic.expressivity.face.expressions import Envelope
-from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.camera import CLOSE_CAMERA
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL, Preset
-from kinesic.face.show.files import save, save_film
+from kinesic.face.render.presets import NORMAL_PRESET, Preset
+from kinesic.face.show.files import save_film, save_picture
 from kinesic.report.report import Json
-from kinesic.studies.perception.answers import AGES, COLUMNS
-from kinesic.studies.perception.design import ACTIONS, PER_CELL, POINTS, Stimulus, stimuli
+from kinesic.studies.perception.answers import ACCEPTED_AGES, ANSWER_COLUMNS
+from kinesic.studies.perception.design import FACIAL_ACTIONS, LIKERT_POINTS, STIMULI_PER_CELL, Stimulus, list_stimuli
 from kinesic.studies.questionnaire.page import write_questionnaire
 
-HERE = Path(__file__).parent
-SCALE = ("totally disagree", "disagree", "neither", "agree", "totally agree")
-OPINIONS = {"naturalness": "This face looks natural", "realism": "This face looks realistic"}
-PICTURE_RATE = 24.0  # [Hz] of films
-COURSE = Envelope(0.2, 0.7, 1.5, 2.0)  # [s] of an expression: from rest, up, held, and gone
-SECONDS = 2.2  # of a film
+TEMPLATE_FOLDER = Path(__file__).parent
+LIKERT_LABELS = ("totally disagree", "disagree", "neither", "agree", "totally agree")
+OPINION_STATEMENTS = {"naturalness": "This face looks natural", "realism": "This face looks realistic"}
+PICTURE_RATE = 24.0  # [Hz] picture rate of the study's films
+EXPRESSION_ENVELOPE = Envelope(0.2, 0.7, 1.5, 2.0)  # [s] times of an expression: start, full, release, end
+FILM_DURATION = 2.2  # [s] duration of the film of one expression
 
 
 def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") -> None:
-    """Writes the page.
+    """Write the HTML page of the face study.
 
     Args:
-        path: of the page.
-        folder: of the stimuli, as seen from the page.
-        post_to: URL that each participant's answers are sent to as CSV; empty: they are only offered as a file.
+        path: path of the page.
+        folder: folder of the stimuli, relative to the page.
+        post_to: URL that receives each participant's answers as CSV; empty: answers are only offered as a file.
 
     Raises:
-        ConfigError: it is no http or https URL.
+        ConfigError: `post_to` is not an http or https URL.
     """
     study: dict[str, Json] = {
         "name": "kinesic-study",
-        "most": len(stimuli()),
+        "most": len(list_stimuli()),
         "stimuli": [
             {
-                "id": each.id,
-                "file": f"{folder}/{file_of(each)}",
-                "agent": each.agent,
-                "action": each.action.name,
-                "strength": each.strength,
-                "wrinkles": "with" if each.wrinkles else "without",
-                "presentation": each.presentation,
-                "region": each.action.region,
+                "id": stimulus.id,
+                "file": f"{folder}/{file_of(stimulus)}",
+                "agent": stimulus.agent,
+                "action": stimulus.action.name,
+                "strength": stimulus.strength,
+                "wrinkles": "with" if stimulus.wrinkles else "without",
+                "presentation": stimulus.presentation,
+                "region": stimulus.action.region,
             }
-            for each in stimuli()
+            for stimulus in list_stimuli()
         ],
         "questions": {
-            region: {**{a.name: a.label for a in ACTIONS if a.region == region}, **OPINIONS}
+            region: {**{a.name: a.label for a in FACIAL_ACTIONS if a.region == region}, **OPINION_STATEMENTS}
             for region in ("upper", "lower")
         },
-        "scale": list(SCALE),
-        "points": POINTS,
-        "columns": list(COLUMNS),
-        "perCell": PER_CELL,
-        "seconds": SECONDS,
+        "scale": list(LIKERT_LABELS),
+        "points": LIKERT_POINTS,
+        "columns": list(ANSWER_COLUMNS),
+        "perCell": STIMULI_PER_CELL,
+        "seconds": FILM_DURATION,
     }
     write_questionnaire(
         path,
         study,
-        template=HERE / "study.jinja",
-        script=(HERE / "study.js").read_text(encoding="utf-8"),
+        template=TEMPLATE_FOLDER / "study.jinja",
+        script=(TEMPLATE_FOLDER / "study.js").read_text(encoding="utf-8"),
         post_to=post_to,
-        shown=4 * PER_CELL,
+        shown=4 * STIMULI_PER_CELL,
         images="*",
-        told={"ages": [AGES[0], AGES[-1]]},
+        variables={"ages": [ACCEPTED_AGES[0], ACCEPTED_AGES[-1]]},
     )
 
 
 def file_of(stimulus: Stimulus) -> str:
-    """Names the file of a stimulus."""
+    """Return the picture or film name of a stimulus."""
     return f"{stimulus.id}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
 
 
 def draw_stimuli(
-    selected: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL
+    selected: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL_PRESET
 ) -> Iterator[Path]:
-    """Draws stimuli into a folder, which is made; yields each file when it is there.
+    """Draw the faces of stimuli into a folder and yield each file.
 
     Args:
-        selected: those that are drawn.
-        folder: where to.
-        size: [pixels] along a side.
-        preset: how much is drawn; wrinkles are switched by the stimulus.
+        selected: stimuli to draw.
+        folder: folder of the files.
+        size: side of a picture [pixels].
+        preset: rendering preset; the stimulus switches wrinkles on or off.
 
     Raises:
-        DisplayError: nothing can be drawn here.
+        DisplayError: drawing is not possible.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for agent, own in groupby(sorted(selected, key=lambda each: each.agent), key=lambda each: each.agent):
+    for agent, group in groupby(sorted(selected, key=attrgetter("agent")), key=attrgetter("agent")):
         with Portrait(agent, preset=preset, size=(size, size)) as portrait:
-            for stimulus in own:
+            for stimulus in group:
                 path = folder / file_of(stimulus)
                 if stimulus.presentation == "animation":
                     save_film(list(_film(portrait, stimulus)), path, rate=PICTURE_RATE, once=True)
                 else:
-                    save(_picture(portrait, stimulus, 1.0), path)
+                    save_picture(_picture(portrait, stimulus, 1.0), path)
                 yield path
 
 
 def _film(portrait: Portrait, stimulus: Stimulus) -> Iterator[Picture]:
-    for share in COURSE.at(np.arange(round(SECONDS * PICTURE_RATE)) / PICTURE_RATE).tolist():
-        yield _picture(portrait, stimulus, share)
+    for intensity in EXPRESSION_ENVELOPE.at(np.arange(round(FILM_DURATION * PICTURE_RATE)) / PICTURE_RATE).tolist():
+        yield _picture(portrait, stimulus, intensity)
 
 
-def _picture(portrait: Portrait, stimulus: Stimulus, share: float) -> Picture:
-    units = {unit: share * peak for unit, peak in stimulus.units.items()}
-    return portrait.draw(units, CLOSE, gain=1.0 if stimulus.wrinkles else 0.0)
+def _picture(portrait: Portrait, stimulus: Stimulus, intensity: float) -> Picture:
+    units = {unit: intensity * peak for unit, peak in stimulus.units.items()}
+    return portrait.draw(units, CLOSE_CAMERA, gain=1.0 if stimulus.wrinkles else 0.0)

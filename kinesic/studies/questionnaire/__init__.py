@@ -1,1 +1,1 @@
-"""What the studies of perception share: a page that leads a participant through it, and files of answers."""
+"""Common parts of the studies: a questionnaire page and files of answers."""

@@ -1,4 +1,4 @@
-"""Reads files of answers: CSV with a first line of names, of which nothing is believed before it is checked."""
+"""Reader of answer files: CSV with a header line, fully checked."""
 
 import csv
 from collections.abc import Iterator, Mapping, Sequence
@@ -8,47 +8,47 @@ from typing import TextIO
 
 from kinesic.body.config import ConfigError, suggestion
 
-MOST_NAMED = 30  # columns that an error names
+MAX_NAMED_COLUMNS = 30  # largest number of columns named in an error
 
 
 def read_rows(paths: Sequence[Path], needed: Sequence[str]) -> Iterator[tuple[str, Mapping[str, str]]]:
-    """Yields all rows of files by their columns, each with where it stands.
+    """Yield all rows of answer files as mappings, each with its location.
 
     Args:
-        paths: of the files.
-        needed: columns that each must have.
+        paths: paths of the files.
+        needed: required columns.
 
     Raises:
-        ConfigError: a file or a column is missing, or a row has another length than the first line.
+        ConfigError: a file or column is missing, or a row differs in length from the first line.
     """
     for path in paths:
-        with _opened(path) as lines:
+        with _open_csv(path) as lines:
             rows = csv.DictReader(lines)
             names = list(rows.fieldnames or ())
             missing = [name for name in needed if name not in names]
             if missing:
-                near, some = suggestion(missing[0], names), ", ".join(names[:MOST_NAMED])
-                raise ConfigError(f"{path}: no column {missing[0]}{near}; it has {some}")
+                hint, listed = suggestion(missing[0], names), ", ".join(names[:MAX_NAMED_COLUMNS])
+                raise ConfigError(f"{path}: no column {missing[0]}{hint}; it has {listed}")
             for row in rows:
-                where = f"{path}:{rows.line_num}"
+                location = f"{path}:{rows.line_num}"
                 if None in row or None in row.values():
-                    raise ConfigError(f"{where}: must have {len(names)} values, like the first line")
-                yield where, row
+                    raise ConfigError(f"{location}: must have {len(names)} values, like the first line")
+                yield location, row
 
 
 def read_columns(path: Path) -> tuple[str, ...]:
-    """Reads the names of the columns of a file.
+    """Read the column names of an answer file.
 
     Raises:
-        ConfigError: it is missing, or no CSV.
+        ConfigError: the file is missing or not CSV.
     """
-    with _opened(path) as lines:
+    with _open_csv(path) as lines:
         return tuple(csv.DictReader(lines).fieldnames or ())
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[TextIO]:
-    """Opens a file of CSV; what is wrong with it is told in one line."""
+def _open_csv(path: Path) -> Iterator[TextIO]:
+    """Open a CSV file and convert its errors to one-line messages."""
     try:
         with path.open(newline="", encoding="utf-8") as lines:
             yield lines
@@ -57,4 +57,4 @@ def _opened(path: Path) -> Iterator[TextIO]:
     except UnicodeDecodeError:
         raise ConfigError(f"{path} is not text in UTF-8") from None
     except csv.Error as error:
-        raise ConfigError(f"{path} is no CSV: {error}") from None
+        raise ConfigError(f"{path} is not CSV: {error}") from None

@@ -1,4 +1,7 @@
-"""Writes the page of a study: one file that leads a participant through it, keeps the answers and needs no server."""
+"""Writer of the HTML page of a study.
+
+One file that stores the answers and needs no server.
+"""
 
 import json
 import re
@@ -13,8 +16,8 @@ from kinesic.body.config import ConfigError
 from kinesic.report.content_policy import content_policy
 from kinesic.report.report import Json
 
-HERE = Path(__file__).parent
-NOTHING: Mapping[str, Json] = MappingProxyType({})
+TEMPLATE_FOLDER = Path(__file__).parent
+NO_VARIABLES: Mapping[str, Json] = MappingProxyType({})
 
 
 def write_questionnaire(
@@ -26,49 +29,52 @@ def write_questionnaire(
     post_to: str,
     shown: int,
     images: str = "'none'",
-    told: Mapping[str, Json] = NOTHING,
+    variables: Mapping[str, Json] = NO_VARIABLES,
 ) -> None:
-    """Writes the page of a study.
+    """Write the HTML page of a study from its template.
 
     Args:
-        path: of the page.
-        study: what its script reads: `name`, under which a browser keeps the answers; `columns` of the answers; `most`
-            that one participant may be shown; and what the study's own script needs.
-        template: that extends `questionnaire.jinja`.
-        script: the study's own, which runs after `questionnaire.js`.
-        post_to: URL that each participant's answers are sent to as CSV; empty: they are only offered as a file.
-        shown: how much one participant is shown, as the welcome says.
-        images: where they may come from.
-        told: what else the template reads.
+        path: path of the page.
+        study: data for its script: `name`, under which a browser stores the answers; `columns` of the answers; `most`,
+            the maximum
+            number of shown items per participant; and data for the study's own script.
+        template: template that extends `questionnaire.jinja`.
+        script: script of the study, which runs after `questionnaire.js`.
+        post_to: URL that receives each participant's answers as CSV; empty: answers are only offered as a file.
+        shown: number of items per participant, stated in the welcome text.
+        images: allowed image sources in the content policy.
+        variables: further variables of the template.
 
     Raises:
-        ConfigError: `post_to` is no http or https URL.
+        ConfigError: `post_to` is not an http or https URL.
     """
-    loader = FileSystemLoader([template.parent, HERE])
+    loader = FileSystemLoader([template.parent, TEMPLATE_FOLDER])
     environment = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    whole = f"{(HERE / 'questionnaire.js').read_text(encoding='utf-8')}\n{script}"
+    full_script = f"{(TEMPLATE_FOLDER / 'questionnaire.js').read_text(encoding='utf-8')}\n{script}"
     text = environment.get_template(template.name).render(
-        look=Markup((HERE / "questionnaire.css").read_text(encoding="utf-8")),
-        script=Markup(whole),
-        policy=content_policy(whole, img_src=images, connect_src=f"blob: {find_origin(post_to)}".rstrip()),
+        look=Markup((TEMPLATE_FOLDER / "questionnaire.css").read_text(encoding="utf-8")),
+        script=Markup(full_script),
+        policy=content_policy(full_script, img_src=images, connect_src=f"blob: {find_origin(post_to)}".rstrip()),
         study=Markup(json.dumps({**study, "postTo": post_to}).replace("<", "\\u003c")),
         shown=shown,
-        **told,
+        **variables,
     )
     path.write_text(text, encoding="utf-8")
 
 
 def find_origin(url: str) -> str:
-    """Finds the server of an http or https URL, such as `https://example.org:8080`; of an empty one, nothing.
+    """Return the origin of an http or https URL, such as `https://example.org:8080`.
+
+    An empty URL gives an empty text.
 
     Raises:
-        ConfigError: it is another kind of URL.
+        ConfigError: the URL is of another kind.
     """
     if not url:
         return ""
-    found = re.match(r"(https?://(?:[\w.-]+|\[[0-9a-f:.]+\])(?::\d+)?)(?:[/?]|$)", url, re.ASCII | re.IGNORECASE)
-    if found is None:
+    match = re.match(r"(https?://(?:[\w.-]+|\[[0-9a-f:.]+\])(?::\d+)?)(?:[/?]|$)", url, re.ASCII | re.IGNORECASE)
+    if match is None:
         raise ConfigError(f"--post-to {url}: must be a URL such as https://example.org/answers")
-    return found.group(1)
+    return match.group(1)

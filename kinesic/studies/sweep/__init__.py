@@ -1,1 +1,1 @@
-"""A gesture played over the range of a parameter, and what that changes in the twin."""
+"""Sweeps of one parameter with measurements in the twin."""

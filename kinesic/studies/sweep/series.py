@@ -1,4 +1,4 @@
-"""A gesture played at several values of one parameter of expressivity, and its pictures."""
+"""Series of a gesture over one expressivity parameter, with plots."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,35 +14,47 @@ from matplotlib.ticker import MaxNLocator
 
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, suggestion
-from kinesic.controller.perform import perform
-from kinesic.expressivity.style.style import RANGES, Style
+from kinesic.controller.dry_run import dry_run
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, Style
 from kinesic.planning.setup import Setup
-from kinesic.studies.sweep.measures import SHOWN, Measures, measures
-from kinesic.tasks.engine import engine_in_use
+from kinesic.session.plan import plan
+from kinesic.studies.sweep.measures import MEASURE_FORMATS, Measures, measures
+from kinesic.tasks.engine import current_engine
 from kinesic.tasks.processes import WorkerCrash
 
-STROKE = 6.0  # [s] block time at which the stroke is asked for: time for the slowest preparation
-COUNT = 5  # values over a range, ends included
-LATE = 0.010  # [s] from the asked time, beyond which a stroke is late
-ID = "swept"
-ONE_GESTURE = (
+STROKE_TIME = 6.0  # [s] requested stroke time, late enough for the slowest preparation
+VALUE_COUNT = 5  # number of values of a swept parameter over its range, ends included
+MAX_STROKE_ERROR = 0.010  # [s] timing error above which a stroke is late
+GESTURE_ID = "swept"  # id of the swept gesture in its document
+GESTURE_TEMPLATE = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="sweep">'
     '<gesture id="{id}" lexeme="{lexeme}" stroke="{stroke}"/></bml>'
 )
-SMALL = 7.5  # [pt]
-INK, FAINT, OWN = "#333333", "#8a8a8a", "#b3261e"
-COLOURS = colormaps["viridis"]
-VIEWS = (("from the front", 1), ("from its right", 0))  # title, coordinate that runs across
-OTHERS = ("peak_speed", "path_length", "jerk", "overshoot", "torso_travel", "shoulder_travel", "energy", "stroke_error")
-DPI = 100
+LABEL_SIZE = 7.5  # [pt] font size of plot labels
+INK_COLOUR = "#333333"  # colour of texts and axes
+FAINT_COLOUR = "#8a8a8a"  # colour of zero lines and tick labels
+MAIN_MEASURE_COLOUR = "#b3261e"  # colour of the measure that the parameter should change
+VALUE_COLOURS = colormaps["viridis"]  # colours of paths by parameter value
+PATH_VIEWS = (("from the front", 1), ("from its right", 0))  # title and index of the horizontal coordinate
+OTHER_MEASURES = (
+    "peak_speed",
+    "path_length",
+    "jerk",
+    "overshoot",
+    "torso_travel",
+    "shoulder_travel",
+    "energy",
+    "stroke_error",
+)
+PLOT_DPI = 100  # [pixels/inch]
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What a parameter changes: a field of `Measures`, and in which direction it grows with the parameter."""
+    """Measure that a parameter should affect, with the expected direction."""
 
     name: str
-    sign: float  # 1: grows; -1: shrinks
+    sign: float  # 1: increases, -1: decreases
 
 
 MEASURE_OF: Mapping[str, Measure] = {
@@ -59,91 +71,97 @@ MEASURE_OF: Mapping[str, Measure] = {
 
 @dataclass(frozen=True, eq=False)
 class Played:
-    """A gesture at one value of the parameter, as the twin performed it."""
+    """A gesture performed in the twin at one parameter value."""
 
     value: float
     measures: Measures
-    hands: Mapping[str, Floats]  # side -> (m, 3) [m] path in the world, of the gesture alone
-    times: Floats  # (m,) [s] after the asked stroke
+    hands: Mapping[str, Floats]  # side -> path of the gesture (m, 3) [m] in the world
+    times: Floats  # (m,) [s] after the requested stroke
 
     @property
     def in_time(self) -> bool:
-        """Whether the stroke came when it was asked for."""
+        """Whether the gesture's stroke occurred at its requested time."""
         error = self.measures.stroke_error
-        return error is not None and abs(error) <= LATE
+        return error is not None and abs(error) <= MAX_STROKE_ERROR
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """A gesture at several values of one parameter."""
+    """A gesture performed at several values of one parameter."""
 
     gesture: str
     parameter: str
     played: tuple[Played, ...]  # by increasing value
 
     @property
-    def own(self) -> tuple[float | None, ...]:
-        """The parameter's own measure at each value, with the sign with which it should grow."""
+    def main_measure(self) -> tuple[float | None, ...]:
+        """Main measure at each parameter value, negated if it should decrease."""
         measure = MEASURE_OF[self.parameter]
-        found = [getattr(one.measures, measure.name) for one in self.played]
-        return tuple(None if value is None else measure.sign * value for value in found)
+        results = [getattr(one.measures, measure.name) for one in self.played]
+        return tuple(None if value is None else measure.sign * value for value in results)
 
     @property
     def monotone(self) -> bool:
-        """Whether the parameter's own measure grows with each value; a count may stay, but not throughout."""
-        own = self.own
-        if any(value is None for value in own):
+        """Whether the main measure increases with each parameter value.
+
+        A count may stay equal, but not over the whole range.
+        """
+        main_measure = self.main_measure
+        if any(value is None for value in main_measure):
             return False
-        if len(own) < 2:
+        if len(main_measure) < 2:
             return True
-        steps = np.diff(np.array(own, dtype=float))
+        steps = np.diff(np.array(main_measure, dtype=float))
         counted = isinstance(getattr(self.played[0].measures, MEASURE_OF[self.parameter].name), int)
         return bool((steps >= 0.0).all() and steps.sum() > 0.0) if counted else bool((steps > 0.0).all())
 
     @property
     def worst_stroke(self) -> float | None:
-        """Largest distance of a stroke from the time it was asked for [s]; None: one never came."""
+        """Largest timing error of a stroke in the series [s].
+
+        The result is None: one never arrived.
+        """
         errors = [one.measures.stroke_error for one in self.played]
-        known = [abs(error) for error in errors if error is not None]
-        return max(known) if len(known) == len(errors) else None
+        known_values = [abs(error) for error in errors if error is not None]
+        return max(known_values) if len(known_values) == len(errors) else None
 
     @property
     def in_time(self) -> bool:
-        """Whether every stroke came when it was asked for."""
+        """Whether every stroke of the series occurred at its requested time."""
         return all(one.in_time for one in self.played)
 
 
 @dataclass(frozen=True)
 class SweepTask:
-    """A gesture to be played at one value of one parameter, or in a preset of style where there is no parameter."""
+    """Gesture with a parameter value or a style preset."""
 
     gesture: str
     style: Style
-    where: str  # for the message when it cannot be performed
+    condition: str  # condition, named in error messages
     value: float
 
 
 def sweep_parameter(gesture: str, parameter: str, setup: Setup, *, values: Sequence[float] = ()) -> Series:
-    """Plays a gesture at several values of a parameter, all else as in the style, and measures each in the twin.
+    """Measure a gesture at several values of a parameter.
 
     Args:
-        gesture: a lexeme.
-        parameter: of expressivity.
-        setup: with the style that the parameter is changed in.
-        values: within the parameter's range; evenly over all of it when none are given.
+        gesture: lexeme of the gesture.
+        parameter: parameter of expressivity.
+        setup: setup with the style in which the parameter is changed.
+        values: values within the parameter's range; empty: even steps over the range.
 
     Raises:
-        ConfigError: no such gesture or parameter, or a value out of range.
+        ConfigError: the gesture or parameter does not exist, or a value is out of range.
     """
     return Series(gesture, parameter, tuple(play(task, setup) for task in tasks_of(gesture, parameter, setup, values)))
 
 
 def tasks_of(gesture: str, parameter: str, setup: Setup, values: Sequence[float] = ()) -> list[SweepTask]:
-    """Lists what is to be played for `sweep_parameter`, which raises the same."""
-    if parameter not in RANGES:
-        raise ConfigError(f"a style has no {parameter}{suggestion(parameter, list(RANGES))}")
+    """List the performances that `sweep_parameter` measures."""
+    if parameter not in EXPRESSIVITY_RANGES:
+        raise ConfigError(f"a style has no {parameter}{suggestion(parameter, list(EXPRESSIVITY_RANGES))}")
     _check(gesture, setup)
-    chosen = sorted(set(values)) or np.linspace(*RANGES[parameter], COUNT).tolist()
+    chosen = sorted(set(values)) or np.linspace(*EXPRESSIVITY_RANGES[parameter], VALUE_COUNT).tolist()
     styles = [setup.style.changed([f"{parameter}={value!r}"]) for value in chosen]
     return [
         SweepTask(gesture, style, f"{parameter} {value:g}", value) for style, value in zip(styles, chosen, strict=True)
@@ -151,31 +169,31 @@ def tasks_of(gesture: str, parameter: str, setup: Setup, values: Sequence[float]
 
 
 def play_all(tasks: Sequence[SweepTask], make_setup: Callable[[], Setup]) -> list[Played]:
-    """Plays gestures by the engine in use; what was played comes in the order of the tasks.
+    """Perform sweep tasks on the current engine, in task order.
 
     Args:
-        tasks: what is to be played.
+        tasks: tasks to perform.
         make_setup: called once in each worker; picklable.
 
     Raises:
-        ConfigError: one cannot be performed, or kills its process.
+        ConfigError: a gesture cannot be performed, or crashes its worker.
     """
-    found: dict[str, Played] = {}
-    for task, result in engine_in_use().run(tasks, partial(_prepare, make_setup), preload=__name__):
+    results: dict[str, Played] = {}
+    for task, result in current_engine().run(tasks, partial(_prepare, make_setup), preload=__name__):
         if isinstance(result, WorkerCrash):
-            raise ConfigError(f"{task.gesture} at {task.where}: {result.reason}")
+            raise ConfigError(f"{task.gesture} at {task.condition}: {result.reason}")
         if isinstance(result, str):
             raise ConfigError(result)
-        found[task.where] = result
-    return [found[task.where] for task in tasks]
+        results[task.condition] = result
+    return [results[task.condition] for task in tasks]
 
 
 def _prepare(make_setup: Callable[[], Setup]) -> Callable[[SweepTask], Played | str]:
-    known = make_setup()
+    known_values = make_setup()
 
     def do(task: SweepTask) -> Played | str:
         try:
-            return play(task, known)
+            return play(task, known_values)
         except ConfigError as error:
             return str(error)
 
@@ -183,10 +201,12 @@ def _prepare(make_setup: Callable[[], Setup]) -> Callable[[SweepTask], Played | 
 
 
 def preset_tasks(gesture: str, setup: Setup) -> Mapping[str, SweepTask]:
-    """Lists what is to be played to compare every preset of `configs/styles/`, by name; the value of each is 0.
+    """List the tasks for all presets of `configs/styles/`, by name.
+
+    Their value is 0.
 
     Raises:
-        ConfigError: no such gesture.
+        ConfigError: the gesture does not exist.
     """
     _check(gesture, setup)
     names = sorted(path.stem for path in (CONFIGS / "styles").glob("*.toml"))
@@ -194,29 +214,29 @@ def preset_tasks(gesture: str, setup: Setup) -> Mapping[str, SweepTask]:
 
 
 def play(task: SweepTask, setup: Setup) -> Played:
-    """Plays one gesture in the twin and measures it.
+    """Perform one gesture in the twin and measure it.
 
     Raises:
         ConfigError: it cannot be performed.
     """
-    return _played(task.gesture, replace(setup, style=task.style), task.where, task.value)
+    return _perform(task.gesture, replace(setup, style=task.style), task.condition, task.value)
 
 
 def draw_series(series: Series, path: Path) -> Path:
-    """Draws one series as a PNG; returns its path."""
+    """Draw one parameter series as PNG and return its path."""
     figure = Figure(figsize=(11.0, 6.2), layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(f"{series.gesture}: {series.parameter}", fontsize=11, color=INK)
+    figure.suptitle(f"{series.gesture}: {series.parameter}", fontsize=11, color=INK_COLOUR)
     axes = figure.subplots(3, 4)
-    shades = [COLOURS(0.9 * k / max(1, len(series.played) - 1)) for k in range(len(series.played))]
-    for place, (title, across) in zip(axes[0, :2], VIEWS, strict=True):
-        _paths(place, series.played, shades, across, title=title)
+    shades = [VALUE_COLOURS(0.9 * k / max(1, len(series.played) - 1)) for k in range(len(series.played))]
+    for panel, (title, across) in zip(axes[0, :2], PATH_VIEWS, strict=True):
+        _paths(panel, series.played, shades, across, title=title)
     _speeds(axes[0, 2], series.played, shades)
-    own = MEASURE_OF[series.parameter].name
-    _measure(axes[0, 3], series, own, OWN)
-    for place, name in zip(axes[1:].flat, OTHERS, strict=True):
-        _measure(place, series, name, OWN if name == own else INK)
-    figure.savefig(path, dpi=DPI, metadata={"Software": None})
+    main_measure = MEASURE_OF[series.parameter].name
+    _measure(axes[0, 3], series, main_measure, MAIN_MEASURE_COLOUR)
+    for panel, name in zip(axes[1:].flat, OTHER_MEASURES, strict=True):
+        _measure(panel, series, name, MAIN_MEASURE_COLOUR if name == main_measure else INK_COLOUR)
+    figure.savefig(path, dpi=PLOT_DPI, metadata={"Software": None})
     return path
 
 
@@ -225,32 +245,34 @@ def _paths(axes: Axes, played: Sequence[Played], shades: Sequence[object], acros
         for hand in one.hands.values():
             axes.plot(hand[:, across], hand[:, 2], color=shade, linewidth=1.0)
     axes.set_aspect("equal", adjustable="datalim")
-    _plain(axes, f"hands {title} [m]")
+    _finish_axes(axes, f"hands {title} [m]")
 
 
 def _speeds(axes: Axes, played: Sequence[Played], shades: Sequence[object]) -> None:
     for one, shade in zip(played, shades, strict=True):
         speeds = [np.linalg.norm(np.gradient(hand, one.times, axis=0), axis=1) for hand in one.hands.values()]
         axes.plot(one.times, np.max(speeds, axis=0), color=shade, linewidth=1.0, label=f"{one.value:g}")
-    axes.axvline(0.0, color=FAINT, linewidth=0.6)
-    axes.legend(fontsize=SMALL, frameon=False, handlelength=1.0, loc="upper right")
-    _plain(axes, "hand speed [m/s] over time from the stroke [s]")
+    axes.axvline(0.0, color=FAINT_COLOUR, linewidth=0.6)
+    axes.legend(fontsize=LABEL_SIZE, frameon=False, handlelength=1.0, loc="upper right")
+    _finish_axes(axes, "hand speed [m/s] over time from the stroke [s]")
 
 
 def _measure(axes: Axes, series: Series, name: str, colour: str) -> None:
-    shown = SHOWN[name]
-    found = [(one.value, getattr(one.measures, name)) for one in series.played]
-    known = [(value, shown.scale * measured) for value, measured in found if measured is not None]
-    if known:
-        axes.plot(*zip(*known, strict=True), color=colour, marker="o", markersize=3, linewidth=1.2)
+    measure_format = MEASURE_FORMATS[name]
+    results = [(one.value, getattr(one.measures, name)) for one in series.played]
+    known_values = [(value, measure_format.scale * measured) for value, measured in results if measured is not None]
+    if known_values:
+        axes.plot(*zip(*known_values, strict=True), color=colour, marker="o", markersize=3, linewidth=1.2)
     if name != "stroke_error":
         axes.set_ylim(bottom=0.0)
-    _plain(axes, f"{shown.words} [{shown.unit}]" if shown.unit else shown.words)
+    _finish_axes(
+        axes, f"{measure_format.words} [{measure_format.unit}]" if measure_format.unit else measure_format.words
+    )
 
 
-def _plain(axes: Axes, title: str) -> None:
-    axes.set_title(title, fontsize=SMALL + 1, color=INK)
-    axes.tick_params(length=2, width=0.5, labelsize=SMALL, labelcolor=FAINT)
+def _finish_axes(axes: Axes, title: str) -> None:
+    axes.set_title(title, fontsize=LABEL_SIZE + 1, color=INK_COLOUR)
+    axes.tick_params(length=2, width=0.5, labelsize=LABEL_SIZE, labelcolor=FAINT_COLOUR)
     axes.xaxis.set_major_locator(MaxNLocator(5))
     axes.yaxis.set_major_locator(MaxNLocator(4))
     axes.grid(alpha=0.3)
@@ -262,14 +284,19 @@ def _check(gesture: str, setup: Setup) -> None:
         raise ConfigError(f"no gesture {gesture}{suggestion(gesture, [form.id for form in setup.lexicon.forms])}")
 
 
-def _played(gesture: str, setup: Setup, where: str, value: float) -> Played:
-    """Performs a gesture in the twin and measures it; `where` is for the message when it cannot be performed."""
-    performance = perform(ONE_GESTURE.format(id=ID, lexeme=gesture, stroke=STROKE), setup, source=gesture)
-    outcome = performance.plan.keyframes.outcomes[ID]
+def _perform(gesture: str, setup: Setup, condition: str, value: float) -> Played:
+    """Perform a gesture in the twin and measure it.
+
+    `where` names the condition in an error message.
+    """
+    performance = dry_run(
+        plan(GESTURE_TEMPLATE.format(id=GESTURE_ID, lexeme=gesture, stroke=STROKE_TIME), setup, source=gesture)
+    )
+    outcome = performance.plan.keyframes.outcomes[GESTURE_ID]
     if outcome.kind == "dropped":
-        raise ConfigError(f"{gesture} cannot be performed at {where}: {outcome.why}")
+        raise ConfigError(f"{gesture} cannot be performed at {condition}: {outcome.why}")
     times, zero = performance.measured.times, performance.plan.trajectory.zero
-    own = [zero + sync.planned for sync in performance.plan.syncs if sync.behaviour == ID]
-    part = slice(*times.searchsorted([min(own), max(own)]))
+    main_measure = [zero + sync.planned for sync in performance.plan.syncs if sync.behaviour == GESTURE_ID]
+    part = slice(*times.searchsorted([min(main_measure), max(main_measure)]))
     hands = {side: path[part] for side, path in performance.measured.hands.items()}
-    return Played(value, measures(performance, ID), hands, times[part] - zero - STROKE)
+    return Played(value, measures(performance, GESTURE_ID), hands, times[part] - zero - STROKE_TIME)

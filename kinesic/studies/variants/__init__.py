@@ -1,1 +1,1 @@
-"""One document, performed with many variants of the servos."""
+"""Performances of one document with many servo variants."""

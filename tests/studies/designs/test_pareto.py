@@ -13,7 +13,7 @@ def trial(name: str, *, late: float = 0.02, **body: float) -> Trial:
     return Trial((("name", name),), body=replace(BODY, **body), documents=performed)
 
 
-BASE, CHEAP, LATE, HEAVY = (
+BASE, CHEAP, SLOW, HEAVY = (
     trial("base"),
     trial("cheap", price=5000.0),
     trial("late", price=5000.0, late=0.2),
@@ -21,9 +21,9 @@ BASE, CHEAP, LATE, HEAVY = (
 )
 
 
-def test_who_is_no_worse_in_anything_and_better_in_something_beats():
-    assert beaten_by([BASE, CHEAP, LATE, HEAVY]) == [[1], [], [1], []]
-    assert unbeaten([BASE, CHEAP, LATE, HEAVY]) == [CHEAP, HEAVY]
+def test_design_dominates_if_no_worse_and_once_better():
+    assert beaten_by([BASE, CHEAP, SLOW, HEAVY]) == [[1], [], [1], []]
+    assert unbeaten([BASE, CHEAP, SLOW, HEAVY]) == [CHEAP, HEAVY]
 
 
 def test_more_reach_and_a_longer_arm_are_better():
@@ -33,21 +33,21 @@ def test_more_reach_and_a_longer_arm_are_better():
     ]
 
 
-def test_of_what_is_less_apart_than_a_step_the_one_that_changes_least_is_picked():
+def test_nearly_equal_designs_keep_the_one_with_fewest_changes():
     alike = trial("alike", torque=0.2501, mass=4.001, late=0.0201)
     more = replace(alike, design=(*alike.design, ("more", "1")))
     assert unbeaten([more, BASE, HEAVY]) == [BASE, HEAVY]
 
 
-def test_who_beats_the_base_comes_first_then_who_is_beaten_by_few():
-    assert rank([LATE, BASE, HEAVY, CHEAP], BASE) == [CHEAP, HEAVY, BASE, LATE]
+def test_ranking_starts_with_designs_better_than_the_base():
+    assert rank([SLOW, BASE, HEAVY, CHEAP], BASE) == [CHEAP, HEAVY, BASE, SLOW]
 
 
-def test_an_unknown_price_is_the_highest():
+def test_unknown_price_of_a_design_counts_as_the_highest():
     assert beaten_by([replace(BASE, body=replace(BODY, price=None)), BASE]) == [[1], []]
 
 
-def test_lateness_is_that_of_a_stroke_in_the_mean():
+def test_lateness_of_a_design_is_the_mean_over_strokes():
     two = replace(BASE, documents=(*BASE.documents, DocumentFigures("b.bml", 2, 0.06, 0.05, ("x dropped",))))
     assert two.lateness == pytest.approx(0.02)
     assert (two.worst, two.violations) == (0.05, 1)

@@ -3,7 +3,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.studies.designs.search import AS_IT_IS, document_steps, search
+from kinesic.studies.designs.search import BASE_DESIGN, document_steps, search
 from kinesic.studies.designs.trial import DesignTask, Trial
 from kinesic.tasks.journal import Journal
 
@@ -18,7 +18,7 @@ CHEAP = (("l_elbow_flexion.servo", "xc430_w240"),)
 
 @dataclass
 class Here:
-    """An engine without processes, which notes what it does."""
+    """Engine without processes that records its tasks."""
 
     done: list[DesignTask] = field(default_factory=list)
     place: str = "here"
@@ -43,7 +43,7 @@ def found(folder):
     return search("upper22", designs, documents, engine=Here(), journal=journal)
 
 
-def test_a_design_that_collides_gives_way_or_cannot_be_built_is_out_with_its_reason(found):
+def test_robot_designs_that_collide_sag_or_cannot_be_built_are_excluded(found):
     reasons = {trial.design: trial.out for trial in found.out}
     assert set(reasons) == {WEAK, WIDE, TURNED}
     assert "does not hold itself" in reasons[WEAK]
@@ -51,17 +51,17 @@ def test_a_design_that_collides_gives_way_or_cannot_be_built_is_out_with_its_rea
     assert "turns its servo by 440 degrees" in reasons[TURNED]
 
 
-def test_the_robot_as_it_is_stands_beside_a_cheaper_one(found):
+def test_design_search_evaluates_base_robot_and_cheaper_design_in_all_rounds(found):
     figures = {trial.design: trial for trial in found.finished}
-    assert set(figures) == {AS_IT_IS, CHEAP}
-    assert figures[CHEAP].body.price == pytest.approx(figures[AS_IT_IS].body.price - 300.0)
-    assert figures[CHEAP].body.mass == pytest.approx(figures[AS_IT_IS].body.mass - 2 * 0.017)
+    assert set(figures) == {BASE_DESIGN, CHEAP}
+    assert figures[CHEAP].body.price == pytest.approx(figures[BASE_DESIGN].body.price - 300.0)
+    assert figures[CHEAP].body.mass == pytest.approx(figures[BASE_DESIGN].body.mass - 2 * 0.017)
     assert all(len(trial.documents) == 2 for trial in found.finished)
     assert figures[CHEAP].violations == 1  # nobody walks
     assert [(each.documents, each.designs) for each in found.rounds] == [(1, 2), (2, 2)]
 
 
-def test_a_search_goes_on_where_it_was_left(folder, found):
+def test_design_search_resumes_after_a_crash(folder, found):
     lines = (folder / "finished.jsonl").read_bytes()
     (folder / "again.jsonl").write_bytes(lines[:-5])  # killed while it wrote the last result
     engine = Here()
@@ -77,17 +77,17 @@ def test_a_search_goes_on_where_it_was_left(folder, found):
     assert (folder / "again.jsonl").read_bytes().count(b"\n") == lines.count(b"\n")
 
 
-def test_another_document_or_setting_is_another_task():
+def test_task_key_depends_on_design_documents_and_setup():
     keys = {
         DesignTask(CHEAP, (("a", NOD),), "x").key,
         DesignTask(CHEAP, (("a", WALK),), "x").key,
         DesignTask(CHEAP, (("a", NOD),), "y").key,
-        DesignTask(AS_IT_IS, (("a", NOD),), "x").key,
+        DesignTask(BASE_DESIGN, (("a", NOD),), "x").key,
     }
     assert len(keys) == 4
 
 
-def test_each_round_has_three_times_the_documents():
+def test_number_of_documents_triples_with_each_round_of_the_design_search():
     documents = [(str(number), b"") for number in range(18)]
     steps = document_steps(documents)
     assert [len(step) for step in steps] == [2, 4, 12]
@@ -95,9 +95,9 @@ def test_each_round_has_three_times_the_documents():
     assert [len(step) for step in document_steps(documents[:1])] == [1]
 
 
-def test_a_robot_that_is_out_itself_is_refused(tmp_path):
+def test_design_search_refuses_an_unfit_base_robot(tmp_path):
     (tmp_path / "weak.toml").write_text(
         '[robot]\nname = "weak"\nextends = "upper22"\n[[hinge]]\nname = "vl5_roll"\nservo = "xc330_t288"\n'
     )
-    with pytest.raises(ConfigError, match=r"weak\.toml itself is out: it does not hold itself: vl5_roll"):
+    with pytest.raises(ConfigError, match=r"weak\.toml itself is rejected: it does not hold itself: vl5_roll"):
         search(str(tmp_path / "weak.toml"), [], [("nod.bml", NOD)], engine=Here())

@@ -19,14 +19,14 @@ FILE = read_robot(PATH, RobotFile)
 LONGER = (("l_shoulder.length", "0.33"),)
 
 
-def test_what_is_varied_is_read():
+def test_varied_feature_is_parsed_and_errors_suggest_names():
     assert Variable.parse("l_elbow.length=0.2, 0.3,0.2") == Variable("l_elbow.length", ("0.2", "0.3"))
     for text, message in (("l_elbow.lenght=1", "did you mean length"), ("l_elbow=1", "write WHAT.FEATURE")):
         with pytest.raises(ConfigError, match=message):
             Variable.parse(text)
 
 
-def test_few_combinations_are_all_tried_and_of_many_different_ones_are_drawn():
+def test_all_designs_are_drawn_from_few_and_distinct_ones_from_many_combinations():
     small = [Variable("a.length", ("1", "2")), Variable("b.length", ("3",))]
     assert draw_designs(small, 5) == [(("a.length", "1"), ("b.length", "3")), (("a.length", "2"), ("b.length", "3"))]
     large = [Variable(f"{name}.length", tuple("12345")) for name in "abcd"]
@@ -35,7 +35,7 @@ def test_few_combinations_are_all_tried_and_of_many_different_ones_are_drawn():
     assert drawn == draw_designs(large, 40, seed=1) != draw_designs(large, 40, seed=2)
 
 
-def test_a_longer_body_takes_all_that_it_carries_along_on_both_sides():
+def test_longer_segment_moves_its_children_on_both_sides():
     was, robot = Robot.load(PATH, calibrated=False), build(FILE, LONGER, PATH)
     assert robot.arm_length == pytest.approx(was.arm_length + 0.11)
     for side in "lr":
@@ -47,7 +47,7 @@ def test_a_longer_body_takes_all_that_it_carries_along_on_both_sides():
     assert np.allclose(robot.mounts[elbow].position, [0, 0, -0.312])
 
 
-def test_hinges_get_other_servos_and_reductions_by_pattern():
+def test_name_patterns_select_joints_for_servos_and_reductions():
     robot = build(FILE, (("*_elbow_flexion.servo", "xc430_w240"), ("vl5_roll.reduction", "3")), PATH)
     drives = dict(zip(robot.skeleton.names, robot.drives, strict=True))
     assert drives["l_elbow_flexion"].servo.name == drives["r_elbow_flexion"].servo.name == "xc430_w240"
@@ -55,7 +55,7 @@ def test_hinges_get_other_servos_and_reductions_by_pattern():
     assert drives["l_shoulder_twisting"].servo.name == "xm430_w210"
 
 
-def test_what_the_robot_has_anyway_is_no_difference():
+def test_design_values_equal_to_the_base_robot_are_dropped():
     assert without_defaults(FILE, (("l_shoulder.length", "0.22"), ("vl5_roll.reduction", "2.50")), PATH) == ()
     assert without_defaults(FILE, (*LONGER, ("vl5_roll.reduction", "2.5")), PATH) == LONGER
 
@@ -64,26 +64,26 @@ def test_what_the_robot_has_anyway_is_no_difference():
     ("design", "message"),
     [
         (("l_shouder.length", "0.2"), "no body l_shouder; did you mean l_shoulder"),
-        (("vt1.length", "0.2"), "carries 2 others and has no length; humanoid_root, vl5"),
+        (("vt1.length", "0.2"), "carries 2 others and has no length; bodies with a length: humanoid_root, vl5"),
         (("l_elbow.length", "-1"), "-1 must be a number above 0"),
         (("l_elbow_flexion.servo", "xm430"), "no xm430; did you mean xm430_w"),
         (("l_knee*.servo", "xm430_w210"), "no hinge l_knee"),
-        (("l_shoulder_flexion.reduction", "2"), "turns its servo by 440 degrees, and one turn is 360"),
+        (("l_shoulder_flexion.reduction", "2"), "turns its servo by 440 degrees, more than one turn of 360"),
     ],
 )
-def test_what_cannot_be_built_says_why(design, message):
+def test_invalid_design_changes_are_refused(design, message):
     with pytest.raises(ConfigError, match=message):
         build(FILE, (design,), PATH)
 
 
-def test_a_design_is_written_as_what_differs_and_reads_the_same(tmp_path):
+def test_written_design_is_minimal_and_reads_back_equal(tmp_path):
     design = (*LONGER, ("l_wrist.length", "0.07"), ("vl5_tilt.reduction", "1"))
     text = write_design(FILE, design, name="longer", extends="upper22", heading=["a longer one"])
     (tmp_path / "longer.toml").write_text(text)
     read, built = Robot.load(tmp_path / "longer.toml"), build(FILE, design, PATH)
-    assert read.skeleton.straight.origins == pytest.approx(built.skeleton.straight.origins)
+    assert read.skeleton.zero_frames.origins == pytest.approx(built.skeleton.zero_frames.origins)
     assert read.sites["r_palm"].position == pytest.approx(built.sites["r_palm"].position)
     assert list(read.drives.stall) == list(built.drives.stall)
-    assert read.drives[1].reduction == 1.0  # a value that is the default, too
+    assert read.drives[1].reduction == 1.0  # also a default value
     assert "skullbase" not in text
     assert apply_design(FILE, (), PATH) == FILE

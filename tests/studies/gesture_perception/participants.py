@@ -1,36 +1,36 @@
-"""Simulated participants: what each would write into a file of answers."""
+"""Simulated participants and the answer files that they would write."""
 
 import csv
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 
-from kinesic.studies.gesture_perception.answers import COLUMNS
+from kinesic.studies.gesture_perception.answers import ANSWER_COLUMNS
 
 GESTURES = tuple(f"gesture_{k}" for k in range(24))
 CONDITIONS = ("fluidity=-1", "whole_body=0")
 PAIRS = 6
 
-Choice = Callable[[Random, str, Sequence[str]], str]  # of what was shown and what is offered
+Choice = Callable[[Random, str, Sequence[str]], str]  # random source, shown gesture, options -> answer
 
 
 def always_right(chance: Random, shown: str, options: Sequence[str]) -> str:
-    """Knows each gesture, and prefers the standard."""
+    """Recognize every gesture and prefer the standard."""
     return shown if shown in options else "standard"
 
 
 def guess(chance: Random, shown: str, options: Sequence[str]) -> str:
-    """Has not looked."""
+    """Guess at random."""
     return chance.choice(options)
 
 
 def first_place(chance: Random, shown: str, options: Sequence[str]) -> str:
-    """Wants to be done."""
+    """Always choose the first option."""
     return options[0]
 
 
 def rows_of(person: str, choice: Choice, seed: int) -> list[dict[str, str]]:
-    """What somebody answers to all gestures and pairs, offered in balanced places as the page does."""
+    """Answers of one participant to all gestures and pairs, with balanced positions as on the page."""
     chance, rows = Random(seed), []
     for k, gesture in enumerate(chance.sample(GESTURES, len(GESTURES))):
         others = chance.sample([name for name in GESTURES if name != gesture], 5)
@@ -55,9 +55,9 @@ def rows_of(person: str, choice: Choice, seed: int) -> list[dict[str, str]]:
 
 
 def write_answers(path: Path, people: Sequence[Choice], seed: int = 0) -> Path:
-    """Writes what people answer."""
+    """Write the answers of some participants."""
     with path.open("w", newline="") as lines:
-        rows = csv.DictWriter(lines, COLUMNS)
+        rows = csv.DictWriter(lines, ANSWER_COLUMNS)
         rows.writeheader()
         for k, choice in enumerate(people):
             rows.writerows(rows_of(f"{choice.__name__}-{k}", choice, 1000 * seed + k))

@@ -1,4 +1,4 @@
-"""What simulated participants do is what is found; shares and tests are those of formulas written down by hand."""
+"""Analysis of simulated participants; fractions and tests compared with formulas."""
 
 import json
 from math import comb, sqrt
@@ -7,34 +7,34 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from kinesic.cli.verbs import study
+from kinesic.cli import kinesic
 from kinesic.studies.gesture_perception.analysis import (
     analyse_preference,
     analyse_recognition,
+    compare_with_chance,
     confusion_matrix,
-    share_of_hits,
-    strange,
+    find_position_choosers,
 )
 from kinesic.studies.gesture_perception.answers import Answers, Recognition, read_gesture_answers
 
 from .participants import CONDITIONS, GESTURES, PAIRS, always_right, first_place, guess, write_answers
 
-Z = 1.959963984540054  # of the normal distribution, 2.5 % beyond it on either side
+Z = 1.959963984540054  # 97.5 % quantile of the normal distribution
 
 
 def read(tmp_path: Path, *people) -> Answers:
     return read_gesture_answers([write_answers(tmp_path / "answers.csv", people)])
 
 
-def chances(total: int, chance: float) -> list[float]:
-    """That 0, 1, .. of a total are hits."""
+def binomial_probabilities(total: int, chance: float) -> list[float]:
+    """Binomial probabilities of 0, 1, .. hits."""
     return [comb(total, k) * chance**k * (1 - chance) ** (total - k) for k in range(total + 1)]
 
 
 @pytest.mark.parametrize(("hits", "total"), [(0, 10), (3, 10), (10, 10), (1, 1), (17, 96), (700, 960)])
-def test_the_interval_is_wilsons(hits: int, total: int):
-    """Its ends are the shares q from which the one that was seen is Z standard deviations away."""
-    low, high = share_of_hits(hits, total, 1 / 6).interval
+def test_confidence_interval_is_the_wilson_interval(hits: int, total: int):
+    """The observed fraction is Z standard deviations away from either end of the interval."""
+    low, high = compare_with_chance(hits, total, 1 / 6).interval
     rate, n = hits / total, total
     middle = (rate + Z**2 / (2 * n)) / (1 + Z**2 / n)
     half = Z * sqrt(rate * (1 - rate) / n + Z**2 / (4 * n**2)) / (1 + Z**2 / n)
@@ -44,15 +44,15 @@ def test_the_interval_is_wilsons(hits: int, total: int):
 
 
 @pytest.mark.parametrize(("hits", "total", "chance"), [(4, 24, 1 / 6), (12, 24, 1 / 6), (0, 5, 0.5), (9, 12, 0.5)])
-def test_p_is_that_of_the_exact_binomial_test(hits: int, total: int, chance: float):
-    likely = chances(total, chance)
-    above = share_of_hits(hits, total, chance, "greater").p
+def test_p_value_is_that_of_the_exact_binomial_test(hits: int, total: int, chance: float):
+    likely = binomial_probabilities(total, chance)
+    above = compare_with_chance(hits, total, chance, "greater").p
     assert above == pytest.approx(sum(likely[hits:]), rel=1e-9, abs=0)
     as_far = sum(each for each in likely if each <= likely[hits] * (1 + 1e-7))
-    assert share_of_hits(hits, total, chance).p == pytest.approx(as_far, rel=1e-9, abs=0)
+    assert compare_with_chance(hits, total, chance).p == pytest.approx(as_far, rel=1e-9, abs=0)
 
 
-def test_who_is_always_right_has_a_rate_of_one(tmp_path: Path):
+def test_recognition_rate_of_perfect_participants_is_one(tmp_path: Path):
     answers = read(tmp_path, *[always_right] * 4)
     result = analyse_recognition(answers.recognitions)
     assert result is not None
@@ -66,10 +66,10 @@ def test_who_is_always_right_has_a_rate_of_one(tmp_path: Path):
     assert {(share.hits, share.total) for share in preferred.conditions.values()} == {(4 * PAIRS, 4 * PAIRS)}
     assert all(share.p < 1e-6 for share in preferred.conditions.values())
     assert preferred.first.rate == 0.5
-    assert strange(answers) == {}, "right answers stand in each place equally often"
+    assert find_position_choosers(answers) == {}, "right answers are balanced over positions"
 
 
-def test_who_guesses_is_right_once_in_six(tmp_path: Path):
+def test_recognition_rate_of_guessing_participants_is_one_sixth(tmp_path: Path):
     answers = read(tmp_path, *[guess] * 40)
     result, preferred = analyse_recognition(answers.recognitions), analyse_preference(answers.preferences)
     assert result is not None
@@ -81,12 +81,12 @@ def test_who_guesses_is_right_once_in_six(tmp_path: Path):
     outside = sum(not share.interval[0] < 1 / 6 < share.interval[1] for share in result.gestures.values())
     assert outside <= 5  # of 24, by chance one
     assert all(share.interval[0] < 0.5 < share.interval[1] for share in preferred.conditions.values())
-    assert strange(answers) == {}
+    assert find_position_choosers(answers) == {}
 
 
-def test_who_takes_the_first_place_is_seen_and_counts_as_a_guess(tmp_path: Path):
+def test_participant_who_always_chooses_first_is_detected(tmp_path: Path):
     answers = read(tmp_path, always_right, first_place, guess)
-    told = strange(answers)
+    told = find_position_choosers(answers)
     assert set(told) == {"first_place-1"}
     habit = told["first_place-1"]
     assert (habit.place, habit.share.hits, habit.share.total) == (1, 24, 24)
@@ -95,10 +95,12 @@ def test_who_takes_the_first_place_is_seen_and_counts_as_a_guess(tmp_path: Path)
     assert result is not None
     own = result.participants["first_place-1"]
     assert own.rate == pytest.approx(1 / 6)
-    assert own.p == pytest.approx(sum(chances(24, 1 / 6)[4:]), rel=1e-9, abs=0), "as many or more by guessing"
+    assert own.p == pytest.approx(sum(binomial_probabilities(24, 1 / 6)[4:]), rel=1e-9, abs=0), (
+        "as many or more by guessing"
+    )
 
 
-def test_all_who_prefer_the_first_interval_are_seen_together(tmp_path: Path):
+def test_preference_of_all_participants_for_the_first_stimulus_is_detected(tmp_path: Path):
     preferred = analyse_preference(read(tmp_path, *[first_place] * 5).preferences)
     assert preferred is not None
     assert preferred.first.rate == 1.0
@@ -106,7 +108,7 @@ def test_all_who_prefer_the_first_interval_are_seen_together(tmp_path: Path):
     assert {share.rate for share in preferred.conditions.values()} == {0.5}, "balanced, so that no condition gains"
 
 
-def test_confusions_are_counted_beside_how_often_they_could_have_been():
+def test_confusions_are_counted_relative_to_their_opportunities():
     options = ("a", "b", "c", "d", "e", "f")
     answers = [Recognition("p", "a", options, chosen) for chosen in ("a", "b", "b", "c")]
     answers += [Recognition("p", "a", ("a", "g", "c", "d", "e", "f"), "a"), Recognition("p", "b", options, "a")]
@@ -120,19 +122,20 @@ def test_confusions_are_counted_beside_how_often_they_could_have_been():
     assert counts == ((2, 2, 1), (1, 0, 0), (0, 0, 0))
 
 
-def test_nothing_is_said_without_answers():
+def test_gesture_study_without_answers_has_no_result():
     assert analyse_recognition(()) is None
     assert analyse_preference(()) is None
 
 
-def test_the_command_prints_tables_and_numbers(tmp_path: Path):
+def test_analyse_command_prints_gesture_tables_and_json(tmp_path: Path):
     file = write_answers(tmp_path / "answers.csv", [always_right, guess, first_place])
     file.write_text(file.read_text().replace("first_place-2", "[red]x\x1b[2J"))
-    told = CliRunner().invoke(study, ["analyse", str(file)], standalone_mode=False)
+    told = CliRunner().invoke(kinesic, ["study", "analyse", str(file)], standalone_mode=False)
     assert told.exception is None
-    for words in ("recognised: ", "taken for", "whole_body=0", "the first of two", "[red]x\\x1b[2J chose place 1"):
+    quoted = "[red]x\\x1b[2J chose position 1"
+    for words in ("recognised: ", "confused with", "whole_body=0", "the first of two", quoted):
         assert words in told.output
-    told = CliRunner().invoke(study, ["analyse", str(file), "--json"], standalone_mode=False)
+    told = CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"], standalone_mode=False)
     data = json.loads(told.output)
     assert data["answers"] == 3 * (len(GESTURES) + 2 * PAIRS)
     assert len(data["recognition"]["confusion"]["counts"]) == len(GESTURES)
@@ -142,9 +145,9 @@ def test_the_command_prints_tables_and_numbers(tmp_path: Path):
     assert list(data["choose_by_place"]) == ["[red]x\x1b[2J"]
 
 
-def test_answers_of_two_studies_are_not_mixed(tmp_path: Path):
+def test_mixed_answers_of_two_studies_are_refused(tmp_path: Path):
     gestures, faces = write_answers(tmp_path / "gestures.csv", [guess]), tmp_path / "faces.csv"
     faces.write_text("participant,place,action\np,1,4\n")
     for files in ([gestures, faces], [faces, gestures]):
-        told = CliRunner().invoke(study, ["analyse", *map(str, files)], standalone_mode=False)
+        told = CliRunner().invoke(kinesic, ["study", "analyse", *map(str, files)], standalone_mode=False)
         assert "no column" in str(told.exception)

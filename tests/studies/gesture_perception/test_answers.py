@@ -1,4 +1,4 @@
-"""Files of answers, and what of them is believed."""
+"""Reader of answer files and its errors."""
 
 from pathlib import Path
 
@@ -6,25 +6,25 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.studies.gesture_perception.answers import (
-    COLUMNS,
+    ANSWER_COLUMNS,
     Preference,
     Recognition,
     are_of_gestures,
     read_gesture_answers,
 )
 
-HEAD = ",".join(COLUMNS)
+HEAD = ",".join(ANSWER_COLUMNS)
 ROW = "p,1,recognition,stop,,a|b|stop|c|d|e,b,1.0"
 PAIR = "p,2,comparison,stop,whole_body=0,changed|standard,standard,1.0"
 
 
-def written(path: Path, *lines: str) -> Path:
+def download_answers(path: Path, *lines: str) -> Path:
     path.write_text("\n".join((HEAD, *lines)) + "\n")
     return path
 
 
-def test_both_tasks_are_read(tmp_path: Path):
-    file = written(tmp_path / "answers.csv", ROW, PAIR)
+def test_recognition_and_preference_answers_are_read(tmp_path: Path):
+    file = download_answers(tmp_path / "answers.csv", ROW, PAIR)
     assert are_of_gestures(file)
     answers = read_gesture_answers([file])
     assert answers.recognitions == (Recognition("p", "stop", ("a", "b", "stop", "c", "d", "e"), "b"),)
@@ -44,32 +44,32 @@ def test_both_tasks_are_read(tmp_path: Path):
         ((ROW.replace(",b,1.0", ",z,1.0"),), "chosen is 'z', must be one of a, b, stop"),
         ((PAIR.replace("changed|", "other|"),), "must be standard|changed in any order"),
         ((PAIR.replace("whole_body=0", ""),), "no condition"),
-        ((ROW, ROW), "answers.csv:3: participant 'p' has answered at place '1' before, in .*answers.csv:2"),
+        ((ROW, ROW), "answers.csv:3: participant 'p' already answered at place '1', in .*answers.csv:2"),
         ((ROW.replace("p,1", f"{'p' * 5000},1"),), "participant has 5000 characters"),
         ((ROW + ",1",), "must have 8 values, like the first line"),
-        ((ROW.replace("p,1", f"{'p' * 200_000},1"),), "is no CSV: field larger"),
+        ((ROW.replace("p,1", f"{'p' * 200_000},1"),), "is not CSV: field larger"),
     ],
 )
-def test_wrong_answers_are_told(tmp_path: Path, lines: tuple[str, ...], what: str):
+def test_invalid_study_answers_are_refused(tmp_path: Path, lines: tuple[str, ...], what: str):
     with pytest.raises(ConfigError, match=what):
-        read_gesture_answers([written(tmp_path / "answers.csv", *lines)])
+        read_gesture_answers([download_answers(tmp_path / "answers.csv", *lines)])
 
 
-def test_a_missing_column_is_told(tmp_path: Path):
+def test_answer_file_with_a_missing_column_is_refused(tmp_path: Path):
     path = tmp_path / "answers.csv"
     path.write_text(HEAD.replace("chosen", "choosen") + "\n" + ROW)
     with pytest.raises(ConfigError, match="no column chosen"):
         read_gesture_answers([path])
 
 
-def test_one_file_twice_counts_nobody_twice(tmp_path: Path):
-    file = written(tmp_path / "answers.csv", ROW)
-    again = written(tmp_path / "again.csv", ROW)
+def test_duplicate_answer_files_count_once(tmp_path: Path):
+    file = download_answers(tmp_path / "answers.csv", ROW)
+    again = download_answers(tmp_path / "again.csv", ROW)
     with pytest.raises(ConfigError, match="give each file once"):
         read_gesture_answers([file, again])
 
 
-def test_answers_about_faces_are_of_another_study(tmp_path: Path):
+def test_gesture_study_refuses_answers_of_the_face_study(tmp_path: Path):
     path = tmp_path / "answers.csv"
     path.write_text("participant,place,action\np,1,4\n")
     assert not are_of_gestures(path)

@@ -1,4 +1,4 @@
-"""Which gestures a study asks for, and the wrong meanings beside the right one."""
+"""Selection of gestures and of the wrong options beside the right one."""
 
 from collections import Counter
 
@@ -8,10 +8,10 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.studies.gesture_perception.design import (
-    CATEGORIES,
-    OPTIONS,
-    SEPARATOR,
-    WORDS,
+    LABEL_WORDS,
+    MEANING_CATEGORIES,
+    OPTION_COUNT,
+    OPTION_SEPARATOR,
     Meaning,
     draw_meanings,
     draw_questions,
@@ -27,20 +27,20 @@ def meant(*words: str) -> Meaning:
     return Meaning("_".join(words), Sense(words, "emblem"))
 
 
-def test_gestures_are_drawn_by_seed_from_those_that_mean_something_alone(lexicon: Lexicon):
+def test_seed_determines_drawn_gestures_with_a_meaning(lexicon: Lexicon):
     drawn = draw_meanings(lexicon, 48, 3)
     assert len({each.gesture for each in drawn}) == 48
-    assert {each.sense.category for each in drawn} <= set(CATEGORIES)
+    assert {each.sense.category for each in drawn} <= set(MEANING_CATEGORIES)
     assert drawn == draw_meanings(lexicon, 48, 3)
     assert drawn != draw_meanings(lexicon, 48, 4)
 
 
-def test_named_gestures_are_taken_all(lexicon: Lexicon):
+def test_named_gestures_are_all_selected_for_a_study(lexicon: Lexicon):
     assert {each.gesture for each in draw_meanings(lexicon, 6, 0, ("beat", "stop"))} == {"beat", "stop"}
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_every_meaning_is_offered_with_five_others_and_about_as_often_as_any(lexicon: Lexicon, seed: int):
+def test_wrong_meanings_are_offered_equally_often(lexicon: Lexicon, seed: int):
     meanings = draw_meanings(lexicon, 48, seed)
     questions = draw_questions(meanings, seed)
     assert [question.right for question in questions] == list(meanings)
@@ -48,44 +48,44 @@ def test_every_meaning_is_offered_with_five_others_and_about_as_often_as_any(lex
     assert set(offered) == {each.gesture for each in meanings}
     assert max(offered.values()) - min(offered.values()) <= 2
     for question in questions:
-        assert len({option.gesture for option in question.options}) == OPTIONS
-        assert len({option.label for option in question.options}) == OPTIONS
+        assert len({option.gesture for option in question.options}) == OPTION_COUNT
+        assert len({option.label for option in question.options}) == OPTION_COUNT
     assert questions == draw_questions(meanings, seed)
 
 
-def test_no_two_meanings_of_a_question_share_a_word(lexicon: Lexicon):
+def test_options_of_a_question_share_no_word(lexicon: Lexicon):
     for question in draw_questions(draw_meanings(lexicon, 300, 1), 1):
-        words = [word for option in question.options for word in option.sense.words[:WORDS]]
+        words = [word for option in question.options for word in option.sense.words[:LABEL_WORDS]]
         assert len(words) == len(set(words))
 
 
-def test_wrong_meanings_are_not_like_one_another():
+def test_wrong_meanings_offered_to_participants_differ_from_the_right_one():
     families = ("sea", "fire", "drum", "sleep", "stop", "photo")
     meanings = [meant(name, f"{name}{k}") for k in "xyz" for name in families]
     for question in draw_questions(meanings, 0):
         assert sorted(option.sense.words[0] for option in question.options) == sorted(families)
 
 
-def test_meanings_are_alike_when_a_word_of_one_speaks_of_the_other():
+def test_gesture_meanings_with_a_common_word_are_similar():
     hello = meant("hello", "hi", "wave", "bye")
-    assert hello.like(meant("sea", "ocean", "water", "waves")), "an inflection, behind what participants read"
-    assert meant("sea", "ocean", "water", "waves").like(hello)
-    assert not hello.like(meant("stop", "halt", "wait"))
+    assert hello.is_similar(meant("sea", "ocean", "water", "waves")), "an inflection beyond the shown label"
+    assert meant("sea", "ocean", "water", "waves").is_similar(hello)
+    assert not hello.is_similar(meant("stop", "halt", "wait"))
     assert hello.label == "hello, hi, wave"
 
 
-def test_too_few_different_meanings_are_told(lexicon: Lexicon):
-    with pytest.raises(ConfigError, match="finds 1 other meanings among 2 gestures, and needs 5"):
+def test_gesture_study_with_too_few_different_meanings_is_refused(lexicon: Lexicon):
+    with pytest.raises(ConfigError, match="has only 1 different meanings among 2 gestures and needs 5"):
         draw_questions(draw_meanings(lexicon, 6, 0, ("stop", "piano")), 0)
 
 
 @pytest.mark.parametrize(
     ("named", "what"), [(("stopp",), "no gesture stopp.*did you mean stop"), (("stop", "stop"), "named 2 times")]
 )
-def test_wrong_names_are_told(lexicon: Lexicon, named: tuple[str, ...], what: str):
+def test_unknown_gesture_names_of_a_study_are_refused(lexicon: Lexicon, named: tuple[str, ...], what: str):
     with pytest.raises(ConfigError, match=what):
         draw_meanings(lexicon, 6, 0, named)
 
 
-def test_no_gesture_of_ours_has_the_separator_of_answers_in_its_name(lexicon: Lexicon):
-    assert not [form.id for form in lexicon.forms if SEPARATOR in form.id]
+def test_lexicon_names_do_not_contain_the_answer_separator(lexicon: Lexicon):
+    assert not [form.id for form in lexicon.forms if OPTION_SEPARATOR in form.id]

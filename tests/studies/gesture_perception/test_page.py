@@ -1,4 +1,4 @@
-"""The page in a browser, and what it writes."""
+"""Page of the study in a browser, and the answers that it writes."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -11,9 +11,9 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.studies.gesture_perception.analysis import analyse_recognition
-from kinesic.studies.gesture_perception.answers import COLUMNS, read_gesture_answers
+from kinesic.studies.gesture_perception.answers import ANSWER_COLUMNS, read_gesture_answers
 from kinesic.studies.gesture_perception.design import Meaning, draw_questions
-from kinesic.studies.gesture_perception.page import COMPARISONS, RECOGNITIONS, write_gesture_page
+from kinesic.studies.gesture_perception.page import COMPARISON_COUNT, RECOGNITION_COUNT, write_gesture_page
 from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPair
 
 from ...chromium import Page, binary, opened
@@ -31,16 +31,18 @@ def robot(known) -> Robot:
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory, robot: Robot) -> Path:
-    """The page of a study of thirty gestures, each of which turns one hinge a little."""
+    """Page of a study of thirty gestures with simple motions."""
     names = [f"gesture_{k}" for k in range(29)] + [HOSTILE]
     questions = draw_questions([Meaning(name, Sense((f"{name}!",), "emblem")) for name in names], 0)
-    hinges = len(robot.skeleton.names)
+    joint_count = len(robot.skeleton.names)
     motions = {
-        name: SampledMotion(np.linspace(0, 0.1 + k / 100, 20)[:, None] * np.ones(hinges))
+        name: SampledMotion(np.linspace(0, 0.1 + k / 100, 20)[:, None] * np.ones(joint_count))
         for k, name in enumerate(names)
     }
     pairs = [
-        StimulusPair(name, condition, {"standard": motions[name], "changed": SampledMotion(np.zeros((15, hinges)))})
+        StimulusPair(
+            name, condition, {"standard": motions[name], "changed": SampledMotion(np.zeros((15, joint_count)))}
+        )
         for condition in CONDITIONS
         for name in names[:8]
     ]
@@ -51,7 +53,7 @@ def study(tmp_path_factory: pytest.TempPathFactory, robot: Robot) -> Path:
 
 @contextmanager
 def ready(study: Path) -> Iterator[Page]:
-    """A page with a profile of its own, on which nobody has begun."""
+    """Open the page in a new browser profile, before the start."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     with opened(study.as_uri()) as page:
@@ -59,7 +61,7 @@ def ready(study: Path) -> Iterator[Page]:
         page.until("document.readyState === 'complete' && typeof state === 'object'")
         if page.value("scene === null"):
             pytest.skip("this Chromium draws no WebGL 2")
-        page.value("study.pace = 500")  # the speed of motions is not the matter here
+        page.value("study.pace = 500")  # fast motions for a quick test
         yield page
 
 
@@ -71,13 +73,13 @@ def page(study: Path) -> Iterator[Page]:
 
 @pytest.fixture(scope="module")
 def unbegun(study: Path) -> Iterator[Page]:
-    """For tests that do not begin."""
+    """Shared page for tests that do not start the study."""
     with ready(study) as found:
         yield found
 
 
 def choose(page: Page, choice: str) -> None:
-    """Answers what is asked, and goes on."""
+    """Answer the question and continue."""
     page.until("document.querySelectorAll('fieldset').length === 1")
     assert page.value("document.getElementById('next').disabled")
     place = page.value("state.place")
@@ -85,7 +87,7 @@ def choose(page: Page, choice: str) -> None:
     page.until(f"state.place > {place} || !document.getElementById('thanks').hidden")
 
 
-def written(page: Page, path: Path) -> Path:
+def download_answers(page: Page, path: Path) -> Path:
     path.write_text(page.value("fetch(document.getElementById('file').href).then((file) => file.text())"), newline="")
     return path
 
@@ -94,34 +96,34 @@ RIGHT = 'document.querySelector(`input[value="${byId.get(state.order[state.place
 STANDARD = "document.querySelector('input[value=standard]')"
 
 
-def test_a_participant_who_knows_all_is_read_back_as_such(page: Page, tmp_path: Path):
+def test_answers_of_a_perfect_participant_are_read_back(page: Page, tmp_path: Path):
     count = page.value("state.order.length")
-    assert count == RECOGNITIONS + COMPARISONS * len(CONDITIONS)
+    assert count == RECOGNITION_COUNT + COMPARISON_COUNT * len(CONDITIONS)
     page.click("#begin")
     with page.undrawn():
         for k in range(count):
-            choose(page, RIGHT if k < RECOGNITIONS else STANDARD)
+            choose(page, RIGHT if k < RECOGNITION_COUNT else STANDARD)
     page.until("!document.getElementById('thanks').hidden")
-    file = written(page, tmp_path / "answers.csv")
-    assert file.read_text().split("\n")[0] == ",".join(COLUMNS)
+    file = download_answers(page, tmp_path / "answers.csv")
+    assert file.read_text().split("\n")[0] == ",".join(ANSWER_COLUMNS)
     answers = read_gesture_answers([file])
     result = analyse_recognition(answers.recognitions)
     assert result is not None
     assert result.overall.rate == 1.0
-    assert len(result.gestures) == RECOGNITIONS
+    assert len(result.gestures) == RECOGNITION_COUNT
     assert set(Counter(each.place for each in answers.recognitions).items()) == {(k, 4) for k in range(6)}
     for condition in CONDITIONS:
         own = [each for each in answers.preferences if each.condition == condition]
-        assert Counter(each.place for each in own) == {0: 3, 1: 3}, "the standard comes first in half of the pairs"
+        assert Counter(each.place for each in own) == {0: 3, 1: 3}, "the standard is first in half of the pairs"
         assert {each.chosen for each in own} == {"standard"}
 
 
-def test_orders_are_those_of_chance(unbegun: Page):
+def test_study_page_orders_answer_options_at_random(unbegun: Page):
     orders = {tuple(unbegun.value("drawn().map((item) => item.options.join())")) for _ in range(5)}
     assert len(orders) == 5
 
 
-def test_the_robot_is_drawn_and_moves_once(page: Page):
+def test_study_page_draws_the_robot_and_plays_its_motion_once(page: Page):
     page.value("study.pace = 1")
     page.click("#begin")
     page.until("canvas.style.visibility === 'visible'")
@@ -132,7 +134,7 @@ def test_the_robot_is_drawn_and_moves_once(page: Page):
     page.until("document.readyState === 'complete' && typeof state === 'object' && state.place === 2")
 
 
-def test_what_we_did_not_write_ourselves_is_not_believed(unbegun: Page):
+def test_study_page_ignores_foreign_stored_state(unbegun: Page):
     first = unbegun.value("JSON.stringify(state.order[0])")
     for order in ('[{"id": "nowhere", "options": []}]', "[null]", "[7]", f"[{first.replace('gesture_', 'x')}]"):
         kept = f'{{"participant": "ab", "order": {order}, "place": 0, "rows": []}}'
@@ -140,7 +142,7 @@ def test_what_we_did_not_write_ourselves_is_not_believed(unbegun: Page):
     assert unbegun.value(f'sound({{"participant": "ab", "order": [{first}], "place": 0, "rows": []}})')
 
 
-def test_names_of_gestures_are_no_markup(unbegun: Page, study: Path):
+def test_study_page_escapes_gesture_names(unbegun: Page, study: Path):
     assert study.read_text().count("</script>") == 2
     unbegun.value("ask('chosen', 'which?', Object.entries(study.meanings), 'list')")
     assert HOSTILE in unbegun.value("document.getElementById('questions').textContent")
@@ -148,7 +150,7 @@ def test_names_of_gestures_are_no_markup(unbegun: Page, study: Path):
     assert unbegun.value("document.images.length") == 0
 
 
-def test_a_browser_that_cannot_draw_says_so(page: Page):
+def test_study_page_without_webgl_shows_a_message(page: Page):
     page.call("Page.enable")
     without = "HTMLCanvasElement.prototype.getContext = () => null; window.flat = true"
     page.call("Page.addScriptToEvaluateOnNewDocument", source=without)
@@ -158,7 +160,7 @@ def test_a_browser_that_cannot_draw_says_so(page: Page):
     assert not page.value("document.getElementById('unable').hidden")
 
 
-def test_two_studies_keep_answers_apart(study: Path, tmp_path: Path, robot: Robot):
+def test_two_studies_store_answers_separately(study: Path, tmp_path: Path, robot: Robot):
     names = [f"gesture_{k}" for k in range(6)]
     questions = draw_questions([Meaning(name, Sense((f"{name}!",), "emblem")) for name in names], 0)
     other = tmp_path / "other.html"

@@ -1,4 +1,4 @@
-"""What is shown is what is planned, and what is compared differs."""
+"""Motions of stimuli and pairs."""
 
 import base64
 
@@ -8,8 +8,8 @@ import pytest
 from kinesic.bench.naturalness.lexicon import measure_gesture
 from kinesic.body.config import ConfigError
 from kinesic.studies.gesture_perception.stimuli import (
+    MIN_VISIBLE_DIFFERENCE,
     MOTION_RATE,
-    SEEN,
     SampledMotion,
     changed_setup,
     gesture_documents,
@@ -32,7 +32,7 @@ def documents(known) -> dict[str, str]:
     return gesture_documents(NAMES, known.lexicon)
 
 
-def test_a_motion_is_the_plans(known, motions: dict[str, SampledMotion]):
+def test_stimulus_motion_equals_the_planned_trajectory(known, motions: dict[str, SampledMotion]):
     assert tuple(motions) == NAMES
     plan = plan_gesture(known.lexicon.find("stop").form, known)
     angles = motions["stop"].angles
@@ -40,7 +40,7 @@ def test_a_motion_is_the_plans(known, motions: dict[str, SampledMotion]):
     assert angles[60] == pytest.approx(plan.trajectory.at(60 / MOTION_RATE).angles, abs=1e-9)
 
 
-def test_the_page_gets_it_to_a_hair(motions: dict[str, SampledMotion]):
+def test_motions_in_page_data_have_small_quantization_error(motions: dict[str, SampledMotion]):
     (data,) = motion_data([motions["offer"]])
     angles = motions["offer"].angles
     rows = data["step"] * np.frombuffer(base64.b64decode(data["angles"]), "<i2").reshape(data["frames"], -1)
@@ -49,7 +49,7 @@ def test_the_page_gets_it_to_a_hair(motions: dict[str, SampledMotion]):
     assert data["end"] == (len(angles) - 1) / MOTION_RATE
 
 
-def test_a_gesture_that_the_robot_cannot_perform_is_told_and_left_out(known):
+def test_impossible_gesture_is_reported_and_skipped(known):
     told: list[str] = []
     documents = gesture_documents(NAMES[:1], known.lexicon) | {"nothing": write_document("gobbledygook")}
     assert list(plan_motions(documents, known, told.append)) == ["doubt_shrug"]
@@ -58,16 +58,19 @@ def test_a_gesture_that_the_robot_cannot_perform_is_told_and_left_out(known):
     assert "gobbledygook" in why
 
 
-def test_pairs_differ_by_the_setting_alone(known, documents, motions: dict[str, SampledMotion]):
+def test_motion_pairs_differ_only_by_the_changed_setting(known, documents, motions: dict[str, SampledMotion]):
     (pair,) = plan_pairs(documents, motions, known, "whole_body=0", 1)
     assert (pair.stimulus, pair.condition) == ("doubt_shrug", "whole_body=0")
     assert pair.motions["standard"] is motions["doubt_shrug"]
     changed = plan_gesture(known.lexicon.find("doubt_shrug").form, changed_setup(known, "whole_body=0"))
     assert pair.motions["changed"].angles[80] == pytest.approx(changed.trajectory.at(80 / MOTION_RATE).angles, abs=1e-9)
-    assert np.abs(pair.motions["changed"].angles[:80] - pair.motions["standard"].angles[:80]).max() > SEEN
+    assert (
+        np.abs(pair.motions["changed"].angles[:80] - pair.motions["standard"].angles[:80]).max()
+        > MIN_VISIBLE_DIFFERENCE
+    )
 
 
-def test_the_profile_of_effort_can_be_taken_away(known, documents, motions: dict[str, SampledMotion]):
+def test_effort_profile_of_stimuli_can_be_disabled(known, documents, motions: dict[str, SampledMotion]):
     pairs = plan_pairs(documents, motions, known, "effort=0", 3)
     assert {pair.stimulus for pair in pairs} == set(NAMES)
     form, plain = known.lexicon.find("offer").form, changed_setup(known, "effort=0")
@@ -77,17 +80,17 @@ def test_the_profile_of_effort_can_be_taken_away(known, documents, motions: dict
     assert hands[0].return_speed > 1.5 * hands[1].return_speed
 
 
-def test_pairs_begin_where_they_are_told(known, documents, motions: dict[str, SampledMotion]):
+def test_motion_pair_planning_starts_at_the_given_document_index(known, documents, motions: dict[str, SampledMotion]):
     pairs = plan_pairs(documents, motions, known, "power=-1", 2, first=5)
     assert [pair.stimulus for pair in pairs] == ["offer", "doubt_shrug"]
 
 
-def test_what_nobody_would_see_is_no_pair(known, documents, motions: dict[str, SampledMotion]):
+def test_indistinguishable_motions_give_no_stimulus_pair(known, documents, motions: dict[str, SampledMotion]):
     assert plan_pairs(documents, motions, known, "power=0", 2) == []
     assert plan_pairs(documents, motions, known, "repetition=0", 2) == []
 
 
-def test_texts_have_captions_and_pauses_to_idle_in(known):
+def test_study_motion_with_speech_has_captions_and_idle_motion_in_pauses(known):
     text = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s" start="0"><text>Good morning!'
         '</text></speech><gesture id="g" lexeme="offer" stroke="9"/></bml>'
@@ -102,14 +105,14 @@ def test_texts_have_captions_and_pauses_to_idle_in(known):
     ("condition", "what"),
     [("powerr=0", "no powerr"), ("power=7", "outside"), ("idle=calm", "such as idle=0"), ("variation=3", "to 2")],
 )
-def test_wrong_settings_are_told(known, condition: str, what: str):
+def test_invalid_study_settings_are_refused(known, condition: str, what: str):
     with pytest.raises(ConfigError, match=what):
         changed_setup(known, condition)
 
 
-def test_motions_differ_by_a_hinge_or_by_their_end():
+def test_two_motions_differ_visibly_by_joint_angles_or_by_duration():
     still = SampledMotion(np.zeros((50, 3)))
-    assert not still.differs(SampledMotion(np.full((50, 3), 0.9 * SEEN)))
-    assert still.differs(SampledMotion(np.full((50, 3), 1.1 * SEEN)))
+    assert not still.differs(SampledMotion(np.full((50, 3), 0.9 * MIN_VISIBLE_DIFFERENCE)))
+    assert still.differs(SampledMotion(np.full((50, 3), 1.1 * MIN_VISIBLE_DIFFERENCE)))
     assert not still.differs(SampledMotion(np.zeros((55, 3))))
     assert still.differs(SampledMotion(np.zeros((65, 3))))

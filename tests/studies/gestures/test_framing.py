@@ -1,4 +1,4 @@
-"""What is drawn of a gesture is all there, of whichever robot."""
+"""Framing shows all moving parts of any robot."""
 
 from dataclasses import replace
 
@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import set_up
-from kinesic.studies.gestures.framing import Balls, OutlineWindow, Viewpoint
-from kinesic.studies.gestures.silhouette import silhouette
+from kinesic.report.silhouette import OutlineWindow, silhouette
+from kinesic.session.setup import set_up
+from kinesic.studies.gestures.framing import Balls, Viewpoint
 
 ROBOTS = ("upper22", "upper36", "human")
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_window_shows_head_and_hands(name: str):
+def test_drawing_window_contains_head_and_hands(name: str):
     robot = Robot.load(name)
     lines = silhouette(robot, robot.skeleton.rest, {})
     window = OutlineWindow.around(lines)
@@ -22,12 +22,12 @@ def test_a_window_shows_head_and_hands(name: str):
         assert (np.abs(line.points[:, 0]) + line.width / 2 < window.wide / 2).all()
         assert (line.points[:, 1] - line.width / 2 > window.low).all()
         assert (line.points[:, 1] + line.width / 2 < window.low + window.tall).all()
-    assert window.tall < 1.25 * robot.skeleton.straight.origins[robot.skeleton.segment("skullbase"), 2]
+    assert window.tall < 1.25 * robot.skeleton.zero_frames.origins[robot.skeleton.segment("skullbase"), 2]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("aspect", [0.6, 1.0, 2.0])
-def test_every_part_that_moves_is_in_the_picture_from_all_around(name: str, aspect: float):
+def test_moving_segments_are_in_the_picture_from_all_directions(name: str, aspect: float):
     robot = Robot.load(name)
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
     postures = np.random.default_rng(3).uniform(lower, upper, (4, len(lower)))
@@ -44,21 +44,23 @@ def test_every_part_that_moves_is_in_the_picture_from_all_around(name: str, aspe
     assert fullest > 0.85
 
 
-def test_a_point_is_projected_as_the_camera_sees_it():
+def test_viewpoint_projects_points_as_a_camera():
     view = Viewpoint(np.array([0.0, 0.0, 1.0]), 2.0, field_deg=90.0)
-    assert view.project(np.array([0.0, 0.4, 1.0])) == pytest.approx([0.1, 0.0])  # its left is on our right
+    assert view.project(np.array([0.0, 0.4, 1.0])) == pytest.approx(
+        [0.1, 0.0]
+    )  # the robot's left is right in the picture
     assert view.project(np.array([1.0, 0.0, 1.4])) == pytest.approx([0.0, 0.2])  # nearer is larger
     side = replace(view, yaw_deg=90.0)
     assert side.project(np.array([-0.4, 0.0, 1.0])) == pytest.approx([0.1, 0.0])
 
 
-def test_the_legs_that_stand_still_are_no_part_of_it():
+def test_view_of_a_gesture_excludes_motionless_legs():
     robot = Robot.load("human")
     low = Balls.of(robot, [robot.skeleton.rest]).centres[:, 2].min()
     assert low > 0.5
 
 
-def test_a_robot_without_shapes_that_move_is_seen_as_a_whole():
+def test_robot_without_moving_shapes_is_framed_as_a_whole():
     robot = set_up("upper22").robot
     root = replace(robot.skeleton.segments[0], capsules=robot.skeleton.segments[-1].capsules or _any_capsules(robot))
     still = (root, *(replace(segment, capsules=()) for segment in robot.skeleton.segments[1:]))

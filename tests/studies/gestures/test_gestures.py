@@ -1,4 +1,4 @@
-"""Each gesture alone: played, drawn, and told in words."""
+"""Single gestures: plan, pictures and vocabulary."""
 
 from dataclasses import replace
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
-from kinesic.studies.gestures.isolated import STROKE, key_postures, plan_gesture, stroke_error, write_document
+from kinesic.report.silhouette import PALE_COLOUR, depth, fade_lines, hand_outline, project, silhouette
+from kinesic.session.setup import set_up
+from kinesic.studies.gestures.isolated import STROKE_TIME, key_postures, plan_gesture, stroke_error, write_document
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
-from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, project, silhouette
-from kinesic.studies.gestures.vocabulary import vocabulary
+from kinesic.studies.gestures.vocabulary import list_vocabulary
 
 
 @pytest.fixture(scope="module")
@@ -20,18 +20,18 @@ def waved(known):
     return key_postures(form, plan_gesture(form, known), 6)
 
 
-def test_a_gesture_alone_strikes_when_it_is_asked(known):
+def test_single_gesture_has_its_stroke_at_the_requested_time(known):
     planned = plan_gesture(known.lexicon.find("offer").form, known, "left")
     assert abs(stroke_error(planned)) < 0.01
     assert planned.keyframes.uses["gesture"] == {"l_hand"}
-    assert next(sync.asked for sync in planned.syncs if sync.sync == "stroke") == STROKE
+    assert next(sync.requested for sync in planned.syncs if sync.sync == "stroke") == STROKE_TIME
 
 
-def test_a_name_that_xml_would_misread_is_escaped():
+def test_gesture_name_is_escaped_in_xml():
     assert 'lexeme="a&lt;b"' in write_document("a<b").replace("'", '"')
 
 
-def test_key_postures_are_those_of_the_stroke(waved, known):
+def test_key_postures_cover_the_stroke(waved, known):
     assert 2 <= len(waved.postures) <= 6
     assert set(waved.paths) == {"r"}
     palm = waved.paths["r"]
@@ -41,16 +41,16 @@ def test_key_postures_are_those_of_the_stroke(waved, known):
     assert np.linalg.norm(palm - wrist, axis=1).min() < 0.09
 
 
-def test_each_posture_has_the_face_that_goes_with_it(known):
+def test_each_key_posture_of_a_gesture_has_facial_action_units(known):
     form = known.lexicon.find("disgust").form
     shown = key_postures(form, plan_gesture(form, known), 6)
     assert len(shown.faces) == len(shown.postures)
-    assert shown.faces[shown.stroke].keys() >= {"L9", "R9"}  # the wrinkled nose
+    assert shown.faces[shown.stroke].keys() >= {"L9", "R9"}  # wrinkled nose
     assert not any(unit.endswith("45") for face in shown.faces for unit in face)
 
 
-def test_postures_of_fingers_alone_are_no_key_postures():
-    """On a hand with fingers, keys of these stand between those of the arm, where its angles say nothing."""
+def test_pictures_of_a_gesture_skip_keys_that_move_only_fingers():
+    """Keys of fingers lie between keys of the arm, where the arm's angles do not matter."""
     human = set_up("human")
     form, skeleton = human.lexicon.find("disgust").form, human.robot.skeleton
     shown = key_postures(form, plan_gesture(form, human), 6)
@@ -61,7 +61,7 @@ def test_postures_of_fingers_alone_are_no_key_postures():
 
 
 @pytest.mark.parametrize("most", [2, 3, 6])
-def test_of_many_keys_the_stroke_is_among_those_drawn(known, most):
+def test_reduced_key_postures_include_the_stroke(known, most):
     form = known.lexicon.find("spiral_stairs").form
     planned = plan_gesture(form, known)
     shown = key_postures(form, planned, most)
@@ -72,23 +72,23 @@ def test_of_many_keys_the_stroke_is_among_those_drawn(known, most):
     np.testing.assert_allclose(drawn, stroke.angles, atol=0.01)
 
 
-def test_the_nearer_is_drawn_later_and_darker(known):
+def test_nearer_lines_of_a_robot_drawing_are_later_and_darker(known):
     lines = silhouette(known.robot, known.robot.skeleton.rest, {})
     depths = [line.depth for line in lines if line.owner]
     assert depths == sorted(depths)
     arm = [line for line in lines if line.owner == "r"]
     near, far = max(arm, key=lambda line: line.depth), min(arm, key=lambda line: line.depth)
     assert sum(near.colour) <= sum(far.colour)
-    assert all(line.colour == PALE for line in pale(lines))
+    assert all(line.colour == PALE_COLOUR for line in fade_lines(lines))
 
 
-def test_left_is_seen_on_the_right_and_up_is_up():
+def test_robot_drawing_mirrors_left_and_right():
     assert project(np.array([0.0, 1.0, 0.0])) == pytest.approx([1.0, 0.0])
     assert project(np.array([0.0, 0.0, 1.0]))[1] > 0.9
     assert depth(np.array([1.0, 0.0, 0.0])) > 0.9
 
 
-def test_fingers_are_straight_or_bent_towards_the_palm(known):
+def test_drawn_fingers_bend_towards_the_palm(known):
     site = known.robot.sites["l_palm"]
     flat, fist = (hand_outline(known.robot, "l", hand_shapes()[name]) for name in ("flat", "fist"))
     for (straight, _), (bent, _) in list(zip(flat, fist, strict=True))[1:5]:
@@ -97,12 +97,12 @@ def test_fingers_are_straight_or_bent_towards_the_palm(known):
         assert (bent[1] - bent[0]) @ site.facing > 0
 
 
-def test_thumbs_mirror_each_other(known):
+def test_thumbs_of_drawn_hands_are_mirrored(known):
     left, right = (hand_outline(known.robot, side, hand_shapes()["thumb"])[-1][0] for side in ("l", "r"))
     assert left == pytest.approx(right * [1, -1, 1], abs=1e-9)
 
 
-def test_pictures_show_something(waved, known, tmp_path):
+def test_gesture_pictures_are_not_empty(waved, known, tmp_path):
     drawn = draw_strip(waved, known.robot, tmp_path / "wave.png", says="The raised hand waves: hello.")
     pixels = imread(drawn)
     assert pixels.shape[1] > pixels.shape[0] > 100
@@ -113,13 +113,13 @@ def test_pictures_show_something(waved, known, tmp_path):
     assert draw_gesture_sheet([waved], known.robot, tmp_path / "sheet.svg").read_text().startswith("<?xml")
 
 
-def test_pictures_are_the_same_twice(waved, known, tmp_path):
+def test_gesture_pictures_are_reproducible(waved, known, tmp_path):
     one, two = (draw_strip(waved, known.robot, tmp_path / f"{name}.png").read_bytes() for name in "ab")
     assert one == two
 
 
-def test_the_vocabulary_tells_each_gesture_in_words(known):
-    entries = vocabulary(known.lexicon, known.pace)
+def test_vocabulary_describes_every_gesture(known):
+    entries = list_vocabulary(known.lexicon, known.pace)
     assert [(entry.category, entry.id) for entry in entries] == sorted((entry.category, entry.id) for entry in entries)
     assert len({entry.says for entry in entries}) == len(entries) >= 150
     for entry in entries:

@@ -1,4 +1,4 @@
-"""Hands come where gestures want them, in every style, also where styles make gestures small, large or open."""
+"""Hands reach their targets in every style."""
 
 from dataclasses import replace
 
@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import names_of
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.style.style import Style
+from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
-NEAR = 0.03  # [m] that a wrist may stay from where it is wanted
-TOGETHER = 0.04  # [m] between hands that clap: a hover, and what fast hands round off
+NEAR = 0.03  # [m] largest distance of a wrist to its target
+TOGETHER = 0.04  # [m] largest distance of clapping hands
 
 ASKED = ("throw_ball", "fly_bird", "love", "greet_bow_hand", "watch_time")
 STYLES = names_of("style")
@@ -23,7 +23,7 @@ def known():
 
 
 @pytest.mark.parametrize("gesture", ASKED)
-def test_no_style_takes_a_hand_from_its_place(known, gesture):
+def test_gesture_hands_reach_their_targets_in_every_style(known, gesture):
     form = known.lexicon.forms_by_id[gesture]
     for style in (Style.load(name) for name in STYLES):
         misses = plan_gesture(form, replace(known, style=style)).postures.misses
@@ -32,7 +32,7 @@ def test_no_style_takes_a_hand_from_its_place(known, gesture):
 
 @pytest.mark.parametrize("robot", ["upper22", "upper36"])
 @pytest.mark.parametrize("style", ["joyful", "shy"])
-def test_hands_that_clap_meet(robot, style):
+def test_clapping_hands_meet(robot, style):
     setup = set_up(robot, style=style)
     planned = plan_gesture(setup.lexicon.forms_by_id["applause"], setup)
     claps = [sync.planned for sync in planned.syncs if sync.is_stroke]

@@ -1,4 +1,4 @@
-"""Robots and the human in their strokes, with light and shade."""
+"""Shaded portraits and turntables of robots and of the human."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.film import FilmError, opengl_fault
 from kinesic.studies.gestures import portraits
 from kinesic.studies.gestures.isolated import key_postures, plan_gesture
-from kinesic.studies.gestures.portraits import draw_round, draw_stills
+from kinesic.studies.gestures.portraits import draw_stills, draw_turntable
 from kinesic.studies.gestures.sheet import draw_portraits
 
 from ...face.conftest import drawable  # noqa: F401  # fixture
@@ -23,7 +23,7 @@ HUMAN = Robot.load("human")
 
 @pytest.fixture(scope="module")
 def modelled() -> None:
-    """Skips where MuJoCo cannot draw, saying why."""
+    """Skip without OpenGL for MuJoCo."""
     if why := opengl_fault():
         pytest.skip(why)
 
@@ -31,8 +31,8 @@ def modelled() -> None:
 @contextmanager
 def few_pictures(count: int) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(portraits, "ROUND", count)
-        patch.setattr(portraits, "SIDE", 96)
+        patch.setattr(portraits, "TURNTABLE_FRAMES", count)
+        patch.setattr(portraits, "TURNTABLE_SIZE", 96)
         yield
 
 
@@ -41,7 +41,7 @@ def is_skin(picture: np.ndarray) -> np.ndarray:
     return (red > green + 20) & (green > blue)
 
 
-def test_head_and_hands_of_the_skinned_human_are_in_her_portrait(drawable: None):  # noqa: F811 - the fixture
+def test_portrait_of_the_human_shows_head_and_hands(drawable: None):  # noqa: F811 - the fixture
     raised = HUMAN.skeleton.rest.copy()
     for side in "lr":
         raised[HUMAN.skeleton.names.index(f"{side}_shoulder_flexion")] = np.radians(170)
@@ -56,28 +56,28 @@ def test_head_and_hands_of_the_skinned_human_are_in_her_portrait(drawable: None)
 
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
-def test_a_turntable_goes_round_evenly_and_ends_where_it_began(name: str, modelled: None):
+def test_turntable_film_turns_evenly_and_closes(name: str, modelled: None):
     robot, shares = Robot.load(name), []
     with few_pictures(8):
-        pictures = draw_round(robot, robot.skeleton.rest, progress=shares.append)
+        pictures = draw_turntable(robot, robot.skeleton.rest, progress=shares.append)
     assert shares == [(k + 1) / 8 for k in range(8)]
     assert {picture.shape for picture in pictures} == {(96, 96, 3)}
     steps = [
         float(np.abs(a.astype(int) - b).mean()) for a, b in zip(pictures, [*pictures[1:], pictures[0]], strict=True)
     ]
-    assert min(steps) > 0.2 * max(steps) > 0.0  # the last step is like the others
+    assert min(steps) > 0.2 * max(steps) > 0.0  # also from the last to the first picture
 
 
-def test_the_human_turns_with_her_skin(drawable: None):  # noqa: F811 - the fixture
+def test_turntable_of_the_human_shows_skin(drawable: None):  # noqa: F811 - the fixture
     with few_pictures(4):
-        pictures = draw_round(HUMAN, HUMAN.skeleton.rest)
+        pictures = draw_turntable(HUMAN, HUMAN.skeleton.rest)
     front, left, back, right = (is_skin(picture)[:32].sum() for picture in pictures)
-    assert front > 1.5 * back  # her face, and her hair
+    assert front > 1.5 * back  # face in front, hair behind
     assert left > 0
     assert right > 0
 
 
-def test_the_human_shows_the_face_of_the_gesture(drawable: None):  # noqa: F811 - the fixture
+def test_portrait_of_the_human_shows_the_face_of_the_gesture(drawable: None):  # noqa: F811 - the fixture
     rest = HUMAN.skeleton.rest
     _, (plain, smiling, again) = draw_stills(HUMAN, [rest] * 3, [{}, {"12": 1.0}, {}], (200, 230))
     changed = np.abs(plain.astype(int) - smiling).max(axis=-1) > 20
@@ -85,7 +85,8 @@ def test_the_human_shows_the_face_of_the_gesture(drawable: None):  # noqa: F811 
     assert np.array_equal(plain, again)
 
 
-def test_ways_are_drawn_over_portraits(known, tmp_path, modelled: None):
+@pytest.mark.soak
+def test_palm_paths_are_drawn_over_portraits(known, tmp_path, modelled: None):
     form = known.lexicon.find("greet_wave").form
     show = key_postures(form, plan_gesture(form, known), 2)
     with_ways, without = (
@@ -97,7 +98,7 @@ def test_ways_are_drawn_over_portraits(known, tmp_path, modelled: None):
     assert 0.001 < changed.mean() < 0.1
 
 
-def test_without_opengl_it_is_said(monkeypatch):
+def test_missing_opengl_of_portraits_is_reported(monkeypatch):
     monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
     with pytest.raises(FilmError, match="install it"):
-        draw_round(BARE, BARE.skeleton.rest)
+        draw_turntable(BARE, BARE.skeleton.rest)

@@ -1,4 +1,4 @@
-"""The page in a browser, and what it writes."""
+"""Page of the study in a browser, and the answers that it writes."""
 
 import csv
 import json
@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 from kinesic.body.config import ConfigError
-from kinesic.studies.perception.answers import COLUMNS, read_answers
-from kinesic.studies.perception.design import stimuli
+from kinesic.studies.perception.answers import ANSWER_COLUMNS, read_answers
+from kinesic.studies.perception.design import list_stimuli
 from kinesic.studies.perception.page import file_of, write_study_page
 
 from ...chromium import Page, binary, opened
@@ -23,18 +23,18 @@ def page(tmp_path: Path):
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     (tmp_path / "stimuli").mkdir()
-    for each in stimuli():
+    for each in list_stimuli():
         Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(each))
     path = tmp_path / "index.html"
     write_study_page(path)
-    path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # films are not the matter here
+    path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # short films for a quick test
     with opened(path.as_uri()) as page:
         page.until("document.readyState === 'complete' && typeof state === 'object'")
         yield page
 
 
 def answer(page: Page, points: int = 4) -> None:
-    """Answers every question about the face that is shown, and goes on."""
+    """Answer all questions about the shown face and continue."""
     page.until("document.querySelectorAll('fieldset').length === 5")
     assert page.value("document.getElementById('next').disabled")
     for k in range(5):
@@ -44,11 +44,11 @@ def answer(page: Page, points: int = 4) -> None:
     page.until(f"state.place > {place} || !document.getElementById('thanks').hidden")
 
 
-def written(page: Page) -> str:
+def download_answers(page: Page) -> str:
     return page.value("fetch(document.getElementById('file').href).then((file) => file.text())")
 
 
-def test_a_participant_answers_some_faces_and_stops(page: Page, tmp_path: Path):
+def test_participant_can_stop_the_face_study_early(page: Page, tmp_path: Path):
     page.value("document.getElementById('age').value = '34'")
     page.click("#begin")
     for points in (4, 2, 5):
@@ -56,18 +56,18 @@ def test_a_participant_answers_some_faces_and_stops(page: Page, tmp_path: Path):
     page.until("document.querySelectorAll('fieldset').length === 5")
     page.click("#stop")
     page.until("!document.getElementById('thanks').hidden")
-    rows = written(page).split("\r\n")
-    assert rows[0] == ",".join(COLUMNS)
+    rows = download_answers(page).split("\r\n")
+    assert rows[0] == ",".join(ANSWER_COLUMNS)
     assert len(rows) == 3 + 2
-    assert [row.split(",")[COLUMNS.index("realism")] for row in rows[1:4]] == ["4", "2", "5"]
-    assert len({row.split(",")[COLUMNS.index("stimulus")] for row in rows[1:4]}) == 3
-    assert {row.split(",")[COLUMNS.index("age")] for row in rows[1:4]} == {"34"}
+    assert [row.split(",")[ANSWER_COLUMNS.index("realism")] for row in rows[1:4]] == ["4", "2", "5"]
+    assert len({row.split(",")[ANSWER_COLUMNS.index("stimulus")] for row in rows[1:4]}) == 3
+    assert {row.split(",")[ANSWER_COLUMNS.index("age")] for row in rows[1:4]} == {"34"}
 
 
-def test_all_32_faces_can_be_read_back(page: Page, tmp_path: Path):
+def test_answers_of_all_32_faces_are_read_back(page: Page, tmp_path: Path):
     order = page.value("state.order")
     assert len(order) == len(set(order)) == 32
-    known = {each.id: each for each in stimuli()}
+    known = {each.id: each for each in list_stimuli()}
     cells = [(known[name].action.region, known[name].presentation) for name in order]
     assert {cells.count(cell) for cell in cells} == {8}
     page.click("#begin")
@@ -77,8 +77,8 @@ def test_all_32_faces_can_be_read_back(page: Page, tmp_path: Path):
         page.value("document.getElementById('next').click()")
     page.until("!document.getElementById('thanks').hidden")
     path = tmp_path / "answers.csv"
-    path.write_text(written(page), newline="")
-    asked = [known[name] for name in order if known[name].action.asked]
+    path.write_text(download_answers(page), newline="")
+    asked = [known[name] for name in order if known[name].action.label]
     assert len(read_answers([path])) == len(asked)
 
 
@@ -93,7 +93,7 @@ FOREIGN = (
 )
 
 
-def test_what_we_did_not_write_ourselves_is_not_believed(page: Page):
+def test_study_page_ignores_foreign_stored_state(page: Page):
     for kept in FOREIGN:
         page.value(f"localStorage.setItem('kinesic-study', {json.dumps(kept)}); window.before = true")
         page.call("Page.reload")
@@ -103,7 +103,7 @@ def test_what_we_did_not_write_ourselves_is_not_believed(page: Page):
         assert page.value("state.place") == 0, kept
 
 
-def test_a_participant_who_writes_own_values_breaks_no_row_and_no_page(page: Page, tmp_path: Path):
+def test_hostile_values_break_neither_answer_rows_nor_page(page: Page, tmp_path: Path):
     page.click("#begin")
     answer(page)
     page.until("document.querySelectorAll('fieldset').length === 5")
@@ -112,7 +112,7 @@ def test_a_participant_who_writes_own_values_breaks_no_row_and_no_page(page: Pag
     page.click("#stop")
     page.until("!document.getElementById('thanks').hidden")
     path = tmp_path / "answers.csv"
-    path.write_text(written(page), newline="")
+    path.write_text(download_answers(page), newline="")
     with path.open(newline="") as lines:
         (row,) = csv.DictReader(lines)
     assert row["participant"] == "'=" + hostile
@@ -121,7 +121,7 @@ def test_a_participant_who_writes_own_values_breaks_no_row_and_no_page(page: Pag
     assert page.value("document.querySelectorAll('script').length") == 2
 
 
-def test_no_script_runs_but_the_pages_own(page: Page):
+def test_study_page_runs_only_its_own_scripts(page: Page):
     page.value("document.body.insertAdjacentHTML('beforeend', '<img src=x: onerror=\"window.hacked=1\">')")
     page.value("document.body.append(Object.assign(document.createElement('script'), {text: 'window.hacked = 2'}))")
     page.until("document.querySelector('img[onerror]').complete")
@@ -131,19 +131,19 @@ def test_no_script_runs_but_the_pages_own(page: Page):
 @pytest.mark.parametrize(
     "url", ["javascript:alert(1)", "file:///etc/passwd", "//example.org", "https://a b/", "https://a;script-src *", "x"]
 )
-def test_answers_are_sent_to_web_servers_only(url: str, tmp_path: Path):
+def test_answer_server_url_must_be_http(url: str, tmp_path: Path):
     with pytest.raises(ConfigError, match="must be a URL such as https://"):
         write_study_page(tmp_path / "index.html", post_to=url)
 
 
-def test_the_page_may_talk_to_no_other_server(tmp_path: Path):
+def test_content_policy_allows_only_the_post_server(tmp_path: Path):
     write_study_page(tmp_path / "index.html", post_to="https://example.org:8443/answers?a=';x</script>")
     page = (tmp_path / "index.html").read_text()
     assert 'connect-src blob: https://example.org:8443"' in page
     assert page.count("</script>") == 2
 
 
-def test_a_moving_face_is_seen_once_even_after_a_reload(page: Page):
+def test_stimulus_film_plays_once_even_after_a_reload(page: Page):
     moving = page.value("state.order.find((id) => byId.get(id).presentation === 'animation')")
     page.value(f"(() => {{ state.order = [{moving!r}, ...state.order.filter((id) => id !== {moving!r})]; keep(); }})()")
     page.click("#begin")
@@ -154,7 +154,7 @@ def test_a_moving_face_is_seen_once_even_after_a_reload(page: Page):
     assert page.value("document.getElementById('questions').dataset.stimulus") != moving
 
 
-HEAD = ",".join(COLUMNS)
+HEAD = ",".join(ANSWER_COLUMNS)
 ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0,30"
 
 
@@ -171,16 +171,16 @@ ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0,30"
         (HEAD + "\n" + ROW.replace(",3,3,", ",3,\u0663,"), "must be a whole number"),
         (HEAD + "\n" + ROW.replace(",3,3,", f",3,{'9' * 5000},"), "must be a whole number"),
         (HEAD + "\n" + ROW[:-2] + "7", "age is '7', must be a whole number from 10 to 119"),
-        (HEAD + "\n" + ROW.replace("p,1", f"{'p' * 200_000},1"), "is no CSV: field larger"),
+        (HEAD + "\n" + ROW.replace("p,1", f"{'p' * 200_000},1"), "is not CSV: field larger"),
     ],
 )
-def test_wrong_answers_are_told(text: str, what: str, tmp_path: Path):
+def test_invalid_study_answers_are_refused(text: str, what: str, tmp_path: Path):
     path = tmp_path / "answers.csv"
     path.write_text(text)
     with pytest.raises(ConfigError, match=what):
         read_answers([path])
 
 
-def test_no_such_file(tmp_path: Path):
+def test_missing_answer_file_is_refused(tmp_path: Path):
     with pytest.raises(ConfigError, match=r"nowhere\.csv: No such file"):
         read_answers([tmp_path / "nowhere.csv"])

@@ -3,7 +3,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from kinesic.studies.sweep.geometry import hull_volume, length, mean_curvature, peak_speed, rms_jerk, visits
+from kinesic.studies.sweep.geometry import count_visits, hull_volume, length, mean_curvature, peak_speed, rms_jerk
 
 PERIOD = 0.01
 TIMES = np.arange(0.0, 2.0 + PERIOD / 2, PERIOD)
@@ -19,19 +19,19 @@ def circle(radius: float, turns: float = 1.0) -> np.ndarray:
 
 
 def along(*places: tuple[float, float, float], count: int = 100) -> np.ndarray:
-    """Straight from place to place, with equal steps."""
+    """Sample straight lines between positions in equal steps."""
     legs = [np.linspace(a, b, count, endpoint=False) for a, b in pairwise(places)]
     return np.concatenate([*legs, [places[-1]]])
 
 
-def test_speed_and_length_of_a_straight_way():
+def test_peak_speed_and_length_of_a_straight_path_are_exact():
     path = along((0, 0, 0), (0.5, 0, 0))
     assert peak_speed(path, period=PERIOD) == pytest.approx(0.5)
     assert length(path) == pytest.approx(0.5)
     assert peak_speed(path[:1], period=PERIOD) == 0.0
 
 
-def test_volume_of_a_cube():
+def test_path_along_a_cube_has_its_volume():
     corners = np.array([[x, y, z] for x in (0, 0.2) for y in (0, 0.2) for z in (0, 0.2)])
     assert hull_volume(corners) == pytest.approx(0.008)
     inside = np.concatenate([corners, [[0.1, 0.1, 0.1]] * 5])
@@ -49,16 +49,16 @@ def test_volume_of_a_cube():
     ],
     ids=["point", "line", "plane", "three points", "nearly a plane"],
 )
-def test_a_path_that_is_flat_has_no_volume(path):
+def test_hand_paths_in_a_plane_have_no_volume(path):
     assert hull_volume(path) == pytest.approx(0.0, abs=1e-7)
 
 
 @pytest.mark.parametrize("radius", [0.1, 0.2, 0.4])
-def test_curvature_of_a_circle_is_one_over_its_radius(radius):
+def test_path_along_a_circle_has_its_curvature(radius):
     assert curvature(circle(radius, 3)) == pytest.approx(1 / radius, rel=0.03)
 
 
-def test_curvature_knows_neither_speed_nor_stops():
+def test_curvature_is_independent_of_speed_and_stops():
     path = circle(0.2)
     waiting = np.concatenate([path[:70], np.repeat(path[70:71], 300, axis=0), path[70:]])
     uneven = circle(0.2)[np.unique((np.linspace(0, 1, 200) ** 2 * (len(TIMES) - 1)).astype(int))]
@@ -66,19 +66,19 @@ def test_curvature_knows_neither_speed_nor_stops():
     assert curvature(uneven) == pytest.approx(curvature(path), rel=0.02)
 
 
-def test_a_straight_way_does_not_bend_and_turning_back_is_half_a_turn():
+def test_line_has_no_curvature_and_a_reversal_adds_pi():
     assert curvature(along((0, 0, 0), (0.5, 0, 0))) == pytest.approx(0.0, abs=1e-6)
     assert curvature(along((0, 0, 0), (0.5, 0, 0), (0, 0, 0))) == pytest.approx(np.pi, rel=0.05)  # over 1 m
     assert curvature(along((0, 0, 0), (0.5, 0, 0), (0.5, 0.5, 0))) == pytest.approx(np.pi / 2, rel=0.05)
 
 
-def test_a_hand_that_hardly_moves_has_no_curvature():
+def test_hand_motion_below_the_minimum_size_has_no_curvature():
     assert curvature(np.zeros((10, 3))) is None
     assert curvature(along((0, 0, 0), (0.03, 0, 0))) is None
 
 
-def test_jerk_of_a_swing():
-    """The third derivative of a sine is its frequency cubed; ticks far above 10 Hz count for little."""
+def test_sinusoidal_path_has_its_analytic_jerk():
+    """The jerk of a sine is its amplitude times the angular frequency cubed; ticks far above 10 Hz hardly count."""
     swing = 0.1 * np.stack([np.sin(2 * np.pi * TIMES), 0 * TIMES, 0 * TIMES], axis=1)
     wanted = 0.1 * (2 * np.pi) ** 3 / np.sqrt(2)
     assert rms_jerk(swing, period=PERIOD) == pytest.approx(wanted, rel=0.05)
@@ -88,14 +88,14 @@ def test_jerk_of_a_swing():
     assert rms_jerk(swing + ticks, period=PERIOD) == pytest.approx(wanted, rel=0.15)
 
 
-def test_jerk_of_too_short_a_path_is_none_to_speak_of():
+def test_rms_jerk_of_a_path_with_too_few_samples_is_zero():
     assert rms_jerk(np.zeros((5, 3)), period=PERIOD) == 0.0
 
 
-def test_visits_count_only_after_leaving():
+def test_visits_to_a_position_count_only_after_leaving_it():
     far, place = (0.2, 0, 0), (0, 0, 0)
     path = along(far, place, far, place, far)
-    assert visits(path, np.zeros(3), near=0.05, far=0.1) == 2
+    assert count_visits(path, np.zeros(3), near=0.05, far=0.1) == 2
     trembling = along(far, place, (0.06, 0, 0), place, (0.06, 0, 0), place)
-    assert visits(trembling, np.zeros(3), near=0.05, far=0.1) == 1
-    assert visits(along(far, (0.1, 0, 0)), np.zeros(3), near=0.05, far=0.1) == 0
+    assert count_visits(trembling, np.zeros(3), near=0.05, far=0.1) == 1
+    assert count_visits(along(far, (0.1, 0, 0)), np.zeros(3), near=0.05, far=0.1) == 0

@@ -4,10 +4,10 @@ import pytest
 from PIL import Image
 
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.style import RANGES
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES
 from kinesic.studies.sweep.measures import Measures
 from kinesic.studies.sweep.series import (
-    LATE,
+    MAX_STROKE_ERROR,
     MEASURE_OF,
     Played,
     Series,
@@ -37,14 +37,14 @@ PLAIN = Measures(
 
 
 def series(parameter: str, *values: object, name: str = "") -> Series:
-    """Values of the parameter's own measure, or of another."""
+    """Series with values of the parameter's main measure, or of the named one."""
     field = name or MEASURE_OF[parameter].name
     rows = [Played(k, replace(PLAIN, **{field: value}), {}, ()) for k, value in enumerate(values)]
     return Series("beat", parameter, tuple(rows))
 
 
-def test_every_parameter_has_a_measure():
-    assert set(MEASURE_OF) == set(RANGES)
+def test_every_expressivity_parameter_has_a_main_measure():
+    assert set(MEASURE_OF) == set(EXPRESSIVITY_RANGES)
 
 
 @pytest.mark.parametrize(
@@ -62,21 +62,21 @@ def test_every_parameter_has_a_measure():
         ("power", (0.4,), True),
     ],
 )
-def test_monotone(parameter, values, monotone):
+def test_parameter_series_is_monotone_only_if_its_measure_always_increases(parameter, values, monotone):
     assert series(parameter, *values).monotone is monotone
 
 
-def test_strokes_in_time():
+def test_series_reports_its_worst_stroke_error():
     assert series("power", -0.004, 0.009, name="stroke_error").in_time
-    late = series("power", 0.0, -2 * LATE, name="stroke_error")
-    assert late.worst_stroke == pytest.approx(2 * LATE)
+    late = series("power", 0.0, -2 * MAX_STROKE_ERROR, name="stroke_error")
+    assert late.worst_stroke == pytest.approx(2 * MAX_STROKE_ERROR)
     assert not late.in_time
     never = series("power", 0.0, None, name="stroke_error")
     assert never.worst_stroke is None
     assert not never.in_time
 
 
-def test_a_wider_gesture_sweeps_more_space(known):
+def test_larger_spatial_extent_gives_the_hands_path_more_volume(known):
     found = sweep_parameter("flat_surface", "spatial", known, values=[0.8, -0.8])
     assert [one.value for one in found.played] == [-0.8, 0.8]
     assert found.monotone
@@ -87,17 +87,17 @@ def test_a_wider_gesture_sweeps_more_space(known):
     assert found.played[0].times[0] < 0.0 < found.played[0].times[-1]
 
 
-def test_a_sweep_is_the_same_twice(known):
+def test_parameter_sweep_is_reproducible(known):
     first, again = (sweep_parameter("beat", "power", known, values=[0.5]).played[0].measures for _ in range(2))
     assert first == again
 
 
-def test_values_default_to_the_whole_range(known, monkeypatch):
-    monkeypatch.setattr("kinesic.studies.sweep.series.COUNT", 2)
+def test_sweep_values_cover_the_whole_parameter_range_by_default(known, monkeypatch):
+    monkeypatch.setattr("kinesic.studies.sweep.series.VALUE_COUNT", 2)
     assert [one.value for one in sweep_parameter("beat", "openness", known).played] == [0.0, 1.0]
 
 
-def test_presets_are_played_by_name(known, monkeypatch, tmp_path):
+def test_style_presets_are_performed_by_name(known, monkeypatch, tmp_path):
     (tmp_path / "styles").mkdir()
     (tmp_path / "styles" / "sad.toml").touch()
     monkeypatch.setattr("kinesic.studies.sweep.series.CONFIGS", tmp_path)
@@ -106,7 +106,7 @@ def test_presets_are_played_by_name(known, monkeypatch, tmp_path):
     assert found["sad"].measures.stroke_error is not None
 
 
-def test_errors_teach(known):
+def test_unknown_gesture_or_parameter_of_a_sweep_suggests_names(known):
     with pytest.raises(ConfigError, match=r"no gesture beet; did you mean beat\?"):
         sweep_parameter("beet", "power", known)
     with pytest.raises(ConfigError, match=r"a style has no powr; did you mean power\?"):
@@ -115,7 +115,8 @@ def test_errors_teach(known):
         sweep_parameter("beat", "power", known, values=[0.0, 2.0])
 
 
-def test_a_series_becomes_the_same_picture_twice(known, tmp_path):
+@pytest.mark.soak
+def test_parameter_series_plot_is_reproducible(known, tmp_path):
     series = sweep_parameter("beat", "power", known, values=[0.0, 0.5])
     first, again = draw_series(series, tmp_path / "a.png"), draw_series(series, tmp_path / "b.png")
     with Image.open(first) as picture:

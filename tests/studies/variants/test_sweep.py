@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.controller.perform import dry_run, plan, set_up
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.controller.dry_run import dry_run
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors
 from kinesic.studies.variants import sweep
 from kinesic.studies.variants.sweep import perform_variants, sweep_servos
 from kinesic.tasks.engine import Processes, using_engine
@@ -16,11 +18,11 @@ TEXT = (
 SOFT = Factors(gain=0.3)
 
 
-def test_rows_are_what_dry_runs_measure_and_coarser_steps_come_near_them():
+def test_servo_sweep_rows_equal_dry_runs_and_coarse_physics_is_close():
     planned = plan(TEXT, set_up())
-    variants = (NOMINAL, PESSIMISTIC, SOFT)
+    variants = (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, SOFT)
     exact, coarse = (perform_variants(planned, variants, step=step) for step in (0.004, sweep.PHYSICS_STEP))
-    run = dry_run(planned, twin=PESSIMISTIC, watch=False)
+    run = dry_run(planned, twin=PESSIMISTIC_FACTORS, watch=False)
     assert exact[1, 0] == pytest.approx(np.sqrt(np.nanmean(run.errors**2)))
     assert exact[1, 2] == run.measured.clearance.distances.min()
     assert exact[1, 4] == run.measured.power.peak.max()
@@ -29,9 +31,9 @@ def test_rows_are_what_dry_runs_measure_and_coarser_steps_come_near_them():
     assert np.abs(coarse - exact)[:, 2].max() < 0.001
 
 
-def test_soft_servos_follow_worse_and_rows_keep_the_order_of_variants(monkeypatch):
-    monkeypatch.setattr(sweep, "GROUP", 2)
-    variants = [NOMINAL, SOFT, Factors(gain=0.31), Factors(mass=1.01), Factors(latency=0.03)]
+def test_servo_sweep_keeps_the_variant_order_and_finds_larger_errors_of_soft_servos(monkeypatch):
+    monkeypatch.setattr(sweep, "GROUP_SIZE", 2)
+    variants = [NOMINAL_FACTORS, SOFT, Factors(gain=0.31), Factors(mass=1.01), Factors(latency=0.03)]
     with using_engine(Processes(2)):
         found = sweep_servos(TEXT, variants, set_up)
     assert found.variants == tuple(variants)
@@ -40,10 +42,10 @@ def test_soft_servos_follow_worse_and_rows_keep_the_order_of_variants(monkeypatc
     assert found.lateness[4] > found.lateness[0]
 
 
-def test_no_variants_are_no_rows():
+def test_sweep_without_servo_variants_gives_no_rows():
     assert len(sweep_servos(TEXT, [], set_up).tracking) == 0
 
 
-def test_variants_that_kill_their_process_are_named():
+def test_error_names_servo_variants_that_crash_a_worker():
     with using_engine(Processes(1)), pytest.raises(ConfigError, match=r"variants gain = 0\.3: its process ended"):
         sweep_servos(TEXT, [SOFT], partial(set_up, "nobody"))

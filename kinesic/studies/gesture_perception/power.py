@@ -1,0 +1,57 @@
+"""Power of a study: the effects that a number of answers can show."""
+
+import math
+
+MAX_PLANNED_ANSWERS = 1_000_000  # largest number of answers that a plan considers
+DEFAULT_POWER = 0.8  # probability with which a planned study detects the effect
+SIGNIFICANCE_LEVEL = 0.05  # largest p-value of a detected effect
+
+
+def compute_power(rate: float, answers: int) -> float:
+    """Return the probability that answers show a rate other than one half.
+
+    The test is the exact two-sided binomial test at `SIGNIFICANCE_LEVEL`; answers count as independent.
+
+    Args:
+        rate: true rate, 0..1.
+        answers: number of answers.
+    """
+    from scipy.stats import binom  # noqa: PLC0415 - slow import, only needed for answers
+
+    least = int(binom.isf(SIGNIFICANCE_LEVEL / 2.0, answers, 0.5)) + 1  # fewest hits of a significant result
+    return float(binom.sf(least - 1, answers, rate) + binom.cdf(answers - least, answers, rate))
+
+
+def find_detectable_rate(answers: int, power: float = DEFAULT_POWER) -> float:
+    """Return the smallest rate above one half that answers show with a power, NaN if even 1 is not enough."""
+    if answers < 1 or compute_power(1.0, answers) < power:
+        return math.nan
+    low, high = 0.5, 1.0
+    while high - low > 1e-6:
+        middle = (low + high) / 2.0
+        low, high = (low, middle) if compute_power(middle, answers) >= power else (middle, high)
+    return high
+
+
+def find_needed_answers(rate: float, power: float = DEFAULT_POWER) -> int | None:
+    """Return the number of answers from which on a rate is shown with a power.
+
+    Returns:
+        None for a rate of one half, and beyond `MAX_PLANNED_ANSWERS`.
+    """
+    low, high = 0, 8
+    while compute_power(rate, high) < power:
+        low, high = high, 2 * high
+        if high > MAX_PLANNED_ANSWERS:
+            return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if compute_power(rate, middle) >= power else (middle, high)
+    while compute_power(rate, high + 1) < power or compute_power(rate, high + 2) < power:  # the power oscillates
+        high += 1
+    return high
+
+
+def convert_to_points(rate: float) -> float:
+    """Return the difference of two ratings [points of Elo] for a rate of preference."""
+    return math.inf if rate >= 1.0 else 400.0 * math.log10(rate / (1.0 - rate))
