@@ -1,1 +1,1 @@
-"""Tools by which a language model performs: gestures to choose from, documents, text, gaze, and a stop."""
+"""MCP tools for language models: gesture search, documents, text, gaze and stop."""

@@ -9,46 +9,46 @@ from typing import TypeVar
 
 from kinesic.mcp.errors import RefusedError
 
-MAX_CALLS = 64  # that wait or are carried out at once
-MIN_CALL_INTERVAL = 0.1  # [s] between two beginnings: each call sends two messages, and the server takes 50 a second
-REFUSAL_DELAY = 0.1  # [s] after which discarded calls are answered: the answer to the stop goes before
-CLIENT_GONE = "the client is gone"  # answer that nobody reads
+MAX_CALLS = 64  # largest number of pending calls, including the current one
+MIN_CALL_INTERVAL = 0.1  # [s] shortest time between two calls; each sends two of 50 accepted messages per second
+REFUSAL_DELAY = 0.1  # [s] delay of answers to discarded calls, so that the emergency stop is answered first
+CLIENT_GONE = "the client is gone"  # answer to a call whose client has disconnected
 
 T = TypeVar("T")
 
-# Done as soon as the request that brought the present call has ended, whether it was answered or its client left.
+# Done when the request of the current call has ended, by an answer or by a disconnection.
 request_end: ContextVar[Future[None] | None] = ContextVar("request_end", default=None)
 
 
 class CallQueue:
-    """Carry out calls in the order in which they came."""
+    """Queue that executes tool calls in order of arrival."""
 
     def __init__(
         self, *, max_calls: int = MAX_CALLS, interval: float = MIN_CALL_INTERVAL, refusal_delay: float = REFUSAL_DELAY
     ) -> None:
-        """Begin empty.
+        """Create an empty queue of tool calls.
 
         Args:
-            max_calls: that wait or are carried out at once.
-            interval: [s] between the beginnings of two calls, at least.
-            refusal_delay: [s] after which discarded calls are answered.
+            max_calls: maximum number of pending calls.
+            interval: minimum time [s] between the starts of two calls.
+            refusal_delay: time [s] after which discarded calls are answered.
         """
         self._max_calls, self._interval, self._refusal_delay = max_calls, interval, refusal_delay
-        self._calls: dict[Task[object], str] = {}  # why each is given up; empty if it is not
-        self._present: Task[object] | None = None  # call whose turn it is
+        self._calls: dict[Task[object], str] = {}  # reason for cancelling each call; empty if active
+        self._current: Task[object] | None = None  # call in its turn
         self._lock = Lock()
-        self._earliest = 0.0  # [s] of the monotonic clock, at which the next call may begin
+        self._earliest = 0.0  # [s] monotonic clock time at which the next call may start
 
     async def run(self, act: Callable[[], Coroutine[None, None, T]]) -> T:
-        """Carry out a call after all earlier ones.
+        """Execute a tool call after all earlier ones.
 
-        It is given up when its client cancels it or leaves, and when an emergency stop comes.
+        The call is cancelled if its client cancels it or disconnects, and at an emergency stop.
 
         Args:
-            act: does the work, within `turn` as far as it is to be alone.
+            act: does the work, within `turn` where it must be exclusive.
 
         Raises:
-            RefusedError: too many calls wait, or this one was given up.
+            RefusedError: too many calls are pending, or this one was cancelled.
         """
         count = sum(not why for why in self._calls.values())
         if count >= self._max_calls:
@@ -60,7 +60,7 @@ class CallQueue:
         self._calls[call] = ""
         end = request_end.get()
         if end is not None:
-            end.add_done_callback(lambda _: self._give_up(call, CLIENT_GONE))
+            end.add_done_callback(lambda _: self._cancel(call, CLIENT_GONE))
         try:
             return await call
         except CancelledError:
@@ -72,13 +72,13 @@ class CallQueue:
 
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:
-        """Wait for all earlier calls, and hold up later ones.
+        """Wait for all earlier tool calls and block later ones.
 
         Raises:
-            RefusedError: the call was given up meanwhile.
+            RefusedError: the call was cancelled while waiting.
         """
         async with self._lock:
-            self._present = call = current_task()
+            self._current = call = current_task()
             try:
                 await sleep(max(0.0, self._earliest - monotonic()))
                 if call is not None and (why := self._calls.get(call)):
@@ -86,25 +86,25 @@ class CallQueue:
                 self._earliest = monotonic() + self._interval
                 yield
             finally:
-                self._present = None
+                self._current = None
 
     def discard(self, why: str) -> None:
-        """Give up all calls, so that none of them moves the robot.
+        """Cancel all calls, so that none of them moves the robot.
 
         Args:
             why: answer to each of them.
         """
         for call in self._calls:
             self._calls[call] = self._calls[call] or why
-        if self._present is not None:
-            self._present.cancel()
+        if self._current is not None:
+            self._current.cancel()
         get_running_loop().call_later(self._refusal_delay, self._answer_discarded, tuple(self._calls), why)
 
     def _answer_discarded(self, calls: tuple[Task[object], ...], why: str) -> None:
         for call in calls:
-            self._give_up(call, why)
+            self._cancel(call, why)
 
-    def _give_up(self, call: Task[object], why: str) -> None:
+    def _cancel(self, call: Task[object], why: str) -> None:
         if call in self._calls:
             self._calls[call] = self._calls[call] or why
             call.cancel()

@@ -1,4 +1,4 @@
-"""Reserve a connection and a thread for one kind of request."""
+"""Dedicated connection and thread for one kind of request."""
 
 from asyncio import shield, wrap_future
 from collections.abc import Callable
@@ -7,14 +7,14 @@ from threading import Lock
 from time import monotonic, sleep
 from typing import Generic, Protocol, TypeVar
 
-NO_INTERVAL = 0.0  # [s]
+NO_INTERVAL = 0.0  # [s] between requests that may follow immediately
 
 
 class Connection(Protocol):
-    """Something that can be closed."""
+    """Connection that can be closed."""
 
     def close(self) -> None:
-        """Close it."""
+        """Close the connection to the server."""
 
 
 C = TypeVar("C", bound=Connection)
@@ -22,37 +22,36 @@ T = TypeVar("T")
 
 
 class DirectLine(Generic[C, T]):
-    """Make one request after the other, each for all callers that wait.
+    """Connection for sequential requests, each answering all waiting callers.
 
-    So requests never pile up, however many callers there are. A connection that fails is replaced once for each
-    request.
+    Requests never pile up, however many callers there are. A failed connection is replaced once per request.
     """
 
     def __init__(
         self, connect: Callable[[], C], request: Callable[[C], T], *, name: str, interval: float = NO_INTERVAL
     ) -> None:
-        """Connect.
+        """Open the connection to the server.
 
         Args:
             connect: opens the connection; raises OSError.
-            request: makes one request; raises OSError where the connection is of no use any more.
-            name: of the thread.
-            interval: [s] between the beginnings of two requests, at least.
+            request: executes one request; raises OSError if the connection has failed.
+            name: name of the thread.
+            interval: minimum time [s] between the starts of two requests.
 
         Raises:
-            OSError: nobody is there.
+            OSError: no server listens.
         """
         self._connect, self._request, self._interval = connect, request, interval
         self._connection: C | None = connect()
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
-        self._changing = Lock()  # held for an instant, while the next request is joined or begins
-        self._next: Future[T] | None = None  # request that has not begun
-        self._earliest = 0.0  # [s] of the monotonic clock, at which it may begin
+        self._changing = Lock()  # held briefly while the next request is joined or started
+        self._next: Future[T] | None = None  # request that has not started
+        self._earliest = 0.0  # [s] monotonic clock time at which it may start
 
     async def request(self) -> T:
-        """Wait for a request that begins after this call.
+        """Wait for the result of a request that starts after this call.
 
-        It is made even if the caller leaves.
+        It is executed even if the caller is cancelled.
 
         Raises:
             OSError: two attempts failed.
@@ -64,7 +63,7 @@ class DirectLine(Generic[C, T]):
         return await shield(wrap_future(pending))
 
     def close(self) -> None:
-        """Close the connection."""
+        """Close the connection to the server."""
         self._thread.shutdown(wait=False, cancel_futures=True)
         if self._connection is not None:
             self._connection.close()

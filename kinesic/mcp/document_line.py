@@ -10,15 +10,18 @@ from dataclasses import dataclass, field
 from threading import Thread
 from typing import TypeVar
 
+from kinesic.bml.parse import DEFAULT_BLOCK_ID
 from kinesic.client import Client
+from kinesic.mcp.document_schema import Json
 from kinesic.mcp.errors import RefusedError, RobotError
 from kinesic.mcp.feedback import Feedback, read_feedback
-from kinesic.mcp.teaching import Json
-from kinesic.serve.wire.quotas import NOBODY, USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, UNKNOWN_ID
 
-MAX_KEPT_FEEDBACK = 40  # messages
-MAX_WAIT = 15.0  # [s] for an answer
-MAX_MESSAGE = USUAL.message  # [bytes]; a longer one would end the connection
+MAX_KEPT_WARNINGS = 5  # warnings kept for status answers, the most recent ones
+MAX_KEPT_OUTCOMES = 256  # blocks whose outcome is kept, the most recent ones
+PHRASE_WAIT = 2.0  # [s] longest wait for the first phrase of a streamed text
+MAX_WAIT = 15.0  # [s] longest wait for the server's answer to a message
+MAX_MESSAGE_SIZE = DEFAULT_QUOTAS.message  # [bytes] largest message; the server ends the connection at a longer one
 
 RobotAnswer = Mapping[str, Json]
 T = TypeVar("T")
@@ -26,43 +29,64 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class _Verdict:
-    """Pending verdict: the reason of a refusal, or an empty text."""
+    """Pending answer to a document: refusal reason, or empty text."""
 
     block: str
-    names: frozenset[str]  # ids by which the server may refuse it
+    names: frozenset[str]  # ids by which the server may refuse the block
     future: Future[str] = field(default_factory=Future)
 
 
 class DocumentLine:
-    """Sends documents and questions of one call at a time."""
+    """Connection for documents and questions, one call at a time."""
 
     def __init__(self, connect: Callable[[], Client]) -> None:
-        """Connect.
+        """Open the connection for documents.
 
         Raises:
-            OSError: nobody is there.
+            OSError: no server listens.
         """
         self._client = connect()
         self._sender = ThreadPoolExecutor(1, thread_name_prefix="documents")
-        self._count = 0  # questions so far
-        self._answers: dict[int, Future[RobotAnswer]] = {}  # by the number of the question
+        self._count = 0  # number of questions sent
+        self._answers: dict[int, Future[RobotAnswer]] = {}  # by question number
         self._verdict: _Verdict | None = None  # of the last document
-        self._playing = set[str]()  # blocks of this connection whose end has not come
-        self._gone: RobotError | None = None  # once the server has closed the connection
-        self._feedback = deque[str](maxlen=MAX_KEPT_FEEDBACK)
+        self._playing = set[str]()  # blocks of this connection that have not ended
+        self._phrase: Future[str] | None = None  # block of the first phrase of a streamed text, once it is spoken
+        self._is_talking = False  # whether a streamed text is not spoken completely
+        self._gone: RobotError | None = None  # set when the server has closed the connection
+        self._warnings = deque[str](maxlen=MAX_KEPT_WARNINGS)
+        self._outcomes: dict[str, str] = {}  # of ended blocks, the latest last
         Thread(target=self._read, daemon=True, name="feedback").start()
 
     @property
-    def feedback(self) -> list[str]:
-        """The last messages of feedback."""
-        return list(self._feedback)
+    def warnings(self) -> list[str]:
+        """Last warnings, each prefixed with the id of its block or behaviour."""
+        return list(self._warnings)
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether a block of this connection has not ended, or a streamed text."""
+        return bool(self._playing) or self._is_talking
+
+    @property
+    def is_talking(self) -> bool:
+        """Whether a streamed text of this connection is not spoken completely."""
+        return self._is_talking
+
+    def outcome(self, block: str) -> str | None:
+        """Return how a block of this connection ended.
+
+        Returns:
+            For example `finished`; empty for a block that has not ended, None for an unknown one.
+        """
+        return "" if block in self._playing else self._outcomes.get(block)
 
     async def ask(self, verb: str, **values: Json) -> RobotAnswer:
-        """Ask a question of docs/serve.md, and wait for its answer.
+        """Send a question from docs/reference/wire-protocol.md and wait for its answer.
 
         Raises:
-            RefusedError: the message is longer than the server takes.
-            RobotError: no answer came.
+            RefusedError: the message exceeds the server's size limit.
+            RobotError: there is no answer in time.
         """
         self._count += 1
         number = self._count
@@ -74,7 +98,7 @@ class DocumentLine:
             del self._answers[number]
 
     async def perform(self, document: str, block: str, *names: str) -> str:
-        """Send a document, and wait until its block is predicted or refused.
+        """Send a document and wait until its block is predicted or refused.
 
         Args:
             document: BML in any notation.
@@ -82,54 +106,86 @@ class DocumentLine:
             names: further ids by which the server may refuse it.
 
         Returns:
-            Why it is refused; empty if it is expected to begin.
+            Reason of the refusal; empty if the block is expected to begin.
 
         Raises:
-            RefusedError: the message is longer than the server takes.
-            RobotError: no answer came.
+            RefusedError: the message exceeds the server's size limit.
+            RobotError: there is no answer in time.
         """
-        if block in self._playing:  # feedback about one could not be told from feedback about the other
-            return f"the block {block} is not over yet: give each block an id of its own"
-        self._verdict = verdict = _Verdict(block, frozenset((block, NOBODY, *names)))
+        if block in self._playing:  # feedback would be ambiguous
+            return f"the block {block} has not ended yet: give each block a unique id"
+        self._verdict = verdict = _Verdict(block, frozenset((block, UNKNOWN_ID, *names)))
         await self.send(lambda: document)
         return await _in_time(verdict.future)
 
-    async def send(self, write: Callable[[], str]) -> None:
-        """Send a message after all earlier ones, unless the caller leaves.
+    async def speak(self, text: str, style: str) -> str:
+        """Stream a text, which the server divides into phrases.
 
         Args:
-            write: writes the message, in the thread that sends.
+            text: complete text.
+            style: its name; empty: that of the server.
+
+        Returns:
+            Block of the first phrase; empty if it waits for what plays.
 
         Raises:
-            RefusedError: it is longer than the server takes.
-            RobotError: the server is gone.
+            RefusedError: the server refuses the text.
+            RobotError: the server has closed the connection.
+        """
+        phrase: Future[str] = Future()
+        self._phrase = phrase
+        message = json.dumps({"do": "words", "text": text, "ends": True, "style": style}, ensure_ascii=False)
+        await self.send(lambda: message)
+        self._is_talking = True
+        try:
+            async with timeout(PHRASE_WAIT):
+                return await wrap_future(phrase)
+        except TimeoutError:
+            return ""
+
+    def end_talk(self) -> None:
+        """Forget the streamed text, which an emergency stop has ended."""
+        self._is_talking = False
+
+    async def send(self, write: Callable[[], str]) -> None:
+        """Send a message in order, unless its caller is cancelled.
+
+        Args:
+            write: creates the message, in the sending thread.
+
+        Raises:
+            RefusedError: the message exceeds the server's size limit.
+            RobotError: the server has closed the connection.
         """
         await get_running_loop().run_in_executor(self._sender, self._send, write)
 
     def close(self) -> None:
-        """Close the connection, and leave blocks that were sent to the server."""
+        """Close the connection for documents.
+
+        The server still performs blocks that were sent.
+        """
         self._sender.shutdown(wait=False, cancel_futures=True)
         self._client.close()
 
     def _send(self, write: Callable[[], str]) -> None:
         message = write().encode()
-        if len(message) > MAX_MESSAGE:
-            what = f"as a message the document takes {len(message)} bytes, at most {MAX_MESSAGE} are taken"
+        if len(message) > MAX_MESSAGE_SIZE:
+            what = f"the message has {len(message)} bytes, at most {MAX_MESSAGE_SIZE} are accepted"
             raise RefusedError(f"{what}: send it in parts")
         if self._gone is not None:
             raise self._gone
         try:
             self._client.send_bytes(message)
         except OSError as error:
-            self._client.close()  # half of the message may be on its way, and nothing can follow it
+            self._client.close()  # part of the message may be sent already
             raise _gone(error) from None
 
     def _read(self) -> None:
-        """Hand messages to the waiting calls until the connection ends."""
+        """Pass received messages to waiting calls until the connection ends."""
         while True:
             try:
                 message = self._client.receive()
-            except (OSError, ValueError) as error:  # the latter: closed just before it waits again
+            except (OSError, ValueError) as error:  # ValueError: closed just before the next wait
                 self._end(error)
                 return
             if message is not None:
@@ -144,31 +200,50 @@ class DocumentLine:
     def _hand_over(self, message: str) -> None:
         if message.startswith("{"):
             answer: RobotAnswer = json.loads(message)
+            self._follow_talk(answer)
             number = answer.get("id")
             waiting = self._answers.get(number) if isinstance(number, int) else None
             if waiting is not None:
                 _settle(waiting, answer)
             return
-        self._feedback.append(message)
         feedback = read_feedback(message)
         if feedback is not None:
             self._judge(feedback)
 
+    def _follow_talk(self, answer: RobotAnswer) -> None:
+        """Note the first phrase and the end of a streamed text."""
+        match answer:
+            case {"told": "saying", "block": str(block)} if self._phrase is not None:
+                _settle(self._phrase, block)
+            case {"told": "all_said"}:
+                self._is_talking = False
+
     def _judge(self, feedback: Feedback) -> None:
-        """Hand the verdict of a feedback to the waiting call."""
+        """Pass a document's acceptance or refusal to the call that waits for it."""
         if feedback.kind == "predictionFeedback":
             self._playing.add(feedback.subject)
-        self._playing.discard(feedback.ended_block)
+        if feedback.kind == "warningFeedback":
+            self._warnings.append(f"{feedback.subject}: {feedback.text}")
+        if ended := feedback.ended_block:
+            self._outcomes.pop(ended, None)
+            self._outcomes[ended] = feedback.outcome
+            for oldest in tuple(self._outcomes)[:-MAX_KEPT_OUTCOMES]:
+                del self._outcomes[oldest]
+            self._playing.discard(ended)
+            self._is_talking = self._is_talking and feedback.outcome == "finished"
         verdict = self._verdict
-        if feedback.is_refusal and feedback.subject == NOBODY:  # a message that the server has not even read
+        if feedback.is_refusal and feedback.subject == UNKNOWN_ID:  # a message that the server has not parsed
             for answer in tuple(self._answers.values()):
                 _fail(answer, RobotError(feedback.text))
+        if feedback.is_refusal and feedback.subject in (UNKNOWN_ID, DEFAULT_BLOCK_ID) and self._phrase is not None:
+            self._is_talking = False
+            _fail(self._phrase, RefusedError(feedback.text))
         if verdict is None:
             return
         if feedback.begins(verdict.block):
             _settle(verdict.future, "")
         elif feedback.is_refusal and feedback.subject in verdict.names:
-            _settle(verdict.future, feedback.text or "it is refused without a reason")
+            _settle(verdict.future, feedback.text or "refused without a reason")
 
 
 def _gone(why: Exception) -> RobotError:
@@ -176,11 +251,11 @@ def _gone(why: Exception) -> RobotError:
 
 
 def _settle(future: Future[T], result: T) -> None:
-    with suppress(InvalidStateError):  # the caller has left
+    with suppress(InvalidStateError):  # the caller was cancelled
         future.set_result(result)
 
 
-def _fail(future: Future[T], error: RobotError) -> None:
+def _fail(future: Future[T], error: Exception) -> None:
     with suppress(InvalidStateError):
         future.set_exception(error)
 

@@ -2,8 +2,8 @@
 
 
 class RefusedError(ValueError):
-    """Refusal of a call, with reason and remedy, before anything moves."""
+    """Refusal of a call before anything moves, with reason and remedy."""
 
 
 class RobotError(RuntimeError):
-    """Failure of the server to answer, with the remedy."""
+    """Missing answer of the server, with the remedy."""

@@ -1,47 +1,61 @@
-"""Read BML feedback: its block, and whether that is refused or over."""
+"""Parsing of BML feedback: affected block, refusal and end."""
 
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-REFUSAL_PREFIXES = ("rule ", "not performed")  # first words of a warning about a block that does not begin
-# First words of a warning after which a block sends no end, although it was predicted.
+from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
+
+REFUSAL_PREFIXES = ("rule ", "not performed")  # beginnings of warnings about blocks that do not start
+# Beginnings of warnings on predicted blocks that will send no end feedback.
 FINAL_PREFIXES = (*REFUSAL_PREFIXES, "revoked", "a block of this id", "it is for ")
-CROWDED_SERVER = "blocks play and wait already"
-BLOCK_END = ":end"
+CROWDED_SERVER = "blocks play and wait already"  # text in the warning of a server with too many blocks
+BLOCK_END = ":end"  # suffix of the feedback's subject at a block end
+STATE_ATTRIBUTE = f"{{{KINESIC_NAMESPACE}}}state"  # XML name of kinesic's attribute `state`
 
 
 @dataclass(frozen=True)
 class Feedback:
-    """One message of BML feedback."""
+    """BML feedback message."""
 
-    kind: str  # name of its element
-    subject: str  # id of the block or behaviour; of progress also `:` and the sync point
+    kind: str  # element name
+    subject: str  # id of block or behaviour; in progress messages with `:` and the sync point
     text: str
-    type: str = ""  # of a warning
+    type: str = ""  # warning type
+    state: str = ""  # of a block that ends early, such as INTERRUPTED
 
     @property
     def is_refusal(self) -> bool:
-        """Whether this refuses a block that has no prediction yet."""
+        """Whether the message refuses a block that has no prediction yet."""
         is_warning = self.kind == "warningFeedback"
         return is_warning and (self.type == "PARSING_FAILURE" or self.text.startswith(REFUSAL_PREFIXES))
 
     @property
     def ended_block(self) -> str:
-        """Block that ends with this feedback, or an empty string."""
+        """Id of the block ended by this feedback, or empty."""
         if self.kind == "blockProgress" and self.subject.endswith(BLOCK_END):
             return self.subject.removesuffix(BLOCK_END)
         is_over = self.text.startswith(FINAL_PREFIXES) or CROWDED_SERVER in self.text
         return self.subject if self.kind == "warningFeedback" and is_over else ""
 
+    @property
+    def outcome(self) -> str:
+        """Outcome of an ended block in words.
+
+        It is valid only for the end of a block.
+        """
+        if self.kind == "warningFeedback":
+            return f"not performed: {self.text}"
+        return self.state.lower() or "finished"
+
     def begins(self, block: str) -> bool:
-        """Whether the block is expected to begin, or has begun."""
+        """Return whether the block is expected to begin or has begun."""
         if self.kind == "predictionFeedback":
             return self.subject == block
         return self.kind == "blockProgress" and self.subject.rpartition(":")[0] == block
 
 
 def read_feedback(message: str) -> Feedback | None:
-    """Read a message of the server.
+    """Parse a message from the server.
 
     Returns:
         The feedback; None for a message that is not XML.
@@ -51,9 +65,9 @@ def read_feedback(message: str) -> Feedback | None:
     except ElementTree.ParseError:
         return None
     kind, subject = _local(root.tag), root.get("id", "")
-    if kind == "predictionFeedback":  # its own element has no id
+    if kind == "predictionFeedback":  # the element itself has no id
         subject = next((part.get("id", "") for part in root if _local(part.tag) == "bml"), "")
-    return Feedback(kind, subject, root.text or "", root.get("type", ""))
+    return Feedback(kind, subject, root.text or "", root.get("type", ""), root.get(STATE_ATTRIBUTE, ""))
 
 
 def _local(tag: str) -> str:

@@ -1,122 +1,187 @@
-"""Plan the documents of a model, and perform those that can be.
+"""Planning and performing of documents from a language model.
 
-Planning first lets the answer name what a model can mend.
+A document is planned first, so that the answer can name errors that the model can correct.
 """
 
-from asyncio import get_running_loop
+import json
+from asyncio import to_thread
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
-from kinesic.bml.parse import UNNAMED
+from kinesic.bml.parse import DEFAULT_BLOCK_ID
 from kinesic.mcp.call_queue import CallQueue
 from kinesic.mcp.document_line import RobotAnswer
-from kinesic.mcp.errors import RefusedError
+from kinesic.mcp.document_schema import Json
+from kinesic.mcp.errors import RefusedError, RobotError
+from kinesic.mcp.json_paths import find_json_path
+from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.robot_line import RobotLine
-from kinesic.mcp.teaching import Json
-from kinesic.realizer.request import block_id
-from kinesic.serve.wire.protocol import END, control
+from kinesic.serve.wire.protocol import MESSAGE_END, read_control
 
-MAX_NOTICES = 12
-CALL_DISCARDED = "an emergency stop came and discarded this call: nothing of it moves; resume, then send it again"
+MAX_NOTICES = 12  # notices reported in one answer
+CHARACTERS_PER_SECOND = 14.0  # [1/s] rate of speech, for estimates
+CALL_DISCARDED = "an emergency stop discarded this call, nothing moves: resume, then send it again"
 STOP_HOLDS = "an emergency stop holds: resume, then send it again"
 
 
-class Performing:
-    """Performs one document after the other."""
+class DocumentPerformer:
+    """Executor that plans and performs documents in sequence."""
 
-    def __init__(self, robot: RobotLine) -> None:
-        """Perform by the connections to a robot."""
-        self._robot, self._calls = robot, CallQueue()
-        self._writer = ThreadPoolExecutor(1, thread_name_prefix="writer")
+    def __init__(self, gate: RobotGate) -> None:
+        """Create an executor for a robot that may still be starting."""
+        self._gate, self._calls = gate, CallQueue()
 
     async def perform(self, write: Callable[[], str]) -> RobotAnswer:
-        """Plan a document and have it performed, after all earlier calls.
+        """Plan a document and perform it after all earlier calls.
 
         Args:
-            write: writes the document, in a thread of its own.
+            write: creates the document, in a separate thread.
 
         Returns:
-            Its block, its duration, and the behaviours that are not performed as requested.
+            Its block, its duration, and the behaviours that deviate from the request.
 
         Raises:
-            RefusedError: it is wrong, too many calls wait, or a stop came; nothing moves.
-            RobotError: nobody answers.
+            RefusedError: the document is invalid, too many calls are pending, or a stop came; nothing moves.
+            RobotError: there is no answer in time.
         """
         return await self._calls.run(partial(self._perform_in_turn, write))
+
+    async def speak(self, text: str, style: str) -> RobotAnswer:
+        """Stream a long text after all earlier calls.
+
+        Args:
+            text: complete text.
+            style: its name; empty: that of the robot.
+
+        Returns:
+            Block of its first phrase, and its estimated duration.
+
+        Raises:
+            RefusedError: the text is refused, too many calls are pending, or a stop came.
+            RobotError: the server is gone.
+        """
+        return await self._calls.run(partial(self._speak_in_turn, text, style))
+
+    async def _speak_in_turn(self, text: str, style: str) -> RobotAnswer:
+        line = await self._gate.ready_line()
+        stops = await self._count_stops(line)
+        async with self._calls.turn():
+            if await self._count_stops(line) != stops:
+                raise RefusedError(CALL_DISCARDED)
+            block = await line.documents.speak(text, style)
+        return {"block": block, "about_seconds": round(len(text) / CHARACTERS_PER_SECOND)}
 
     def discard(self) -> None:
         """Refuse all pending calls, so that no plan outlives an emergency stop."""
         self._calls.discard(CALL_DISCARDED)
 
     async def _perform_in_turn(self, write: Callable[[], str]) -> RobotAnswer:
-        stops = await self._count_stops()
+        line = await self._gate.ready_line()
+        stops = await self._count_stops(line)
         async with self._calls.turn():
-            document, written_id = await get_running_loop().run_in_executor(self._writer, _checked, write)
-            planned = await self._robot.documents.ask("plan", bml=document)
-            block = _planned_block(planned)
-            if await self._count_stops() != stops:  # by anybody: a person, another client
+            document, written_id = await to_thread(check_document, write)
+            planned = await line.documents.ask("plan", bml=document)
+            block = _planned_block(planned, document)
+            if await self._count_stops(line) != stops:  # also by a person or another client
                 raise RefusedError(CALL_DISCARDED)
-            if why := await self._robot.documents.perform(document, block, written_id):
+            if why := await line.documents.perform(document, block, written_id):
                 raise RefusedError(why)
-        return {"block": block, "seconds": planned["duration"], "not_as_asked": _not_as_asked(planned)}
+        return {"block": block, "seconds": planned["duration"], "not_as_asked": list_deviations(planned)}
 
-    async def _count_stops(self) -> Json:
-        """Count all emergency stops since the server began.
+    async def _count_stops(self, line: RobotLine) -> Json:
+        """Return the number of emergency stops since the server start.
 
         Raises:
-            RefusedError: one holds.
+            RefusedError: an emergency stop is active.
         """
-        status = await self._robot.status()
+        status = await line.status()
         if status["state"] == "stopped":
             raise RefusedError(STOP_HOLDS)
         return status.get("stops")
 
 
-def _checked(write: Callable[[], str]) -> tuple[str, str]:
-    """Write a document and find its id in early refusals.
+def check_document(write: Callable[[], str]) -> tuple[str, str]:
+    """Create a BML document and validate it.
 
     Returns:
-        The document, and the id by which the server refuses it before it is read.
+        The document, and the id by which the server refuses it before parsing.
 
     Raises:
-        RefusedError: it is a control message, or no text.
+        RefusedError: the document is a control message or not valid text.
     """
+    from kinesic.realizer.request import block_id  # noqa: PLC0415 - slow to import, and not needed to start
+
     try:
         document = write()
         message = document.encode()
     except (UnicodeEncodeError, RecursionError) as error:
         raise RefusedError(f"the document cannot be sent as UTF-8: {error}") from None
-    if END in message:
-        raise RefusedError("the document has a NUL character, which no text has: take it out")
+    if MESSAGE_END in message:
+        raise RefusedError("the document contains a NUL character: remove it")
     try:
-        request = control(message)
+        request = read_control(message)
     except ValueError as error:
         raise RefusedError(f"neither BML nor a document in JSON: {error}") from None
     if request is not None:
-        raise RefusedError("this is a message to the server, no document: write BML")
+        raise RefusedError("this is a control message, not a document: write BML")
     return document, block_id(message)
 
 
-def _planned_block(planned: RobotAnswer) -> str:
-    """Read the id of the block from the answer to a plan.
+def refuse_errors(planned: RobotAnswer, document: str) -> None:
+    """Raise an error if the server could not plan a document.
 
     Raises:
-        RefusedError: the document is wrong, or its block has no id.
+        RefusedError: the document is invalid; the text has the place of the error.
     """
     match planned:
-        case {"error": {"line": line, "column": column, "text": text}}:
-            raise RefusedError(f"line {line}, column {column}: {text}")
-        case {"duration": _, "block": str(block)} if block != UNNAMED:
-            return block
+        case {"error": {"line": int(line), "column": int(column), "text": str(text)}}:
+            place = _describe_place(document, line, column, text)
+            name = text.partition(": ")[0]
+            raise RefusedError(f"{place}: {text.removeprefix(f'{name}: ') if place.endswith(f'.{name}') else text}")
         case {"duration": _}:
-            why = f'the block needs an id of its own, other than "{UNNAMED}"'
-            raise RefusedError(f'{why}: "id": "b1" in JSON, or <bml id="b1">')
+            return
     raise RefusedError(str(planned.get("why", "another document came in between; send it again")))
 
 
-def _not_as_asked(planned: RobotAnswer) -> Json:
+def _describe_place(document: str, line: int, column: int, text: str) -> str:
+    """Return an error's place as JSON path or as line and column."""
+    from kinesic.bml.reading.json_notation import is_json  # noqa: PLC0415 - slow to import, and not needed to start
+    from kinesic.bml.reading.wrapping import open_document  # noqa: PLC0415 - as above
+
+    document = str(open_document(document).text)
+    if not is_json(document):
+        return f"line {line}, column {column}"
+    path = find_json_path(document, line, column, problem=text) or "the document"
+    return path if "\n" not in document and _is_valid_json(document) else f"{path} (line {line}, column {column})"
+
+
+def _is_valid_json(document: str) -> bool:
+    try:
+        json.loads(document)
+    except (ValueError, RecursionError):
+        return False
+    return True
+
+
+def _planned_block(planned: RobotAnswer, document: str) -> str:
+    """Return the block id from the server's answer to a plan request.
+
+    Raises:
+        RefusedError: the document is invalid, or its block has no id.
+    """
+    refuse_errors(planned, document)
+    match planned:
+        case {"duration": _, "block": str(block)} if block != DEFAULT_BLOCK_ID:
+            return block
+        case {"duration": _}:
+            why = f'the block needs a unique id, other than "{DEFAULT_BLOCK_ID}"'
+            raise RefusedError(f'{why}: "id": "b1" in JSON, or <bml id="b1">')
+    raise RobotError("the server's plan has no block: it needs the same version of kinesic")
+
+
+def list_deviations(planned: RobotAnswer) -> Json:
+    """Return the deviations from the request, the first ones in words."""
     notices = planned["notices"]
-    assert isinstance(notices, list)  # as docs/serve.md says
-    told: list[Json] = [f"{each['id']}: {each['text']}" for each in notices[:MAX_NOTICES]]
-    return told if len(notices) <= MAX_NOTICES else [*told, f"and {len(notices) - MAX_NOTICES} more"]
+    assert isinstance(notices, list)  # as docs/reference/wire-protocol.md says
+    texts: list[Json] = [f"{notice['id']}: {notice['text']}" for notice in notices[:MAX_NOTICES]]
+    return texts if len(notices) <= MAX_NOTICES else [*texts, f"and {len(notices) - MAX_NOTICES} more"]

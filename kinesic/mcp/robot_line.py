@@ -1,4 +1,4 @@
-"""Connections of the tools to the server that performs."""
+"""Connections of the tools to the server."""
 
 import json
 from contextlib import ExitStack
@@ -9,24 +9,24 @@ from kinesic.mcp.direct_line import DirectLine
 from kinesic.mcp.document_line import DocumentLine, RobotAnswer
 from kinesic.mcp.errors import RobotError
 
-STOP_TIMEOUT = 1.0  # [s] for the answer to a stop
-STATUS_TIMEOUT = 5.0  # [s] for the status
-CONNECT_TIMEOUT = 10.0  # [s] for the first answer
-MIN_STATUS_INTERVAL = 0.025  # [s] between two questions: the server takes 50 a second
+STOP_TIMEOUT = 1.0  # [s] time limit for the answer to an emergency stop
+STATUS_TIMEOUT = 5.0  # [s] time limit for the answer to a status request
+CONNECT_TIMEOUT = 10.0  # [s] time limit for the first answer on a new connection
+MIN_STATUS_INTERVAL = 0.025  # [s] shortest time between two status requests; the server accepts 50 per second
 
 
 class RobotLine:
-    """Separate connections for documents, status and stops.
+    """Connections to the server: documents, previews, status and stops separately.
 
-    Each has threads of its own, so that neither a stop nor the status waits for a document.
+    Each has separate threads, so that neither a stop nor the status waits for a document.
     """
 
     def __init__(self, host: str, port: int, *, token: str | None = None) -> None:
-        """Connect.
+        """Open the connections for documents, status and stops.
 
         Raises:
-            OSError: nobody is there.
-            PermissionError: the token is wrong, or missing.
+            OSError: no server listens at this address.
+            PermissionError: the token is wrong or missing.
         """
         with ExitStack() as opened:
             self._stops = DirectLine(
@@ -38,13 +38,15 @@ class RobotLine:
             opened.callback(self._statuses.close)
             self.documents = DocumentLine(connect)
             opened.callback(self.documents.close)
+            self.previews = DocumentLine(connect)
+            opened.callback(self.previews.close)
             self._opened = opened.pop_all()
 
     async def stop(self) -> None:
-        """Stop the robot in the least time.
+        """Stop the robot in minimum time.
 
         Raises:
-            RobotError: the server does not confirm that it has stopped.
+            RobotError: the server does not confirm the stop.
         """
         try:
             await self._stops.request()
@@ -52,36 +54,39 @@ class RobotLine:
             raise RobotError(f"{error}: use the switch that cuts the power") from None
 
     async def status(self) -> RobotAnswer:
-        """Return the robot's state, and the last messages of feedback.
+        """Return the server's answer to a status request.
 
         Raises:
-            RobotError: nobody answers.
+            RobotError: there is no answer in time.
         """
         try:
-            return {**await self._statuses.request(), "feedback": self.documents.feedback}
+            return await self._statuses.request()
         except OSError as error:
             raise RobotError(f"the server is gone ({error}): start it again") from None
 
     async def resume(self) -> None:
-        """Resume after a stop, behind all documents that were sent before.
+        """Resume after a stop, behind all documents sent before.
 
         Raises:
-            RobotError: the server is gone.
+            RobotError: the server has closed the connection.
         """
         await self.documents.send(lambda: json.dumps({"do": "resume"}))
 
     def close(self) -> None:
-        """Close the connections, and leave blocks that were sent to the server."""
+        """Close all connections to the server.
+
+        The server still performs blocks that were sent.
+        """
         self._opened.close()
 
 
 def _connect(host: str, port: int, token: str | None) -> Client:
-    """Connect, and send a first message.
+    """Connect to the server and wait for its answer to a ping.
 
-    The server closes a connection on which nothing comes for 10 s.
+    The server closes a connection that stays silent for 10 s.
 
     Raises:
-        OSError: nobody is there, or nobody answers.
+        OSError: no server listens, or it does not answer.
     """
     client = Client(host, port, token=token)
     try:

@@ -1,149 +1,293 @@
-"""The tools, resources and prompt that a language model gets over the Model Context Protocol."""
+"""Model Context Protocol server with tools, resources and a prompt."""
 
 import json
+from asyncio import to_thread
 from collections.abc import Awaitable
-from dataclasses import asdict, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from secrets import token_hex
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 from xml.sax.saxutils import quoteattr
 
-from mcp.server import MCPServer
+from mcp.server.mcpserver import Image
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp.types import ToolAnnotations
-from pydantic import Field
+from pydantic import AfterValidator
 
 from kinesic.bml.reading.namespaces import BML_1_0
-from kinesic.body.config import names_of
-from kinesic.controller.documents import write_bml
-from kinesic.expressivity.style.style import Style
 from kinesic.mcp.document_line import RobotAnswer
+from kinesic.mcp.document_schema import BML_SCHEMA
 from kinesic.mcp.errors import RefusedError, RobotError
-from kinesic.mcp.performing import Performing
-from kinesic.mcp.robot_line import RobotLine
-from kinesic.mcp.teaching import BML_SCHEMA, TEACHING
-from kinesic.mcp.vocabulary import all_names, search_gestures, usual_gestures
-from kinesic.planning.setup import Setup
+from kinesic.mcp.parameters import (
+    DEFAULT_RESULTS,
+    DEFAULT_WAIT,
+    BlockName,
+    Count,
+    Direction,
+    Document,
+    PreviewedDocument,
+    Query,
+    Seconds,
+    Style,
+    Text,
+    check_choice,
+    choice_schema,
+)
+from kinesic.mcp.performing import DocumentPerformer, check_document
+from kinesic.mcp.preview import Preview, Previewer
+from kinesic.mcp.robot_gate import RobotGate
+from kinesic.mcp.robot_status import summarise
+from kinesic.mcp.teaching import MODEL_INSTRUCTIONS
+from kinesic.mcp.tool_server import ToolServer
+from kinesic.mcp.vocabulary import all_names, common_gestures, search_gestures
+from kinesic.mcp.waiting import wait_for_end
 from kinesic.version import __version__
 
-SAID = "said"  # id of the block that `write_bml` writes
-MOST_TEXT = 20_000  # letters of what is said in one call
-READS = ToolAnnotations(read_only_hint=True)
-MOVES = ToolAnnotations(read_only_hint=False, destructive_hint=False)
+if TYPE_CHECKING:
+    from kinesic.expressivity.lexicon.lexicon import Lexicon
+    from kinesic.intent.author import AuthoredText
+    from kinesic.intent.pacing.memory import ChoiceMemory
+    from kinesic.planning.setup import Setup
 
-Text = Annotated[str, Field(max_length=MOST_TEXT)]
-Query = Annotated[str, Field(max_length=200)]
-Name = Annotated[str, Field(max_length=64)]
-Document = Annotated[str, Field(max_length=900_000)]
-Direction = Literal["AUDIENCE", "LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"]
+LONG_TEXT = 1500  # [characters] length, about 100 s, above which a text is streamed phrase by phrase
+SPEECH_BLOCK_ID = "said"  # id of the blocks that `write_text` writes
+READ_ONLY_TOOL = ToolAnnotations(read_only_hint=True)  # annotations of tools that move nothing
+MOVING_TOOL = ToolAnnotations(read_only_hint=False, destructive_hint=False)  # annotations of tools that move the robot
 
 
-def make_server(robot: RobotLine, known: Setup, *, resumes: bool) -> MCPServer:
-    """Makes the server of tools.
+def make_server(gate: RobotGate, lexicon: "Lexicon", *, resumes: bool) -> ToolServer:
+    """Create the tool server.
 
     Args:
-        robot: the connection to whoever performs.
-        known: the lexicon, the language and the style in which text is performed.
-        resumes: whether a model may go on after a stop; on servos only a person may.
+        gate: access to the server that performs, which may still be starting.
+        lexicon: gestures to find.
+        resumes: whether a model may resume after a stop; on servos only a person may.
     """
-    server = MCPServer("kinesic", instructions=TEACHING, version=__version__, log_level="WARNING")
-    performing = Performing(robot)
-    search_gestures(known.lexicon, "")  # the first search and the first text take long, and would hold up a stop
-    _spoken("Hello.", "", known)
+    server = ToolServer("kinesic", instructions=MODEL_INSTRUCTIONS, version=__version__, log_level="WARNING")
+    _add_moving_tools(server, gate, resumes=resumes)
+    _add_quiet_tools(server, gate, lexicon)
+    _add_resources(server, lexicon)
+    return server
 
-    @server.tool(annotations=READS)
-    async def list_gestures(query: Query = "", category: Name = "") -> str:
-        """Finds gestures by words of their name or meaning; without a query the first 25."""
-        return json.dumps([asdict(found) for found in search_gestures(known.lexicon, query, category)])
 
-    @server.tool(annotations=MOVES)
-    async def perform(document: Document | dict[str, object]) -> str:
-        """Perform BML, as JSON (kinesic://schema) or XML, after pending calls."""
-        return await _answered(performing.perform(partial(_as_text, document)))
+def warm_up(setup: "Setup") -> "Setup":
+    """Run gesture search and document check once, to make later calls fast.
 
-    @server.tool(annotations=MOVES)
-    async def say(text: Text, style: Name = "") -> str:
-        """Says a text with gestures that fit its words, after what is performed now; *stress* stresses a word."""
-        return await _answered(performing.perform(partial(_spoken, text, style, known)))
+    A slow first call would delay a stop.
+    """
+    search_gestures(setup.lexicon, "large", "", DEFAULT_RESULTS)
+    check_document(lambda: write_speech("Hello.", "", setup).bml)
+    return setup
 
-    @server.tool(annotations=MOVES)
+
+def _add_moving_tools(server: ToolServer, gate: RobotGate, *, resumes: bool) -> None:
+    """Add the tools that move or stop the robot."""
+    performing, spoken = DocumentPerformer(gate), SpokenTexts()
+
+    @server.tool(annotations=MOVING_TOOL)
+    async def perform(document: Document) -> str:
+        """Perform a document of speech, gestures, head, face and gaze on the robot.
+
+        Answers when the performance begins, with its block (for wait), its duration in seconds, and not_as_asked: each
+        deviation from the document. A refused document moves nothing; the error has the path of the wrong value.
+        """
+        return await _answer_json(performing.perform(partial(_as_text, document)))
+
+    @server.tool(annotations=MOVING_TOOL)
+    async def say(text: Text, style: Style = "") -> str:
+        """Speak a text with gestures that fit it, after everything that plays.
+
+        Use it for plain talk; use perform to decide gestures yourself. Directions such as (laughs) are performed.
+        Answers when it begins, as perform does; not_spoken lists what is neither spoken nor performed. A long text is
+        streamed phrase by phrase: its answer has about_seconds, and wait without a block waits for its end.
+        """
+        return await _answer_json(_say(performing, gate, text, style, spoken))
+
+    @server.tool(annotations=MOVING_TOOL)
     async def look(at: Direction) -> str:
-        """Turns the gaze to the audience, or away from it in a direction, until it is turned again."""
+        """Turn eyes and head to the audience or to a side, and keep them there."""
         away = "" if at == "AUDIENCE" else f' offsetDirection="{at}" offsetAngle="25"'
         gaze = f'<gazeShift id="gaze" target="AUDIENCE" start="0"{away}/>'
-        return await _answered(performing.perform(partial(_block, gaze)))
-
-    @server.tool(annotations=READS)
-    async def status() -> str:
-        """Says whether the robot rests, plays or is stopped, and the last feedback."""
-        return await _answered(robot.status())
+        return await _answer_json(performing.perform(partial(_block, gaze)))
 
     @server.tool(annotations=ToolAnnotations(read_only_hint=False, idempotent_hint=True))
     async def stop() -> str:
-        """Stops every motion at once. Use it whenever somebody asks for it, or something seems wrong."""
+        """Stop every motion and speech of the robot at once, and discard everything that waits.
+
+        Use it whenever a person asks for it or something seems wrong. Afterwards nothing moves until resume.
+        """
         performing.discard()
         try:
-            await robot.stop()
+            line = await gate.line()
+            await line.stop()
+            line.documents.end_talk()
         except RobotError as error:
             raise ToolError(str(error)) from None
-        return "stopped" if resumes else "stopped; only a person at the robot can go on"
+        return "stopped" if resumes else "stopped; only a person at the robot can resume"
 
     if resumes:
 
-        @server.tool(annotations=MOVES)
+        @server.tool(annotations=MOVING_TOOL)
         async def resume() -> str:
-            """Goes on after a stop: the robot returns to rest, and documents are taken again."""
+            """Continue after stop: the robot moves to its rest position and accepts documents again."""
             try:
-                await robot.resume()
+                await (await gate.line()).resume()
             except RobotError as error:
                 raise ToolError(str(error)) from None
             return "resumed"
 
-    @server.resource("kinesic://usual", description="the 40 gestures that are used most", mime_type="text/plain")
+
+def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") -> None:
+    """Add the tools that do not move the robot."""
+    previewing = Previewer(gate)
+    categories = sorted({form.category for form in lexicon.forms})
+    Category = Annotated[  # noqa: N806 - a type
+        str,
+        AfterValidator(check_choice(categories)),
+        choice_schema(categories, "Kind of gesture. Leave it out for all kinds."),
+    ]
+
+    @server.tool(annotations=READ_ONLY_TOOL)
+    async def find_gesture(query: Query, category: Category = "", count: Count = DEFAULT_RESULTS) -> str:
+        """Find gestures by what they mean; the best match comes first.
+
+        Use the `name` of a result as lexeme of a gesture in a document. Below a score of 0.5, read `says` first.
+        """
+        return json.dumps(search_gestures(lexicon, query, category, count), ensure_ascii=False)
+
+    @server.tool(annotations=READ_ONLY_TOOL)
+    async def preview(document: PreviewedDocument) -> list[str | Image]:
+        """Plan a document without moving, and show a picture of the robot at its strokes.
+
+        Answers with the duration, the times of all behaviours in seconds, and not_as_asked: each deviation from the
+        document. Use it to check timing and poses before perform.
+        """
+        try:
+            drawn = await previewing.preview(partial(_as_text, document))
+        except (RefusedError, RobotError) as error:
+            raise ToolError(str(error)) from None
+        return _preview_content(drawn)
+
+    @server.tool(annotations=READ_ONLY_TOOL)
+    async def status() -> str:
+        """Tell what the robot does now: playing blocks with the seconds left, next blocks, and last warnings.
+
+        `state` is resting, playing or stopped (by an emergency stop).
+        """
+
+        async def ask() -> RobotAnswer:
+            line = await gate.line()
+            return summarise(await line.status(), line.documents.warnings)
+
+        return await _answer_json(ask())
+
+    @server.tool(annotations=READ_ONLY_TOOL)
+    async def wait(block: BlockName = "", seconds: Seconds = DEFAULT_WAIT) -> str:
+        """Wait until a performance has ended, or until nothing plays.
+
+        Answers with ended: true and the outcome (finished, interrupted), or with ended: false when the time is over.
+        """
+        return await _answer_json(wait_for_end(gate, block, seconds))
+
+
+def _add_resources(server: ToolServer, lexicon: "Lexicon") -> None:
+    """Add the resources and the prompt."""
+
+    @server.resource("kinesic://usual", description="The 40 most common gestures.", mime_type="text/plain")
     def usual() -> str:
-        return usual_gestures(known.lexicon)
+        return common_gestures(lexicon)
 
-    @server.resource("kinesic://gestures", description="the names of all gestures", mime_type="text/plain")
+    @server.resource("kinesic://gestures", description="The names of all gestures.", mime_type="text/plain")
     def gestures() -> str:
-        return all_names(known.lexicon)
+        return all_names(lexicon)
 
-    @server.resource("kinesic://schema", description="BML as JSON", mime_type="application/schema+json")
+    @server.resource("kinesic://schema", description="JSON schema of documents.", mime_type="application/schema+json")
     def schema() -> str:
         return json.dumps(BML_SCHEMA)
 
-    @server.prompt(description="Performs a story with speech and gestures.")
+    @server.prompt(description="Perform a story with speech and gestures.")
     def perform_story(story: str) -> str:
-        common = usual_gestures(known.lexicon)
+        common = common_gestures(lexicon)
         task = "Perform this story, a few sentences a call:"
-        return f"{TEACHING}\nGestures that are used most: {common}.\n\n{task}\n\n{story}"
-
-    return server
+        return f"{MODEL_INSTRUCTIONS}\nMost common gestures: {common}.\n\n{task}\n\n{story}"
 
 
-async def _answered(answer: Awaitable[RobotAnswer]) -> str:
-    """Write the robot's answer as JSON."""
+async def _answer_json(answer: Awaitable[RobotAnswer]) -> str:
+    """Encode the robot's answer as JSON."""
     try:
-        return json.dumps(await answer)
+        return json.dumps(await answer, ensure_ascii=False)
     except (RefusedError, RobotError) as error:
         raise ToolError(str(error)) from None
+
+
+def _preview_content(drawn: Preview) -> list[str | Image]:
+    answer = json.dumps(drawn.answer, ensure_ascii=False)
+    return [answer] if drawn.picture is None else [answer, Image(data=drawn.picture, format="png")]
 
 
 def _as_text(document: str | dict[str, object]) -> str:
     return document if isinstance(document, str) else json.dumps(document, ensure_ascii=False)
 
 
-def _spoken(text: str, style: str, known: Setup) -> str:
-    """Writes a block that says a text.
+@dataclass
+class SpokenTexts:
+    """Gestures of the texts spoken so far, which the next text does not repeat."""
 
-    Raises:
-        RefusedError: there is no such style.
+    memory: "ChoiceMemory | None" = None  # None: before the first text
+
+
+async def _say(
+    performing: DocumentPerformer, gate: RobotGate, text: str, style: str, spoken: SpokenTexts
+) -> RobotAnswer:
+    """Speak a text, and add what is neither spoken nor performed to the answer."""
+    if len(text) > LONG_TEXT or (await gate.line()).documents.is_talking:  # a talk continues in order
+        omitted = await to_thread(list_omissions, text)
+        answer = await performing.speak(text, style)
+        return {**answer, "not_spoken": [*omitted]} if omitted else answer
+    unspoken = list[str]()
+    before = spoken.memory
+
+    def write() -> str:
+        nonlocal before
+        before = spoken.memory
+        written = write_speech(text, style, gate.setup.result(), before)
+        unspoken.extend(written.warnings)
+        spoken.memory = written.memory  # within the turn of this call, before the next text is written
+        return written.bml
+
+    try:
+        answer = await performing.perform(write)
+    except (RefusedError, RobotError):
+        spoken.memory = before
+        raise
+    return {**answer, "not_spoken": [*unspoken]} if unspoken else answer
+
+
+def list_omissions(text: str) -> tuple[str, ...]:
+    """Return a warning for each part of a text that is not spoken."""
+    from kinesic.intent.manuscript.reading import read_manuscript  # noqa: PLC0415 - slow to import
+
+    return read_manuscript(text)[1]
+
+
+def write_speech(text: str, style: str, setup: "Setup", memory: "ChoiceMemory | None" = None) -> "AuthoredText":
+    """Write BML that speaks a text with gestures in a style.
+
+    Args:
+        text: to speak.
+        style: its name; empty: that of the setup.
+        setup: robot, language and seed.
+        memory: gestures of earlier texts; None: there are none.
     """
-    if style and style not in names_of("style"):  # never a path: a model reads no files
-        raise RefusedError(f"no style {style!r}; there are {', '.join(names_of('style'))}")
-    chosen = replace(known, style=Style.load(style)) if style else known
-    written = write_bml(text, chosen)
+    from kinesic.expressivity.style.style import Style as LoadedStyle  # noqa: PLC0415 - slow to import
+    from kinesic.intent.pacing.memory import NO_MEMORY  # noqa: PLC0415 - as above
+    from kinesic.session.documents import write_text  # noqa: PLC0415 - as above
+
+    chosen = replace(setup, style=LoadedStyle.load(style)) if style else setup
+    written = write_text(text, chosen, memory or NO_MEMORY)
     manner = f" kinesic:style={quoteattr(style)}" if style else ""
-    return written.replace(f'id="{SAID}"', f'id="{_fresh_id()}" composition="APPEND"{manner}', 1)
+    attributes = f'id="{_fresh_id()}" composition="APPEND"{manner}'
+    return replace(written, bml=written.bml.replace(f'id="{SPEECH_BLOCK_ID}"', attributes, 1))
 
 
 def _block(behaviour: str) -> str:
@@ -151,5 +295,5 @@ def _block(behaviour: str) -> str:
 
 
 def _fresh_id() -> str:
-    """An id that no client has used before."""
+    """Return a block id that no client has used before."""
     return f"mcp-{token_hex(6)}"

@@ -1,4 +1,4 @@
-"""Bounded number of HTTP sessions, of which the longest idle is replaced."""
+"""Limit on HTTP sessions: the longest idle session is replaced."""
 
 from asyncio import get_running_loop
 from collections.abc import Iterator
@@ -10,20 +10,20 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from kinesic.mcp.call_queue import request_end
 
-SESSION_HEADER = "mcp-session-id"
-MAX_SESSIONS = 16  # that are kept while none has a pending call
+SESSION_HEADER = "mcp-session-id"  # HTTP header with the session id
+MAX_SESSIONS = 16  # largest number of HTTP sessions without pending calls
 
 
 @dataclass(eq=False)
 class _Session:
-    """Pending calls and open streams of a session."""
+    """Pending requests and open streams of an HTTP session."""
 
     pending_calls: int = 0
-    streams: int = 0  # on which its client listens
+    streams: int = 0  # open streams of the client
 
     @contextmanager
     def used(self, method: str) -> Iterator[None]:
-        """Count a request while it is answered."""
+        """Count a request of the session while it is answered."""
         is_stream = method == "GET"
         self.streams += is_stream
         self.pending_calls += not is_stream
@@ -35,40 +35,40 @@ class _Session:
 
 
 class SessionLimit:
-    """End idle sessions as soon as a new one has opened.
+    """ASGI middleware that ends idle HTTP sessions when new ones open.
 
-    Those go first on whose stream no client listens. A session with a pending call is never ended. The client of an
-    ended one opens another when it is answered by 404.
+    Sessions without a listening client are ended first. A session with a pending call is never ended. The client of an
+    ended session receives status 404 and opens another one.
     """
 
     def __init__(self, app: ASGIApp, *, max_sessions: int = MAX_SESSIONS) -> None:
-        """Begin without sessions.
+        """Create the middleware without any session.
 
         Args:
-            app: opens and serves sessions, and ends one by a DELETE request.
-            max_sessions: that are kept while none has a pending call.
+            app: application that opens and serves sessions, and ends one by a DELETE request.
+            max_sessions: number of sessions kept if none has a pending call.
         """
         self._app, self._max_sessions = app, max_sessions
-        self._sessions: dict[str, _Session] = {}  # the one that was used longest ago first
+        self._sessions: dict[str, _Session] = {}  # least recently used first
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve one request."""
+        """Serve one request, and mark its session as recently used."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        with _announced_end():
+        with _announce_end():
             name = Headers(scope=scope).get(SESSION_HEADER, "")
             session = self._sessions.get(name)
             if session is None:
                 await self._open(scope, receive, send)
                 return
             with session.used(scope["method"]):
-                await self._app(scope, receive, self._watched(scope["method"], name, send))
+                await self._app(scope, receive, self._watch_end(scope["method"], name, send))
             if name in self._sessions:
-                self._sessions[name] = self._sessions.pop(name)  # to the end
+                self._sessions[name] = self._sessions.pop(name)  # most recently used last
 
     async def _open(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Serve a request without a session, which may open one."""
+        """Serve a request without a session id, which may open one."""
         opened = _Session()
 
         async def note_session(message: Message) -> None:
@@ -82,8 +82,8 @@ class SessionLimit:
         with opened.used(scope["method"]):
             await self._app(scope, receive, note_session)
 
-    def _watched(self, method: str, name: str, send: Send) -> Send:
-        """Forget a session that the application has ended."""
+    def _watch_end(self, method: str, name: str, send: Send) -> Send:
+        """Wrap `send` to remove the session once the application ends it."""
         ended = (200, 404) if method == "DELETE" else (404,)
 
         async def note_end(message: Message) -> None:
@@ -94,7 +94,7 @@ class SessionLimit:
         return note_end
 
     async def _end_idle(self, scope: Scope, opened: _Session) -> None:
-        idle = [name for name, each in self._sessions.items() if each is not opened and not each.pending_calls]
+        idle = [name for name, session in self._sessions.items() if session is not opened and not session.pending_calls]
         idle.sort(key=lambda name: self._sessions[name].streams > 0)
         for name in idle[: max(0, len(self._sessions) - self._max_sessions)]:
             del self._sessions[name]
@@ -102,8 +102,8 @@ class SessionLimit:
 
 
 @contextmanager
-def _announced_end() -> Iterator[None]:
-    """Report the end of a request to the calls that it brings."""
+def _announce_end() -> Iterator[None]:
+    """Notify the tool calls of a request when the request ends."""
     end = get_running_loop().create_future()
     token = request_end.set(end)
     try:
@@ -114,13 +114,13 @@ def _announced_end() -> Iterator[None]:
 
 
 async def _delete(app: ASGIApp, scope: Scope, name: str) -> None:
-    """End a session in the name of its client."""
+    """End an HTTP session on behalf of its client."""
     headers = [*((key, value) for key, value in scope["headers"] if key == b"host"), (b"mcp-session-id", name.encode())]
 
     async def receive() -> Message:
         return {"type": "http.request", "body": b"", "more_body": False}
 
     async def send(_message: Message) -> None:
-        """Drop the answer."""
+        """Discard the application's answer to the request that ends a session."""
 
     await app({**scope, "method": "DELETE", "headers": headers}, receive, send)

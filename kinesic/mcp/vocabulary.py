@@ -1,12 +1,14 @@
-"""The gestures as a language model can afford to know them: the usual ones, all names, and a search."""
-
-from dataclasses import dataclass
+"""Compact gesture vocabulary for language models: common gestures, names and ranked search."""
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.search import find_gestures
+from kinesic.mcp.document_schema import Json
 
-# What people do most, by what it is for.
-USUAL = (
-    *("greet_wave", "welcome", "greet_bow_hand", "applause", "thumb_up", "ok_ring"),  # to somebody
+SCORE_DIGITS = 2  # decimal places of a gesture's relevance
+
+# The most common gestures, by purpose.
+COMMON_GESTURES = (
+    *("greet_wave", "welcome", "greet_bow_hand", "applause", "thumb_up", "ok_ring"),  # greeting and feedback
     *("you", "me", "we", "left", "right", "up", "down", "that_far"),  # pointing
     *(
         "beat",
@@ -18,47 +20,26 @@ USUAL = (
         "count_two",
         "count_three",
     ),  # speech
-    *("large", "small_pinch", "balance", "contrast_left_right", "circle_drawn", "link_rings"),  # pictures
-    *("doubt_shrug", "think", "stop", "refuse_sweep", "hush", "come", "go_away"),  # what is meant
+    *("large", "small_pinch", "balance", "contrast_left_right", "circle_drawn", "link_rings"),  # depictions
+    *("doubt_shrug", "think", "stop", "refuse_sweep", "hush", "come", "go_away"),  # emblems
     *("heart", "joy_cheer", "sadness", "phone_call", "violin"),
 )
-MOST_FOUND = 25
 
 
-@dataclass(frozen=True)
-class FoundGesture:
-    """A gesture that a search found."""
-
-    name: str
-    category: str
-    says: str  # what is done, in one sentence
-
-
-def usual_gestures(lexicon: Lexicon) -> str:
-    """Lists the gestures that are used most, in less than a kilobyte."""
-    return ", ".join(name for name in USUAL if name in lexicon.forms_by_id)
+def common_gestures(lexicon: Lexicon) -> str:
+    """Return the names of the most common gestures, less than 1 kB."""
+    return ", ".join(name for name in COMMON_GESTURES if name in lexicon.forms_by_id)
 
 
 def all_names(lexicon: Lexicon) -> str:
-    """Lists the names of all gestures, in less than four kilobytes."""
+    """Return the names of all gestures, less than 4 kB."""
     return " ".join(form.id for form in lexicon.forms)
 
 
-def search_gestures(lexicon: Lexicon, query: str, category: str = "") -> tuple[FoundGesture, ...]:
-    """Finds gestures by name, meaning and category.
-
-    Args:
-        lexicon: that is searched.
-        query: words that all occur; empty: every gesture.
-        category: of the gestures; empty: any.
-
-    Returns:
-        `MOST_FOUND` at most, those first whose name has the words.
-    """
-    words = query.lower().split()
-    found = []
-    for form, sense in zip(lexicon.forms, lexicon.senses, strict=True):
-        about = f"{form.id} {form.category} {sense.says} {' '.join(sense.words)}".lower()
-        if category in ("", form.category) and all(word in about for word in words):
-            found.append((not all(word in form.id for word in words), FoundGesture(form.id, form.category, sense.says)))
-    return tuple(each for _, each in sorted(found, key=lambda pair: pair[0])[:MOST_FOUND])
+def search_gestures(lexicon: Lexicon, query: str, category: str, count: int) -> list[dict[str, Json]]:
+    """Return the gestures that match a query, best first, for JSON."""
+    hits = find_gestures(lexicon, query, category=category, count=count)
+    return [
+        {"name": hit.id, "category": hit.category, "says": hit.says, "score": round(hit.score, SCORE_DIGITS)}
+        for hit in hits
+    ]

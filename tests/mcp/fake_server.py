@@ -1,4 +1,4 @@
-"""A server that answers as a test tells it to, and the connections of the tools to it."""
+"""Stub server with scripted answers, and tool connections to it."""
 
 import socket
 from collections.abc import Callable, Iterator
@@ -17,15 +17,15 @@ Say = Callable[[str], None]
 
 @dataclass
 class FakeServer:
-    """A server that answers each message as it is told to; a connection ends where that raises EOFError."""
+    """Stub server with scripted answers; EOFError in the script ends a connection."""
 
     answer: Callable[[str, Say], None]
-    received: list[str] = field(default_factory=list)  # messages of all connections, in their order
+    received: list[str] = field(default_factory=list)  # messages of all connections in order
     stops: int = 0
-    silent_stops: int = 0  # which are not answered
+    silent_stops: int = 0  # number of unanswered stops
 
     def serve(self, connection: socket.socket) -> None:
-        with connection, suppress(OSError):  # the client may leave at any time
+        with connection, suppress(OSError):  # the client may disconnect at any time
             rest = b""
             while data := connection.recv(65_536):
                 *whole, rest = (rest + data).split(b"\0")
@@ -56,7 +56,7 @@ class FakeServer:
 
 @contextmanager
 def line(answer: Callable[[str, Say], None], *, silent_stops: int = 0) -> Iterator[tuple[RobotLine, FakeServer]]:
-    """Connections to such a server."""
+    """Open tool connections to a stub server."""
     listener, server = socket.create_server(("127.0.0.1", 0)), FakeServer(answer, silent_stops=silent_stops)
 
     def accept() -> None:

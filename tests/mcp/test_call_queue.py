@@ -1,4 +1,4 @@
-"""Calls that move the robot: their order, their number, and what becomes of them at a stop or without a client."""
+"""Queue of moving calls: order, limits, stops and disconnected clients."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -8,11 +8,11 @@ import pytest
 
 from kinesic.mcp.call_queue import MAX_CALLS, MIN_CALL_INTERVAL, REFUSAL_DELAY, CallQueue, request_end
 from kinesic.mcp.errors import RefusedError
-from kinesic.serve.wire.quotas import USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 
 class Calls:
-    """Calls that take their turn, and end when they are allowed to."""
+    """Calls that take their turn and end when the test allows it."""
 
     def __init__(self, queue: CallQueue) -> None:
         self.queue, self.began, self.ended = queue, [], []
@@ -46,7 +46,7 @@ async def is_refused(call: asyncio.Task[str], reason: str) -> None:
         await call
 
 
-def test_calls_are_carried_out_one_by_one_in_their_order():
+def test_tool_calls_run_sequentially_in_order_of_arrival():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "abc"]
         await settle()
@@ -58,7 +58,7 @@ def test_calls_are_carried_out_one_by_one_in_their_order():
     during(act)
 
 
-def test_full_queue_refuses_at_once_and_names_count_and_remedy():
+def test_full_queue_refuses_immediately_with_count_and_remedy():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(str(k)) for k in range(3)]
         await settle()
@@ -70,19 +70,19 @@ def test_full_queue_refuses_at_once_and_names_count_and_remedy():
     during(act, max_calls=3)
 
 
-def test_sixty_four_calls_are_taken_and_the_server_accepts_their_rate():
+def test_sixty_four_calls_fit_the_queue_and_the_server_rate_limit():
     assert MAX_CALLS == 64
-    assert USUAL.rate > 2 / MIN_CALL_INTERVAL
+    assert DEFAULT_QUOTAS.rate > 2 / MIN_CALL_INTERVAL
     assert 0.0 < REFUSAL_DELAY < 1.0
 
 
-def test_cancelled_call_leaves_the_queue():
+def test_cancelled_tool_call_leaves_the_queue():
     async def act(calls: Calls) -> None:
         first, second = calls.start("a"), calls.start("b")
         await settle()
         second.cancel()
         await settle()
-        third = calls.start("c")  # which takes the place of the second
+        third = calls.start("c")  # uses the free place of the second
         first.cancel()
         await settle()
         assert calls.began == ["a", "c"]
@@ -95,7 +95,7 @@ def test_cancelled_call_leaves_the_queue():
     during(act, max_calls=2)
 
 
-def test_discarded_calls_never_begin_and_the_present_one_ends():
+def test_discarding_cancels_pending_and_current_tool_calls():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "abc"]
         await settle()
@@ -109,7 +109,7 @@ def test_discarded_calls_never_begin_and_the_present_one_ends():
     during(act)
 
 
-def test_discarded_calls_are_answered_later_but_give_up_their_turn_and_place_at_once():
+def test_discarded_tool_calls_leave_the_queue_at_once_but_are_answered_later():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "ab"]
         await settle()
@@ -125,7 +125,7 @@ def test_discarded_calls_are_answered_later_but_give_up_their_turn_and_place_at_
     during(act, max_calls=2, refusal_delay=10.0)
 
 
-def test_call_that_has_not_reached_its_turn_is_answered_after_the_delay():
+def test_tool_call_discarded_before_its_turn_is_answered_after_the_delay():
     async def act(calls: Calls) -> None:
         async def endless() -> str:
             await asyncio.Event().wait()
@@ -141,7 +141,7 @@ def test_call_that_has_not_reached_its_turn_is_answered_after_the_delay():
     during(act, refusal_delay=0.05)
 
 
-def test_first_reason_is_kept():
+def test_tool_call_discarded_twice_reports_the_first_reason():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "ab"]
         await settle()
@@ -153,7 +153,7 @@ def test_first_reason_is_kept():
     during(act)
 
 
-def test_call_whose_client_has_left_is_given_up():
+def test_call_of_a_disconnected_client_is_cancelled():
     async def act(calls: Calls) -> None:
         first = calls.start("a")
         end = asyncio.get_running_loop().create_future()
@@ -169,7 +169,7 @@ def test_call_whose_client_has_left_is_given_up():
     during(act)
 
 
-def test_request_that_ends_after_its_answer_changes_nothing():
+def test_http_request_end_after_the_tool_answer_has_no_effect():
     async def act(calls: Calls) -> None:
         end = asyncio.get_running_loop().create_future()
         request_end.set(end)
@@ -183,7 +183,7 @@ def test_request_that_ends_after_its_answer_changes_nothing():
     during(act)
 
 
-def test_calls_begin_at_least_an_interval_apart():
+def test_successive_tool_calls_start_at_least_one_interval_apart():
     async def act(calls: Calls) -> None:
         calls.may_end.set()
         begun = monotonic()
@@ -193,7 +193,7 @@ def test_calls_begin_at_least_an_interval_apart():
     during(act, interval=0.05)
 
 
-def test_failed_call_passes_its_turn_on():
+def test_failed_tool_call_lets_the_next_one_run():
     async def act(calls: Calls) -> None:
         async def fail() -> str:
             async with calls.queue.turn():

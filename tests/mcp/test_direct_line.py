@@ -1,4 +1,4 @@
-"""Connections with a thread of their own: requests are shared, never lost, and a broken connection is replaced."""
+"""Dedicated connections: joint requests and replacement of broken connections."""
 
 import asyncio
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from kinesic.mcp.direct_line import DirectLine
 
 
 class Wire:
-    """A connection that counts, and fails as often as it is told to."""
+    """Stub connection that counts and fails as scripted."""
 
     def __init__(self, number: int) -> None:
         self.number, self.closed = number, False
@@ -21,7 +21,7 @@ class Wire:
 
 
 class Server:
-    """Connections that were opened, and requests that were made."""
+    """Record of opened connections and requests."""
 
     def __init__(self, *, failures: int = 0, interval: float = 0.0) -> None:
         self.wires: list[Wire] = []
@@ -50,7 +50,7 @@ def becomes(condition: Callable[[], bool]) -> bool:
     return condition()
 
 
-def test_callers_that_wait_share_the_next_request():
+def test_callers_waiting_on_one_connection_get_the_result_of_one_request():
     server = Server()
 
     async def run() -> None:
@@ -63,14 +63,14 @@ def test_callers_that_wait_share_the_next_request():
         assert len(server.times) == 1  # one request at a time
         server.may_answer.set()
         assert await asyncio.gather(first, *others) == [0] * 51
-        assert len(server.times) == 2  # none of those who came later is answered by the first one
+        assert len(server.times) == 2  # later callers do not get the first result
         assert await server.line.request() == 0
         assert len(server.times) == 3
 
     asyncio.run(run())
 
 
-def test_request_of_a_caller_that_leaves_is_made_all_the_same():
+def test_request_of_a_cancelled_caller_is_still_executed():
     server = Server()
 
     async def run() -> None:
@@ -88,7 +88,7 @@ def test_request_of_a_caller_that_leaves_is_made_all_the_same():
     asyncio.run(run())
 
 
-def test_broken_connection_is_closed_and_replaced_once_for_each_request():
+def test_broken_connection_is_replaced_once_per_request():
     server = Server(failures=1)
     assert asyncio.run(server.line.request()) == 1
     assert [wire.closed for wire in server.wires] == [True, False]
@@ -100,7 +100,7 @@ def test_broken_connection_is_closed_and_replaced_once_for_each_request():
     assert asyncio.run(server.line.request()) == 3
 
 
-def test_requests_begin_at_least_an_interval_apart():
+def test_requests_to_the_robot_server_start_at_least_one_interval_apart():
     server = Server(interval=0.05)
     for _ in range(3):
         asyncio.run(server.line.request())
@@ -109,7 +109,7 @@ def test_requests_begin_at_least_an_interval_apart():
     assert third - second >= 0.049
 
 
-def test_closing_closes_the_connection():
+def test_closed_direct_line_closes_its_server_connection():
     server = Server()
     server.line.close()
     assert server.wires[0].closed
@@ -122,7 +122,7 @@ def test_closing_closes_the_connection():
     assert all(wire.closed for wire in broken.wires)
 
 
-def test_first_connection_that_fails_is_reported():
+def test_failure_of_the_initial_connection_is_raised():
     def connect() -> Wire:
         raise ConnectionRefusedError("nobody is there")
 
@@ -130,7 +130,7 @@ def test_first_connection_that_fails_is_reported():
         DirectLine(connect, lambda wire: wire.number, name="test")
 
 
-def test_closing_does_not_wait_for_a_request():
+def test_closing_a_connection_does_not_wait_for_a_running_request():
     server = Server()
 
     async def run() -> None:

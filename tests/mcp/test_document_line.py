@@ -1,4 +1,4 @@
-"""The connection for documents, when a message cannot be handed over."""
+"""Document connection with failing sends."""
 
 import asyncio
 from threading import Event
@@ -10,7 +10,7 @@ from kinesic.mcp.errors import RobotError
 
 
 class BrokenClient:
-    """A connection that takes no message, and says nothing until it is closed."""
+    """Stub client that fails to send and stays silent until it is closed."""
 
     def __init__(self) -> None:
         self.closed = Event()
@@ -28,7 +28,7 @@ class BrokenClient:
         self.closed.set()
 
 
-def test_message_that_is_not_handed_over_is_reported_and_ends_the_connection():
+def test_failed_send_of_a_document_closes_the_connection():
     client = BrokenClient()
 
     async def act() -> None:

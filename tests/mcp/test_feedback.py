@@ -1,9 +1,9 @@
-"""What a message of feedback means for the block that it is about."""
+"""Interpretation of feedback messages for their block."""
 
 import pytest
 
 from kinesic.bml.block import Notice, NoticeType
-from kinesic.bml.feedback import warning
+from kinesic.bml.feedback import write_warning
 from kinesic.mcp.feedback import Feedback, read_feedback
 from kinesic.serve.wire.quotas import quota_feedback
 
@@ -17,11 +17,11 @@ def read(message: str) -> Feedback:
 
 
 def warned(text: str, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE, id_: str = "b") -> Feedback:
-    return read(warning(Notice(type_, id_, text)))
+    return read(write_warning(Notice(type_, id_, text)))
 
 
 @pytest.mark.parametrize("name", ["b", "a:b", "a:", "x & y", 'q"<', "ü"])
-def test_ids_are_read_as_they_were_written(name: str):
+def test_escaped_ids_in_feedback_are_decoded(name: str):
     assert warned("left out", id_=name).subject == name
     assert warned("revoked", id_=name).ended_block == name
     escaped = name.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
@@ -32,7 +32,7 @@ def test_ids_are_read_as_they_were_written(name: str):
     assert read(f'<blockProgress {XMLNS} id="{escaped}:end" globalTime="1"/>').ended_block == name
 
 
-def test_prediction_names_the_block_and_not_its_behaviours():
+def test_prediction_feedback_refers_to_its_block_id():
     message = f'<predictionFeedback {XMLNS} id="x"><gesture id="g"/><bml id="b"/></predictionFeedback>'
     assert read(message).subject == "b"
     assert read(f"<predictionFeedback {XMLNS}/>").subject == ""
@@ -58,13 +58,13 @@ def test_prediction_names_the_block_and_not_its_behaviours():
         (read(quota_feedback("rate", "too many")), True, True),
     ],
 )
-def test_warnings_refuse_end_or_only_tell(feedback: Feedback, is_refusal: bool, is_over: bool):
+def test_feedback_warnings_are_classified_as_refusal_end_or_notice(feedback: Feedback, is_refusal: bool, is_over: bool):
     assert feedback.is_refusal is is_refusal
     assert feedback.ended_block == (feedback.subject if is_over else "")
     assert not feedback.begins(feedback.subject)
 
 
-def test_progress_of_a_behaviour_neither_begins_nor_ends_a_block():
+def test_behaviour_progress_is_not_block_progress():
     message = read(f'<syncPointProgress {XMLNS} id="b:g:end" time="1" globalTime="1">rule x</syncPointProgress>')
     assert not message.begins("b")
     assert message.ended_block == ""
@@ -73,5 +73,5 @@ def test_progress_of_a_behaviour_neither_begins_nor_ends_a_block():
 
 
 @pytest.mark.parametrize("message", ["", "hello", "<open", '{"told": "status"}'])
-def test_other_messages_are_no_feedback(message: str):
+def test_messages_that_are_not_xml_are_no_feedback(message: str):
     assert read_feedback(message) is None

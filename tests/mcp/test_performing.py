@@ -1,20 +1,24 @@
-"""Which documents are performed, under which id, and which are refused before anything moves."""
+"""Performed documents with their ids, and refusals before anything moves."""
 
 import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import cast
 
 import pytest
 
 from kinesic.mcp.errors import RefusedError, RobotError
-from kinesic.mcp.performing import MAX_NOTICES, Performing
+from kinesic.mcp.performing import MAX_NOTICES, DocumentPerformer
+from kinesic.mcp.robot_gate import RobotGate
+from kinesic.mcp.robot_line import RobotLine
+from kinesic.planning.setup import Setup
 
 PLAN = {"told": "plan", "id": 1, "block": "b", "duration": 1.5, "notices": []}
 
 
 @dataclass
 class FakeDocuments:
-    """Answers to plans and documents, and what was sent."""
+    """Stub document connection with answers and a record of sent documents."""
 
     plan: Mapping[str, object] | Callable[[], Mapping[str, object]] = field(default_factory=lambda: PLAN)
     why: str = ""
@@ -33,7 +37,7 @@ class FakeDocuments:
 
 
 class FakeRobot:
-    """A robot whose emergency stops are counted."""
+    """Stub robot with a stop counter."""
 
     def __init__(self, **settings: object) -> None:
         self.documents = FakeDocuments(**settings)
@@ -43,8 +47,12 @@ class FakeRobot:
         return {"state": self.state, "stops": self.stops}
 
 
+def gate(robot: FakeRobot) -> RobotGate:
+    return RobotGate.of(cast(RobotLine, robot), cast(Setup, None))
+
+
 def perform(robot: FakeRobot, document: str) -> Mapping[str, object]:
-    return asyncio.run(Performing(robot).perform(lambda: document))
+    return asyncio.run(DocumentPerformer(gate(robot)).perform(lambda: document))
 
 
 def refused(robot: FakeRobot, document: str) -> str:
@@ -54,7 +62,7 @@ def refused(robot: FakeRobot, document: str) -> str:
     return str(found.value)
 
 
-def test_block_has_the_id_that_the_server_has_read():
+def test_block_id_is_taken_from_the_server_answer():
     document = '<!-- <bml id="old"> --><bml id="new"/>'
     robot = FakeRobot(plan={**PLAN, "block": "new"})
     assert perform(robot, document) == {"block": "new", "seconds": 1.5, "not_as_asked": []}
@@ -62,7 +70,7 @@ def test_block_has_the_id_that_the_server_has_read():
     assert robot.documents.performed[0][:2] == (document, "new")
 
 
-def test_ids_that_a_refusal_may_have_are_handed_on():
+def test_block_ids_that_a_refusal_may_name_are_passed_on_with_the_document():
     robot = FakeRobot()
     perform(robot, '{"id": "json", "behaviours": []}')
     assert robot.documents.performed == [('{"id": "json", "behaviours": []}', "b", "json")]
@@ -71,50 +79,70 @@ def test_ids_that_a_refusal_may_have_are_handed_on():
 @pytest.mark.parametrize(
     ("document", "told"),
     [
-        ('{"do": "resume"}', "no document"),
-        ('{"do": "stop_line"}', "no document"),
+        ('{"do": "resume"}', "not a document"),
+        ('{"do": "stop_line"}', "not a document"),
         ('{"do": "nonsense"}', "neither BML nor"),
         ('<bml id="x"/>\0{"do": "resume"}', "NUL"),
         ('<bml id="\ud800"/>', "UTF-8"),
     ],
 )
-def test_what_is_no_document_is_not_even_planned(document: str, told: str):
+def test_invalid_documents_are_refused_before_planning(document: str, told: str):
     robot = FakeRobot()
     assert told in refused(robot, document)
     assert robot.documents.planned == []
 
 
-def test_document_that_cannot_be_written_is_refused():
+def test_document_that_cannot_be_encoded_is_refused():
     def write() -> str:
         raise RecursionError("too deep")
 
     with pytest.raises(RefusedError, match="too deep"):
-        asyncio.run(Performing(FakeRobot()).perform(write))
+        asyncio.run(DocumentPerformer(gate(FakeRobot())).perform(write))
 
 
-def test_errors_of_the_parser_are_told_with_their_place():
+def test_parser_errors_are_reported_with_line_and_column():
     error = {"line": 3, "column": 7, "text": "no such sync point"}
     assert refused(FakeRobot(plan={"told": "plan", "error": error}), "<bml") == "line 3, column 7: no such sync point"
 
 
-def test_block_without_an_id_is_refused_with_the_remedy():
+@pytest.mark.parametrize(
+    ("document", "place"),
+    [
+        ('{"behaviours": [{"type": "head", "amount": "x"}]}', "behaviours[0].amount"),
+        ('{"behaviours": [{"type": "head", "amount": "x"}}', "behaviours[0].amount (line 1, column 17)"),
+        ('{"behaviours":  \n[{"type": "head"}]}', "behaviours (line 1, column 17)"),
+    ],
+)
+def test_perform_tool_reports_errors_of_json_documents_with_json_paths(document: str, place: str):
+    error = {"line": 1, "column": 17, "text": "amount='x' is not a number"}
+    assert refused(FakeRobot(plan={"told": "plan", "error": error}), document) == f"{place}: {error['text']}"
+
+
+def test_perform_tool_does_not_repeat_the_attribute_at_the_end_of_a_json_path():
+    error = {"line": 1, "column": 17, "text": "stroke: 'x+' is not a sync reference"}
+    document = '{"behaviours": [{"type": "head", "stroke": "x+"}]}'
+    told = refused(FakeRobot(plan={"told": "plan", "error": error}), document)
+    assert told == "behaviours[0].stroke: 'x+' is not a sync reference"
+
+
+def test_perform_tool_refuses_a_block_without_id_with_a_remedy():
     told = refused(FakeRobot(plan={**PLAN, "block": "block"}), "<bml/>")
     assert 'other than "block"' in told
     assert '"id": "b1" in JSON, or <bml id="b1">' in told
 
 
-def test_plan_that_was_replaced_is_refused():
+def test_document_whose_plan_is_outdated_is_refused():
     assert "send it again" in refused(FakeRobot(plan={"told": "plan", "outdated": True}), "<bml/>")
     assert refused(FakeRobot(plan={"told": "refused", "why": "unknown key"}), "<bml/>") == "unknown key"
 
 
-def test_refusal_of_the_server_is_told():
+def test_perform_tool_reports_a_refusal_by_the_server():
     robot = FakeRobot(why="rule stopped: resume first")
     with pytest.raises(RefusedError, match=r"^rule stopped: resume first$"):
         perform(robot, "<bml/>")
 
 
-def test_only_so_many_notices_are_told():
+def test_perform_tool_limits_the_number_of_reported_notices():
     def notices(count: int) -> list[dict[str, str]]:
         return [{"id": f"g{k}", "text": "left out", "type": "X"} for k in range(count)]
 
@@ -124,29 +152,29 @@ def test_only_so_many_notices_are_told():
     assert many == [*few, "and 3 more"]
 
 
-def test_nothing_is_planned_while_a_stop_holds():
+def test_no_document_is_planned_during_an_emergency_stop():
     robot = FakeRobot()
     robot.state = "stopped"
     assert refused(robot, "<bml/>") == "an emergency stop holds: resume, then send it again"
     assert robot.documents.planned == []
 
 
-def test_plan_that_was_made_before_a_stop_of_anybody_is_discarded():
+def test_plan_is_discarded_if_another_client_stops_the_robot():
     robot = FakeRobot()
 
     def plan() -> Mapping[str, object]:
-        robot.stops += 1  # and a person has resumed already
+        robot.stops += 1  # a person has resumed already
         return PLAN
 
     robot.documents.plan = plan
-    assert "an emergency stop came" in refused(robot, "<bml/>")
+    assert "an emergency stop discarded" in refused(robot, "<bml/>")
 
 
-def test_calls_that_waited_during_a_stop_of_anybody_are_discarded():
+def test_waiting_perform_calls_are_discarded_if_another_client_stops_the_robot():
     robot = FakeRobot()
 
     async def act() -> None:
-        performing = Performing(robot)
+        performing = DocumentPerformer(gate(robot))
         planned = asyncio.Event()
 
         def plan() -> Mapping[str, object]:
@@ -166,23 +194,23 @@ def test_calls_that_waited_during_a_stop_of_anybody_are_discarded():
     asyncio.run(act())
 
 
-def test_discarded_call_is_told_that_a_stop_came():
+def test_discarded_call_reports_the_emergency_stop():
     robot = FakeRobot()
 
     async def act() -> None:
-        performing = Performing(robot)
+        performing = DocumentPerformer(gate(robot))
         call = asyncio.create_task(performing.perform(lambda: "<bml/>"))
         while not robot.documents.planned:
             await asyncio.sleep(0)
         performing.discard()
-        with pytest.raises(RefusedError, match=r"an emergency stop came.*nothing of it moves.*resume, then"):
+        with pytest.raises(RefusedError, match=r"an emergency stop discarded.*nothing moves.*resume, then"):
             await call
         assert robot.documents.performed == []
 
     asyncio.run(act())
 
 
-def test_robot_that_does_not_answer_is_reported():
+def test_lost_robot_server_during_planning_is_reported():
     robot = FakeRobot()
 
     def plan() -> Mapping[str, object]:

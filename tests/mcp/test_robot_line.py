@@ -1,4 +1,4 @@
-"""The connections of the tools, before a server that answers late, of something else, or not at all."""
+"""Tool connections to a server with late, wrong or missing answers."""
 
 import asyncio
 import json
@@ -24,12 +24,12 @@ def ignore(_message: str, _say: Say) -> None:
     """Answer nothing."""
 
 
-def test_each_connection_says_something_at_once_so_that_the_server_keeps_it():
+def test_each_robot_connection_sends_a_message_when_opened():
     with line(ignore) as (_, server):
-        assert sorted(server.received) == ['{"do": "ping"}', '{"do": "ping"}', '{"do": "stop_line"}']
+        assert sorted(server.received) == [*['{"do": "ping"}'] * 3, '{"do": "stop_line"}']
 
 
-def test_whoever_waits_is_told_at_once_that_the_server_has_ended():
+def test_waiting_callers_fail_immediately_when_the_server_ends():
     def end(_message: str, _say: Say) -> None:
         sleep(0.1)
         raise EOFError
@@ -49,7 +49,7 @@ def test_whoever_waits_is_told_at_once_that_the_server_has_ended():
         run(act)
 
 
-def test_an_answer_that_comes_too_late_is_none_to_the_next_question(monkeypatch):
+def test_late_planning_answer_is_not_assigned_to_the_next_planning_request(monkeypatch):
     monkeypatch.setattr(document_line, "MAX_WAIT", 0.3)
     asked = list[int]()
 
@@ -74,7 +74,7 @@ def test_an_answer_that_comes_too_late_is_none_to_the_next_question(monkeypatch)
         run(act)
 
 
-def test_a_block_whose_id_was_used_before_is_not_answered_by_what_is_told_of_the_old_one():
+def test_reused_block_id_ignores_feedback_of_the_old_block():
     sent = list[str]()
 
     def answer(document: str, say: Say) -> None:
@@ -93,18 +93,21 @@ def test_a_block_whose_id_was_used_before_is_not_answered_by_what_is_told_of_the
         async def act() -> None:
             perform = robot.documents.perform
             assert await perform("first", "b") == ""
-            assert "not over yet" in await perform("second", "b")
+            assert "not ended yet" in await perform("second", "b")
             assert sent == ["first"]
             assert await perform("end", "end") == ""
             assert await perform("third", "b") == "rule depth: too deep"
             assert await perform("fourth", "b") == "rule depth: too deep"
-            assert robot.documents.feedback[0] == PREDICTED.format("b")
+            assert robot.documents.outcome("b") == "not performed: rule depth: too deep"
+            assert robot.documents.outcome("end") == ""
+            assert robot.documents.outcome("other") is None
+            assert robot.documents.warnings == ["b: rule depth: too deep"] * 2
 
         run(act)
 
 
 @pytest.mark.parametrize("text", ["revoked before it began: x", "a block of this id plays already", "not performed, x"])
-def test_a_block_that_never_ends_because_it_never_began_leaves_its_id_free(text: str):
+def test_id_of_a_block_that_never_began_can_be_reused(text: str):
     def answer(document: str, say: Say) -> None:
         say(PREDICTED.format(document))
         if document == "b":
@@ -121,7 +124,7 @@ def test_a_block_that_never_ends_because_it_never_began_leaves_its_id_free(text:
 
 
 @pytest.mark.parametrize("name", ["a:b", "a:", "x &amp; y"])
-def test_ids_with_colons_and_escapes_are_known_again(name: str):
+def test_block_ids_with_colons_and_escapes_are_matched(name: str):
     def answer(_document: str, say: Say) -> None:
         say(WARNING.format(f"{name}:g1", "left out: no hand"))
         say(PROGRESS.format(name, "start"))
@@ -135,7 +138,7 @@ def test_ids_with_colons_and_escapes_are_known_again(name: str):
 
 
 @pytest.mark.parametrize("name", ["b", "message", "commented"])
-def test_refusal_by_any_id_that_the_server_may_have_read_is_taken(name: str):
+def test_refusal_under_any_possible_block_id_is_accepted(name: str):
     def answer(_document: str, say: Say) -> None:
         say(WARNING.format("other", "rule depth: another block"))
         say("no XML")
@@ -149,7 +152,7 @@ def test_refusal_by_any_id_that_the_server_may_have_read_is_taken(name: str):
         run(act)
 
 
-def test_refusal_without_a_reason_is_a_refusal():
+def test_refusal_without_reason_is_still_a_refusal():
     def answer(_document: str, say: Say) -> None:
         say('<warningFeedback xmlns="x" id="b" type="PARSING_FAILURE"/>')
 
@@ -161,7 +164,7 @@ def test_refusal_without_a_reason_is_a_refusal():
         run(act)
 
 
-def test_refused_question_fails_at_once():
+def test_planning_request_refused_by_the_server_fails_immediately():
     def answer(_question: str, say: Say) -> None:
         say(WARNING.format("b", "rule depth: another message"))
         say(WARNING.format("message", "rule rate: at most 50 messages a second"))
@@ -177,12 +180,12 @@ def test_refused_question_fails_at_once():
         run(act)
 
 
-def test_message_that_the_server_would_not_take_is_not_sent():
+def test_message_above_the_maximum_length_is_not_sent_to_the_server():
     with line(ignore) as (robot, server):
 
         async def act() -> None:
             with pytest.raises(
-                RefusedError, match=r"takes 10000\d\d bytes, at most 1000000 are taken: send it in parts"
+                RefusedError, match=r"has 10000\d\d bytes, at most 1000000 are accepted: send it in parts"
             ):
                 await robot.documents.ask("plan", bml="ü" * 500_000)
             with pytest.raises(RefusedError, match="1000002 bytes"):
@@ -192,7 +195,7 @@ def test_message_that_the_server_would_not_take_is_not_sent():
         assert not [message for message in server.received if "ü" in message]
 
 
-def test_longest_message_is_sent():
+def test_message_of_the_maximum_length_is_sent_to_the_server():
     def answer(document: str, say: Say) -> None:
         say(WARNING.format("b", f"rule length: {len(document.encode())}"))
 
@@ -204,7 +207,7 @@ def test_longest_message_is_sent():
         run(act)
 
 
-def test_status_and_stop_are_answered_while_a_document_waits():
+def test_status_and_stop_are_answered_while_a_document_is_pending():
     waiting = Event()
 
     def answer(_document: str, _say: Say) -> None:
@@ -216,7 +219,7 @@ def test_status_and_stop_are_answered_while_a_document_waits():
             document = asyncio.create_task(robot.documents.perform("x", "b"))
             while not waiting.is_set():
                 await asyncio.sleep(0.01)
-            assert await robot.status() == {"told": "status", "state": "resting", "stops": 3, "feedback": []}
+            assert await robot.status() == {"told": "status", "state": "resting", "stops": 3}
             await robot.stop()
             assert not document.done()
             document.cancel()
@@ -225,7 +228,7 @@ def test_status_and_stop_are_answered_while_a_document_waits():
         run(act)
 
 
-def test_document_of_a_caller_that_has_left_is_not_sent():
+def test_document_of_a_cancelled_caller_is_not_sent():
     def answer(_document: str, say: Say) -> None:
         sleep(0.2)
         say(PREDICTED.format("b"))
@@ -250,14 +253,14 @@ def test_document_of_a_caller_that_has_left_is_not_sent():
         ]
 
 
-def test_stop_line_that_has_ended_is_opened_again():
+def test_closed_emergency_stop_connection_is_reopened():
     with line(ignore, silent_stops=1) as (robot, server):
         run(robot.stop)
         assert server.stops == 2
         assert server.received.count('{"do": "stop_line"}') == 2
 
 
-def test_stop_that_is_not_confirmed_names_the_switch():
+def test_unconfirmed_stop_error_mentions_the_power_switch():
     with line(ignore, silent_stops=2) as (robot, _):
 
         async def act() -> None:
@@ -269,7 +272,7 @@ def test_stop_that_is_not_confirmed_names_the_switch():
 
 
 @pytest.mark.parametrize("answer", ['<warningFeedback id="message">rule rate</warningFeedback>', ""])
-def test_status_that_does_not_come_is_reported(monkeypatch, answer: str):
+def test_missing_status_answer_is_reported(monkeypatch, answer: str):
     monkeypatch.setattr(robot_line, "STATUS_TIMEOUT", 0.1)
     with line(ignore) as (robot, server):
         monkeypatch.setattr(
@@ -283,7 +286,7 @@ def test_status_that_does_not_come_is_reported(monkeypatch, answer: str):
         run(act)
 
 
-def test_nobody_who_listens_is_an_error_and_leaves_nothing_open():
+def test_missing_server_raises_an_error_and_leaves_no_connection():
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]
     with pytest.raises(OSError, match="refused"):

@@ -1,23 +1,25 @@
-"""The tools over the protocol: a client in memory and one over standard input perform, ask, stop and misbehave."""
+"""Tools over the protocol: in-memory clients, valid and invalid calls."""
 
 import asyncio
 import json
-import sys
-import threading
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from time import monotonic
 
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.mcp.document_line import MAX_WAIT
+from kinesic.mcp.document_schema import BML_SCHEMA
+from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.robot_line import RobotLine
-from kinesic.mcp.teaching import BML_SCHEMA, TEACHING
+from kinesic.mcp.teaching import MODEL_INSTRUCTIONS
+from kinesic.planning.setup import Setup
 from kinesic.serve.wire.quotas import Quotas
+from kinesic.session.setup import set_up
 
 from ..serve.conftest import Running, running
 
@@ -33,7 +35,7 @@ STORY = {
         {"type": "gesture", "id": "g", "lexeme": "large", "stroke": "s:m1"},
     ],
 }
-Act = Callable[[object], Awaitable[object]]  # with a client of the protocol
+Act = Callable[[object], Awaitable[object]]  # needs an MCP client
 
 
 @pytest.fixture(scope="module")
@@ -42,14 +44,21 @@ def server() -> Iterator[Running]:
         yield found
 
 
-def within(server: Running, act: Act, *, resumes: bool = True) -> object:
-    """Lets a client in memory act before the tools of a server."""
+@cache
+def warm_setup() -> Setup:
+    return import_module("kinesic.mcp.server").warm_up(set_up())
 
-    mcp, made = import_module("mcp"), import_module("kinesic.mcp.server")  # by whoever runs these tests alone
+
+def within(server: Running, act: Act, *, resumes: bool = True) -> object:
+    """Run an in-memory client with the tools of a server."""
+
+    mcp, made = import_module("mcp"), import_module("kinesic.mcp.server")  # only if these tests run alone
 
     async def run() -> object:
         with closing(RobotLine("127.0.0.1", server.port)) as robot:
-            async with mcp.Client(made.make_server(robot, set_up(), resumes=resumes)) as client:
+            setup = warm_setup()
+            server_of_tools = made.make_server(RobotGate.of(robot, setup), setup.lexicon, resumes=resumes)
+            async with mcp.Client(server_of_tools) as client:
                 return await act(client)
 
     return asyncio.run(run())
@@ -59,32 +68,59 @@ def text(result: object) -> str:
     return "".join(each.text for each in result.content)
 
 
-def test_a_model_finds_gestures_performs_says_looks_and_asks(server: Running):
+def test_language_model_can_use_all_tools(server: Running):
     async def act(client):
         tools = {tool.name for tool in (await client.list_tools()).tools}
-        found = await client.call_tool("list_gestures", {"query": "weigh against"})
+        found = await client.call_tool("find_gesture", {"query": "weigh two things", "count": 3})
         performed = await client.call_tool("perform", {"document": STORY})
-        said = await client.call_tool("say", {"text": "No, I did not!", "style": "joyful"})
+        said = await client.call_tool("say", {"text": "No, I did not! *juggles plates*", "style": "joyful"})
         looked = await client.call_tool("look", {"at": "LEFT"})
         status = await client.call_tool("status", {})
-        return tools, found, performed, said, looked, status
+        previewed = await client.call_tool("preview", {"document": STORY})
+        waited = await client.call_tool("wait", {"block": "story1"})
+        return tools, found, performed, said, looked, status, previewed, waited
 
-    tools, found, performed, said, looked, status = within(server, act)
-    assert tools == {"list_gestures", "perform", "say", "look", "status", "stop", "resume"}
-    assert "balance" in text(found)
+    tools, found, performed, said, looked, status, previewed, waited = within(server, act)
+    assert tools == {"find_gesture", "perform", "preview", "say", "look", "status", "wait", "stop", "resume"}
+    results = json.loads(text(found))
+    assert len(results) == 3
+    assert [list(each) for each in results] == [["name", "category", "says", "score"]] * 3
+    assert results[0]["name"] == "balance"
+    assert results[0]["score"] >= results[1]["score"]
     assert json.loads(text(performed))["block"] == "story1"
     assert json.loads(text(performed))["seconds"] > 1.0
     assert not said.is_error, text(said)
+    assert json.loads(text(said))["not_spoken"] == ["no gesture or expression shows the direction 'juggles plates'"]
     assert not looked.is_error, text(looked)
     assert json.loads(text(status))["state"] == "playing"
+    assert "<" not in text(status)
+    answer, picture = previewed.content
+    assert [item["id"] for item in json.loads(answer.text)["behaviours"]] == ["s", "g"]
+    assert (picture.type, picture.mime_type) == ("image", "image/png")
+    assert json.loads(text(waited)) == {"block": "story1", "ended": True, "outcome": "finished"}
+
+
+def test_all_tools_and_tool_parameters_have_descriptions(server: Running):
+    async def act(client):
+        return (await client.list_tools()).tools
+
+    for tool in within(server, act):
+        assert len(tool.description) > 40, tool.name
+        for name, schema in tool.input_schema["properties"].items():
+            assert len(schema["description"]) > 20, f"{tool.name}.{name}"
+    parameters = {tool.name: tool.input_schema["properties"] for tool in within(server, act)}
+    assert "joyful" in parameters["say"]["style"]["enum"]
+    assert "emblem" in parameters["find_gesture"]["category"]["enum"]
+    assert "DOWNLEFT" in parameters["look"]["at"]["enum"]
+    assert len(json.dumps(parameters)) < 12_000, "each call of a model pays for it"
 
 
 @pytest.mark.parametrize(
     ("tool", "arguments", "told"),
     [
         ("perform", {"document": '<bml id="x"><gesture id="g" lexeme="beat" stroke="nowhere:end"/></bml>'}, "line 1"),
-        ("perform", {"document": '{"do": "resume"}'}, "no document"),
-        ("perform", {"document": '{"do": "stop_line"}'}, "no document"),
+        ("perform", {"document": '{"do": "resume"}'}, "not a document"),
+        ("perform", {"document": '{"do": "stop_line"}'}, "not a document"),
         ("perform", {"document": '<bml id="x"/>\0{"do": "resume"}'}, "NUL"),
         ("perform", {"document": {"behaviours": []}}, '"id"'),
         ("perform", {"document": "[" * 5000}, "line 1"),
@@ -94,26 +130,44 @@ def test_a_model_finds_gestures_performs_says_looks_and_asks(server: Running):
         ("perform", {"document": '<gesture id="g" lexeme="beat"/>'}, "<bml id="),
         ("perform", {"document": "<bml><gesture id='g' lexeme='beat'/></bml>"}, "<bml id="),
         ("perform", {"document": "ü" * 600_000}, "bytes"),
-        ("perform", {"document": 7}, ""),
-        ("perform", {}, ""),
-        ("say", {"text": "hi", "style": "../../etc/passwd"}, "no style"),
-        ("say", {"text": "x" * 30_000}, ""),
-        ("look", {"at": "behind"}, ""),
-        ("list_gestures", {"query": "x" * 300}, ""),
+        ("perform", {"document": 7}, "document: 7 is not a text or an object"),
+        ("perform", {}, "perform needs the parameter document"),
+        ("perform", {"document": {"id": "b", "behaviours": [{"id": "g"}]}}, "behaviours[0]: a behaviour has no type"),
+        (
+            "perform",
+            {"document": {"id": "b", "kinesic:style": "odd", "behaviours": []}},
+            '["kinesic:style"]: kinesic:style',
+        ),
+        ("say", {"text": "hi", "style": "../../etc/passwd"}, "is not one of angry, calm, joyful"),
+        ("say", {"text": "hi", "style": "joyfull"}, "did you mean joyful?"),
+        ("say", {"text": "x" * 30_000}, "text has 30000 characters, at most 20000"),
+        ("look", {"at": "LEF"}, "did you mean LEFT?"),
+        ("find_gesture", {"query": "x" * 300}, "query has 300 characters, at most 200"),
+        ("find_gesture", {"query": "x", "category": "emblems"}, "did you mean emblem?"),
+        ("find_gesture", {"query": "x", "count": 0}, "count: 0 is out of range"),
+        ("wait", {"block": "never"}, "no block 'never' was performed here"),
+        ("wait", {"seconds": "long"}, 'seconds: "long" is not a number'),
+        (
+            "preview",
+            {"document": {"id": "b", "behaviours": [{"type": "head", "id": "h", "amount": "x"}]}},
+            "[0].amount:",
+        ),
         ("arm_servos", {}, ""),
     ],
 )
-def test_what_is_wrong_is_answered_and_moves_nothing(server: Running, tool: str, arguments: dict, told: str):
+def test_invalid_calls_are_answered_and_move_nothing(server: Running, tool: str, arguments: dict, told: str):
     async def act(client):
         return await client.call_tool(tool, arguments)
 
     try:
         result = within(server, act)
         answer = text(result) if result.is_error else "nothing is wrong"
-    except import_module("mcp").MCPError as error:  # the protocol's own answer to a call that it does not know
+    except import_module("mcp").MCPError as error:  # answer of the protocol to an unknown tool
         answer = str(error)
     assert answer != "nothing is wrong"
     assert told in answer
+    assert "http" not in answer
+    assert "Error executing" not in answer
 
 
 @pytest.mark.parametrize(
@@ -130,7 +184,7 @@ def test_what_is_wrong_is_answered_and_moves_nothing(server: Running, tool: str,
         ('<bml xml:id="not" id="this"><head id="h" lexeme="NOD"/></bml>', "this"),
     ],
 )
-def test_block_is_awaited_under_the_id_that_the_parser_reads(server: Running, document: str, block: str):
+def test_perform_tool_accepts_a_block_under_the_id_found_by_the_parser(server: Running, document: str, block: str):
     async def act(client):
         return await client.call_tool("perform", {"document": document})
 
@@ -141,7 +195,7 @@ def test_block_is_awaited_under_the_id_that_the_parser_reads(server: Running, do
     assert monotonic() - begun < MAX_WAIT
 
 
-def test_documents_that_come_at_once_are_all_performed(server: Running):
+def test_simultaneous_documents_are_all_performed(server: Running):
     async def act(client):
         nods = [{"id": f"at_once{k}", "behaviours": [{"type": "head", "id": "h", "lexeme": "NOD"}]} for k in range(4)]
         calls = [client.call_tool("perform", {"document": nod}) for nod in nods]
@@ -151,11 +205,30 @@ def test_documents_that_come_at_once_are_all_performed(server: Running):
     assert not [text(each) for each in results if each.is_error]
 
 
-def test_a_stop_waits_for_nothing_and_only_a_person_goes_on_with_servos(server: Running):
+def test_long_text_is_streamed_in_its_style_until_a_stop(server: Running):
+    async def act(client):
+        story = "See https://a.eu/b " + "We saw the old house. " * 80
+        said = await client.call_tool("say", {"text": story, "style": "sad"})
+        short = await client.call_tool("say", {"text": "And so on."})
+        held = await client.call_tool("wait", {"seconds": 0.1})
+        await client.call_tool("stop", {})
+        await client.call_tool("resume", {})
+        return said, short, held, await client.call_tool("wait", {"seconds": 20})
+
+    said, short, held, ended = (json.loads(text(each)) for each in within(server, act))
+    assert said["block"].startswith("said")
+    assert said["about_seconds"] > 100
+    assert len(said["not_spoken"]) == 1
+    assert "about_seconds" in short
+    assert not held["ended"]
+    assert ended["ended"]
+
+
+def test_stop_is_immediate_and_servos_need_a_person_to_resume(server: Running):
     async def act(client):
         slow = [asyncio.create_task(client.call_tool("say", {"text": "and so on. " * 300}))]
-        await asyncio.sleep(0.5)  # until it is planned, which takes seconds
-        slow.append(asyncio.create_task(client.call_tool("say", {"text": "and so on."})))  # which waits for that
+        await asyncio.sleep(0.5)  # planning takes seconds
+        slow.append(asyncio.create_task(client.call_tool("say", {"text": "and so on."})))  # waits for the planning
         begun = monotonic()
         stopped = await client.call_tool("stop", {})
         took = monotonic() - begun
@@ -172,7 +245,7 @@ def test_a_stop_waits_for_nothing_and_only_a_person_goes_on_with_servos(server: 
     within(server, lambda client: client.call_tool("resume", {}))
 
 
-def test_what_a_model_reads_is_small_and_its_example_is_performed(server: Running):
+def test_model_instructions_are_short_and_their_example_is_performed(server: Running):
     lexicon = Lexicon.load()
 
     async def act(client):
@@ -181,7 +254,7 @@ def test_what_a_model_reads_is_small_and_its_example_is_performed(server: Runnin
             for name in ("usual", "gestures", "schema")
         ]
         prompt = (await client.get_prompt("perform_story", {"story": "Once."})).messages[0].content.text
-        example = json.loads(TEACHING[TEACHING.index("{") : TEACHING.index("]}\n") + 2])
+        example = json.loads(MODEL_INSTRUCTIONS[MODEL_INSTRUCTIONS.index("{") : MODEL_INSTRUCTIONS.index("]}\n") + 2])
         return usual, names, schema, prompt, await client.call_tool("perform", {"document": example})
 
     usual, names, schema, prompt, performed = within(server, act)
@@ -190,26 +263,7 @@ def test_what_a_model_reads_is_small_and_its_example_is_performed(server: Runnin
     assert set(usual.split(", ")) <= lexicon.forms_by_id.keys()
     assert len(names) <= 4000
     assert set(names.split()) == lexicon.forms_by_id.keys()
-    assert len(TEACHING) / 4 <= 600, "tokens, about"
+    assert len(MODEL_INSTRUCTIONS) / 4 <= 600, "tokens, about"
     assert prompt.endswith("Once.")
     assert json.loads(schema) == json.loads(json.dumps(BML_SCHEMA))
     assert json.loads(text(performed))["not_as_asked"] == [], text(performed)
-
-
-def test_a_client_over_standard_input_performs_and_its_end_ends_the_server(tmp_path):
-    mcp = import_module("mcp")
-
-    async def run():
-        begun = mcp.StdioServerParameters(
-            command=sys.executable, args=["-m", "kinesic", "mcp", "--voice", "durations"], cwd=tmp_path
-        )
-        async with mcp.Client(begun) as client:
-            performed = await client.call_tool("perform", {"document": STORY})
-            stopped = await client.call_tool("stop", {})
-            resumed = await client.call_tool("resume", {})
-            return [text(each) for each in (performed, stopped, resumed)]
-
-    performed, stopped, resumed = asyncio.run(run())
-    assert json.loads(performed)["block"] == "story1"
-    assert (stopped, resumed) == ("stopped", "resumed")
-    assert threading.active_count() < 50

@@ -1,4 +1,4 @@
-"""Which session makes room for a new one, before an application that keeps them as the protocol says."""
+"""Replacement of idle HTTP sessions with a stub application."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -13,7 +13,7 @@ from kinesic.mcp.sessions import MAX_SESSIONS, SESSION_HEADER, SessionLimit
 
 
 class Application:
-    """Opens a session for each POST without one; answers a call when it may, and listens until it is told to end."""
+    """Stub application that opens a session per POST and answers as scripted."""
 
     def __init__(self) -> None:
         self.sessions, self.may_answer = [], asyncio.Event()
@@ -48,14 +48,14 @@ class Application:
 
 
 class Web:
-    """Requests to the application through the limit."""
+    """Requests to the application through the session limit."""
 
     def __init__(self, most: int) -> None:
         self.app = Application()
         self.limit = SessionLimit(self.app, max_sessions=most)
 
     async def ask(self, method: str = "POST", session: str = "", path: str = "/", host: str = "here") -> int:
-        """The status of the answer."""
+        """Return the status of the answer."""
         headers = [(b"host", host.encode()), *([(SESSION_HEADER.encode(), session.encode())] if session else [])]
         statuses = []
 
@@ -89,7 +89,7 @@ async def settle() -> None:
         await asyncio.sleep(0)
 
 
-def test_new_session_takes_the_place_of_the_one_idle_longest():
+def test_new_http_session_replaces_the_longest_idle_one():
     async def act(web: Web) -> None:
         assert await web.ask(session="s1") == 200
         assert web.app.sessions == ["s1", "s2", "s3"]
@@ -103,7 +103,7 @@ def test_new_session_takes_the_place_of_the_one_idle_longest():
     with_sessions(3, act, opened=3)
 
 
-def test_forty_sessions_leave_the_newest_sixteen():
+def test_only_the_newest_sixteen_of_forty_sessions_remain():
     async def act(web: Web) -> None:
         assert web.app.sessions == [f"s{k}" for k in range(25, 41)]
 
@@ -126,7 +126,7 @@ def test_session_with_a_pending_call_is_never_ended():
     with_sessions(2, act, opened=2)
 
 
-def test_session_on_which_nobody_listens_is_ended_first():
+def test_session_without_open_stream_is_ended_first():
     async def act(web: Web) -> None:
         stream = web.later("GET", "s1", "/slow")
         await settle()
@@ -144,7 +144,7 @@ def test_session_on_which_nobody_listens_is_ended_first():
     with_sessions(2, act, opened=2)
 
 
-def test_request_that_opens_no_session_ends_none():
+def test_failed_http_request_ends_no_other_session():
     async def act(web: Web) -> None:
         assert await web.ask(path="/broken") == 400
         assert await web.ask(session="unknown") == 404
@@ -153,7 +153,7 @@ def test_request_that_opens_no_session_ends_none():
     with_sessions(2, act, opened=2)
 
 
-def test_session_that_its_client_has_ended_takes_no_place():
+def test_http_session_ended_by_its_client_allows_a_new_session():
     async def act(web: Web) -> None:
         assert await web.ask("DELETE", "s2") == 200
         await web.ask()
@@ -164,7 +164,7 @@ def test_session_that_its_client_has_ended_takes_no_place():
     with_sessions(2, act, opened=2)
 
 
-def test_calls_know_when_the_request_that_brought_them_has_ended():
+def test_tool_calls_are_notified_of_their_request_end():
     async def act(web: Web) -> None:
         call = web.later("POST", "s1", "/slow")
         await settle()
@@ -179,7 +179,7 @@ def test_calls_know_when_the_request_that_brought_them_has_ended():
     with_sessions(2, act, opened=1)
 
 
-def test_whatever_is_no_request_is_handed_on():
+def test_session_limit_passes_on_asgi_scopes_other_than_http():
     handed = []
 
     async def app(scope: Scope, _receive: Receive, _send: Send) -> None:
@@ -189,7 +189,7 @@ def test_whatever_is_no_request_is_handed_on():
     assert handed == ["lifespan"]
 
 
-def test_session_that_the_application_has_ended_takes_no_place():
+def test_http_session_ended_by_the_application_allows_a_new_session():
     async def act(web: Web) -> None:
         web.app.sessions.remove("s2")
         assert await web.ask(session="s2") == 404

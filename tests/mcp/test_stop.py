@@ -1,48 +1,67 @@
-"""A stop with 50 pending calls, by the clients of the official package, over standard input and over HTTP."""
+"""Tool servers in processes of their own: a story, stops during 50 pending calls, and the end with the client."""
 
 import asyncio
+import json
+import os
+import threading
 from contextlib import AsyncExitStack
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
+from .test_server import STORY
 from .tool_servers import (
     MAX_STOP_LATENCY,
     PENDING_CALLS,
     StopTiming,
+    children_of,
+    find_server,
     http_server,
+    is_running,
     many_clients,
     stdio_client,
+    text_of,
     time_stops,
+    wait_for,
 )
 
 pytestmark = [
     pytest.mark.realtime,
     pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'"),
+    pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs the /proc of Linux"),
 ]
 
-FEW_STOPS = 4
+FEW_STOPS = 3
+MIN_PENDING_CALLS = PENDING_CALLS - 5  # calls still pending at a stop; a quick machine has answered the first
 
 
 def judge(timings: list[StopTiming]) -> None:
     for each in timings:
-        assert each.pending == PENDING_CALLS
-        assert len(each.refusals) == PENDING_CALLS, "no call that was pending moves the robot"
+        assert each.pending >= MIN_PENDING_CALLS
+        assert len(each.refusals) >= each.pending, "no call that was pending moves the robot"
         assert all("an emergency stop" in refusal for refusal in each.refusals), each.refusals
     latencies = sorted(each.latency for each in timings)
     assert latencies[len(latencies) // 2] <= MAX_STOP_LATENCY
 
 
-def test_stop_over_standard_input_waits_for_none_of_fifty_calls(tmp_path: Path):
-    async def run() -> list[StopTiming]:
+def test_mcp_server_on_stdio_performs_and_stops_at_once_and_ends_with_its_client(tmp_path: Path):
+    async def run() -> tuple[list[str], list[StopTiming], int]:
         async with stdio_client(tmp_path) as client:
-            return await time_stops(client, [client], count=FEW_STOPS)
+            calls = (("perform", {"document": STORY}), ("stop", {}), ("resume", {}))
+            answers = [text_of(await client.call_tool(name, arguments)) for name, arguments in calls]
+            timings = await time_stops(client, [client], count=FEW_STOPS)
+            return answers, timings, next(filter(None, map(find_server, children_of(os.getpid()))))
 
-    judge(asyncio.run(run()))
+    answers, timings, server = asyncio.run(run())
+    wait_for(lambda: not is_running(server))
+    assert json.loads(answers[0])["block"] == "story1"
+    assert answers[1:] == ["stopped", "resumed"]
+    assert threading.active_count() < 50
+    judge(timings)
 
 
-def test_stop_over_http_waits_for_none_of_fifty_calls_of_other_clients():
+def test_http_stop_is_not_delayed_by_fifty_calls_of_other_clients():
     async def run(url: str) -> list[StopTiming]:
         async with AsyncExitStack() as opened:
             clients = await opened.enter_async_context(many_clients(url, 5))

@@ -1,4 +1,4 @@
-"""The tools by HTTP: no page of the web, no rebound name and nobody without the token calls them."""
+"""Tools over HTTP: web pages, rebound names and missing tokens are refused."""
 
 import asyncio
 import http.client
@@ -27,17 +27,17 @@ HELLO = {
     "method": "initialize",
     "params": {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}},
 }
-FEW_SESSIONS = 20  # more than are kept
+FEW_SESSIONS = 20  # more than `MAX_SESSIONS`
 HEADERS = {"Content-Type": "application/json", "Accept": "application/json, text/event-stream"}
 
 
 @pytest.fixture
 def port(request: pytest.FixtureRequest) -> Iterator[int]:
-    """Of an open server; the parameter is its token."""
+    """Port of an open server, with the token as parameter."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         number: int = free.getsockname()[1]
-    uvicorn, mcp, web = map(import_module, ("uvicorn", "mcp.server", "kinesic.mcp.web"))  # by whoever runs this alone
+    uvicorn, mcp, web = map(import_module, ("uvicorn", "mcp.server", "kinesic.mcp.web"))  # only if this test runs alone
     tools = mcp.MCPServer("test")
     calls = CallQueue(interval=0.0)
 
@@ -62,7 +62,7 @@ def port(request: pytest.FixtureRequest) -> Iterator[int]:
 
 
 def answer(port: int, **more: str) -> int:
-    """The status by which a first message is answered."""
+    """Return the HTTP status of a first message."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
     headers = {**HEADERS, **{name.replace("_", "-"): value for name, value in more.items()}}
     connection.request("POST", "/mcp", json.dumps(HELLO), headers)
@@ -72,7 +72,7 @@ def answer(port: int, **more: str) -> int:
 
 
 @pytest.mark.parametrize("port", [None], indirect=True)
-def test_programs_of_this_machine_come_in_and_pages_of_the_web_do_not(port: int):
+def test_mcp_http_server_accepts_local_programs_and_refuses_web_pages(port: int):
     assert answer(port) == 200
     assert answer(port, Origin=f"http://127.0.0.1:{port}") == 200
     assert answer(port, Origin="https://evil.example") == 403
@@ -81,14 +81,14 @@ def test_programs_of_this_machine_come_in_and_pages_of_the_web_do_not(port: int)
 
 
 @pytest.mark.parametrize("port", ["open sesame"], indirect=True)
-def test_whoever_shows_the_token_comes_in(port: int):
+def test_mcp_http_client_with_the_token_is_admitted(port: int):
     assert answer(port, Authorization="Bearer open sesame") == 200
     assert answer(port) == 401
     assert answer(port, Authorization="Bearer wrong") == 401
 
 
 @pytest.mark.parametrize("port", [None], indirect=True)
-def test_forty_clients_come_in_one_after_the_other_and_a_pending_call_is_answered(port: int):
+def test_forty_successive_clients_are_served_during_a_pending_call(port: int):
     async def run() -> tuple[str, int]:
         url, counted = f"http://127.0.0.1:{port}/mcp", 0
         async with AsyncExitStack() as opened:
@@ -104,7 +104,7 @@ def test_forty_clients_come_in_one_after_the_other_and_a_pending_call_is_answere
 
 @pytest.mark.parametrize("port", [None], indirect=True)
 @pytest.mark.parametrize("mode", ["legacy", "auto"])
-def test_call_of_a_client_that_has_left_makes_way(port: int, mode: str):
+def test_call_of_a_disconnected_client_leaves_the_queue(port: int, mode: str):
     async def run() -> str:
         url = f"http://127.0.0.1:{port}/mcp"
         async with http_client(url, mode=mode) as leaving, http_client(url, mode=mode) as other:
@@ -119,7 +119,7 @@ def test_call_of_a_client_that_has_left_makes_way(port: int, mode: str):
 
 
 @pytest.mark.parametrize("port", [None], indirect=True)
-def test_call_whose_connection_breaks_makes_way(port: int):
+def test_call_with_a_broken_connection_leaves_the_queue(port: int):
     session = None
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
     connection.request("POST", "/mcp", json.dumps(HELLO), HEADERS)
@@ -129,7 +129,7 @@ def test_call_whose_connection_breaks_makes_way(port: int):
     call = {"jsonrpc": "2.0", "method": "tools/call", "params": {"name": "hold", "arguments": {"seconds": 600.0}}}
     broken = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
     broken.request("POST", "/mcp", json.dumps(call | {"id": 2}), HEADERS | {"mcp-session-id": session})
-    assert broken.getresponse().status == 200  # its stream has begun
+    assert broken.getresponse().status == 200  # the stream has started
 
     async def run() -> str:
         async with http_client(f"http://127.0.0.1:{port}/mcp") as other:

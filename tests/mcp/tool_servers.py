@@ -1,43 +1,44 @@
-"""`kinesic mcp` as a process of its own, and clients of the official package over both transports."""
+"""`kinesic mcp` in separate processes, with official clients over both transports."""
 
 import asyncio
 import socket
 import subprocess
 import sys
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from time import monotonic
+from time import monotonic, sleep
 
-from kinesic.serve.priority import urgent
+from kinesic.serve.priority import raise_priority
 
 COMMAND = (sys.executable, "-m", "kinesic", "mcp", "--voice", "durations")
 PENDING_CALLS = 50
 LONG_TEXT = "It was a large and heavy thing, and nobody knew what to do about it. " * 25
 MAX_START_TIME = 120.0  # [s]
 MAX_STOP_LATENCY = 0.1  # [s]
+MAX_END_DELAY = 12.0  # [s] shorter than the time before a server is killed
 
 
 @dataclass(frozen=True)
 class StopTiming:
-    """A stop that was sent while other calls were pending."""
+    """Timing of a stop during pending calls."""
 
     latency: float  # [s] from the call to its answer
     pending: int  # calls without an answer when the stop was sent
-    refusals: tuple[str, ...]  # of these calls, afterwards
+    refusals: tuple[str, ...]  # answers of these calls
 
 
 def text_of(result) -> str:
-    """The text of a tool's answer."""
+    """Return the text of a tool's answer."""
     return "".join(each.text for each in result.content)
 
 
 @contextmanager
 def http_server(*options: str) -> Iterator[str]:
-    """Serve tools over HTTP on a free port of the loopback; gives the URL."""
+    """Serve tools over HTTP on a free loopback port and yield the URL."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"127.0.0.1:{free.getsockname()[1]}"
@@ -70,19 +71,19 @@ def _wait_until_open(address: str) -> None:
 
 
 def stdio_client(folder: Path) -> AbstractAsyncContextManager:
-    """A client that starts the server by itself."""
+    """Open a client that starts the server itself."""
     mcp = import_module("mcp")
     return mcp.Client(mcp.StdioServerParameters(command=COMMAND[0], args=list(COMMAND[1:]), cwd=folder))
 
 
 def http_client(url: str, *, mode: str = "legacy") -> AbstractAsyncContextManager:
-    """A client over HTTP; `legacy` opens a session, as most programs do."""
+    """Open an HTTP client; `legacy` opens a session, as most programs do."""
     return import_module("mcp").Client(url, mode=mode)
 
 
 @asynccontextmanager
 async def many_clients(url: str, count: int) -> AsyncIterator[list]:
-    """As many clients over HTTP, each with a session of its own."""
+    """Open a number of HTTP clients, each with a session."""
     async with http_client(url) as client:
         if count == 1:
             yield [client]
@@ -92,14 +93,14 @@ async def many_clients(url: str, count: int) -> AsyncIterator[list]:
 
 
 async def time_stops(stopper, callers, *, count: int) -> list[StopTiming]:
-    """Measure stops one after the other, after one that is not counted."""
-    with urgent():  # as the server, so that other work of the machine is not measured
+    """Measure successive stops after an uncounted first one."""
+    with raise_priority():  # same priority as the server, so that other processes do not distort the timing
         timings = [await _time_stop(stopper, callers, round_number=k) for k in range(count + 1)]
     return timings[1:]
 
 
 async def _time_stop(stopper, callers, *, round_number: int) -> StopTiming:
-    """Send 50 calls that move the robot, measure a stop, and resume."""
+    """Send 50 moving calls, measure a stop, and resume."""
     calls = []
     for k in range(PENDING_CALLS):
         caller, name = callers[k % len(callers)], f"r{round_number}-{k}"
@@ -109,7 +110,7 @@ async def _time_stop(stopper, callers, *, round_number: int) -> StopTiming:
         else:
             calls.append(asyncio.create_task(caller.call_tool("say", {"text": LONG_TEXT})))
     for caller in callers:
-        await caller.list_tools()  # answered when the calls before it have been read
+        await caller.list_tools()  # answered after the previous calls were read
     pending = sum(not call.done() for call in calls)
     begun = monotonic()
     await stopper.call_tool("stop", {})
@@ -117,3 +118,32 @@ async def _time_stop(stopper, callers, *, round_number: int) -> StopTiming:
     answers = await asyncio.gather(*calls)
     await stopper.call_tool("resume", {})
     return StopTiming(latency, pending, tuple(text_of(each) for each in answers if each.is_error))
+
+
+def find_server(process: int) -> int:
+    """Return the process id of the serving child, or 0."""
+    serving = (child for child in children_of(process) if b"--listen" in Path(f"/proc/{child}/cmdline").read_bytes())
+    return next(serving, 0)
+
+
+def children_of(process: int) -> list[int]:
+    """Return the child processes of a process."""
+    tasks = Path(f"/proc/{process}/task").iterdir()
+    return [int(child) for task in tasks for child in (task / "children").read_text().split()]
+
+
+def is_running(process: int) -> bool:
+    """Return whether a process has not ended."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def wait_for(condition: Callable[[], int]) -> int:
+    """Wait until a condition holds."""
+    until = monotonic() + MAX_END_DELAY
+    while not (found := condition()):
+        assert monotonic() < until
+        sleep(0.05)
+    return found

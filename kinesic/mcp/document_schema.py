@@ -1,0 +1,101 @@
+"""JSON schema of BML documents for language models.
+
+It lists the values that perform.
+"""
+
+from collections.abc import Mapping, Sequence
+
+from kinesic.body.config import names_of
+
+Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
+
+HEAD_MOVEMENTS = ("NOD", "SHAKE", "TILT", "UP", "DOWN", "LEFT", "RIGHT", "FORWARD", "BACK")
+FACES = ("smile", "sadness", "surprise", "anger", "fear", "disgust", "raise_brows", "lower_brows")
+GAZE_TARGETS = ("AUDIENCE", "LEFT", "RIGHT", "UP", "DOWN", "UP_LEFT", "UP_RIGHT", "DOWN_LEFT", "DOWN_RIGHT")
+ARM_POSES = ("ARMS_CROSSED", "ARMS_AKIMBO", "ARMS_OPEN", "ARMS_NEUTRAL")
+HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+UNSTRESSED_TYPES = ("speech", "face", "gazeShift", "postureShift")  # behaviour types without a stroke
+COMPOSITIONS = ("MERGE", "APPEND", "REPLACE")
+
+TIME_TEXT = (
+    "start, stroke and end of a behaviour are seconds, such as 1.5, or references with an offset, such as 's:m1' (mark "
+    "m1 of the speech s), 'g1:end+0.5' or 's:start'. The stroke is the moment that carries the meaning."
+)
+
+
+def _text(description: str) -> dict[str, Json]:
+    return {"type": "string", "description": description}
+
+
+def _choice(values: Sequence[str], description: str) -> dict[str, Json]:
+    return {"type": "string", "enum": list(values), "description": description}
+
+
+_TIME: Mapping[str, Json] = {"type": ["number", "string"]}
+_AMOUNT: Mapping[str, Json] = {"type": "number", "minimum": 0, "maximum": 1, "description": "Strength."}
+
+
+def _behaviour(kind: str, required: Sequence[str], **properties: Json) -> dict[str, Json]:
+    times = dict.fromkeys(("start", "end") if kind in UNSTRESSED_TYPES else ("start", "stroke", "end"), _TIME)
+    return {
+        "type": "object",
+        "properties": {"type": {"const": kind}, "id": {"type": "string"}, **properties, **times},
+        "required": ["type", "id", *required],
+    }
+
+
+_MARK: Mapping[str, Json] = {"type": "object", "properties": {"sync": {"type": "string"}}, "required": ["sync"]}
+_SPOKEN: Mapping[str, Json] = {
+    "anyOf": [{"type": "string"}, {"type": "array", "items": {"anyOf": [{"type": "string"}, _MARK]}}],
+    "description": 'Words, or a list of words and marks: ["It is ", {"sync": "m1"}, "large."]. A mark stands right '
+    "before the word on which a stroke shall fall.",
+}
+_GESTURE = _text("Name of a gesture, such as 'welcome'; find_gesture finds names by meaning.")
+_HANDS = _choice(HAND_MODES, "Hands that gesture; without it the gesture decides.")
+_TARGET = _text("What to point at: 'left', 'right', or 'x y z' in metres (x forward, y left, z up).")
+_GAZE = _choice(GAZE_TARGETS, "Where to look, seen from the robot.")
+_POSE: Mapping[str, Json] = {
+    "type": "array",
+    "items": {
+        "type": "object",
+        "properties": {"part": {"enum": ["ARMS"]}, "lexeme": _choice(ARM_POSES, "Pose of both arms.")},
+        "required": ["part", "lexeme"],
+    },
+    "description": "Pose that stays until the next postureShift.",
+}
+
+BML_SCHEMA: Mapping[str, Json] = {
+    "title": "BML as JSON",
+    "description": "One performance: speech with gestures, head, face, gaze and posture.",
+    "type": "object",
+    "properties": {
+        "id": _text("New for every performance; wait and status use it."),
+        "kinesic:style": _choice(names_of("style"), "How everything moves."),
+        "composition": _choice(
+            COMPOSITIONS, "Beside running performances (MERGE, default), after them (APPEND), or instead (REPLACE)."
+        ),
+        "behaviours": {
+            "type": "array",
+            "description": f"Every id once. {TIME_TEXT}",
+            "items": {
+                "oneOf": [
+                    _behaviour("speech", ["text"], text=_SPOKEN),
+                    _behaviour("gesture", ["lexeme"], lexeme=_GESTURE, mode=_HANDS),
+                    _behaviour(
+                        "head",
+                        ["lexeme"],
+                        lexeme=_choice(HEAD_MOVEMENTS, "Movement of the head."),
+                        amount=_AMOUNT,
+                        repetition={"type": "integer", "minimum": 0, "description": "Repetitions after the first."},
+                    ),
+                    _behaviour("face", ["lexeme"], lexeme=_choice(FACES, "Expression."), amount=_AMOUNT),
+                    _behaviour("gaze", ["target"], target=_GAZE),
+                    _behaviour("gazeShift", ["target"], target=_GAZE),
+                    _behaviour("pointing", ["target"], target=_TARGET, mode=_HANDS),
+                    _behaviour("postureShift", ["pose"], pose=_POSE),
+                ]
+            },
+        },
+    },
+    "required": ["id", "behaviours"],
+}
