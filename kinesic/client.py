@@ -1,4 +1,4 @@
-"""Talks to `kinesic serve`, with nothing but the standard library.
+"""Client of `kinesic serve`, based on the standard library only.
 
 Example:
     ```python
@@ -12,22 +12,25 @@ Example:
 
 import json
 import re
+import selectors
 import socket
 from collections import deque
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from html import unescape
-from selectors import EVENT_READ, DefaultSelector
+from selectors import EVENT_READ
 from types import TracebackType
 from typing import Self
 from xml.parsers import expat
 
-PORT = 8864
-_END = b"\0"
-_CHUNK = 65_536  # [bytes] read at once
-_UNNAMED_BLOCK = "block"  # id that the server gives to a block without one
-_ID_SEARCH = 65_536  # [letters] of a broken document in which its id is looked for, as the server does
-# Comments and CDATA, which end with the text at the latest, so that each letter is read once; or the id of a <bml>.
-_BROKEN_ID = re.compile(
+DEFAULT_PORT = 8864  # TCP port of `kinesic serve`
+PORT = DEFAULT_PORT  # deprecated alias
+_MESSAGE_END = b"\0"
+_CHUNK_SIZE = 65_536  # [bytes] largest number of bytes per read
+_UNNAMED_BLOCK = "block"  # id that the server assigns to a block without one
+_ID_SEARCH_LENGTH = 65_536  # [characters] length of a broken document searched for its id, as on the server
+# Comments and CDATA, which end with the text at the latest, so that the search is linear; or the id of a <bml>.
+_BROKEN_ID_PATTERN = re.compile(
     r"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
     re.DOTALL | re.ASCII,
 )
@@ -45,25 +48,26 @@ _ATTRIBUTE_ESCAPES = str.maketrans(
 
 
 class Client:
-    """A connection to a server. Messages are BML feedback (XML), or answers to control messages (JSON).
+    """Connection to a server.
 
-    One thread may send while another one receives.
+    Messages from the server are BML feedback (XML) or answers to control messages (JSON). One thread may send while
+    another one receives.
     """
 
     def __init__(
-        self, host: str = "127.0.0.1", port: int = PORT, *, token: str | None = None, timeout: float = 10.0
+        self, host: str = "127.0.0.1", port: int = DEFAULT_PORT, *, token: str | None = None, timeout: float = 10.0
     ) -> None:
-        """Connects.
+        """Connect to a server.
 
         Args:
-            host: of the server.
-            port: of the server.
-            token: that the server asks for.
-            timeout: [s] to connect, and to hand a message over.
+            host: host name or address of the server.
+            port: port of the server.
+            token: token, if the server requires one.
+            timeout: time limit [s] for connecting and for sending a message.
 
         Raises:
-            OSError: nobody is there.
-            PermissionError: the token is wrong, or missing.
+            OSError: no server listens at this address.
+            PermissionError: the token is wrong or missing.
         """
         self._socket = socket.create_connection((host, port), timeout)
         self._rest, self._messages = bytearray(), deque[str]()
@@ -75,61 +79,72 @@ class Client:
                 raise PermissionError(answer.get("why", "the server does not answer"))
 
     def send(self, bml: str) -> None:
-        """Sends a document; it is performed as soon as its composition allows.
+        """Send a document.
+
+        It is performed as soon as its composition allows.
 
         Raises:
-            OSError: the server is gone.
+            OSError: the connection is closed.
         """
         self.send_bytes(bml.encode())
 
     def send_bytes(self, message: bytes) -> None:
-        """Sends a message as it is; it must not contain a NUL byte.
+        """Send a message unchanged.
+
+        It must not contain a NUL byte.
 
         Raises:
-            OSError: the server is gone.
+            OSError: the connection is closed.
         """
-        self._socket.sendall(message + _END)
+        self._socket.sendall(message + _MESSAGE_END)
 
     def do(self, verb: str, **values: object) -> None:
-        """Sends a control message: stop, resume, interrupt, style, status, ping (see docs/serve.md).
+        """Send a control message: stop, resume, interrupt, style, status, ping (see docs/reference/wire-protocol.md).
 
         Raises:
-            OSError: the server is gone.
+            OSError: the connection is closed.
         """
         self.send(json.dumps({"do": verb} | values))
 
     def stop(self) -> None:
-        """Stops the robot in the least time; no block is taken until `resume`."""
+        """Stop the robot in minimum time.
+
+        Blocks are refused until `resume`.
+        """
         self.do("stop")
 
     def receive(self, timeout: float | None = None) -> str | None:
-        """Receives the next message; None when none came in time.
+        """Receive the next message.
+
+        Return None after a timeout.
 
         Args:
-            timeout: [s] to wait; None: as long as it takes.
+            timeout: maximum waiting time [s]; None waits without a limit.
 
         Raises:
-            ConnectionError: the server is gone.
+            ConnectionError: the server has closed the connection.
         """
         while not self._messages:
             if not self._is_heard(timeout):
                 return None
-            data = self._socket.recv(_CHUNK)
+            data = self._socket.recv(_CHUNK_SIZE)
             if not data:
                 raise ConnectionError("the server has closed the connection")
-            *whole, rest = (self._rest + data).split(_END)
+            *whole, rest = (self._rest + data).split(_MESSAGE_END)
             self._rest = bytearray(rest)
             self._messages += (message.decode().strip() for message in whole)
         return self._messages.popleft()
 
     def perform(self, bml: str) -> Iterator[str]:
-        """Sends a document, and yields all messages until its block has ended or was refused.
+        """Send a document and yield messages until its block ends.
+
+        A refusal also ends it.
 
         Args:
-            bml: as XML or JSON, with an id of its own, by which its end is known.
+            bml: document in XML or JSON with a unique id, which identifies its end.
 
         Raises:
-            ConnectionError: the server is gone.
+            ConnectionError: the server has closed the connection.
         """
         name = _block_id(bml).translate(_ATTRIBUTE_ESCAPES)
         ends = (f'<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{name}:end"',)
@@ -143,12 +158,22 @@ class Client:
                 return
 
     def close(self) -> None:
-        """Closes the connection; what was sent is performed all the same."""
+        """Close the connection.
+
+        Sent documents are still performed. A `receive` in another thread ends.
+        """
+        with suppress(OSError):  # the server may have disconnected
+            self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
 
     def _is_heard(self, timeout: float | None) -> bool:
-        """Waits for a message; the socket's own timeout is that of sending, maybe in another thread."""
-        with DefaultSelector() as waiting:
+        """Wait for data from the server and return False after a timeout.
+
+        The timeout of the socket itself applies to sending, possibly in another thread.
+        """
+        # Neither epoll nor kqueue reports a socket that another thread closes; poll and select do.
+        waiter = getattr(selectors, "PollSelector", selectors.SelectSelector)
+        with waiter() as waiting:
             waiting.register(self._socket, EVENT_READ)
             return bool(waiting.select(timeout))
 
@@ -162,25 +187,25 @@ class Client:
 
 
 class StopLine:
-    """A connection that only stops the robot: the server reads it apart from all other clients, whatever these send."""
+    """Connection that only stops the robot, independent of all other clients."""
 
     def __init__(
-        self, host: str = "127.0.0.1", port: int = PORT, *, token: str | None = None, timeout: float = 10.0
+        self, host: str = "127.0.0.1", port: int = DEFAULT_PORT, *, token: str | None = None, timeout: float = 10.0
     ) -> None:
-        """Connects.
+        """Connect to a server.
 
         Args:
-            host: of the server.
-            port: of the server.
-            token: that the server asks for.
-            timeout: [s] to connect.
+            host: host name or address of the server.
+            port: port of the server.
+            token: token, if the server requires one.
+            timeout: time limit [s] for connecting.
 
         Raises:
-            OSError: nobody is there, or the server takes no further stop line.
-            PermissionError: the token is wrong, or missing.
+            OSError: no server listens at this address, or the server accepts no further stop line.
+            PermissionError: the token is wrong or missing.
         """
         self._client = Client(host, port, token=token, timeout=timeout)
-        self._owed = 0  # answers to stops
+        self._owed = 0  # expected answers to stops
         try:
             self._client.do("stop_line")
             _expect("stop_line", self._answer(timeout))
@@ -189,23 +214,25 @@ class StopLine:
             raise
 
     def stop(self, timeout: float = 1.0) -> None:
-        """Stops the robot in the least time, and waits until the server says so; no block is taken until `resume`.
+        """Stop the robot in minimum time and wait for the acknowledgement.
+
+        Blocks are refused until `resume`.
 
         Args:
-            timeout: [s] to wait.
+            timeout: maximum waiting time [s].
 
         Raises:
-            OSError: the server is gone, cannot stop, or does not answer in time: use the switch that cuts the power.
+            OSError: the connection is closed, the stop failed, or there is no answer in time: switch off the power.
         """
         self._client.do("stop")
         self._owed += 1
-        while self._owed:  # the answer to an earlier stop, which came too late, is none to this one
+        while self._owed:  # late answers to earlier stops do not count for this one
             answer = self._answer(timeout)
             self._owed -= 1
         _expect("stopped", answer)
 
     def close(self) -> None:
-        """Closes the connection."""
+        """Close the connection."""
         self._client.close()
 
     def _answer(self, timeout: float) -> dict[str, str]:
@@ -224,8 +251,8 @@ class StopLine:
         self.close()
 
 
-def _expect(told: str, answer: Mapping[str, str]) -> None:
-    if answer.get("told") != told:
+def _expect(kind: str, answer: Mapping[str, str]) -> None:
+    if answer.get("told") != kind:
         raise ConnectionError(answer.get("why", f"the server answers {answer}"))
 
 
@@ -239,16 +266,16 @@ def _block_id(bml: str) -> str:
     try:
         return _xml_id(bml)
     except expat.ExpatError:
-        found = (each[1] or each[2] for each in _BROKEN_ID.finditer(bml, 0, _ID_SEARCH))
-        return unescape(next(filter(None, found), "")).strip() or _UNNAMED_BLOCK
+        ids = (match[1] or match[2] for match in _BROKEN_ID_PATTERN.finditer(bml, 0, _ID_SEARCH_LENGTH))
+        return unescape(next(filter(None, ids), "")).strip() or _UNNAMED_BLOCK
 
 
-class _BlockFound(Exception):  # noqa: N818 - ends the parser, and is no error
-    """The id of the first <bml>."""
+class _BlockFound(Exception):  # noqa: N818 - ends the parser, not an error
+    """Id of the first <bml>, raised to end the parser."""
 
 
 def _xml_id(bml: str) -> str:
-    """Return the id of the first <bml> of a document in XML.
+    """Return the id of the first <bml> of an XML document.
 
     Raises:
         ExpatError: the document is broken before its <bml>.
@@ -258,17 +285,17 @@ def _xml_id(bml: str) -> str:
         if name.rpartition(":")[2] == "bml":
             raise _BlockFound(attributes.get("id", ""))
 
-    parser = expat.ParserCreate()  # the server decodes as the declaration says, too
+    parser = expat.ParserCreate()  # it respects the declared encoding, like the server
     parser.StartElementHandler = begin
     try:
         parser.Parse(bml.encode(errors="replace"), True)
-    except _BlockFound as found:
-        return str(found).strip() or _UNNAMED_BLOCK
+    except _BlockFound as block_found:
+        return str(block_found).strip() or _UNNAMED_BLOCK
     return _UNNAMED_BLOCK
 
 
 def _refuses(message: str, name: str) -> bool:
-    """Says whether a message refuses a block."""
+    """Return whether a message refuses a block."""
     head, _, text = message.partition(">")
     nothing = "PARSING_FAILURE" in head or text.startswith(("rule ", "not performed"))
     return head.startswith("<warningFeedback") and f' id="{name}"' in head and nothing

@@ -1,4 +1,4 @@
-"""The client, and the examples that use it, at a real server; brokers are real ones too."""
+"""Client and example programs with a real server and real message brokers."""
 
 import json
 import re
@@ -23,14 +23,14 @@ import kinesic.client
 from kinesic.bench.bml.server import Server, open_server
 from kinesic.client import Client
 
-from .growth import STRAIGHT, growth
+from .growth import LINEAR_GROWTH_LIMIT, growth
 
 pytestmark = pytest.mark.realtime
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 BML = "http://www.bml-initiative.org/bml/bml-1.0"
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
-PATIENCE = 30.0  # [s]
+MAX_WAIT = 30.0  # [s]
 
 
 @pytest.fixture(scope="module")
@@ -39,27 +39,27 @@ def server() -> Iterator[Server]:
         yield found
 
 
-def test_the_example_of_its_docstring_works(server, capsys, monkeypatch):
+def test_example_in_the_docstring_of_the_client_module_works(server, capsys, monkeypatch):
     code = dedent(re.search(r"```python\n(.*?)```", kinesic.client.__doc__, re.DOTALL)[1])
     monkeypatch.setattr(kinesic.client.Client.__init__, "__defaults__", ("127.0.0.1", server.port))
     exec(compile(code, "docstring", "exec"), {})
     assert 'id="b1:end"' in capsys.readouterr().out
 
 
-def test_nobody_there_is_an_error_of_the_system(server):
+def test_missing_server_raises_os_error(server):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         with pytest.raises(ConnectionRefusedError):
             Client(port=free.getsockname()[1])
 
 
-def test_waiting_for_nothing_ends_in_time(server):
+def test_client_receive_returns_none_after_its_timeout(server):
     with Client(port=server.port) as client:
         assert client.receive(0.0) is None
         assert client.receive(0.05) is None
 
 
-def test_a_document_of_many_beginnings_is_sent_at_once():
+def test_block_id_search_time_is_linear_for_many_tags():
     def perform(text: str) -> None:
         with (
             socket.create_server(("127.0.0.1", 0)) as listening,
@@ -69,16 +69,16 @@ def test_a_document_of_many_beginnings_is_sent_at_once():
             served.sendall(f'<blockProgress xmlns="{BML}" id="block:end"/>\0'.encode())
             list(client.perform(text))
 
-    assert growth(perform, lambda size: size * "<bml ", most=2**14) < STRAIGHT
+    assert growth(perform, lambda size: size * "<bml ", most=2**14) < LINEAR_GROWTH_LIMIT
 
 
-def test_a_refused_block_ends_its_performance(server):
+def test_refused_block_ends_a_client_perform_call(server):
     with Client(port=server.port) as client:
         told = list(client.perform('<bml id="bad"><head id="h" start="h:end+nonsense:1:2:3:4"/></bml'))
     assert "PARSING_FAILURE" in told[-1]
 
 
-def test_a_block_that_a_rule_forbids_ends_its_performance(server):
+def test_block_refused_by_a_quota_ends_perform(server):
     with Client(port=server.port) as client:
         client.stop()
         told = list(client.perform('<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>'))
@@ -87,16 +87,16 @@ def test_a_block_that_a_rule_forbids_ends_its_performance(server):
     assert "rule stopped" in told[-1]
 
 
-def test_every_control_message_has_its_verb(server):
+def test_client_sends_stop_resume_and_ping_messages(server):
     with Client(port=server.port) as client:
         client.stop()
-        assert json.loads(client.receive(PATIENCE)) == {"told": "stopped"}
+        assert json.loads(client.receive(MAX_WAIT)) == {"told": "stopped"}
         client.do("resume")
         client.do("ping", id="x")
-        assert json.loads(client.receive(PATIENCE)) == {"told": "pong", "id": "x"}
+        assert json.loads(client.receive(MAX_WAIT)) == {"told": "pong", "id": "x"}
 
 
-def test_the_example_of_a_client(server):
+def test_client_example_program_works(server):
     done = subprocess.run(
         [sys.executable, EXAMPLES / "06_live.py", str(server.port)], capture_output=True, text=True, check=True
     )
@@ -104,8 +104,8 @@ def test_the_example_of_a_client(server):
     assert '"told":"status"' in done.stdout
 
 
-STORY = "Once there was a fish. It was huge!"
-ANSWERS = (  # of a model, as they were recorded; the first one lacks a comma
+STORY_TEXT = "Once there was a fish. It was huge!"
+RECORDED_ANSWERS = (  # recorded answers of a model; the first one lacks a comma
     """Here it is: {"id": "story1", "behaviours": [
     {"type": "speech", "id": "s", "text": ["Once there was a fish. It was ", {"sync": "m1"}, "huge!"]}
     {"type": "gesture", "id": "g1", "lexeme": "large", "stroke": "s:m1"}]}""",
@@ -117,13 +117,13 @@ ANSWERS = (  # of a model, as they were recorded; the first one lacks a comma
 
 @contextmanager
 def recorded_model(asked: list[dict]) -> Iterator[str]:
-    """A chat API that answers as a model did; what it is asked is kept."""
+    """Serve a chat API with recorded answers and record its requests."""
 
     class Recorded(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
             assert self.path == "/v1/chat/completions"
             asked.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
-            message = {"role": "assistant", "content": ANSWERS[len(asked) - 1]}
+            message = {"role": "assistant", "content": RECORDED_ANSWERS[len(asked) - 1]}
             body = json.dumps({"choices": [{"message": message}]}).encode()
             self.send_response(200)
             self.send_header("Content-Length", str(len(body)))
@@ -131,7 +131,7 @@ def recorded_model(asked: list[dict]) -> Iterator[str]:
             self.wfile.write(body)
 
         def log_message(self, *_arguments: object) -> None:
-            """Says nothing."""
+            """Log nothing."""
 
     with ThreadingHTTPServer(("127.0.0.1", 0), Recorded) as model:
         Thread(target=model.serve_forever, daemon=True).start()
@@ -139,18 +139,18 @@ def recorded_model(asked: list[dict]) -> Iterator[str]:
         model.shutdown()
 
 
-def test_a_model_performs_a_story_and_mends_what_is_refused(server, tmp_path):
+def test_language_model_example_corrects_refused_documents(server, tmp_path):
     asked: list[dict] = []
     story = tmp_path / "story.txt"
-    story.write_text(STORY)
+    story.write_text(STORY_TEXT)
     with recorded_model(asked) as url:
         call = [sys.executable, EXAMPLES / "11_story.py", url, "recorded", story, str(server.port)]
         done = subprocess.run(call, capture_output=True, text=True, check=True)
     assert "story2:end" in done.stdout
     first, second = (each["messages"] for each in asked)
-    assert STORY in first[1]["content"]
+    assert STORY_TEXT in first[1]["content"]
     assert "PARSING_FAILURE" in second[-1]["content"]
-    assert second[-2]["content"] == ANSWERS[0]
+    assert second[-2]["content"] == RECORDED_ANSWERS[0]
 
 
 @contextmanager
@@ -189,7 +189,7 @@ def toolkit(server, broker) -> Iterator[None]:
         yield
 
 
-def test_greta_s_topics(server, broker):
+def test_greta_stomp_example_forwards_bml_and_feedback(server, broker):
     with _example("07_greta_stomp.py", server.port, broker):
         heard, link = _listening(broker, "/topic/greta.output.feedback.BML")
         link.send("/topic/greta.BML", f'<bml id="greta-{broker}">{NOD}</bml>')
@@ -198,7 +198,7 @@ def test_greta_s_topics(server, broker):
 
 
 @pytest.mark.parametrize("encoded", [False, True])
-def test_smartbody_s_messages(toolkit, broker, encoded):
+def test_smartbody_messages_example_program_works(toolkit, broker, encoded):
     name = f"sbm_test_{int(encoded)}_{broker}"
     xml = f'<?xml version="1.0" encoding="UTF-8"?>\n<act><bml>{NOD}</bml></act>'
     rest = f"ChrBrad ALL {name} {xml}"
@@ -210,7 +210,7 @@ def test_smartbody_s_messages(toolkit, broker, encoded):
 
 
 def _listening(port, topic):
-    """Everything that comes to a topic, and the link by which it comes."""
+    """Subscribe to a topic; return its messages and the connection."""
     heard, link, listener = Queue(), stomp.Connection([("127.0.0.1", port)]), stomp.ConnectionListener()
     listener.on_message = lambda frame: heard.put(frame.body)
     link.set_listener("test", listener)
@@ -220,16 +220,16 @@ def _listening(port, topic):
 
 
 def _until(heard, wanted):
-    while wanted not in heard.get(timeout=PATIENCE):
+    while wanted not in heard.get(timeout=MAX_WAIT):
         pass
 
 
 @contextmanager
 def _example(name: str, *ports: int) -> Iterator[None]:
-    """An example that runs, and has said so."""
+    """Run an example program and wait until it is ready."""
     with _process(sys.executable, EXAMPLES / name, *map(str, ports)) as process:
         assert "performs" in process.stdout.readline()
-        time.sleep(0.3)  # until the broker has its subscription
+        time.sleep(0.3)  # until the broker has registered the subscription
         yield
 
 
@@ -249,7 +249,7 @@ def _free() -> int:
 
 
 def _await(port: int) -> None:
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + MAX_WAIT
     while time.monotonic() < end:
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", port)) == 0:

@@ -1,20 +1,23 @@
-"""The client at a server that says what it is told to: how messages are cut, whose end is awaited, and what fails."""
+"""Client with a scripted server: framing, ends of blocks and failures."""
 
 import json
 import socket
 from collections.abc import Callable, Iterator
+from contextlib import suppress
+from threading import Event, Thread
+from time import sleep
 
 import pytest
 
 from kinesic import client as module
-from kinesic.client import PORT, Client, StopLine
+from kinesic.client import DEFAULT_PORT, Client, StopLine
 from kinesic.realizer.request import block_id
 
 END = '<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}:end" globalTime="1"/>'
 
 
 class Server:
-    """The other end of a client's connection."""
+    """Server end of a client's connection."""
 
     def __init__(self, end: socket.socket) -> None:
         self._end = end
@@ -40,7 +43,7 @@ class Server:
 
 @pytest.fixture
 def asked() -> list[tuple]:
-    """Where clients connect to, and how long they try."""
+    """Addresses and timeouts of connection attempts."""
     return []
 
 
@@ -59,15 +62,15 @@ def server(monkeypatch: pytest.MonkeyPatch, asked: list[tuple]) -> Iterator[Serv
     theirs.close()
 
 
-def test_it_connects_to_this_machine_unless_told_otherwise(server: Server, asked: list[tuple]):
+def test_client_connects_to_localhost_by_default(server: Server, asked: list[tuple]):
     Client()
     Client("robot", 99, timeout=2.0)
-    assert asked == [("127.0.0.1", PORT, 10.0), ("robot", 99, 2.0)]
-    assert PORT == 8864
+    assert asked == [("127.0.0.1", DEFAULT_PORT, 10.0), ("robot", 99, 2.0)]
+    assert DEFAULT_PORT == 8864
     assert server.heard() == [], "nothing is said without a token"
 
 
-def test_a_token_is_shown_first(server: Server):
+def test_client_sends_its_token_first(server: Server):
     server.say('{"told":"welcome"}')
     Client(token="open sesame").do("ping", id="x")
     assert [json.loads(each) for each in server.heard()] == [
@@ -80,7 +83,7 @@ def test_a_token_is_shown_first(server: Server):
     ("answer", "why"),
     [('{"told":"refused","why":"the token is wrong"}', "is wrong"), ('{"told":"x"}', "does not answer")],
 )
-def test_whoever_is_not_welcome_is_told_why_and_left_without_a_connection(server: Server, answer: str, why: str):
+def test_refused_token_raises_and_closes_the_connection(server: Server, answer: str, why: str):
     server.say(answer)
     with pytest.raises(PermissionError, match=why):
         Client(token="guess")
@@ -88,12 +91,12 @@ def test_whoever_is_not_welcome_is_told_why_and_left_without_a_connection(server
     assert server._end.recv(1) == b"", "it is closed"
 
 
-def test_no_answer_to_a_token_is_no_welcome(server: Server):
+def test_server_that_does_not_answer_the_token_raises_an_error(server: Server):
     with pytest.raises(PermissionError, match="does not answer"):
         Client(token="guess", timeout=0.01)
 
 
-def test_messages_are_cut_wherever_the_pieces_of_a_stream_end(server: Server):
+def test_received_messages_are_split_independent_of_chunks(server: Server):
     client, stream = Client(), "<a/>\0 <b>\u00e4</b>\n\0<c/>\0".encode()
     for k in range(len(stream)):
         server.say_bytes(stream[k : k + 1])
@@ -101,7 +104,7 @@ def test_messages_are_cut_wherever_the_pieces_of_a_stream_end(server: Server):
     assert client.receive(0.0) is None
 
 
-def test_half_a_message_is_none_yet(server: Server):
+def test_incomplete_message_is_not_returned(server: Server):
     client = Client()
     server.say_bytes(b"<a")
     assert client.receive(0.01) is None
@@ -113,7 +116,7 @@ def test_half_a_message_is_none_yet(server: Server):
     assert client.receive(1.0) == "<c/>"
 
 
-def test_a_server_that_is_gone_is_an_error_after_what_it_said(server: Server):
+def test_closed_connection_raises_after_the_last_message(server: Server):
     client = Client()
     server.say("<a/>")
     server.leave()
@@ -122,7 +125,7 @@ def test_a_server_that_is_gone_is_an_error_after_what_it_said(server: Server):
         client.receive(1.0)
 
 
-def test_a_stop_is_one_message(server: Server):
+def test_client_stop_sends_one_message(server: Server):
     Client().stop()
     assert server.heard() == ['{"do": "stop"}']
 
@@ -149,7 +152,7 @@ def test_a_stop_is_one_message(server: Server):
         ('<bml <!-- <bml id="old"> --><bml id="b1', "block"),
     ],
 )
-def test_performing_ends_with_the_end_of_the_block(server: Server, document: str, name: str):
+def test_perform_ends_with_the_block_end(server: Server, document: str, name: str):
     client = Client()
     others = ["<x/>", END.format(f"{name}2"), END.format(name).replace(":end", ":start"), "<!-- -->" + END.format(name)]
     server.say(*others, END.format(name), "<later/>")
@@ -188,7 +191,7 @@ DOCUMENTS = (
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda text: text[:40])
-def test_client_and_server_agree_on_the_id_of_a_block(document: str):
+def test_client_and_server_derive_the_same_block_id(document: str):
     assert module._block_id(document) == block_id(document)
 
 
@@ -208,13 +211,13 @@ WARNING = '<warningFeedback xmlns="u" id="{}" type="{}">{}</warningFeedback>'
         (WARNING.format("b1", "PARSING_FAILURE", "x").replace("warningFeedback", "otherFeedback"), False),
     ],
 )
-def test_performing_ends_with_a_refusal_of_the_block(server: Server, warning: str, ends: bool):
+def test_perform_ends_with_a_refusal(server: Server, warning: str, ends: bool):
     client = Client()
     server.say(warning, END.format("b1"))
     assert list(client.perform('<bml id="b1"/>')) == [warning] + [END.format("b1")] * (not ends)
 
 
-def test_a_client_closes_its_connection_when_it_is_left(server: Server):
+def test_client_context_closes_the_connection(server: Server):
     with Client() as client:
         client.send("<bml/>")
     assert server._end.recv(100) == b"<bml/>\0"
@@ -232,7 +235,7 @@ def line(server: Server) -> Callable[[], StopLine]:
     return make
 
 
-def test_a_stop_line_waits_for_the_word_that_the_robot_stops(server: Server, line: Callable[[], StopLine]):
+def test_emergency_stop_connection_waits_for_the_acknowledgement(server: Server, line: Callable[[], StopLine]):
     stopping = line()
     server.say('{"told":"stopped"}')
     stopping.stop()
@@ -242,16 +245,14 @@ def test_a_stop_line_waits_for_the_word_that_the_robot_stops(server: Server, lin
 @pytest.mark.parametrize(
     ("answer", "why"), [('{"told":"failed","why":"use the switch"}', "use the switch"), ('{"told":"x"}', "answers")]
 )
-def test_a_stop_that_was_not_made_is_an_error(server: Server, line: Callable[[], StopLine], answer: str, why: str):
+def test_emergency_stop_that_fails_raises_an_error(server: Server, line: Callable[[], StopLine], answer: str, why: str):
     stopping = line()
     server.say(answer)
     with pytest.raises(ConnectionError, match=why):
         stopping.stop()
 
 
-def test_a_stop_without_an_answer_is_an_error_and_its_late_answer_counts_for_no_other(
-    server: Server, line: Callable[[], StopLine]
-):
+def test_emergency_stop_without_answer_raises_and_ignores_a_late_answer(server: Server, line: Callable[[], StopLine]):
     stopping = line()
     with pytest.raises(ConnectionError, match=r"no answer came in 0\.01 s"):
         stopping.stop(0.01)
@@ -263,7 +264,7 @@ def test_a_stop_without_an_answer_is_an_error_and_its_late_answer_counts_for_no_
     assert server.heard() == ['{"do": "stop"}'] * 3
 
 
-def test_a_server_without_room_for_a_stop_line_leaves_no_connection(server: Server):
+def test_refused_emergency_stop_connection_is_closed(server: Server):
     server.say('{"told":"refused","why":"too many stop lines"}')
     with pytest.raises(ConnectionError, match="too many stop lines"):
         StopLine()
@@ -271,7 +272,23 @@ def test_a_server_without_room_for_a_stop_line_leaves_no_connection(server: Serv
     assert server._end.recv(1) == b""
 
 
-def test_a_stop_line_closes_when_it_is_left(server: Server, line: Callable[[], StopLine]):
+def test_emergency_stop_connection_is_closed_at_context_exit(server: Server, line: Callable[[], StopLine]):
     with line():
         pass
     assert server._end.recv(1) == b""
+
+
+def test_close_ends_a_receive_in_another_thread():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        client = Client("127.0.0.1", listener.getsockname()[1])
+        ended = Event()
+
+        def receive() -> None:
+            with suppress(OSError, ValueError):
+                client.receive()
+            ended.set()
+
+        Thread(target=receive, daemon=True).start()
+        sleep(0.05)  # so that it waits
+        client.close()
+        assert ended.wait(5)

@@ -1,1 +1,1 @@
-"""The live server: performs blocks as they arrive, over any transport."""
+"""Live server that performs BML documents as they arrive."""

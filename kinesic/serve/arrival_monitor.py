@@ -1,7 +1,7 @@
-"""Measures by sensors when the body arrives where a sync point has it.
+"""Measurement of arrival delays at sync points.
 
-By the rule of reports, on hinges: a behaviour's hinges arrive when they first enter a ball about their planned posture.
-The plan is judged by the same rule, and the sync point counts as met by as much later as the body entered the ball.
+The rule is that of the reports, applied to joints: the joints of a behaviour arrive when they first enter a ball around
+their planned posture. The planned motion is judged by the same rule. The delay is the difference between both times.
 """
 
 from collections import deque
@@ -9,58 +9,63 @@ from collections import deque
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.body.command import RATE
-from kinesic.controller.arrival import entry
+from kinesic.body.command import COMMAND_RATE
+from kinesic.metrics.arrival import find_entry
 from kinesic.motion.trajectory import Trajectory
 
-WINDOW = 0.3  # [s] before a sync point in which the ball is entered
-KEPT = 1.0  # [s] of what was measured
-LEAST_BALL = np.radians(0.5)  # [rad]
-SHARE = 0.05  # of the way in the window
-LEAST_WAY = np.radians(2.0)  # [rad] in the window, below which nothing is measured
+ARRIVAL_WINDOW = 0.3  # [s] time before a sync point in which joints must approach their planned posture
+HISTORY_DURATION = 1.0  # [s] duration of stored measurements
+MIN_BALL_RADIUS = np.radians(0.5)  # [rad] smallest distance from the planned posture that counts as arrived
+BALL_RADIUS_RATIO = 0.05  # distance that counts as arrived / travel within the window
+MIN_TRAVEL = np.radians(2.0)  # [rad] smallest travel within the window for which arrival is measured
 
 
 class ArrivalMonitor:
-    """Measures how late a body arrives, by its last angles."""
+    """Estimator of arrival delays from recently measured joint angles."""
 
     def __init__(self) -> None:
-        """Begins without measurements."""
+        """Create a monitor without measurements."""
         self._times: deque[float] = deque()
         self._angles: deque[Floats] = deque()
 
     def add(self, time: float, angles: Floats) -> None:
-        """Adds a measurement.
+        """Add measured joint angles.
 
         Args:
-            time: [s] of the clock, later than those before; else it is passed over, as are those without a number.
-            angles: (n,) [rad].
+            time: clock time [s]; the measurement is ignored unless it is later than all earlier ones.
+            angles: (n,) [rad]; the measurement is ignored if one is not finite.
         """
         if (self._times and time <= self._times[-1]) or not np.isfinite(angles).all():
             return
         self._times.append(time)
         self._angles.append(angles)
-        while self._times[0] < time - KEPT:
+        while self._times[0] < time - HISTORY_DURATION:
             self._times.popleft()
             self._angles.popleft()
 
     def lateness(self, time: float, hinges: Flags, motion: Trajectory) -> float | None:
-        """Finds by how much later [s] than planned some hinges arrive where they are to be at a time [s] of the clock.
+        """Return the measured arrival delay of joints at a sync point [s].
+
+        Args:
+            time: planned clock time [s] of the sync point.
+            hinges: (n,) hinges that the behaviour moves.
+            motion: planned motion.
 
         Returns:
-            None while they have not arrived; NaN where they hardly move, so that nothing can be said.
+            None if the hinges have not arrived yet; NaN if they move too little to be judged.
         """
-        begin = time - WINDOW
-        instants = begin + np.arange(round(WINDOW * RATE) + 1) / RATE
-        planned = motion.sample(instants)[0][:, hinges]
-        way = float(np.linalg.norm(np.diff(planned, axis=0), axis=1).sum())
-        radius = max(LEAST_BALL, SHARE * way)
-        due = entry(instants.tolist(), np.linalg.norm(planned - planned[-1], axis=1), radius, last=True)
-        if way < LEAST_WAY or due is None or due == instants[0]:
+        begin = time - ARRIVAL_WINDOW
+        times = begin + np.arange(round(ARRIVAL_WINDOW * COMMAND_RATE) + 1) / COMMAND_RATE
+        planned = motion.sample(times)[0][:, hinges]
+        travel = float(np.linalg.norm(np.diff(planned, axis=0), axis=1).sum())
+        radius = max(MIN_BALL_RADIUS, BALL_RADIUS_RATIO * travel)
+        due = find_entry(times.tolist(), np.linalg.norm(planned - planned[-1], axis=1), radius, last=True)
+        if travel < MIN_TRAVEL or due is None or due == times[0]:
             return float("nan")
-        lately = [k for k, at in enumerate(self._times) if at >= begin]
-        if not lately:
+        recent = [k for k, measured_at in enumerate(self._times) if measured_at >= begin]
+        if not recent:
             return None
-        seen = np.array([self._angles[k][hinges] for k in lately])
-        distances = np.linalg.norm(seen - planned[-1], axis=1)
-        came = entry([self._times[k] for k in lately], distances, radius, last=True)
-        return None if came is None else came - due
+        measured = np.array([self._angles[k][hinges] for k in recent])
+        distances = np.linalg.norm(measured - planned[-1], axis=1)
+        arrival = find_entry([self._times[k] for k in recent], distances, radius, last=True)
+        return None if arrival is None else arrival - due

@@ -1,4 +1,4 @@
-"""Registers clients, whatever transport they came by, obeys their control messages and hands on their documents."""
+"""Connected clients, their control messages and their documents."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from itertools import count
 
 from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
-from kinesic.serve.desk.asker import Asker
+from kinesic.serve.desk.requester import Requester
 from kinesic.serve.messages import Restyling, Words
 from kinesic.serve.queues import OutputQueue, UnreadMemory
 from kinesic.serve.session import Session
@@ -25,79 +25,82 @@ from kinesic.serve.wire.protocol import (
     SpokenWords,
     Stop,
     StopLineRequest,
-    control,
     is_text,
     json_answer,
+    read_control,
     stop_failure,
 )
 from kinesic.serve.wire.questions import ReachQuestion
 from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
-NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
-EXCESS = 10  # times as many messages as are taken at once may be refused before a client is sent away
-MANY = ReachQuestion | SpokenWords  # messages of which there are many
-DRAGGED = 4  # times as many of these are taken as of others
-NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
+CLOSE_NORMAL = 1000  # WebSocket close code of a normal end
+CLOSE_POLICY_VIOLATION = 1008  # WebSocket close code of a policy violation
+CLOSE_TOO_BIG = 1009  # WebSocket close code: a message exceeds the size limit
+CLOSE_TRY_LATER = 1013  # WebSocket close code: the server is full
+REFUSAL_BURST_FACTOR = 10  # refused messages, in multiples of `Quotas.burst`, before a client is disconnected
+FREQUENT_MESSAGES = ReachQuestion | SpokenWords  # message types that clients send at high rates
+FREQUENT_RATE_FACTOR = 4  # rate limit of frequent messages relative to other messages
+TOKEN_REQUIRED = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 
 @dataclass(eq=False)
 class ConnectedClient:
-    """A client as the server knows it."""
+    """State of one connected client."""
 
     number: int
-    name: str  # its address
-    admitted: bool  # has shown the token, or needs none
-    bucket: TokenBucket  # of messages that are taken
-    questions: TokenBucket  # of those that ask for a reach, while somebody drags a hand, and of words
-    excess: TokenBucket  # of those that are refused one by one
+    name: str  # network address
+    admitted: bool  # whether the client has shown the token or needs none
+    bucket: TokenBucket  # rate limit of ordinary messages
+    questions: TokenBucket  # rate limit of frequent messages: reach questions while dragging, and words
+    excess: TokenBucket  # rate limit of refused messages
     output: OutputQueue
-    movable: bool  # a connection that another thread may go on with; standard input is none
-    placed: bool = False  # has one of the places; without one it may only stop
-    stops_only: bool = False  # wants a connection past all others, for nothing but stops
-    code: int = NORMAL  # why it was closed, as WebSocket says it
+    movable: bool  # whether the connection can become a stop line; False for standard input
+    placed: bool = False  # whether the client counts towards `Quotas.clients`; without a place it may only stop
+    stops_only: bool = False  # whether the connection becomes a stop line
+    code: int = CLOSE_NORMAL  # WebSocket close code
     why: str = ""
-    count: int = 0  # documents so far
+    count: int = 0  # documents received
 
     @property
     def open(self) -> bool:
-        """Whether its messages are still taken."""
-        return self.code == NORMAL
+        """Whether messages of this client are still accepted."""
+        return self.code == CLOSE_NORMAL
 
     def send(self, message: str) -> None:
-        """Queues a message to it."""
+        """Queue a message for the client."""
         self.output.put(message)
 
     def close(self, code: int, why: str) -> None:
-        """Closes the connection once the client has read what is queued."""
+        """Close the connection after the client has read all queued messages."""
         self.code, self.why = code, why
         self.output.end()
 
 
 class ClientRegistry:
-    """All clients of a server."""
+    """Registry of all clients of a server, for any transport."""
 
     def __init__(self, rules: Quotas, access: Access, session: Callable[["ClientRegistry"], Session]) -> None:
-        """Begins without clients.
+        """Create a registry without clients.
 
         Args:
-            rules: what a client may do.
-            access: who may connect.
-            session: makes one that sends through this registry.
+            rules: limits for each client.
+            access: token and allowed origins.
+            session: creates the session, which sends its feedback through this registry.
         """
         self.rules, self.access = rules, access
         self._clients: dict[int, ConnectedClient] = {}
-        self._taken = 0  # places
+        self._taken = 0  # clients with a place
         self._unread = UnreadMemory(rules.unread_bytes_of_all)
         self._numbers = count(1)
         self.session = session(self)
 
     def join(self, name: str, *, trusted: bool = False, movable: bool = True) -> ConnectedClient:
-        """Takes up a client.
+        """Register a new client.
 
         Args:
-            name: its address.
-            trusted: needs no token, because it has shown it or is no stranger.
-            movable: whether its connection may become one that only stops.
+            name: network address.
+            trusted: whether the client needs no token, or has shown it already.
+            movable: whether the connection can become a stop line.
         """
         rate, burst = self.rules.rate, self.rules.burst
         client = ConnectedClient(
@@ -105,8 +108,8 @@ class ClientRegistry:
             name=name,
             admitted=trusted or self.access.token is None,
             bucket=TokenBucket(rate, burst),
-            questions=TokenBucket(DRAGGED * rate, DRAGGED * burst),
-            excess=TokenBucket(rate, EXCESS * burst),
+            questions=TokenBucket(FREQUENT_RATE_FACTOR * rate, FREQUENT_RATE_FACTOR * burst),
+            excess=TokenBucket(rate, REFUSAL_BURST_FACTOR * burst),
             output=OutputQueue(self.rules.unread, self.rules.unread_bytes, self._unread),
             movable=movable,
         )
@@ -114,28 +117,37 @@ class ClientRegistry:
         return client
 
     def place(self, client: ConnectedClient) -> bool:
-        """Gives a client that is admitted one of the places; False where none is left."""
+        """Reserve one of the limited client places for an admitted client.
+
+        Return False if none is free.
+        """
         if not client.placed and client.admitted and self._taken < self.rules.clients:
             client.placed = True
             self._taken += 1
         return client.placed
 
     def leave(self, client: ConnectedClient) -> None:
-        """Forgets a client that is gone; its blocks are performed all the same."""
+        """Remove a disconnected client.
+
+        Its blocks are still performed.
+        """
         if self._clients.pop(client.number, None) is not None:
             self._taken -= client.placed
         client.output.discard()
 
     def is_token(self, token: str | None) -> bool:
-        """Whether a client's token is right."""
-        right = self.access.token
+        """Return whether a token is correct."""
+        correct = self.access.token
         shown = (token or "").encode(errors="surrogateescape")  # a header may hold any bytes
-        return right is not None and compare_digest(shown, right.encode())
+        return correct is not None and compare_digest(shown, correct.encode())
 
     def receive(self, client: ConnectedClient, message: bytes) -> None:
-        """Takes a message: an emergency stop before all that waits, everything else within the rules."""
+        """Process a message from a client.
+
+        An emergency stop bypasses quotas and places; all other messages are subject to them.
+        """
         try:
-            request = control(message)
+            request = read_control(message)
         except ValueError as error:
             self._refuse(client, json_answer("refused", why=str(error)))
             return
@@ -146,36 +158,39 @@ class ClientRegistry:
         elif isinstance(request, StopLineRequest):
             self._free(client)
         elif not self.place(client) and not isinstance(request, Hello):
-            client.close(LATER, f"rule clients: {self.rules.clients} are connected already; you may only stop")
-        elif not (client.questions if isinstance(request, MANY) else client.bucket).take():
+            client.close(
+                CLOSE_TRY_LATER, f"rule clients: {self.rules.clients} are connected already; you may only stop"
+            )
+        elif not (client.questions if isinstance(request, FREQUENT_MESSAGES) else client.bucket).take():
             what = f"at most {self.rules.rate:g} messages a second are taken from each client"
             self._refuse(client, quota_feedback("rate", what))
         elif request is not None:
             self._obey(client, request)
         elif self.access.texts and is_text(message):
-            self._hand_on(client, Words(message.decode(errors="replace"), client.number, ends=True))
+            self._submit(client, Words(message.decode(errors="replace"), client.number, ends=True))
         else:
             client.count += 1
-            source = f"<{client.name}, message {client.count}>"  # no file, so that it names none beside it
-            self._hand_on(client, Message(message, client.number, source))
+            # The name is not a file name, so that relative paths in the document do not resolve.
+            source = f"<{client.name}, message {client.count}>"
+            self._submit(client, Message(message, client.number, source))
 
-    def _hand_on(self, client: ConnectedClient, message: Message) -> None:
+    def _submit(self, client: ConnectedClient, message: Message) -> None:
         refusal = self.session.perform(message)
         if refusal is not None:
             client.send(refusal)
 
     def refuse_overlong(self, client: ConnectedClient, error: ValueError) -> None:
-        """Answers a message that is longer than it may be."""
+        """Report a message that exceeds the size limit."""
         client.send(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
     def tell(self, message: str, sender: int) -> None:
-        """Sends a message to a client, if it is still there."""
+        """Send a message to a client if it is still connected."""
         client = self._clients.get(sender)
         if client is not None:
             client.send(message)
 
     def close(self, code: int, why: str) -> None:
-        """Closes the connections of all clients."""
+        """Close the connections of all clients."""
         for client in self._clients.values():
             client.close(code, why)
 
@@ -183,16 +198,19 @@ class ClientRegistry:
         return client.open and client.number in self._clients
 
     def _free(self, client: ConnectedClient) -> None:
-        """Lets a connection become one that only stops; standard input cannot."""
+        """Turn a client's connection into an emergency-stop connection."""
         client.stops_only = client.movable
         if not client.movable:
-            self._refuse(client, json_answer("refused", why="standard input takes documents, too; send stop here"))
+            self._refuse(client, json_answer("refused", why="standard input cannot become a stop line; send stop here"))
 
     def _refuse(self, client: ConnectedClient, why: str) -> None:
-        """Refuses one message; who goes on and on is sent away."""
+        """Refuse a message.
+
+        Disconnect the client after too many refusals.
+        """
         client.send(why)
         if not client.excess.take():
-            client.close(POLICY, "rule rate: too many messages were refused")
+            client.close(CLOSE_POLICY_VIOLATION, "rule rate: too many messages were refused")
 
     def _admit(self, client: ConnectedClient, request: Control | None) -> None:
         if isinstance(request, Hello) and self.is_token(request.token):
@@ -200,14 +218,14 @@ class ClientRegistry:
             self.place(client)
             client.send(json_answer("welcome"))
             return
-        why = "the token is wrong" if isinstance(request, Hello) else NO_TOKEN
+        why = "the token is wrong" if isinstance(request, Hello) else TOKEN_REQUIRED
         client.send(json_answer("refused", why=why))
-        client.close(POLICY, why)
+        client.close(CLOSE_POLICY_VIOLATION, why)
 
     def _stop(self) -> str:
-        """Makes an emergency stop; says whether it was made."""
+        """Request an emergency stop and return the answer for the client."""
         try:
-            self.session.halt()
+            self.session.emergency_stop()
         except RuntimeError as error:
             return stop_failure(error)
         return json_answer("stopped")
@@ -220,8 +238,8 @@ class ClientRegistry:
                 self.session.interrupt(block)
             case Restyle(style, changes, amount, block):
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
-            case SpokenWords(text, ends, instead):
-                self._hand_on(client, Words(text, client.number, ends=ends, instead=instead))
+            case SpokenWords(text, ends, instead, style):
+                self._submit(client, Words(text, client.number, ends=ends, instead=instead, style=style))
             case Arm(token):
                 trusted = self.access.token is None or self.is_token(token)
                 self.session.arming.arm(client, request, trusted=trusted)
@@ -237,4 +255,4 @@ class ClientRegistry:
             case Stop():
                 client.send(self._stop())
             case _:
-                self.session.desk.answer(Asker(client.number, client.send, lambda: self._is_here(client)), request)
+                self.session.desk.answer(Requester(client.number, client.send, lambda: self._is_here(client)), request)

@@ -1,54 +1,59 @@
-"""A client is attended to by two tasks: one receives from it and the other sends to it, until it goes or is closed."""
+"""Concurrent receive and send tasks of one client."""
 
 from asyncio import FIRST_COMPLETED, create_task, gather, sleep, wait
 from collections.abc import AsyncIterator, Callable
 from typing import Protocol
 
-from kinesic.serve.clients import POLICY, TOO_BIG, ClientRegistry, ConnectedClient
+from kinesic.serve.clients import CLOSE_POLICY_VIOLATION, CLOSE_TOO_BIG, ClientRegistry, ConnectedClient
 from kinesic.serve.wire.quotas import quota_feedback
 from kinesic.serve.wire.transport import HalfError
 
-LOOK = 0.05  # [s] between two looks at whether a client is owed something
+UNFINISHED_POLL_PERIOD = 0.05  # [s] between checks for unfinished blocks after a client stops sending
 
 
 class ClientWire(Protocol):
-    """Messages to and from a client, by any transport."""
+    """Message connection to a client over any transport."""
 
-    lingers: bool  # whether a client that says nothing more may still listen
+    lingers: bool  # whether a client that has closed its sending side may still receive
 
     def messages(self, hurry: Callable[[], bool], /) -> AsyncIterator[bytes]:
-        """Messages of the client as they come."""
+        """Yield messages from the client as they arrive."""
 
     async def send(self, message: str, /) -> None:
-        """Sends the client a message."""
+        """Send a message to the client."""
 
     async def close(self, code: int, why: str, /) -> None:
-        """Closes the connection, and says why."""
+        """Close the connection and report the reason to the client."""
 
 
-async def attend(
+async def serve_client(
     clients: ClientRegistry, wire: ClientWire, client: ConnectedClient, *, notice: Callable[[], None] = lambda: None
 ) -> None:
-    """Receives from a client and sends to it until it goes, is closed, or only stops the robot from now on.
+    """Serve a client until it disconnects or becomes an emergency-stop line.
 
     Args:
-        clients: take its messages.
-        wire: to the client.
-        client: that has joined; it leaves at the end.
+        clients: registry that processes the messages.
+        wire: connection to the client.
+        client: registered client; it is removed at the end.
         notice: called after each message.
 
     Raises:
-        OSError: it has gone, or does not read.
+        OSError: the client has disconnected or does not read.
     """
     receiving = create_task(_receive(clients, wire, client, notice))
     sending = create_task(_send(wire, client))
     try:
         await wait((receiving, sending), return_when=FIRST_COMPLETED)
-        while wire.lingers and not client.stops_only and not sending.done() and clients.session.owes(client.number):
-            await sleep(LOOK)
+        while (
+            wire.lingers
+            and not client.stops_only
+            and not sending.done()
+            and clients.session.has_unfinished_blocks(client.number)
+        ):
+            await sleep(UNFINISHED_POLL_PERIOD)
         client.output.end()
         receiving.cancel()
-        await gather(receiving, return_exceptions=True)  # nobody else reads when the connection is closed
+        await gather(receiving, return_exceptions=True)  # the connection is closed without a concurrent reader
         await sending
         if not client.stops_only:
             await wire.close(client.code, client.why)
@@ -69,15 +74,15 @@ async def _receive(
             notice()
             if client.stops_only:
                 return
-            await sleep(0)  # others have their turn, however many messages came at once
+            await sleep(0)  # other clients take turns, even with many buffered messages
     except StopAsyncIteration:
         return
     except ValueError as error:
         clients.refuse_overlong(client, error)
-        client.close(TOO_BIG, str(error))
+        client.close(CLOSE_TOO_BIG, str(error))
     except HalfError as error:
         client.send(quota_feedback("half", f"{error} before the message did; it is not performed"))
-        client.close(POLICY, "half a message")
+        client.close(CLOSE_POLICY_VIOLATION, "half a message")
 
 
 async def _send(wire: ClientWire, client: ConnectedClient) -> None:

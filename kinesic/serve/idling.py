@@ -1,4 +1,4 @@
-"""Decides when a robot idles between blocks, and plans what it does then."""
+"""Scheduling and planning of idle motion between blocks."""
 
 from dataclasses import replace
 from math import inf
@@ -7,52 +7,59 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import PreparedBlock, Scene, prepare_block
 from kinesic.realizer.request import Message, read_request
 
-PAUSE = 3.0  # [s] at rest before the first spell of idle motion
-SPELL = 12.0  # [s] that one spell lasts; one follows the other
-ATTENDED = 600.0  # [s] after a document in which a spell may begin, so that a robot that is left alone comes to rest
-EMPTY_BLOCK = f'<bml id="idle"><wait id="w" duration="{SPELL}"/></bml>'  # planning fills the wait with idle motion
+REST_BEFORE_IDLING = 3.0  # [s] duration of rest before idle motion begins
+IDLE_SPELL_DURATION = 12.0  # [s] duration of one planned block of idle motion; spells follow without a gap
+IDLING_TIMEOUT = 600.0  # [s] time after the last document, after which no idle motion begins
+# Planning fills the wait with idle motion.
+EMPTY_BLOCK = f'<bml id="idle"><wait id="w" duration="{IDLE_SPELL_DURATION}"/></bml>'
 
 
 class IdleScheduler:
-    """Says when the next spell of idle motion begins, and plans it; all times are the planner's [s]."""
+    """Scheduler of idle motion spells, in planner time [s]."""
 
     def __init__(self) -> None:
-        """No document has come yet, and nothing begins."""
+        """Create a scheduler that allows no idle motion yet."""
         self._until = self._earliest = -inf
         self._spells = 0
 
     def allow(self, now: float) -> None:
-        """Allows spells for `ATTENDED` seconds, because a document has come."""
-        self._until = now + ATTENDED
+        """Allow idle motion for `IDLING_TIMEOUT` seconds after a document."""
+        self._until = now + IDLING_TIMEOUT
 
     def forbid(self) -> None:
-        """Allows no further spell until a document comes; the one that plays is not ended by it."""
+        """Start no further idle motion until the next document.
+
+        A running one continues.
+        """
         self._until = -inf
 
     def postpone(self, now: float) -> None:
-        """Puts the next spell off by the length of one, because this one found no place."""
-        self._earliest = now + SPELL
+        """Delay the next idle motion after a rejected proposal."""
+        self._earliest = now + IDLE_SPELL_DURATION
 
     def next_time(self, scene: Scene) -> float:
-        """Finds the time at which the next spell is to begin, at once where it is past; infinite where none is."""
+        """Return the start time [s] of the next spell, or infinity.
+
+        A time in the past means that the spell may start now.
+        """
         if scene.blocks or scene.setup.idling.amount == 0.0:
             return inf
-        pause = PAUSE if scene.idle is None else 0.0  # it has idled already, and goes on
+        pause = REST_BEFORE_IDLING if scene.idle is None else 0.0  # consecutive spells follow without a pause
         begin = max(scene.motion.end + pause, self._earliest)
         return begin if begin < self._until else inf
 
     def plan_next(self, setup: Setup) -> PreparedBlock:
-        """Plans another spell than the last one."""
+        """Plan the next spell of idle motion with a new random seed."""
         self._spells += 1
         return plan_idle(setup, self._spells)
 
 
 def plan_idle(setup: Setup, number: int) -> PreparedBlock:
-    """Plans a spell of idle motion.
+    """Plan one spell of idle motion.
 
     Args:
-        setup: robot, and in `idling` how lively it is, and the seed.
-        number: added to that seed, so that spells with other numbers move in another way.
+        setup: robot, and in `idling` the amplitude and seed.
+        number: added to the seed, so that successive spells differ.
     """
     seeded = replace(setup, idling=replace(setup.idling, seed=setup.idling.seed + number))
     return prepare_block(read_request(Message(EMPTY_BLOCK), seeded), seeded)

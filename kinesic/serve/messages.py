@@ -1,4 +1,4 @@
-"""What server, loop and planner share across processes: the clock, and messages that are small or arrays."""
+"""Shared clock and messages between server, loop and planner."""
 
 from collections.abc import Mapping
 from ctypes import c_double
@@ -17,148 +17,158 @@ from kinesic.serve.tracks import SoundAndFace, Track
 
 
 class Clock:
-    """Seconds since the server began, less the time that stood still.
+    """Clock of the server, shared between processes.
 
-    It is the machine's monotonic clock, less an offset that all processes share.
+    Its time is the machine's monotonic clock minus a shared offset: seconds since the server started, without
+    suspensions.
     """
 
     def __init__(self) -> None:
-        """Begins at zero."""
+        """Create a clock that starts at zero."""
         self._offset = RawValue(c_double, monotonic())
 
     def now(self) -> float:
-        """Time [s]."""
+        """Return the current time [s]."""
         return monotonic() - float(self._offset.value)
 
-    def at(self, clock: float) -> float:
-        """Time [s] at one of the machine's monotonic clock [s]."""
-        return clock - float(self._offset.value)
-
     def set(self, time: float) -> None:
-        """Sets the present time [s]; only the loop does."""
+        """Set the current time [s].
+
+        Only the loop may call this.
+        """
         self._offset.value = monotonic() - time
 
 
 ServoState = Literal[
-    "limp",  # without torque, until somebody arms them
-    "arming",  # torque comes
-    "armed",  # they follow
-    "releasing",  # they fold, lose their torque, and are opened anew
-    "ended",  # nobody drives them: their supervisor has ended
+    "limp",  # torque off until a client arms them
+    "arming",  # torque is being enabled
+    "armed",  # following commands
+    "releasing",  # folding, then torque off and reopening
+    "ended",  # the supervisor process has ended
 ]
 
 
 class ServoReport(Struct, frozen=True):
-    """How each servo is, in the order in which `servos` lists them; NaN for one that does not answer."""
+    """Telemetry of all servos, in the order of the `servos` answer.
 
-    state: ServoState
+    Values are NaN for a servo that does not answer.
+    """
+
+    state: ServoState  # `limp`, `arming`, `armed`, `releasing` or `ended`
     celsius: tuple[float, ...]  # (m,) [C]
-    load: tuple[float, ...]  # (m,) of its current's limit; positive: its hinge's angle rises
+    load: tuple[float, ...]  # (m,) fraction of the current limit; positive in the direction of a growing angle
     volts: tuple[float, ...]  # (m,) [V]
     errors: tuple[float, ...]  # (m,) bits of HARDWARE_ERROR_STATUS
-    torque: tuple[float, ...]  # (m,) 1: it has torque
+    torque: tuple[float, ...]  # (m,) 1 if the torque is on
 
 
 class ServoPlace(Struct, frozen=True):
-    """Which servo it is, and what it turns."""
+    """Identity of a servo and the hinge that it drives."""
 
-    bus: str
-    id: int
-    hinge: str
-    model: str
-    hottest: int  # [C] at which it shuts down
+    bus: str  # name of the bus
+    id: int  # id on the bus
+    hinge: str  # hinge that it drives
+    model: str  # servo model
+    hottest: int  # [C] shutdown temperature
 
 
 @dataclass(frozen=True, eq=False)
 class ServoHealth:
-    """How servos are at one moment."""
+    """Telemetry of all servos at one time."""
 
-    angles: Floats  # (n,) [rad] measured, with torque or without; NaN for a servo that does not answer
-    hottest: float  # [C] of all
-    volts: float  # [V] the lowest of all
-    faulty: bool  # whether one reports an error
+    angles: Floats  # (n,) [rad] measured, with torque on or off; NaN for a servo that does not answer
+    hottest: float  # [C] maximum of all servos
+    volts: float  # [V] minimum of all servos
+    faulty: bool  # whether a servo reports an error
     servos: ServoReport
 
 
 class BodyReport(Struct, frozen=True):
-    """How the robot is at one moment, for whoever watches."""
+    """State of the robot at one time, for subscribed clients."""
 
     time: float  # [s] of the clock
-    angles: tuple[float, ...]  # [rad] measured, or planned where nothing is measured
-    planned: tuple[float, ...]  # [rad] by the motion that plays
-    hottest: float | None = None  # [C] of all servos
-    volts: float | None = None  # [V] the lowest of all servos
+    angles: tuple[float, ...]  # [rad] measured, or planned without a measurement
+    planned: tuple[float, ...]  # [rad] of the running motion
+    hottest: float | None = None  # [C] maximum of all servos
+    volts: float | None = None  # [V] minimum of all servos
     faulty: bool = False  # whether a servo reports an error
-    servos: ServoReport | None = None  # where there are some
+    servos: ServoReport | None = None  # None without servos
 
     @classmethod
     def of(cls, time: float, planned: Floats, measured: Floats | None, health: ServoHealth | None) -> "BodyReport":
-        """Reports the body as it is measured, else as planned, and every servo.
+        """Build a report from planned angles, measured angles and servo telemetry.
 
         Args:
-            time: [s] of the clock.
-            planned: (n,) [rad] by the motion that plays.
-            measured: (n,) [rad] by a sink that measures; None: nothing is measured, or not yet.
-            health: of servos, which tell where they are also without torque; None: there are none.
+            time: clock time [s].
+            planned: (n,) [rad] of the running motion.
+            measured: (n,) [rad] from a measuring sink; None if there is no measurement.
+            health: servo telemetry, whose angles are valid with torque off, too; None without servos.
         """
-        aim = _rounded(planned)
-        angles = aim if measured is None else _rounded(measured)
+        reference = _rounded(planned)
+        angles = reference if measured is None else _rounded(measured)
         if health is None:
-            return cls(round(time, 3), angles, aim)
+            return cls(round(time, 3), angles, reference)
         if health.angles.size:
             angles = _rounded(health.angles)
-        return cls(round(time, 3), angles, aim, health.hottest, health.volts, health.faulty, health.servos)
+        return cls(round(time, 3), angles, reference, health.hottest, health.volts, health.faulty, health.servos)
 
 
 def _rounded(angles: Floats) -> tuple[float, ...]:
-    """Angles [rad] as clients read them; NaN, of a servo that does not answer, stays."""
+    """Round angles [rad] for clients.
+
+    NaN stays NaN.
+    """
     return tuple(angles.round(4).tolist())
 
 
 @dataclass(frozen=True)
 class Words(Message):
-    """Words that a client wants said, with what they mean; more may follow."""
+    """Request to the planner: speak streamed text.
 
-    ends: bool = False  # whether no more follow
-    instead: bool = False  # whether they take the place of all that is not said yet
+    More may follow.
+    """
+
+    ends: bool = False  # whether the text is complete
+    instead: bool = False  # whether they replace all unspoken words
+    style: str = ""  # name of their style; empty: that of the server
 
 
 @dataclass(frozen=True)
 class DocumentRequest:
-    """To the planner: perform a document, or say words."""
+    """Request to the planner: perform a document or speak streamed text."""
 
     message: Message
-    stops: int  # emergency stops so far; planned only if there is no further one
+    stops: int  # emergency stops at the time of the request; a later stop cancels it
 
 
 @dataclass(frozen=True)
 class Interruption:
-    """To the planner: end a block, or all."""
+    """Request to the planner: end one block or all blocks."""
 
     block: str | None
 
 
 @dataclass(frozen=True)
 class Restyling:
-    """To the planner: change the style of what plays and what comes."""
+    """Request to the planner: change the style of running and future blocks."""
 
     style: str | None
     changes: tuple[str, ...]  # NAME=VALUE
-    amount: float | None  # of movements
-    block: str | None  # None: all, and those to come
+    amount: float | None  # amount of movement
+    block: str | None  # None: all running and future blocks
     sender: int
 
 
 @dataclass(frozen=True)
 class Resumption:
-    """To the planner: return to rest after an emergency stop."""
+    """Request to the planner: return to rest after an emergency stop."""
 
     stops: int
 
 
 @dataclass(frozen=True)
 class Renewal:
-    """To the planner: read anew which gestures are known."""
+    """Request to the planner: reload the gesture lexicon."""
 
 
 ClientRequest = DocumentRequest | Interruption | Restyling | Resumption | Renewal
@@ -166,48 +176,48 @@ ClientRequest = DocumentRequest | Interruption | Restyling | Resumption | Renewa
 
 @dataclass(frozen=True, eq=False)
 class LoopStart:
-    """The state of the loop from which a planner takes over."""
+    """State of the control loop from which a planner plans on."""
 
     motion: Trajectory
-    stops: int  # emergency stops so far
-    agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be sent
-    runs: int = 0  # number of the last running block in it
+    stops: int  # executed emergency stops
+    agenda: tuple[ScheduledFeedback, ...]  # pending feedback of the previous planner
+    runs: int = 0  # number of the last running block in the agenda
 
 
 @dataclass(frozen=True, eq=False)
 class LoopProperties:
-    """What stays the same of the loop as long as it runs."""
+    """Constant properties of the loop."""
 
     clock: Clock
-    accompaniment: SoundAndFace  # what is performed beside the motion
+    accompaniment: SoundAndFace  # available outputs for face and sound
 
 
 @dataclass(frozen=True, eq=False)
 class Halted:
-    """From the loop to the planner: an emergency stop was made."""
+    """Message from the loop to the planner: an emergency stop was executed."""
 
-    stops: int  # emergency stops so far
-    time: float  # [s] of the clock
+    stops: int  # executed emergency stops
+    time: float  # [s] clock time
     motion: Trajectory
 
 
 @dataclass(frozen=True)
 class ProposalVerdict:
-    """From the loop to the planner: whether it accepts a proposal."""
+    """Message from the loop to the planner: acceptance of a proposal."""
 
     accepted: bool
     stops: int
-    time: float  # [s] of the clock, until which commands are out
+    time: float  # [s] clock time up to which commands were sent
 
 
 @dataclass(frozen=True)
 class PlannerReady:
-    """From the planner: it is ready."""
+    """Message from the planner: warm-up is complete."""
 
 
 @dataclass(frozen=True)
 class FeedbackNotice:
-    """From the planner: send a message at once."""
+    """Message from the planner: send this feedback immediately."""
 
     message: str
     sender: int
@@ -215,23 +225,26 @@ class FeedbackNotice:
 
 @dataclass(frozen=True)
 class RequestDone:
-    """From the planner: the last request is done."""
+    """Message from the planner: the last request is complete."""
 
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """From the planner to the loop: what to play and to send from now on; answered by a `ProposalVerdict`."""
+    """Message from the planner to the loop: new motion, feedback and tracks.
 
-    stops: int  # that the planner knows of
-    now: float  # [s] of the clock
-    cut: float  # [s] of the clock, until which motion and feedback are those that play
-    motion: Trajectory | None  # on the clock; None: as it is
-    said: tuple[ScheduledFeedback, ...]  # final messages, in no later proposal
-    agenda: tuple[ScheduledFeedback, ...]  # messages that the next proposal has again, changes or withdraws
-    owed: frozenset[int]  # senders whose blocks are not over
-    moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves
-    tracks: Mapping[str, Track | None]  # by block, those that have changed; None: of a block that is over
-    idles: bool = False  # whether the motion is nothing but idle motion
+    The loop answers with a `ProposalVerdict`.
+    """
+
+    stops: int  # emergency stops known to the planner
+    now: float  # [s] clock time
+    cut: float  # [s] clock time from which motion and feedback may differ from the current ones
+    motion: Trajectory | None  # in clock time; None: unchanged
+    final_feedback: tuple[ScheduledFeedback, ...]  # final messages, not repeated in later proposals
+    agenda: tuple[ScheduledFeedback, ...]  # messages that the next proposal repeats, changes or withdraws
+    owed: frozenset[int]  # clients with unfinished blocks
+    moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) moving hinges
+    tracks: Mapping[str, Track | None]  # changed tracks by block; None for an ended block
+    idles: bool = False  # whether the motion is idle motion only
 
 
 News = PlannerReady | FeedbackNotice | RequestDone | Proposal

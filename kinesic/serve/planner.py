@@ -1,23 +1,27 @@
-"""The process that plans: it reads documents, keeps the scene, and proposes motions and feedback to the loop."""
+"""Planner process of the server.
+
+It reads documents, keeps the scene of running blocks, and proposes motions and feedback to the loop.
+"""
 
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import isfinite
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 
-from kinesic.bml.block import BmlError, Bounds
+from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
+from kinesic.child import PipeEnd
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.setup import Setup
-from kinesic.realizer.contention import with_engaged_hands
+from kinesic.realizer.contention import with_busy_hands
 from kinesic.realizer.realizer import (
     Scene,
     advance,
     begin,
     begin_idle,
-    change_manner,
+    change_style,
     improve_block,
     interrupt,
     prepare_block,
@@ -47,8 +51,8 @@ from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
-LOOK = 0.05  # [s] between two looks at what is due
-DEFECTS = (
+MIN_POLL_PERIOD = 0.05  # [s] smallest time between two checks for due events
+DEFECT_TYPES = (
     ArithmeticError,
     AssertionError,
     AttributeError,
@@ -57,78 +61,83 @@ DEFECTS = (
     RuntimeError,
     TypeError,
     ValueError,
-)  # of a program
-REASONS = {
+)  # exceptions that indicate a programming error
+REJECTION_REASONS = {
     Verdict.STOPPED: ("stopped", "an emergency stop came; resume first"),
-    Verdict.LATE: ("planning", "it was planned in time at none of its starts, the machine is too busy; send it again"),
-    Verdict.UNSTEADY: ("planning", "it would have been a step from what plays by now; send it again"),
-}  # rule, and why a block is not performed
+    Verdict.LATE: ("planning", "planning was too late for every start time, the machine is too busy; send it again"),
+    Verdict.UNSTEADY: ("planning", "it would cause a step in the running motion; send it again"),
+}  # quota rule and reason for rejecting a block
 
 
 def run_planner(
     make_setup: Callable[[], Setup],
-    requests: Connection,
-    loop: Connection,
-    refiner: Connection,
+    requests: PipeEnd,
+    loop: PipeEnd,
+    refiner: PipeEnd,
     properties: LoopProperties,
     rules: Quotas,
 ) -> None:
-    """Warms up, waits for its turn, and then plans until the server is gone.
+    """Warm up, wait for activation, and plan until the server ends.
 
     Args:
-        make_setup: makes what planning needs.
-        requests: the state of the loop when it is this planner's turn, then requests of clients, one after the other.
-        loop: proposals go there, verdicts and stops come back.
-        refiner: plans again what has begun.
-        properties: of the loop.
-        rules: how large a document may be, and how long a block.
+        make_setup: creates the setup for planning.
+        requests: first the state of the loop, which activates this planner, then client requests in sequence.
+        loop: proposals are sent to it; verdicts and emergency stops are received from it.
+        refiner: process that replans blocks in the background.
+        properties: constant properties of the loop.
+        rules: limits for document size and block duration.
     """
     try:
         setup = make_setup()
         warm_up(setup, properties.accompaniment)
         renewed = partial(renew_setup, make_setup)
-        planning = PlannerState(setup, renewed, loop, refiner, properties, beginning=requests.recv(), rules=rules)
+        state = PlannerState(setup, renewed, loop, refiner, properties, beginning=requests.recv(), rules=rules)
         loop.send(PlannerReady())
         while True:
-            pending = wait([requests, loop, refiner], planning.pause)
+            pending = wait([requests, loop, refiner], state.pause)
             if loop in pending:
-                planning.take_halt(loop.recv())
+                state.handle_stop(loop.recv())
             elif requests in pending:
-                planning.fulfil(requests.recv())
-                planning.speak()
+                state.execute(requests.recv())
+                state.plan_phrases()
                 loop.send(RequestDone())
             elif refiner in pending:
-                planning.improve(refiner.recv_bytes())
+                state.apply_refinement(refiner.recv_bytes())
             else:
-                planning.go_on()
-            planning.speak()
-            planning.request_refinement()
+                state.advance_scene()
+            state.plan_phrases()
+            state.request_refinement()
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
 class PlannerState:
-    """Keeps the scene, and changes it as the loop can follow."""
+    """Scene of running blocks, changed only by proposals that the loop accepts."""
 
     def __init__(
         self,
         setup: Setup,
         renewed: Callable[[Setup], Setup],
-        loop: Connection,
-        refiner: Connection,
+        loop: PipeEnd,
+        refiner: PipeEnd,
         properties: LoopProperties,
         *,
         beginning: LoopStart,
         rules: Quotas,
     ) -> None:
-        """Begins with nothing but the motion that the loop plays, and what it still has to say."""
+        """Create a scene from the current state of the loop."""
         self._refiner, self._clock, self._rules = refiner, properties.clock, rules
-        self._bounds = Bounds(rules.message, rules.depth)
-        self._renewed, self._renewals = renewed, 0  # how gestures are read anew, and how often they were
-        self._refining = False  # whether the refiner is at work
-        self._idling, self._talks = IdleScheduler(), Talks()
+        self._bounds = DocumentBounds(rules.message, rules.depth)
+        self._renewed, self._renewals = renewed, 0  # lexicon reload, and number of reloads
+        self._refining = False  # whether the refiner has a job
+        self._idling, self._talks = IdleScheduler(), Talks(setup.character)
         self._shared = SharedScene(
-            setup, loop, properties, beginning=beginning, owed=lambda: self._talks.senders, halted=self._fall_silent
+            setup,
+            loop,
+            properties,
+            beginning=beginning,
+            other_clients=lambda: self._talks.senders,
+            on_halt=self._cancel_pending,
         )
 
     @property
@@ -137,14 +146,14 @@ class PlannerState:
 
     @property
     def pause(self) -> float | None:
-        """Time until something is due [s]; None where nothing is."""
+        """Time [s] until the planner's next due event, or None without one."""
         scene = self._scene
         next_time = min(scene.next_time, self._idling.next_time(scene), self._talks.next_time(scene))
         pause = next_time - self._clock.now()
-        return max(pause, LOOK) if isfinite(pause) else None
+        return max(pause, MIN_POLL_PERIOD) if isfinite(pause) else None
 
-    def go_on(self) -> None:
-        """Lets time pass: what is over is forgotten, blocks that may start begin, and who has nothing to do idles."""
+    def advance_scene(self) -> None:
+        """Advance the scene: remove ended blocks, start waiting blocks, or idle."""
         now = self._clock.now()
         if self._idling.next_time(self._scene) > now:
             self._shared.propose(advance)
@@ -154,17 +163,17 @@ class PlannerState:
         if self._scene.idle is before:
             self._idling.postpone(now)
 
-    def fulfil(self, request: ClientRequest) -> None:
-        """Does what a client requests, once every emergency stop is known that was before it."""
+    def execute(self, request: ClientRequest) -> None:
+        """Execute a client request, after any emergency stop that came before it."""
         if isinstance(request, DocumentRequest | Resumption):
-            self._shared.catch_up(request.stops)
+            self._shared.wait_for_stops(request.stops)
         match request:
             case DocumentRequest(message):
                 self._idling.allow(self._clock.now())
-                self._hear(message) if isinstance(message, Words) else self._plan(request)
+                self._queue_words(message) if isinstance(message, Words) else self._plan(request)
             case Interruption(block):
                 if block is None:
-                    self._fall_silent()
+                    self._cancel_pending()
                 self._shared.propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(request)
@@ -174,72 +183,73 @@ class PlannerState:
             case Resumption(stops) if stops == self._shared.stops:
                 self._shared.propose(_resume)
 
-    def speak(self) -> None:
-        """Says the next phrases of texts that come word by word, as soon as they are whole and it is their turn."""
+    def plan_phrases(self) -> None:
+        """Plan the next complete phrases of streamed texts in turn."""
         while (phrase := self._talks.next_phrase(self._scene, self._clock.now())) is not None:
             self._tell(phrase.answer, phrase.sender)
             if phrase.replaced:
-                self._shared.propose(phrase.make_way)
+                self._shared.propose(phrase.scene_change)
             self._plan(DocumentRequest(Message(phrase.bml, phrase.sender, "<words>"), self._shared.stops))
         for sender, block in self._talks.finished(self._scene.setup):
             self._tell(json_answer("all_said", block=block), sender)
 
-    def _hear(self, words: Words) -> None:
-        """Takes words, and lets the loop know that their client is owed something."""
+    def _queue_words(self, words: Words) -> None:
+        """Queue streamed text, and mark its client as having unfinished work."""
         refusal = self._talks.take(words, self._clock.now())
         if refusal:
             self._tell(quota_feedback("waiting", refusal), words.sender)
         self._shared.propose(advance)
 
     def request_refinement(self) -> None:
-        """Has the refiner plan the first block that could be planned better, when it has nothing else to do."""
-        if self._refining or (replan := self._shared.take_replan()) is None:
+        """Send the next block to be replanned to the refiner, if idle."""
+        if self._refining or (replan := self._shared.pop_replan()) is None:
             return
         self._refiner.send_bytes(pack(RefinementJob(replan, self._scene.setup.style, self._renewals)))
         self._refining = True
 
-    def improve(self, data: bytes) -> None:
-        """Goes over into a plan of the refiner, where that is still possible."""
+    def apply_refinement(self, data: bytes) -> None:
+        """Switch a block to its refined plan if that is still possible."""
         self._refining = False
-        better = unpack(data, self._scene.setup)
-        if not isinstance(better, RefinedPlan) or (found := better.plan) is None:
+        refined = unpack(data, self._scene.setup)
+        if not isinstance(refined, RefinedPlan) or (new_plan := refined.plan) is None:
             return
 
         def change(scene: Scene, now: float) -> Scene:
             after = advance(scene, now)
-            return improve_block(after, better.block, found, now) or after
+            return improve_block(after, refined.block, new_plan, now) or after
 
         self._shared.propose(change)
 
-    def take_halt(self, halted: Halted) -> None:
-        """Takes over the motion of an emergency stop, which interrupts every block."""
-        self._shared.take_halt(halted)
+    def handle_stop(self, halted: Halted) -> None:
+        """Adopt the motion of an emergency stop, which interrupts all blocks."""
+        self._shared.handle_stop(halted)
 
-    def _fall_silent(self) -> None:
-        """Forgets all that would begin by itself."""
+    def _cancel_pending(self) -> None:
+        """Cancel idle motion and all unspoken text."""
         self._idling.forbid()
         self._talks.clear()
 
     def _plan(self, document: DocumentRequest) -> None:
-        """Plans a document and proposes it. A defect that shows in planning costs this document and nothing else.
+        """Plan a document and propose it to the loop.
 
-        All that can fail comes before the proposal is sent, and leaves the scene as it was.
+        An internal error in planning affects only this document: everything that can fail precedes the proposal and
+        leaves the scene unchanged.
         """
         message = document.message
         try:
             self._try_to_plan(document)
         except BmlError as error:
             self._tell(refusal_feedback(message, error), message.sender)
-        except DEFECTS as error:
+        except DEFECT_TYPES as error:
             traceback.print_exception(error)
-            what = f"planning failed ({type(error).__name__}), and it is not performed; please report the document"
+            what = f"planning failed ({type(error).__name__}), the document is not performed; please report it"
             self._tell(quota_feedback("planning", what, name=block_id(message.text)), message.sender)
 
     def _try_to_plan(self, document: DocumentRequest) -> None:
         message = document.message
         context = self._scene.context(self._clock.now())
         read = read_request(message, self._scene.setup, context=context, bounds=self._bounds)
-        request = with_engaged_hands(self._scene, read)
+        request = with_busy_hands(self._scene, read)
         id, timeline = request.block.id, request.timeline
         if timeline.end - timeline.start > self._rules.duration:
             what = f"{id} lasts {timeline.end:.0f} s, at most {self._rules.duration:g} s are taken: split it"
@@ -251,7 +261,7 @@ class PlannerState:
         if document.stops == self._shared.stops:
             verdict = self._shared.propose(lambda scene, now: begin(scene, prepared, now))
         if verdict is not Verdict.ACCEPTED:
-            rule, why = REASONS[verdict]
+            rule, why = REJECTION_REASONS[verdict]
             self._tell(quota_feedback(rule, why, name=id), message.sender)
 
     def _restyle(self, request: Restyling) -> None:
@@ -261,7 +271,7 @@ class PlannerState:
                 base = style_preset(request.style) if request.style else self._scene.setup.style
                 style = base.changed(request.changes)
             self._shared.propose(
-                lambda scene, now: change_manner(scene, now, style=style, amount=request.amount, block=request.block)
+                lambda scene, now: change_style(scene, now, style=style, amount=request.amount, block=request.block)
             )
         except (ConfigError, ValueError) as error:
             self._tell(json_answer("refused", do="style", why=str(error)), request.sender)
@@ -271,6 +281,6 @@ class PlannerState:
 
 
 def _resume(scene: Scene, now: float) -> Scene:
-    everything = scene.setup.limits.lower < scene.setup.limits.upper
-    motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
-    return replace(scene, motion=replace(motion), lasting=())  # another motion in any case: its coming ends the stop
+    movable = scene.setup.limits.lower < scene.setup.limits.upper
+    motion = release_motion(scene.motion, scene.first_change(now), movable, scene.setup)
+    return replace(scene, motion=replace(motion), lasting=())  # a new object in any case: a new motion ends the stop

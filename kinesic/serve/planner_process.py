@@ -1,9 +1,9 @@
-"""Keeps planner and refiner as child processes: one request at a time, killed when they hang, and replaced at once.
+"""Child processes of the server for planning and refinement.
 
-A spare planner is warm beside the one that works. Both share what they have imported; it costs 55 MB of its own.
+The planner handles one request at a time. It is killed if it exceeds its time limit and replaced by a spare planner
+that is warmed up already. Both share imported modules; a spare planner costs 55 MB of additional memory.
 """
 
-import fcntl
 import sys
 from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
@@ -11,39 +11,40 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing.connection import Connection
-from multiprocessing.context import ForkServerContext, SpawnContext
 
-from kinesic.child import Child, child_context
-from kinesic.controller import perform
+from kinesic.child import Child, PipeEnd, ProcessContext, child_context
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import ClientRequest, DocumentRequest, LoopStart, PlannerReady, Renewal, RequestDone
 from kinesic.serve.wire.quotas import Quotas
+from kinesic.session import setup as session_setup
 
-PIPE = 1 << 20  # [bytes] that anybody may have a pipe keep
-COLD_DEATHS = 2  # of planners one after the other before they are warm: there is no hope for a third
+PIPE_CAPACITY = 1 << 20  # [bytes] largest pipe buffer that Linux grants unprivileged processes
+MAX_COLD_DEATHS = 2  # consecutive planner deaths before warm-up after which the server gives up
 
 
 @dataclass(frozen=True, eq=False)
 class PlannerProcess:
-    """A planner and the server's ends of its pipes."""
+    """Planner process and the server's ends of its pipes."""
 
     child: Child
-    requests: Connection
-    loop: Connection  # for the loop
-    refiner: Connection  # for a refiner
-    renewals: int  # how often gestures had been read anew when it began
+    requests: PipeEnd
+    loop: PipeEnd  # pipe end used by the loop
+    refiner: PipeEnd  # pipe end used by the refiner
+    renewals: int  # lexicon reloads requested before it was started
 
     def end(self) -> None:
-        """Ends it at once, in whatever state it is."""
+        """Kill the process without waiting."""
         self.requests.close()
         self.child.kill(wait=False)
 
 
 class Planner:
-    """The planner as the server sees it; everything here happens in the asyncio loop of the server."""
+    """Planner as seen by the server.
+
+    Used only in the server's asyncio loop.
+    """
 
     def __init__(
         self,
@@ -54,86 +55,95 @@ class Planner:
         idle: Callable[[], None],
         lost: Callable[[ClientRequest | None], None],
     ) -> None:
-        """Not started yet.
+        """Create a planner that is not started yet.
 
         Args:
-            make_setup: makes what planning needs, in the other process.
-            loop: gets what is planned.
-            rules: how large a document may be, and how long one request may take.
-            idle: called whenever it can take a request.
-            lost: called with what it was doing, when it has died; it is then started again, unless it failed.
+            make_setup: creates the setup for planning, in the planner process.
+            loop: receives the proposals.
+            rules: limits for document size and planning time.
+            idle: called whenever the planner can accept a request.
+            lost: called with the current request after the planner has died; the planner is then restarted unless it
+                failed.
         """
         self._make_setup, self._loop, self._rules = make_setup, loop, rules
         self._idle, self._lost = idle, lost
         self._working: PlannerProcess | None = None
-        self._spare: PlannerProcess | None = None  # warms up, or waits for its turn
+        self._spare: PlannerProcess | None = None  # warming up, or waiting for activation
         self._refiner: Child | None = None
         self._watch: TimerHandle | None = None
-        self._present: ClientRequest | None = None  # what it is doing
-        self._cold_deaths = 0  # since one was warm
-        self.warm = False
-        self.deaths = 0  # so far
-        self.failed = False  # it cannot even be started
+        self._current_request: ClientRequest | None = None  # request in progress
+        self._cold_deaths = 0  # since the last warm planner
+        self.is_warm = False
+        self.deaths = 0  # planner processes that died
+        self.has_failed = False  # whether no planner can be started
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="planner")
-        self._renewals = 0  # how often gestures were to be read anew
+        self._renewals = 0  # requested lexicon reloads
 
     @property
-    def free(self) -> bool:
-        """Whether it waits for something to do."""
-        return self.warm and self._present is None
+    def is_free(self) -> bool:
+        """Whether the planner is warm and has no request."""
+        return self.is_warm and self._current_request is None
 
     def serves(self, sender: int) -> bool:
-        """Whether it plans a document of this sender."""
-        return isinstance(self._present, DocumentRequest) and self._present.message.sender == sender
+        """Return whether the planner is planning a document of this client."""
+        return isinstance(self._current_request, DocumentRequest) and self._current_request.message.sender == sender
 
     def start(self) -> None:
-        """Has the spare planner take over, or a new one where there is none; it says when it is warm."""
+        """Activate the spare planner, or a new one if there is none."""
         if self._spare is None or not self._spare.child.is_alive:
             self._spare = self._begin()
         self._working, self._spare = self._spare, None
-        beginning = self._loop.beginning()
-        self._thread.submit(_send, self._working.requests, beginning)  # long motions do not go into a pipe at once
+        beginning = self._loop.snapshot()
+        self._thread.submit(
+            _send, self._working.requests, beginning
+        )  # in a thread, because long motions exceed the pipe buffer
         self._refiner = Child(
             self._context(), refiner.run_refiner, self._make_setup, self._working.refiner, name="refiner"
         )
-        self._loop.link(self._working.loop, beginning)
+        self._loop.connect_planner(self._working.loop, beginning)
 
     def _begin(self) -> PlannerProcess:
-        """Begins a planner, which warms up and then waits for the state of the loop."""
+        """Start a planner process that warms up and waits for activation."""
         context = self._context()
         requests, to_requests = context.Pipe(duplex=False)
         _widen(to_requests)
         to_planner, to_loop = context.Pipe()
         from_planner, to_refiner = context.Pipe()
-        given = (self._make_setup, requests, to_loop, to_refiner, self._loop.properties, self._rules)
-        child = Child(context, planner.run_planner, *given, name="planner")
+        arguments = (self._make_setup, requests, to_loop, to_refiner, self._loop.properties, self._rules)
+        child = Child(context, planner.run_planner, *arguments, name="planner")
         return PlannerProcess(child, to_requests, to_planner, from_planner, self._renewals)
 
-    def _context(self) -> ForkServerContext | SpawnContext:
-        """How processes begin: with nothing of the server's threads."""
-        return child_context(planner.__name__, perform.__name__, self._make_setup.__module__)
+    def _context(self) -> ProcessContext:
+        """Return a multiprocessing context that inherits no threads of the server."""
+        return child_context(planner.__name__, session_setup.__name__, self._make_setup.__module__)
 
     def send(self, request: ClientRequest) -> None:
-        """Has it fulfil a request; only while it is free."""
-        if self._working is None or not self.free:
-            raise RuntimeError("the planner is at work: send when it is free")
+        """Send a request to the planner.
+
+        It must be free.
+        """
+        if self._working is None or not self.is_free:
+            raise RuntimeError("the planner is busy; send only when it is free")
         self._renewals += isinstance(request, Renewal)
         self._give(self._working, request)
 
     def _give(self, working: PlannerProcess, request: ClientRequest) -> None:
-        self._present = request
+        self._current_request = request
         end = partial(working.child.kill, wait=False)
         self._watch = get_running_loop().call_later(self._rules.planning, end)
         _send(working.requests, request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
-        """Takes what it says to the server; None: it has died."""
+        """Handle a message from the planner.
+
+        None if it has died.
+        """
         if self._watch is not None:
             self._watch.cancel()
-        present, self._present = self._present, None
+        request, self._current_request = self._current_request, None
         match news:
             case PlannerReady():
-                self.warm, self._cold_deaths = True, 0
+                self.is_warm, self._cold_deaths = True, 0
                 if self._spare is None:
                     self._spare = self._begin()
                 if self._working is not None and self._working.renewals < self._renewals:
@@ -142,23 +152,23 @@ class Planner:
             case RequestDone():
                 self._idle()
             case None:
-                self._cold_deaths += not self.warm
+                self._cold_deaths += not self.is_warm
                 self.deaths += 1
-                self.warm = False
+                self.is_warm = False
                 self._end_working()
-                self.failed = self._cold_deaths >= COLD_DEATHS
-                self._lost(present)
-                if not self.failed:
+                self.has_failed = self._cold_deaths >= MAX_COLD_DEATHS
+                self._lost(request)
+                if not self.has_failed:
                     self.start()
 
     def close(self) -> None:
-        """Ends the processes, and waits until they have."""
+        """Kill all planner processes and wait for their end."""
         self._end_working()
         if self._spare is not None:
             self._spare.end()
-        for each in (self._working, self._spare):
-            if each is not None:
-                each.child.wait()
+        for process in (self._working, self._spare):
+            if process is not None:
+                process.child.wait()
         self._thread.shutdown(wait=False)
 
     def _end_working(self) -> None:
@@ -168,14 +178,19 @@ class Planner:
             self._refiner.kill(wait=False)
 
 
-def _send(pipe: Connection, message: LoopStart | ClientRequest) -> None:
-    """Sends a planner what it waits for."""
-    with suppress(OSError):  # it has died, as the loop will find out
+def _send(pipe: PipeEnd, message: LoopStart | ClientRequest) -> None:
+    """Send a message to a planner process.
+
+    Ignore a dead one.
+    """
+    with suppress(OSError):  # the planner has died; the loop reports it
         pipe.send(message)
 
 
-def _widen(pipe: Connection) -> None:
-    """Lets a pipe take a whole document at once, where the system can: nobody waits until it is read."""
+def _widen(pipe: PipeEnd) -> None:
+    """Enlarge the pipe buffer to the size of a document (Linux only)."""
     if sys.platform == "linux":
+        import fcntl  # noqa: PLC0415 - Windows has none
+
         with suppress(OSError):
-            fcntl.fcntl(pipe.fileno(), fcntl.F_SETPIPE_SZ, PIPE)
+            fcntl.fcntl(pipe.fileno(), fcntl.F_SETPIPE_SZ, PIPE_CAPACITY)

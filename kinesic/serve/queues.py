@@ -1,6 +1,7 @@
-"""Queues of clients: documents are planned in turns, and what a client has still to read is bounded.
+"""Input and output queues of the server's clients.
 
-So nobody waits behind somebody else's heap, and a slow reader costs nobody else anything.
+Documents are planned in turns between clients, and unread messages are bounded, so that neither a flood of documents
+nor a slow reader affects other clients.
 """
 
 from asyncio import Event
@@ -9,21 +10,26 @@ from dataclasses import replace
 from sys import getsizeof
 
 from kinesic.bml.block import Notice, NoticeType
-from kinesic.bml.feedback import warning
+from kinesic.bml.feedback import write_warning
 from kinesic.realizer.request import Message
 from kinesic.serve.messages import Words
-from kinesic.serve.wire.quotas import NOBODY
+from kinesic.serve.wire.quotas import UNKNOWN_ID
 
-MOST_TEXT = 100_000  # letters of words that are joined
-MINOR = "<syncPointProgress"  # what such a message begins with
+MAX_TEXT_LENGTH = 1_000_000  # [characters] longest joined text in a queue
+PROGRESS_PREFIX = "<syncPointProgress"  # beginning of messages that a full queue drops first
 
 
 def join_words(earlier: Message, later: Message) -> Words | None:
-    """Joins words that wait with those that follow them; None where they are not to be joined."""
-    if not (isinstance(earlier, Words) and isinstance(later, Words)) or earlier.ends or later.instead:
+    """Join queued text with the text that follows it.
+
+    Return None if impossible.
+    """
+    if not (isinstance(earlier, Words) and isinstance(later, Words)) or later.style != earlier.style:
+        return None
+    if earlier.ends or later.instead:
         return None
     text = f"{_text(earlier)}{_text(later)}"
-    return replace(earlier, text=text, ends=later.ends) if len(text) <= MOST_TEXT else None
+    return replace(earlier, text=text, ends=later.ends) if len(text) <= MAX_TEXT_LENGTH else None
 
 
 def _text(message: Message) -> str:
@@ -31,84 +37,96 @@ def _text(message: Message) -> str:
 
 
 class FairQueue:
-    """Documents that wait: senders take turns, each with its oldest first."""
+    """Queue of documents: clients take turns, each in first-in, first-out order."""
 
-    def __init__(self, most: int) -> None:
-        """Begins empty, for so many documents of each sender."""
-        self._most = most
-        self._lines: dict[int, deque[Message]] = {}  # the sender whose turn it is first
+    def __init__(self, max_count: int) -> None:
+        """Create an empty queue with a maximum number of documents per client."""
+        self._max_count = max_count
+        self._queues: dict[int, deque[Message]] = {}  # in turn order
 
     def __len__(self) -> int:
-        return sum(map(len, self._lines.values()))
+        return sum(map(len, self._queues.values()))
 
     def __contains__(self, sender: int) -> bool:
-        return sender in self._lines
+        return sender in self._queues
 
     def add(self, document: Message) -> bool:
-        """Adds a document; False where too many of this sender's wait."""
-        line = self._lines.setdefault(document.sender, deque())
-        joined = join_words(line[-1], document) if line else None
+        """Add a document.
+
+        Return False if the client's queue is full.
+        """
+        queue = self._queues.setdefault(document.sender, deque())
+        joined = join_words(queue[-1], document) if queue else None
         if joined is not None:
-            line[-1] = joined
+            queue[-1] = joined
             return True
-        if len(line) >= self._most:
+        if len(queue) >= self._max_count:
             return False
-        line.append(document)
+        queue.append(document)
         return True
 
     def next(self) -> Message | None:
-        """Takes the document whose turn it is; None where none waits."""
-        if not self._lines:
+        """Remove and return the next document, or None."""
+        if not self._queues:
             return None
-        sender = next(iter(self._lines))
-        line = self._lines.pop(sender)
-        found = line.popleft()
-        if line:
-            self._lines[sender] = line  # behind the others
-        return found
+        sender = next(iter(self._queues))
+        queue = self._queues.pop(sender)
+        result = queue.popleft()
+        if queue:
+            self._queues[sender] = queue  # back of the turn order
+        return result
 
     def clear(self) -> tuple[Message, ...]:
-        """Takes all documents."""
-        found = tuple(document for line in self._lines.values() for document in line)
-        self._lines.clear()
-        return found
+        """Remove and return all documents."""
+        result = tuple(document for queue in self._queues.values() for document in queue)
+        self._queues.clear()
+        return result
 
 
 class UnreadMemory:
-    """Bounds the memory that the messages of all clients take: whoever has most to read loses the oldest of it."""
+    """Memory limit for the unread messages of all clients.
 
-    def __init__(self, most_bytes: int) -> None:
-        """Begins empty, for so many bytes."""
-        self._most_bytes = most_bytes
-        self._queues: set[OutputQueue] = set()  # that hold messages
-        self.bytes = 0  # that are taken
+    When it is exceeded, the client with most unread bytes loses its oldest messages.
+    """
+
+    def __init__(self, max_bytes: int) -> None:
+        """Create an empty memory account with a limit in bytes."""
+        self._max_bytes = max_bytes
+        self._queues: set[OutputQueue] = set()  # queues with messages
+        self.bytes = 0  # reserved
 
     def take(self, queue: "OutputQueue", size: int) -> None:
-        """Counts so many bytes more of a queue; others or itself may lose messages for that, unless all are lost."""
-        while self._queues and self.bytes + size > self._most_bytes:
-            max(self._queues, key=lambda each: each.bytes).drop()
+        """Reserve memory for a message in a queue.
+
+        Drop old messages of the largest queues if necessary.
+        """
+        while self._queues and self.bytes + size > self._max_bytes:
+            max(self._queues, key=lambda candidate: candidate.bytes).drop()
         self._queues.add(queue)
         self.bytes += size
 
     def release(self, queue: "OutputQueue", size: int) -> None:
-        """Counts so many bytes of a queue no longer; call it after they are gone."""
+        """Release bytes of a queue after their removal."""
         self.bytes -= size
         if not queue:
             self._queues.discard(queue)
 
 
 class OutputQueue:
-    """Messages to a client, in order; a full one loses its oldest syncPointProgress, or else its oldest message."""
+    """Queue of messages to one client.
 
-    def __init__(self, most: int, most_bytes: int, memory: UnreadMemory) -> None:
-        """Begins empty.
+    A full queue drops its oldest syncPointProgress or, without one, its oldest message.
+    """
+
+    def __init__(self, max_count: int, max_bytes: int, memory: UnreadMemory) -> None:
+        """Create an empty queue.
 
         Args:
-            most: messages.
-            most_bytes: of memory that they take, unless a single one takes more.
-            memory: that the queues of all clients share.
+            max_count: maximum number of messages.
+            max_bytes: maximum memory, except for a single larger message.
+            memory: account shared by the queues of all clients.
         """
-        self._most, self._most_bytes, self._lost, self._ended = most, most_bytes, 0, False
+        self._max_count, self._max_bytes, self._lost, self._ended = max_count, max_bytes, 0, False
         self.bytes = 0
         self._memory = memory
         self._messages: deque[str] = deque()
@@ -118,11 +136,11 @@ class OutputQueue:
         return len(self._messages)
 
     def put(self, message: str) -> None:
-        """Adds a message; never waits."""
+        """Add a message without blocking."""
         if self._ended:
             return
         size = getsizeof(message)
-        while self._messages and (len(self._messages) == self._most or self.bytes + size > self._most_bytes):
+        while self._messages and (len(self._messages) == self._max_count or self.bytes + size > self._max_bytes):
             self.drop()
         self._memory.take(self, size)
         self._messages.append(message)
@@ -130,17 +148,20 @@ class OutputQueue:
         self._news.set()
 
     def drop(self) -> None:
-        """Loses the oldest syncPointProgress, or else the oldest message."""
-        self._remove(next((k for k, each in enumerate(self._messages) if each.startswith(MINOR)), 0))
+        """Drop the oldest syncPointProgress or, without one, the oldest message."""
+        self._remove(next((k for k, message in enumerate(self._messages) if message.startswith(PROGRESS_PREFIX)), 0))
         self._lost += 1
 
     def end(self) -> None:
-        """Takes no further message; what is here may still be taken."""
+        """Accept no further messages.
+
+        Queued ones can still be taken.
+        """
         self._ended = True
         self._news.set()
 
     def discard(self) -> None:
-        """Ends it, and forgets what nobody will read."""
+        """End the queue and drop all unread messages."""
         while self._messages:
             self._remove(0)
         self.end()
@@ -154,9 +175,11 @@ class OutputQueue:
         return message
 
     async def take(self) -> str | None:
-        """Waits for the next message; None when there will be none.
+        """Wait for the next message.
 
-        After messages were lost the first one says how many.
+        Return None at the end of the queue.
+
+        After a loss, the first message reports the number of dropped messages.
         """
         while not self._messages and not self._lost:
             if self._ended:
@@ -166,5 +189,5 @@ class OutputQueue:
         if self._lost:
             lost, self._lost = self._lost, 0
             text = f"rule unread: {lost} messages were dropped, because they were not read in time"
-            return warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, NOBODY, text))
+            return write_warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, UNKNOWN_ID, text))
         return self._remove(0)

@@ -1,7 +1,7 @@
-"""Takes in connections: whoever has no place among the clients yet waits at the door.
+"""Connection acceptor of the server.
 
-There newcomers replace the oldest, so that a thousand connections which say nothing, or nothing that is right, keep
-nobody out. A connection costs next to nothing until its first byte comes.
+New connections stay pending until the client is admitted. When too many are pending, new ones replace the oldest, so
+that silent or invalid connections cannot block other clients. A connection costs almost nothing before its first byte.
 """
 
 import socket
@@ -9,48 +9,48 @@ from asyncio import Task, TimerHandle, create_task, get_running_loop, timeout, w
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from resource import RLIMIT_NOFILE, getrlimit
 
 from kinesic.body.config import ConfigError
+from kinesic.host import max_open_files
 from kinesic.serve.clients import ClientRegistry, ConnectedClient
-from kinesic.serve.conversation import attend
+from kinesic.serve.conversation import serve_client
 from kinesic.serve.stop_lines import MovableWire, StopLines
 from kinesic.serve.wire.origin import own_authorities
 from kinesic.serve.wire.pace import Pace
 from kinesic.serve.wire.pages import NO_FILES, WebFile
-from kinesic.serve.wire.protocol import BLANK
+from kinesic.serve.wire.protocol import BLANK_BYTES
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
-from kinesic.serve.wire.transport import UNKNOWN, Console, HalfError, OverlongError, Stream, Transport
+from kinesic.serve.wire.transport import UNADMITTED_READ_LIMIT, Console, HalfError, OverlongError, Stream, Transport
 from kinesic.serve.wire.websocket import WebSocket
 
-REQUEST = b"GET "  # how a WebSocket begins
-DOCUMENT = (b"<", b"{")  # how a client's first message begins, after blanks: no request of a browser does
-DOOR = 2048  # connections at the door, or half as many as files may be open
-BACKLOG = 4096  # connections that the system keeps until they are taken in
-REST = 0.1  # [s] for which nobody is taken in when no file can be opened
-AT_ONCE = 32  # connections taken in before others have their turn
-BUFFER = 65_536  # [bytes] that the system keeps for a client that does not read
-FIRST_READS = 4  # of a connection at once, before it has to wait for its turn; floods open many
-READS = 20  # likewise of one that has a place
-FAREWELL = 1.5  # [s] in which clients may read what was said last
+HTTP_REQUEST_PREFIX = b"GET "  # beginning of a WebSocket request
+MESSAGE_PREFIXES = (b"<", b"{")  # beginnings of first messages, after blanks; no browser request has them
+MAX_PENDING_CONNECTIONS = 2048  # largest number of pending connections, at most half of the open file limit
+LISTEN_BACKLOG = 4096  # largest number of connections that the operating system queues
+ACCEPT_RETRY_DELAY = 0.1  # [s] pause of accepting after the open file limit was reached
+ACCEPTS_PER_TURN = 32  # connections accepted in succession before other tasks run
+SEND_BUFFER_SIZE = 65_536  # [bytes] send buffer of the operating system for a client that does not read
+INITIAL_READ_BURST = 4  # reads of a new connection before it waits for others; small, because floods open many
+ADMITTED_READ_BURST = 20  # reads of an admitted client before it waits for other connections
+CLOSING_TIMEOUT = 1.5  # [s] time for clients to read the last messages
 
 
-class Visitor:
-    """A connection at the door."""
+class PendingConnection:
+    """Pending connection that has no place among the clients yet."""
 
     def __init__(self, connection: socket.socket, address: str) -> None:
-        """Begins silent.
+        """Create a pending connection that has sent nothing yet.
 
         Args:
-            connection: to the client.
-            address: of the client.
+            connection: socket of the client.
+            address: network address of the client.
         """
         self.socket, self.address = connection, address
-        self.task: Task[None] | None = None  # that attends to it, once it has said something
-        self.watch: TimerHandle | None = None  # that sends it away when it says nothing
+        self.task: Task[None] | None = None  # serves the connection after its first byte
+        self.watch: TimerHandle | None = None  # closes the connection if it stays silent
 
     def dismiss(self) -> None:
-        """Sends it away."""
+        """Close the connection."""
         if self.watch is not None:
             self.watch.cancel()
         if self.task is None:
@@ -61,40 +61,42 @@ class Visitor:
 
 
 class Reception:
-    """Listens, and attends to whoever comes."""
+    """Listener that accepts and serves connections."""
 
     def __init__(self, clients: ClientRegistry, stop_lines: StopLines, files: Mapping[str, WebFile] = NO_FILES) -> None:
-        """Listens nowhere yet.
+        """Create an acceptor that does not listen yet.
 
         Args:
-            clients: whom those join that say something.
-            stop_lines: take over whoever only stops.
-            files: that browsers may have, by their path.
+            clients: registry of clients.
+            stop_lines: takes over connections that only stop the robot.
+            files: files for browsers, by path.
         """
         self._clients, self._rules, self._stop_lines = clients, clients.rules, stop_lines
         self._files, self._host = files, ""
         self._listeners: list[socket.socket] = []
-        self._door: dict[Visitor, None] = {}  # the oldest first
-        self._room = min(DOOR, getrlimit(RLIMIT_NOFILE)[0] // 2)
+        self._pending: dict[PendingConnection, None] = {}  # oldest first
+        self._max_pending = min(MAX_PENDING_CONNECTIONS, max_open_files() // 2)
         self._tasks: set[Task[None]] = set()
         self._pace = Pace()
 
     def listen(self, host: str, port: int) -> int:
-        """Takes an address, and tells the port; nobody is taken in yet.
+        """Bind to an address and return the port.
+
+        Connections are accepted later.
 
         Args:
-            host: name or address.
-            port: 0: any that is free.
+            host: host name or address.
+            port: port number; 0 selects any free port.
 
         Raises:
-            ConfigError: the address cannot be had.
+            ConfigError: the address is not available.
         """
         self._host = host
         try:
-            found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-            for family, *_, address in dict.fromkeys(found):
-                place = (address[0], port)
-                listener = socket.create_server(place, family=family, backlog=BACKLOG)
+            candidates = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+            for family, *_, address in dict.fromkeys(candidates):
+                bind_address = (address[0], port)
+                listener = socket.create_server(bind_address, family=family, backlog=LISTEN_BACKLOG)
                 listener.setblocking(False)
                 self._listeners.append(listener)
                 port = int(listener.getsockname()[1])
@@ -105,127 +107,130 @@ class Reception:
         return port
 
     def open(self) -> None:
-        """Takes in connections from now on."""
+        """Start accepting connections."""
         for listener in self._listeners:
             self._wait_for(listener)
 
     def close(self) -> None:
-        """Takes in no further connections."""
+        """Stop accepting connections."""
         for listener in self._listeners:
             get_running_loop().remove_reader(listener)
             listener.close()
         self._listeners.clear()
 
     async def end(self) -> None:
-        """Ends all connections, once clients have had a moment to read what was said last."""
-        for visitor in tuple(self._door):
-            if visitor.task is None:
-                self._dismiss(visitor)
+        """End all connections after a short time to read the last messages."""
+        for pending in tuple(self._pending):
+            if pending.task is None:
+                self._dismiss(pending)
         if self._tasks:
-            await wait(self._tasks, timeout=FAREWELL)
+            await wait(self._tasks, timeout=CLOSING_TIMEOUT)
         for task in self._tasks:
             task.cancel()
         if self._tasks:
             await wait(self._tasks)
 
     def _wait_for(self, listener: socket.socket) -> None:
-        if listener in self._listeners:  # it may have been closed meanwhile
-            get_running_loop().add_reader(listener, self._take_in, listener)
+        if listener in self._listeners:  # unless it was closed in the pause
+            get_running_loop().add_reader(listener, self._accept, listener)
 
-    def _take_in(self, listener: socket.socket) -> None:
-        for _ in range(AT_ONCE):
+    def _accept(self, listener: socket.socket) -> None:
+        for _ in range(ACCEPTS_PER_TURN):
             try:
                 connection, address = listener.accept()
             except OSError as error:
-                if not isinstance(error, BlockingIOError | ConnectionError):  # too many files are open
-                    self._make_room(least=1)
+                if not isinstance(error, BlockingIOError | ConnectionError):  # open file limit
+                    self._drop_pending(min_count=1)
                     get_running_loop().remove_reader(listener)
-                    get_running_loop().call_later(REST, self._wait_for, listener)
+                    get_running_loop().call_later(ACCEPT_RETRY_DELAY, self._wait_for, listener)
                 return
-            self._make_room(least=0)
+            self._drop_pending(min_count=0)
             self._await_first(connection, ":".join(map(str, address[:2])))
 
-    def _make_room(self, *, least: int) -> None:
-        """Sends the oldest at the door away, so many at least, until there is room for another."""
-        while self._door and (least > 0 or len(self._door) >= self._room):
-            self._dismiss(next(iter(self._door)))
-            least -= 1
+    def _drop_pending(self, *, min_count: int) -> None:
+        """Close the oldest pending connections down to the limit."""
+        while self._pending and (min_count > 0 or len(self._pending) >= self._max_pending):
+            self._dismiss(next(iter(self._pending)))
+            min_count -= 1
 
     def _await_first(self, connection: socket.socket, address: str) -> None:
         connection.setblocking(False)
-        visitor, loop = Visitor(connection, address), get_running_loop()
-        self._door[visitor] = None
-        loop.add_reader(connection, self._begin, visitor)
-        visitor.watch = loop.call_later(self._rules.patience, self._dismiss, visitor)
+        pending, loop = PendingConnection(connection, address), get_running_loop()
+        self._pending[pending] = None
+        loop.add_reader(connection, self._begin, pending)
+        pending.watch = loop.call_later(self._rules.patience, self._dismiss, pending)
 
-    def _dismiss(self, visitor: Visitor) -> None:
-        self._door.pop(visitor, None)
-        visitor.dismiss()
+    def _dismiss(self, pending: PendingConnection) -> None:
+        self._pending.pop(pending, None)
+        pending.dismiss()
 
-    def _begin(self, visitor: Visitor) -> None:
-        """Attends to a connection, now that it says something."""
-        if visitor.watch is not None:
-            visitor.watch.cancel()
-        get_running_loop().remove_reader(visitor.socket)
-        visitor.task = task = create_task(self._attend(visitor))
+    def _begin(self, pending: PendingConnection) -> None:
+        """Start to serve a connection after its first byte."""
+        if pending.watch is not None:
+            pending.watch.cancel()
+        get_running_loop().remove_reader(pending.socket)
+        pending.task = task = create_task(self._serve_connection(pending))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _attend(self, visitor: Visitor) -> None:
+    async def _serve_connection(self, pending: PendingConnection) -> None:
         try:
-            with suppress(OSError, HalfError, OverlongError):  # a client may leave in any way
-                await self._welcome(visitor)
+            with suppress(OSError, HalfError, OverlongError):  # any disconnection is normal
+                await self._open_connection(pending)
         finally:
-            self._door.pop(visitor, None)
-            visitor.socket.close()
+            self._pending.pop(pending, None)
+            pending.socket.close()
 
-    async def _welcome(self, visitor: Visitor) -> None:
-        visitor.socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-        visitor.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
-        visitor.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        reads = TokenBucket(self._rules.rate, FIRST_READS)
-        line = Transport(visitor.socket, self._rules.patience, partial(self._pace.await_turn, reads))
+    async def _open_connection(self, pending: PendingConnection) -> None:
+        pending.socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        pending.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_SIZE)
+        pending.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        reads = TokenBucket(self._rules.rate, INITIAL_READ_BURST)
+        line = Transport(pending.socket, self._rules.patience, partial(self._pace.await_turn, reads))
         wire: MovableWire
         async with timeout(self._rules.patience):
             first = await _read_first(line)
-            if first.startswith(REQUEST):
+            if first.startswith(HTTP_REQUEST_PREFIX):
                 wire = web = WebSocket(line, first, self._rules)
-                authorities = own_authorities(self._host, *visitor.socket.getsockname()[:2])
-                shown = await web.open(self._clients.access, self._clients.is_token, authorities, self._files)
-                client = self._clients.join(visitor.address, trusted=shown)
+                authorities = own_authorities(self._host, *pending.socket.getsockname()[:2])
+                has_token = await web.open(self._clients.access, self._clients.is_token, authorities, self._files)
+                client = self._clients.join(pending.address, trusted=has_token)
                 self._clients.place(client)
-            elif first.lstrip(BLANK).startswith(DOCUMENT):
+            elif first.lstrip(BLANK_BYTES).startswith(MESSAGE_PREFIXES):
                 wire = Stream(line, first, self._rules.message)
-                client = self._clients.join(visitor.address)
+                client = self._clients.join(pending.address)
             else:
                 await line.close()
                 return
-        notice = partial(self._notice, visitor, line, reads, client)
+        notice = partial(self._notice, pending, line, reads, client)
         notice()
-        await attend(self._clients, wire, client, notice=notice)
+        await serve_client(self._clients, wire, client, notice=notice)
         if client.stops_only:
-            self._stop_lines.take(socket.socket(fileno=visitor.socket.detach()), wire)
+            self._stop_lines.take(socket.socket(fileno=pending.socket.detach()), wire)
 
-    def _notice(self, visitor: Visitor, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
-        """Lets a client in from the door as soon as it may: it may say more, and newcomers do not replace it."""
+    def _notice(self, pending: PendingConnection, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
+        """Remove a client from the pending connections once it is admitted.
+
+        Afterwards it may send more data, and new connections do not replace it.
+        """
         if client.admitted:
             line.admit()
         if client.placed:
-            self._door.pop(visitor, None)
-            reads.widen(READS)
+            self._pending.pop(pending, None)
+            reads.widen(ADMITTED_READ_BURST)
 
 
-async def attend_console(clients: ClientRegistry, make_console: Callable[[Quotas], Console] = Console) -> None:
-    """Attends to standard input until it ends and everything from it is performed."""
+async def serve_console(clients: ClientRegistry, make_console: Callable[[Quotas], Console] = Console) -> None:
+    """Serve standard input until it ends and all its documents are performed."""
     client = clients.join("stdin", trusted=True, movable=False)
     clients.place(client)
-    await attend(clients, make_console(clients.rules), client)
+    await serve_client(clients, make_console(clients.rules), client)
 
 
 async def _read_first(line: Transport) -> bytes:
-    """Reads until it shows what a connection is to be."""
+    """Read until the protocol of the connection is known."""
     first = b""
-    while REQUEST.startswith(first.lstrip(BLANK)) and len(first) < UNKNOWN:
+    while HTTP_REQUEST_PREFIX.startswith(first.lstrip(BLANK_BYTES)) and len(first) < UNADMITTED_READ_LIMIT:
         data = await line.read(hurry=True)
         if not data:
             break

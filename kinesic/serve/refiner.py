@@ -1,44 +1,44 @@
-"""Refines the plans of blocks that play, in a process of its own, so that the planner stays free for new requests."""
+"""Background process that replans running blocks."""
 
 import io
-import os
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from multiprocessing.connection import Connection
 
 from kinesic.bml.block import BmlError
+from kinesic.child import PipeEnd
 from kinesic.expressivity.style.style import Style
+from kinesic.host import lower_priority
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import prepare_block
 from kinesic.realizer.request import TimedRequest
 from kinesic.serve.renewal import renew_setup
 
-NICE = 5  # behind loop and planner
-SETUP = "setup"  # stands for it where a plan is sent: either side has its own
+REFINER_NICENESS = 5  # niceness of the refiner: lower priority than loop and planner
+SETUP_KEY = "setup"  # placeholder for the setup in pickled messages; each process has a setup
 
 
 @dataclass(frozen=True, eq=False)
 class RefinementJob:
-    """A job for the refiner: plan a block better, or in another manner."""
+    """Request to the refiner: replan a block, possibly in another style."""
 
     request: TimedRequest
-    style: Style  # of those that do not say theirs
-    renewals: int = 0  # how often gestures were read anew so far
+    style: Style  # default style of the block's behaviours
+    renewals: int = 0  # lexicon reloads requested before this job
 
 
 @dataclass(frozen=True, eq=False)
 class RefinedPlan:
-    """The answer of the refiner: the new plan of a block."""
+    """Result of the refiner: the new plan of a block."""
 
     block: str  # its id
-    plan: Plan | None  # None: it cannot be performed so
+    plan: Plan | None  # None: planning failed
 
 
 class _Pickler(pickle.Pickler):
     def persistent_id(self, thing: object) -> str | None:
-        return SETUP if isinstance(thing, Setup) else None
+        return SETUP_KEY if isinstance(thing, Setup) else None
 
 
 class _Unpickler(pickle.Unpickler):
@@ -47,32 +47,32 @@ class _Unpickler(pickle.Unpickler):
         self._setup = setup
 
     def persistent_load(self, name: object) -> Setup:
-        if name != SETUP:
-            raise pickle.UnpicklingError(f"{name!r} stands for nothing; {SETUP!r} does")
+        if name != SETUP_KEY:
+            raise pickle.UnpicklingError(f"unknown placeholder {name!r}, expected {SETUP_KEY!r}")
         return self._setup
 
 
 def pack(message: RefinementJob | RefinedPlan) -> bytes:
-    """Pickles a job or its result without the setup."""
+    """Pickle a job or its result without the setup."""
     stream = io.BytesIO()
     _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(message)
     return stream.getvalue()
 
 
 def unpack(data: bytes, setup: Setup) -> RefinementJob | RefinedPlan:
-    """Unpickles a job or its result with the setup of this side."""
-    found = _Unpickler(data, setup).load()
-    if not isinstance(found, RefinementJob | RefinedPlan):
+    """Unpickle a job or its result with the local setup."""
+    message = _Unpickler(data, setup).load()
+    if not isinstance(message, RefinementJob | RefinedPlan):
         raise pickle.UnpicklingError(
-            f"a {type(found).__name__} came, only {RefinementJob.__name__} and {RefinedPlan.__name__} do"
+            f"unexpected {type(message).__name__}, not {RefinementJob.__name__} or {RefinedPlan.__name__}"
         )
-    return found
+    return message
 
 
-def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
-    """Does the jobs that the planner sends, one after the other, until the planner has ended."""
+def run_refiner(make_setup: Callable[[], Setup], planner: PipeEnd) -> None:
+    """Process jobs from the planner in sequence until the planner ends."""
     try:
-        os.nice(NICE)
+        lower_priority(REFINER_NICENESS)
         setup, renewals = make_setup(), 0
         while True:
             job = unpack(planner.recv_bytes(), setup)

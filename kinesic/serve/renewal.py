@@ -1,4 +1,4 @@
-"""Reads anew which gestures are known; everything else of a setup stays as it was when the server began."""
+"""Reload of the gesture lexicon while the server runs."""
 
 import traceback
 from collections.abc import Callable
@@ -8,15 +8,17 @@ from kinesic.body.config import ConfigError
 from kinesic.planning.setup import Setup
 
 
-def renew_setup(make_setup: Callable[[], Setup], known: Setup) -> Setup:
-    """Gives a setup the gestures that are known now; where they cannot be read, it stays as it is.
+def renew_setup(make_setup: Callable[[], Setup], setup: Setup) -> Setup:
+    """Return a setup with the reloaded lexicon.
+
+    If the lexicon cannot be read, the setup stays unchanged.
 
     Args:
-        make_setup: makes another setup.
-        known: the present one, whose robot, style and targets stay.
+        make_setup: creates another setup.
+        setup: current setup, whose robot, style and targets are kept.
     """
     try:
-        return replace(known, lexicon=make_setup().lexicon)
+        return replace(setup, lexicon=make_setup().lexicon)
     except (ConfigError, OSError) as error:
         traceback.print_exception(error)
-        return known
+        return setup

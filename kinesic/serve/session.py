@@ -1,4 +1,4 @@
-"""Performs for a server: the loop that plays, the planner, and what waits to be planned."""
+"""Loop, planner and waiting documents of a server."""
 
 from asyncio import AbstractEventLoop, Event, Task, create_task, get_running_loop, shield, sleep
 from collections import deque
@@ -27,154 +27,187 @@ from kinesic.serve.planner_process import Planner
 from kinesic.serve.queues import FairQueue
 from kinesic.serve.sinks.arming import Arming
 from kinesic.serve.sinks.real_time import RealTimeSink
-from kinesic.serve.tracks import SILENT, Effects, SoundAndFace
+from kinesic.serve.tracks import NO_ACCOMPANIMENT, Effects, SoundAndFace
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 
-LOOK = 0.02  # [s] between two looks at whether it is at rest
-RENEWAL = 1.0  # [s] between two times at which the planner reads gestures anew
+SETTLE_POLL_PERIOD = 0.02  # [s] between two checks whether the robot is at rest
+RENEWAL_PERIOD = 1.0  # [s] minimum time between two lexicon reloads
 
 
 class Session:
-    """Performs documents and requests of clients, and sends them feedback."""
+    """Performer of client documents and requests."""
 
     def __init__(
         self,
         make_setup: Callable[[], Setup],
         sinks: Sequence[RealTimeSink],
         rules: Quotas,
-        tell: Callable[[str, int], None],
+        send_feedback: Callable[[str, int], None],
         *,
-        accompaniment: SoundAndFace = SILENT,
+        accompaniment: SoundAndFace = NO_ACCOMPANIMENT,
         folder: Path | None = None,
         writers: Writers = NO_WRITERS,
     ) -> None:
-        """Makes loop and planner; nothing moves yet.
+        """Create the loop and the planner.
+
+        Nothing moves yet.
 
         Args:
-            make_setup: makes what planning needs, here and in the planner's process.
-            sinks: that perform.
-            rules: how many blocks may wait, and how long planning may take.
-            tell: is given a message and the number of its receiver, in the asyncio loop.
-            accompaniment: whether a sink shows the face, and whether speech is heard.
-            folder: where clients keep documents; None: nowhere.
-            writers: of files that the desk does not know how to write; picklable.
+            make_setup: creates the setup for planning, here and in the planner process.
+            sinks: sinks to drive.
+            rules: limits for waiting blocks and planning time.
+            send_feedback: called in the asyncio loop with a message and the number of the client that receives it.
+            accompaniment: whether a sink shows the face and whether speech is audible.
+            folder: folder for documents of clients; None disables saving.
+            writers: additional file writers for exports; picklable.
         """
         self._asyncio: AbstractEventLoop = get_running_loop()
-        self._tell, self._rules, self._sinks = tell, rules, sinks
+        self._send_feedback, self._rules, self._sinks = send_feedback, rules, sinks
         self._documents, self._requests = FairQueue(rules.waiting), deque[ClientRequest]()
-        self._halted = False
+        self._is_stopped = False
         self._warm = Event()
-        self._renewal: Task[None] | None = None  # has the planner read gestures anew
-        self._renewed = -RENEWAL  # [s] of the machine's monotonic clock, when it was last told to
+        self._renewal: Task[None] | None = None  # requests the next lexicon reload
+        self._renewed = -RENEWAL_PERIOD  # [s] monotonic clock time of the last requested reload
         self.clock = Clock()
         effects = Effects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
         setup = make_setup()
-        self.loop = Loop(setup, sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
+        self.loop = Loop(
+            setup, sinks, self.clock, effects=effects, send_feedback=self._pass_on, notify_server=self._pass_news
+        )
         self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
         self.desk = Desk(make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew, writers=writers)
         self.arming = Arming(self.loop, self)
 
     async def start(self) -> None:
-        """Lets the loop run, and waits until the planner is warm.
+        """Start the loop and wait until the planner is warm.
 
         Raises:
-            RuntimeError: it does not start.
+            RuntimeError: the planner does not start.
         """
         self.planner.start()
         self.loop.start()
         await self._warm.wait()
-        if self.planner.failed:
+        if self.planner.has_failed:
             raise RuntimeError("the planner does not start")
-        self.loop.late = 0  # what the start costs does not count
+        self.loop.late_ticks = 0  # delays of the start do not count
 
     def perform(self, document: Message) -> str | None:
-        """Queues a document; says why not as BML feedback, or None."""
-        if self._halted:
+        """Queue a document.
+
+        Return BML feedback if it is refused, else None.
+        """
+        if self._is_stopped:
             return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(document.text))
-        if self.loop.waits():
-            what = "the servos were out of hand for more than a second, and hold; resume first"
-            return quota_feedback("stopped", what, name=block_id(document.text))
+        if self.loop.needs_resume():
+            why = "the servos hold after an interruption of more than a second; resume first"
+            return quota_feedback("stopped", why, name=block_id(document.text))
         if self.loop.servos is not None and not self.loop.servos.armed:
             return quota_feedback("limp", "the servos have no torque; arm them first", name=block_id(document.text))
         if not self._documents.add(document):
-            what = f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once"
-            return quota_feedback("waiting", what, name=block_id(document.text))
+            why = f"{self._rules.waiting} of your blocks already wait to be planned; send fewer at once"
+            return quota_feedback("waiting", why, name=block_id(document.text))
         self._feed()
         return None
 
-    def halt(self) -> None:
-        """Makes an emergency stop at once; what waits is not performed. From any thread, and never waits.
+    def emergency_stop(self) -> None:
+        """Request an emergency stop and refuse all waiting documents.
+
+        Thread-safe and non-blocking.
 
         Raises:
-            RuntimeError: the loop has ended, and nobody stops anything.
+            RuntimeError: the loop has ended, so that no stop is possible.
         """
         if not self.loop.is_alive():
-            raise RuntimeError("the loop that moves it has ended")
-        self.loop.halt()
-        self._halted = True
+            raise RuntimeError("the control loop has ended")
+        self.loop.emergency_stop()
+        self._is_stopped = True
         self._asyncio.call_soon_threadsafe(self._refuse_all)
 
     def resume(self) -> None:
-        """Returns to rest after an emergency stop, and lets servos go on; documents are taken again."""
+        """Return to rest after an emergency stop and accept documents again.
+
+        Servos that hold are resumed.
+        """
         self.loop.resume()
-        if self._halted:
-            self._halted = False
-            self._request(Resumption(self.loop.stops))
+        if self._is_stopped:
+            self._is_stopped = False
+            self._request(Resumption(self.loop.stop_count))
 
     def interrupt(self, block: str | None) -> None:
-        """Ends a block softly, or all of them and all that wait."""
+        """End one block softly, or all running and waiting blocks."""
         if block is None:
             for document in self._documents.clear():
                 self._refuse(document, "interrupted", "everything was interrupted before this was planned")
         self._request(Interruption(block))
 
     def restyle(self, restyling: Restyling) -> None:
-        """Changes the style of what plays and what comes."""
+        """Change the style of running and future blocks."""
         self._request(restyling)
 
     def status(self) -> dict[str, object]:
-        """Reports state, time, queue and faults, for people and programs."""
+        """Return state, time, queue length and fault counters."""
         return {
             "robot": self.loop.robot,
             "state": self._state,
-            "stops": self.loop.stops,
-            "idles": self.loop.idles and self._state != "stopped",
+            "blocks": self._list_blocks(),
+            "stops": self.loop.stop_count,
+            "idles": self.loop.is_idling and self._state != "stopped",
             "servos": None if self.loop.servos is None else self.loop.servos.state,
             "time": round(self.clock.now(), 3),
             "waiting": len(self._documents),
-            "planner": "warm" if self.planner.warm else "starting",
-            "late": self.loop.late,
+            "planner": "warm" if self.planner.is_warm else "starting",
+            "late": self.loop.late_ticks,
             "deaths": self.planner.deaths,
-            "learned": [str(each.lesson) for each in self._sinks if each.lesson is not None],
+            "learned": [str(sink.lesson) for sink in self._sinks if sink.lesson is not None],
         }
+
+    def _list_blocks(self) -> list[dict[str, object]]:
+        """Return all unfinished blocks with the seconds until start and end."""
+        now = self.clock.now()
+        return [
+            {
+                "block": block.name,
+                "starts_in": round(max(0.0, block.start - now), 3),
+                "ends_in": round(max(0.0, block.end - now), 3),
+            }
+            for block in self.loop.pending_blocks()
+        ]
 
     @property
     def _state(self) -> Literal["stopped", "resting", "playing"]:
-        if self._halted or self.loop.waits():
+        if self._is_stopped or self.loop.needs_resume():
             return "stopped"
-        return "resting" if self.loop.settled() or self.loop.idles else "playing"
+        return "resting" if self.loop.is_settled() or self.loop.is_idling else "playing"
 
     @property
-    def hindrance(self) -> str:
-        """Why no servo may be armed now, from where it would go to where the motion is; empty if one may."""
-        if self._halted:
-            return "an emergency stop holds; resume first"
-        return "" if self._state != "playing" else "the motion goes on; wait until it rests, or interrupt it"
+    def arming_obstacle(self) -> str:
+        """Reason that prevents arming the servos.
 
-    def owes(self, sender: int) -> bool:
-        """Whether something of a client's waits, or plays."""
-        return sender in self._documents or self.loop.owes(sender) or self.planner.serves(sender)
+        Empty if they may be armed.
+
+        Servos may be armed only while the motion rests.
+        """
+        if self._is_stopped:
+            return "an emergency stop holds; resume first"
+        return "" if self._state != "playing" else "the robot moves; wait until it rests, or interrupt it"
+
+    def has_unfinished_blocks(self, sender: int) -> bool:
+        """Return whether a client has waiting, planned or running blocks."""
+        return sender in self._documents or self.loop.has_unfinished_blocks(sender) or self.planner.serves(sender)
 
     async def fold(self) -> None:
-        """Interrupts everything, and waits until the robot rests."""
+        """Interrupt all blocks and wait until the robot is at rest."""
         self.interrupt(None)
-        while self.loop.is_alive() and (self._requests or not self.planner.free or not self.loop.settled()):
-            await sleep(LOOK)
+        while self.loop.is_alive() and (self._requests or not self.planner.is_free or not self.loop.is_settled()):
+            await sleep(SETTLE_POLL_PERIOD)
 
     def close(self) -> None:
-        """Ends loop and planner; servos fold to rest now, if they have not."""
-        self.loop.leave()
+        """End the loop and the planner.
+
+        Servos fold to rest if necessary.
+        """
+        self.loop.shut_down()
         if self.loop.is_alive():
             self.loop.join()
         if self._renewal is not None:
@@ -184,13 +217,13 @@ class Session:
         self.desk.close()
 
     async def _renew(self) -> None:
-        """Returns when the planner has been told to read gestures anew, which it is once a second at most."""
+        """Request a lexicon reload, at most once a second, and await it."""
         if self._renewal is None or self._renewal.done():
             self._renewal = create_task(self._renew_soon())
         await shield(self._renewal)
 
     async def _renew_soon(self) -> None:
-        await sleep(max(0.0, self._renewed + RENEWAL - monotonic()))
+        await sleep(max(0.0, self._renewed + RENEWAL_PERIOD - monotonic()))
         self._renewed = monotonic()
         self._request(Renewal())
 
@@ -199,40 +232,46 @@ class Session:
         self._feed()
 
     def _feed(self) -> None:
-        """Gives the planner what is next, when it is free: requests before documents."""
-        if self.planner.warm:
+        """Send the next client request or document to an idle planner.
+
+        Requests precede documents.
+        """
+        if self.planner.is_warm:
             self._warm.set()
-        if not self.planner.free:
+        if not self.planner.is_free:
             return
         if self._requests:
             self.planner.send(self._requests.popleft())
         elif (document := self._documents.next()) is not None:
-            self.planner.send(DocumentRequest(document, self.loop.stops))
+            self.planner.send(DocumentRequest(document, self.loop.stop_count))
 
-    def _refuse_lost(self, present: ClientRequest | None) -> None:
-        """Refuses the document over which the planner has died; without any planner the loop ends."""
-        if self.planner.failed:
+    def _refuse_lost(self, request: ClientRequest | None) -> None:
+        """Refuse a document whose planning ended with the planner process.
+
+        If no planner can be started, the loop ends.
+        """
+        if self.planner.has_failed:
             self._warm.set()
-            self.loop.leave()
-        if isinstance(present, DocumentRequest):
+            self.loop.shut_down()
+        if isinstance(request, DocumentRequest):
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
-            self._refuse(present.message, "planning", what)
+            self._refuse(request.message, "planning", what)
 
     def _refuse_all(self) -> None:
         self._refuse_stopped(iter(self._documents.clear()))
 
     def _refuse_stopped(self, documents: Iterator[Message]) -> None:
-        """Refuses one document after the other; whoever waits for an answer has a turn in between."""
+        """Refuse documents one by one so that other clients get their turn."""
         document = next(documents, None)
         if document is not None:
             self._refuse(document, "stopped", "an emergency stop came; resume first")
             self._asyncio.call_soon(self._refuse_stopped, documents)
 
     def _refuse(self, document: Message, rule: str, what: str) -> None:
-        self._tell(quota_feedback(rule, what, name=block_id(document.text)), document.sender)
+        self._send_feedback(quota_feedback(rule, what, name=block_id(document.text)), document.sender)
 
     def _pass_on(self, message: str, sender: int) -> None:
-        self._asyncio.call_soon_threadsafe(self._tell, message, sender)
+        self._asyncio.call_soon_threadsafe(self._send_feedback, message, sender)
 
     def _pass_news(self, news: PlannerReady | RequestDone | None) -> None:
         self._asyncio.call_soon_threadsafe(self.planner.receive, news)

@@ -1,7 +1,8 @@
-"""Stop lines: connections that only stop the robot, read in a thread of their own past all that other clients send.
+"""Emergency-stop lines: connections that only stop the robot.
 
-Nobody may hold a line that does not stop: where the thread does not begin the server does not open, where it has ended
-a connection ends at once, and a stop that fails is told to whoever sent it and to whoever runs the server.
+A separate thread reads them, independent of all other clients. No client may hold a line without function: if the
+thread does not start, the server does not open; after the thread has ended, connections are closed at once. A failed
+stop is reported to its sender and on the standard error of the server.
 """
 
 import socket
@@ -13,74 +14,76 @@ from threading import Event as Flag
 from threading import Lock, Thread
 from typing import Protocol
 
-from kinesic.serve.clients import LATER, NORMAL, POLICY
+from kinesic.serve.clients import CLOSE_NORMAL, CLOSE_POLICY_VIOLATION, CLOSE_TRY_LATER
 from kinesic.serve.conversation import ClientWire
-from kinesic.serve.priority import urgent
+from kinesic.serve.priority import raise_priority
 from kinesic.serve.wire.pace import Pace
-from kinesic.serve.wire.protocol import Ping, Stop, control, json_answer, stop_failure
+from kinesic.serve.wire.protocol import Ping, Stop, json_answer, read_control, stop_failure
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
 
-MOST_LINES = 64  # at once
-READS = 20  # of a line at once, before it has to wait for its turn
-REFUSAL = "this connection only stops the robot; open another one for everything else"
+MAX_STOP_LINES = 64  # largest number of simultaneous emergency-stop connections
+READ_BURST = 20  # reads of an emergency-stop connection before it must wait for other connections
+STOP_ONLY_REFUSAL = "this connection only stops the robot; open another one for everything else"
 
 
 class MovableWire(ClientWire, Protocol):
-    """Messages over a connection that another thread may go on with."""
+    """Message connection that another thread can take over."""
 
     def move(self, line: Transport, /) -> None:
-        """Goes on over another transport of the same connection."""
+        """Continue over another transport of the same connection."""
 
 
 class StopLines:
-    """Reads connections of which every `stop` is obeyed at once, whatever the thread of the other clients does."""
+    """Thread that reads emergency-stop lines and executes each `stop` at once."""
 
-    def __init__(self, halt: Callable[[], None], rules: Quotas) -> None:
-        """Begins without lines.
+    def __init__(self, emergency_stop: Callable[[], None], rules: Quotas) -> None:
+        """Create a reader without emergency-stop lines.
 
         Args:
-            halt: makes an emergency stop; called in the thread of the lines.
-            rules: what their clients may do.
+            emergency_stop: executes an emergency stop; called in the thread of the stop lines.
+            rules: limits for the clients.
         """
-        self._halt, self._rules = halt, rules
+        self._emergency_stop, self._rules = emergency_stop, rules
         self._pace = Pace()
         self._tasks: set[Task[None]] = set()
-        self._open = 0  # lines; who was refused and reads why is none
-        self._changing = Lock()  # held while a line begins, or all of them end
-        self._taking = False  # whether lines are read
-        self._tried = Flag()  # whether the thread has begun to read, or has failed to
+        self._open = 0  # open lines, without refused ones
+        self._changing = Lock()  # held while a line starts or all lines end
+        self._is_running = False  # whether lines are read
+        self._started = Flag()  # set when the thread has started to read or has failed
         self._thread = Thread(target=self._run, name="stop lines", daemon=True)
 
     def open(self) -> None:
-        """Begins to read.
+        """Start the thread that reads all emergency-stop lines.
 
         Raises:
-            RuntimeError: the system grants no thread, or it has ended at once.
+            RuntimeError: the thread could not be started or has ended at once.
         """
         self._thread.start()
-        self._tried.wait()
-        if not self._taking:
-            raise RuntimeError("the thread that reads stop lines has ended at once; why is said above")
+        self._started.wait()
+        if not self._is_running:
+            raise RuntimeError("the thread that reads stop lines has ended at once; see the error above")
 
     def close(self) -> None:
-        """Ends all lines."""
+        """Close all emergency-stop lines and wait for their thread to end."""
         with self._changing:
-            if self._taking:
-                self._taking = False
+            if self._is_running:
+                self._is_running = False
                 self._loop.call_soon_threadsafe(self._end.set)
         if self._thread.is_alive():
             self._thread.join()
 
     def take(self, connection: socket.socket, wire: MovableWire) -> None:
-        """Takes over a connection that nobody else reads or closes from now on; it ends at once where no line is read.
+        """Take over a client's connection as an emergency-stop line.
+
+        Close it if the thread has ended.
 
         Args:
-            connection: to the client; does not block.
-            wire: its messages.
+            connection: non-blocking socket of the client; no other thread reads or closes it from now on.
+            wire: messages of the client.
         """
         with self._changing:
-            if self._taking:
+            if self._is_running:
                 self._loop.call_soon_threadsafe(self._begin, connection, wire)
             else:
                 connection.close()
@@ -89,47 +92,50 @@ class StopLines:
         try:
             run(self._serve())
         finally:
-            self._tried.set()
+            self._started.set()
 
     async def _serve(self) -> None:
         self._loop, self._end = get_running_loop(), Event()
         try:
-            with urgent():
-                self._taking = True
-                self._tried.set()
+            with raise_priority():
+                self._is_running = True
+                self._started.set()
                 await self._end.wait()
         finally:
             with self._changing:
-                self._taking = False
+                self._is_running = False
 
     def _begin(self, connection: socket.socket, wire: MovableWire) -> None:
-        task = self._loop.create_task(self._attend(connection, wire))
+        task = self._loop.create_task(self._serve_connection(connection, wire))
         self._tasks.add(task)
         task.add_done_callback(partial(self._end_line, connection))
 
     def _end_line(self, connection: socket.socket, task: Task[None]) -> None:
-        """Closes the connection, also of a client whom nobody had attended to when all ended."""
+        """Close a connection, even if its task never ran."""
         self._tasks.discard(task)
         connection.close()
         if not task.cancelled() and (error := task.exception()) is not None:
             self._report("a stop line failed", error)
 
-    def _report(self, what: str, error: BaseException) -> None:
-        """Tells whoever runs the server, on standard error."""
-        self._loop.call_exception_handler({"message": what, "exception": error})
+    def _report(self, message: str, error: BaseException) -> None:
+        """Report an error on the standard error of the server."""
+        self._loop.call_exception_handler({"message": message, "exception": error})
 
-    async def _attend(self, connection: socket.socket, wire: MovableWire) -> None:
-        reads = TokenBucket(self._rules.rate, READS)
+    async def _serve_connection(self, connection: socket.socket, wire: MovableWire) -> None:
+        reads = TokenBucket(self._rules.rate, READ_BURST)
         line = Transport(connection, self._rules.patience, partial(self._pace.await_turn, reads))
         line.admit()
         wire.move(line)
-        with suppress(OSError, HalfError):  # a client may leave in any way
-            await wire.close(*await self._obey(wire))
+        with suppress(OSError, HalfError):  # any disconnection is normal
+            await wire.close(*await self._serve_client(wire))
 
-    async def _obey(self, wire: MovableWire) -> tuple[int, str]:
-        """Obeys a client until it goes; says why it is sent away, if it is."""
-        if self._open >= MOST_LINES:
-            return LATER, f"{MOST_LINES} connections only stop already; send stop by any other"
+    async def _serve_client(self, wire: MovableWire) -> tuple[int, str]:
+        """Serve a client until it disconnects.
+
+        Return the close code and the reason.
+        """
+        if self._open >= MAX_STOP_LINES:
+            return CLOSE_TRY_LATER, f"{MAX_STOP_LINES} connections only stop already; send stop by any other"
         self._open += 1
         try:
             return await self._answer_all(wire)
@@ -143,15 +149,18 @@ class StopLines:
             async for message in wire.messages(lambda: False):
                 await wire.send(self._answer(message))
                 if not messages.take():
-                    return POLICY, f"rule rate: at most {self._rules.rate:g} messages a second are taken"
-                await sleep(0)  # other lines have their turn
+                    return (
+                        CLOSE_POLICY_VIOLATION,
+                        f"rule rate: at most {self._rules.rate:g} messages a second are taken",
+                    )
+                await sleep(0)  # other lines take turns
         except ValueError as error:
-            return POLICY, str(error)
-        return NORMAL, ""
+            return CLOSE_POLICY_VIOLATION, str(error)
+        return CLOSE_NORMAL, ""
 
     def _answer(self, message: bytes) -> str:
         try:
-            request = control(message)
+            request = read_control(message)
         except ValueError as error:
             return json_answer("refused", why=str(error))
         match request:
@@ -159,12 +168,17 @@ class StopLines:
                 return self._stop()
             case Ping(id):
                 return json_answer("pong", id=id)
-        return json_answer("refused", why=REFUSAL)
+        return json_answer("refused", why=STOP_ONLY_REFUSAL)
 
     def _stop(self) -> str:
         try:
-            self._halt()
-        except (OSError, EOFError, RuntimeError, ValueError) as error:  # which elsewhere say that a client has gone
+            self._emergency_stop()
+        except (
+            OSError,
+            EOFError,
+            RuntimeError,
+            ValueError,
+        ) as error:  # caught here, because elsewhere they mean a lost client
             self._report("an emergency stop failed", error)
             return stop_failure(error)
         return json_answer("stopped")

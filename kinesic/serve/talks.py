@@ -1,154 +1,173 @@
-"""Texts that clients send word by word: when the next phrase of one is said, and as which block."""
+"""Streamed texts of clients, spoken phrase by phrase."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from kinesic.bml.composition import BlockState
-from kinesic.controller.documents import intention_sets
+from kinesic.body.config import names_of, suggestion
+from kinesic.expressivity.style.style import style_preset
+from kinesic.intent.manuscript.pieces import Manuscript
+from kinesic.intent.pacing.memory import NO_MEMORY
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.talk import SETTLED, SILENT, Part, Talk, hear, is_all_said, next_part
+from kinesic.intent.talk import MAX_SILENCE, SETTLING_TIME, Part, Talk, is_all_said, next_part
 from kinesic.planning.setup import Setup
-from kinesic.realizer.ending import leave_out
+from kinesic.realizer.ending import end_behaviours
 from kinesic.realizer.realizer import Scene, advance
 from kinesic.realizer.running_block import PlayingSpeech
 from kinesic.serve.messages import Words
-from kinesic.serve.queues import MOST_TEXT
+from kinesic.serve.queues import MAX_TEXT_LENGTH
+from kinesic.serve.streamed_text import StreamedText
 from kinesic.serve.wire.protocol import json_answer
+from kinesic.session.documents import intention_sets
 
-LEAD = 1.5  # [s] before the last phrase has been said the next one is planned; until then it may change
-SAFE = 0.3  # [s] before it begins, what is shown may still give way
-
-
-@dataclass
-class _Listening:
-    """A talk of one client."""
-
-    talk: Talk
-    heard: float  # [s] of the clock, when words came last
-    block: str = ""  # of its last part
+PHRASE_PLANNING_TIME = 1.5  # [s] time before the end of a phrase at which the next one is planned and becomes fixed
+REPLACEMENT_MARGIN = 0.3  # [s] time before its start until which a behaviour may be replaced
 
 
 @dataclass(frozen=True)
 class Phrase:
-    """What one client has said next."""
+    """Next phrase of a client's text, as a BML block."""
 
     sender: int
     block: str
     bml: str
     text: str
-    replaced: frozenset[str] = frozenset()  # behaviours of the part before that give way
-    before: str = ""  # block of that part
+    replaced: frozenset[str] = frozenset()  # behaviours of the previous block to be removed
+    before: str = ""  # id of the previous block
+    warnings: tuple[str, ...] = ()  # parts of the text that are neither spoken nor performed
+    waiting: int = 0  # [characters] received from this client and still kept
 
     @property
     def answer(self) -> str:
-        """Tells the client which words the block says."""
-        return json_answer("saying", block=self.block, text=self.text)
+        """Message to the client with the words of the block."""
+        warnings = {"warnings": self.warnings} if self.warnings else {}
+        return json_answer("saying", block=self.block, text=self.text, waiting=self.waiting, **warnings)
 
     @property
-    def make_way(self) -> Callable[[Scene, float], Scene]:
-        """Leaves out what gives way and has not begun, as a change of the scene."""
+    def scene_change(self) -> Callable[[Scene, float], Scene]:
+        """Scene change that removes replaced behaviours that have not begun."""
 
         def change(scene: Scene, now: float) -> Scene:
             scene = advance(scene, now)
             running = scene.find(self.before)
             if running is None:
                 return scene
-            coming = frozenset(
+            pending = frozenset(
                 id
                 for id in self.replaced & running.times.keys()
                 if running.zero + running.times[id]["start"] > scene.first_change(now)
             )
-            return leave_out(scene, running, coming, now) if coming else scene
+            return end_behaviours(scene, running, pending, now) if pending else scene
 
         return change
 
 
 class Talks:
-    """The talks of all clients; they take turns, a phrase each."""
+    """Streamed texts of all clients, which take turns phrase by phrase."""
 
-    def __init__(self) -> None:
-        """Begins silent."""
-        self._listening: dict[int, _Listening] = {}  # by client
-        self._parts: dict[int, int] = {}  # blocks of each client that has said something
-        self._looked = -inf  # [s] when it was seen last what may be said
+    def __init__(self, character: str | None = None) -> None:
+        """Create an empty set of texts.
+
+        Args:
+            character: speaker of dialogues whose lines are spoken; None: all.
+        """
+        self._empty = Talk(manuscript=Manuscript(character=(character or "").upper()))
+        self._texts: dict[int, StreamedText] = {}  # by client
+        self._parts: dict[int, int] = {}  # number of blocks by client
+        self._last_check = -inf  # [s] time of the last call of `next_phrase`
+        self._memory = NO_MEMORY  # gestures of all texts so far
 
     @property
     def senders(self) -> frozenset[int]:
-        """Clients whose words are not all said."""
-        return frozenset(self._listening)
+        """Clients with unspoken words."""
+        return frozenset(self._texts)
 
     def take(self, words: Words, now: float) -> str:
-        """Takes words that came now [s]; says why not, or nothing."""
-        own = self._listening.get(words.sender, _Listening(Talk(), now))
+        """Add streamed words that a client sent at a time [s].
+
+        Return the reason if they are refused.
+        """
+        speech = self._texts.get(words.sender, StreamedText(self._empty, now))
         text = words.text if isinstance(words.text, str) else words.text.decode(errors="replace")
-        if len(own.talk.text) + len(text) > MOST_TEXT:
-            return f"{MOST_TEXT} letters wait to be said already; send the rest later"
-        own.talk, own.heard = hear(own.talk, text, ends=words.ends, instead=words.instead), now
-        self._listening[words.sender] = own
+        if speech.waiting + len(text) > MAX_TEXT_LENGTH:
+            return f"{MAX_TEXT_LENGTH} characters already wait to be spoken; send the rest later"
+        if words.style not in ("", *names_of("style")):
+            return f"no style {words.style}{suggestion(words.style, names_of('style'))}"
+        speech.style = words.style
+        speech.take(text, now, ends=words.ends, instead=words.instead)
+        self._texts[words.sender] = speech
         return ""
 
     def clear(self) -> None:
-        """Forgets all words that are not said."""
-        self._listening.clear()
+        """Drop all unspoken words."""
+        self._texts.clear()
 
     def next_time(self, scene: Scene) -> float:
-        """Finds the time at which something may be said next [s]; infinite where more words are awaited."""
-        mouth = _last_speech(scene)
-        times = [each.heard + quiet for each in self._listening.values() for quiet in (SETTLED, SILENT)]
-        if self._listening and mouth is not None:
-            times.append(mouth.end - LEAD)
-        return min((time for time in times if time > self._looked), default=inf)
+        """Return the next possible phrase start [s], or infinity."""
+        last_speech = _last_speech(scene)
+        times = [speech.heard + quiet for speech in self._texts.values() for quiet in (SETTLING_TIME, MAX_SILENCE)]
+        if self._texts and last_speech is not None:
+            times.append(last_speech.end - PHRASE_PLANNING_TIME)
+        return min((time for time in times if time > self._last_check), default=inf)
 
     def next_phrase(self, scene: Scene, now: float) -> Phrase | None:
-        """Chooses the phrase that is said next; None while somebody speaks for a while, or none is whole."""
-        self._looked = now
-        mouth = _last_speech(scene)
-        if any(each.state is BlockState.LURKING and each.speeches for each in scene.blocks):
+        """Return the next complete phrase, or None while speech runs."""
+        self._last_check = now
+        last_speech = _last_speech(scene)
+        if any(block.state is BlockState.LURKING and block.speeches for block in scene.blocks):
             return None
-        if mouth is not None and mouth.end > now + LEAD + scene.ahead:
+        if last_speech is not None and last_speech.end > now + PHRASE_PLANNING_TIME + scene.ahead:
             return None
-        for sender, own in self._listening.items():
-            part = _next_part(own, scene, now)
+        for sender, speech in self._texts.items():
+            speech.talk = replace(speech.talk, memory=self._memory)
+            part = _next_part(speech, scene, now)
             if part is not None:
-                del self._listening[sender]  # others have their turn
-                self._listening[sender] = own
-                return self._phrase(sender, own, part, mouth if mouth and mouth.end > now else None)
+                del self._texts[sender]  # back of the turn order
+                self._texts[sender] = speech
+                return self._phrase(
+                    sender, speech, part, last_speech if last_speech and last_speech.end > now else None
+                )
         return None
 
     def finished(self, setup: Setup) -> Iterator[tuple[int, str]]:
-        """Yields clients whose talk is over and all said, each with the id of its last block, and forgets the talk."""
-        for sender, own in list(self._listening.items()):
-            if is_all_said(own.talk, load_language(setup.language)):
-                del self._listening[sender]
-                yield sender, own.block
+        """Remove completely spoken texts, and yield their client and last block id."""
+        for sender, speech in list(self._texts.items()):
+            if speech.is_read and is_all_said(speech.talk, load_language(setup.language)):
+                del self._texts[sender]
+                yield sender, speech.block
 
-    def _phrase(self, sender: int, own: _Listening, part: Part, mouth: PlayingSpeech | None) -> Phrase:
+    def _phrase(self, sender: int, speech: StreamedText, part: Part, last_speech: PlayingSpeech | None) -> Phrase:
         self._parts[sender] = self._parts.get(sender, 0) + 1
-        block, before = f"said{sender}-{self._parts[sender]}", own.block
-        own.talk, own.block = part.talk, block
-        start = "" if mouth is None else f"{mouth.block}:{mouth.behaviour}:end+{part.gap:.2f}"
-        return Phrase(sender, block, part.write(block, start), part.text, part.replaced, before)
+        block, before = f"said{sender}-{self._parts[sender]}", speech.block
+        speech.talk, speech.block, self._memory = part.talk, block, part.talk.memory
+        speech.read_ahead()
+        start = "" if last_speech is None else f"{last_speech.block}:{last_speech.behaviour}:end+{part.gap:.2f}"
+        bml = part.write(block, start)
+        if speech.style:
+            bml = bml.replace(f'id="{block}"', f'id="{block}" kinesic:style="{speech.style}"', 1)
+        return Phrase(sender, block, bml, part.text, part.replaced, before, part.warnings, speech.waiting)
 
 
-def _next_part(own: _Listening, scene: Scene, now: float) -> Part | None:
-    known, running = scene.setup, scene.find(own.block)
+def _next_part(speech: StreamedText, scene: Scene, now: float) -> Part | None:
+    setup, running = scene.setup, scene.find(speech.block)
     times = {} if running is None else running.times
     zero = 0.0 if running is None else running.zero
-    free = [id for id, at in times.items() if "start" in at and zero + at["start"] > now + SAFE + scene.ahead]
+    earliest = now + REPLACEMENT_MARGIN + scene.ahead
+    free = [id for id, at in times.items() if "start" in at and zero + at["start"] > earliest]
     return next_part(
-        own.talk,
-        known.lexicon,
-        known.style,
-        load_language(known.language),
-        intention_sets(known),
-        grammar=known.grammar,
-        quiet=now - own.heard,
+        speech.talk,
+        setup.lexicon,
+        style_preset(speech.style) if speech.style else setup.style,
+        load_language(setup.language),
+        intention_sets(setup),
+        grammar=setup.grammar,
+        quiet=speech.quiet(now),
         free=free,
-        seed=known.idling.seed,
+        seed=setup.idling.seed,
     )
 
 
 def _last_speech(scene: Scene) -> PlayingSpeech | None:
-    """What is said last of all that plays; None where nobody speaks."""
-    return max(scene.speeches, key=lambda each: each.end, default=None)
+    """Return the speech that ends last among the running blocks, or None."""
+    return max(scene.speeches, key=lambda speech: speech.end, default=None)

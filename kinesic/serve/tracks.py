@@ -1,4 +1,4 @@
-"""Faces and sounds of running blocks: tracks of action units, and sounds on the clock."""
+"""Face and sound tracks of running blocks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.command import RATE
+from kinesic.body.command import COMMAND_RATE
 from kinesic.body.utterance import Sound
-from kinesic.planning.face_track import asks_face, shown_units
+from kinesic.planning.face_track import compute_action_units, needs_face
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 from kinesic.speech.loudspeaker import SpeakerError
@@ -17,97 +17,111 @@ from kinesic.speech.speaker import Speaker
 
 @dataclass(frozen=True)
 class SoundAndFace:
-    """Whether faces and sounds of a scene have sinks."""
+    """Availability of outputs for speech sound and face."""
 
-    face: bool = False  # a sink shows it
-    sound: bool = False  # speech is heard
+    face: bool = False  # whether a sink shows the face
+    sound: bool = False  # whether speech is audible
 
 
-SILENT = SoundAndFace()
+NO_ACCOMPANIMENT = SoundAndFace()  # settings without outputs for face and sound
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
     """Face and sounds of one running block."""
 
-    begin: float  # [s] of the clock, of the first row
-    face: Mapping[str, Floats]  # action unit -> (m,) 0..1, 100 a second
-    sounds: tuple[tuple[float, Sound], ...]  # [s] of the clock at which each begins
+    begin: float  # [s] clock time of the first row
+    face: Mapping[str, Floats]  # action unit -> (m,) intensities 0..1 at 100 Hz
+    sounds: tuple[tuple[float, Sound], ...]  # start [s] in clock time, and sound
 
     def at(self, time: float) -> dict[str, float]:
-        """Looks up action units at a time [s] of the clock; none before and after."""
-        row = int((time - self.begin) * RATE)
+        """Return the action units at a clock time [s].
+
+        Empty outside the track.
+        """
+        row = int((time - self.begin) * COMMAND_RATE)
         return {unit: float(values[row]) for unit, values in self.face.items() if 0 <= row < len(values)}
 
 
-Sounds = Mapping[tuple[str, float], Sound]  # by block and the time [s] of the clock at which each begins
-Version = tuple[int, float, float, int]  # of a block: it has another one when its track has to be made anew
+Sounds = Mapping[tuple[str, float], Sound]  # by block and start [s] in clock time
+Version = tuple[int, float, float, int]  # identity of the inputs of a block's track
 
 
 def track_version(running: RunningBlock) -> Version:
-    """Identifies what a block's track was made of; another version needs another track."""
+    """Return a version of a block's face and sound track.
+
+    A new value needs a new track.
+    """
     return id(running.prepared.plan), running.zero, running.end, len(running.times)
 
 
 def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
-    """Makes the track of a block that plays."""
+    """Compute the track of a running block."""
     plan, zero = running.prepared.plan, running.zero
     begin = zero - plan.trajectory.zero
     sounds = tuple(
-        (spoken.begin, found) for spoken in running.speeches if (found := spoken.utterance.sound) is not None
+        (speech.begin, sound) for speech in running.speeches if (sound := speech.utterance.sound) is not None
     )
-    is_seen = accompaniment.face and (asks_face(plan) or plan.setup.idling.amount > 0.0)
-    times = np.arange(int(plan.duration * RATE) + 1) / RATE
-    return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if accompaniment.sound else ())
+    shows_face = accompaniment.face and (needs_face(plan) or plan.setup.idling.amount > 0.0)
+    times = np.arange(int(plan.duration * COMMAND_RATE) + 1) / COMMAND_RATE
+    return Track(begin, compute_action_units(plan, times) if shows_face else {}, sounds if accompaniment.sound else ())
 
 
 def changed_tracks(
-    scene: Scene, known: Mapping[str, Version], accompaniment: SoundAndFace
+    scene: Scene, old_versions: Mapping[str, Version], accompaniment: SoundAndFace
 ) -> tuple[dict[str, Version], dict[str, Track | None]]:
-    """Makes the tracks of a scene that have changed; returns the versions of all, too.
+    """Compute changed face and sound tracks, and the versions of all.
 
     Args:
-        scene: whose blocks play.
-        known: versions of the tracks that the loop has.
-        accompaniment: whether faces and sounds have sinks.
+        scene: running blocks.
+        old_versions: versions of the tracks that the loop has.
+        accompaniment: available outputs for face and sound.
     """
     if not (accompaniment.face or accompaniment.sound):
         return {}, {}
-    resting = () if scene.idle is None else (scene.idle,)
-    playing = {running.id: running for running in (*resting, *scene.playing)}
+    idling = () if scene.idle is None else (scene.idle,)
+    playing = {running.id: running for running in (*idling, *scene.playing)}
     versions = {id: track_version(running) for id, running in playing.items()}
-    over: dict[str, Track | None] = dict.fromkeys(known.keys() - versions.keys())
-    fresh = [id for id, own in versions.items() if known.get(id) != own]
-    return versions, over | {id: make_track(playing[id], accompaniment) for id in fresh}
+    ended: dict[str, Track | None] = dict.fromkeys(old_versions.keys() - versions.keys())
+    changed = [id for id, version in versions.items() if old_versions.get(id) != version]
+    return versions, ended | {id: make_track(playing[id], accompaniment) for id in changed}
 
 
 class Effects:
-    """The tracks of all running blocks, as the loop has them."""
+    """Tracks of all running blocks, as played by the loop."""
 
     def __init__(self, speaker: Speaker | None = None, *, face: bool = False) -> None:
-        """Begins without tracks.
+        """Create an empty set of tracks.
 
         Args:
-            speaker: of sounds; None: nothing is heard.
-            face: whether a sink shows it.
+            speaker: audio output; None for silence.
+            face: whether a sink shows the face.
         """
         self._speaker, self._tracks = speaker, dict[str, Track]()
         self.accompaniment = SoundAndFace(face, speaker is not None)
 
     def take(self, changes: Mapping[str, Track | None]) -> None:
-        """Takes new tracks by block, and drops those that are None. A loudspeaker that fails is not asked again."""
+        """Replace tracks by block id.
+
+        None removes a track.
+
+        A loudspeaker that fails is not used again.
+        """
         before = self._sounds()
-        for block, one in changes.items():
+        for block, track in changes.items():
             self._tracks.pop(block, None)
-            if one is not None:
-                self._tracks[block] = one
+            if track is not None:
+                self._tracks[block] = track
         try:
             self._play(before, self._sounds())
         except SpeakerError:
             self._speaker = None
 
     def _play(self, before: Sounds, after: Sounds) -> None:
-        """Plays new sounds; one that is gone can only be ended together with all others."""
+        """Play sounds that were added, and stop sounds that were removed.
+
+        Removing one stops and restarts all others.
+        """
         if self._speaker is None:
             return
         if before.keys() - after.keys():
@@ -117,16 +131,16 @@ class Effects:
             self._speaker.play(after[block, begin], begin)
 
     def clear(self) -> None:
-        """Ends everything at once."""
+        """Remove all tracks at once."""
         self.take(dict.fromkeys(self._tracks))
 
     def face(self, time: float) -> dict[str, float]:
-        """Finds the greatest intensity of each action unit at a time [s] of the clock."""
-        found: dict[str, float] = {}
-        for one in self._tracks.values():
-            for unit, value in one.at(time).items():
-                found[unit] = max(value, found.get(unit, 0.0))
-        return found
+        """Return the maximum action unit intensities at a clock time [s]."""
+        intensities: dict[str, float] = {}
+        for track in self._tracks.values():
+            for unit, value in track.at(time).items():
+                intensities[unit] = max(value, intensities.get(unit, 0.0))
+        return intensities
 
     def _sounds(self) -> Sounds:
-        return {(block, begin): sound for block, one in self._tracks.items() for begin, sound in one.sounds}
+        return {(block, begin): sound for block, track in self._tracks.items() for begin, sound in track.sounds}

@@ -1,1 +1,1 @@
-"""In a package, so that what its tests share is closed after the last of them."""
+"""Tests of the server, in a package so that shared fixtures close last."""

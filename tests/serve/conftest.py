@@ -1,4 +1,4 @@
-"""A server of the tests' own, with real sockets, in a thread."""
+"""Fixtures: servers with real sockets in a thread, planners and simulations."""
 
 import asyncio
 import threading
@@ -14,19 +14,20 @@ import pytest
 
 from kinesic.body.command import Command, Sink
 from kinesic.client import Client
-from kinesic.controller.perform import set_up
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
 from kinesic.serve import loop as loop_module
 from kinesic.serve import messages
+from kinesic.serve.address import Address
 from kinesic.serve.messages import Clock, LoopProperties, LoopStart
 from kinesic.serve.planner import PlannerState
-from kinesic.serve.server import Address, Serving, open_serving, until_done
+from kinesic.serve.server import Serving, open_serving, serve_until_done
 from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
-from kinesic.serve.tracks import SILENT, SoundAndFace
-from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.tracks import NO_ACCOMPANIMENT, SoundAndFace
+from kinesic.serve.wire.origin import OPEN_ACCESS, Access
 from kinesic.serve.wire.pages import NO_FILES, WebFile
-from kinesic.serve.wire.quotas import USUAL, Quotas
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, Quotas
+from kinesic.session.setup import set_up
 
 from .planning_bench import Planning
 from .simulated import Simulation
@@ -34,14 +35,14 @@ from .staged_session import Act, Stage
 
 
 class Witness:
-    """A sink that keeps all commands, with the time at which they came."""
+    """Sink that records all commands with their arrival times."""
 
     def __init__(self) -> None:
         self.commands: list[tuple[float, Command]] = []
         self.closed = self.held = False
 
-    def waits(self) -> bool:
-        """Whether it was out of hand, and wants consent."""
+    def needs_resume(self) -> bool:
+        """Return whether the sink holds until `resume`."""
         return self.held
 
     def resume(self) -> None:
@@ -54,12 +55,12 @@ class Witness:
         self.closed = True
 
 
-PATIENCE = 30.0  # [s]
+MAX_WAIT = 30.0  # [s]
 
 
 @dataclass
 class Running:
-    """A server that runs, and what its sinks saw."""
+    """Running server with the records of its sinks."""
 
     open: Serving
     witness: Witness
@@ -77,14 +78,14 @@ class Running:
 @contextmanager
 def running(
     rules: Quotas,
-    access: Access = ANYBODY_HERE,
+    access: Access = OPEN_ACCESS,
     *,
     files: Mapping[str, WebFile] = NO_FILES,
     folder: Path | None = None,
     make_setup: Callable[[], Setup] = set_up,
     more: Sequence[Sink] = (),
 ) -> Iterator[Running]:
-    """A server on a free port, with files for browsers, a folder of documents and more sinks if any are given."""
+    """Run a server on a free port, with optional web files, folder and sinks."""
     witness, ready, found = Witness(), threading.Event(), []
 
     async def serve() -> None:
@@ -103,7 +104,7 @@ def running(
         ) as open_:
             found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()
-            await until_done(open_, enough, console=False)
+            await serve_until_done(open_, enough, console=False)
 
     thread = threading.Thread(target=lambda: asyncio.run(serve()))
     thread.start()
@@ -119,21 +120,24 @@ def running(
 
 @pytest.fixture(scope="package")
 def server() -> Iterator[Running]:
-    """With the usual rules, but for the rate; it works as long as it is open, so not beside other tests."""
+    """Server with default limits except for the message rate.
+
+    It shares the package scope, so it runs during all tests that follow its first use.
+    """
     with running(Quotas(rate=1000.0, burst=1000)) as found:
         yield found
 
 
 @pytest.fixture(scope="module")
 def abused() -> Iterator[Running]:
-    """For documents that make no sense, which may leave the robot in another stance."""
+    """Server for hostile documents, which may leave the robot in another posture."""
     with running(Quotas(rate=1000.0, burst=1000)) as found:
         yield found
 
 
 @pytest.fixture(scope="module")
 def guarded() -> Iterator[Running]:
-    """With a token and tight rules."""
+    """Server with a token and tight limits."""
     rules = Quotas(
         message=2000, depth=8, rate=20.0, burst=10, waiting=2, clients=4, unread=64, patience=1.0, duration=20.0
     )
@@ -143,22 +147,22 @@ def guarded() -> Iterator[Running]:
 
 @pytest.fixture
 def wired() -> tuple[PlannerState, Connection]:
-    """A planner that has taken over, and the loop's end of its pipe."""
+    """Active planner and the loop's end of its pipe."""
     setup, clock = set_up(), Clock()
     to_planner, to_loop = Pipe()
     beginning = LoopStart(stay(setup.robot.skeleton.rest, start=clock.now()), 0, ())
-    properties = LoopProperties(clock, SILENT)
+    properties = LoopProperties(clock, NO_ACCOMPANIMENT)
     return PlannerState(
-        setup, lambda known: known, to_loop, Pipe()[0], properties, beginning=beginning, rules=USUAL
+        setup, lambda known: known, to_loop, Pipe()[0], properties, beginning=beginning, rules=DEFAULT_QUOTAS
     ), to_planner
 
 
 @pytest.fixture(scope="session")
 def becomes() -> Callable[[Callable[[], bool]], bool]:
-    """Waits until something is so; whether it became so in time."""
+    """Function that waits for a condition and returns whether it became true in time."""
 
     def waited(condition: Callable[[], bool]) -> bool:
-        end = monotonic() + PATIENCE
+        end = monotonic() + MAX_WAIT
         while not condition():
             if monotonic() > end:
                 return False
@@ -180,7 +184,7 @@ def simulation(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Simulation:
 
 @pytest.fixture
 def make_planning(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Planning]:
-    """Makes planners whose time goes on only when they are told to."""
+    """Factory of planners in simulated time."""
     made: list[Planning] = []
     monkeypatch.setattr(messages, "monotonic", lambda: made[-1].time if made else 0.0)
 

@@ -1,10 +1,10 @@
-"""Documents as nobody should write them: mutations of others, the same for the same seed."""
+"""Deterministic mutations of documents that produce hostile documents."""
 
 import random
 import re
 from collections.abc import Callable
 
-NUMBERS = (
+HOSTILE_NUMBERS = (
     b"1e308",
     b"-1e9",
     b"nan",
@@ -17,23 +17,25 @@ NUMBERS = (
     b"abc",
     b"1,5",
 )
-DEEP = 3000  # elements
-LONG = 20_000  # [bytes]
+NESTING_DEPTH = 3000  # nested elements
+LONG_SIZE = 20_000  # [bytes]
 
-_ATTRIBUTE = re.compile(rb'\b(\w++)="([^"]*)"')  # begins where a word does: a long one is looked at once
-_ELEMENT = re.compile(rb"<\w[^<>]*/>")
+_ATTRIBUTE_PATTERN = re.compile(
+    rb'\b(\w++)="([^"]*)"'
+)  # starts at a word boundary, so that long words are scanned once
+_ELEMENT_PATTERN = re.compile(rb"<\w[^<>]*/>")
 
 
 def mutate(document: bytes, seed: int) -> bytes:
-    """A document with one to three mutations.
+    """Apply one to three mutations to a document.
 
     Args:
-        document: any.
-        seed: of all choices.
+        document: any document.
+        seed: seed of all random choices.
     """
     chance = random.Random(seed)
     for _ in range(chance.randint(1, 3)):
-        document = chance.choice(MUTATIONS)(document, chance)
+        document = chance.choice(ALL_MUTATIONS)(document, chance)
     return document
 
 
@@ -42,7 +44,7 @@ def _truncated(document: bytes, chance: random.Random) -> bytes:
 
 
 def _flipped(document: bytes, chance: random.Random) -> bytes:
-    """Some bytes with one bit changed."""
+    """Return the bytes with one bit flipped."""
     data = bytearray(document)
     for _ in range(chance.randint(1, 8) if data else 0):
         data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
@@ -50,8 +52,8 @@ def _flipped(document: bytes, chance: random.Random) -> bytes:
 
 
 def _swapped(document: bytes, chance: random.Random) -> bytes:
-    """The values of two attributes exchanged."""
-    found = list(_ATTRIBUTE.finditer(document))
+    """Exchange the values of two attributes."""
+    found = list(_ATTRIBUTE_PATTERN.finditer(document))
     if len(found) < 2:
         return document
     one, two = sorted(chance.sample(found, 2), key=lambda match: match.start())
@@ -60,23 +62,23 @@ def _swapped(document: bytes, chance: random.Random) -> bytes:
 
 
 def _with_number(document: bytes, chance: random.Random) -> bytes:
-    """An attribute with a number that makes no sense."""
-    found = list(_ATTRIBUTE.finditer(document))
+    """Set an attribute to a nonsensical number."""
+    found = list(_ATTRIBUTE_PATTERN.finditer(document))
     if not found:
         return document
     one = chance.choice(found)
-    return document[: one.start(2)] + chance.choice(NUMBERS) + document[one.end(2) :]
+    return document[: one.start(2)] + chance.choice(HOSTILE_NUMBERS) + document[one.end(2) :]
 
 
 def _deepened(document: bytes, chance: random.Random) -> bytes:
     place = chance.randrange(len(document) + 1)
-    depth = chance.choice((10, 60, 70, DEEP))
+    depth = chance.choice((10, 60, 70, NESTING_DEPTH))
     return document[:place] + b"<a>" * depth + b"</a>" * depth + document[place:]
 
 
 def _repeated(document: bytes, chance: random.Random) -> bytes:
-    """An element many times over."""
-    found = list(_ELEMENT.finditer(document))
+    """Repeat an element many times."""
+    found = list(_ELEMENT_PATTERN.finditer(document))
     if not found:
         return document
     one = chance.choice(found)
@@ -85,17 +87,17 @@ def _repeated(document: bytes, chance: random.Random) -> bytes:
 
 def _lengthened(document: bytes, chance: random.Random) -> bytes:
     place = chance.randrange(len(document) + 1)
-    return document[:place] + bytes([chance.randrange(256)]) * LONG + document[place:]
+    return document[:place] + bytes([chance.randrange(256)]) * LONG_SIZE + document[place:]
 
 
 def _spliced(document: bytes, chance: random.Random) -> bytes:
-    """A piece of it elsewhere once more."""
+    """Copy a piece of the document to another position."""
     begin, end = sorted(chance.randrange(len(document) + 1) for _ in range(2))
     place = chance.randrange(len(document) + 1)
     return document[:place] + document[begin:end] + document[place:]
 
 
-MUTATIONS: tuple[Callable[[bytes, random.Random], bytes], ...] = (
+ALL_MUTATIONS: tuple[Callable[[bytes, random.Random], bytes], ...] = (
     _truncated,
     _flipped,
     _swapped,

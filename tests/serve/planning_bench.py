@@ -1,4 +1,4 @@
-"""A planner at a loop that answers by a rule: what it proposes, and what it has told."""
+"""Planner with a stub loop that answers by a rule, and a record of its messages."""
 
 from collections import deque
 from collections.abc import Callable
@@ -17,18 +17,18 @@ from kinesic.serve.messages import (
     ProposalVerdict,
 )
 from kinesic.serve.planner import PlannerState
-from kinesic.serve.tracks import SILENT, SoundAndFace
+from kinesic.serve.tracks import NO_ACCOMPANIMENT, SoundAndFace
 from kinesic.serve.wire.quotas import Quotas
 
-BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-NOD = '<head id="h" lexeme="NOD" start="0"/>'
-LONG = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="4"/>'
-RULES = Quotas(duration=20.0, depth=8)
+BLOCK_BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+NOD_BML = '<head id="h" lexeme="NOD" start="0"/>'
+LONG_GESTURE_BML = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="4"/>'
+TEST_QUOTAS = Quotas(duration=20.0, depth=8)
 
 
 @dataclass
 class Line:
-    """The loop's end of a planner's pipe, which answers every proposal at once."""
+    """Loop end of a planner's pipe that answers each proposal immediately."""
 
     sent: list[object] = field(default_factory=list)
     answers: deque[object] = field(default_factory=deque)
@@ -51,9 +51,9 @@ class Line:
 
 
 class Planning:
-    """A planner, its clock, and all that it says."""
+    """Planner with its clock and a record of its messages."""
 
-    def __init__(self, setup: Setup, *, accompaniment: SoundAndFace = SILENT) -> None:
+    def __init__(self, setup: Setup, *, accompaniment: SoundAndFace = NO_ACCOMPANIMENT) -> None:
         self.time, self.loop, self.refiner, self.renewed = 0.0, Line(), Line(), 0
         self.clock = Clock()
         self.setup = setup
@@ -65,7 +65,7 @@ class Planning:
             self.refiner,
             LoopProperties(self.clock, accompaniment),
             beginning=beginning,
-            rules=RULES,
+            rules=TEST_QUOTAS,
         )
 
     def renew(self, setup: Setup) -> Setup:
@@ -73,7 +73,7 @@ class Planning:
         return setup
 
     def document(self, name: str, inside: str, sender: int = 7, stops: int = 0) -> None:
-        self.state.fulfil(DocumentRequest(Message(BML.format(name, inside), sender), stops))
+        self.state.execute(DocumentRequest(Message(BLOCK_BML.format(name, inside), sender), stops))
 
     def said(self) -> tuple[list[Proposal], list[FeedbackNotice]]:
         taken = self.loop.take()

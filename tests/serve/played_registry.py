@@ -1,4 +1,4 @@
-"""A registry of clients whose performer is played by the tests."""
+"""Client registry with a stub session."""
 
 import asyncio
 import json
@@ -6,14 +6,14 @@ import json
 from kinesic.realizer.request import Message
 from kinesic.serve.clients import ClientRegistry, ConnectedClient
 from kinesic.serve.messages import Restyling
-from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.origin import OPEN_ACCESS, Access
 from kinesic.serve.wire.quotas import Quotas
 
-RULES = Quotas(rate=10.0, burst=4, clients=2)
+TEST_QUOTAS = Quotas(rate=10.0, burst=4, clients=2)
 
 
 class Performer:
-    """A session that keeps what it is told."""
+    """Stub session that records its calls."""
 
     def __init__(self) -> None:
         self.done: list[tuple] = []
@@ -26,7 +26,7 @@ class Performer:
         self.performed.append(document)
         return self.refusal
 
-    def halt(self) -> None:
+    def emergency_stop(self) -> None:
         if self.fault is not None:
             raise self.fault
         self.done.append(("halt",))
@@ -49,21 +49,21 @@ class Performer:
     def disarm(self, client: ConnectedClient, request: object) -> None:
         self.done.append(("disarm", client.number))
 
-    def answer(self, asker: object, question: object) -> None:
-        self.asker = asker
-        self.done.append(("answer", asker.number, question))
+    def answer(self, requester: object, question: object) -> None:
+        self.requester = requester
+        self.done.append(("answer", requester.number, question))
 
 
 class Registry(ClientRegistry):
-    """A registry with a performer of ours, and a clock that only goes on when it is told to."""
+    """Client registry with a stub session."""
 
     session: Performer
 
-    def __init__(self, access: Access = ANYBODY_HERE, rules: Quotas = RULES) -> None:
+    def __init__(self, access: Access = OPEN_ACCESS, rules: Quotas = TEST_QUOTAS) -> None:
         super().__init__(rules, access, lambda _: Performer())
 
     def say(self, client: ConnectedClient, message: bytes | dict) -> list[str]:
-        """What a client is told for a message."""
+        """Return the messages to a client after its message."""
         self.receive(client, json.dumps(message).encode() if isinstance(message, dict) else message)
         return told(client)
 
@@ -75,4 +75,4 @@ def told(client: ConnectedClient) -> list[str]:
     return asyncio.run(take())
 
 
-GUARDED = Access("open sesame")
+TOKEN_ACCESS = Access("open sesame")

@@ -1,4 +1,4 @@
-"""Sinks that own the time, wait for an arm, or want consent, as the tests have them do."""
+"""Stub sinks that provide the time, need arming, or hold until `resume`."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from .simulated import Recorder
 
 
 class Timed(Recorder):
-    """A sink that owns the time: it says this one."""
+    """Stub sink that provides the performance time."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -20,7 +20,7 @@ class Timed(Recorder):
 
 
 class TimedServos(Timed):
-    """Servos that follow once somebody arms them."""
+    """Stub servos that follow once they are armed."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -41,13 +41,13 @@ class TimedServos(Timed):
 
 
 class Held(Recorder):
-    """A sink that wants consent."""
+    """Stub sink that holds until `resume`."""
 
     def __init__(self) -> None:
         super().__init__()
         self.held = True
 
-    def waits(self) -> bool:
+    def needs_resume(self) -> bool:
         return self.held
 
     def resume(self) -> None:

@@ -1,4 +1,4 @@
-"""A session whose loop, planner and desk are played by the tests."""
+"""Session with stub loop, planner and desk."""
 
 import asyncio
 import re
@@ -11,68 +11,81 @@ import pytest
 
 from kinesic.realizer.request import Message
 from kinesic.serve import session as session_module
+from kinesic.serve.feedback_queue import PendingBlock
 from kinesic.serve.messages import DocumentRequest
 from kinesic.serve.session import Session
 from kinesic.serve.wire.quotas import Quotas
 
-RULES = Quotas(waiting=2, planning=3.0)
+TEST_QUOTAS = Quotas(waiting=2, planning=3.0)
 
 
 class Loop:
-    """A loop that does nothing."""
+    """Stub loop without motion."""
 
-    def __init__(self, setup: object, sinks: object, clock: object, *, effects: object, tell: Callable, news: Callable):
-        self.tell, self.news = tell, news
-        self.robot, self.stops, self.late = "dummy", 0, 99
-        self.alive, self.held, self.idles, self.rests, self.left, self.joined = True, False, False, True, 0, 0
+    def __init__(
+        self,
+        setup: object,
+        sinks: object,
+        clock: object,
+        *,
+        effects: object,
+        send_feedback: Callable,
+        notify_server: Callable,
+    ):
+        self.send_feedback, self.notify_server = send_feedback, notify_server
+        self.robot, self.stop_count, self.late_ticks = "dummy", 0, 99
+        self.alive, self.held, self.is_idling, self.rests, self.shutdowns, self.joined = True, False, False, True, 0, 0
         self.servos: SimpleNamespace | None = None
-        self.owed = -1
+        self.unfinished_client = -1
 
     def start(self) -> None: ...
 
     def is_alive(self) -> bool:
         return self.alive
 
-    def halt(self) -> None:
-        self.stops += 1
+    def emergency_stop(self) -> None:
+        self.stop_count += 1
 
-    def waits(self) -> bool:
+    def needs_resume(self) -> bool:
         return self.held
 
     def resume(self) -> None:
         self.held = False
 
-    def settled(self) -> bool:
+    def is_settled(self) -> bool:
         return self.rests
 
-    def owes(self, sender: int) -> bool:
-        return sender == self.owed
+    def pending_blocks(self) -> list[PendingBlock]:
+        return []
 
-    def leave(self) -> None:
-        self.left += 1
+    def has_unfinished_blocks(self, client: int) -> bool:
+        return client == self.unfinished_client
+
+    def shut_down(self) -> None:
+        self.shutdowns += 1
 
     def join(self) -> None:
         self.joined += 1
 
 
 class Planner:
-    """A planner that keeps what it is sent, and is busy until it is told that it is done."""
+    """Stub planner that records requests and is busy until the test frees it."""
 
     def __init__(self, make_setup: object, loop: Loop, *, rules: Quotas, idle: Callable, lost: Callable) -> None:
         self.idle, self.lost = idle, lost
         self.sent: deque[object] = deque()
-        self.warm = self.failed = False
+        self.is_warm = self.has_failed = False
         self.busy, self.deaths, self.closed, self.serving = False, 0, 0, -1
         self.received: list[object] = []
 
     @property
-    def free(self) -> bool:
-        return self.warm and not self.busy
+    def is_free(self) -> bool:
+        return self.is_warm and not self.busy
 
     def start(self) -> None: ...
 
     def send(self, request: object) -> None:
-        assert self.free
+        assert self.is_free
         self.busy = True
         self.sent.append(request)
 
@@ -86,7 +99,7 @@ class Planner:
         self.closed += 1
 
     def become_free(self) -> None:
-        self.warm, self.busy = True, False
+        self.is_warm, self.busy = True, False
         self.idle()
 
 
@@ -98,7 +111,7 @@ class Closable:
 
 
 class Stage:
-    """A session and all that it talks to."""
+    """Session with all its stubs."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.told: list[tuple[str, int]] = []
@@ -124,14 +137,14 @@ class Stage:
             ("monotonic", lambda: self.time),
         ):
             monkeypatch.setattr(session_module, name, replacement)
-        self.session = Session(lambda: None, (), RULES, lambda *told: self.told.append(told), folder=Path("kept"))
+        self.session = Session(lambda: None, (), TEST_QUOTAS, lambda *told: self.told.append(told), folder=Path("kept"))
         self.loop, self.planner = self.session.loop, self.session.planner
 
     def document(self, name: str, sender: int = 1) -> Message:
         return Message(f'<bml id="{name}"/>', sender)
 
     def planned(self) -> list[str]:
-        """Names of documents that are sent to the planner until nothing is left, and the names of other requests."""
+        """Return the ids of all sent documents and the type names of other requests."""
         found = []
         while True:
             self.planner.become_free()

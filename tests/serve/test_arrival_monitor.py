@@ -11,7 +11,7 @@ TIMES = np.arange(0.0, 2.0, 0.01)
 
 
 def moving(start):
-    """One hinge goes from 0 to 1 rad within a second, another rests."""
+    """Return a motion of one hinge from 0 to 1 rad in one second."""
     controls = np.zeros((203, 2))
     controls[:, 0] = np.clip(np.linspace(-0.01, 2.01, 203), 0.0, 1.0)
     return Trajectory(controls, 0.0, start)
@@ -26,31 +26,31 @@ def seen(motion, late, until):
 
 @settings(deadline=None, max_examples=40)
 @given(st.floats(-0.03, 0.08), st.floats(-5.0, 5.0))
-def test_a_body_that_is_late_by_so_much_is_told_so(late, start):
+def test_arrival_delay_of_hinges_at_a_sync_point_is_measured(late, start):
     motion = moving(start)
     found = seen(motion, late, 1.0).lateness(start + 0.8, HINGES, motion)
     assert found == pytest.approx(late, abs=1e-3)
 
 
-def test_a_body_that_has_not_arrived_yet_is_waited_for():
+def test_arrival_delay_of_hinges_that_have_not_arrived_is_none():
     motion = moving(0.0)
     assert seen(motion, 0.05, 0.81).lateness(0.8, HINGES, motion) is None
     assert ArrivalMonitor().lateness(0.8, HINGES, motion) is None
 
 
-def test_nothing_can_be_said_of_hinges_that_rest():
+def test_arrival_delay_of_resting_hinges_is_nan():
     motion = moving(0.0)
     assert np.isnan(seen(motion, 0.0, 1.0).lateness(0.8, ~HINGES, motion))
     still = stay(np.zeros(2), 2.0)
     assert np.isnan(seen(still, 0.0, 1.0).lateness(0.8, HINGES, still))
 
 
-def test_nothing_can_be_said_after_a_hold():
+def test_arrival_delay_of_unmoved_hinges_is_nan():
     motion = moving(0.0)
     assert np.isnan(seen(motion, 0.0, 1.9).lateness(1.8, HINGES, motion))
 
 
-def test_what_is_no_number_or_out_of_order_is_passed_over():
+def test_nan_and_unordered_measurements_are_ignored():
     motion = moving(0.0)
     gauge = seen(motion, 0.02, 1.0)
     gauge.add(1.1, np.array([np.nan, 0.0]))

@@ -1,18 +1,24 @@
-"""Clients in the registry: who is admitted, which messages are taken, and what becomes of each."""
+"""Client registry: admission, quotas and handling of messages."""
 
 import json
 from collections.abc import Callable, Iterator
 
 import pytest
 
-from kinesic.serve.clients import DRAGGED, EXCESS, LATER, NORMAL, POLICY
+from kinesic.serve.clients import (
+    CLOSE_NORMAL,
+    CLOSE_POLICY_VIOLATION,
+    CLOSE_TRY_LATER,
+    FREQUENT_RATE_FACTOR,
+    REFUSAL_BURST_FACTOR,
+)
 from kinesic.serve.messages import Restyling, Words
 from kinesic.serve.wire import quotas
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.questions import ReachQuestion, ServosQuestion
 from kinesic.serve.wire.quotas import Quotas
 
-from .played_registry import GUARDED, RULES, Registry, told
+from .played_registry import TEST_QUOTAS, TOKEN_ACCESS, Registry, told
 
 DOCUMENT = b"<bml/>"
 
@@ -22,25 +28,25 @@ def time(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[float], None]]:
     now = [0.0]
     monkeypatch.setattr(quotas, "monotonic", lambda: now[0])
 
-    def go_on(seconds: float) -> None:
+    def advance_scene(seconds: float) -> None:
         now[0] += seconds
 
-    return go_on
+    return advance_scene
 
 
-def test_without_a_token_everybody_is_admitted_and_with_one_only_the_trusted():
+def test_clients_are_admitted_if_no_token_is_required_or_they_are_trusted():
     assert Registry().join("a").admitted
-    assert not Registry(GUARDED).join("a").admitted
-    assert Registry(GUARDED).join("a", trusted=True).admitted
+    assert not Registry(TOKEN_ACCESS).join("a").admitted
+    assert Registry(TOKEN_ACCESS).join("a", trusted=True).admitted
 
 
-def test_every_client_has_a_number_of_its_own():
+def test_client_numbers_are_unique():
     registry = Registry()
     assert [registry.join("a").number for _ in range(3)] == [1, 2, 3]
 
 
-def test_the_right_token_admits_and_gives_a_place():
-    registry = Registry(GUARDED)
+def test_correct_token_admits_a_client_and_reserves_a_client_slot():
+    registry = Registry(TOKEN_ACCESS)
     client = registry.join("a")
     assert registry.say(client, {"do": "hello", "token": "open sesame"}) == ['{"told":"welcome"}']
     assert client.admitted
@@ -50,27 +56,27 @@ def test_the_right_token_admits_and_gives_a_place():
 
 
 @pytest.mark.parametrize("first", [{"do": "hello", "token": "open barley"}, {"do": "ping"}, DOCUMENT, {"do": "stop"}])
-def test_nothing_is_done_for_a_stranger_who_is_sent_away(first: bytes | dict):
-    registry = Registry(GUARDED)
+def test_unauthenticated_client_is_refused_and_disconnected(first: bytes | dict):
+    registry = Registry(TOKEN_ACCESS)
     client = registry.join("a")
     (answer,) = registry.say(client, first)
     assert json.loads(answer)["told"] == "refused"
     assert ("the token is wrong" in answer) == (isinstance(first, dict) and "token" in first)
-    assert client.code == POLICY
+    assert client.code == CLOSE_POLICY_VIOLATION
     assert not client.open
     assert not registry.session.done
     assert not registry.session.performed
 
 
 @pytest.mark.parametrize("shown", [None, "", "open", "open sesame ", "\udcff"])
-def test_only_the_token_is_the_token(shown: str | None):
-    registry = Registry(GUARDED)
+def test_only_the_exact_token_is_accepted(shown: str | None):
+    registry = Registry(TOKEN_ACCESS)
     assert registry.is_token("open sesame")
     assert not registry.is_token(shown)
     assert not Registry().is_token(shown), "where there is none, nothing is it"
 
 
-def test_places_are_limited_and_come_free_when_somebody_leaves():
+def test_client_slots_are_limited_and_freed_when_clients_leave():
     registry = Registry()
     one, two, three = (registry.join("a") for _ in range(3))
     assert registry.place(one)
@@ -78,7 +84,7 @@ def test_places_are_limited_and_come_free_when_somebody_leaves():
     assert registry.place(two)
     assert not registry.place(three)
     registry.say(three, DOCUMENT)
-    assert three.code == LATER
+    assert three.code == CLOSE_TRY_LATER
     assert not registry.session.performed
     registry.leave(one)
     registry.leave(one)
@@ -87,7 +93,7 @@ def test_places_are_limited_and_come_free_when_somebody_leaves():
     assert not registry.place(five)
 
 
-def test_whoever_leaves_without_a_place_frees_none():
+def test_leaving_client_without_a_slot_frees_no_client_slot():
     registry = Registry()
     placed = [registry.join("a") for _ in range(2)]
     assert all(map(registry.place, placed))
@@ -95,7 +101,7 @@ def test_whoever_leaves_without_a_place_frees_none():
     assert not registry.place(registry.join("a"))
 
 
-def test_a_client_without_a_place_may_still_stop_and_say_hello():
+def test_client_without_a_client_slot_may_stop_the_robot_and_authenticate():
     registry = Registry()
     for _ in range(2):
         registry.place(registry.join("a"))
@@ -106,7 +112,7 @@ def test_a_client_without_a_place_may_still_stop_and_say_hello():
     assert third.open
 
 
-def test_a_document_is_handed_on_with_its_sender_and_a_source_that_is_no_file():
+def test_document_is_passed_on_with_sender_and_non_file_source():
     registry = Registry()
     client = registry.join("127.0.0.1:5")
     registry.say(client, DOCUMENT)
@@ -119,13 +125,13 @@ def test_a_document_is_handed_on_with_its_sender_and_a_source_that_is_no_file():
     ]
 
 
-def test_why_a_document_is_not_performed_is_told():
+def test_refusal_of_a_document_is_reported():
     registry = Registry()
     registry.session.refusal = "<no/>"
     assert registry.say(registry.join("a"), DOCUMENT) == ["<no/>"]
 
 
-def test_plain_text_is_said_only_where_it_is_allowed():
+def test_plain_text_is_spoken_only_if_allowed():
     registry = Registry(Access(texts=True))
     client = registry.join("a")
     registry.say(client, b"Hello there")
@@ -154,27 +160,27 @@ def test_plain_text_is_said_only_where_it_is_allowed():
         ({"do": "reach", "target": [0, 0, 1]}, ("answer", 1, ReachQuestion((0, 0, 1)))),
     ],
 )
-def test_what_is_asked_is_done(message: dict, done: tuple):
+def test_control_messages_reach_the_session(message: dict, done: tuple):
     registry = Registry()
     assert registry.say(registry.join("a"), message) == []
     assert registry.session.done == [done]
 
 
-def test_words_are_handed_on_as_they_are():
+def test_streamed_words_of_a_client_are_passed_to_the_session_unchanged():
     registry = Registry()
     registry.say(registry.join("a"), {"do": "words", "text": "so", "ends": True, "instead": True})
     assert registry.session.performed == [Words("so", 1, ends=True, instead=True)]
 
 
 @pytest.mark.parametrize(("token", "trusted"), [("open sesame", True), ("open barley", False), (None, False)])
-def test_torque_asks_for_the_token_in_the_very_message(token: str | None, trusted: bool):
-    registry = Registry(GUARDED)
+def test_arm_needs_the_token_in_its_message(token: str | None, trusted: bool):
+    registry = Registry(TOKEN_ACCESS)
     client = registry.join("a", trusted=True)
     registry.say(client, {"do": "arm", "token": token})
     assert registry.session.done == [("arm", client.number, trusted)]
 
 
-def test_a_ping_and_a_status_are_answered_by_their_id():
+def test_ping_and_status_answers_repeat_the_id():
     registry = Registry()
     client = registry.join("a")
     assert json.loads(*registry.say(client, {"do": "ping", "id": "x"})) == {"told": "pong", "id": "x"}
@@ -182,51 +188,51 @@ def test_a_ping_and_a_status_are_answered_by_their_id():
     assert json.loads(*registry.say(client, {"do": "status", "id": 4}))["id"] == 4
 
 
-def test_a_stop_that_nobody_makes_is_told_as_such():
+def test_failed_emergency_stop_is_reported_to_the_client():
     registry = Registry()
     registry.session.fault = RuntimeError("the loop has ended")
     (answer,) = registry.say(registry.join("a"), {"do": "stop"})
     assert json.loads(answer)["told"] == "failed"
 
 
-def test_a_stop_counts_even_when_no_further_message_is_taken(time: Callable):
+def test_emergency_stop_is_executed_beyond_the_rate_limit(time: Callable):
     registry = Registry()
     client = registry.join("a")
-    for _ in range(RULES.burst + 2):
+    for _ in range(TEST_QUOTAS.burst + 2):
         registry.say(client, {"do": "ping"})
     assert registry.say(client, {"do": "stop"}) == ['{"told":"stopped"}']
 
 
-def test_so_many_messages_are_taken_at_once_and_more_after_a_while(time: Callable):
+def test_message_burst_limit_recovers_with_the_rate_limit(time: Callable):
     registry = Registry()
     client = registry.join("a")
-    taken = ["pong" in registry.say(client, {"do": "ping"})[0] for _ in range(RULES.burst + 3)]
-    assert taken == [True] * RULES.burst + [False] * 3
+    taken = ["pong" in registry.say(client, {"do": "ping"})[0] for _ in range(TEST_QUOTAS.burst + 3)]
+    assert taken == [True] * TEST_QUOTAS.burst + [False] * 3
     assert client.open
-    time(1.5 / RULES.rate)
+    time(1.5 / TEST_QUOTAS.rate)
     assert "pong" in registry.say(client, {"do": "ping"})[0]
     assert "rule rate: at most 10 messages a second" in registry.say(client, {"do": "ping"})[0]
 
 
 @pytest.mark.parametrize("message", [{"do": "reach", "target": [0, 0, 1]}, {"do": "words", "text": "a"}])
-def test_of_what_comes_word_by_word_more_is_taken(time: Callable, message: dict):
+def test_streamed_words_have_a_higher_rate_limit(time: Callable, message: dict):
     registry = Registry()
     client = registry.join("a")
-    refused = [bool(registry.say(client, message)) for _ in range(DRAGGED * RULES.burst + 1)]
-    assert refused == [False] * (DRAGGED * RULES.burst) + [True]
+    refused = [bool(registry.say(client, message)) for _ in range(FREQUENT_RATE_FACTOR * TEST_QUOTAS.burst + 1)]
+    assert refused == [False] * (FREQUENT_RATE_FACTOR * TEST_QUOTAS.burst) + [True]
     assert "pong" in registry.say(client, {"do": "ping"})[0], "they cost no other message its place"
 
 
-def test_whoever_goes_on_after_refusals_is_sent_away(time: Callable):
+def test_client_is_disconnected_after_too_many_refusals(time: Callable):
     registry = Registry()
     client = registry.join("a")
-    for number in range(RULES.burst + EXCESS * RULES.burst + 1):
+    for number in range(TEST_QUOTAS.burst + REFUSAL_BURST_FACTOR * TEST_QUOTAS.burst + 1):
         assert client.open, number
         registry.say(client, {"do": "ping"})
-    assert client.code == POLICY
+    assert client.code == CLOSE_POLICY_VIOLATION
 
 
-def test_a_control_message_that_is_wrong_is_refused_with_the_reason():
+def test_invalid_control_message_is_refused_with_its_reason():
     registry = Registry()
     client = registry.join("a")
     (answer,) = registry.say(client, {"do": "dance"})
@@ -235,16 +241,16 @@ def test_a_control_message_that_is_wrong_is_refused_with_the_reason():
     assert client.open
 
 
-def test_nothing_more_is_taken_of_a_client_that_was_sent_away():
+def test_no_message_is_accepted_after_disconnection():
     registry = Registry()
     client = registry.join("a")
-    client.close(POLICY, "for a reason")
-    assert (client.code, client.why) == (POLICY, "for a reason")
+    client.close(CLOSE_POLICY_VIOLATION, "for a reason")
+    assert (client.code, client.why) == (CLOSE_POLICY_VIOLATION, "for a reason")
     client.send("never")
     assert told(client) == []
 
 
-def test_messages_go_to_whom_they_belong_and_to_nobody_who_left():
+def test_feedback_messages_reach_their_client_if_connected():
     registry = Registry()
     one, two = registry.join("a"), registry.join("b")
     registry.tell("<x/>", two.number)
@@ -255,7 +261,7 @@ def test_messages_go_to_whom_they_belong_and_to_nobody_who_left():
     assert told(two) == []
 
 
-def test_all_are_sent_away_together():
+def test_closing_the_client_registry_disconnects_all_clients():
     registry = Registry()
     clients = [registry.join("a") for _ in range(3)]
     registry.close(1001, "the server ends")
@@ -263,7 +269,7 @@ def test_all_are_sent_away_together():
     assert {client.why for client in clients} == {"the server ends"}
 
 
-def test_a_connection_that_wants_only_stops_is_freed_but_not_standard_input():
+def test_network_client_but_not_standard_input_can_become_a_stop_connection():
     registry = Registry()
     client, console = registry.join("a"), registry.join("stdin", movable=False)
     assert not client.stops_only
@@ -275,22 +281,22 @@ def test_a_connection_that_wants_only_stops_is_freed_but_not_standard_input():
     assert not console.stops_only
 
 
-def test_an_asker_is_there_until_it_leaves_or_is_sent_away():
+def test_client_is_connected_until_it_leaves_or_is_disconnected():
     registry = Registry()
     one, two = registry.join("a"), registry.join("a")
     there = []
     for client in (one, two):
         registry.say(client, {"do": "servos"})
-        there.append(registry.session.asker.is_there)
-    registry.session.asker.send("answer")
+        there.append(registry.session.requester.is_there)
+    registry.session.requester.send("answer")
     assert told(two) == ["answer"]
     assert [each() for each in there] == [True, True]
     registry.leave(one)
-    two.close(NORMAL + 1, "")
+    two.close(CLOSE_NORMAL + 1, "")
     assert [each() for each in there] == [False, False]
 
 
-def test_an_overlong_message_is_named():
+def test_overlong_message_is_reported():
     registry = Registry()
     client = registry.join("a")
     registry.refuse_overlong(client, ValueError("a message has 9 bytes or more"))
@@ -299,7 +305,7 @@ def test_an_overlong_message_is_named():
     assert "PARSING_FAILURE" in answer
 
 
-def test_what_is_unread_of_all_clients_together_is_bounded():
+def test_total_unread_memory_is_limited():
     registry = Registry(rules=Quotas(unread_bytes_of_all=10_000))
     one, two = registry.join("a"), registry.join("b")
     for client in (one, two):

@@ -1,4 +1,4 @@
-"""What clients may not do: each is refused by a rule that is named, and the others notice nothing."""
+"""Limits for clients over the wire: refusals name the rule, others are not affected."""
 
 import json
 import re
@@ -17,7 +17,7 @@ BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
 
 
-def test_without_the_token_nothing_is_taken(guarded):
+def test_no_message_is_accepted_without_the_token(guarded):
     with Client(port=guarded.port) as client:
         client.send(BLOCK.format("b", NOD))
         assert "a token is needed" in json.loads(client.receive(20))["why"]
@@ -30,14 +30,14 @@ def test_without_the_token_nothing_is_taken(guarded):
         connect(f"ws://127.0.0.1:{guarded.port}", additional_headers={"Authorization": "Bearer guess"})
 
 
-def test_an_emergency_stop_needs_the_token_too(guarded):
+def test_emergency_stop_needs_the_token(guarded):
     with Client(port=guarded.port) as client:
         client.stop()
         assert json.loads(client.receive(20))["told"] == "refused"
-    assert not guarded.open.clients.session.loop.halted
+    assert not guarded.open.clients.session.loop.is_stopped
 
 
-def test_with_the_token_it_is_as_ever(guarded):
+def test_blocks_are_performed_with_the_token(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         assert re.search(r'id="welcome:end"', list(client.perform(BLOCK.format("welcome", NOD)))[-1])
     with connect(f"ws://127.0.0.1:{guarded.port}", additional_headers={"Authorization": "Bearer open sesame"}) as web:
@@ -45,19 +45,19 @@ def test_with_the_token_it_is_as_ever(guarded):
         assert "pong" in web.recv(20)
 
 
-def test_whoever_says_nothing_is_sent_away(guarded):
+def test_silent_client_is_disconnected(guarded):
     with socket.create_connection(("127.0.0.1", guarded.port), 20) as silent:
         assert silent.makefile("rb").read() == b""
 
 
-def test_an_oversized_block_is_refused_by_tcp(guarded):
+def test_oversized_block_is_refused_over_tcp(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         client.send("<bml>" + "x" * 3000)
         assert "rule message" in client.receive(20)
         assert json.loads(client.receive(20))["code"] == 1009
 
 
-def test_an_oversized_block_is_refused_by_websocket(guarded):
+def test_oversized_block_is_refused_over_websocket(guarded):
     headers = {"Authorization": "Bearer open sesame"}
     with connect(f"ws://127.0.0.1:{guarded.port}", additional_headers=headers) as web:
         web.send("<bml>" + "x" * 3000)
@@ -66,20 +66,20 @@ def test_an_oversized_block_is_refused_by_websocket(guarded):
     assert closed.value.rcvd.code == 1009
 
 
-def test_a_block_that_is_too_deep_is_refused(guarded):
+def test_too_deeply_nested_block_is_refused(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         client.send("<a>" * 10 + "</a>" * 10)
-        assert "at most 8 are read" in client.receive(20)
+        assert "the limit is 8 levels" in client.receive(20)
 
 
-def test_a_block_that_lasts_too_long_is_refused(guarded):
+def test_overlong_block_is_refused(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         client.send(BLOCK.format("endless", '<gesture id="g" lexeme="BEAT" stroke="30"/>'))
         assert "rule duration: endless lasts 31 s, at most 20 s are taken" in client.receive(20)
 
 
 @pytest.mark.parametrize("ends", [True, False])
-def test_half_a_message_is_refused(guarded, ends):
+def test_incomplete_message_is_refused(guarded, ends):
     with socket.create_connection(("127.0.0.1", guarded.port), 20) as plain:
         plain.sendall(b'{"do": "hello", "token": "open sesame"}\0<bml id="b">')
         if ends:
@@ -89,7 +89,7 @@ def test_half_a_message_is_refused(guarded, ends):
     assert "1008" in stream
 
 
-def test_too_many_messages_are_refused_one_by_one(guarded):
+def test_messages_beyond_the_rate_are_refused_individually(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         for _ in range(40):
             client.do("ping")
@@ -100,7 +100,7 @@ def test_too_many_messages_are_refused_one_by_one(guarded):
 
 @pytest.fixture
 def full(guarded, becomes):
-    """A server all of whose places are taken."""
+    """Server without free places."""
     assert becomes(lambda: not guarded.open.clients._clients)
     clients = [Client(port=guarded.port, token="open sesame") for _ in range(4)]
     yield guarded
@@ -109,35 +109,35 @@ def full(guarded, becomes):
     assert becomes(lambda: not guarded.open.clients._clients)
 
 
-def test_too_many_clients_are_sent_away(full):
+def test_clients_beyond_the_limit_are_disconnected(full):
     with Client(port=full.port, token="open sesame") as more:
         more.do("ping")
         assert json.loads(more.receive(20))["code"] == 1013
 
 
-def test_whoever_shows_the_token_may_stop_even_where_all_places_are_taken(full, becomes):
+def test_client_with_token_may_stop_the_robot_when_all_client_slots_are_taken(full, becomes):
     loop = full.open.clients.session.loop
     with Client(port=full.port, token="open sesame") as more:
         more.stop()
         assert json.loads(more.receive(20)) == {"told": "stopped"}
-        assert becomes(lambda: loop.halted)
+        assert becomes(lambda: loop.is_stopped)
     full.tasks.call_soon_threadsafe(full.open.clients.session.resume)
-    assert becomes(lambda: not loop.halted)
+    assert becomes(lambda: not loop.is_stopped)
 
 
-def test_a_stop_that_nobody_makes_is_told_as_such(guarded, monkeypatch):
+def test_failed_emergency_stop_is_reported_to_the_sender(guarded, monkeypatch):
     def fail() -> None:
-        raise RuntimeError("the loop that moves it has ended")
+        raise RuntimeError("the control loop has ended")
 
-    monkeypatch.setattr(guarded.open.clients.session, "halt", fail)
+    monkeypatch.setattr(guarded.open.clients.session, "emergency_stop", fail)
     with Client(port=guarded.port, token="open sesame") as client:
         client.stop()
         answer = json.loads(client.receive(20))
     assert answer["told"] == "failed"
-    assert "may not stop (the loop that moves it has ended): use the switch" in answer["why"]
+    assert "may not stop (the control loop has ended): use the switch" in answer["why"]
 
 
-def test_whoever_does_not_show_it_takes_no_place(guarded):
+def test_client_without_token_occupies_no_client_slot(guarded):
     strangers = [Client(port=guarded.port) for _ in range(8)]
     try:
         for stranger in strangers:
@@ -150,7 +150,7 @@ def test_whoever_does_not_show_it_takes_no_place(guarded):
             stranger.close()
 
 
-def test_who_goes_on_after_refusals_is_sent_away(guarded):
+def test_client_that_continues_after_refusals_is_disconnected(guarded):
     with Client(port=guarded.port, token="open sesame") as client, suppress(OSError):
         for _ in range(400):
             client.do("ping")
@@ -161,7 +161,7 @@ def test_who_goes_on_after_refusals_is_sent_away(guarded):
         assert sum("rule rate" in each for each in answers) >= 30
 
 
-def test_a_client_that_never_reads_is_sent_away(guarded, becomes):
+def test_client_that_never_reads_is_disconnected(guarded, becomes):
     assert becomes(lambda: not guarded.open.clients._clients)
     with (
         Client(port=guarded.port, token="open sesame") as never,
@@ -176,3 +176,16 @@ def test_a_client_that_never_reads_is_sent_away(guarded, becomes):
         assert "pong" in other.receive(20)
         told = never.receive(20)
         assert told.startswith("x") or "messages were dropped" in told
+
+
+def test_status_reports_playing_blocks_with_the_seconds_left(server):
+    with server.client() as client:
+        client.send(BLOCK.format("seen", NOD))
+        while "blockProgress" not in client.receive(20):
+            pass
+        client.do("status")
+        while not (message := client.receive(20)).startswith("{"):
+            pass
+    (block,) = [each for each in json.loads(message)["blocks"] if each["block"] == "seen"]
+    assert block["starts_in"] == 0
+    assert 0 < block["ends_in"] < 5

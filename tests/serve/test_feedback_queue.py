@@ -1,20 +1,22 @@
-"""What the loop sends of what planners propose."""
+"""Pending feedback of the loop and its changes by proposals."""
+
+from math import inf
 
 import pytest
 
 from kinesic.bml.composition import BlockState
-from kinesic.realizer.feedback import ScheduledFeedback, agenda, retime_feedback
-from kinesic.serve.feedback_queue import FeedbackQueue
+from kinesic.realizer.feedback import ScheduledFeedback, retime_feedback, schedule_feedback
+from kinesic.serve.feedback_queue import FeedbackQueue, PendingBlock
 
 TIMES = {"h": {"start": 0.0, "stroke": 1.0, "end": 2.0}}
 
 
 def block(zero: float = 10.0, run: int = 1) -> tuple[ScheduledFeedback, ...]:
-    return agenda("b", TIMES, zero, sender=3, run=run)
+    return schedule_feedback("b", TIMES, zero, sender=3, run=run)
 
 
 def send(queue: FeedbackQueue, until: float) -> list[str]:
-    """Sends what is due, and returns the points."""
+    """Send all due messages and return their points."""
     sent = []
     while queue.due(until) is not None:
         content = queue.sent().content
@@ -29,30 +31,40 @@ def queue() -> FeedbackQueue:
     return made
 
 
-def test_sent_point_is_not_sent_again_at_another_time(queue: FeedbackQueue) -> None:
+def test_sent_sync_point_is_not_sent_again_at_another_time(queue: FeedbackQueue) -> None:
     assert send(queue, 10.5) == [":start", "h:start"]
     assert queue.propose((), block(zero=10.2)[2:]) is False
     assert queue.propose(block()[:2], retime_feedback(block()[2:], 1, block(zero=10.2), 10.5))
     assert send(queue, 13.0) == ["h:stroke", "h:end", ":relax", ":end"]
 
 
-def test_withdrawal_of_a_sent_point_is_refused(queue: FeedbackQueue) -> None:
+def test_withdrawal_of_a_sent_sync_point_is_refused(queue: FeedbackQueue) -> None:
     send(queue, 11.0)
     assert not queue.propose(block()[:2], block()[3:])
     assert queue.propose(block()[:3], block()[3:])
 
 
-def test_point_before_a_sent_point_is_refused(queue: FeedbackQueue) -> None:
+def test_sync_point_earlier_than_a_sent_point_is_refused(queue: FeedbackQueue) -> None:
     send(queue, 11.0)
     assert not queue.propose(block()[:3], (*block(zero=10.9, run=2), *block()[3:]))
     assert queue.propose(block()[:3], (*block(zero=11.0, run=2), *block()[3:]))
 
 
-def test_withdrawn_text_may_have_been_sent(queue: FeedbackQueue) -> None:
+def test_proposal_may_withdraw_a_feedback_text_that_was_sent(queue: FeedbackQueue) -> None:
     doubt = ScheduledFeedback(10.2, "<doubt/>", unless_improved="b")
     assert queue.propose((), (*block()[:2], doubt, *block()[2:]))
     send(queue, 10.5)
     assert queue.propose(block()[:2], block()[2:])
+
+
+def test_pending_blocks_have_their_start_and_end(queue: FeedbackQueue) -> None:
+    assert queue.pending_blocks() == [PendingBlock("b", 10.0, 12.0)]
+    send(queue, 10.5)
+    assert queue.pending_blocks() == [PendingBlock("b", -inf, 12.0)]
+    assert queue.propose(block()[:2], (*block()[2:], *block(zero=12.5, run=2)))
+    assert [(pending.start, pending.end) for pending in queue.pending_blocks()] == [(-inf, 12.0), (12.5, 14.5)]
+    send(queue, 20.0)
+    assert queue.pending_blocks() == []
 
 
 def test_emergency_stop_ends_blocks_that_have_begun(queue: FeedbackQueue) -> None:
@@ -66,20 +78,20 @@ def test_emergency_stop_ends_blocks_that_have_begun(queue: FeedbackQueue) -> Non
     assert not queue.messages
 
 
-def test_emergency_stop_begins_a_block_whose_start_the_planner_has_said(queue: FeedbackQueue) -> None:
+def test_emergency_stop_keeps_a_final_block_start(queue: FeedbackQueue) -> None:
     assert queue.propose((*block()[:2], block()[-1].interrupted_at(10.4)), ())
     queue.halt(9.0)
     assert send(queue, 9.0) == [":start", ":end"]
 
 
-def test_next_planner_changes_only_what_it_was_given(queue: FeedbackQueue) -> None:
+def test_new_planner_may_reschedule_the_feedback_it_received_at_its_start(queue: FeedbackQueue) -> None:
     send(queue, 10.5)
     queue.hand_over(tuple(queue.messages))
     assert queue.propose((), block()[2:])
     assert send(queue, 13.0) == ["h:stroke", "h:end", ":relax", ":end"]
 
 
-def test_number_of_the_last_running_block_is_that_of_the_points_proposed(queue: FeedbackQueue) -> None:
+def test_feedback_queue_keeps_the_highest_run_number_of_proposed_sync_points(queue: FeedbackQueue) -> None:
     assert FeedbackQueue().runs == 0
     assert queue.runs == 1
     assert queue.propose((), (*block(), *block(zero=20.0, run=4)))
@@ -88,7 +100,7 @@ def test_number_of_the_last_running_block_is_that_of_the_points_proposed(queue: 
     assert queue.runs == 4
 
 
-def test_first_message_is_due_at_its_time_and_no_sooner(queue: FeedbackQueue) -> None:
+def test_first_queued_feedback_is_due_at_its_scheduled_time(queue: FeedbackQueue) -> None:
     assert FeedbackQueue().due(1e9) is None
     assert queue.due(9.999) is None
     assert queue.due(10.0) is queue.messages[0]
@@ -96,19 +108,19 @@ def test_first_message_is_due_at_its_time_and_no_sooner(queue: FeedbackQueue) ->
     assert [message.time for message in queue.messages] == sorted(message.time for message in block())
 
 
-def test_what_the_planner_has_said_stays_whatever_it_proposes_next(queue: FeedbackQueue) -> None:
+def test_due_feedback_is_sent_despite_later_planner_proposals(queue: FeedbackQueue) -> None:
     assert queue.propose(block()[:2], block()[2:])
     assert queue.propose((), ())
     assert send(queue, 99.0) == [":start", "h:start"]
 
 
-def test_message_that_was_said_waits_once_though_it_is_proposed_again(queue: FeedbackQueue) -> None:
+def test_final_message_is_queued_once_if_proposed_again(queue: FeedbackQueue) -> None:
     assert queue.propose(block(), ())
     assert queue.propose(block(), ())
     assert queue.messages == sorted(block(), key=lambda message: message.time)
 
 
-def test_text_that_was_withdrawn_after_it_was_sent_is_new_when_it_comes_back() -> None:
+def test_withdrawn_sent_text_is_sent_again_when_proposed_again() -> None:
     queue, doubt = FeedbackQueue(), ScheduledFeedback(1.0, "<doubt/>", unless_improved="b")
     assert queue.propose((), (doubt,))
     assert send(queue, 1.0) == ["<doubt/>"]
@@ -119,23 +131,23 @@ def test_text_that_was_withdrawn_after_it_was_sent_is_new_when_it_comes_back() -
     assert send(queue, 1.0) == ["<doubt/>"]
 
 
-def test_text_may_come_before_a_point_that_was_sent(queue: FeedbackQueue) -> None:
+def test_feedback_text_may_be_scheduled_before_an_already_sent_sync_point(queue: FeedbackQueue) -> None:
     send(queue, 11.0)
     late = ScheduledFeedback(10.2, "<doubt/>")
     assert queue.propose(block()[:3], (late, *block()[3:]))
     assert queue.due(11.0) is late
 
 
-def test_point_that_was_due_already_may_still_wait_at_its_time(queue: FeedbackQueue) -> None:
-    """The loop sends one message after the other, and a proposal may come between."""
-    other = agenda("c", TIMES, 10.0, sender=4, run=2)
+def test_proposal_may_keep_due_sync_points_but_not_add_earlier_ones(queue: FeedbackQueue) -> None:
+    """A proposal may arrive between two messages of one tick."""
+    other = schedule_feedback("c", TIMES, 10.0, sender=4, run=2)
     assert queue.propose((), (*block(), *other))
     send(queue, 10.0)
-    ahead = agenda("d", TIMES, 9.5, sender=5, run=3)
+    ahead = schedule_feedback("d", TIMES, 9.5, sender=5, run=3)
     assert not queue.propose((), (*block(), *other, *ahead))
 
 
-def test_emergency_stop_leaves_texts_and_what_is_due(queue: FeedbackQueue) -> None:
+def test_emergency_stop_keeps_texts_and_due_messages(queue: FeedbackQueue) -> None:
     before, after = ScheduledFeedback(10.1, "<before/>"), ScheduledFeedback(12.5, "<after/>")
     assert queue.propose((), (*block(), before, after))
     send(queue, 10.0)
@@ -144,19 +156,19 @@ def test_emergency_stop_leaves_texts_and_what_is_due(queue: FeedbackQueue) -> No
     assert send(queue, 99.0) == ["<before/>", "h:stroke", ":end", "<after/>"]
 
 
-def test_emergency_stop_revokes_blocks_whose_start_may_be_withdrawn(queue: FeedbackQueue) -> None:
+def test_emergency_stop_leaves_provisional_blocks_to_the_planner(queue: FeedbackQueue) -> None:
     queue.halt(9.0)
     assert queue.messages == []
 
 
-def test_end_at_an_emergency_stop_is_final(queue: FeedbackQueue) -> None:
+def test_block_end_at_an_emergency_stop_is_final(queue: FeedbackQueue) -> None:
     send(queue, 10.5)
     queue.halt(11.5)
     assert queue.propose(block()[:3], ())
     assert send(queue, 12.0) == ["h:stroke", ":end"]
 
 
-def test_new_planner_may_withdraw_what_it_was_given_and_nothing_else(queue: FeedbackQueue) -> None:
+def test_new_planner_may_not_withdraw_feedback_it_did_not_receive_at_its_start(queue: FeedbackQueue) -> None:
     send(queue, 10.5)
     text = ScheduledFeedback(12.5, "<kept/>")
     assert queue.propose((*block()[:2], text), block()[2:])

@@ -1,4 +1,4 @@
-"""Requests for a WebSocket, and what else browsers can send: only programs and the server's own pages come in."""
+"""WebSocket handshakes: only programs and pages of the server are admitted."""
 
 import socket
 
@@ -15,13 +15,13 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="smuggled"><hea
 
 @pytest.fixture
 def reached(server, monkeypatch):
-    """What comes through to the session, from whichever client."""
+    """Messages that reached the session, from any client."""
     found = []
     monkeypatch.setattr(server.open.clients, "receive", lambda client, message: found.append(message))
     return found
 
 
-def test_a_page_that_the_operator_names_may_connect(server, monkeypatch, tmp_path):
+def test_web_page_of_an_allowed_origin_may_connect(server, monkeypatch, tmp_path):
     named = "http://studio.example:5173"
     monkeypatch.setattr(server.open.clients, "access", Access(origins=frozenset({named})))
     assert handshake(server.port, "localhost", f"Origin: {named}").startswith(b"HTTP/1.1 101")
@@ -29,7 +29,7 @@ def test_a_page_that_the_operator_names_may_connect(server, monkeypatch, tmp_pat
 
 
 def handshake(port: int, host: str, *lines: str) -> bytes:
-    """How a server answers a request for a WebSocket."""
+    """Return the server's answer to a WebSocket request."""
     lines = (
         "GET / HTTP/1.1",
         f"Host: {host}:{port}",
@@ -43,7 +43,7 @@ def handshake(port: int, host: str, *lines: str) -> bytes:
 
 
 def answer(port: int, said: bytes, *, ends: bool = True) -> bytes:
-    """What comes back, till the server closes or has answered a request."""
+    """Return the received bytes until the server closes or has answered."""
     with socket.create_connection(("127.0.0.1", port), 20) as client:
         client.sendall(said)
         if ends:
@@ -67,7 +67,7 @@ def answer(port: int, said: bytes, *, ends: bool = True) -> bytes:
         ("localhost", ("Authorization: Bearer \xff",), 101),
     ],
 )
-def test_requests(server, host, lines, status):
+def test_handshake_requests_get_the_expected_status(server, host, lines, status):
     assert handshake(server.port, host, *lines).startswith(b"HTTP/1.1 %d" % status)
 
 
@@ -82,18 +82,18 @@ def test_requests(server, host, lines, status):
         ((), 101),
     ],
 )
-def test_the_token_makes_no_page_welcome(guarded, lines, status):
+def test_token_does_not_admit_foreign_pages(guarded, lines, status):
     assert handshake(guarded.port, "localhost", *lines).startswith(b"HTTP/1.1 %d" % status)
 
 
-def test_a_program_with_the_token_may_call_the_server_what_it_likes(guarded):
+def test_program_with_token_may_use_any_host_name(guarded):
     known = handshake(guarded.port, "robot.local", "Authorization: Bearer open sesame")
     assert known.startswith(b"HTTP/1.1 101")
     assert handshake(guarded.port, "robot.local").startswith(b"HTTP/1.1 421")
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "OPTIONS", "get", "HEAD", "PRI", "CONNECT", "*", "GET"])
-def test_no_request_of_a_browser_is_read_as_messages(server, reached, method):
+def test_browser_requests_are_not_read_as_messages(server, reached, method):
     body = f'\0{{"do": "stop"}}\0{NOD}\0'
     request = f"{method} / HTTP/1.1\r\nHost: localhost:{server.port}\r\nContent-Length: {len(body)}\r\n\r\n{body}"
     assert not answer(server.port, request.encode()).startswith(b"HTTP/1.1 101")
@@ -101,15 +101,15 @@ def test_no_request_of_a_browser_is_read_as_messages(server, reached, method):
 
 
 @pytest.mark.parametrize("first", [b"\0\1\0\0!\x12\xa4B", b"\x16\3\1\2\0\1", b"\0", b"\x80\x80", b"[", b"stop"])
-def test_other_protocols_that_a_page_can_speak_are_not_read_either(server, reached, first):
-    """STUN and TURN by TCP begin with NUL, TLS with 22."""
+def test_other_browser_protocols_are_not_read_as_messages(server, reached, first):
+    """STUN and TURN over TCP begin with NUL, TLS with 22."""
     assert answer(server.port, first + b"\0" + NOD.encode() + b"\0") == b""
     assert reached == []
 
 
-def test_a_websocket_that_sends_empty_fragments_without_end_is_closed(server):
+def test_websocket_with_endless_empty_fragments_is_closed(server):
     with connect(f"ws://127.0.0.1:{server.port}") as client:
         with pytest.raises(ConnectionClosed) as closed:
             client.send("" for _ in range(100_000))
         assert closed.value.rcvd.code == 1009
-        assert "at most 1000 frames are read at once" in closed.value.rcvd.reason
+        assert "at most 1000 frames at once" in closed.value.rcvd.reason

@@ -1,14 +1,14 @@
-"""A robot idles in the pauses of a conversation, and not before or long after it."""
+"""Idle motion in the pauses of a conversation, not before and not long after."""
 
 from dataclasses import replace
 from math import inf
 
 import pytest
 
-from kinesic.controller.perform import set_up
-from kinesic.expressivity.idle import OFF
+from kinesic.expressivity.idle import NO_IDLING
 from kinesic.realizer.realizer import Scene, begin_idle
-from kinesic.serve.idling import ATTENDED, PAUSE, SPELL, IdleScheduler
+from kinesic.serve.idling import IDLE_SPELL_DURATION, IDLING_TIMEOUT, REST_BEFORE_IDLING, IdleScheduler
+from kinesic.session.setup import set_up
 
 
 @pytest.fixture(scope="module")
@@ -16,23 +16,23 @@ def scene() -> Scene:
     return Scene.of(set_up(idle=1.0))
 
 
-def test_it_idles_in_the_minutes_after_a_request(scene: Scene):
+def test_robot_idles_for_minutes_after_a_document(scene: Scene):
     scheduler = IdleScheduler()
     assert scheduler.next_time(scene) == inf
     scheduler.allow(0.0)
-    assert scheduler.next_time(scene) == pytest.approx(scene.motion.end + PAUSE)
-    assert scheduler.next_time(replace(scene, motion=replace(scene.motion, start=ATTENDED))) == inf
+    assert scheduler.next_time(scene) == pytest.approx(scene.motion.end + REST_BEFORE_IDLING)
+    assert scheduler.next_time(replace(scene, motion=replace(scene.motion, start=IDLING_TIMEOUT))) == inf
     scheduler.forbid()
     assert scheduler.next_time(scene) == inf
 
 
-def test_it_never_idles_where_idle_motion_is_off(scene: Scene):
+def test_server_adds_no_idle_motion_if_it_is_switched_off(scene: Scene):
     scheduler = IdleScheduler()
     scheduler.allow(0.0)
-    assert scheduler.next_time(replace(scene, setup=replace(scene.setup, idling=OFF))) == inf
+    assert scheduler.next_time(replace(scene, setup=replace(scene.setup, idling=NO_IDLING))) == inf
 
 
-def test_spells_follow_one_another_and_differ(scene: Scene):
+def test_successive_idle_motions_differ(scene: Scene):
     scheduler = IdleScheduler()
     scheduler.allow(0.0)
     first, other = scheduler.plan_next(scene.setup), scheduler.plan_next(scene.setup)
@@ -42,11 +42,11 @@ def test_spells_follow_one_another_and_differ(scene: Scene):
     assert scheduler.next_time(idling) == idling.motion.end
 
 
-def test_a_spell_that_was_ended_delays_none_and_one_without_a_place_does(scene: Scene):
+def test_rejected_idle_motion_postpones_the_next_one_by_its_duration(scene: Scene):
     scheduler = IdleScheduler()
     scheduler.allow(0.0)
     scheduler.plan_next(scene.setup)
-    soon = scene.motion.end + PAUSE
+    soon = scene.motion.end + REST_BEFORE_IDLING
     assert scheduler.next_time(scene) == soon
     scheduler.postpone(1.0)
-    assert scheduler.next_time(scene) == max(soon, 1.0 + SPELL)
+    assert scheduler.next_time(scene) == max(soon, 1.0 + IDLE_SPELL_DURATION)

@@ -1,4 +1,4 @@
-"""The live loop: stops and resuming faster than its tick, feedback that waits for the body, contention for a hand."""
+"""Control loop in real time: fast stops and resumes, delayed feedback, busy hands."""
 
 import re
 from multiprocessing import Pipe
@@ -6,23 +6,23 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, Proposal
 from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import Effects
+from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
-STOPS = 250
+STOP_COUNT = 250
 BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="1"/>'
 
 
 def heard(client, wanted):
-    """Messages up to one that has some text in it; each comes in time."""
+    """Return messages up to one that contains a text, within a time limit."""
     messages = [client.receive(20)]
     while messages[-1] is not None and wanted not in messages[-1]:
         messages.append(client.receive(20))
@@ -30,7 +30,7 @@ def heard(client, wanted):
     return messages
 
 
-def test_who_resumes_at_once_is_heard(server, becomes):
+def test_robot_resumes_immediately_after_an_emergency_stop(server, becomes):
     loop = server.open.clients.session.loop
     with server.client() as client:
         for k in range(3):
@@ -40,14 +40,14 @@ def test_who_resumes_at_once_is_heard(server, becomes):
             client.do("resume")
             client.send(BLOCK.format(f"next{k}", NOD))
             heard(client, f'id="next{k}:end"')
-        assert becomes(lambda: loop.settled() and not loop.halted)
+        assert becomes(lambda: loop.is_settled() and not loop.is_stopped)
 
 
-def test_servos_that_want_consent_refuse_blocks_until_somebody_resumes(server):
+def test_held_servos_refuse_blocks_until_resume(server):
     server.witness.held = True
     with server.client() as client:
         client.send(BLOCK.format("early", NOD))
-        assert "the servos were out of hand for more than a second, and hold" in heard(client, "early")[-1]
+        assert "the servos hold after an interruption of more than a second" in heard(client, "early")[-1]
         client.do("status")
         assert '"state":"stopped"' in heard(client, "told")[-1]
         client.do("resume")
@@ -56,7 +56,7 @@ def test_servos_that_want_consent_refuse_blocks_until_somebody_resumes(server):
     assert not server.witness.held
 
 
-def test_another_stop_right_after_resuming_holds(server, becomes):
+def test_emergency_stop_directly_after_a_resume_holds_the_robot(server, becomes):
     loop = server.open.clients.session.loop
     with server.client() as client:
         client.send(BLOCK.format("cut", BEAT))
@@ -65,7 +65,7 @@ def test_another_stop_right_after_resuming_holds(server, becomes):
             client.do(verb)
         client.send(BLOCK.format("refused", NOD))
         assert 'id="refused" type="IMPOSSIBLE_TO_SCHEDULE">rule stopped' in heard(client, "refused")[-1]
-        assert becomes(lambda: loop.halted and loop.settled())
+        assert becomes(lambda: loop.is_stopped and loop.is_settled())
         still = len(server.witness.commands)
         assert becomes(lambda: len(server.witness.commands) > still + 50)
         held = np.array([command.angles for _, command in server.witness.commands[still:]])
@@ -76,7 +76,7 @@ def test_another_stop_right_after_resuming_holds(server, becomes):
 
 
 class Blind:
-    """A body that never tells where it is."""
+    """Stub sensor without any measurement."""
 
     def write(self, command, /):
         pass
@@ -84,53 +84,53 @@ class Blind:
     def close(self):
         pass
 
-    def seen(self):
+    def measurement(self):
         return None
 
 
-def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
-    """What one proposal says for good is in no later one, and its turn may come after that one."""
+def test_feedback_waiting_for_arrival_survives_the_next_proposal(known, becomes):
+    """Final messages of one proposal are not repeated, but may be sent after the next one."""
     clock, told, (ours, planners) = Clock(), [], Pipe()
     loop = Loop(
         known,
         [RealTimeSink(Blind())],
         clock,
         effects=Effects(),
-        tell=lambda message, sender: told.append(message),
-        news=lambda message: None,
+        send_feedback=lambda message, sender: told.append(message),
+        notify_server=lambda message: None,
     )
     moving = {("b", "h"): np.ones(len(known.robot.drives), dtype=bool)}
 
-    def propose(*agenda, said=()):
+    def propose(*agenda, final=()):
         now = clock.now()
-        planners.send(Proposal(0, now, now, None, said, agenda, frozenset(), moving, {}))
+        planners.send(Proposal(0, now, now, None, final, agenda, frozenset(), moving, {}))
         return planners.recv()
 
-    loop.link(ours, loop.beginning())
+    loop.connect_planner(ours, loop.snapshot())
     loop.start()
     try:
         due = clock.now()
         point = ScheduledFeedback(due, Progress("b", "h", "stroke", 0.0))
-        assert propose(said=(point, ScheduledFeedback(due, "<behind/>"))).accepted
+        assert propose(final=(point, ScheduledFeedback(due, "<behind/>"))).accepted
         later = ScheduledFeedback(clock.now() + 0.01, "<later/>")
         assert propose(later).accepted
         assert propose(later).accepted
         assert becomes(lambda: len(told) == 3)
     finally:
-        loop.leave()
+        loop.shut_down()
         loop.join()
     assert told[1:] == ["<behind/>", "<later/>"]
     assert 'id="b:h:stroke"' in told[0]
 
 
 def passed(messages, point):
-    """When a point of a block was passed [s]; None as long as it was not."""
+    """Return when a point of a block was passed [s], or None."""
     found = (re.search(rf'Progress [^>]*id="{point}" [^>]*globalTime="([^"]*)"', each) for each in messages)
     return next((float(match[1]) for match in found if match), None)
 
 
-def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes):
-    assert becomes(server.open.clients.session.loop.settled)
+def test_gesture_uses_the_hand_left_free_by_another_block(server, becomes):
+    assert becomes(server.open.clients.session.loop.is_settled)
     with server.client() as working, server.client() as other:
         working.send(BLOCK.format("holds", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0" relax="4"/>'))
         messages = heard(working, 'id="holds:start"')
@@ -145,23 +145,25 @@ def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes
     assert np.abs((pose - robot.skeleton.rest)[list(robot.joints("l_arm"))]).max() > np.radians(10.0)
 
 
-def test_a_planner_that_reads_nothing_does_not_hold_up_the_loop_however_many_stops_come(becomes):
+def test_blocked_planner_does_not_delay_the_loop_during_many_stops(becomes):
     setup, clock = set_up(), Clock()
     ours, planner = Pipe()
-    loop = Loop(setup, [], clock, effects=Effects(), tell=lambda message, sender: None, news=lambda news: None)
-    loop.link(ours, loop.beginning())
+    loop = Loop(
+        setup, [], clock, effects=Effects(), send_feedback=lambda message, sender: None, notify_server=lambda news: None
+    )
+    loop.connect_planner(ours, loop.snapshot())
     loop.start()
     try:
-        for _ in range(STOPS):
-            before = loop._out
-            loop.halt()
-            assert becomes(lambda before=before: loop._out > before), "it ticks no longer"
+        for _ in range(STOP_COUNT):
+            before = loop._commanded_until
+            loop.emergency_stop()
+            assert becomes(lambda before=before: loop._commanded_until > before), "it ticks no longer"
         told = 0
-        while told < STOPS and planner.poll(1.0):
+        while told < STOP_COUNT and planner.poll(1.0):
             told = planner.recv().stops
-        assert told == STOPS  # the last one is told in any case
+        assert told == STOP_COUNT  # the last stop is always reported
     finally:
-        loop.leave()
+        loop.shut_down()
         planner.close()
         loop.join(10.0)
     assert not loop.is_alive()

@@ -1,4 +1,4 @@
-"""Proposals of the planner: which the live loop takes, and when their feedback is sent."""
+"""Proposals to the control loop: acceptance and feedback times."""
 
 import re
 from dataclasses import replace
@@ -7,22 +7,22 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
-from kinesic.serve.loop import PATIENCE, PERIOD
+from kinesic.serve.loop import MAX_ARRIVAL_WAIT, TICK_PERIOD
 from kinesic.serve.sinks.real_time import RealTimeSink
 
 from .simulated import Recorder, Simulation, nod, proposal, verdict
 
 
 class Body(Recorder):
-    """A body that follows commands some time later, and knows where it is."""
+    """Stub body that follows commands with a delay and measures its angles."""
 
     def __init__(self, late: float) -> None:
         super().__init__()
         self._late = late
 
-    def seen(self):
+    def measurement(self):
         if not self.commands:
             return None
         now = self.commands[-1].time
@@ -31,9 +31,9 @@ class Body(Recorder):
 
 
 class Frozen(Recorder):
-    """A body that never moves."""
+    """Stub body that never moves."""
 
-    def seen(self):
+    def measurement(self):
         return (self.commands[-1].time, self.commands[0].angles) if self.commands else None
 
 
@@ -41,7 +41,7 @@ def sent(simulation: Simulation) -> list[str]:
     return [message for _, message, _ in simulation.told]
 
 
-def test_a_motion_is_played_from_its_cut_on(simulation: Simulation):
+def test_proposed_motion_is_played_from_its_splice_time(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()
@@ -54,18 +54,18 @@ def test_a_motion_is_played_from_its_cut_on(simulation: Simulation):
         answer = verdict(planner)
         assert answer.accepted
         assert answer.stops == 0
-        assert answer.time == pytest.approx(0.2, abs=2 * PERIOD)
+        assert answer.time == pytest.approx(0.2, abs=2 * TICK_PERIOD)
 
     simulation.run(script())
-    assert loop.idles
-    assert loop.owes(3)
-    assert not loop.owes(4)
+    assert loop.is_idling
+    assert loop.has_unfinished_blocks(3)
+    assert not loop.has_unfinished_blocks(4)
     assert np.allclose(recorder.angles, motion.angles(np.array(recorder.times)), atol=1e-9)
 
 
 @pytest.mark.parametrize(("early", "accepted"), [(0.05, False), (0.02, False), (-0.05, True)])
-def test_a_cut_before_commands_that_are_out_is_refused(simulation: Simulation, early: float, accepted: bool):
-    """Even where the motion would go over into the new one without a step."""
+def test_proposal_that_changes_sent_commands_is_refused(simulation: Simulation, early: float, accepted: bool):
+    """This holds even for a continuous transition."""
     loop = simulation.make()
     planner = simulation.link()
     motion = nod(simulation.setup, 2.0)
@@ -81,7 +81,7 @@ def test_a_cut_before_commands_that_are_out_is_refused(simulation: Simulation, e
     assert sent(simulation) == ["<new/>"] * accepted
 
 
-def test_a_cut_at_the_last_command_that_is_out_is_in_time(simulation: Simulation):
+def test_proposal_spliced_at_the_last_sent_command_is_accepted(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
 
@@ -98,8 +98,8 @@ def test_a_cut_at_the_last_command_that_is_out_is_in_time(simulation: Simulation
     assert loop.motion.end > 2.0
 
 
-@pytest.mark.parametrize("parts", ["angles", "speeds", "accelerations"])
-def test_a_motion_with_a_step_is_refused(simulation: Simulation, parts: str):
+@pytest.mark.parametrize("parts", ["angles", "velocities", "accelerations"])
+def test_proposal_of_a_discontinuous_motion_is_refused(simulation: Simulation, parts: str):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()
@@ -108,8 +108,8 @@ def test_a_motion_with_a_step_is_refused(simulation: Simulation, parts: str):
     knots = np.arange(203)[:, None] * 0.01
     change = {
         "angles": 1e-3 + 0 * knots,
-        "speeds": 0.01 * (knots - 1.02),
-        "accelerations": 0.5 * (knots - 1.02) ** 2 - STEP**2 / 6,  # at 1.01 s, it is there and at rest
+        "velocities": 0.01 * (knots - 1.02),
+        "accelerations": 0.5 * (knots - 1.02) ** 2 - KNOT_INTERVAL**2 / 6,  # at 1.01 s it has arrived and rests
     }
     jump = Trajectory(sealed(rest + change[parts] * np.ones(len(rest))), 0.0, 0.0)
 
@@ -125,7 +125,7 @@ def test_a_motion_with_a_step_is_refused(simulation: Simulation, parts: str):
     assert not simulation.told
 
 
-def test_what_was_sent_ahead_is_sent_anew_from_the_cut_on(simulation: Simulation):
+def test_commands_sent_ahead_are_resent_from_the_splice_time(simulation: Simulation):
     recorder = Recorder()
     simulation.make([RealTimeSink(recorder, ahead=0.5)])
     planner = simulation.link()
@@ -139,12 +139,12 @@ def test_what_was_sent_ahead_is_sent_anew_from_the_cut_on(simulation: Simulation
 
     simulation.run(script())
     times = np.array(recorder.times)
-    assert times[times < 1.45].min() == pytest.approx(1.2, abs=PERIOD), "what comes before the cut stays"
+    assert times[times < 1.45].min() == pytest.approx(1.2, abs=TICK_PERIOD), "what comes before the cut stays"
     last = {round(command.time, 3): command.angles for command in recorder.commands}
     assert np.allclose(list(last.values()), motion.angles(np.array(list(last))), atol=1e-6)
 
 
-def test_a_cut_that_has_passed_meanwhile_sends_nothing_of_the_past(simulation: Simulation):
+def test_past_splice_time_resends_no_past_commands(simulation: Simulation):
     recorder = Recorder()
     simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()
@@ -160,10 +160,10 @@ def test_a_cut_that_has_passed_meanwhile_sends_nothing_of_the_past(simulation: S
 
     simulation.run(script())
     assert min(recorder.times) > 1.0
-    assert np.allclose(np.diff(recorder.times), PERIOD)
+    assert np.allclose(np.diff(recorder.times), TICK_PERIOD)
 
 
-def test_feedback_is_sent_when_it_is_due_in_order_and_each_once(simulation: Simulation):
+def test_feedback_is_sent_once_in_order_when_due(simulation: Simulation):
     simulation.make()
     planner = simulation.link()
     agenda = tuple(ScheduledFeedback(time, f"<at{time}/>", sender=5) for time in (0.9, 0.3, 0.6))
@@ -171,17 +171,17 @@ def test_feedback_is_sent_when_it_is_due_in_order_and_each_once(simulation: Simu
     def script():
         planner.send(proposal(agenda=agenda))
         yield 0.5
-        planner.send(proposal(now=0.2, agenda=agenda))  # made before the first was sent
+        planner.send(proposal(now=0.2, agenda=agenda))  # computed before the first one was sent
         yield 2.0
 
     simulation.run(script())
     assert sent(simulation) == ["<at0.3/>", "<at0.6/>", "<at0.9/>"]
     assert [sender for *_, sender in simulation.told] == [5, 5, 5]
     for (when, *_), due in zip(simulation.told, (0.3, 0.6, 0.9), strict=True):
-        assert 0.0 <= when - due < 2 * PERIOD
+        assert 0.0 <= when - due < 2 * TICK_PERIOD
 
 
-def test_feedback_that_is_no_longer_proposed_is_not_sent(simulation: Simulation):
+def test_withdrawn_feedback_is_not_sent(simulation: Simulation):
     simulation.make()
     planner = simulation.link()
 
@@ -195,7 +195,7 @@ def test_feedback_that_is_no_longer_proposed_is_not_sent(simulation: Simulation)
     assert sent(simulation) == ["<new/>"]
 
 
-def test_a_client_is_owed_feedback_that_is_still_to_be_sent(simulation: Simulation):
+def test_client_with_pending_feedback_is_unfinished(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
     owed = []
@@ -204,7 +204,7 @@ def test_a_client_is_owed_feedback_that_is_still_to_be_sent(simulation: Simulati
         planner.send(proposal(agenda=(ScheduledFeedback(1.0, "<x/>", sender=2),)))
         for time in (0.5, 1.5):
             yield time
-            owed.append((loop.owes(2), loop.owes(1)))
+            owed.append((loop.has_unfinished_blocks(2), loop.has_unfinished_blocks(1)))
 
     simulation.run(script())
     assert owed == [(True, False), (False, False)]
@@ -214,7 +214,7 @@ STROKE = Progress("b", "h", "stroke", 0.0)
 
 
 def stroke_sent(simulation: Simulation, body: Recorder, **changes: object) -> tuple[float, str]:
-    """When a stroke at 0.6 s of a block was told, in the midst of a motion, and the message."""
+    """Return send time and message of a block's stroke planned at 0.6 s."""
     simulation.make([RealTimeSink(body)])
     planner = simulation.link()
     every = np.ones(len(simulation.setup.robot.drives), dtype=bool)
@@ -230,17 +230,17 @@ def stroke_sent(simulation: Simulation, body: Recorder, **changes: object) -> tu
 
 
 @pytest.mark.parametrize("late", [0.03, 0.06])
-def test_a_point_is_told_with_the_time_at_which_the_body_was_there(simulation: Simulation, late: float):
+def test_progress_contains_the_measured_arrival_time(simulation: Simulation, late: float):
     when, message = stroke_sent(simulation, Body(late))
     (measured,) = re.findall('measuredGlobalTime="([^"]*)"', message)
-    assert float(measured) == pytest.approx(1.0 + late, abs=PERIOD)
-    assert 1.0 + late - PERIOD <= when <= 1.0 + late + 3 * PERIOD
+    assert float(measured) == pytest.approx(1.0 + late, abs=TICK_PERIOD)
+    assert 1.0 + late - TICK_PERIOD <= when <= 1.0 + late + 3 * TICK_PERIOD
 
 
-def test_a_body_that_does_not_arrive_is_waited_for_only_a_little(simulation: Simulation):
+def test_missing_arrival_delays_feedback_only_briefly(simulation: Simulation):
     when, message = stroke_sent(simulation, Frozen())
     assert "easured" not in message
-    assert 1.0 + PATIENCE - PERIOD <= when <= 1.0 + PATIENCE + 2 * PERIOD
+    assert 1.0 + MAX_ARRIVAL_WAIT - TICK_PERIOD <= when <= 1.0 + MAX_ARRIVAL_WAIT + 2 * TICK_PERIOD
 
 
 @pytest.mark.parametrize(
@@ -253,14 +253,14 @@ def test_a_body_that_does_not_arrive_is_waited_for_only_a_little(simulation: Sim
         {"agenda": (ScheduledFeedback(1.0, "<written/>"),)},
     ],
 )
-def test_what_moves_no_hinge_waits_for_no_body(simulation: Simulation, changes: dict):
+def test_behaviour_without_hinges_does_not_wait_for_arrival(simulation: Simulation, changes: dict):
     when, message = stroke_sent(simulation, Frozen(), **changes)
-    assert when < 1.0 + 2 * PERIOD
+    assert when < 1.0 + 2 * TICK_PERIOD
     assert "easured" not in message
 
 
-def test_hinges_that_hardly_move_are_told_as_planned(simulation: Simulation):
-    """Nothing can be said of when they arrive, and nobody waits for it."""
+def test_barely_moving_hinges_report_planned_times(simulation: Simulation):
+    """Their arrival cannot be measured, and feedback does not wait for it."""
     late = replace(ScheduledFeedback(1.0, STROKE), time=3.0)
     simulation.make([RealTimeSink(Body(0.03))])
     planner = simulation.link()
@@ -273,10 +273,10 @@ def test_hinges_that_hardly_move_are_told_as_planned(simulation: Simulation):
     simulation.run(script())
     ((when, message, _),) = simulation.told
     assert "easured" not in message
-    assert when < 3.0 + 2 * PERIOD
+    assert when < 3.0 + 2 * TICK_PERIOD
 
 
-def test_what_waits_for_the_body_holds_back_what_comes_after_it_and_outlives_the_next_proposal(simulation: Simulation):
+def test_feedback_awaiting_arrival_delays_later_feedback_and_is_kept_by_new_plans(simulation: Simulation):
     simulation.make([RealTimeSink(Frozen())])
     planner = simulation.link()
     every = np.ones(len(simulation.setup.robot.drives), dtype=bool)
@@ -286,7 +286,7 @@ def test_what_waits_for_the_body_holds_back_what_comes_after_it_and_outlives_the
     def script():
         planner.send(proposal(motion=nod(simulation.setup, 0.1), cut=0.1, moving=moving))
         yield 1.025
-        planner.send(proposal(now=1.025, moving=moving, said=due))
+        planner.send(proposal(now=1.025, moving=moving, final=due))
         yield 1.05
         planner.send(proposal(now=1.05, moving=moving))
         yield 1.07

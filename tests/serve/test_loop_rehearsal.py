@@ -1,4 +1,4 @@
-"""What the live loop does before its first tick."""
+"""Preparations of the control loop before its first tick."""
 
 import pytest
 
@@ -7,11 +7,11 @@ from kinesic.motion import spline_program
 from .simulated import Simulation
 
 
-def test_the_first_stop_finds_its_solver_loaded(simulation: Simulation, monkeypatch: pytest.MonkeyPatch):
+def test_starting_the_loop_loads_the_solver_of_emergency_stops(simulation: Simulation, monkeypatch: pytest.MonkeyPatch):
     solved = []
     found = spline_program.nearest_within_limits
     monkeypatch.setattr(spline_program, "nearest_within_limits", lambda *given: solved.append(given) or found(*given))
     loop = simulation.make()
     assert solved
-    assert loop.stops == 0
-    assert not loop.halted
+    assert loop.stop_count == 0
+    assert not loop.is_stopped

@@ -1,15 +1,15 @@
-"""Ticks of the live loop: the clock, the sinks, and who owns the time."""
+"""Ticks of the control loop: clock, sinks and time sources."""
 
 from math import floor
 
 import numpy as np
 import pytest
 
-from kinesic.controller.play import SETTLE
+from kinesic.body.command import SETTLE_DURATION
 from kinesic.face.display import DisplayError
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.realizer.feedback import ScheduledFeedback
-from kinesic.serve.loop import HICCUP, PERIOD
+from kinesic.serve.loop import MAX_CLOCK_LAG, TICK_PERIOD
 from kinesic.serve.messages import FeedbackNotice, PlannerReady, RequestDone
 from kinesic.serve.sinks.real_time import RealTimeSink
 
@@ -21,20 +21,20 @@ def until(*times: float):
     yield from times
 
 
-def test_every_sink_gets_each_tick_once(simulation: Simulation):
+def test_each_sink_gets_the_command_of_each_tick_once(simulation: Simulation):
     recorders = [Recorder(), Recorder()]
     loop = simulation.make([RealTimeSink(each) for each in recorders])
     simulation.run(until(1.005))
     for each in recorders:
         assert np.allclose(each.times, np.arange(101) / 100)
         assert each.closed == 1
-    assert loop.late == 0
-    assert not loop.failed
+    assert loop.late_ticks == 0
+    assert not loop.has_failed
     assert loop.error is None
 
 
-def test_ticks_come_one_period_after_the_other(simulation: Simulation):
-    """Half a period late is seen by nobody, a whole one is."""
+def test_loop_ticks_are_one_period_apart(simulation: Simulation):
+    """A delay of half a period is not counted, one of a whole period is."""
     seen = []
 
     class Watch(Recorder):
@@ -43,39 +43,39 @@ def test_ticks_come_one_period_after_the_other(simulation: Simulation):
 
     simulation.make([RealTimeSink(Watch())])
     simulation.run(until(1.005))
-    assert max(abs(now - time) for now, time in seen) < PERIOD / 4
+    assert max(abs(now - time) for now, time in seen) < TICK_PERIOD / 4
 
 
-def test_a_loop_that_was_held_up_catches_up(simulation: Simulation):
+def test_delayed_control_loop_sends_all_missed_commands(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
 
     def script():
         yield 0.5
-        simulation.time += HICCUP - 3 * PERIOD
+        simulation.time += MAX_CLOCK_LAG - 3 * TICK_PERIOD
         yield 1.005
 
     simulation.run(script())
     assert np.allclose(recorder.times, np.arange(101) / 100)
-    assert loop.late == 1
-    assert simulation.clock.now() == pytest.approx(1.0, abs=2 * PERIOD)
+    assert loop.late_ticks == 1
+    assert simulation.clock.now() == pytest.approx(1.0, abs=2 * TICK_PERIOD)
 
 
-def test_two_periods_are_no_delay_that_counts(simulation: Simulation):
+def test_only_a_loop_delay_above_one_tick_period_counts_as_a_late_tick(simulation: Simulation):
     loop = simulation.make()
 
     def script():
         yield 0.5
-        simulation.time += 0.5 * PERIOD
+        simulation.time += 0.5 * TICK_PERIOD
         yield 0.7
-        simulation.time += 1.5 * PERIOD
+        simulation.time += 1.5 * TICK_PERIOD
         yield 1.0
 
     simulation.run(script())
-    assert loop.late == 1
+    assert loop.late_ticks == 1
 
 
-def test_time_stands_still_while_the_machine_sleeps(simulation: Simulation):
+def test_server_clock_pauses_while_the_machine_is_suspended(simulation: Simulation):
     recorder = Recorder()
     simulation.make([RealTimeSink(recorder)])
 
@@ -86,21 +86,21 @@ def test_time_stands_still_while_the_machine_sleeps(simulation: Simulation):
 
     simulation.run(script())
     assert 0.55 < simulation.clock.now() < 0.7
-    assert np.allclose(np.diff(recorder.times), PERIOD)
-    assert simulation.loop.late == 0
+    assert np.allclose(np.diff(recorder.times), TICK_PERIOD)
+    assert simulation.loop.late_ticks == 0
 
 
-def test_a_sink_that_owns_the_time_sets_the_clock(simulation: Simulation):
+def test_sink_with_performance_time_sets_the_server_clock(simulation: Simulation):
     timed, other = Timed(), Recorder()
     timed.speed = 0.5
     simulation.make([RealTimeSink(timed), RealTimeSink(other)])
     simulation.run(until(2.0))
-    assert simulation.clock.now() == pytest.approx(1.0, abs=2 * PERIOD)
-    assert other.times[-1] == pytest.approx(1.0, abs=2 * PERIOD)
-    assert np.allclose(np.diff(other.times), PERIOD)
+    assert simulation.clock.now() == pytest.approx(1.0, abs=2 * TICK_PERIOD)
+    assert other.times[-1] == pytest.approx(1.0, abs=2 * TICK_PERIOD)
+    assert np.allclose(np.diff(other.times), TICK_PERIOD)
 
 
-def test_time_never_goes_back_and_stands_while_it_is_unknown(simulation: Simulation):
+def test_clock_never_goes_back_and_holds_while_time_is_unknown(simulation: Simulation):
     timed = Timed()
     simulation.make([RealTimeSink(timed)])
     times = []
@@ -115,28 +115,28 @@ def test_time_never_goes_back_and_stands_while_it_is_unknown(simulation: Simulat
     assert times == [0.1, 0.5, 0.5, 0.5, 0.5, 0.5, 0.6]
 
 
-def test_limp_servos_own_no_time_and_get_their_commands_from_where_they_are_armed(simulation: Simulation):
+def test_unarmed_servos_do_not_set_the_clock_and_start_at_arming(simulation: Simulation):
     servos = TimedServos()
     loop = simulation.make([RealTimeSink(servos, ahead=0.5), RealTimeSink(Recorder())])
     servos.says = 0.0
 
     def script():
         yield 1.0
-        assert simulation.clock.now() == pytest.approx(1.0, abs=PERIOD)
+        assert simulation.clock.now() == pytest.approx(1.0, abs=TICK_PERIOD)
         assert not servos.armed
         servos.commands.clear()
         loop.arm()
         servos.says = None
         yield 1.05
         assert servos.armed
-        assert servos.times[0] == pytest.approx(1.0, abs=2 * PERIOD), "they begin with the motion as it is then"
-        assert simulation.clock.now() == pytest.approx(1.0, abs=2 * PERIOD)
+        assert servos.times[0] == pytest.approx(1.0, abs=2 * TICK_PERIOD), "they begin with the motion as it is then"
+        assert simulation.clock.now() == pytest.approx(1.0, abs=2 * TICK_PERIOD)
 
     simulation.run(script())
     assert loop.servos is servos
 
 
-def test_arming_without_servos_changes_nothing(simulation: Simulation):
+def test_arming_request_without_servos_changes_nothing(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
 
@@ -147,11 +147,11 @@ def test_arming_without_servos_changes_nothing(simulation: Simulation):
 
     simulation.run(script())
     assert loop.servos is None
-    assert np.allclose(np.diff(recorder.times), PERIOD)
+    assert np.allclose(np.diff(recorder.times), TICK_PERIOD)
 
 
 @pytest.mark.parametrize("fault", [BusError("unplugged"), DisplayError("no window")])
-def test_a_sink_that_fails_ends_the_loop_and_closes_all(simulation: Simulation, fault: Exception):
+def test_failing_sink_ends_the_loop_and_closes_all_sinks(simulation: Simulation, fault: Exception):
     recorders = [Recorder(), Recorder()]
     loop = simulation.make([RealTimeSink(each) for each in recorders])
 
@@ -162,38 +162,38 @@ def test_a_sink_that_fails_ends_the_loop_and_closes_all(simulation: Simulation, 
 
     simulation.run(script())
     assert simulation.now < 0.6
-    assert loop.failed
+    assert loop.has_failed
     assert loop.error is fault
     assert [each.closed for each in recorders] == [1, 1]
 
 
-def test_a_fault_of_the_program_is_a_failure_too(simulation: Simulation):
+def test_unexpected_exception_in_the_loop_counts_as_failure(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     recorder.fault = ZeroDivisionError("a fault of the program")
     with pytest.raises(ZeroDivisionError):
         simulation.run(until(1.005))
-    assert loop.failed
+    assert loop.has_failed
     assert loop.error is None
     assert recorder.closed == 1
 
 
-def test_consent_is_asked_of_all_sinks(simulation: Simulation):
+def test_all_sinks_are_checked_for_resume(simulation: Simulation):
     held, free = Held(), Recorder()
     loop = simulation.make([RealTimeSink(free), RealTimeSink(held)])
-    assert loop.waits()
+    assert loop.needs_resume()
     loop.resume()
-    assert not loop.waits()
+    assert not loop.needs_resume()
     assert not held.held
 
 
-def test_nobody_waits_without_such_a_sink(simulation: Simulation):
+def test_loop_without_resumable_sinks_needs_no_resume(simulation: Simulation):
     loop = simulation.make([RealTimeSink(Recorder())])
     loop.resume()
-    assert not loop.waits()
+    assert not loop.needs_resume()
 
 
-def test_it_has_settled_a_little_after_all_is_over(simulation: Simulation):
+def test_control_loop_is_settled_when_motion_and_feedback_have_ended(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
     settled = {}
@@ -202,28 +202,28 @@ def test_it_has_settled_a_little_after_all_is_over(simulation: Simulation):
         planner.send(proposal(motion=nod(simulation.setup, 0.1, 1.0), cut=0.1, agenda=(ScheduledFeedback(2.0, "x"),)))
         yield 0.05
         end = loop.motion.end
-        for time in (0.5, end + SETTLE - 0.03, 1.9, 2.05):
+        for time in (0.5, end + SETTLE_DURATION - 0.03, 1.9, 2.05):
             yield time
-            settled[round(time, 2)] = loop.settled()
+            settled[round(time, 2)] = loop.is_settled()
 
     simulation.run(script())
     assert list(settled.values()) == [False, False, False, True], settled
 
 
-def test_motion_alone_settles_after_its_stillness(simulation: Simulation):
+def test_control_loop_without_feedback_is_settled_shortly_after_the_motion_end(simulation: Simulation):
     loop = simulation.make()
     end, settled = loop.motion.end, []
 
     def script():
-        for time in (end + SETTLE - 0.03, end + SETTLE + 0.03):
+        for time in (end + SETTLE_DURATION - 0.03, end + SETTLE_DURATION + 0.03):
             yield time
-            settled.append(loop.settled())
+            settled.append(loop.is_settled())
 
     simulation.run(script())
     assert settled == [False, True]
 
 
-def test_words_of_the_planner_go_where_they_belong(simulation: Simulation):
+def test_planner_messages_reach_client_or_server(simulation: Simulation):
     simulation.make()
     planner = simulation.link()
 
@@ -240,10 +240,10 @@ def test_words_of_the_planner_go_where_they_belong(simulation: Simulation):
     assert simulation.news == [PlannerReady(), RequestDone(), None]
     ((time, message, sender),) = simulation.told
     assert (message, sender) == ("<warning/>", 7)
-    assert time == pytest.approx(0.1, abs=2 * PERIOD), "at once"
+    assert time == pytest.approx(0.1, abs=2 * TICK_PERIOD), "at once"
 
 
-def test_the_loop_goes_on_without_a_planner(simulation: Simulation):
+def test_loop_continues_without_a_planner(simulation: Simulation):
     recorder = Recorder()
     simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()
@@ -254,10 +254,10 @@ def test_the_loop_goes_on_without_a_planner(simulation: Simulation):
         yield 0.505
 
     simulation.run(script())
-    assert np.allclose(recorder.times, np.arange(floor(0.5 / PERIOD) + 1) * PERIOD)
+    assert np.allclose(recorder.times, np.arange(floor(0.5 / TICK_PERIOD) + 1) * TICK_PERIOD)
 
 
-def test_the_body_is_where_the_motion_has_it_if_nothing_measures(simulation: Simulation):
+def test_body_report_is_planned_without_measuring_sink(simulation: Simulation):
     loop = simulation.make([RealTimeSink(Recorder())])
     planner = simulation.link()
     reports = []
@@ -265,34 +265,34 @@ def test_the_body_is_where_the_motion_has_it_if_nothing_measures(simulation: Sim
     def script():
         planner.send(proposal(motion=nod(simulation.setup, 0.1), cut=0.1))
         yield 1.0
-        reports.append(loop.body())
+        reports.append(loop.report_body())
 
     simulation.run(script())
     (report,) = reports
     expected = nod(simulation.setup, 0.1).angles(np.array([report.time]))[0]
-    assert report.time == pytest.approx(1.0, abs=PERIOD)
+    assert report.time == pytest.approx(1.0, abs=TICK_PERIOD)
     assert report.angles == report.planned == pytest.approx(expected, abs=2e-4)
     assert report.servos is None
 
 
-def test_the_body_is_told_as_the_last_sink_measures_it_and_with_the_servos_health(simulation: Simulation):
+def test_body_report_uses_the_last_measuring_sink_and_servo_health(simulation: Simulation):
     class Measuring(Recorder):
         def __init__(self, angle):
             super().__init__()
             self.angle = angle
 
-        def seen(self):
+        def measurement(self):
             return 1.0, np.full(2, self.angle)
 
     loop = simulation.make([RealTimeSink(Measuring(0.1)), RealTimeSink(Measuring(0.2))])
-    assert loop.body().angles == (0.2, 0.2)
+    assert loop.report_body().angles == (0.2, 0.2)
     servos = TimedServos()
-    report = simulation.make([RealTimeSink(servos)]).body()
+    report = simulation.make([RealTimeSink(servos)]).report_body()
     assert (report.hottest, report.volts, report.faulty) == (41.0, 11.5, True)
     assert report.angles == (0.5, 0.5)
 
 
-def test_a_planner_is_told_the_clock_and_what_accompanies_the_motion(simulation: Simulation):
+def test_planner_properties_contain_clock_and_accompaniment(simulation: Simulation):
     loop = simulation.make()
     assert loop.properties.clock is simulation.clock
     assert loop.properties.accompaniment.face

@@ -1,4 +1,4 @@
-"""Planners that die: a warm one takes over, and one that never warms up is given up."""
+"""Dying planners: a warm spare takes over, cold deaths end the attempts."""
 
 import asyncio
 from collections.abc import Callable
@@ -6,23 +6,23 @@ from functools import partial
 
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.planning.setup import Setup
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, PlannerReady, RequestDone
-from kinesic.serve.planner_process import COLD_DEATHS, Planner
+from kinesic.serve.planner_process import MAX_COLD_DEATHS, Planner
 from kinesic.serve.tracks import Effects
-from kinesic.serve.wire.quotas import USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
+from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
 
-PATIENCE = 60.0  # [s]
+MAX_WAIT = 60.0  # [s]
 
 News = PlannerReady | RequestDone | None
 
 
 async def plan_until(make_setup: Callable[[], Setup], known: Setup, done: Callable[[Planner, News], bool]) -> Planner:
-    """A planner beside a loop, until something is so of it after some news."""
+    """Run a planner with a loop until a condition holds after a message."""
     tasks, enough = asyncio.get_running_loop(), asyncio.Event()
 
     def hear(news: News) -> None:
@@ -35,23 +35,23 @@ async def plan_until(make_setup: Callable[[], Setup], known: Setup, done: Callab
         [],
         Clock(),
         effects=Effects(),
-        tell=lambda message, sender: None,
-        news=lambda news: tasks.call_soon_threadsafe(hear, news),
+        send_feedback=lambda message, sender: None,
+        notify_server=lambda news: tasks.call_soon_threadsafe(hear, news),
     )
-    planner = Planner(make_setup, loop, rules=USUAL, idle=lambda: None, lost=lambda request: None)
+    planner = Planner(make_setup, loop, rules=DEFAULT_QUOTAS, idle=lambda: None, lost=lambda request: None)
     planner.start()
     loop.start()
     try:
-        async with asyncio.timeout(PATIENCE):
+        async with asyncio.timeout(MAX_WAIT):
             await enough.wait()
     finally:
-        loop.leave()
+        loop.shut_down()
         loop.join()
         planner.close()
     return planner
 
 
-def test_a_spare_takes_over_from_one_that_dies_and_another_stands_by(known):
+def test_spare_planner_replaces_a_dead_one(known):
     spares = []
 
     def done(planner: Planner, news: News) -> bool:
@@ -65,22 +65,22 @@ def test_a_spare_takes_over_from_one_that_dies_and_another_stands_by(known):
 
     planner = asyncio.run(plan_until(set_up, known, done))
     assert planner.deaths == 2
-    assert not planner.failed
+    assert not planner.has_failed
     assert len({id(spare) for spare in spares}) == 3
     assert not any(spare.child.is_alive for spare in spares)
 
 
-def test_a_spare_that_has_died_is_no_hope_and_is_begun_anew(known):
+def test_dead_spare_planner_is_restarted(known):
     def done(planner: Planner, news: News) -> bool:
         if isinstance(news, PlannerReady) and planner.deaths == 0:
             planner._spare.child.kill()
             planner._working.child.kill()
         return isinstance(news, PlannerReady) and planner.deaths == 1
 
-    assert asyncio.run(plan_until(set_up, known, done)).warm
+    assert asyncio.run(plan_until(set_up, known, done)).is_warm
 
 
-def test_one_that_never_warms_up_is_given_up(known):
-    planner = asyncio.run(plan_until(partial(set_up, "nobody"), known, lambda planner, news: planner.failed))
-    assert planner.deaths == COLD_DEATHS
-    assert not planner.warm
+def test_planner_that_never_warms_up_fails(known):
+    planner = asyncio.run(plan_until(partial(set_up, "nobody"), known, lambda planner, news: planner.has_failed))
+    assert planner.deaths == MAX_COLD_DEATHS
+    assert not planner.is_warm

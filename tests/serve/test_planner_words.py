@@ -1,4 +1,4 @@
-"""A planner at a loop that answers by a rule, in simulated time: words, styles, and verdicts of the loop."""
+"""Planner with a stub loop in simulated time: words, styles and verdicts."""
 
 import json
 import re
@@ -20,44 +20,44 @@ from kinesic.serve.messages import (
 )
 from kinesic.serve.tracks import SoundAndFace
 
-from .planning_bench import LONG, NOD, Line, Planning
+from .planning_bench import LONG_GESTURE_BML, NOD_BML, Line, Planning
 
 
-def test_a_style_that_nobody_knows_is_refused_and_a_known_one_is_that_of_what_comes(planning: Planning):
-    planning.state.fulfil(Restyling("gloomy", (), None, None, 3))
+def test_unknown_style_is_refused_and_a_valid_style_applies_to_future_blocks(planning: Planning):
+    planning.state.execute(Restyling("gloomy", (), None, None, 3))
     proposals, (notice,) = planning.said()
     assert not proposals
     assert notice.sender == 3
     told = json.loads(notice.message)
     assert (told["told"], told["do"]) == ("refused", "style")
     assert "gloomy" in told["why"]
-    planning.state.fulfil(Restyling("calm", ("power=-0.5",), None, None, 3))
+    planning.state.execute(Restyling("calm", ("power=-0.5",), None, None, 3))
     assert planning.said()[1] == []
-    planning.document("b", LONG)
+    planning.document("b", LONG_GESTURE_BML)
     (calm,), _ = planning.said()
     other = Planning(planning.setup)
-    other.document("b", LONG)
+    other.document("b", LONG_GESTURE_BML)
     (usual,), _ = other.said()
     shared = min(len(calm.motion.controls), len(usual.motion.controls))
     assert not np.allclose(calm.motion.controls[:shared], usual.motion.controls[:shared], atol=1e-3)
 
 
 @pytest.mark.parametrize("changes", [("power=9",), ("powr=0.5",), ("power",)])
-def test_changes_that_make_no_style_are_refused(planning: Planning, changes: tuple[str, ...]):
-    planning.state.fulfil(Restyling(None, changes, None, None, 3))
+def test_invalid_style_changes_are_refused(planning: Planning, changes: tuple[str, ...]):
+    planning.state.execute(Restyling(None, changes, None, None, 3))
     proposals, (notice,) = planning.said()
     assert not proposals
     assert json.loads(notice.message)["told"] == "refused"
 
 
-def test_changes_without_a_style_change_the_present_one(planning: Planning):
-    planning.state.fulfil(Restyling("calm", (), None, None, 3))
-    planning.state.fulfil(Restyling(None, ("power=0.5",), None, None, 3))
-    planning.document("b", LONG)
+def test_parameter_changes_without_a_style_apply_to_the_current_style(planning: Planning):
+    planning.state.execute(Restyling("calm", (), None, None, 3))
+    planning.state.execute(Restyling(None, ("power=0.5",), None, None, 3))
+    planning.document("b", LONG_GESTURE_BML)
     both = planning.said()[0][-1].motion.controls
     other = Planning(planning.setup)
-    other.state.fulfil(Restyling(None, ("power=0.5",), None, None, 3))
-    other.document("b", LONG)
+    other.state.execute(Restyling(None, ("power=0.5",), None, None, 3))
+    other.document("b", LONG_GESTURE_BML)
     alone = other.said()[0][-1].motion.controls
     shared = min(len(both), len(alone))
     assert not np.allclose(both[:shared], alone[:shared], atol=1e-3)
@@ -67,79 +67,79 @@ def saying(notices: list[FeedbackNotice]) -> list[dict]:
     return [json.loads(each.message) for each in notices if each.message.startswith("{")]
 
 
-def test_words_are_said_as_they_are_whole_and_all_is_told_at_the_end(planning: Planning):
-    planning.state.fulfil(DocumentRequest(Words("Hello there. And", 7), 0))
+def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
+    planning.state.execute(DocumentRequest(Words("Hello there. And", 7), 0))
     proposals, _ = planning.said()
     assert proposals[-1].owed == {7}, "its client is owed the rest"
-    planning.state.speak()
+    planning.state.plan_phrases()
     proposals, notices = planning.said()
     (told,) = saying(notices)
     assert (told["told"], told["text"], told["block"]) == ("saying", "Hello there", "said7-1")
     assert {block for block, _ in proposals[-1].moving} <= {"said7-1"}
     assert {each.sender for each in notices} == {7}
-    planning.state.speak()
+    planning.state.plan_phrases()
     assert saying(planning.said()[1]) == [], "the rest is awaited"
     assert planning.state.pause is not None
-    planning.state.fulfil(DocumentRequest(Words(" so on.", 7, ends=True), 0))
+    planning.state.execute(DocumentRequest(Words(" so on.", 7, ends=True), 0))
     planning.time = 100.0
-    planning.state.go_on()
-    planning.state.speak()
+    planning.state.advance_scene()
+    planning.state.plan_phrases()
     told = saying(planning.said()[1])
     assert [each["told"] for each in told] == ["saying", "all_said"]
     assert told[0]["text"] == "And so on"
     assert told[1]["block"] == told[0]["block"] == "said7-2"
 
 
-def test_what_is_said_waits_for_whoever_speaks(planning: Planning):
+def test_phrase_waits_for_running_speech(planning: Planning):
     text = "One two three four five six seven eight nine ten. "
-    planning.state.fulfil(DocumentRequest(Words(text, 1, ends=True), 0))
-    planning.state.fulfil(DocumentRequest(Words("Here I am.", 2, ends=True), 0))
-    planning.state.speak()
+    planning.state.execute(DocumentRequest(Words(text, 1, ends=True), 0))
+    planning.state.execute(DocumentRequest(Words("Here I am.", 2, ends=True), 0))
+    planning.state.plan_phrases()
     first = saying(planning.said()[1])
     assert {each["block"][:5] for each in first} == {"said1"}
     planning.time = 100.0
-    planning.state.go_on()
-    planning.state.speak()
+    planning.state.advance_scene()
+    planning.state.plan_phrases()
     assert "said2-1" in [each.get("block") for each in saying(planning.said()[1])]
 
 
 @pytest.mark.parametrize("request_", [Interruption(None), "stop"])
-def test_words_that_are_not_said_are_forgotten(planning: Planning, request_: Interruption | str):
-    planning.state.fulfil(DocumentRequest(Words("Hello there. And so on.", 7), 0))
+def test_unspoken_words_are_dropped_at_a_stop_or_interruption(planning: Planning, request_: Interruption | str):
+    planning.state.execute(DocumentRequest(Words("Hello there. And so on.", 7), 0))
     if request_ == "stop":
-        planning.state.take_halt(Halted(1, 0.0, stay(planning.setup.robot.skeleton.rest)))
+        planning.state.handle_stop(Halted(1, 0.0, stay(planning.setup.robot.skeleton.rest)))
     else:
-        planning.state.fulfil(request_)
+        planning.state.execute(request_)
     assert planning.said()[0][-1].owed == frozenset()
-    planning.state.speak()
+    planning.state.plan_phrases()
     assert planning.said() == ([], [])
 
 
-def test_too_many_words_are_refused(planning: Planning):
-    planning.state.fulfil(DocumentRequest(Words("x " * 60_000, 7), 0))
+def test_planner_refuses_words_if_too_many_characters_of_a_client_wait(planning: Planning):
+    planning.state.execute(DocumentRequest(Words("x " * 600_000, 7), 0))
     notices = planning.said()[1]
-    assert re.search("rule waiting: .* letters wait", notices[0].message)
+    assert re.search("rule waiting: .* characters already wait", notices[0].message)
     assert notices[0].sender == 7
 
 
-def test_faces_and_sounds_go_with_the_motion_where_there_are_sinks(make_planning: Callable[..., Planning]):
+def test_planner_proposes_faces_and_sounds_only_with_outputs_for_them(make_planning: Callable[..., Planning]):
     smile = '<faceLexeme id="f" lexeme="RAISE_BROWS" start="0" end="2"/>'
     planning = make_planning(accompaniment=SoundAndFace(face=True))
     planning.document("b", smile)
     (proposal,), _ = planning.said()
     assert set(proposal.tracks) == {"b"}
     assert max(map(max, proposal.tracks["b"].face.values())) > 0.3
-    planning.document("c", NOD)
+    planning.document("c", NOD_BML)
     assert set(planning.said()[0][0].tracks) == {"c"}, "what the loop has is not sent again"
     planning.time = 100.0
-    planning.state.go_on()
+    planning.state.advance_scene()
     assert planning.said()[0][0].tracks == {"b": None, "c": None}
     silent = make_planning()
     silent.document("b", smile)
     assert silent.said()[0][0].tracks == {}
 
 
-def test_a_proposal_that_comes_too_late_is_made_again_for_a_later_time(planning: Planning):
+def test_late_proposal_is_repeated_for_a_later_time(planning: Planning):
     cuts = []
 
     def late(proposal: Proposal) -> ProposalVerdict:
@@ -147,28 +147,28 @@ def test_a_proposal_that_comes_too_late_is_made_again_for_a_later_time(planning:
         return ProposalVerdict(len(cuts) > 3, 0, proposal.cut + 0.01)
 
     planning.loop.rule = late
-    planning.document("b", NOD)
+    planning.document("b", NOD_BML)
     assert np.diff(cuts).min() > 0.0
     assert cuts[1:] == pytest.approx([2 * cut for cut in cuts[:-1]])
     _, notices = planning.said()
     assert not any("warning" in each.message for each in notices)
 
 
-@pytest.mark.parametrize(("late", "why"), [(0.01, "the machine is too busy"), (-0.01, "a step from what plays")])
-def test_what_is_never_taken_is_refused_for_its_reason(planning: Planning, late: float, why: str):
+@pytest.mark.parametrize(("late", "why"), [(0.01, "the machine is too busy"), (-0.01, "cause a step")])
+def test_proposal_rejected_at_all_attempts_is_reported_with_its_reason(planning: Planning, late: float, why: str):
     planning.loop.rule = lambda proposal: ProposalVerdict(accepted=False, stops=0, time=proposal.cut + late)
-    planning.document("b", NOD)
+    planning.document("b", NOD_BML)
     proposals, notices = planning.said()
     assert 5 <= len(proposals) <= 12
     assert why in notices[-1].message
     planning.loop.rule = Line().rule
-    planning.document("c", NOD)
+    planning.document("c", NOD_BML)
     (proposal,), _ = planning.said()
     assert {block for block, _ in proposal.moving} == {"c"}, "the other has left nothing behind"
 
 
-def test_a_stop_between_proposal_and_verdict_counts(planning: Planning):
-    """The loop made a stop first: what it tells of it comes before its verdict."""
+def test_emergency_stop_between_proposal_and_answer_is_handled(planning: Planning):
+    """The loop reports the stop before its verdict."""
     motion = stay(planning.setup.robot.skeleton.rest, start=0.0)
     verdicts = iter([False])
 
@@ -179,7 +179,7 @@ def test_a_stop_between_proposal_and_verdict_counts(planning: Planning):
         return ProposalVerdict(accepted, 1, 0.0)
 
     planning.loop.rule = stopped
-    planning.document("b", NOD)
+    planning.document("b", NOD_BML)
     proposals, notices = planning.said()
     assert proposals[-1].stops == 1
     assert proposals[-1].owed == frozenset()

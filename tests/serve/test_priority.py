@@ -1,4 +1,4 @@
-"""Threads that go before other work."""
+"""Threads with a higher scheduling priority."""
 
 import os
 import sys
@@ -7,7 +7,7 @@ from threading import Thread
 import pytest
 
 from kinesic.serve import priority
-from kinesic.serve.priority import URGENT, urgent
+from kinesic.serve.priority import URGENT_NICENESS, raise_priority
 
 
 def niceness() -> int:
@@ -16,38 +16,38 @@ def niceness() -> int:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere niceness is a process's")
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root may go before others")
-def test_a_thread_is_urgent_meanwhile_and_no_other_is():
+def test_only_the_calling_thread_gets_a_higher_priority():
     seen = []
 
     def work() -> None:
-        with urgent():
+        with raise_priority():
             seen.append(niceness())
         seen.append(niceness())
 
     thread = Thread(target=work)
     before = niceness()
-    with urgent():
+    with raise_priority():
         pass
     thread.start()
     thread.join()
-    assert seen == ([URGENT, 0] if before == 0 else [before, before])
+    assert seen == ([URGENT_NICENESS, 0] if before == 0 else [before, before])
     assert niceness() == before
 
 
-def test_who_may_not_go_before_others_works_all_the_same(monkeypatch):
+def test_missing_privilege_for_priority_is_ignored(monkeypatch):
     def refuse(*_: int) -> None:
         raise PermissionError
 
     monkeypatch.setattr(priority.os, "setpriority", refuse)
-    with urgent():
+    with raise_priority():
         worked = True
     assert worked
 
 
-def test_who_was_made_nice_stays_so(monkeypatch):
+def test_changed_niceness_is_not_overridden(monkeypatch):
     asked = []
     monkeypatch.setattr(priority.os, "getpriority", lambda *_: 5)
     monkeypatch.setattr(priority.os, "setpriority", lambda *given: asked.append(given))
-    with urgent():
+    with raise_priority():
         pass
     assert asked == []

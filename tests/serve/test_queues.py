@@ -5,14 +5,14 @@ from hypothesis import strategies as st
 
 from kinesic.realizer.request import Message
 from kinesic.serve.messages import Words
-from kinesic.serve.queues import MINOR, MOST_TEXT, FairQueue, OutputQueue, UnreadMemory
+from kinesic.serve.queues import MAX_TEXT_LENGTH, PROGRESS_PREFIX, FairQueue, OutputQueue, UnreadMemory
 
 
 def waiting(sender, text=b""):
     return Message(text, sender, "test")
 
 
-def test_clients_take_turns():
+def test_documents_of_clients_take_turns():
     turns = FairQueue(9)
     for sender, text in ((1, b"a"), (1, b"b"), (1, b"c"), (2, b"d"), (3, b"e"), (2, b"f")):
         turns.add(waiting(sender, text))
@@ -20,14 +20,14 @@ def test_clients_take_turns():
     assert turns.next() is None
 
 
-def test_one_client_may_have_so_many_only():
+def test_queued_documents_per_client_are_limited():
     turns = FairQueue(2)
     assert [turns.add(waiting(1)) for _ in range(3)] == [True, True, False]
     assert turns.add(waiting(2))
     assert len(turns) == 3
 
 
-def test_who_waits_is_known_until_nobody_does():
+def test_document_queue_contains_a_client_until_it_is_cleared():
     turns = FairQueue(2)
     turns.add(waiting(7))
     assert 7 in turns
@@ -36,7 +36,7 @@ def test_who_waits_is_known_until_nobody_does():
     assert len(turns) == 0
 
 
-def test_words_that_wait_are_joined_until_their_talk_ends():
+def test_waiting_words_are_joined_until_the_text_ends():
     turns = FairQueue(3)
     for each in (
         Words("He", 1),
@@ -54,22 +54,22 @@ def test_words_that_wait_are_joined_until_their_talk_ends():
     ]
 
 
-def test_words_are_not_joined_with_documents_nor_without_end():
+def test_words_are_not_joined_with_documents_or_beyond_the_limit():
     turns = FairQueue(2)
     assert turns.add(Words("a", 1))
     assert turns.add(waiting(1, b"<bml/>"))
     assert not turns.add(Words("b", 1))
-    assert turns.add(Words("x" * MOST_TEXT, 2))
+    assert turns.add(Words("x" * MAX_TEXT_LENGTH, 2))
     assert turns.add(Words("y", 2))
     assert len(turns) == 4
-    assert turns.add(Words("x" * (MOST_TEXT - 1), 3))
+    assert turns.add(Words("x" * (MAX_TEXT_LENGTH - 1), 3))
     assert turns.add(Words("y", 3))
     assert len(turns) == 5, "so many letters are joined"
 
 
 @settings(deadline=None)
 @given(st.lists(st.integers(1, 4), max_size=60))
-def test_nobody_waits_for_more_than_one_block_of_each_other_client(senders):
+def test_queued_client_waits_for_at_most_one_block_of_each_other_client(senders):
     turns = FairQueue(100)
     for number, sender in enumerate(senders):
         turns.add(waiting(sender, b"%d" % number))
@@ -94,30 +94,30 @@ async def _messages(queue):
         yield message
 
 
-def test_messages_come_in_order():
+def test_queued_messages_keep_their_order():
     queue = OutputQueue(3, 100_000, UnreadMemory(100_000))
     for message in "abc":
         queue.put(message)
     assert drained(queue) == ["a", "b", "c"]
 
 
-def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
+def test_oldest_progress_messages_are_dropped_first_and_reported():
     queue = OutputQueue(3, 100_000, UnreadMemory(100_000))
-    for message in ("first", f"{MINOR} 1", f"{MINOR} 2", "second", "third", "fourth"):
+    for message in ("first", f"{PROGRESS_PREFIX} 1", f"{PROGRESS_PREFIX} 2", "second", "third", "fourth"):
         queue.put(message)
     told, *left = drained(queue)
     assert "3 messages were dropped" in told
     assert left == ["second", "third", "fourth"]
 
 
-def test_it_never_holds_more_than_it_may():
+def test_output_queue_respects_its_message_limit():
     queue = OutputQueue(5, 100_000, UnreadMemory(100_000))
     for number in range(1000):
         queue.put(str(number))
     assert len(queue) == 5
 
 
-def test_it_never_takes_more_memory_than_it_may():
+def test_output_queue_respects_its_memory_limit():
     queue, document = (
         OutputQueue(512, 1_000_000, UnreadMemory(1_000_000)),
         "\U0001f600" + "x" * 49_999,
@@ -130,14 +130,14 @@ def test_it_never_takes_more_memory_than_it_may():
     assert [each[-2:] for each in left] == ["96", "97", "98", "99"]
 
 
-def test_a_message_that_is_larger_than_all_may_be_is_kept_alone():
+def test_single_oversized_message_is_kept():
     queue = OutputQueue(5, 1000, UnreadMemory(1000))
     queue.put("small")
     queue.put("x" * 2000)
     assert drained(queue)[1:] == ["x" * 2000]
 
 
-def test_one_that_waits_gets_what_comes():
+def test_waiting_reader_gets_the_next_message():
     async def both():
         queue = OutputQueue(2, 100_000, UnreadMemory(100_000))
         waiting = asyncio.create_task(queue.take())
@@ -148,14 +148,14 @@ def test_one_that_waits_gets_what_comes():
     assert asyncio.run(both()) == "late"
 
 
-def test_nothing_goes_in_after_the_end():
+def test_ended_queue_accepts_no_messages():
     queue = OutputQueue(2, 100_000, UnreadMemory(100_000))
     queue.end()
     queue.put("a")
     assert drained(queue) == []
 
 
-def test_all_clients_together_take_no_more_memory_than_they_may_and_who_has_most_to_read_loses():
+def test_total_memory_limit_drops_messages_of_the_largest_queue():
     memory = UnreadMemory(1_000_000)
     slow, quick = OutputQueue(512, 900_000, memory), OutputQueue(512, 900_000, memory)
     quick.put("kept")
@@ -171,7 +171,7 @@ def test_all_clients_together_take_no_more_memory_than_they_may_and_who_has_most
     assert sum(map(len, others)) >= 19
 
 
-def test_a_client_that_leaves_gives_its_memory_back():
+def test_leaving_client_releases_its_memory():
     memory = UnreadMemory(100_000)
     gone, here = OutputQueue(512, 100_000, memory), OutputQueue(512, 100_000, memory)
     gone.put("x" * 90_000)

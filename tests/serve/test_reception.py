@@ -1,4 +1,4 @@
-"""Where connections come in, apart from the server."""
+"""Connection acceptor without a server."""
 
 import asyncio
 import errno
@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.serve.reception import REST, Reception
+from kinesic.serve.reception import ACCEPT_RETRY_DELAY, Reception
 from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.wire.quotas import Quotas
 
@@ -17,12 +17,12 @@ pytestmark = pytest.mark.realtime
 
 
 def reception() -> Reception:
-    """One whom nobody joins."""
+    """Return an acceptor without clients."""
     return Reception(SimpleNamespace(rules=Quotas()), StopLines(lambda: None, Quotas()))
 
 
 class Full(socket.socket):
-    """A listener on a machine that can open no further file."""
+    """Stub listener at the open file limit."""
 
     asked = 0
 
@@ -31,7 +31,7 @@ class Full(socket.socket):
         raise OSError(errno.EMFILE, "Too many open files")
 
 
-def test_where_no_file_can_be_opened_it_is_tried_again_after_a_while():
+def test_accept_is_retried_after_the_open_file_limit():
     async def crowded() -> int:
         here, full = reception(), Full()
         full.bind(("127.0.0.1", 0))
@@ -39,15 +39,15 @@ def test_where_no_file_can_be_opened_it_is_tried_again_after_a_while():
         here._listeners.append(full)
         here.open()
         with socket.create_connection(full.getsockname()):
-            await asyncio.sleep(4.5 * REST)
+            await asyncio.sleep(4.5 * ACCEPT_RETRY_DELAY)
         here.close()
-        await asyncio.sleep(2 * REST)
+        await asyncio.sleep(2 * ACCEPT_RETRY_DELAY)
         return full.asked
 
     assert 1 <= asyncio.run(crowded()) <= 5
 
 
-def test_an_address_that_cannot_be_had_leaves_nothing_open():
+def test_unavailable_address_leaves_no_open_socket():
     async def refused() -> None:
         here = reception()
         with pytest.raises(ConfigError, match=r"--listen 192\.0\.2\.1:0: .*; give another one"):
@@ -57,14 +57,14 @@ def test_an_address_that_cannot_be_had_leaves_nothing_open():
     asyncio.run(refused())
 
 
-def test_the_door_holds_at_most_half_of_the_files_that_may_be_open(monkeypatch):
-    monkeypatch.setattr("kinesic.serve.reception.getrlimit", lambda _: (200, 200))
-    assert reception()._room == 100
+def test_pending_connections_use_at_most_half_of_the_file_limit(monkeypatch):
+    monkeypatch.setattr("kinesic.serve.reception.max_open_files", lambda: 200)
+    assert reception()._max_pending == 100
 
 
-def test_newcomers_replace_the_oldest_that_say_nothing(server, becomes, monkeypatch):
+def test_new_connections_replace_the_oldest_silent_ones(server, becomes, monkeypatch):
     assert becomes(lambda: not server.open.clients._clients)
-    monkeypatch.setattr(server.open.reception, "_room", 8)
+    monkeypatch.setattr(server.open.reception, "_max_pending", 8)
     with server.client() as present:
         present.do("ping")
         present.receive(20)

@@ -1,4 +1,4 @@
-"""Better plans for blocks that play, and the processes of planner and refiner in threads."""
+"""Refined plans of running blocks, with planner and refiner in threads."""
 
 import pickle
 from dataclasses import replace
@@ -32,17 +32,17 @@ from kinesic.serve.messages import (
 )
 from kinesic.serve.planner import run_planner
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, run_refiner, unpack
-from kinesic.serve.tracks import SILENT
+from kinesic.serve.tracks import NO_ACCOMPANIMENT
 
-from .planning_bench import BML, LONG, NOD, RULES, Planning
+from .planning_bench import BLOCK_BML, LONG_GESTURE_BML, NOD_BML, TEST_QUOTAS, Planning
 
 
-def test_a_block_that_plays_is_planned_anew_in_another_style_one_at_a_time(planning: Planning):
+def test_running_blocks_are_replanned_in_another_style_one_at_a_time(planning: Planning):
     for name, start in (("a", 0), ("b", 8)):
         planning.document(name, f'<head id="h" lexeme="NOD" start="{start}" repetition="4"/>')
     planning.state.request_refinement()
     planning.refiner.take()
-    planning.state.fulfil(Restyling(None, (), 0.3, None, 3))
+    planning.state.execute(Restyling(None, (), 0.3, None, 3))
     planning.said()
     planning.state.request_refinement()
     planning.state.request_refinement()
@@ -52,7 +52,7 @@ def test_a_block_that_plays_is_planned_anew_in_another_style_one_at_a_time(plann
     assert job.request.block.id == "a"
     assert job.renewals == 0
     better = prepare_block(job.request, planning.setup).plan
-    planning.state.improve(pack(RefinedPlan("a", better)))
+    planning.state.apply_refinement(pack(RefinedPlan("a", better)))
     (proposal,), _ = planning.said()
     assert proposal.motion is not None
     planning.state.request_refinement()
@@ -60,34 +60,34 @@ def test_a_block_that_plays_is_planned_anew_in_another_style_one_at_a_time(plann
 
 
 @pytest.mark.parametrize("plan", [None, "gone"])
-def test_a_plan_that_cannot_be_better_changes_nothing(planning: Planning, plan: str | None):
+def test_failed_refinement_keeps_the_running_plan(planning: Planning, plan: str | None):
     planning.document("a", '<head id="h" lexeme="NOD" start="0" repetition="4"/>')
-    planning.state.fulfil(Restyling(None, (), 0.3, None, 3))
+    planning.state.execute(Restyling(None, (), 0.3, None, 3))
     planning.state.request_refinement()
     (data,) = planning.refiner.take()
     planning.said()
     job = unpack(data, planning.setup)
     found = None if plan is None else prepare_block(job.request, planning.setup).plan
-    planning.state.improve(pack(RefinedPlan("gone", found)))
+    planning.state.apply_refinement(pack(RefinedPlan("gone", found)))
     proposals, notices = planning.said()
     assert not notices
     assert all(each.motion is None for each in proposals)
     assert len(proposals) == (0 if plan is None else 1)
 
 
-def test_gestures_are_read_anew_and_the_refiner_is_told_how_often(planning: Planning):
-    planning.state.fulfil(Renewal())
-    planning.state.fulfil(Renewal())
+def test_refinement_job_contains_the_number_of_lexicon_reloads(planning: Planning):
+    planning.state.execute(Renewal())
+    planning.state.execute(Renewal())
     assert planning.renewed == 2
     planning.document("a", '<head id="h" lexeme="NOD" start="0" repetition="4"/>')
-    planning.state.fulfil(Restyling(None, (), 0.3, None, 3))
+    planning.state.execute(Restyling(None, (), 0.3, None, 3))
     planning.state.request_refinement()
     job = unpack(planning.refiner.take()[0], planning.setup)
     assert job.renewals == 2
 
 
-def test_a_plan_goes_to_the_refiner_without_the_setup(known: Setup):
-    request = read_request(Message(BML.format("b", NOD)), known)
+def test_refinement_jobs_are_pickled_without_the_setup(known: Setup):
+    request = read_request(Message(BLOCK_BML.format("b", NOD_BML)), known)
     data = pack(RefinedPlan("b", prepare_block(request, known).plan))
     other = replace(known, seed_of_nothing=1) if hasattr(known, "seed_of_nothing") else replace(known)
     found = unpack(data, other)
@@ -98,14 +98,14 @@ def test_a_plan_goes_to_the_refiner_without_the_setup(known: Setup):
 
 
 def styled_job(known: Setup, style: str) -> RefinementJob:
-    request = read_request(Message(BML.format("b", LONG)), known)
+    request = read_request(Message(BLOCK_BML.format("b", LONG_GESTURE_BML)), known)
     return RefinementJob(request, known.style if style == known.style.name else style_preset(style))
 
 
 @pytest.fixture
 def refining(known: Setup, monkeypatch: pytest.MonkeyPatch):
-    """A refiner in a thread, and the planner's end of its line; how often it made a setup."""
-    monkeypatch.setattr(refiner_module.os, "nice", lambda _: None)
+    """Refiner in a thread, the planner's pipe end, and the count of created setups."""
+    monkeypatch.setattr(refiner_module, "lower_priority", lambda _: None)
     ours, theirs = Pipe()
     made = []
 
@@ -129,7 +129,7 @@ def refined(line: Connection, job: RefinementJob, setup: Setup) -> RefinedPlan:
     return found
 
 
-def test_the_refiner_plans_job_after_job_in_the_style_of_each(known: Setup, refining):
+def test_refiner_plans_each_job_in_its_style(known: Setup, refining):
     line, made = refining
     usual, calm = (refined(line, styled_job(known, style), known) for style in (known.style.name, "calm"))
     assert usual.block == calm.block == "b"
@@ -139,14 +139,14 @@ def test_the_refiner_plans_job_after_job_in_the_style_of_each(known: Setup, refi
     assert len(made) == 1
 
 
-def test_the_refiner_reads_gestures_anew_once_for_each_time_they_were(known: Setup, refining):
+def test_refiner_reloads_the_lexicon_once_per_reload(known: Setup, refining):
     line, made = refining
     for renewals, count in ((0, 1), (1, 2), (1, 2), (3, 3)):
         refined(line, replace(styled_job(known, known.style.name), renewals=renewals), known)
         assert len(made) == count
 
 
-def test_what_cannot_be_planned_has_no_plan(known: Setup, refining, monkeypatch: pytest.MonkeyPatch):
+def test_failed_refinement_returns_no_plan(known: Setup, refining, monkeypatch: pytest.MonkeyPatch):
     def fail(*_: object) -> None:
         raise BmlError("b: no")
 
@@ -155,16 +155,16 @@ def test_what_cannot_be_planned_has_no_plan(known: Setup, refining, monkeypatch:
     assert (found.block, found.plan) == ("b", None)
 
 
-def test_what_is_no_job_is_no_message(known: Setup):
-    with pytest.raises(pickle.UnpicklingError, match="a dict came"):
+def test_unexpected_pickled_objects_are_rejected(known: Setup):
+    with pytest.raises(pickle.UnpicklingError, match="unexpected dict"):
         unpack(pickle.dumps({}), known)
 
 
-def test_a_planner_says_that_it_is_ready_fulfils_requests_and_ends_with_the_server(known: Setup):
+def test_planner_reports_readiness_executes_requests_and_ends_with_the_server(known: Setup):
     requests, loop, refiner = (Pipe() for _ in range(3))
     thread = Thread(
         target=run_planner,
-        args=(lambda: known, requests[1], loop[1], refiner[1], LoopProperties(Clock(), SILENT), RULES),
+        args=(lambda: known, requests[1], loop[1], refiner[1], LoopProperties(Clock(), NO_ACCOMPANIMENT), TEST_QUOTAS),
     )
     thread.start()
 
@@ -175,7 +175,7 @@ def test_a_planner_says_that_it_is_ready_fulfils_requests_and_ends_with_the_serv
     requests[0].send(LoopStart(stay(known.robot.skeleton.rest, start=0.0), 0, ()))
     assert isinstance(heard(), PlannerReady)
     for name in ("a", "b"):
-        requests[0].send(DocumentRequest(Message(BML.format(name, NOD), 7), 0))
+        requests[0].send(DocumentRequest(Message(BLOCK_BML.format(name, NOD_BML), 7), 0))
         said = [heard(), heard()]
         assert isinstance(said[0], FeedbackNotice)
         assert isinstance(said[1], Proposal)

@@ -1,4 +1,4 @@
-"""Gestures that are read anew while a server runs."""
+"""Lexicon reloads while a server runs."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from kinesic.planning.setup import Setup
 from kinesic.serve.renewal import renew_setup
 
 
-def test_only_the_gestures_are_new(known: Setup):
+def test_reload_of_the_lexicon_keeps_robot_and_style(known: Setup):
     present = replace(known, style=Style.load("calm"))
     lexicon = Lexicon.load()
     found = renew_setup(lambda: replace(known, lexicon=lexicon), present)
@@ -21,9 +21,7 @@ def test_only_the_gestures_are_new(known: Setup):
 
 
 @pytest.mark.parametrize("fault", [ConfigError("a wrong file"), FileNotFoundError("gone")])
-def test_gestures_that_cannot_be_read_leave_all_as_it_was(
-    known: Setup, capfd: pytest.CaptureFixture[str], fault: Exception
-):
+def test_failed_lexicon_reload_keeps_the_old_lexicon(known: Setup, capfd: pytest.CaptureFixture[str], fault: Exception):
     def fail() -> Setup:
         raise fault
 

@@ -1,4 +1,4 @@
-"""Clients of all kinds at real sockets: each gets what the rules say, and the performance goes on."""
+"""Server with real sockets: feedback, limits and uninterrupted performance."""
 
 import json
 import re
@@ -10,38 +10,51 @@ import numpy as np
 import pytest
 from websockets.sync.client import connect
 
-from kinesic.body.command import RATE
-from kinesic.controller.perform import set_up
+from kinesic.body.command import COMMAND_RATE
 from kinesic.planning.setup import Setup
+from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-BEATS = 2
+BEAT_COUNT = 2
 NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
-LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{0.8 + 0.4 * k}"/>' for k in range(BEATS))
-POINTS = ["start", "h:start", "h:ready", "h:strokeStart", "h:stroke", "h:strokeEnd", "h:relax", "relax", "h:end", "end"]
+LONG = "".join(
+    f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{0.8 + 0.4 * k}"/>' for k in range(BEAT_COUNT)
+)
+NOD_POINTS = [
+    "start",
+    "h:start",
+    "h:ready",
+    "h:strokeStart",
+    "h:stroke",
+    "h:strokeEnd",
+    "h:relax",
+    "relax",
+    "h:end",
+    "end",
+]
 
 
 @cache
 def known() -> Setup:
-    """What the server's planner knows, read once."""
+    """Setup of the server's planner, loaded once."""
     return set_up()
 
 
 def progress(messages, name):
-    """What was told of a block's progress, in order."""
+    """Return the progress feedback of a block in order."""
     found = (re.search(rf'<(?:block|syncPoint)Progress[^>]* id="{name}:([^"]*)"', each) for each in messages)
     return [match[1] for match in found if match]
 
 
 def undisturbed(commands):
-    """Whether commands are one motion: no tick missing or twice, and no step that the servos could not make."""
+    """Return whether all ticks were sent once and without steps."""
     limits = known().limits
-    ticks = np.rint([RATE * command.time for command in commands]).astype(int)
+    ticks = np.rint([COMMAND_RATE * command.time for command in commands]).astype(int)
     angles = np.array([command.angles for command in commands])
-    speeds = np.abs(np.diff(angles, axis=0)) * RATE
-    jumps = np.abs(np.diff(angles, 2, axis=0)) * RATE**2
+    speeds = np.abs(np.diff(angles, axis=0)) * COMMAND_RATE
+    jumps = np.abs(np.diff(angles, 2, axis=0)) * COMMAND_RATE**2
     return (
         (np.diff(ticks) == 1).all()
         and (speeds <= 1.01 * limits.speed).all()
@@ -53,17 +66,17 @@ def seen(server):
     return [command for _, command in server.witness.commands]
 
 
-def test_a_block_is_predicted_performed_and_told_in_order(server):
+def test_block_is_predicted_performed_and_reported_in_order(server):
     with server.client() as client:
         messages = list(client.perform(BLOCK.format("ordered", NOD)))
     assert "<predictionFeedback" in messages[0]
-    assert progress(messages, "ordered") == POINTS
+    assert progress(messages, "ordered") == NOD_POINTS
     times = [float(time) for each in messages for time in re.findall(r'globalTime="([^"]*)"', each)]
     assert times == sorted(times)
     assert undisturbed(seen(server))
 
 
-def test_a_nod_moves_the_head_and_ends_at_rest(server):
+def test_nod_moves_the_head_and_ends_at_rest(server):
     with server.client() as client:
         times = [
             float(found[1])
@@ -77,16 +90,16 @@ def test_a_nod_moves_the_head_and_ends_at_rest(server):
     assert moved[-1] < 1e-3
 
 
-def test_a_websocket_gets_the_same(server):
+def test_websocket_client_gets_the_same_feedback(server):
     with connect(f"ws://127.0.0.1:{server.port}") as client:
         client.send(BLOCK.format("web", NOD))
         messages = []
         while progress(messages, "web")[-1:] != ["end"]:
             messages.append(client.recv(20))
-    assert progress(messages, "web") == POINTS
+    assert progress(messages, "web") == NOD_POINTS
 
 
-def test_a_websocket_may_send_in_fragments_and_bytes(server):
+def test_websocket_client_may_send_fragments_and_binary_data(server):
     with connect(f"ws://127.0.0.1:{server.port}") as client:
         client.send(['{"do": "pi', 'ng", "id"', ': "x"}'])
         assert json.loads(client.recv(20)) == {"told": "pong", "id": "x"}
@@ -94,25 +107,25 @@ def test_a_websocket_may_send_in_fragments_and_bytes(server):
         assert json.loads(client.recv(20)) == {"told": "pong", "id": ""}
 
 
-def test_a_client_that_ends_its_side_still_gets_everything(server):
+def test_client_that_stops_sending_still_gets_all_feedback(server):
     with socket.create_connection(("127.0.0.1", server.port), 20) as plain:
         plain.sendall(BLOCK.format("half-closed", NOD).encode() + b"\0")
         plain.shutdown(socket.SHUT_WR)
         stream = plain.makefile("rb").read()
-    assert progress(stream.decode().split("\0"), "half-closed") == POINTS
+    assert progress(stream.decode().split("\0"), "half-closed") == NOD_POINTS
 
 
-def test_a_client_that_goes_leaves_its_block_and_disturbs_nobody(server, becomes):
+def test_block_of_a_disconnected_client_continues(server, becomes):
     with server.client() as staying:
         with server.client() as going:
             going.send(BLOCK.format("left", LONG))
         messages = list(staying.perform(BLOCK.format("stays", NOD)))
-        assert progress(messages, "stays") == POINTS
-    assert becomes(server.open.clients.session.loop.settled)
+        assert progress(messages, "stays") == NOD_POINTS
+    assert becomes(server.open.clients.session.loop.is_settled)
     assert undisturbed(seen(server))
 
 
-def test_bad_blocks_are_answered_and_disturb_nobody(server):
+def test_invalid_blocks_are_answered_and_disturb_no_client(server):
     bad = ["<bml", "nonsense < here", "", "<a/>", '<bml id="x"><gesture stroke="nan"/></bml>', "{}", "\ufffe<bml/>"]
     with server.client() as good, server.client() as other:
         good.send(BLOCK.format("good", LONG))
@@ -124,11 +137,11 @@ def test_bad_blocks_are_answered_and_disturb_nobody(server):
         messages = []
         while progress(messages, "good")[-1:] != ["end"]:
             messages.append(good.receive(20))
-    assert len([each for each in messages if "syncPointProgress" in each]) == BEATS * 7
+    assert len([each for each in messages if "syncPointProgress" in each]) == BEAT_COUNT * 7
     assert undisturbed(seen(server))
 
 
-def test_two_blocks_of_one_id_are_told_apart(server):
+def test_two_blocks_with_one_id_are_distinguished(server):
     with server.client() as client, server.client() as other:
         client.send(BLOCK.format("twin", NOD))
         assert "<predictionFeedback" in client.receive(20)
@@ -136,7 +149,7 @@ def test_two_blocks_of_one_id_are_told_apart(server):
     assert progress(messages, "twins")[-1] == "end"
 
 
-def test_two_hundred_connections_are_all_served(server):
+def test_two_hundred_connections_are_served(server):
     clients = [server.client() for _ in range(200)]
     try:
         clients[0].send(BLOCK.format("crowd", NOD))
@@ -147,14 +160,14 @@ def test_two_hundred_connections_are_all_served(server):
         messages = []
         while progress(messages, "crowd")[-1:] != ["end"]:
             messages.append(clients[0].receive(20))
-        assert progress(messages, "crowd") == POINTS
+        assert progress(messages, "crowd") == NOD_POINTS
     finally:
         for client in clients:
             client.close()
     assert undisturbed(seen(server))
 
 
-def test_a_slow_reader_loses_only_its_own(server, becomes):
+def test_client_that_reads_slowly_loses_only_its_own_messages(server, becomes):
     clients = server.open.clients._clients
     with server.client() as quick, server.client() as slow:
         quick.do("ping")
@@ -162,11 +175,11 @@ def test_a_slow_reader_loses_only_its_own(server, becomes):
         for _ in range(60):
             slow.send("<" + "a" * 200)
         messages = list(quick.perform(BLOCK.format("beside", NOD)))
-        assert progress(messages, "beside") == POINTS
+        assert progress(messages, "beside") == NOD_POINTS
         assert all(len(client.output) <= server.open.clients.rules.unread for client in clients.values())
 
 
-def test_status_tells_how_it_goes(server):
+def test_status_reports_the_server_state(server):
     with server.client() as client:
         client.do("status")
         told = json.loads(client.receive(20))
@@ -175,13 +188,13 @@ def test_status_tells_how_it_goes(server):
     assert told["planner"] == "warm"
 
 
-def test_blanks_without_end_are_sent_away(server):
+def test_client_sending_endless_blanks_is_disconnected(server):
     with socket.create_connection(("127.0.0.1", server.port), 20) as blank:
         blank.sendall(b" " * 70_000)
         assert blank.makefile("rb").read() == b""
 
 
-def test_the_face_moves_in_time(server):
+def test_server_raises_and_lowers_the_brows_at_their_scheduled_times(server):
     face = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="1" start="0" attackPeak="0.3" relax="0.6" end="0.9"/>'
     with server.client() as client:
         messages = list(client.perform(BLOCK.format("face", face)))
@@ -193,7 +206,7 @@ def test_the_face_moves_in_time(server):
     assert brows[max(brows)] < 0.01
 
 
-def test_an_unknown_style_is_refused_and_a_known_one_taken(server):
+def test_server_refuses_an_unknown_style_and_accepts_a_valid_style(server):
     with server.client() as client:
         client.do("style", style="nonesuch")
         assert "nonesuch" in json.loads(client.receive(20))["why"]
@@ -203,7 +216,7 @@ def test_an_unknown_style_is_refused_and_a_known_one_taken(server):
     assert progress(messages, "calmly")[-1] == "end"
 
 
-def test_interrupting_everything_ends_it_soon(server):
+def test_interrupting_all_blocks_of_a_server_ends_them_soon(server):
     with server.client() as client:
         client.send(BLOCK.format("cut-short", LONG))
         messages = []
@@ -212,20 +225,20 @@ def test_interrupting_everything_ends_it_soon(server):
         client.do("interrupt")
         while progress(messages, "cut-short")[-1] != "end":
             messages.append(client.receive(20))
-    assert len(progress(messages, "cut-short")) < 5 * BEATS
+    assert len(progress(messages, "cut-short")) < 5 * BEAT_COUNT
     assert undisturbed(seen(server))
 
 
-def test_an_emergency_stop_goes_before_everything(server, becomes):
+def test_emergency_stop_is_acknowledged_while_documents_wait(server, becomes):
     with server.client() as busy, server.client() as guard:
         for number in range(6):
             busy.send(BLOCK.format(f"busy{number}", LONG))
         busy.receive(20)
         loop = server.open.clients.session.loop
-        stops = loop.stops
+        stops = loop.stop_count
         guard.stop()
         assert json.loads(guard.receive(20)) == {"told": "stopped"}
-        assert becomes(lambda: loop.halted and loop.stops == stops + 1 and loop.settled())
+        assert becomes(lambda: loop.is_stopped and loop.stop_count == stops + 1 and loop.is_settled())
         still = len(seen(server))
         guard.send(BLOCK.format("refused", NOD))
         assert "rule stopped" in guard.receive(20)
@@ -234,11 +247,11 @@ def test_an_emergency_stop_goes_before_everything(server, becomes):
         assert np.ptp(held, axis=0).max() < 1e-9
         guard.do("resume")
         messages = list(guard.perform(BLOCK.format("resumed", NOD)))
-        assert progress(messages, "resumed") == POINTS
+        assert progress(messages, "resumed") == NOD_POINTS
     assert undisturbed(seen(server))
 
 
-def test_a_planner_that_dies_is_replaced_while_the_motion_goes_on(server, becomes):
+def test_dead_planner_is_replaced_while_the_motion_continues(server, becomes):
     session = server.open.clients.session
     with server.client() as client:
         client.send(BLOCK.format("survivor", LONG))
@@ -248,13 +261,13 @@ def test_a_planner_that_dies_is_replaced_while_the_motion_goes_on(server, become
         session.planner._working.child.kill()
         while progress(messages, "survivor")[-1] != "end":
             messages.append(client.receive(20))
-        assert becomes(lambda: session.planner.free)
+        assert becomes(lambda: session.planner.is_free)
         messages = list(client.perform(BLOCK.format("afterwards", NOD)))
-    assert progress(messages, "afterwards") == POINTS
+    assert progress(messages, "afterwards") == NOD_POINTS
     assert undisturbed(seen(server))
 
 
-def test_a_block_that_takes_too_long_to_plan_is_given_up(server, becomes, monkeypatch):
+def test_block_with_overlong_planning_is_refused(server, becomes, monkeypatch):
     session = server.open.clients.session
     with server.client() as client, server.client() as other:
         client.send(BLOCK.format("goes-on", LONG))
@@ -270,11 +283,11 @@ def test_a_block_that_takes_too_long_to_plan_is_given_up(server, becomes, monkey
         monkeypatch.undo()
         while progress(messages, "goes-on")[-1] != "end":
             messages.append(client.receive(20))
-        assert becomes(lambda: session.planner.free)
+        assert becomes(lambda: session.planner.is_free)
     assert undisturbed(seen(server))
 
 
-def test_a_large_block_begins_at_once_and_is_planned_better_while_it_plays(server):
+def test_large_block_starts_immediately_and_is_refined(server):
     many = "".join(
         f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{0.8 + 0.5 * k}"/>'
         for k in range(6)
@@ -286,7 +299,7 @@ def test_a_large_block_begins_at_once_and_is_planned_better_while_it_plays(serve
     assert undisturbed(seen(server))
 
 
-def test_another_amount_while_it_plays(server):
+def test_amount_can_change_during_a_block(server):
     with server.client() as client:
         client.send(BLOCK.format("wide", LONG))
         messages = []
@@ -295,5 +308,5 @@ def test_another_amount_while_it_plays(server):
         client.do("style", amount=0.9, block="wide")
         while progress(messages, "wide")[-1] != "end":
             messages.append(client.receive(20))
-    assert sum(point.endswith(":stroke") for point in progress(messages, "wide")) == BEATS
+    assert sum(point.endswith(":stroke") for point in progress(messages, "wide")) == BEAT_COUNT
     assert undisturbed(seen(server))

@@ -1,4 +1,4 @@
-"""A session without a robot: what it has planned, in which order, and what it refuses."""
+"""Session with stubs: planning order and refusals."""
 
 import asyncio
 from collections.abc import Callable
@@ -7,12 +7,12 @@ from types import SimpleNamespace
 import pytest
 
 from kinesic.serve.messages import DocumentRequest, Interruption, Renewal, Restyling, Resumption
-from kinesic.serve.session import RENEWAL
+from kinesic.serve.session import RENEWAL_PERIOD
 
 from .staged_session import Stage, settle
 
 
-def test_documents_wait_for_the_planner_and_clients_take_turns(on_stage: Callable):
+def test_documents_wait_for_the_planner_in_turns(on_stage: Callable):
     async def act(stage: Stage) -> None:
         for name, sender in (("a", 1), ("b", 1), ("c", 2)):
             assert stage.session.perform(stage.document(name, sender)) is None
@@ -23,10 +23,10 @@ def test_documents_wait_for_the_planner_and_clients_take_turns(on_stage: Callabl
     on_stage(act)
 
 
-def test_a_free_planner_gets_a_document_at_once_with_the_stops_so_far(on_stage: Callable):
+def test_free_planner_gets_a_document_with_the_stop_count(on_stage: Callable):
     async def act(stage: Stage) -> None:
-        stage.planner.warm = True
-        stage.loop.stops = 3
+        stage.planner.is_warm = True
+        stage.loop.stop_count = 3
         stage.session.perform(stage.document("a"))
         (sent,) = stage.planner.sent
         assert sent == DocumentRequest(stage.document("a"), 3)
@@ -34,16 +34,16 @@ def test_a_free_planner_gets_a_document_at_once_with_the_stops_so_far(on_stage: 
     on_stage(act)
 
 
-def test_a_free_planner_gets_a_request_at_once(on_stage: Callable):
+def test_free_planner_gets_a_request_immediately(on_stage: Callable):
     async def act(stage: Stage) -> None:
-        stage.planner.warm = True
+        stage.planner.is_warm = True
         stage.session.interrupt("b")
         assert list(stage.planner.sent) == [Interruption("b")]
 
     on_stage(act)
 
 
-def test_requests_come_before_documents(on_stage: Callable):
+def test_queued_requests_precede_documents(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a"))
         stage.session.interrupt("b")
@@ -53,25 +53,25 @@ def test_requests_come_before_documents(on_stage: Callable):
     on_stage(act)
 
 
-def test_too_many_documents_of_one_client_are_refused(on_stage: Callable):
+def test_documents_beyond_the_client_limit_are_refused(on_stage: Callable):
     async def act(stage: Stage) -> None:
         for _ in range(2):
             assert stage.session.perform(stage.document("a")) is None
         refusal = stage.session.perform(stage.document("b"))
         assert refusal is not None
         assert 'id="b"' in refusal
-        assert "rule waiting: 2 blocks of yours wait" in refusal
+        assert "rule waiting: 2 of your blocks already wait" in refusal
         assert stage.session.perform(stage.document("c", 2)) is None
 
     on_stage(act)
 
 
-def test_a_stop_refuses_what_waits_and_all_that_comes_until_somebody_resumes(on_stage: Callable):
+def test_stop_refuses_documents_until_resume(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a", 4))
         stage.session.perform(stage.document("b", 5))
-        stage.session.halt()
-        assert stage.loop.stops == 1
+        stage.session.emergency_stop()
+        assert stage.loop.stop_count == 1
         assert stage.session.status()["state"] == "stopped"
         await settle()
         assert [(sender, 'id="a"' in message or 'id="b"' in message) for message, sender in stage.told] == [
@@ -80,7 +80,7 @@ def test_a_stop_refuses_what_waits_and_all_that_comes_until_somebody_resumes(on_
         ]
         assert all("rule stopped: an emergency stop came; resume first" in message for message, _ in stage.told)
         assert "resume first" in (stage.session.perform(stage.document("c")) or "")
-        assert stage.session.hindrance == "an emergency stop holds; resume first"
+        assert stage.session.arming_obstacle == "an emergency stop holds; resume first"
         stage.session.resume()
         assert stage.session.perform(stage.document("d")) is None
         stage.planner.become_free()
@@ -90,7 +90,7 @@ def test_a_stop_refuses_what_waits_and_all_that_comes_until_somebody_resumes(on_
     on_stage(act)
 
 
-def test_resuming_without_a_stop_asks_the_planner_for_nothing(on_stage: Callable):
+def test_resume_without_stop_sends_no_request(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.held = True
         stage.session.resume()
@@ -100,20 +100,20 @@ def test_resuming_without_a_stop_asks_the_planner_for_nothing(on_stage: Callable
     on_stage(act)
 
 
-def test_nobody_believes_in_a_stop_that_no_loop_makes(on_stage: Callable):
+def test_stop_without_running_loop_raises_an_error(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.alive = False
         with pytest.raises(RuntimeError, match="has ended"):
-            stage.session.halt()
-        assert stage.loop.stops == 0
+            stage.session.emergency_stop()
+        assert stage.loop.stop_count == 0
 
     on_stage(act)
 
 
-def test_servos_that_hold_take_no_document(on_stage: Callable):
+def test_held_servos_refuse_documents(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.held = True
-        assert "out of hand for more than a second" in (stage.session.perform(stage.document("a")) or "")
+        assert "hold after an interruption of more than a second" in (stage.session.perform(stage.document("a")) or "")
         assert stage.session.status()["state"] == "stopped"
         assert stage.planned() == []
 
@@ -121,7 +121,7 @@ def test_servos_that_hold_take_no_document(on_stage: Callable):
 
 
 @pytest.mark.parametrize("armed", [True, False])
-def test_servos_without_torque_take_no_document(on_stage: Callable, armed: bool):
+def test_servos_without_torque_refuse_documents(on_stage: Callable, armed: bool):
     async def act(stage: Stage) -> None:
         stage.loop.servos = SimpleNamespace(armed=armed, state="limp")
         refusal = stage.session.perform(stage.document("a"))
@@ -132,7 +132,7 @@ def test_servos_without_torque_take_no_document(on_stage: Callable, armed: bool)
     on_stage(act)
 
 
-def test_interrupting_all_refuses_what_waits_and_interrupting_one_does_not(on_stage: Callable):
+def test_only_interrupting_all_refuses_waiting_documents(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a", 7))
         stage.session.interrupt("x")
@@ -152,56 +152,58 @@ def test_interrupting_all_refuses_what_waits_and_interrupting_one_does_not(on_st
     ("rests", "idles", "state", "hindered"),
     [(True, False, "resting", False), (False, True, "resting", False), (False, False, "playing", True)],
 )
-def test_it_says_what_it_does(on_stage: Callable, rests: bool, idles: bool, state: str, hindered: bool):
+def test_status_answer_describes_state_queue_and_faults(
+    on_stage: Callable, rests: bool, idles: bool, state: str, hindered: bool
+):
     async def act(stage: Stage) -> None:
-        stage.loop.rests, stage.loop.idles = rests, idles
+        stage.loop.rests, stage.loop.is_idling = rests, idles
         status = stage.session.status()
         assert (status["state"], status["idles"], status["robot"]) == (state, idles, "dummy")
         assert (status["planner"], status["servos"], status["deaths"]) == ("starting", None, 0)
-        assert bool(stage.session.hindrance) == hindered
-        stage.planner.warm = True
+        assert bool(stage.session.arming_obstacle) == hindered
+        stage.planner.is_warm = True
         assert stage.session.status()["planner"] == "warm"
-        stage.session.halt()
+        stage.session.emergency_stop()
         assert stage.session.status()["idles"] is False
 
     on_stage(act)
 
 
-def test_a_client_is_owed_what_waits_what_is_planned_and_what_plays(on_stage: Callable):
+def test_client_is_unfinished_with_waiting_planned_or_running_blocks(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a", 1))
-        stage.planner.serving, stage.loop.owed = 2, 3
-        assert [stage.session.owes(sender) for sender in range(5)] == [False, True, True, True, False]
+        stage.planner.serving, stage.loop.unfinished_client = 2, 3
+        assert [stage.session.has_unfinished_blocks(sender) for sender in range(5)] == [False, True, True, True, False]
 
     on_stage(act)
 
 
-def test_it_has_started_when_the_planner_is_warm(on_stage: Callable):
+def test_session_starts_when_the_planner_is_warm(on_stage: Callable):
     async def act(stage: Stage) -> None:
         starting = asyncio.create_task(stage.session.start())
         await settle()
         assert not starting.done()
         stage.planner.become_free()
         await starting
-        assert stage.loop.late == 0
+        assert stage.loop.late_ticks == 0
 
     on_stage(act)
 
 
-def test_a_planner_that_does_not_start_is_an_error_and_ends_the_loop(on_stage: Callable):
+def test_planner_start_failure_raises_and_ends_the_loop(on_stage: Callable):
     async def act(stage: Stage) -> None:
         starting = asyncio.create_task(stage.session.start())
         await settle()
-        stage.planner.failed = True
+        stage.planner.has_failed = True
         stage.planner.lost(None)
         with pytest.raises(RuntimeError, match="the planner does not start"):
             await starting
-        assert stage.loop.left == 1
+        assert stage.loop.shutdowns == 1
 
     on_stage(act)
 
 
-def test_the_document_over_which_a_planner_dies_is_refused(on_stage: Callable):
+def test_document_that_kills_the_planner_is_refused(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.lost(DocumentRequest(stage.document("a", 8), 0))
         stage.planner.lost(Interruption(None))
@@ -209,12 +211,12 @@ def test_the_document_over_which_a_planner_dies_is_refused(on_stage: Callable):
         assert sender == 8
         assert 'id="a"' in message
         assert "took longer than 3 s" in message
-        assert stage.loop.left == 0, "another planner follows"
+        assert stage.loop.shutdowns == 0, "another planner follows"
 
     on_stage(act)
 
 
-def test_folding_waits_until_all_is_over(on_stage: Callable):
+def test_folding_waits_until_all_blocks_have_ended(on_stage: Callable):
     async def act(stage: Stage) -> None:
         folding = asyncio.create_task(stage.session.fold())
         for stage.loop.rests in (False, True):
@@ -222,7 +224,7 @@ def test_folding_waits_until_all_is_over(on_stage: Callable):
             assert not folding.done(), "the request waits for the planner"
         stage.planner.become_free()
         await settle()
-        assert not folding.done(), "the planner is at work"
+        assert not folding.done(), "the planner is busy"
         stage.loop.rests, stage.planner.busy = False, False
         await settle()
         assert not folding.done(), "the robot moves"
@@ -233,7 +235,7 @@ def test_folding_waits_until_all_is_over(on_stage: Callable):
     on_stage(act)
 
 
-def test_nobody_waits_for_a_loop_that_has_ended(on_stage: Callable):
+def test_folding_does_not_wait_for_an_ended_loop(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.alive = False
         await stage.session.fold()
@@ -242,38 +244,38 @@ def test_nobody_waits_for_a_loop_that_has_ended(on_stage: Callable):
 
 
 @pytest.mark.parametrize("alive", [True, False])
-def test_everything_ends_with_it(on_stage: Callable, alive: bool):
+def test_closing_the_session_ends_loop_planner_queries_and_arming(on_stage: Callable, alive: bool):
     async def act(stage: Stage) -> None:
         stage.loop.alive = alive
         renewing = asyncio.create_task(stage.saved())
         await asyncio.sleep(0)
         stage.session.close()
         await asyncio.gather(renewing, return_exceptions=True)
-        assert (stage.loop.left, stage.loop.joined) == (1, int(alive))
+        assert (stage.loop.shutdowns, stage.loop.joined) == (1, int(alive))
         assert (stage.planner.closed, stage.desk.closed, stage.arming.closed) == (1, 1, 1)
         assert not stage.planned()
 
     on_stage(act)
 
 
-def test_saved_gestures_are_read_anew_once_for_all_who_wait_and_once_a_second_at_most(on_stage: Callable):
+def test_lexicon_reload_is_shared_by_waiting_callers_and_rate_limited(on_stage: Callable):
     async def act(stage: Stage) -> None:
         await asyncio.gather(stage.saved(), stage.saved())
         assert stage.slept == [0.0]
         assert stage.planned() == ["Renewal"]
         stage.time += 0.25
         await stage.saved()
-        assert stage.slept[1:] == [pytest.approx(RENEWAL - 0.25)]
+        assert stage.slept[1:] == [pytest.approx(RENEWAL_PERIOD - 0.25)]
         assert stage.planned() == ["Renewal"]
         assert Renewal() == Renewal()
 
     on_stage(act)
 
 
-def test_messages_and_news_of_the_loop_come_in_this_thread(on_stage: Callable):
+def test_loop_messages_are_delivered_in_the_asyncio_thread(on_stage: Callable):
     async def act(stage: Stage) -> None:
-        stage.loop.tell("<x/>", 3)
-        stage.loop.news("ready")
+        stage.loop.send_feedback("<x/>", 3)
+        stage.loop.notify_server("ready")
         assert not stage.told
         await settle()
         assert stage.told == [("<x/>", 3)]

@@ -1,4 +1,4 @@
-"""What a planner proposes too late: it is planned again for a later start, and a refusal says what was the matter."""
+"""Late proposals: repeated for a later start, or refused with the reason."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from kinesic.realizer.request import Message
 from kinesic.serve.messages import DocumentRequest, FeedbackNotice, Halted, Proposal, ProposalVerdict, Words
 from kinesic.serve.planner import PlannerState
 
-WAY = 0.1  # [s] that every proposal is on its way: seven times what the first one allows for
+PROPOSAL_DELAY = 0.1  # [s] transmission delay of each proposal, seven times the first margin
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="nod"><head id="h" lexeme="NOD" start="0"/></bml>'
 MESSAGES = [(Message(NOD, 7), "nod"), (Words("Hello there. ", 7, ends=True), "said7-1")]
 Wired = tuple[PlannerState, Connection]
@@ -21,7 +21,7 @@ Wired = tuple[PlannerState, Connection]
 
 @dataclass
 class Loop:
-    """The other end of a planner's pipe: answers by a rule, and keeps what it accepts and what clients are told."""
+    """Stub loop that answers by a rule and records accepted proposals and feedback."""
 
     end: Connection
     answer: Callable[[Proposal], ProposalVerdict]
@@ -41,23 +41,23 @@ class Loop:
 
 
 def plan(wired: Wired, message: Message, answer: Callable[[Proposal], ProposalVerdict]) -> Loop:
-    """Plans a message at a loop that answers so."""
+    """Plan a message with a stub loop."""
     planning, end = wired
     loop = Loop(end, answer)
     listener = Thread(target=loop.listen, daemon=True)
     listener.start()
-    planning.fulfil(DocumentRequest(message, stops=0))
-    planning.speak()
+    planning.execute(DocumentRequest(message, stops=0))
+    planning.plan_phrases()
     planning._shared._loop.send(None)
     listener.join(10.0)
     return loop
 
 
 @pytest.mark.parametrize(("message", "block"), MESSAGES)
-def test_what_was_planned_too_late_begins_later_and_is_not_lost(wired: Wired, message: Message, block: str):
+def test_plan_proposed_too_late_is_proposed_again_with_a_later_start(wired: Wired, message: Message, block: str):
     def on_its_way(proposal: Proposal) -> ProposalVerdict:
-        sleep(WAY)
-        here = proposal.now + WAY
+        sleep(PROPOSAL_DELAY)
+        here = proposal.now + PROPOSAL_DELAY
         return ProposalVerdict(accepted=here <= proposal.cut, stops=0, time=here)
 
     loop = plan(wired, message, on_its_way)
@@ -67,8 +67,8 @@ def test_what_was_planned_too_late_begins_later_and_is_not_lost(wired: Wired, me
 
 
 @pytest.mark.parametrize("message", [message for message, _ in MESSAGES])
-@pytest.mark.parametrize(("late", "why"), [(9.0, "in time at none of its starts"), (-9.0, "have been a step")])
-def test_what_the_loop_never_takes_is_refused_for_the_true_reason(
+@pytest.mark.parametrize(("late", "why"), [(9.0, "too late for every start time"), (-9.0, "cause a step")])
+def test_document_whose_plans_are_all_rejected_is_refused_with_the_reason(
     wired: Wired, message: Message, late: float, why: str
 ):
     loop = plan(wired, message, lambda proposal: ProposalVerdict(proposal.motion is None, 0, proposal.cut + late))
@@ -78,7 +78,7 @@ def test_what_the_loop_never_takes_is_refused_for_the_true_reason(
     assert "emergency" not in refusal
 
 
-def test_an_emergency_stop_is_the_reason_where_one_came(wired: Wired):
+def test_refusal_names_the_emergency_stop(wired: Wired):
     halts = iter([False])
     message, _ = MESSAGES[0]
     loop = plan(wired, message, lambda _proposal: ProposalVerdict(next(halts, True), stops=1, time=0.0))

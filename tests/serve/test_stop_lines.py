@@ -1,4 +1,4 @@
-"""Connections that only stop the robot, at a real server whose thread of clients is held up."""
+"""Stop lines of a real server whose client thread is blocked."""
 
 import asyncio
 import json
@@ -17,26 +17,26 @@ from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.serve.wire.transport import HalfError
 
-from .conftest import PATIENCE, Running
+from .conftest import MAX_WAIT, Running
 
 pytestmark = pytest.mark.realtime
 
 
 @contextmanager
 def held_up(tasks: asyncio.AbstractEventLoop) -> Iterator[None]:
-    """The thread of a loop stands still meanwhile."""
-    stands, go_on = threading.Event(), threading.Event()
+    """Block the thread of an asyncio loop within the context."""
+    stands, advance_scene = threading.Event(), threading.Event()
 
     def stand() -> None:
         stands.set()
-        go_on.wait(PATIENCE)
+        advance_scene.wait(MAX_WAIT)
 
     tasks.call_soon_threadsafe(stand)
-    assert stands.wait(PATIENCE)
+    assert stands.wait(MAX_WAIT)
     try:
         yield
     finally:
-        go_on.set()
+        advance_scene.set()
 
 
 @pytest.fixture(autouse=True)
@@ -45,51 +45,51 @@ def resumed(server: Running, becomes) -> Iterator[None]:
     with server.client() as client:
         client.do("resume")
         client.do("ping")
-        assert client.receive(PATIENCE)
-    assert becomes(lambda: not server.open.clients.session.loop.halted)
+        assert client.receive(MAX_WAIT)
+    assert becomes(lambda: not server.open.clients.session.loop.is_stopped)
 
 
-def test_a_stop_passes_whatever_holds_up_the_thread_of_clients(server, becomes):
+def test_emergency_stop_works_while_the_client_thread_is_blocked(server, becomes):
     loop = server.open.clients.session.loop
-    stops = loop.stops
+    stops = loop.stop_count
     with StopLine(port=server.port) as line, held_up(server.tasks):
-        line.stop(PATIENCE)
-        assert loop.stops == stops + 1
-        assert becomes(lambda: loop.halted)
+        line.stop(MAX_WAIT)
+        assert loop.stop_count == stops + 1
+        assert becomes(lambda: loop.is_stopped)
     with server.client() as client:
         client.send('<bml id="late"><head lexeme="NOD"/></bml>')
-        assert "rule stopped" in client.receive(PATIENCE)
+        assert "rule stopped" in client.receive(MAX_WAIT)
 
 
-def test_a_websocket_becomes_one_too_and_a_stop_that_came_along_is_not_lost(server):
+def test_websocket_becomes_a_stop_connection_without_losing_a_buffered_stop(server):
     loop = server.open.clients.session.loop
-    stops = loop.stops
+    stops = loop.stop_count
     with connect(f"ws://127.0.0.1:{server.port}") as web:
         web.socket.sendall(b"".join(_frame(each) for each in ('{"do": "stop_line"}', '{"do": "stop"}')))
-        assert [json.loads(web.recv(PATIENCE))["told"] for _ in range(2)] == ["stop_line", "stopped"]
-        assert loop.stops == stops + 1
+        assert [json.loads(web.recv(MAX_WAIT))["told"] for _ in range(2)] == ["stop_line", "stopped"]
+        assert loop.stop_count == stops + 1
         with held_up(server.tasks):
             web.send('{"do": "stop"}')
-            assert json.loads(web.recv(PATIENCE)) == {"told": "stopped"}
-            assert loop.stops == stops + 2
+            assert json.loads(web.recv(MAX_WAIT)) == {"told": "stopped"}
+            assert loop.stop_count == stops + 2
 
 
-def test_a_stop_that_came_along_by_tcp_is_not_lost(server):
-    stops = server.open.clients.session.loop.stops
-    with socket.create_connection(("127.0.0.1", server.port), PATIENCE) as client, client.makefile("rb") as answers:
+def test_buffered_tcp_stop_is_not_lost(server):
+    stops = server.open.clients.session.loop.stop_count
+    with socket.create_connection(("127.0.0.1", server.port), MAX_WAIT) as client, client.makefile("rb") as answers:
         client.sendall(b'{"do": "stop_line"}\0{"do": "stop"}\0{"do": "st')
         assert [json.loads(answers.readline().strip(b"\0"))["told"] for _ in range(2)] == ["stop_line", "stopped"]
         client.sendall(b'op"}\0')
         assert json.loads(answers.readline().strip(b"\0")) == {"told": "stopped"}
-    assert server.open.clients.session.loop.stops == stops + 2
+    assert server.open.clients.session.loop.stop_count == stops + 2
 
 
-def test_it_takes_nothing_else_and_no_place(server, becomes):
+def test_stop_connection_refuses_documents_and_occupies_no_client_slot(server, becomes):
     clients = server.open.clients
     assert becomes(lambda: not clients._clients)
     with server.client() as client:
         client.do("stop_line")
-        assert json.loads(client.receive(PATIENCE)) == {"told": "stop_line"}
+        assert json.loads(client.receive(MAX_WAIT)) == {"told": "stop_line"}
         assert becomes(lambda: not clients._clients)
         assert clients._taken == 0
         for message, told in (
@@ -99,45 +99,45 @@ def test_it_takes_nothing_else_and_no_place(server, becomes):
             ('{"do": "ping", "id": "x"}', "pong"),
         ):
             client.send(message)
-            assert json.loads(client.receive(PATIENCE))["told"] == told
+            assert json.loads(client.receive(MAX_WAIT))["told"] == told
 
 
-def test_who_floods_its_line_is_stopped_and_sent_away(guarded):
+def test_stop_connection_that_floods_the_server_is_disconnected(guarded):
     loop = guarded.open.clients.session.loop
     with guarded.client(token="open sesame") as client:
         client.do("stop_line")
-        assert json.loads(client.receive(PATIENCE)) == {"told": "stop_line"}
+        assert json.loads(client.receive(MAX_WAIT)) == {"told": "stop_line"}
         client.send_bytes(b'{"do": "stop"}\0' * 200)
         told = []
         while not told or told[-1]["told"] != "closed":
-            told.append(json.loads(client.receive(PATIENCE)))
+            told.append(json.loads(client.receive(MAX_WAIT)))
     assert told[-1]["why"].startswith("rule rate")
     assert 10 <= len(told) < 200
-    assert loop.stops >= 10
+    assert loop.stop_count >= 10
 
 
-def test_the_token_comes_first(guarded):
+def test_stop_connection_needs_the_token(guarded):
     with pytest.raises(PermissionError, match="token"):
         StopLine(port=guarded.port, token="wrong")
     with pytest.raises(ConnectionError, match="a token is needed"):
         StopLine(port=guarded.port)
 
 
-def test_one_more_than_there_may_be_is_refused_and_those_there_remain(server, monkeypatch):
-    monkeypatch.setattr(stop_lines, "MOST_LINES", 1)
+def test_stop_connections_beyond_the_limit_are_refused(server, monkeypatch):
+    monkeypatch.setattr(stop_lines, "MAX_STOP_LINES", 1)
     with StopLine(port=server.port) as first:
         with server.client() as second:
             second.do("stop_line")
-            assert "send stop by any other" in json.loads(second.receive(PATIENCE))["why"]
-        first.stop(PATIENCE)
+            assert "send stop by any other" in json.loads(second.receive(MAX_WAIT))["why"]
+        first.stop(MAX_WAIT)
 
 
-def test_a_server_that_does_not_answer_is_an_error():
+def test_missing_stop_acknowledgement_raises_an_error():
     with socket.create_server(("127.0.0.1", 0)) as silent, pytest.raises(ConnectionError, match="no answer came"):
         StopLine(port=silent.getsockname()[1], timeout=0.05)
 
 
-def test_a_late_answer_is_none_to_the_next_stop():
+def test_late_acknowledgement_does_not_count_for_the_next_stop():
     with socket.create_server(("127.0.0.1", 0)) as server:
         threading.Thread(target=_answer_once, args=(server,), daemon=True).start()
         with StopLine(port=server.getsockname()[1]) as line:
@@ -148,7 +148,7 @@ def test_a_late_answer_is_none_to_the_next_stop():
 
 
 class Line:
-    """A wire that says nothing."""
+    """Stub wire that stays silent."""
 
     def move(self, line) -> None:
         pass
@@ -160,57 +160,57 @@ class Line:
         pass
 
     async def messages(self, hurry):
-        await asyncio.sleep(PATIENCE)
+        await asyncio.sleep(MAX_WAIT)
         yield b""
 
 
 @contextmanager
 def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
-    """A client's end of a connection, and the server's."""
+    """Return both ends of a connection: client and server."""
     here, there = socket.socketpair()
     there.setblocking(False)
     with here, there:
-        here.settimeout(PATIENCE)
+        here.settimeout(MAX_WAIT)
         yield here, there
 
 
-def test_a_stop_that_fails_is_told_to_whoever_sent_it_and_to_whoever_runs_the_server(server, monkeypatch, caplog):
+def test_failed_stop_is_reported_to_sender_and_operator(server, monkeypatch, caplog):
     for error in (BrokenPipeError("gone"), HalfError("half"), RuntimeError("closed"), ValueError("odd")):
 
         def fail(error=error) -> None:
             raise error
 
-        monkeypatch.setattr(server.open.reception._stop_lines, "_halt", fail)
+        monkeypatch.setattr(server.open.reception._stop_lines, "_emergency_stop", fail)
         with StopLine(port=server.port) as line:
             with pytest.raises(ConnectionError, match=f"may not stop .{error}.: use the switch"):
-                line.stop(PATIENCE)
+                line.stop(MAX_WAIT)
             monkeypatch.undo()
-            line.stop(PATIENCE)  # the line is still one
+            line.stop(MAX_WAIT)  # the line is still one
         assert caplog.records[-1].exc_info[1] is error
         assert "an emergency stop failed" in caplog.text
 
 
-def test_a_line_that_fails_ends_and_is_told_of(server, monkeypatch, caplog, becomes):
-    monkeypatch.setattr(server.open.reception._stop_lines, "_halt", lambda: 1 / 0)
+def test_stop_connection_is_closed_and_an_error_logged_if_the_stop_fails(server, monkeypatch, caplog, becomes):
+    monkeypatch.setattr(server.open.reception._stop_lines, "_emergency_stop", lambda: 1 / 0)
     with StopLine(port=server.port) as line, pytest.raises(ConnectionError, match="closed the connection"):
-        line.stop(PATIENCE)
+        line.stop(MAX_WAIT)
     assert becomes(lambda: "a stop line failed" in caplog.text)
     assert isinstance(caplog.records[-1].exc_info[1], ZeroDivisionError)
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # how it is said here
-def test_a_thread_that_ends_at_once_lets_no_server_open(monkeypatch):
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # the error is reported this way
+def test_server_does_not_open_if_the_stop_thread_ends_at_once(monkeypatch):
     def refuse():
         raise OSError("too many open files")
 
-    monkeypatch.setattr(stop_lines, "urgent", refuse)
+    monkeypatch.setattr(stop_lines, "raise_priority", refuse)
     lines = StopLines(lambda: None, Quotas())
     with pytest.raises(RuntimeError, match="stop lines has ended at once"):
         lines.open()
     lines.close()
 
 
-def test_a_thread_that_the_system_does_not_grant_lets_no_server_open(monkeypatch):
+def test_server_does_not_open_without_a_stop_thread(monkeypatch):
     def refuse(_) -> None:
         raise RuntimeError("can't start new thread")
 
@@ -221,7 +221,7 @@ def test_a_thread_that_the_system_does_not_grant_lets_no_server_open(monkeypatch
     lines.close()
 
 
-def test_who_comes_before_or_after_lines_are_read_is_sent_away_at_once():
+def test_stop_connections_before_start_or_after_end_of_their_thread_are_closed():
     before, after = (StopLines(lambda: None, Quotas()) for _ in range(2))
     after.open()
     after.close()
@@ -231,7 +231,7 @@ def test_who_comes_before_or_after_lines_are_read_is_sent_away_at_once():
             assert here.recv(1) == b""
 
 
-def test_who_comes_while_all_lines_end_is_not_left_waiting():
+def test_stop_connection_opened_during_shutdown_is_closed():
     lines = StopLines(lambda: None, Quotas())
     lines.open()
     ending = threading.Thread(target=lines.close)
@@ -239,17 +239,17 @@ def test_who_comes_while_all_lines_end_is_not_left_waiting():
         with held_up(lines._loop):
             lines.take(there, Line())
             ending.start()
-            while lines._taking:
+            while lines._is_running:
                 sleep(0.001)
             lines.take(after, Line())
             assert late.recv(1) == b""
-        ending.join(PATIENCE)
+        ending.join(MAX_WAIT)
         assert here.recv(1) == b""
     assert not lines._tasks
 
 
 def _answer_once(server: socket.socket) -> None:
-    """Answers the request for a stop line, and of two stops the first alone, when the second has come."""
+    """Answer a stop line request, and the first of two stops after the second."""
     connection, _ = server.accept()
     with connection:
         connection.recv(1000)
@@ -262,5 +262,5 @@ def _answer_once(server: socket.socket) -> None:
 
 
 def _frame(text: str) -> bytes:
-    """A masked text frame, with a mask of zeros."""
+    """Return a masked text frame with a mask of zeros."""
     return bytes((0x81, 0x80 | len(text))) + bytes(4) + text.encode()

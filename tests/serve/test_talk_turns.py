@@ -1,16 +1,16 @@
-"""Talks without a server: when something may be said, who has the turn, and what gives way."""
+"""Streamed texts without a server: times, turns and replaced behaviours."""
 
 from math import inf, isfinite
 
 import pytest
 
-from kinesic.intent.talk import SETTLED, SILENT
+from kinesic.intent.talk import MAX_SILENCE, SETTLING_TIME
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import Scene, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 from kinesic.serve.messages import Words
-from kinesic.serve.queues import MOST_TEXT
-from kinesic.serve.talks import LEAD, Talks
+from kinesic.serve.queues import MAX_TEXT_LENGTH
+from kinesic.serve.talks import PHRASE_PLANNING_TIME, Talks
 
 
 @pytest.fixture
@@ -24,58 +24,67 @@ def performed(scene: Scene, bml: str, now: float) -> Scene:
 
 
 def texts(talks: Talks, scene: Scene, now: float) -> list[tuple[int, str]]:
-    """What is said until nothing more is whole, as if it took no time."""
+    """Return all complete phrases, as if speech took no time."""
     found = []
     while (phrase := talks.next_phrase(scene, now)) is not None:
         found.append((phrase.sender, phrase.text))
     return found
 
 
-def test_as_many_letters_wait_as_may():
+def test_length_of_waiting_text_is_limited():
     talks = Talks()
-    assert talks.take(Words("x" * MOST_TEXT, 1), 0.0) == ""
-    assert "letters wait" in talks.take(Words("y", 1), 0.0)
+    assert talks.take(Words("x" * MAX_TEXT_LENGTH, 1), 0.0) == ""
+    assert "characters already wait" in talks.take(Words("y", 1), 0.0)
     assert talks.take(Words("y", 2), 0.0) == "", "each client for itself"
     assert talks.senders == {1, 2}
     refused = Talks()
-    assert refused.take(Words("x" * (MOST_TEXT + 1), 1), 0.0)
+    assert refused.take(Words("x" * (MAX_TEXT_LENGTH + 1), 1), 0.0)
     assert refused.senders == frozenset()
 
 
-def test_bytes_are_words_too(scene: Scene):
+def test_streamed_text_has_the_style_of_its_words(scene: Scene):
+    talks = Talks()
+    assert talks.take(Words("Look at me. ", 1, ends=True, style="joyful"), 0.0) == ""
+    assert "no style loud" in talks.take(Words("Look at me. ", 2, style="loud"), 0.0)
+    phrase = talks.next_phrase(scene, 0.0)
+    assert phrase is not None
+    assert f'id="{phrase.block}" kinesic:style="joyful">' in phrase.bml
+
+
+def test_streamed_words_may_be_utf_8_bytes(scene: Scene):
     talks = Talks()
     talks.take(Words("Voil\u00e0 all. ".encode(), 1, ends=True), 0.0)
     assert texts(talks, scene, 0.0) == [(1, "Voil\u00e0 all")]
 
 
-def test_nothing_may_be_said_before_anything_has_come(scene: Scene):
+def test_no_phrase_is_planned_before_words_are_received(scene: Scene):
     talks = Talks()
     assert talks.next_time(scene) == inf
     assert talks.next_phrase(scene, 0.0) is None
     assert list(talks.finished(scene.setup)) == []
 
 
-def test_words_are_looked_at_when_they_have_settled_and_when_it_stays_silent(scene: Scene):
+def test_incomplete_streamed_sentence_is_spoken_after_the_maximum_silence(scene: Scene):
     talks = Talks()
     talks.take(Words("I never saw", 1), 10.0)
-    assert talks.next_time(scene) == pytest.approx(10.0 + SETTLED)
-    assert talks.next_phrase(scene, 10.0 + SETTLED) is None
-    assert talks.next_time(scene) == pytest.approx(10.0 + SILENT)
-    phrase = talks.next_phrase(scene, 10.0 + SILENT)
+    assert talks.next_time(scene) == pytest.approx(10.0 + SETTLING_TIME)
+    assert talks.next_phrase(scene, 10.0 + SETTLING_TIME) is None
+    assert talks.next_time(scene) == pytest.approx(10.0 + MAX_SILENCE)
+    phrase = talks.next_phrase(scene, 10.0 + MAX_SILENCE)
     assert phrase is not None
     assert phrase.text == "I never saw"
     assert talks.next_time(scene) == inf, "more words are awaited"
 
 
-def test_further_words_begin_the_wait_anew(scene: Scene):
+def test_additional_streamed_words_restart_the_silence_timeout(scene: Scene):
     talks = Talks()
     talks.take(Words("I never", 1), 10.0)
     talks.take(Words(" saw", 1), 11.5)
     assert talks.next_phrase(scene, 12.5) is None
-    assert talks.next_phrase(scene, 11.5 + SILENT + 0.01) is not None
+    assert talks.next_phrase(scene, 11.5 + MAX_SILENCE + 0.01) is not None
 
 
-def test_clients_have_their_turn_phrase_by_phrase(scene: Scene):
+def test_clients_take_turns_by_phrase(scene: Scene):
     talks = Talks()
     talks.take(Words("We saw the sea and the sky above it. We went home after that, very late. ", 1, ends=True), 0.0)
     talks.take(Words("Here I am. ", 2, ends=True), 0.0)
@@ -84,7 +93,7 @@ def test_clients_have_their_turn_phrase_by_phrase(scene: Scene):
     assert {sender for sender, _ in said} == {1, 2}
 
 
-def test_blocks_are_counted_for_each_client_and_the_end_names_the_last(scene: Scene):
+def test_streamed_phrases_are_blocks_numbered_per_client_and_the_last_is_reported(scene: Scene):
     talks = Talks()
     talks.take(Words("We saw the sea and the sky above it. ", 1), 0.0)
     first = talks.next_phrase(scene, 5.0)
@@ -101,7 +110,7 @@ def test_blocks_are_counted_for_each_client_and_the_end_names_the_last(scene: Sc
     assert list(talks.finished(scene.setup)) == []
 
 
-def test_the_next_phrase_is_planned_a_little_before_the_last_word(scene: Scene):
+def test_next_phrase_is_planned_shortly_before_the_last_word(scene: Scene):
     speaking = performed(
         scene,
         '<bml id="a"><speech id="s"><text>One two three four five six seven eight nine ten</text></speech></bml>',
@@ -111,15 +120,15 @@ def test_the_next_phrase_is_planned_a_little_before_the_last_word(scene: Scene):
     talks = Talks()
     talks.take(Words("Here I am. ", 2, ends=True), 0.0)
     assert talks.next_phrase(speaking, 0.2) is None
-    assert talks.next_time(speaking) <= spoken.end - LEAD
-    assert talks.next_phrase(speaking, spoken.end - LEAD - 0.05) is None
-    assert talks.next_time(speaking) == pytest.approx(spoken.end - LEAD)
-    phrase = talks.next_phrase(speaking, spoken.end - LEAD + 0.05)
+    assert talks.next_time(speaking) <= spoken.end - PHRASE_PLANNING_TIME
+    assert talks.next_phrase(speaking, spoken.end - PHRASE_PLANNING_TIME - 0.05) is None
+    assert talks.next_time(speaking) == pytest.approx(spoken.end - PHRASE_PLANNING_TIME)
+    phrase = talks.next_phrase(speaking, spoken.end - PHRASE_PLANNING_TIME + 0.05)
     assert phrase is not None
     assert 'start="a:s:end+' in phrase.bml.replace("'", '"')
 
 
-def test_nobody_is_waited_for_who_has_spoken(scene: Scene):
+def test_streamed_phrase_does_not_refer_to_a_speech_that_has_ended(scene: Scene):
     speaking = performed(scene, '<bml id="a"><speech id="s"><text>One two</text></speech></bml>', 0.0)
     talks = Talks()
     talks.take(Words("Here I am. ", 2, ends=True), 0.0)
@@ -128,8 +137,8 @@ def test_nobody_is_waited_for_who_has_spoken(scene: Scene):
     assert "a:s:end" not in phrase.bml
 
 
-def test_a_block_that_waits_and_will_speak_is_let_first(scene: Scene):
-    """Whoever speaks next is known already."""
+def test_streamed_phrase_waits_for_a_pending_block_with_speech(scene: Scene):
+    """The next speaker is determined already."""
     speaking = performed(scene, '<bml id="a"><head id="h" lexeme="NOD" repetition="9"/></bml>', 0.0)
     lurking = performed(
         speaking,
@@ -142,7 +151,7 @@ def test_a_block_that_waits_and_will_speak_is_let_first(scene: Scene):
     assert talks.next_phrase(speaking, 0.5) is not None
 
 
-def test_forgotten_words_are_not_said(scene: Scene):
+def test_cleared_streamed_words_are_not_spoken(scene: Scene):
     talks = Talks()
     talks.take(Words("Here I am. ", 2, ends=True), 0.0)
     talks.clear()

@@ -1,4 +1,4 @@
-"""Words that come one by one at real sockets: phrases are performed as they are whole, and the rest waits."""
+"""Streamed texts over real sockets: phrases are performed when complete."""
 
 import json
 import re
@@ -10,7 +10,7 @@ from websockets.sync.client import connect
 
 from kinesic.client import Client
 from kinesic.serve.messages import Words
-from kinesic.serve.queues import MOST_TEXT
+from kinesic.serve.queues import MAX_TEXT_LENGTH
 from kinesic.serve.talks import Talks
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.quotas import Quotas
@@ -19,11 +19,11 @@ from .conftest import running
 
 pytestmark = pytest.mark.realtime
 
-LONGEST = 20.0  # [s] that a test waits for a message
+MAX_WAIT = 20.0  # [s] for a message
 
 
-def told(client, until, seconds=LONGEST):
-    """Messages until one has a text in it."""
+def told(client, until, seconds=MAX_WAIT):
+    """Return messages up to one that contains a text."""
     end, found = monotonic() + seconds, []
     while monotonic() < end:
         message = client.receive(max(end - monotonic(), 0.0))
@@ -48,11 +48,11 @@ def starts(messages):
     }
 
 
-def test_phrases_are_said_as_they_come_without_a_gap_or_an_overlap(server):
+def test_phrases_are_spoken_without_gap_or_overlap(server):
     with server.client() as client:
         for word in re.findall(r"\S+ ?", "Hello, my friend! I saw it, but it was dark. "):
             client.do("words", text=word)
-            sleep(0.1)  # as fast as a language model speaks: with all words at once one phrase would say them
+            sleep(0.1)  # speed of a language model; all words at once would become one phrase
         client.do("words", ends=True)
         messages = told(client, '"all_said"')
         end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
@@ -68,7 +68,7 @@ def test_phrases_are_said_as_they_come_without_a_gap_or_an_overlap(server):
     assert not [each for each in messages if "speaks until" in each]
 
 
-def test_the_first_phrase_is_said_while_the_next_one_is_awaited(server):
+def test_first_phrase_is_spoken_while_the_next_is_awaited(server):
     with server.client() as client:
         client.do("words", text="Look at the old house on the hill, and ")
         messages = told(client, r'id="[^"]*:start"')
@@ -77,7 +77,7 @@ def test_the_first_phrase_is_said_while_the_next_one_is_awaited(server):
         assert answers(told(client, '"all_said"'), "saying")[0]["text"] == "and the tower"
 
 
-def test_words_that_are_not_said_can_be_taken_back(server):
+def test_streamed_words_that_are_not_yet_spoken_can_be_replaced(server):
     with server.client() as client:
         client.do("words", text="The captain told us. It was dull. ")
         told(client, '"saying"')
@@ -87,14 +87,14 @@ def test_words_that_are_not_said_can_be_taken_back(server):
     assert saying[-1]["text"].endswith("wonderful")
 
 
-def test_a_silence_ends_a_phrase_that_nobody_ends(server):
+def test_silence_ends_an_unfinished_phrase(server):
     with server.client() as client:
         client.do("words", text="I never saw the tower")
         assert answers(told(client, '"saying"'), "saying")[0]["text"] == "I never saw the tower"
 
 
 @pytest.mark.parametrize("verb", ["stop", "interrupt"])
-def test_a_stop_and_an_interrupt_forget_what_is_not_said(server, verb):
+def test_stop_and_interrupt_drop_unspoken_words(server, verb):
     with server.client() as client:
         client.do("words", text="One two three four five six seven eight nine ten. " * 6, ends=True)
         told(client, r'id="[^"]*-1:start"')
@@ -109,7 +109,7 @@ def test_a_stop_and_an_interrupt_forget_what_is_not_said(server, verb):
         assert answers(told(client, '"all_said"'), "saying")[-1]["text"] == "Back again"
 
 
-def test_two_talks_take_turns_and_none_speaks_over_the_other(server):
+def test_phrases_of_two_streamed_texts_alternate_without_overlap(server):
     with server.client() as one, server.client() as other:
         for client in (one, other):
             client.do("words", text="Here I am. ", ends=True)
@@ -118,10 +118,10 @@ def test_two_talks_take_turns_and_none_speaks_over_the_other(server):
     assert spans[0][1] <= spans[1][0]
 
 
-def test_plain_text_is_said_where_it_is_allowed_and_else_refused(server):
+def test_plain_text_is_spoken_if_allowed_or_refused(server):
     with connect(f"ws://127.0.0.1:{server.port}") as web:
         web.send("Hello there!")
-        assert "PARSING_FAILURE" in web.recv(LONGEST)
+        assert "PARSING_FAILURE" in web.recv(MAX_WAIT)
 
 
 @pytest.fixture(scope="module")
@@ -130,10 +130,10 @@ def talkative():
         yield found
 
 
-def test_plain_text_by_websocket_and_by_tcp_is_said(talkative):
+def test_plain_text_over_websocket_and_tcp_is_spoken(talkative):
     with connect(f"ws://127.0.0.1:{talkative.port}") as web:
         web.send("Hello there, my \N{SNOWMAN} friend!")
-        assert json.loads(web.recv(LONGEST))["text"] == "Hello there my friend"
+        assert json.loads(web.recv(MAX_WAIT))["text"] == "Hello there my friend"
     with talkative.client() as client:
         client.do("ping")
         client.send("Look over there!")
@@ -142,7 +142,7 @@ def test_plain_text_by_websocket_and_by_tcp_is_said(talkative):
         told(client, "PARSING_FAILURE")
 
 
-def test_a_client_that_ends_its_side_hears_all_of_its_text(talkative):
+def test_client_that_stops_sending_gets_feedback_on_all_text(talkative):
     with Client(port=talkative.port) as client:
         client.do("words", text="We saw. " * 2, ends=True)
         client._socket.shutdown(1)
@@ -151,8 +151,14 @@ def test_a_client_that_ends_its_side_hears_all_of_its_text(talkative):
         assert any(end in each for each in messages) or told(client, end)
 
 
-def test_no_client_fills_the_memory_with_words():
+def test_text_memory_per_client_is_limited():
     talks = Talks()
-    assert talks.take(Words("x " * (MOST_TEXT // 4), 1), 0.0) == ""
-    assert "letters wait" in talks.take(Words("x " * MOST_TEXT, 1), 0.0)
+    assert talks.take(Words("x " * (MAX_TEXT_LENGTH // 4), 1), 0.0) == ""
+    assert "characters already wait" in talks.take(Words("x " * MAX_TEXT_LENGTH, 1), 0.0)
     assert talks.senders == {1}
+
+
+def test_undecided_text_counts_towards_the_limit():
+    talks = Talks()
+    assert talks.take(Words("-" * (MAX_TEXT_LENGTH - 1), 1), 0.0) == ""
+    assert "already wait" in talks.take(Words("--", 1), 0.0)

@@ -14,7 +14,7 @@ BLOCK = (
 
 
 class Recorder:
-    """A loudspeaker that keeps what it was told."""
+    """Stub loudspeaker that records its calls."""
 
     def __init__(self, fault=None):
         self.told, self.fault = [], fault
@@ -42,7 +42,7 @@ def running(known):
     return begin(Scene.of(known), coming, 10.0).playing[0]
 
 
-def test_a_block_s_face_is_on_the_clock(running):
+def test_face_of_a_block_is_in_clock_time(running):
     one = make_track(running, SoundAndFace(face=True))
     brows = {time: one.at(running.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
     assert brows[0.0] < 0.1 < 0.5 < brows[0.3] == pytest.approx(brows[0.5], abs=0.05)
@@ -50,12 +50,12 @@ def test_a_block_s_face_is_on_the_clock(running):
     assert one.at(running.zero - 1.0) == one.at(running.zero + 60.0) == {}
 
 
-def test_what_is_not_wanted_is_not_made(running):
+def test_tracks_without_outputs_are_not_computed(running):
     assert make_track(running, SoundAndFace()).face == {}
     assert track_version(running) == track_version(running)
 
 
-def test_the_strongest_of_several_faces_is_shown():
+def test_maximum_intensities_of_several_faces_are_shown():
     effects = Effects(face=True)
     effects.take({"a": shows(1.0, x=[0.2, 0.8], y=[0.5, 0.5]), "b": shows(1.01, x=[0.4])})
     assert effects.face(1.0) == {"x": 0.2, "y": 0.5}
@@ -66,7 +66,7 @@ def test_the_strongest_of_several_faces_is_shown():
     assert effects.face(1.0101) == {}
 
 
-def test_new_sounds_are_played_once():
+def test_sound_that_was_played_is_not_played_again():
     speaker = Recorder()
     effects = Effects(speaker)
     effects.take({"a": heard(1.0)})
@@ -75,7 +75,7 @@ def test_new_sounds_are_played_once():
     assert speaker.told == [1.0, 2.0]
 
 
-def test_sounds_that_are_taken_back_are_silent_and_the_others_go_on():
+def test_sounds_of_removed_blocks_stop_and_others_continue():
     speaker = Recorder()
     effects = Effects(speaker)
     effects.take({"a": heard(1.0), "b": heard(2.0)})
@@ -86,7 +86,7 @@ def test_sounds_that_are_taken_back_are_silent_and_the_others_go_on():
     assert speaker.told == ["stop", 2.0, "stop"]
 
 
-def test_a_loudspeaker_that_fails_disturbs_nothing():
+def test_failing_loudspeaker_is_ignored():
     speaker = Recorder(SpeakerError("unplugged"))
     effects = Effects(speaker, face=True)
     effects.take({"a": heard(1.0), "b": shows(0.0, x=[1.0])})

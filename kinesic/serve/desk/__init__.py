@@ -1,1 +1,1 @@
-"""Answers questions of clients that move nothing: reaches, drafts of plans, the state of the robot, documents."""
+"""Query service of the server: reach, plans, exports, telemetry and documents."""

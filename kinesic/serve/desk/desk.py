@@ -1,21 +1,25 @@
-"""Answers clients' questions; nothing of it is worked out in the thread that reads clients."""
+"""Dispatcher of client queries.
+
+No answer is computed in the thread that reads client messages.
+"""
 
 from collections.abc import Awaitable, Callable
 from functools import partial
 from pathlib import Path
 
 from kinesic.planning.setup import Setup
-from kinesic.serve.desk.asker import Asker
-from kinesic.serve.desk.drafter import ClientQuestion, DraftQuestion, answer_draft, unanswered_draft
-from kinesic.serve.desk.dragging import answer_reach, unanswered_reach
+from kinesic.serve.desk.drafter import ClientQuestion, DraftQuestion, answer_draft, draft_failure
+from kinesic.serve.desk.dragging import answer_reach, reach_failure
 from kinesic.serve.desk.export import NO_WRITERS, Writers
 from kinesic.serve.desk.helper import Helper, Unanswered
 from kinesic.serve.desk.keeper import DocumentKeeper
+from kinesic.serve.desk.requester import Requester
 from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
     ExportQuestion,
+    FindQuestion,
     GestureQuestion,
     OpenRequest,
     PlanQuestion,
@@ -28,12 +32,15 @@ from kinesic.serve.wire.questions import (
 from kinesic.serve.wire.quotas import Quotas
 
 
-async def _know_already() -> None:
-    """What is done about saved gestures where nobody performs."""
+async def _ignore_saved_gestures() -> None:
+    """Do nothing after clients have saved gestures.
+
+    Default without a planner.
+    """
 
 
 class Desk:
-    """Answers questions, now or when the answer is known; never waits."""
+    """Non-blocking dispatcher of client queries to helper processes and threads."""
 
     def __init__(
         self,
@@ -42,55 +49,68 @@ class Desk:
         rules: Quotas,
         *,
         folder: Path | None = None,
-        on_gestures_saved: Callable[[], Awaitable[None]] = _know_already,
+        on_gestures_saved: Callable[[], Awaitable[None]] = _ignore_saved_gestures,
         writers: Writers = NO_WRITERS,
     ) -> None:
-        """Opens; nothing is begun before the first question.
+        """Create a dispatcher.
+
+        Helper processes start at the first query.
 
         Args:
-            make_setup: makes what planning needs, in other processes.
-            loop: of the robot that is watched.
-            rules: for documents that are planned.
-            folder: where documents are kept; None: nowhere.
-            on_gestures_saved: returns when saved gestures will be known to whatever comes next.
-            writers: of files that the desk does not know how to write; picklable.
+            make_setup: creates the setup for planning, in helper processes.
+            loop: source of the robot's telemetry.
+            rules: limits for planned documents.
+            folder: folder for documents of clients; None disables saving.
+            on_gestures_saved: returns when the planner is about to use saved gestures.
+            writers: additional file writers for exports; picklable.
         """
         self._rules, self._loop = rules, loop
-        self._watches = Watches(loop.body)
+        self._watches = Watches(loop.report_body)
         drafts = partial(answer_draft, writers=writers)
         self.drafter = Helper[DraftQuestion](make_setup, drafts, rules, name="drafter")
         self._reacher = Helper[ReachQuestion](make_setup, answer_reach, rules, name="reacher")
         self._keeper = DocumentKeeper(folder, self.drafter, rules, on_gestures_saved)
 
-    def answer(self, asker: Asker, question: Question) -> None:
-        """Answers a question."""
+    def answer(self, requester: Requester, question: Question) -> None:
+        """Pass a query to the process or thread that answers it.
+
+        Its answer is sent when it is available.
+        """
         match question:
             case ReachQuestion():
-                self._reacher.ask(asker.number, question, partial(self._tell_reach, asker, question))
-            case GestureQuestion(toml=None):  # for a file, which no plan makes outdated
-                self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question), kind="file")
+                self._reacher.ask(requester.number, question, partial(self._send_reach, requester, question))
+            case GestureQuestion(toml=None):  # a file request, which later previews do not replace
+                self.drafter.ask(
+                    requester.number, question, partial(self._send_draft, requester, question), kind="file"
+                )
             case PlanQuestion() | GestureQuestion():
-                self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question))
-                self._reacher.warm_up()  # whoever writes may drag a hand soon
+                self.drafter.ask(requester.number, question, partial(self._send_draft, requester, question))
+                self._reacher.warm_up()  # an author may drag a hand soon
             case ExportQuestion():
-                self.drafter.ask(asker.number, question, partial(self._tell_draft, asker, question), kind="export")
+                self.drafter.ask(
+                    requester.number, question, partial(self._send_draft, requester, question), kind="export"
+                )
+            case FindQuestion():
+                self.drafter.ask(
+                    requester.number, question, partial(self._send_draft, requester, question), kind="find"
+                )
             case WatchRequest(rate):
-                self._watches.set(asker, rate)
+                self._watches.set(requester, rate)
             case ServosQuestion(id):
                 servos = self._loop.servos
-                asker.send(json_answer("servos", id=id, servos=() if servos is None else servos.members))
+                requester.send(json_answer("servos", id=id, servos=() if servos is None else servos.members))
             case SaveRequest() | OpenRequest():
-                self._keeper.take(asker, question)
+                self._keeper.take(requester, question)
 
     def close(self) -> None:
-        """Ends all that it has begun."""
+        """End all helper processes and tasks."""
         self._watches.close()
         self._keeper.close()
         self.drafter.close()
         self._reacher.close()
 
-    def _tell_reach(self, asker: Asker, question: ReachQuestion, found: str | Unanswered) -> None:
-        asker.send(unanswered_reach(question, found) if isinstance(found, Unanswered) else found)
+    def _send_reach(self, requester: Requester, question: ReachQuestion, answer: str | Unanswered) -> None:
+        requester.send(reach_failure(question, answer) if isinstance(answer, Unanswered) else answer)
 
-    def _tell_draft(self, asker: Asker, question: ClientQuestion, found: str | Unanswered) -> None:
-        asker.send(unanswered_draft(question, found, self._rules) if isinstance(found, Unanswered) else found)
+    def _send_draft(self, requester: Requester, question: ClientQuestion, answer: str | Unanswered) -> None:
+        requester.send(draft_failure(question, answer, self._rules) if isinstance(answer, Unanswered) else answer)

@@ -1,4 +1,7 @@
-"""Keeps documents of clients in one folder: by plain names, never through a link, nothing outside it."""
+"""Storage of client documents in one folder.
+
+Only plain file names are accepted, and links are never followed, so that nothing outside the folder is accessed.
+"""
 
 import os
 import re
@@ -10,65 +13,78 @@ from pathlib import Path
 from kinesic.body.config import ConfigError
 from kinesic.files.output_file import write_text
 from kinesic.files.plain_name import is_device_name
+from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}\.(bml|toml)")
-GESTURE_SUFFIX = ".toml"  # of a file of gestures
-MOST_BYTES = 1_000_000  # of a document that is read
-MOST_NAMES = 1000  # that are listed
-MOST_LOOKED_AT = 5000  # entries of a folder of which documents are listed
-MOST_SUGGESTED = 20  # names in an error
-ORDINARY = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK  # a pipe without a writer keeps nobody waiting
+NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}\.(bml|toml)")  # valid document names
+GESTURE_SUFFIX = ".toml"  # file suffix of gesture files
+MAX_DOCUMENT_SIZE = 1_000_000  # [bytes] largest document that is read
+MAX_LISTED_NAMES = 1000  # largest number of document names in a listing
+MAX_SCANNED_ENTRIES = 5000  # largest number of folder entries examined for a listing
+MAX_SUGGESTIONS = 20  # largest number of document names in an error message
+OPEN_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # flags that open a document without waiting for a pipe
 
 
 def is_document_name(name: str) -> bool:
     """Return whether this is a valid document name on every operating system."""
-    return NAME.fullmatch(name) is not None and not is_device_name(name)
+    return NAME_PATTERN.fullmatch(name) is not None and not is_device_name(name)
 
 
 @dataclass(frozen=True)
 class Listing:
-    """Names of documents in order."""
+    """Sorted names of documents."""
 
     names: tuple[str, ...]
-    is_whole: bool  # whether these are all
+    is_whole: bool  # whether the listing is complete
 
 
 class DocumentFolder:
-    """The documents (.bml, .toml) of a folder."""
+    """Folder with documents (.bml, .toml) of clients."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Takes a folder that is there; None: there is none, and everything is refused."""
+        """Use an existing folder.
+
+        With None, all requests are refused.
+        """
         self._folder = folder
 
     def list(self) -> Listing:
-        """Lists the documents, as far as a folder of usual size goes."""
+        """List the documents, up to a maximum number of folder entries."""
         if self._folder is None:
             return Listing((), is_whole=True)
         with os.scandir(self._folder) as entries:
-            seen = tuple(islice(entries, MOST_LOOKED_AT + 1))
-        found = sorted(entry.name for entry in seen if is_document_name(entry.name) and _is_ordinary(entry))
-        return Listing(tuple(found[:MOST_NAMES]), is_whole=len(found) <= MOST_NAMES and len(seen) <= MOST_LOOKED_AT)
+            scanned = tuple(islice(entries, MAX_SCANNED_ENTRIES + 1))
+        names = sorted(entry.name for entry in scanned if is_document_name(entry.name) and _is_regular(entry))
+        return Listing(
+            tuple(names[:MAX_LISTED_NAMES]),
+            is_whole=len(names) <= MAX_LISTED_NAMES and len(scanned) <= MAX_SCANNED_ENTRIES,
+        )
 
     def read(self, name: str) -> str:
-        """Reads a document.
+        """Read a document.
 
         Raises:
-            ConfigError: there is no such document, or it is too large.
+            ConfigError: the document does not exist or is too large.
         """
-        raw = _read_ordinary(self._path(name))
+        raw = _read_regular(self._path(name))
         if raw is None:
-            there = self.list().names
-            shown = ", ".join(there[:MOST_SUGGESTED]) or "none"
-            more = f" and {len(there) - MOST_SUGGESTED} more" if len(there) > MOST_SUGGESTED else ""
+            names = self.list().names
+            shown = ", ".join(names[:MAX_SUGGESTIONS]) or "none"
+            more = f" and {len(names) - MAX_SUGGESTIONS} more" if len(names) > MAX_SUGGESTIONS else ""
             raise ConfigError(f"{name}: there is no such document; there are: {shown}{more}")
-        if len(raw) > MOST_BYTES:
-            raise ConfigError(f"{name}: more than {MOST_BYTES} bytes, which no document has here; open it elsewhere")
+        if len(raw) > MAX_DOCUMENT_SIZE:
+            raise ConfigError(
+                f"{name}: more than {MAX_DOCUMENT_SIZE} bytes, the limit for documents; open it elsewhere"
+            )
         return raw.decode("utf-8", "replace")
 
     def read_present(self, name: str) -> str | None:
-        """Reads the beginning of what a name would replace, whatever it is; None: nothing is there."""
+        """Read the existing file that saving under a name would replace.
+
+        Returns:
+            The beginning of the file, "" if it is not a regular file, or None if there is no such file.
+        """
         path = self._path(name)
-        raw = _read_ordinary(path)
+        raw = _read_regular(path)
         if raw is None:
             return "" if os.path.lexists(path) else None
         return raw.decode("utf-8", "replace")
@@ -77,7 +93,7 @@ class DocumentFolder:
         """Write a document durably, byte for byte, replacing an earlier one.
 
         Raises:
-            ConfigError: it is no name of a document, or it cannot be written.
+            ConfigError: the name is invalid, or the document cannot be written.
         """
         write_text(self._path(name), text, force=True, durable=True)
 
@@ -87,26 +103,29 @@ class DocumentFolder:
         if not is_document_name(name):
             device = " (Windows reserves this one for a device)" if is_device_name(name) else ""
             raise ConfigError(
-                f"{name!r} is no name of a document: letters, digits, - and _, then .bml or .toml{device}"
+                f"{name!r} is not a document name: use letters, digits, - and _, then .bml or .toml{device}"
             )
         return self._folder / name
 
 
-def _is_ordinary(entry: "os.DirEntry[str]") -> bool:
+def _is_regular(entry: "os.DirEntry[str]") -> bool:
     try:
         return entry.is_file(follow_symlinks=False)
     except OSError:
         return False
 
 
-def _read_ordinary(path: Path) -> bytes | None:
-    """Reads an ordinary file, one byte more than any document has at most; None where there is none."""
+def _read_regular(path: Path) -> bytes | None:
+    """Read a regular file, up to one byte beyond the size limit.
+
+    Return None otherwise.
+    """
     try:
-        file = os.open(path, ORDINARY)
+        file = os.open(path, OPEN_FLAGS)
     except OSError:
         return None
     if not stat.S_ISREG(os.fstat(file).st_mode):
         os.close(file)
         return None
     with os.fdopen(file, "rb") as opened:
-        return opened.read(MOST_BYTES + 1)
+        return opened.read(MAX_DOCUMENT_SIZE + 1)

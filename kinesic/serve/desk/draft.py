@@ -1,4 +1,4 @@
-"""Says what a document would become: when everything happens, how the body moves, and what is not as asked."""
+"""Preview of a document's plan for clients: times, motion and notices."""
 
 import re
 from base64 import b64encode
@@ -7,125 +7,139 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinesic.bml.block import BmlError, Bounds
-from kinesic.bml.parse import parse
+from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
 from kinesic.controller.soundtrack import sound
-from kinesic.planning.captions import captions
+from kinesic.planning.captions import make_captions
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
+from kinesic.realizer.request import parse_message
 
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
 
-RATE = 50.0  # [Hz] of the angles
-SOURCE = "<document>"  # no file, so that it names none beside it
-PLACE = re.compile(rf"{SOURCE}:(\d+):(\d+): (.*)", re.DOTALL)
+ANGLE_RATE = 50.0  # [Hz] sample rate of the joint angles in a preview
+DOCUMENT_SOURCE = "<document>"  # source name of client documents; no file, so that relative paths do not resolve
+ERROR_PATTERN = re.compile(rf"{DOCUMENT_SOURCE}:(\d+):(\d+): (.*)", re.DOTALL)  # line, column and text of an error
 
 
-def draft(bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: Bounds, longest: float) -> dict[str, Json]:
-    """Plans a document that nobody performs.
+def draft(
+    bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: DocumentBounds, max_duration: float
+) -> dict[str, Json]:
+    """Plan a document without performing it.
 
     Args:
         bml: the document.
-        changes: NAME=VALUE of the style.
-        setup: what it is planned with.
-        bounds: how large it may be.
-        longest: [s] that it may last.
+        changes: style changes as NAME=VALUE.
+        setup: setup for planning.
+        bounds: limits for the document size.
+        max_duration: maximum duration [s].
 
     Returns:
-        What docs/serve.md says of `plan`; for a document that is refused, the error and its place.
+        The answer to `plan` as in docs/reference/wire-protocol.md; for a refused document, the error with its location.
     """
     try:
-        return draft_of(plan_draft(bml, changes, setup, bounds=bounds, longest=longest))
+        return draft_json(plan_draft(bml, changes, setup, bounds=bounds, max_duration=max_duration))
     except (BmlError, ConfigError) as error:
-        return {"error": place_error(str(error))}
+        return {"error": locate_error(str(error))}
 
 
-def plan_draft(bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: Bounds, longest: float) -> Plan:
-    """Plans a document that nobody performs; the arguments are those of `draft`.
+def plan_draft(
+    bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: DocumentBounds, max_duration: float
+) -> Plan:
+    """Plan a document without performing it.
+
+    Arguments as in `draft`.
 
     Raises:
         BmlError: the document is refused.
-        ConfigError: the style cannot be changed so.
+        ConfigError: the style change is invalid.
     """
-    known = replace(setup, style=setup.style.changed(changes))
-    block = parse(bml, source=SOURCE, dialect=known.dialect, performer=known.character, bounds=bounds)
-    planned = plan_block(block, known)
-    if planned.duration > longest:
-        raise BmlError(f"{SOURCE}:1:1: lasts {planned.duration:.0f} s, at most {longest:g} s; send it in parts")
-    return planned
+    updated_setup = replace(setup, style=setup.style.changed(changes))
+    block = parse_message(bml, updated_setup, source=DOCUMENT_SOURCE, bounds=bounds)
+    plan = plan_block(block, updated_setup)
+    if plan.duration > max_duration:
+        raise BmlError(
+            f"{DOCUMENT_SOURCE}:1:1: lasts {plan.duration:.0f} s, at most {max_duration:g} s; send it in parts"
+        )
+    return plan
 
 
-def draft_of(planned: Plan) -> dict[str, Json]:
-    """Writes a plan as clients read it; times are those of the performance [s], from its first command."""
-    zero, end = planned.trajectory.zero, planned.duration
-    times = np.arange(int(np.ceil(end * RATE)) + 1) / RATE
-    outcomes = planned.keyframes.outcomes
+def draft_json(plan: Plan) -> dict[str, Json]:
+    """Convert a plan to JSON values.
+
+    Times count from the first command [s].
+    """
+    zero, end = plan.trajectory.zero, plan.duration
+    times = np.arange(int(np.ceil(end * ANGLE_RATE)) + 1) / ANGLE_RATE
+    outcomes = plan.keyframes.outcomes
     return {
-        "block": planned.timeline.block.id,
+        "block": plan.timeline.block.id,
         "duration": round(end, 4),
         "zero": round(zero, 4),
         "behaviours": [
             {
-                "id": each.id,
-                "type": each.type,
-                "outcome": outcomes[each.id].kind if each.id in outcomes else "realised",
-                "why": outcomes[each.id].why if each.id in outcomes else "",
+                "id": behaviour.id,
+                "type": behaviour.type,
+                "outcome": outcomes[behaviour.id].kind if behaviour.id in outcomes else "realised",
+                "why": outcomes[behaviour.id].why if behaviour.id in outcomes else "",
             }
-            for each in planned.timeline.block.behaviours
+            for behaviour in plan.timeline.block.behaviours
         ],
         "syncs": [
             {
                 "behaviour": sync.behaviour,
                 "sync": sync.sync,
-                "asked": round(zero + sync.asked, 4),
+                "asked": round(zero + sync.requested, 4),
                 "planned": round(zero + sync.planned, 4),
             }
-            for sync in planned.syncs
+            for sync in plan.syncs
         ],
-        "words": list(_words(planned)),
-        "phonemes": list(_phonemes(planned)),
-        "loudness": _loudness(planned),
+        "words": list(_words(plan)),
+        "phonemes": list(_phonemes(plan)),
+        "loudness": _loudness(plan),
         "notices": [
-            {"type": each.type.value, "id": each.id, "text": each.text}
-            for each in (*planned.timeline.notices, *planned.notices)
+            {"type": notice.type.value, "id": notice.id, "text": notice.text}
+            for notice in (*plan.timeline.notices, *plan.notices)
         ],
-        "rate": RATE,
-        "angles": b64encode(planned.trajectory.sample(times)[0].astype("<f4").tobytes()).decode(),
+        "rate": ANGLE_RATE,
+        "angles": b64encode(plan.trajectory.sample(times)[0].astype("<f4").tobytes()).decode(),
     }
 
 
-def place_error(text: str) -> dict[str, Json]:
-    """Finds line and column in what is said of an error."""
-    found = PLACE.fullmatch(text)
-    if found is None:
+def locate_error(text: str) -> dict[str, Json]:
+    """Split an error message into line, column and text."""
+    match = ERROR_PATTERN.fullmatch(text)
+    if match is None:
         return {"line": 1, "column": 1, "text": text}
-    return {"line": int(found[1]), "column": int(found[2]), "text": found[3]}
+    return {"line": int(match[1]), "column": int(match[2]), "text": match[3]}
 
 
-def _words(planned: Plan) -> Iterator[dict[str, Json]]:
-    """What is said between two marks, and the mark that it follows."""
-    for said in captions(planned):
-        if said.text:
-            span = {"start": round(said.begin, 4), "end": round(said.end, 4)}
-            yield {"speech": said.behaviour, "mark": said.mark, "text": said.text, **span}
+def _words(plan: Plan) -> Iterator[dict[str, Json]]:
+    """Yield the spoken text between marks with its start and end [s]."""
+    for caption in make_captions(plan):
+        if caption.text:
+            span = {"start": round(caption.begin, 4), "end": round(caption.end, 4)}
+            yield {"speech": caption.behaviour, "mark": caption.mark, "text": caption.text, **span}
 
 
-def _phonemes(planned: Plan) -> Iterator[list[Json]]:
-    """Symbol and start [s] of every sound."""
-    for timed in planned.timeline.timed:
-        if (utterance := planned.utterances.get(timed.behaviour.id)) is not None:
-            begin = planned.trajectory.zero + timed.times["start"]
+def _phonemes(plan: Plan) -> Iterator[list[Json]]:
+    """Yield symbol and start [s] of every phoneme."""
+    for timed in plan.timeline.timed:
+        if (utterance := plan.utterances.get(timed.behaviour.id)) is not None:
+            begin = plan.trajectory.zero + timed.times["start"]
             for phoneme in utterance.phonemes:
                 yield [phoneme.symbol, round(begin + phoneme.start, 4)]
 
 
-def _loudness(planned: Plan) -> str:
-    """The largest sample in each row of the motion, 0..255 of the loudest, as base64; empty where nothing is heard."""
-    heard = sound(planned)
-    if heard is None:
+def _loudness(plan: Plan) -> str:
+    """Return the speech's peak loudness per row of angles, in base64.
+
+    Values are 0 to 255, relative to the loudest row; empty without sound.
+    """
+    audio = sound(plan)
+    if audio is None:
         return ""
-    rows = int(np.ceil(heard.duration * RATE))
-    begins = np.minimum(np.arange(rows) * heard.rate / RATE, len(heard.samples) - 1).astype(int)
-    peaks = np.maximum.reduceat(np.abs(heard.samples), begins)
+    rows = int(np.ceil(audio.duration * ANGLE_RATE))
+    begins = np.minimum(np.arange(rows) * audio.rate / ANGLE_RATE, len(audio.samples) - 1).astype(int)
+    peaks = np.maximum.reduceat(np.abs(audio.samples), begins)
     return b64encode(np.round(255.0 * peaks / max(float(peaks.max()), 1e-9)).astype(np.uint8).tobytes()).decode()

@@ -1,79 +1,86 @@
-"""What the process that drafts answers: what documents and gestures would become, and whether gestures may be kept."""
+"""Answers of the drafting process: previews, exports and checks of gesture files."""
 
 import os
 import traceback
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from kinesic.bml.block import BmlError, Bounds
+from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
+from kinesic.expressivity.lexicon.search import GestureHit, find_gestures
 from kinesic.planning.setup import Setup
-from kinesic.serve.desk.draft import Json, draft, place_error, plan_draft
+from kinesic.serve.desk.draft import Json, draft, locate_error, plan_draft
 from kinesic.serve.desk.export import NO_WRITERS, Writers, export, export_name
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.desk.gesture_file import find_fault
 from kinesic.serve.desk.helper import Unanswered
-from kinesic.serve.planner import DEFECTS
+from kinesic.serve.planner import DEFECT_TYPES
 from kinesic.serve.wire.protocol import json_answer
-from kinesic.serve.wire.questions import ExportQuestion, GestureQuestion, PlanQuestion
+from kinesic.serve.wire.questions import ExportQuestion, FindQuestion, GestureQuestion, PlanQuestion
 from kinesic.serve.wire.quotas import Quotas
 
-SOUND = ""  # the answer to a file that may be kept
+MAX_HITS = 50  # largest number of gestures in the answer to a search
+NO_FAULT = ""  # answer to a query for a valid gesture file
 
 
 @dataclass(frozen=True)
 class FileQuestion:
-    """Asks whether a file of gestures may be kept."""
+    """Query whether a gesture file may be saved."""
 
     name: str
     text: str
-    present: str | None  # what the file holds that it would replace; None: there is none
+    present: str | None  # content of the file that would be overwritten; None without one
 
 
-ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion
+ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion
 DraftQuestion = ClientQuestion | FileQuestion
-TELLS: Mapping[type[ClientQuestion], str] = {PlanQuestion: "plan", ExportQuestion: "export", GestureQuestion: "gesture"}
+ANSWER_NAMES: Mapping[type[ClientQuestion], str] = {
+    PlanQuestion: "plan",
+    ExportQuestion: "export",
+    GestureQuestion: "gesture",
+    FindQuestion: "find",
+}
 
 
 def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas, *, writers: Writers = NO_WRITERS) -> str:
-    """Answer a question, with an error if planning or writing files fails."""
+    """Answer a query, with an error if planning or writing files fails."""
     try:
         if isinstance(question, FileQuestion):
             return find_fault(question.text, question.present, setup)
-        return _written(question, _draft(question, setup, rules, writers))
-    except DEFECTS as error:
+        return _answer_json(question, _draft(question, setup, rules, writers))
+    except DEFECT_TYPES as error:
         traceback.print_exception(error)
         why = f"planning failed ({type(error).__name__}); please report the document"
     except OSError as error:
         traceback.print_exception(error)
         why = f"the server cannot write its temporary files ({os.strerror(error.errno or 0)}); "
         why += "free disk space there, or set TMPDIR to a folder that it may write, and ask again"
-    return why if isinstance(question, FileQuestion) else _written(question, _failure(why))
+    return why if isinstance(question, FileQuestion) else _answer_json(question, _failure(why))
 
 
-def unanswered_draft(question: ClientQuestion, why: Unanswered, rules: Quotas) -> str:
-    """Answers a question that was not drafted."""
+def draft_failure(question: ClientQuestion, why: Unanswered, rules: Quotas) -> str:
+    """Return the error answer to a plan query that was not processed."""
     if why is Unanswered.OUTDATED:
-        return _written(question, {"outdated": True})
-    return _written(question, _failure(took_too_long(rules)))
+        return _answer_json(question, {"outdated": True})
+    return _answer_json(question, _failure(timeout_message(rules)))
 
 
-def took_too_long(rules: Quotas) -> str:
-    """Says that planning has not come to an end."""
+def timeout_message(rules: Quotas) -> str:
+    """Return the error message for planning that failed or timed out."""
     return f"planning failed, or took longer than {rules.planning:g} s; send something simpler"
 
 
 def _draft(question: ClientQuestion, setup: Setup, rules: Quotas, writers: Writers) -> dict[str, Json]:
-    bounds = Bounds(rules.message, rules.depth)
+    bounds = DocumentBounds(rules.message, rules.depth)
     match question:
         case PlanQuestion(bml, changes):
-            return draft(bml, changes, setup, bounds=bounds, longest=rules.duration)
+            return draft(bml, changes, setup, bounds=bounds, max_duration=rules.duration)
         case ExportQuestion(bml, format_, changes):
             try:
-                planned = plan_draft(bml, changes, setup, bounds=bounds, longest=rules.duration)
-                return {"name": export_name(planned, format_), "data": export(planned, format_, writers)}
+                plan = plan_draft(bml, changes, setup, bounds=bounds, max_duration=rules.duration)
+                return {"name": export_name(plan, format_), "data": export(plan, format_, writers)}
             except (BmlError, ConfigError) as error:
-                return {"error": place_error(str(error))}
+                return {"error": locate_error(str(error))}
         case GestureQuestion(str(toml), None, changes):
             return draft_gesture(toml, changes, setup)
         case GestureQuestion(None, str(lexeme)):
@@ -81,11 +88,17 @@ def _draft(question: ClientQuestion, setup: Setup, rules: Quotas, writers: Write
                 return {"toml": gesture_text(lexeme, setup.lexicon)}
             except ConfigError as error:
                 return _failure(str(error))
+        case FindQuestion(words):
+            return {"gestures": [_describe_hit(hit) for hit in find_gestures(setup.lexicon, words, count=MAX_HITS)]}
     return _failure("give either toml or lexeme")
 
 
-def _written(question: ClientQuestion, found: dict[str, Json]) -> str:
-    return json_answer(TELLS[type(question)], id=question.id, **found)
+def _describe_hit(hit: GestureHit) -> Json:
+    return {"id": hit.id, "category": hit.category, "says": hit.says, "near": hit.kind == "near"}
+
+
+def _answer_json(question: ClientQuestion, values: dict[str, Json]) -> str:
+    return json_answer(ANSWER_NAMES[type(question)], id=question.id, **values)
 
 
 def _failure(text: str) -> dict[str, Json]:

@@ -1,10 +1,11 @@
-"""Finds the posture for an elbow, the trunk or the gaze that somebody drags, and what keeps it from going farther.
+"""Inverse kinematics for dragging an elbow, the trunk or the gaze.
 
-An elbow moves on its circle about the line from shoulder to hand, which stays where it is; the trunk leans so that the
-neck goes where it is pulled; the head turns so that the eyes look at a place.
+The elbow moves on its circle around the line from shoulder to wrist, while the wrist stays in place. The trunk leans so
+that the neck follows the target. The head rotates so that the eyes look at the target.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -17,86 +18,99 @@ from kinesic.ik.box_lm import Box, descend
 from kinesic.serve.desk.reach import DraggedPosture, at_limit
 
 Part = Literal["elbow", "trunk", "gaze"]
-Rows = Callable[[Frames], Floats]  # of postures (m, ...), what is wrong with each (m, rows), of order one
+Rows = Callable[[Frames], Floats]  # dimensionless residuals (m, rows) of postures (m, ...)
 
-PROBE = 1e-6  # [rad] for the gradient
-HELD = 10.0  # weight of a hand that stays where it is, beside that of its elbow
-NEAR = 1e-4  # length of the rows that is good enough
-STEPS = 16  # on the way to a posture in which segments would meet
-ARRIVED = 2e-3  # arm lengths, or radians, from where it was pulled
+
+@dataclass(frozen=True)
+class DragTuning:
+    """Tuning numbers of dragging."""
+
+    gradient_step: float = 1e-6  # [rad] step of the numerical gradient; also the smallest usable length [m]
+    wrist_weight: float = 10.0  # weight of the wrist position relative to the elbow position
+    solve_tolerance: float = 1e-4  # norm of the residuals at which the solver stops
+    path_steps: int = 16  # postures checked for collisions on the path from the start
+    arrival_tolerance: float = 2e-3  # largest residual norm of a reached target [arm lengths or rad]
+
+
+DRAG_TUNING = DragTuning()  # values used for every drag
 
 
 def drag_part(
     robot: Robot, distances: Distances, part: Part, side: Side, target: Floats, start: Floats
 ) -> DraggedPosture:
-    """Finds the posture that brings a part of the body as near to a place as it can go; all else stays.
+    """Return the posture that brings a body part closest to a target.
+
+    All other parts stay in place.
 
     Args:
-        robot: whose body.
-        distances: between its segments.
-        part: that is dragged.
-        side: of the elbow.
-        target: (3,) [m] in the world: of the elbow, of the neck, or where the eyes look.
+        robot: robot to pose.
+        distances: distances between the bodies of the robot.
+        part: dragged body part.
+        side: side of the elbow.
+        target: (3,) [m] in the world: position of the elbow or neck, or point to look at.
         start: (n,) [rad] posture to stay close to.
 
     Returns:
-        The posture, inside the ranges and clear of the body; `residual` is how far it falls short of the nearest place
-        that this part could have if nothing stopped it: of a gaze, of the line of sight from the target.
+        The posture, within joint ranges and free of collisions. `residual` is the distance to the closest position that
+        the part could reach without obstacles; for the gaze, the distance of the line of sight from the target.
     """
     near = sealed(robot.skeleton.clamp(start))
     joints, rows, scale = _PARTS[part](robot, side, np.asarray(target, dtype=np.float64), near)
     posture = _solve(robot, joints, rows, near)
     posture, contact = _keep_clear(robot, distances, near, posture)
-    miss = float(np.linalg.norm(rows(robot.skeleton.frames(posture[None]))[0, :3]))
-    stopped = miss > ARRIVED
+    residual = float(np.linalg.norm(rows(robot.skeleton.frames(posture[None]))[0, :3]))
+    stopped = residual > DRAG_TUNING.arrival_tolerance
     limits = tuple(at_limit(robot, posture, joints)) if stopped and contact is None else ()
-    return DraggedPosture(posture, miss * scale, limits, contact if stopped else None, reached=not stopped)
+    return DraggedPosture(posture, residual * scale, limits, contact if stopped else None, reached=not stopped)
 
 
 def _elbow(robot: Robot, side: Side, target: Floats, near: Floats) -> tuple[tuple[int, ...], Rows, float]:
-    """An elbow on its circle; what raises the shoulder stays."""
+    """Return joints, residual function and length scale [m] for swivelling the elbow.
+
+    Joints that raise the shoulder are excluded.
+    """
     arm, frames, size = robot.arm(side), robot.skeleton.frames(near), robot.arm_length
     shoulder, elbow, hand = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
     line = hand - shoulder
-    line = line / max(float(np.linalg.norm(line)), PROBE)
-    middle = shoulder + line * float(line @ (elbow - shoulder))
-    out = target - middle - line * float(line @ (target - middle))
-    radius, far = float(np.linalg.norm(elbow - middle)), float(np.linalg.norm(out))
-    place = elbow if far < PROBE else middle + out * (radius / far)
+    line = line / max(float(np.linalg.norm(line)), DRAG_TUNING.gradient_step)
+    centre = shoulder + line * float(line @ (elbow - shoulder))
+    radial = target - centre - line * float(line @ (target - centre))
+    radius, distance = float(np.linalg.norm(elbow - centre)), float(np.linalg.norm(radial))
+    goal = elbow if distance < DRAG_TUNING.gradient_step else centre + radial * (radius / distance)
 
     def rows(frames: Frames) -> Floats:
         origins = frames.origins
-        stray = HELD * (hand - origins[:, arm.wrist]) / size
-        return np.concatenate([(place - origins[:, arm.elbow]) / size, stray], axis=1)
+        wrist_error = DRAG_TUNING.wrist_weight * (hand - origins[:, arm.wrist]) / size
+        return np.concatenate([(goal - origins[:, arm.elbow]) / size, wrist_error], axis=1)
 
-    return tuple(joint for joint in arm.joints if joint not in arm.lifting), rows, size
+    return tuple(joint for joint in arm.joints if joint not in arm.shoulder_lift_joints), rows, size
 
 
 def _trunk(robot: Robot, _side: Side, target: Floats, near: Floats) -> tuple[tuple[int, ...], Rows, float]:
-    """The neck, as far from where the trunk turns as it is; what turns the trunk about itself stays."""
+    """Return joints, residual function and length scale [m] for leaning the trunk."""
     skeleton, joints = robot.skeleton, robot.joints("torso")
     base, neck = (skeleton.segment(robot.chains[name][0]) for name in ("torso", "neck"))
     frames = skeleton.frames(near)
     height = float(np.linalg.norm(frames.origins[neck] - frames.origins[base]))
-    way = target - frames.origins[base]
-    place = frames.origins[base] + way * (height / max(float(np.linalg.norm(way)), PROBE))
+    offset = target - frames.origins[base]
+    goal = frames.origins[base] + offset * (height / max(float(np.linalg.norm(offset)), DRAG_TUNING.gradient_step))
 
     def rows(frames: Frames) -> Floats:
-        return np.asarray((place - frames.origins[:, neck]) / height)
+        return np.asarray((goal - frames.origins[:, neck]) / height)
 
     return joints, rows, height
 
 
 def _gaze(robot: Robot, _side: Side, target: Floats, near: Floats) -> tuple[tuple[int, ...], Rows, float]:
-    """The line of sight, through the place."""
+    """Return joints, residual function and length scale [m] for turning the gaze."""
     head, eyes = robot.skeleton.segment(robot.chains["neck"][-1]), robot.sites["eyes"]
     frames = robot.skeleton.frames(near)
     distance = float(np.linalg.norm(target - frames.origins[head]))
 
     def rows(frames: Frames) -> Floats:
         rotations = frames.rotations[:, head]
-        way = target - frames.origins[:, head] - rotations @ eyes.position
-        return np.asarray(way / np.linalg.norm(way, axis=1, keepdims=True) - rotations @ eyes.facing)
+        offset = target - frames.origins[:, head] - rotations @ eyes.position
+        return np.asarray(offset / np.linalg.norm(offset, axis=1, keepdims=True) - rotations @ eyes.facing)
 
     return robot.joints("neck"), rows, distance
 
@@ -105,30 +119,30 @@ _PARTS = {"elbow": _elbow, "trunk": _trunk, "gaze": _gaze}
 
 
 def _solve(robot: Robot, joints: tuple[int, ...], rows: Rows, near: Floats) -> Floats:
-    """The posture nearest to where the part is pulled, inside the ranges; only these joints move."""
-    chosen = list(joints)
-    lower, upper = robot.skeleton.lower[chosen], robot.skeleton.upper[chosen]
+    """Minimise the residuals over the given joints within their ranges."""
+    indices = list(joints)
+    lower, upper = robot.skeleton.lower[indices], robot.skeleton.upper[indices]
 
     def errors(angles: Floats) -> tuple[Floats, Floats]:
-        postures = np.tile(near, (len(chosen) + 1, 1))
-        postures[:, chosen] = angles
-        postures[np.arange(1, len(postures)), chosen] += PROBE
-        found = rows(robot.skeleton.frames(postures))
-        return found[0], (found[0] - found[1:]).T / PROBE
+        postures = np.tile(near, (len(indices) + 1, 1))
+        postures[:, indices] = angles
+        postures[np.arange(1, len(postures)), indices] += DRAG_TUNING.gradient_step
+        residuals = rows(robot.skeleton.frames(postures))
+        return residuals[0], (residuals[0] - residuals[1:]).T / DRAG_TUNING.gradient_step
 
-    box = Box(lower, upper, near[chosen], np.ones(len(chosen)))
+    box = Box(lower, upper, near[indices], np.ones(len(indices)))
     posture = np.array(near)
-    posture[chosen] = descend(errors, near[chosen], box, tolerance=NEAR).angles
+    posture[indices] = descend(errors, near[indices], box, tolerance=DRAG_TUNING.solve_tolerance).angles
     return sealed(posture)
 
 
 def _keep_clear(
     robot: Robot, distances: Distances, near: Floats, posture: Floats
 ) -> tuple[Floats, tuple[str, str] | None]:
-    """The last posture on the way that keeps clear of the body, and the pair that would meet next."""
-    way = near + np.linspace(0.0, 1.0, STEPS + 1)[:, None] * (posture - near)
-    found = distances.clearance(way)
-    close = np.flatnonzero(found.distances < np.minimum(robot.least_clearance, found.distances[0]))
+    """Return the last collision-free posture and the next colliding pair."""
+    path = near + np.linspace(0.0, 1.0, DRAG_TUNING.path_steps + 1)[:, None] * (posture - near)
+    clearance = distances.clearance(path)
+    close = np.flatnonzero(clearance.distances < np.minimum(robot.min_clearance, clearance.distances[0]))
     if not close.size:
         return posture, None
-    return sealed(way[max(0, close[0] - 1)]), found.pairs[close[0]]
+    return sealed(path[max(0, close[0] - 1)]), clearance.pairs[close[0]]

@@ -1,4 +1,4 @@
-"""Answers clients that drag a part of the body."""
+"""Answers to reach queries while a client drags a body part."""
 
 import numpy as np
 
@@ -11,11 +11,11 @@ from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import ReachQuestion
 from kinesic.serve.wire.quotas import Quotas
 
-DIGITS = 4  # of angles [rad] and lengths [m]
+ANSWER_DIGITS = 4  # decimal places of angles [rad] and lengths [m]
 
 
 def answer_reach(question: ReachQuestion, setup: Setup, _rules: Quotas) -> str:
-    """Answers a client that asks how a hand reaches a place."""
+    """Answer a reach query with the posture and its obstacles."""
     robot, rest = setup.robot, setup.robot.skeleton.rest
     start = rest if question.posture is None else np.array(question.posture, dtype=np.float64)
     if start.shape != rest.shape:
@@ -23,24 +23,24 @@ def answer_reach(question: ReachQuestion, setup: Setup, _rules: Quotas) -> str:
     target = np.array(question.target, dtype=np.float64)
     side = next(side for side in SIDES if question.side.startswith(side))
     if question.part == "hand":
-        found = reach_posture(robot, setup.distances, side, target, start)
+        result = reach_posture(robot, setup.distances, side, target, start)
     elif missing := _lacks(robot, question.part):
         return _refusal(question, f"{robot.name} has no {missing}")
     else:
-        found = drag_part(robot, setup.distances, question.part, side, target, start)
+        result = drag_part(robot, setup.distances, question.part, side, target, start)
     return json_answer(
         "reach",
         id=question.id,
-        angles=[round(float(angle), DIGITS) for angle in found.angles],
-        residual=round(found.residual, DIGITS),
-        reached=found.reached,
-        limits=found.limits,
-        contact=found.contact,
+        angles=[round(float(angle), ANSWER_DIGITS) for angle in result.angles],
+        residual=round(result.residual, ANSWER_DIGITS),
+        reached=result.reached,
+        limits=result.limits,
+        contact=result.contact,
     )
 
 
-def unanswered_reach(question: ReachQuestion, why: Unanswered) -> str:
-    """Answers a question of which the posture was not found."""
+def reach_failure(question: ReachQuestion, why: Unanswered) -> str:
+    """Return the answer to a reach query that was not processed."""
     if why is Unanswered.OUTDATED:
         return json_answer("reach", id=question.id, outdated=True)
     return _refusal(question, why.value)
@@ -51,6 +51,9 @@ def _refusal(question: ReachQuestion, why: str) -> str:
 
 
 def _lacks(robot: Robot, part: Part) -> str:
-    """What a robot has not that a part needs; empty where it has all."""
+    """Return the kinematic chain that the robot lacks for a dragged part.
+
+    Empty if there is none.
+    """
     needs = {"elbow": (), "trunk": ("torso", "neck"), "gaze": ("neck",)}[part]
     return next((chain for chain in needs if not robot.joints(chain)), "")

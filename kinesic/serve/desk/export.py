@@ -1,4 +1,4 @@
-"""Writes a document's performance in the formats of other programs, for a client that keeps it where it likes."""
+"""Export of a document's performance to files of other programs."""
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping
@@ -8,34 +8,34 @@ from tempfile import TemporaryDirectory
 from kinesic.body.config import ConfigError
 from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.files.plain_name import plain_stem
-from kinesic.planning.motion_files import write_motion
+from kinesic.planning.files.motion_files import write_motion
 from kinesic.planning.plan import Plan
 from kinesic.serve.wire.questions import Format
 
-MOST_BYTES = 5_000_000  # of a file; in base64 it stays below what may wait for a client
-FILE_STEM = "performance"  # of every file that is written here: no text of a client is part of a path
+MAX_FILE_SIZE = 5_000_000  # [bytes] largest exported file; its base64 text stays below `Quotas.unread_bytes`
+FILE_STEM = "performance"  # stem of all temporary files, so that no client text becomes part of a path
 
 
 PlanWriter = Callable[[Plan, Path], None]
 Writers = Mapping[Format, PlanWriter]
-NO_WRITERS: Writers = {}  # no proxy: it goes to another process
+NO_WRITERS: Writers = {}  # empty table of export formats; a plain dict, because it is pickled
 
 
-def export_name(planned: Plan, format_: Format) -> str:
+def export_name(plan: Plan, format_: Format) -> str:
     """Return the suggested download name, plain ASCII without a folder."""
-    return f"{plain_stem(planned.timeline.block.id, fallback=FILE_STEM)}.{format_}"
+    return f"{plain_stem(plan.timeline.block.id, fallback=FILE_STEM)}.{format_}"
 
 
-def export(planned: Plan, format_: Format, more: Writers = NO_WRITERS) -> str:
-    """Writes a plan as a file, in base64.
+def export(plan: Plan, format_: Format, more: Writers = NO_WRITERS) -> str:
+    """Return a plan as a base64-encoded file.
 
     Args:
-        planned: the plan.
-        format_: of the file.
-        more: writers of formats that this room does not know.
+        plan: the plan.
+        format_: file format.
+        more: writers of additional formats.
 
     Raises:
-        ConfigError: there is nothing to write, it would be too large, or nobody here writes such files.
+        ConfigError: there is nothing to write, the file would be too large, or there is no writer for the format.
         OSError: temporary files cannot be written.
     """
     writer = {**_WRITERS, **more}.get(format_)
@@ -44,30 +44,30 @@ def export(planned: Plan, format_: Format, more: Writers = NO_WRITERS) -> str:
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"{FILE_STEM}.{format_}"
         try:
-            writer(planned, path)
+            writer(plan, path)
         except ConfigError as error:
             raise ConfigError(str(error).replace(str(path), "the file")) from None
-        if (size := path.stat().st_size) > MOST_BYTES:
+        if (size := path.stat().st_size) > MAX_FILE_SIZE:
             raise ConfigError(
-                f".{format_} of {planned.duration:.0f} s takes {size} bytes, at most {MOST_BYTES}: ask for parts"
+                f".{format_} of {plan.duration:.0f} s takes {size} bytes, at most {MAX_FILE_SIZE}: ask for parts"
             )
         return b64encode(path.read_bytes()).decode()
 
 
-def _write_motion(planned: Plan, path: Path) -> None:
-    write_motion(planned.trajectory, planned.setup.robot, path)
+def _write_motion(plan: Plan, path: Path) -> None:
+    write_motion(plan.trajectory, plan.setup.robot, path)
 
 
-def _write_bap(planned: Plan, path: Path) -> None:
+def _write_bap(plan: Plan, path: Path) -> None:
     """Write a BAP file with the suggested download name in its header."""
-    write_motion(planned.trajectory, planned.setup.robot, path, called=Path(export_name(planned, "bap")))
+    write_motion(plan.trajectory, plan.setup.robot, path, called=Path(export_name(plan, "bap")))
 
 
-def _write_voice(planned: Plan, path: Path) -> None:
-    heard = sound(planned)
-    if heard is None:
-        raise ConfigError("nothing is heard: the document has no speech, or the voice no sound")
-    write_wav(heard, path)
+def _write_voice(plan: Plan, path: Path) -> None:
+    audio = sound(plan)
+    if audio is None:
+        raise ConfigError("there is no audio: the document has no speech, or the voice has no sound")
+    write_wav(audio, path)
 
 
 _WRITERS: Writers = {

@@ -1,4 +1,7 @@
-"""Says whether a client's file of gestures may be kept: it holds gestures alone, and each of them can be planned."""
+"""Validation of gesture files before they are saved.
+
+A valid file contains only gestures, all of which can be planned.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -9,46 +12,50 @@ from kinesic.expressivity.lexicon.toml_file import GestureFile
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.gesture import plan_alone, read_gesture_file
 
-NAMELESS = Path("the file")
-OWN = {"category", "gesture"}  # keys of a file that holds gestures alone
-MOST_BYTES = 200_000  # of a file of gestures; all of our own have as many
+UNNAMED_PATH = Path("the file")  # path that stands for the client's file in error messages
+ALLOWED_KEYS = {"category", "gesture"}  # top-level keys that a gesture file may have
+MAX_GESTURE_FILE_SIZE = 200_000  # [bytes] largest gesture file; about the size of all built-in gestures
 
 
 def find_fault(text: str, present: str | None, setup: Setup) -> str:
-    """Finds out why a file may not be kept; nothing where it may.
+    """Return why a gesture file is invalid.
+
+    Empty if it is valid.
 
     Args:
-        text: the file.
-        present: what it would replace; None: nothing.
-        setup: what its gestures are planned with.
+        text: text of the file.
+        present: text of the file that would be overwritten, or None.
+        setup: setup for planning its gestures.
     """
     if present is not None and not _holds_gestures(present):
-        return "a file of this name is there and holds something else than gestures; give another name"
-    if (size := len(text.encode("utf-8", "surrogatepass"))) > MOST_BYTES:
-        return f"it has {size} bytes, at most {MOST_BYTES} are kept in a file of gestures; split it"
+        return "a file of this name exists and contains other data than gestures; choose another name"
+    if (size := len(text.encode("utf-8", "surrogatepass"))) > MAX_GESTURE_FILE_SIZE:
+        return f"it has {size} bytes, at most {MAX_GESTURE_FILE_SIZE} are allowed in a gesture file; split it"
     try:
-        if others := _other_tables(text):
-            return f"it has {others[0]}, and files of gestures have a category and tables [[gesture]] here"
+        if other_keys := _other_tables(text):
+            return f"it has {other_keys[0]}, but gesture files may contain only a category and tables [[gesture]]"
         forms, lexicon = read_gesture_file(text, setup)
-        known = replace(setup, lexicon=lexicon)
+        new_setup = replace(setup, lexicon=lexicon)
         for form in forms:
-            plan_alone(form, known)
+            plan_alone(form, new_setup)
     except (BmlError, ConfigError) as error:
-        return str(error).removeprefix(f"{NAMELESS}: ")
+        return str(error).removeprefix(f"{UNNAMED_PATH}: ")
     return ""
 
 
 def _holds_gestures(text: str) -> bool:
     try:
-        return bool(fit_schema(parse_tables(text, NAMELESS), GestureFile, NAMELESS).gesture) and not _other_tables(text)
+        return bool(
+            fit_schema(parse_tables(text, UNNAMED_PATH), GestureFile, UNNAMED_PATH).gesture
+        ) and not _other_tables(text)
     except ConfigError:
         return False
 
 
 def _other_tables(text: str) -> tuple[str, ...]:
-    """Names of tables that change more than the gestures of the file itself.
+    """Return names of top-level keys that gesture files must not have.
 
     Raises:
-        ConfigError: it is not TOML.
+        ConfigError: the text is not valid TOML.
     """
-    return tuple(parse_tables(text, NAMELESS).keys() - OWN)
+    return tuple(parse_tables(text, UNNAMED_PATH).keys() - ALLOWED_KEYS)

@@ -1,9 +1,8 @@
-"""A process that answers questions, so that neither the loop nor the thread of the clients ever waits for an answer.
+"""Helper processes that answer queries without blocking loop or clients.
 
-It is begun, spoken to and awaited by a thread of its own. Whatever it does, it has so much time and is then ended.
+A separate thread starts the process and waits for its answers. A process that exceeds its time limit is killed.
 """
 
-import os
 import pickle
 from asyncio import Task, create_task, get_running_loop, timeout
 from collections.abc import Callable, Coroutine
@@ -11,18 +10,18 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from enum import Enum
 from functools import partial
-from multiprocessing.connection import Connection
 from typing import Generic, TypeVar
 
-from kinesic.child import Child, child_context
-from kinesic.controller import perform
+from kinesic.child import Child, PipeEnd, child_context
+from kinesic.host import lower_priority
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner
 from kinesic.serve.renewal import renew_setup
 from kinesic.serve.wire.quotas import Quotas
+from kinesic.session import setup as session_setup
 
-NICE = 5  # behind the planner of what is performed
-START = 30.0  # [s] that setting up may take
+HELPER_NICENESS = 5  # niceness of helpers: lower priority than loop and planner
+SETUP_TIMEOUT = 30.0  # [s] time limit for the start of a helper process
 
 Q = TypeVar("Q")
 R = TypeVar("R")
@@ -31,25 +30,25 @@ Answer = Callable[[Q, Setup, Quotas], str]
 
 
 class Unanswered(Enum):
-    """Why a question has no answer."""
+    """Reason why a client's query was not answered."""
 
-    OUTDATED = "a later question took its place"
+    OUTDATED = "replaced by a later question"
     FAILED = "answering failed, or took too long"
 
 
 Reply = Callable[[str | Unanswered], None]
 
 
-def run_helper(make_setup: MakeSetup, line: Connection, answer: Answer[Q], rules: Quotas) -> None:
-    """Answers one question after the other until the server is gone.
+def run_helper(make_setup: MakeSetup, line: PipeEnd, answer: Answer[Q], rules: Quotas) -> None:
+    """Answer queries in sequence until the server ends.
 
     Args:
-        make_setup: makes what answers need.
-        line: to the server: says that it is ready, then questions come, and answers go back.
-        answer: finds the answer.
-        rules: for whoever asks.
+        make_setup: creates the setup for answers.
+        line: pipe to the server: a ready message is sent, then queries are received and answers sent.
+        answer: computes an answer.
+        rules: limits for clients.
     """
-    os.nice(NICE)
+    lower_priority(HELPER_NICENESS)
     setup = make_setup()
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):
         line.send_bytes(b"ready")
@@ -61,37 +60,42 @@ def run_helper(make_setup: MakeSetup, line: Connection, answer: Answer[Q], rules
 
 
 class Helper(Generic[Q]):
-    """Has questions answered one by one; of a client's that wait, only the newest."""
+    """Process that answers queries in sequence.
+
+    New ones replace a client's waiting ones.
+    """
 
     def __init__(self, make_setup: MakeSetup, answer: Answer[Q], rules: Quotas, *, name: str) -> None:
-        """Begins no process before the first question.
+        """Create a helper whose process starts at the first query.
 
         Args:
-            make_setup: makes what answers need, in the other process.
-            answer: finds an answer there.
-            rules: how long that may take.
-            name: of the process.
+            make_setup: creates the setup for answers, in the helper process.
+            answer: computes an answer, in the helper process.
+            rules: limits with the time for one answer.
+            name: name of the process.
         """
         self._make_setup, self._answer, self._rules, self._name = make_setup, answer, rules, name
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
-        self._process: tuple[Child, Connection] | None = None
-        self._waiting: dict[tuple[int, str], tuple[Q, Reply]] = {}  # by client and kind, those that asked first first
+        self._process: tuple[Child, PipeEnd] | None = None
+        self._waiting: dict[tuple[int, str], tuple[Q, Reply]] = {}  # by client and kind, in order of arrival
         self._task: Task[None] | None = None
-        self._is_outdated = False  # whether gestures were saved since its last question
+        self._is_outdated = False  # whether gestures were saved since the last query
 
     def warm_up(self) -> None:
-        """Begins the process, if there is none."""
+        """Start the helper process if it does not run."""
         if self._task is None or self._task.done():
             self._task = create_task(self._answer_all())
 
     def ask(self, client: int, question: Q, reply: Reply, *, kind: str = "") -> None:
-        """Takes a question; it goes to the place of an older one of this client's that still waits.
+        """Queue a query for the helper process.
+
+        It replaces a waiting one of the same client and kind.
 
         Args:
-            client: its number.
-            question: picklable.
-            reply: called with the answer, as soon as it is known.
-            kind: of the question; one of another kind takes no place.
+            client: number of the client.
+            question: picklable query.
+            reply: called with the answer.
+            kind: kind of the query; queries of other kinds are not replaced.
         """
         older = self._waiting.get((client, kind))
         self._waiting[client, kind] = question, reply
@@ -100,11 +104,14 @@ class Helper(Generic[Q]):
         self.warm_up()
 
     def renew(self) -> None:
-        """Has gestures read anew before the next question is answered."""
+        """Reload the gesture lexicon before the next answer."""
         self._is_outdated = True
 
     def close(self) -> None:
-        """Ends the process; nobody is answered any more."""
+        """End the helper process.
+
+        Waiting queries get no answer.
+        """
         self._waiting.clear()
         if self._task is not None:
             self._task.cancel()
@@ -113,49 +120,54 @@ class Helper(Generic[Q]):
 
     async def _answer_all(self) -> None:
         if not self._waiting:
-            await self._try(self._be_ready)
+            await self._try(self._connect)
         while self._waiting:
             question, reply = self._waiting.pop(next(iter(self._waiting)))
-            found = await self._try(partial(self._exchange, question))
-            reply(Unanswered.FAILED if found is None else found)
+            answer = await self._try(partial(self._exchange, question))
+            reply(Unanswered.FAILED if answer is None else answer)
 
-    async def _try(self, act: Callable[[], Coroutine[None, None, R]]) -> R | None:
-        """Ends a process that has died or takes too long; the next question begins another."""
+    async def _try(self, action: Callable[[], Coroutine[None, None, R]]) -> R | None:
+        """Await a process exchange, and kill the process on failure.
+
+        On failure or timeout, kill the process and return None.
+
+        The next query starts another process.
+        """
         try:
-            return await act()
+            return await action()
         except (TimeoutError, EOFError, OSError):
             self._end()
             return None
 
-    async def _be_ready(self) -> Connection:
+    async def _connect(self) -> PipeEnd:
         if self._process is None:
             self._process = await self._wait_for(self._begin)
-            async with timeout(START):
+            async with timeout(SETUP_TIMEOUT):
                 await self._wait_for(self._process[1].recv_bytes)
         return self._process[1]
 
     async def _exchange(self, question: Q) -> str:
-        line, is_renewed = await self._be_ready(), self._is_outdated
+        line, is_renewed = await self._connect(), self._is_outdated
         self._is_outdated = False
         async with timeout(self._rules.planning):
             return await self._wait_for(lambda: _exchange(line, (question, is_renewed)))
 
-    async def _wait_for(self, act: Callable[[], R]) -> R:
-        return await get_running_loop().run_in_executor(self._thread, act)
+    async def _wait_for(self, action: Callable[[], R]) -> R:
+        return await get_running_loop().run_in_executor(self._thread, action)
 
-    def _begin(self) -> tuple[Child, Connection]:
-        context = child_context(planner.__name__, perform.__name__, self._make_setup.__module__)
-        ours, theirs = context.Pipe()
-        work = (self._make_setup, theirs, self._answer, self._rules)
-        return Child(context, run_helper, *work, name=self._name), ours
+    def _begin(self) -> tuple[Child, PipeEnd]:
+        context = child_context(planner.__name__, session_setup.__name__, self._make_setup.__module__)
+        server_end, helper_end = context.Pipe()
+        arguments = (self._make_setup, helper_end, self._answer, self._rules)
+        return Child(context, run_helper, *arguments, name=self._name), server_end
 
     def _end(self) -> None:
-        """Ends the process, and with it whatever its thread waits for."""
+        """Kill the process, which also unblocks its thread."""
         if self._process is not None:
             self._process[0].kill(wait=False)
             self._process = None
 
 
-def _exchange(line: Connection, message: object) -> str:
+def _exchange(line: PipeEnd, message: object) -> str:
     line.send_bytes(pickle.dumps(message, pickle.HIGHEST_PROTOCOL))
     return line.recv_bytes().decode()

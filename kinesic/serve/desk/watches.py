@@ -1,4 +1,4 @@
-"""Tells clients again and again how the robot is: all of them together so often that nobody else waits for it."""
+"""Periodic telemetry for subscribed clients, with a limited total rate."""
 
 from asyncio import Task, create_task, sleep
 from collections.abc import Callable
@@ -7,64 +7,67 @@ from time import monotonic
 
 from msgspec.structs import asdict
 
-from kinesic.serve.desk.asker import Asker
+from kinesic.serve.desk.requester import Requester
 from kinesic.serve.messages import BodyReport
 from kinesic.serve.wire.protocol import json_answer
 
-MOST_RATE = 50.0  # [Hz] at which a client may watch
-MOST_REPORTS = 500.0  # [1/s] to all clients
-PAUSE = 0.005  # [s] between two looks at the robot
+MAX_WATCH_RATE = 50.0  # [Hz] maximum report rate of one client
+MAX_REPORT_RATE = 500.0  # [Hz] maximum report rate of all clients together
+MIN_POLL_PERIOD = 0.005  # [s] smallest pause between two rounds of telemetry reports
 
 
 @dataclass(eq=False)
-class _Watch:
-    """One client that watches."""
+class _Subscription:
+    """Telemetry subscription of one client."""
 
-    asker: Asker
+    requester: Requester
     period: float  # [s]
-    next: float  # [s] of the machine's monotonic clock
+    next: float  # [s] monotonic clock time of the next report
 
 
 class Watches:
-    """Who watches the robot, and how often; one task looks at it for all of them."""
+    """Telemetry subscriptions of all clients, served by one task."""
 
-    def __init__(self, look: Callable[[], BodyReport]) -> None:
-        """Begins with nobody.
+    def __init__(self, report_body: Callable[[], BodyReport]) -> None:
+        """Create an empty set of subscriptions.
 
         Args:
-            look: says how the robot is.
+            report_body: returns the current state of the robot.
         """
-        self._look = look
-        self._watches: dict[int, _Watch] = {}  # by client
+        self._report_body = report_body
+        self._subscriptions: dict[int, _Subscription] = {}  # by client
         self._task: Task[None] | None = None
 
-    def set(self, asker: Asker, rate: float) -> None:
-        """Has a client watch at a rate [Hz] from now on; 0: no longer."""
+    def set(self, requester: Requester, rate: float) -> None:
+        """Subscribe a client to joint states at a rate [Hz].
+
+        0 ends its subscription.
+        """
         if rate <= 0.0:
-            self._watches.pop(asker.number, None)
+            self._subscriptions.pop(requester.number, None)
             return
-        self._watches[asker.number] = _Watch(asker, 1.0 / min(rate, MOST_RATE), monotonic())
+        self._subscriptions[requester.number] = _Subscription(requester, 1.0 / min(rate, MAX_WATCH_RATE), monotonic())
         if self._task is None or self._task.done():
-            self._task = create_task(self._report())
+            self._task = create_task(self._send_reports())
 
     def close(self) -> None:
-        """Tells nobody any more."""
+        """End all subscriptions."""
         if self._task is not None:
             self._task.cancel()
 
-    async def _report(self) -> None:
-        while self._watches:
-            self._tell(monotonic())
-            earliest = min((watch.next for watch in self._watches.values()), default=0.0)
-            await sleep(max(PAUSE, earliest - monotonic()))
+    async def _send_reports(self) -> None:
+        while self._subscriptions:
+            self._send_due(monotonic())
+            earliest = min((subscription.next for subscription in self._subscriptions.values()), default=0.0)
+            await sleep(max(MIN_POLL_PERIOD, earliest - monotonic()))
 
-    def _tell(self, now: float) -> None:
-        due = [watch for watch in self._watches.values() if watch.next <= now]
-        message = json_answer("body", **asdict(self._look())) if due else ""
-        least = len(self._watches) / MOST_REPORTS
-        for watch in due:
-            if not watch.asker.is_there():
-                del self._watches[watch.asker.number]
+    def _send_due(self, now: float) -> None:
+        due = [subscription for subscription in self._subscriptions.values() if subscription.next <= now]
+        message = json_answer("body", **asdict(self._report_body())) if due else ""
+        min_period = len(self._subscriptions) / MAX_REPORT_RATE
+        for subscription in due:
+            if not subscription.requester.is_there():
+                del self._subscriptions[subscription.requester.number]
                 continue
-            watch.asker.send(message)
-            watch.next = max(watch.next + max(watch.period, least), now)
+            subscription.requester.send(message)
+            subscription.next = max(subscription.next + max(subscription.period, min_period), now)

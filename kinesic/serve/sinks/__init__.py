@@ -1,1 +1,1 @@
-"""Who performs for a server: the twin and servos in real time, and how servos are armed."""
+"""Real-time sinks of the server, and arming of servos."""

@@ -1,4 +1,7 @@
-"""Gives servos their torque, and takes it: for whoever shows the token and confirms that nobody is in the way."""
+"""Arming and disarming of servos by clients.
+
+Arming needs the token and a person's confirmation that the robot's workspace is clear.
+"""
 
 from asyncio import Task, create_task, sleep, to_thread
 from collections.abc import Awaitable
@@ -13,90 +16,105 @@ from kinesic.serve.loop import Loop
 from kinesic.serve.sinks.real_time import ServoSink
 from kinesic.serve.wire.protocol import Arm, Disarm, json_answer
 
-LASTS = 30.0  # [s] that somebody may take to confirm
-LETTERS = 8  # of a code, in bytes
-LOOK = 0.02  # [s] between two looks at whether it is at rest
-FOLDING = 10.0  # [s] that blocks may take to end before the servos fold by themselves
-BUSY = "torque is being given or taken; wait for the answer to that"
-NO_SERVOS = "this server drives no servos; start it with --on servos"
+CONFIRMATION_TIMEOUT = 30.0  # [s] time limit for a person to confirm that torque may be enabled
+CODE_SIZE = 8  # [bytes] size of a confirmation code
+ARMING_POLL_PERIOD = 0.02  # [s] between two checks of the servo state
+BLOCK_END_TIMEOUT = 10.0  # [s] time limit for blocks to end before the servos fold
+BUSY_REFUSAL = "a change of the torque is in progress; wait for its answer"
+NO_SERVOS_REFUSAL = "this server drives no servos; start it with --on servos"
 
 
 class ArmingClient(Protocol):
-    """A client, as far as it asks for torque."""
+    """Client that requests torque."""
 
     @property
     def number(self) -> int:
-        """Which it is."""
+        """Number of the client."""
 
     def send(self, message: str, /) -> None:
-        """Tells it something."""
+        """Send a message to the client."""
 
 
 class MotionControl(Protocol):
-    """Whoever performs, as far as torque is concerned."""
+    """Interface to the running motion, as needed for arming."""
 
     @property
-    def hindrance(self) -> str:
-        """Why no servo may be armed now; empty if one may."""
+    def arming_obstacle(self) -> str:
+        """Reason that prevents arming.
+
+        Empty if the servos may be armed.
+        """
 
     def interrupt(self, block: str | None) -> None:
-        """Ends all blocks softly."""
+        """End one block, or all, softly."""
 
 
 @dataclass(frozen=True)
 class _Challenge:
-    """What a client was asked to confirm."""
+    """Confirmation code sent to a client."""
 
     code: str
-    until: float  # [s] of the machine's monotonic clock
+    until: float  # [s] monotonic clock time
 
 
 class Arming:
-    """Who may give servos their torque: a client that repeats in time, with the token, the code that it was told."""
+    """Arming procedure with token and confirmation code.
+
+    A client must repeat the code it received, within a time limit and with the token.
+    """
 
     def __init__(self, loop: Loop, control: MotionControl) -> None:
-        """Nobody has asked yet."""
+        """Create an arming procedure without pending requests."""
         self._loop, self._control = loop, control
         self._challenges: dict[int, _Challenge] = {}  # by client
-        self._task: Task[None] | None = None  # gives torque, or takes it
+        self._task: Task[None] | None = None  # current change of the torque
 
     def arm(self, client: ArmingClient, request: Arm, *, trusted: bool) -> None:
-        """Asks a client to confirm, or arms the servos when it has; says why not, else.
+        """Send a confirmation code, arm after its confirmation, or refuse.
 
         Args:
-            client: whose request it is.
-            request: with the code of the confirmation, or without.
-            trusted: whether the token of this very message is right, or none is asked for.
+            client: sender of the request.
+            request: arm message, with the confirmation code or without.
+            trusted: whether this message contained the correct token, or none is required.
         """
         servos, confirmed = self._loop.servos, self._take_confirmation(client.number, request.code)
         if not trusted:
-            _refuse(client, request, "the token must come with this message: nobody else gives torque")
+            _refuse(client, request, "this message must contain the token")
         elif servos is None:
-            _refuse(client, request, NO_SERVOS)
-        elif why := self._find_hindrance(servos):
-            _refuse(client, request, why)
+            _refuse(client, request, NO_SERVOS_REFUSAL)
+        elif obstacle := self._find_arming_obstacle(servos):
+            _refuse(client, request, obstacle)
         elif request.code is None:
-            code = token_hex(LETTERS)
-            self._challenges[client.number] = _Challenge(code, monotonic() + LASTS)
-            client.send(json_answer("confirm", id=request.id, code=code, servos=len(servos.members), lasts=LASTS))
+            code = token_hex(CODE_SIZE)
+            self._challenges[client.number] = _Challenge(code, monotonic() + CONFIRMATION_TIMEOUT)
+            client.send(
+                json_answer("confirm", id=request.id, code=code, servos=len(servos.members), lasts=CONFIRMATION_TIMEOUT)
+            )
         elif not confirmed:
-            _refuse(client, request, f"not confirmed within {LASTS:.0f} s: send arm without code, and repeat its code")
+            _refuse(
+                client,
+                request,
+                f"not confirmed within {CONFIRMATION_TIMEOUT:.0f} s: send arm without code, and repeat its code",
+            )
         else:
             self._task = create_task(_answer(client, request, "armed", self._arm(servos)))
 
     def disarm(self, client: ArmingClient, request: Disarm) -> None:
-        """Ends all blocks, folds, and takes the torque; whoever may connect may ask for it."""
+        """End all blocks, fold to rest and disable the torque.
+
+        Any client that may connect may request this.
+        """
         servos = self._loop.servos
         if servos is None:
-            _refuse(client, request, NO_SERVOS)
+            _refuse(client, request, NO_SERVOS_REFUSAL)
         elif self._is_busy:
-            _refuse(client, request, BUSY)
+            _refuse(client, request, BUSY_REFUSAL)
         else:
             self._control.interrupt(None)
             self._task = create_task(_answer(client, request, "disarmed", self._disarm(servos)))
 
     def close(self) -> None:
-        """Begins nothing more."""
+        """Cancel an unfinished change of the servo torque."""
         if self._task is not None:
             self._task.cancel()
 
@@ -105,36 +123,44 @@ class Arming:
         return self._task is not None and not self._task.done()
 
     def _take_confirmation(self, number: int, code: str | None) -> bool:
-        """Whether this is what a client was asked to repeat; it counts once, right or wrong."""
-        now = monotonic()
-        self._challenges = {each: asked for each, asked in self._challenges.items() if asked.until > now}
-        asked = self._challenges.pop(number, None)
-        return asked is not None and code is not None and compare_digest(asked.code.encode(), code.encode())
+        """Return whether a code is the client's pending confirmation code.
 
-    def _find_hindrance(self, servos: ServoSink) -> str:
-        """Says why no servo may be armed now; empty if all may."""
+        Each code is valid once.
+
+        Any attempt, right or wrong, removes the pending code.
+        """
+        now = monotonic()
+        self._challenges = {client: code for client, code in self._challenges.items() if code.until > now}
+        challenge = self._challenges.pop(number, None)
+        return challenge is not None and code is not None and compare_digest(challenge.code.encode(), code.encode())
+
+    def _find_arming_obstacle(self, servos: ServoSink) -> str:
+        """Return the reason that prevents arming.
+
+        Empty if the servos may be armed.
+        """
         if self._is_busy:
-            return BUSY
-        return "the servos have their torque already" if servos.armed else self._control.hindrance
+            return BUSY_REFUSAL
+        return "the servos are armed already" if servos.armed else self._control.arming_obstacle
 
     async def _arm(self, servos: ServoSink) -> None:
         if servos.state == "ended":
             await to_thread(servos.revive)
         self._loop.arm()
-        while self._loop.is_alive() and not servos.armed:  # it does so at its next tick
-            await sleep(LOOK)
+        while self._loop.is_alive() and not servos.armed:  # the loop arms at its next tick
+            await sleep(ARMING_POLL_PERIOD)
 
     async def _disarm(self, servos: ServoSink) -> None:
-        until = monotonic() + FOLDING
-        while self._loop.is_alive() and not self._loop.settled() and monotonic() < until:
-            await sleep(LOOK)
+        until = monotonic() + BLOCK_END_TIMEOUT
+        while self._loop.is_alive() and not self._loop.is_settled() and monotonic() < until:
+            await sleep(ARMING_POLL_PERIOD)
         await to_thread(servos.disarm)
 
 
-async def _answer(client: ArmingClient, request: Arm | Disarm, done: str, deed: Awaitable[None]) -> None:
-    """Does something, and tells the client that it is done, or why it is not."""
+async def _answer(client: ArmingClient, request: Arm | Disarm, done: str, action: Awaitable[None]) -> None:
+    """Await a torque change and report the outcome to the client."""
     try:
-        await deed
+        await action
     except BusError as error:
         _refuse(client, request, str(error))
     else:

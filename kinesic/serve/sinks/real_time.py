@@ -1,4 +1,4 @@
-"""Drives sinks in real time: each gets its commands when it wants them."""
+"""Real-time sinks: commands are sent at their time or ahead of it."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -9,126 +9,140 @@ import numpy as np
 from msgspec.structs import replace
 
 from kinesic.body.arrays import Floats
-from kinesic.body.command import RATE, Command, Sink
+from kinesic.body.command import COMMAND_RATE, Command, Sink
 from kinesic.body.robot import Robot
-from kinesic.controller.learned_gains import Lesson
+from kinesic.controller.learned_gains import Identification
 from kinesic.controller.play import commands
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
 from kinesic.serve.messages import ServoHealth, ServoPlace, ServoState
-from kinesic.serve.sinks.leading import Leading
+from kinesic.serve.sinks.adaptive_feedforward import AdaptiveFeedForward
 from kinesic.serve.sinks.learner import ServoLearner
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.sim.twin import Twin
 
-SAME = 1e-6  # ticks
-AHEAD = 0.7  # [s] servos' supervisor lets time run when it has 0.5 s of commands
-Face = Callable[[float], Mapping[str, float]]  # action units at a time [s] of the clock
+MAX_POSITION_STEP = 1e-6  # [rad] position step below which two motions join smoothly
+MAX_VELOCITY_STEP = 1e-4  # [rad/s] velocity step below which two motions join smoothly
+MAX_ACCELERATION_STEP = 1e-1  # [rad/s^2] acceleration step below which two motions join smoothly
+TICK_TOLERANCE = 1e-6  # [ticks] rounding tolerance of command times
+SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor starts with 0.5 s
+Face = Callable[[float], Mapping[str, float]]  # action units at a clock time [s]
 
-KEPT = 1000  # commands after which a twin forgets what it measured
+LOG_CAPACITY = 1000  # number of commands after which recorded measurements are dropped
 
 
 @runtime_checkable
 class TimedSink(Protocol):
-    """A sink that owns the time."""
+    """Sink that provides the performance time."""
 
     def time(self, clock: float, /) -> float | None:
-        """[s] the performance's own time at one of the machine's monotonic clock [s]; None while it stands still."""
+        """Convert a monotonic clock time [s] to performance time [s].
+
+        None while it is undefined.
+        """
 
 
 @runtime_checkable
 class MeasuringSink(Protocol):
-    """A sink that knows where its joints are."""
+    """Sink that measures joint angles."""
 
-    def seen(self) -> tuple[float, Floats] | None:
-        """A time [s] of the clock and the angles (n,) [rad] then; None when there is nothing yet."""
+    def measurement(self) -> tuple[float, Floats] | None:
+        """Return clock time [s] and angles (n,) [rad] of the last measurement.
+
+        None if there is no measurement.
+        """
 
 
 @runtime_checkable
-class ConsentingSink(Protocol):
-    """A sink that may stop, and goes on only when a client consents."""
+class ResumableSink(Protocol):
+    """Sink that may hold until a client resumes it."""
 
-    def waits(self) -> bool:
-        """Whether it has stopped."""
+    def needs_resume(self) -> bool:
+        """Return whether the robot holds still until `resume`."""
 
     def resume(self) -> None:
-        """Lets it go on."""
+        """Resume the motion."""
 
 
 @runtime_checkable
-class TeachingSink(Protocol):
-    """A sink whose cycles tell how its servos are."""
+class TelemetrySink(Protocol):
+    """Sink that records servo cycles."""
 
-    def cycles(self) -> Iterable[Status]:
-        """Goals and angles of the cycles since the last call."""
+    def take_cycles(self) -> Iterable[Status]:
+        """Return setpoints and angles of all cycles since the last call."""
 
 
 @runtime_checkable
 class ServoSink(Protocol):
-    """A sink of servos, whose torque somebody may give and take."""
+    """Sink of servos whose torque can be enabled and disabled."""
 
     @property
     def armed(self) -> bool:
-        """Whether they follow, and own the time."""
+        """Whether the servos follow commands and provide the performance time."""
 
     @property
     def state(self) -> ServoState:
-        """What they do."""
+        """Operating state of the servos."""
 
     @property
     def members(self) -> tuple[ServoPlace, ...]:
-        """What each of them is."""
+        """Identity of each servo."""
 
     def health(self) -> ServoHealth:
-        """How they are."""
+        """Return the latest telemetry of the servos."""
 
     def arm(self) -> None:
-        """Lets them follow from now on."""
+        """Forward commands to the servos from now on."""
 
     def disarm(self) -> None:
-        """Folds and takes their torque, which takes seconds."""
+        """Fold and disable the torque, which takes seconds."""
 
     def revive(self) -> None:
-        """Opens them anew if nobody drives them, which may take a second."""
+        """Reopen the servos if their supervisor has ended.
+
+        May take a second.
+        """
 
 
 class RealTwin:
-    """A twin for a server: it forgets what it measured, and so lives without end."""
+    """Twin for a server, with bounded memory for unlimited run time."""
 
-    def __init__(self, robot: Robot, *, factors: Factors = NOMINAL) -> None:
-        """Begins at rest; the twin's servos are so far from the robot's description."""
+    def __init__(self, robot: Robot, *, factors: Factors = NOMINAL_FACTORS) -> None:
+        """Create a twin at rest with the given servo deviations."""
         self._twin, self._count, self._time = Twin(robot, factors=factors), 0, 0.0
-        self._cycles: deque[Status] = deque(maxlen=KEPT)
+        self._cycles: deque[Status] = deque(maxlen=LOG_CAPACITY)
 
     def write(self, command: Command, /) -> None:
-        """Follows one command."""
+        """Execute one command."""
         self._twin.write(command)
         self._count, self._time = self._count + 1, command.time
-        if self._count % KEPT == 0:
+        if self._count % LOG_CAPACITY == 0:
             self._twin.forget()
         angles, time = self._twin.positions(), command.time
         taken = np.full_like(angles, time)
-        self._cycles.append(Status(Stage.ACTIVE, time, time, 1.0, angles=angles, goals=command.goals, taken=taken))
+        self._cycles.append(
+            Status(Stage.ACTIVE, time, time, 1.0, angles=angles, setpoints=command.setpoints, taken=taken)
+        )
 
-    def cycles(self) -> tuple[Status, ...]:
-        """Goals and angles of the commands since the last call."""
-        found = tuple(self._cycles)
+    def take_cycles(self) -> tuple[Status, ...]:
+        """Return setpoints and angles of all commands since the last call."""
+        cycles = tuple(self._cycles)
         self._cycles.clear()
-        return found
+        return cycles
 
-    def seen(self) -> tuple[float, Floats]:
-        """The time of the last command, and where the joints were then."""
+    def measurement(self) -> tuple[float, Floats]:
+        """Return time [s] and joint angles [rad] of the last command."""
         return self._time, self._twin.positions()
 
     def close(self) -> None:
-        """Nothing to give back."""
+        """Close the twin."""
         self._twin.close()
 
 
 class RealTimeSink:
-    """Hands commands to a sink in time, and knows which is next."""
+    """Sender of commands to one sink at the required times."""
 
     def __init__(
         self,
@@ -136,62 +150,63 @@ class RealTimeSink:
         *,
         ahead: float = 0.0,
         delay: float = 0.0,
-        believed: Factors = NOMINAL,
+        estimate: Factors = NOMINAL_FACTORS,
         learner: ServoLearner | None = None,
     ) -> None:
-        """Begins at the clock's zero.
+        """Create a sender that starts at clock time zero.
 
         Args:
-            sink: closed with this.
-            ahead: [s] by which it wants commands before their time.
-            delay: [s] from a command's time until its goals arrive.
-            believed: how its servos are believed to be, by which goals lead.
-            learner: finds how they are from their first motion, which later goals lead by; None: nobody does.
+            sink: sink to drive; it is closed together with this object.
+            ahead: time [s] by which commands are sent in advance.
+            delay: time [s] from a command until its setpoints arrive.
+            estimate: initial estimate of the servo parameters for the feed-forward.
+            learner: identifies the servo parameters from the first motion; None keeps the initial estimate.
         """
         self.sink, self.ahead = sink, ahead
-        self.lesson: Lesson | None = None  # the last one
-        self._leading, self._learner = Leading(believed, delay=delay), learner
-        self._next = 0  # tick
+        self.lesson: Identification | None = None  # latest identification result
+        self._feedforward, self._learner = AdaptiveFeedForward(estimate, delay=delay), learner
+        self._next = 0  # tick of the next command
 
     def follow(self, motion: Trajectory, now: float, setup: Setup, face: Face) -> None:
-        """Hands on all commands that it wants at a time [s]."""
-        last = floor((now + self.ahead) * RATE + SAME)
+        """Send all commands that are due at a time [s]."""
+        last = floor((now + self.ahead) * COMMAND_RATE + TICK_TOLERANCE)
         if last < self._next:
             return
         self._learn()
-        times = np.arange(self._next, last + 1) / RATE
-        setpoints = self._leading.feedforward(setup, times).lead(motion, times)
+        times = np.arange(self._next, last + 1) / COMMAND_RATE
+        setpoints = self._feedforward.feedforward(setup, times).compute_setpoints(motion, times)
         for command in commands(motion, times, setpoints):
             self.sink.write(replace(command, face=face(command.time)))
         self._next = last + 1
 
     def close(self) -> None:
-        """Closes the sink, and learns no more."""
+        """Close the sink and its learner."""
         if self._learner is not None:
             self._learner.close()
         self.sink.close()
 
     def _learn(self) -> None:
-        """Looks at what the servos did, and leads what comes by what that has told."""
-        if self._learner is None or not isinstance(self.sink, TeachingSink):
+        """Pass new cycles to the learner and apply its result."""
+        if self._learner is None or not isinstance(self.sink, TelemetrySink):
             return
-        self._learner.see(self.sink.cycles())
+        self._learner.see(self.sink.take_cycles())
         lesson = self._learner.lesson()
         if lesson is not None:
             self.lesson = lesson
             if not lesson.why:
-                self._leading.change(lesson.believed, self._next / RATE)
+                self._feedforward.change(lesson.estimate, self._next / COMMAND_RATE)
 
     def repeat_from(self, cut: float) -> None:
-        """Resends commands from a time [s] on when the motion has changed; they replace those already sent."""
-        self._next = min(self._next, ceil(cut * RATE - SAME))
+        """Resend commands from a time [s] after a motion change."""
+        self._next = min(self._next, ceil(cut * COMMAND_RATE - TICK_TOLERANCE))
 
 
 def is_steady(old: Trajectory, new: Trajectory, time: float) -> bool:
-    """Whether a motion goes over into another at a time [s] of the clock without a step."""
-    at = np.array([time])
-    before, after = old.sample(at), new.sample(at)
-    return all(np.allclose(a, b, rtol=0.0, atol=most) for a, b, most in zip(before, after, STEPS, strict=True))
+    """Return whether one motion continues another smoothly at a clock time [s].
 
-
-STEPS = (1e-6, 1e-4, 1e-1)  # [rad], [rad/s], [rad/s^2] that nobody can see
+    Position, velocity and acceleration must agree.
+    """
+    times = np.array([time])
+    before, after = old.sample(times), new.sample(times)
+    tolerances = MAX_POSITION_STEP, MAX_VELOCITY_STEP, MAX_ACCELERATION_STEP
+    return all(np.allclose(a, b, rtol=0.0, atol=step) for a, b, step in zip(before, after, tolerances, strict=True))

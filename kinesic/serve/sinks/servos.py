@@ -1,4 +1,4 @@
-"""Servos as a sink of the server: their supervisor owns the time, and somebody may take and give their torque."""
+"""Sink for real servos, whose torque clients may enable and disable."""
 
 from collections import deque
 from collections.abc import Callable
@@ -12,74 +12,89 @@ from kinesic.controller.watch.servos import ServoWatch, WrittenPostures
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
-from kinesic.hardware.supervisor.state_machine import POWERED
+from kinesic.hardware.supervisor.state_machine import POWERED_STAGES
 from kinesic.serve.messages import ServoHealth, ServoPlace, ServoReport, ServoState
-from kinesic.serve.sinks.real_time import KEPT
+from kinesic.serve.sinks.real_time import LOG_CAPACITY
 
-DIGITS = 3  # of loads and voltages
+REPORT_DIGITS = 3  # decimal places of loads [-] and voltages [V]
 
 
 class RealServos:
-    """Servos, whose supervisor owns the time, and slows it where their errors leave too little clearance."""
+    """Servos whose supervisor provides the performance time.
+
+    A clearance watch slows the time where tracking errors reduce the clearance too much.
+    """
 
     def __init__(
-        self, open_servos: Callable[[], Servos], *, distances: Distances, least: float, armed: bool = True
+        self, open_servos: Callable[[], Servos], *, distances: Distances, min_clearance: float, armed: bool = True
     ) -> None:
-        """Opens the servos; none has torque before the first command.
+        """Open the servos.
+
+        Their torque is off before the first command.
 
         Args:
-            open_servos: opens them, also anew after their torque was taken.
-            distances: of the robot.
-            least: [m] clearance that it asks for.
-            armed: whether commands are handed on from the beginning; else they are dropped until `arm`.
+            open_servos: opens the servos; called again after each disarming.
+            distances: distances between the bodies of the robot.
+            min_clearance: minimum clearance [m].
+            armed: whether commands are forwarded from the beginning; otherwise they are dropped until `arm`.
 
         Raises:
-            BusError: they cannot be opened.
+            BusError: the servos cannot be opened.
         """
-        self._open_servos, self._distances, self._least = open_servos, distances, least
+        self._open_servos, self._distances, self._min_clearance = open_servos, distances, min_clearance
         self.servos, self.armed = open_servos(), armed
-        self._opening = Lock()  # held while they are given back and opened anew
-        self._cycles: deque[Status] = deque(maxlen=KEPT)
-        self._begin_watch()
+        self._opening = Lock()  # held while the servos are closed and reopened
+        self._cycles: deque[Status] = deque(maxlen=LOG_CAPACITY)
+        self._start_watch()
 
-    def _begin_watch(self) -> None:
+    def _start_watch(self) -> None:
         self._written = WrittenPostures()
-        self._watch = ServoWatch(self._written, self._distances, least=self._least)
+        self._watch = ServoWatch(self._written, self._distances, least=self._min_clearance)
 
     def write(self, command: Command, /) -> None:
-        """Hands one command on, if servos are to follow."""
+        """Forward one command if the servos are armed."""
         if self.armed:
             self._written.add(command)
             self.servos.write(command)
 
-    def seen(self) -> tuple[float, Floats] | None:
-        """When the supervisor measured last, and the angles then; None when it does not perform."""
+    def measurement(self) -> tuple[float, Floats] | None:
+        """Return time [s] and angles [rad] of the last measurement.
+
+        None if the servos do not perform.
+        """
         status = self.servos.state()
         return (status.time, status.angles) if status.stage.runs else None
 
     def health(self) -> ServoHealth:
-        """How all servos are together, and each of them, with torque or without."""
-        status, told = self.servos.state(), self.servos.telemetry()
-        each = (told.celsius, told.load.round(DIGITS), told.volts.round(DIGITS), told.errors, told.torque)
+        """Return the latest telemetry of all servos, with torque on or off."""
+        status, telemetry = self.servos.state(), self.servos.telemetry()
+        load, volts = telemetry.load.round(REPORT_DIGITS), telemetry.volts.round(REPORT_DIGITS)
+        columns = (telemetry.celsius, load, volts, telemetry.errors, telemetry.torque)
         return ServoHealth(
             angles=status.angles,
             hottest=status.hottest,
             volts=status.volts,
             faulty=status.faulty,
-            servos=ServoReport(self.state, *(tuple(figures.tolist()) for figures in each)),
+            servos=ServoReport(self.state, *(tuple(column.tolist()) for column in columns)),
         )
 
     @property
     def members(self) -> tuple[ServoPlace, ...]:
-        """What each servo is, in the order of the reports."""
+        """Identity of each servo, in the order of the reports."""
         return tuple(
-            ServoPlace(each.bus, each.id, each.hinge, each.model.name, each.model.starts(Register.TEMPERATURE_LIMIT))
-            for each in self.servos.members
+            ServoPlace(
+                servo.bus,
+                servo.id,
+                servo.hinge,
+                servo.model.name,
+                servo.model.factory_value(Register.TEMPERATURE_LIMIT),
+            )
+            for servo in self.servos.members
         )
 
     @property
     def state(self) -> ServoState:
-        """Whether servos follow, and what else they do."""
+        """Operating state of the servos."""
         if self._opening.locked():
             return "releasing"
         if not self.servos.running:
@@ -87,67 +102,77 @@ class RealServos:
         stage = self.servos.state().stage
         if not self.armed:
             return "limp"
-        return "armed" if stage in POWERED else "arming"
+        return "armed" if stage in POWERED_STAGES else "arming"
 
     def arm(self) -> None:
-        """Hands commands on from now on: the next one gives the servos torque."""
+        """Forward commands to the servos from now on.
+
+        The next command enables the torque.
+        """
         self.armed = True
 
     def disarm(self) -> None:
-        """Folds to rest and takes all torque; returns once the servos are open anew, and limp. It takes seconds.
+        """Fold to rest, disable all torque and reopen the servos.
+
+        This takes seconds. Afterwards the servos are open with torque off.
 
         Raises:
-            BusError: a limb is held, it is not sure that every servo is limp, or they cannot be opened anew.
+            BusError: a limb is held, torque may still be on, or the servos cannot be reopened.
         """
         with self._opening:
             self.armed = False
             self.servos.release()
             self.servos.close()
-            self._open_anew()
+            self._reopen()
 
     def revive(self) -> None:
-        """Opens servos anew whose supervisor has ended, without torque; it may take a second.
+        """Reopen servos whose supervisor has ended, with torque off.
+
+        This may take a second.
 
         Raises:
-            BusError: they cannot be opened.
+            BusError: the servos cannot be opened.
         """
         with self._opening:
             if not self.servos.running:
-                self._open_anew()
+                self._reopen()
 
-    def _open_anew(self) -> None:
+    def _reopen(self) -> None:
         self.servos = self._open_servos()
-        self._begin_watch()
+        self._start_watch()
 
     def time(self, clock: float, /) -> float | None:
-        """Time [s] of the performance by the supervisor, wherever it stands; None before there is one."""
+        """Return the performance time [s], or None before it starts."""
         history = self.servos.history()
         self._cycles.extend(history)
-        if self._watch.see(history):
+        if self._watch.ingest(history):
             self.servos.slow_to(self._watch.pace)
             if self._watch.over:
                 self.servos.stop()
         status = self.servos.state()
         return None if isnan(status.time) else status.time_at(clock)
 
-    def cycles(self) -> tuple[Status, ...]:
-        """Goals and angles of the supervisor's cycles since the last call."""
-        found = tuple(self._cycles)
+    def take_cycles(self) -> tuple[Status, ...]:
+        """Return setpoints and angles of all supervisor cycles since the last call."""
+        cycles = tuple(self._cycles)
         self._cycles.clear()
-        return found
+        return cycles
 
-    def waits(self) -> bool:
-        """Whether the servos hold until somebody consents, as they were out of hand for more than a second."""
+    def needs_resume(self) -> bool:
+        """Return whether the servos hold until `resume`, after a long interruption."""
         return self.servos.state().waits == "consent"
 
     def resume(self) -> None:
-        """Lets the servos go on, if they wait for that."""
-        if self.waits():
+        """Resume the servos if they hold."""
+        if self.needs_resume():
             self.servos.resume()
 
     def close(self) -> None:
-        """Waits until the robot has folded and is limp; nobody has to consent any more."""
+        """Fold the robot and disable the torque.
+
+        Servos that hold are released.
+        """
         with self._opening:
-            if self.waits():
+            if self.needs_resume():
                 self.servos.release()
             self.servos.close()

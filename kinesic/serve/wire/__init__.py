@@ -1,1 +1,1 @@
-"""How bytes of clients come and go: messages in them, transports, who may connect, and how much is read."""
+"""Transports, message framing, access control and quotas of client connections."""

@@ -1,34 +1,36 @@
-"""Shares out the server's time: a connection that sends little is read at once, those that send much take turns.
+"""Fair scheduling of reads between connections.
 
-Whoever waits for a turn is not read meanwhile, so that the system holds up the sender, and no flood costs more than a
-small share of a processor.
+A connection with little traffic is read at once; those with much traffic take turns. A waiting connection is not read,
+so that the operating system slows down its sender and a flood uses only a small fraction of the processor.
 """
 
 from asyncio import sleep
 
 from kinesic.serve.wire.quotas import TokenBucket
 
-TURN = 0.005  # [s] of waiting for each that waits: all of them together are read 200 times a second at most
+TURN_PERIOD = 0.005  # [s] delay of a read per waiting connection; bounds all reads to 200 per second
 
 
 class Pace:
-    """Says when each connection of a server is read; they share one."""
+    """Scheduler that divides reading time fairly between connections."""
 
     def __init__(self) -> None:
-        """Begins with nobody waiting."""
+        """Create a scheduler without waiting connections."""
         self._waiting = 0
 
     async def await_turn(self, bucket: TokenBucket) -> None:
-        """Waits until a connection may be read, the longer the more of them wait.
+        """Wait until a connection may be read.
+
+        The delay grows with the number of waiting connections.
 
         Args:
-            bucket: of the connection; with a token in it, it does not wait.
+            bucket: rate limit of the connection; there is no delay while it holds a token.
         """
         if bucket.take():
             return
         self._waiting += 1
         try:
-            await sleep(max(bucket.period, TURN * self._waiting))
-            bucket.empty()  # the tokens of the time that it waited would let a burst through after each turn
+            await sleep(max(bucket.period, TURN_PERIOD * self._waiting))
+            bucket.empty()  # tokens collected while waiting would allow a burst after each turn
         finally:
             self._waiting -= 1

@@ -1,4 +1,4 @@
-"""Files that the server shows to browsers, and what it lets their pages do."""
+"""Files for browsers and their security headers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,8 +9,8 @@ from types import MappingProxyType
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-# A page runs and shows what this server gives, talks to this server alone, and is no part of another page.
-POLICY = "; ".join(
+# A page uses only files of this server, connects only to this server, and cannot be embedded in another page.
+CONTENT_SECURITY_POLICY = "; ".join(
     (
         "default-src 'none'",
         "script-src 'self'",
@@ -26,9 +26,9 @@ POLICY = "; ".join(
 
 @dataclass(frozen=True)
 class WebFile:
-    """A file as a browser gets it."""
+    """Content of a file for browsers, with its media type."""
 
-    type: str  # of the Internet, such as text/css
+    type: str  # media type, such as text/css
     body: bytes
 
 
@@ -36,26 +36,29 @@ NO_FILES: Mapping[str, WebFile] = MappingProxyType({})
 
 
 def asks_for_file(request: Request) -> bool:
-    """Whether a request wants a file, and no WebSocket."""
+    """Return whether a request is for a file instead of a WebSocket."""
     return "Upgrade" not in request.headers
 
 
-def show_file(path: str, files: Mapping[str, WebFile]) -> Response:
-    """Answers a request for a file by its whole path; anything else is not found, whatever a disk may hold."""
+def file_response(path: str, files: Mapping[str, WebFile]) -> Response:
+    """Return the HTTP response for a path.
+
+    Only listed files are content.
+    """
     file = files.get(path.partition("?")[0])
     status = HTTPStatus.OK if file is not None else HTTPStatus.NOT_FOUND
-    found = file or WebFile("text/plain; charset=utf-8", b"there is no such page\n")
+    content = file or WebFile("text/plain; charset=utf-8", b"there is no such page\n")
     headers = Headers(
         [
             ("Date", formatdate(usegmt=True)),
             ("Connection", "close"),
-            ("Content-Length", str(len(found.body))),
-            ("Content-Type", found.type),
+            ("Content-Length", str(len(content.body))),
+            ("Content-Type", content.type),
             ("Cache-Control", "no-cache"),
-            ("Content-Security-Policy", POLICY),
+            ("Content-Security-Policy", CONTENT_SECURITY_POLICY),
             ("Cross-Origin-Resource-Policy", "same-origin"),
             ("Referrer-Policy", "no-referrer"),
             ("X-Content-Type-Options", "nosniff"),
         ]
     )
-    return Response(status.value, status.phrase, headers, found.body)
+    return Response(status.value, status.phrase, headers, content.body)

@@ -1,120 +1,127 @@
-"""Messages as bytes: how they are told apart in a stream, and those that are not BML.
+"""Message framing and control messages of clients.
 
-A message is UTF-8 text that ends with a NUL byte, which no XML and no JSON contains; on a WebSocket it is one message.
-Text that begins with `{` and has a key `do` is a control message, anything else is a document, or a plain text where
-these are allowed.
+A message is UTF-8 text that ends with a NUL byte, which neither XML nor JSON contains; on a WebSocket it is one
+WebSocket message. Text that begins with `{` and has a key `do` is a control message. Anything else is a document, or
+plain text where that is allowed.
 """
 
 import msgspec
 from msgspec import Struct
 
+from kinesic.bml.reading.wrapping import find_root, is_wrapped
 from kinesic.serve.wire.questions import LONG_VERBS, Question
 
-END = b"\0"
-MOST_CONTROL = 4096  # [bytes] of a control message that carries no document
-BLANK = b" \t\r\n\xef\xbb\xbf"  # may stand around a message
+MESSAGE_END = b"\0"  # byte that terminates a message in a byte stream
+MAX_CONTROL_SIZE = 4096  # [bytes] largest control message without a document
+BLANK_BYTES = b" \t\r\n\xef\xbb\xbf"  # whitespace bytes around a message, with the UTF-8 byte order mark
 
 
 class MessageFramer:
-    """Cuts a stream into messages, whatever pieces it comes in."""
+    """Splitter of a byte stream into messages."""
 
-    def __init__(self, most: int) -> None:
-        """Begins within no message, for messages of so many bytes at most."""
-        self._most = most
+    def __init__(self, max_size: int) -> None:
+        """Create an empty splitter for messages up to a size in bytes."""
+        self._max_size = max_size
         self._rest = bytearray()
 
     @property
     def is_midway(self) -> bool:
-        """Whether a message has begun and not ended."""
+        """Whether a message is incomplete."""
         return bool(self._rest)
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Takes bytes, and gives the messages that they complete, without those that are empty.
+        """Add bytes and return the completed messages, without empty ones.
 
         Raises:
-            ValueError: one is longer than it may be.
+            ValueError: a message exceeds the size limit.
         """
-        *ends, rest = data.split(END)
-        whole = []
+        *ends, rest = data.split(MESSAGE_END)
+        messages = []
         for end in ends:
             self._add(end)
             if self._rest:
-                whole.append(bytes(self._rest))
+                messages.append(bytes(self._rest))
             self._rest.clear()
         self._add(rest)
-        return whole
+        return messages
 
     def _add(self, piece: bytes) -> None:
-        self._rest += piece if self._rest else piece.lstrip(BLANK)
-        if len(self._rest) > self._most:
-            raise ValueError(f"a message has {len(self._rest)} bytes or more, at most {self._most} are read: split it")
+        self._rest += piece if self._rest else piece.lstrip(BLANK_BYTES)
+        if len(self._rest) > self._max_size:
+            raise ValueError(
+                f"a message has {len(self._rest)} bytes or more, at most {self._max_size} are read: split it"
+            )
 
 
 class Hello(Struct, tag="hello", tag_field="do", forbid_unknown_fields=True):
-    """The first message where a token is asked for."""
+    """First message of a client if a token is required."""
 
-    token: str
+    token: str  # token of `--token-file` or `KINESIC_TOKEN`
 
 
 class Stop(Struct, tag="stop", tag_field="do", forbid_unknown_fields=True):
-    """Emergency stop: comes to rest in the least time and takes no block until `resume`."""
+    """Emergency stop: decelerate in minimum time and refuse blocks until `resume`."""
 
 
 class StopLineRequest(Struct, tag="stop_line", tag_field="do", forbid_unknown_fields=True):
-    """Makes this connection one that only stops the robot, past all other clients."""
+    """Request to turn this connection into an emergency-stop line."""
 
 
 class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
-    """Back to rest after a stop; blocks are taken again."""
+    """Request to return to rest after a stop and accept blocks again."""
 
 
 class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True):
-    """Ends a block, or all of them, softly."""
+    """Request to end one block or all blocks softly."""
 
-    block: str | None = None
+    block: str | None = None  # id of the block; without it all blocks
 
 
 class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
-    """Changes the style of what plays and what comes."""
+    """Request to change the style of running and future blocks."""
 
-    style: str | None = None  # name
-    set: tuple[str, ...] = ()  # NAME=VALUE, as the command line's --set
-    amount: float | None = None  # of movements, 0..1
-    block: str | None = None  # of this block alone
+    style: str | None = None  # name of a style
+    set: tuple[str, ...] = ()  # NAME=VALUE, as in the option --set
+    amount: float | None = None  # amount of movement, 0..1
+    block: str | None = None  # id of the only block to change
 
 
 class SpokenWords(Struct, tag="words", tag_field="do", forbid_unknown_fields=True):
-    """Words that are said as their phrases are whole, with gestures that fit them."""
+    """Streamed text that is spoken phrase by phrase with fitting gestures."""
 
-    text: str = ""
-    ends: bool = False  # whether no more follow
-    instead: bool = False  # whether they take the place of all that is not said yet
+    text: str = ""  # next piece of the text, with its spaces
+    ends: bool = False  # whether the text is complete
+    instead: bool = False  # whether it replaces all unspoken words
+    style: str = ""  # name of the style of its phrases; empty: that of the server
 
 
 class Arm(Struct, tag="arm", tag_field="do", forbid_unknown_fields=True):
-    """Asks to give servos their torque; with `code`, a person has confirmed that nobody is in the way."""
+    """Request to enable the servo torque.
 
-    token: str | None = None
-    code: str | None = None  # that the server has told for this
-    id: int = 0
+    With `code`, a person has confirmed that the robot's workspace is clear.
+    """
+
+    token: str | None = None  # token, if the server requires one
+    code: str | None = None  # confirmation code from the server
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class Disarm(Struct, tag="disarm", tag_field="do", forbid_unknown_fields=True):
-    """Ends all blocks, folds to rest and takes the torque of all servos."""
+    """Request to end all blocks, fold to rest and disable all torque."""
 
-    id: int = 0
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
-    """Asks for the status."""
+    """Request for the server status."""
 
-    id: int = 0  # of the question, in its answer; 0: it has none
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
-    """Asks for a sign of life."""
+    """Request for a sign of life."""
 
-    id: str = ""
+    id: str = ""  # repeated in the answer
 
 
 Torque = Arm | Disarm
@@ -141,38 +148,42 @@ _controls = msgspec.json.Decoder(Control)
 _verbs = msgspec.json.Decoder(_Verb)
 
 
-def control(message: bytes) -> Control | None:
-    """Reads a control message; None for a document.
+def read_control(message: bytes) -> Control | None:
+    """Decode a control message.
+
+    Return None for a document.
 
     Raises:
-        ValueError: it is one, and wrong; what would have worked.
+        ValueError: the control message is invalid; the text names valid values.
     """
-    text = message.strip(BLANK)
+    text = message.strip(BLANK_BYTES)
     if not text.startswith(b"{"):
         return None
     try:
         verb = _verbs.decode(text).do
     except (msgspec.DecodeError, UnicodeDecodeError):
         return None
-    if len(text) > MOST_CONTROL and verb not in LONG_VERBS:
+    if len(text) > MAX_CONTROL_SIZE and verb not in LONG_VERBS:
         return None
     try:
-        found: Control = _controls.decode(text)
+        request: Control = _controls.decode(text)
     except msgspec.ValidationError as error:
-        raise ValueError(f"{error}; see docs/serve.md for what may be done") from None
-    return found
+        raise ValueError(f"{error}; see docs/reference/wire-protocol.md for the control messages") from None
+    return request
 
 
 def is_text(message: bytes) -> bool:
-    """Whether a message is neither XML nor JSON."""
-    return not message.lstrip(BLANK).startswith((b"<", b"{", b"["))
+    """Return whether a message is text or SSML to speak, without BML or JSON in it."""
+    if message.lstrip(BLANK_BYTES).startswith((b"<", b"{", b"[")):
+        return find_root(message) == "speak"
+    return not is_wrapped(message) or find_root(message) == "speak"
 
 
 def stop_failure(error: Exception) -> str:
-    """Writes the answer to a stop that may not have been made."""
+    """Encode the answer to a stop that may have failed."""
     return json_answer("failed", why=f"the robot may not stop ({error}): use the switch that cuts the power")
 
 
-def json_answer(what: str, **values: object) -> str:
-    """Writes an answer that is not BML, as JSON."""
-    return msgspec.json.encode({"told": what} | values).decode()
+def json_answer(kind: str, **values: object) -> str:
+    """Encode a non-BML answer as JSON."""
+    return msgspec.json.encode({"told": kind} | values).decode()

@@ -1,4 +1,4 @@
-"""Messages that ask and move nothing: where a hand can go, what a document would become, how the robot is."""
+"""Client queries that move nothing on the robot: reach, plans, files, telemetry."""
 
 from typing import Annotated, Literal
 
@@ -6,76 +6,83 @@ from msgspec import Meta, Struct
 
 Length = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [m]
 Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
-Place = tuple[Length, Length, Length]  # in the world
-Format = Literal["npz", "csv", "bap", "wav", "glb"]  # of a file: motion, voice, a scene
+Place = tuple[Length, Length, Length]  # [m] in world coordinates
+Format = Literal["npz", "csv", "bap", "wav", "glb"]  # file format of a motion, a voice or a scene
 LONG_VERBS = frozenset(
     {"plan", "export", "gesture", "save", "words"}
-)  # whose messages carry documents or texts, and may be as long as one
+)  # verbs of messages with documents or texts, which may be as long as a document
 
 
 class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):
-    """Asks for the posture that brings a hand, or another part of the body, to a place."""
+    """Request for the posture that brings a body part to a position."""
 
-    target: Place
-    side: Literal["left", "right"] = "right"
-    part: Literal["hand", "elbow", "trunk", "gaze"] = "hand"
-    posture: tuple[Angle, ...] | None = None  # [rad] from which it starts, in joint order; None: rest
-    id: int = 0  # of the question, in its answer
+    target: Place  # [m] position in the world
+    side: Literal["left", "right"] = "right"  # arm of a hand or elbow
+    part: Literal["hand", "elbow", "trunk", "gaze"] = "hand"  # body part that reaches, or looks at, the target
+    posture: tuple[Angle, ...] | None = None  # [rad] start posture in joint order; None: rest
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class PlanQuestion(Struct, tag="plan", tag_field="do", forbid_unknown_fields=True):
-    """Asks what a document would become."""
+    """Request for the plan of a document."""
 
-    bml: str
-    set: tuple[str, ...] = ()  # NAME=VALUE of the style, as the command line's --set
-    id: int = 0
+    bml: str  # document
+    set: tuple[str, ...] = ()  # style changes NAME=VALUE, as in the option --set
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class ExportQuestion(Struct, tag="export", tag_field="do", forbid_unknown_fields=True):
-    """Asks for a document's performance as a file of another program."""
+    """Request for the performance of a document as a file."""
 
-    bml: str
-    format: Format
-    set: tuple[str, ...] = ()  # NAME=VALUE of the style
-    id: int = 0
+    bml: str  # document
+    format: Format  # file format
+    set: tuple[str, ...] = ()  # style changes NAME=VALUE
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class GestureQuestion(Struct, tag="gesture", tag_field="do", forbid_unknown_fields=True):
-    """Asks what a gesture would look like alone, or for the file of one of our own."""
+    """Request for the plan or the TOML file of a single gesture."""
 
-    toml: str | None = None  # a file of gestures, of which the first is planned
-    lexeme: str | None = None  # whose file is asked for instead
-    set: tuple[str, ...] = ()  # NAME=VALUE of the style
-    id: int = 0
+    toml: str | None = None  # gesture file whose first gesture is planned
+    lexeme: str | None = None  # id of a built-in gesture whose file is returned instead
+    set: tuple[str, ...] = ()  # style changes NAME=VALUE
+    id: int = 0  # repeated in the answer; 0: no id
+
+
+class FindQuestion(Struct, tag="find", tag_field="do", forbid_unknown_fields=True):
+    """Request for the gestures that match some words, the best first."""
+
+    words: Annotated[str, Meta(max_length=200)]  # words for the meaning of a gesture, in English
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class WatchRequest(Struct, tag="watch", tag_field="do", forbid_unknown_fields=True):
-    """Asks for the state of the robot, again and again."""
+    """Request for periodic reports of the robot state."""
 
-    rate: float = 20.0  # [Hz]; 0: no longer
+    rate: float = 20.0  # [Hz]; 0 ends the subscription
 
 
 class ServosQuestion(Struct, tag="servos", tag_field="do", forbid_unknown_fields=True):
-    """Asks which servos there are, in the order in which `body` tells how they are."""
+    """Request for the list of servos, ordered as in `body` reports."""
 
-    id: int = 0
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True):
-    """Asks to keep a document in the folder that the server was given."""
+    """Request to save a document in the server's document folder."""
 
-    name: str  # of the file, without a folder
-    text: str
-    id: int = 0
+    name: str  # file name without a folder
+    text: str  # content of the file
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True):
-    """Asks for a document of that folder, or for the names of all."""
+    """Request for a document of the folder, or for all document names."""
 
-    name: str | None = None
-    id: int = 0
+    name: str | None = None  # file name; without it the answer lists all names
+    id: int = 0  # repeated in the answer; 0: no id
 
 
 BodyQuestion = ReachQuestion | WatchRequest | ServosQuestion
-DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | SaveRequest | OpenRequest
+DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | SaveRequest | OpenRequest
 Question = BodyQuestion | DocumentQuestion

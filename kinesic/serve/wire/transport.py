@@ -1,7 +1,7 @@
-"""Byte transports: TCP, and standard input and output, whose messages end with NUL.
+"""Byte transports over TCP and over standard input and output.
 
-The other end of a connection may be slow, but not for ever. Of standard input the last document may end with the
-input.
+Messages end with NUL. Reads and writes have time limits, so that a slow client cannot block for ever. On standard
+input, the end of the input also ends the last document.
 """
 
 import json
@@ -15,66 +15,72 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import suppress
 from threading import Thread
 
-from kinesic.serve.wire.protocol import END, MessageFramer, json_answer
+from kinesic.serve.wire.protocol import MESSAGE_END, MessageFramer, json_answer
 from kinesic.serve.wire.quotas import Quotas
 
-CHUNK = 65_536  # [bytes] read at once
-UNKNOWN = 8192  # [bytes] read of a client before it is admitted
-DISCARD = 0.05  # [s] between two chunks that are thrown away
-LINGER = 1.0  # [s] in which a client may read what was said last, while what it still says is thrown away
+CHUNK_SIZE = 65_536  # [bytes] largest read from a connection
+UNADMITTED_READ_LIMIT = 8192  # [bytes] total data that a client may send before it is admitted
+DISCARD_PERIOD = 0.05  # [s] time between two discarded chunks of data
+LINGER_TIMEOUT = 1.0  # [s] time for a client to read the last messages, while its own data is discarded
 
 
 class HalfError(EOFError):
-    """The connection ended, or came to a halt, within a message."""
+    """Connection loss or timeout before a message was complete."""
 
 
 class OverlongError(ValueError):
-    """A client has said more than it may."""
+    """Data from a client beyond its size limit."""
 
 
 class Transport:
-    """Bytes to and from a client, each within some time, and read no faster than it may send."""
+    """Byte connection to a client with time and rate limits."""
 
     def __init__(self, connection: socket.socket, patience: float, await_turn: Callable[[], Awaitable[None]]) -> None:
-        """Takes over a connection, of which little is read until it is admitted.
+        """Wrap an open byte connection to a client.
+
+        Reads are limited until the client is admitted.
 
         Args:
-            connection: to the client; does not block.
-            patience: how long is waited for it [s].
-            await_turn: waits until it may be read.
+            connection: non-blocking socket of the client.
+            patience: timeout of reads and writes [s].
+            await_turn: waits until the connection may be read.
         """
         self._socket, self._patience, self._await_turn = connection, patience, await_turn
         self._loop, self._writing = get_running_loop(), Lock()
-        self._left: int | None = UNKNOWN  # [bytes] that are still read; None: any number
+        self._left: int | None = UNADMITTED_READ_LIMIT  # [bytes] that may still be read; None: no limit
 
     def admit(self) -> None:
-        """Lets the client say as much as it likes."""
+        """Remove the limit on received bytes once the client is admitted."""
         self._left = None
 
     async def read(self, *, hurry: bool) -> bytes:
-        """Reads what comes next; nothing at the end.
+        """Read the next bytes.
+
+        Return empty bytes at the end.
 
         Args:
-            hurry: whether it must come soon.
+            hurry: whether the time limit applies.
 
         Raises:
-            HalfError: it must, and does not.
-            OverlongError: the client has said too much before it was admitted.
+            HalfError: no data arrived within the time limit.
+            OverlongError: the client exceeded the read limit before it was admitted.
         """
         if self._left == 0:
-            raise OverlongError(f"at most {UNKNOWN} bytes are read of a client that has not shown the token")
+            raise OverlongError(f"at most {UNADMITTED_READ_LIMIT} bytes are read from a client without the token")
         try:
             async with timeout(self._patience if hurry else None):
                 await self._await_turn()
-                data = await self._loop.sock_recv(self._socket, CHUNK if self._left is None else self._left)
+                data = await self._loop.sock_recv(self._socket, CHUNK_SIZE if self._left is None else self._left)
         except TimeoutError:
-            raise HalfError(f"nothing came for {self._patience:g} s") from None
+            raise HalfError(f"no data arrived for {self._patience:g} s") from None
         if self._left is not None:
             self._left -= len(data)
         return data
 
     async def write(self, pieces: Iterable[bytes]) -> None:
-        """Sends pieces, of which an empty one says that no other follows.
+        """Send byte strings.
+
+        An empty one ends the sending side.
 
         Raises:
             TimeoutError: the client does not read.
@@ -87,54 +93,54 @@ class Transport:
                     self._socket.shutdown(socket.SHUT_WR)
 
     async def close(self) -> None:
-        """Ends the connection: this side at once, the other when the client does, or soon.
+        """End the connection after unread data of the client is discarded.
 
-        A connection that is closed while something of the client's is unread is reset, and the client may never read
-        why it was closed.
+        Sending ends at once, receiving when the client ends it or after a short time. A connection that is closed with
+        unread data is reset, and the client might never read the reason.
         """
         with suppress(OSError):
             self._socket.shutdown(socket.SHUT_WR)
-            async with timeout(min(LINGER, self._patience)):
-                while await self._loop.sock_recv(self._socket, CHUNK):
-                    await sleep(DISCARD)
+            async with timeout(min(LINGER_TIMEOUT, self._patience)):
+                while await self._loop.sock_recv(self._socket, CHUNK_SIZE):
+                    await sleep(DISCARD_PERIOD)
         self._socket.close()
 
 
 class Stream:
-    """Messages over a stream of bytes."""
+    """Message connection over a byte stream."""
 
     lingers = True
 
-    def __init__(self, line: Transport, first: bytes, most: int) -> None:
-        """Takes over a connection.
+    def __init__(self, line: Transport, first: bytes, max_size: int) -> None:
+        """Wrap an open byte transport to a client.
 
         Args:
-            line: to the client.
-            first: what has been read already.
-            most: how long a message may be [bytes].
+            line: transport to the client.
+            first: bytes that were read already.
+            max_size: maximum message size [bytes].
         """
-        self._line, self._first, self._frames = line, first, MessageFramer(most)
-        self._whole = deque[bytes]()  # messages that were read and not taken yet
+        self._line, self._first, self._frames = line, first, MessageFramer(max_size)
+        self._complete_messages = deque[bytes]()  # complete messages that were not yielded yet
 
     def move(self, line: Transport) -> None:
-        """Goes on over another transport of the same connection."""
+        """Continue over another transport of the same connection."""
         self._line = line
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
-        """Messages as they come, until the client ends its side.
+        """Yield messages until the client ends its side.
 
         Args:
-            hurry: whether the client has to say something soon.
+            hurry: returns whether the next message has a time limit.
 
         Raises:
-            ValueError: a message is too long.
-            HalfError: one has begun and does not end.
+            ValueError: a message exceeds the size limit.
+            HalfError: the connection ended or stalled within a message.
         """
         data, self._first = self._first, b""
         while True:
-            self._whole.extend(self._frames.feed(data))
-            while self._whole:
-                yield self._whole.popleft()
+            self._complete_messages.extend(self._frames.feed(data))
+            while self._complete_messages:
+                yield self._complete_messages.popleft()
             data = await self._line.read(hurry=self._frames.is_midway or hurry())
             if not data:
                 break
@@ -142,84 +148,92 @@ class Stream:
             raise HalfError("the connection ended")
 
     async def send(self, message: str) -> None:
-        """Sends a message.
+        """Send a message.
 
         Raises:
             TimeoutError: the client does not read.
         """
-        await self._line.write([message.encode() + b"\n" + END])
+        await self._line.write([message.encode() + b"\n" + MESSAGE_END])
 
     async def close(self, code: int, why: str) -> None:
-        """Says why, and ends the connection."""
+        """Send the reason and end the connection."""
         if why:
             await self.send(json_answer("closed", code=code, why=why))
         await self._line.close()
 
 
 class Console:
-    """Messages over standard input and output."""
+    """Message connection over standard input and output."""
 
     lingers = True
 
     def __init__(self, rules: Quotas) -> None:
-        """Begins to read in a thread, since a file or terminal cannot be waited for."""
+        """Start a reader thread, because files and terminals cannot be awaited."""
         self._frames, self._reader = MessageFramer(rules.message), StreamReader()
         self._loop = get_running_loop()
         Thread(target=self._read, name="stdin", daemon=True).start()
 
     async def messages(self, _hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
-        """Messages as they come, until the input ends.
+        """Yield messages until the input ends.
 
         Raises:
-            ValueError: a message is too long.
+            ValueError: a message exceeds the size limit.
         """
-        while data := await self._reader.read(CHUNK):
+        while data := await self._reader.read(CHUNK_SIZE):
             for message in self._frames.feed(data):
                 yield message
-        for message in self._frames.feed(END):
+        for message in self._frames.feed(MESSAGE_END):
             yield message
 
     async def send(self, message: str) -> None:
-        """Prints a message; one line each."""
+        """Print a message on one line."""
         await to_thread(self._print, message)
 
     async def close(self, _code: int, _why: str) -> None:
-        """Nothing to close."""
+        """Do nothing.
+
+        Standard output stays open.
+        """
 
     def _print(self, message: str) -> None:
         sys.stdout.write(message + "\n")
         sys.stdout.flush()
 
     def _read(self) -> None:
-        while data := os.read(sys.stdin.fileno(), CHUNK):
-            self._loop.call_soon_threadsafe(self._reader.feed_data, data)
-        self._loop.call_soon_threadsafe(self._reader.feed_eof)
+        """Pass on the input until it ends or the event loop is closed."""
+        with suppress(RuntimeError):  # raised by a closed event loop: the server has ended before its input
+            while data := os.read(sys.stdin.fileno(), CHUNK_SIZE):
+                self._loop.call_soon_threadsafe(self._reader.feed_data, data)
+            self._loop.call_soon_threadsafe(self._reader.feed_eof)
 
 
 class WordConsole(Console):
-    """Words over standard input, as they come; the last ones with its end."""
+    """Console that sends its input as streamed text."""
 
     def __init__(self, rules: Quotas, show: Callable[[str], None]) -> None:
-        """Begins to read.
+        """Start reading standard input.
 
         Args:
-            rules: how many messages a second it may make of them.
-            show: is given what comes back, one message after the other.
+            rules: limits with the maximum message rate.
+            show: called with each answer of the server.
         """
         super().__init__(rules)
         self._pause, self._show = 1.0 / rules.rate, show
 
     async def messages(self, _hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
-        """Words as control messages, until the input ends; what comes at once is one message."""
-        letters = getincrementaldecoder("utf-8")("replace")
-        while data := await self._reader.read(CHUNK):
-            yield _words(letters.decode(data))
+        """Yield the input as control messages until it ends.
+
+        Text that arrives at once becomes one message.
+        """
+        decoder = getincrementaldecoder("utf-8")("replace")
+        while data := await self._reader.read(CHUNK_SIZE):
+            yield _words_message(decoder.decode(data))
             await sleep(self._pause)
-        yield _words(letters.decode(b"", final=True), ends=True)
+        yield _words_message(decoder.decode(b"", final=True), ends=True)
 
     def _print(self, message: str) -> None:
         self._show(message)
 
 
-def _words(text: str, **more: bool) -> bytes:
-    return json.dumps({"do": "words", "text": text} | more).encode()
+def _words_message(text: str, **flags: bool) -> bytes:
+    return json.dumps({"do": "words", "text": text} | flags).encode()

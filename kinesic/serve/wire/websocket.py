@@ -1,4 +1,4 @@
-"""A client by WebSocket: one message is one message."""
+"""WebSocket connections of clients."""
 
 from asyncio import sleep
 from collections import deque
@@ -11,39 +11,39 @@ from websockets.protocol import Event, State
 from websockets.server import ServerProtocol
 
 from kinesic.serve.wire.origin import Access, Rejection, find_rejection
-from kinesic.serve.wire.pages import NO_FILES, WebFile, asks_for_file, show_file
+from kinesic.serve.wire.pages import NO_FILES, WebFile, asks_for_file, file_response
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
 
-BEARER = "Bearer "
-PIECE = 2048  # [bytes] parsed at once, which may be hundreds of frames
-DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
+BEARER_PREFIX = "Bearer "  # text before the token in the Authorization header
+PARSE_SIZE = 2048  # [bytes] data parsed before other tasks run; may contain hundreds of frames
+DATA_OPCODES = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)  # frame types with message data
 
 
 class WebSocket:
-    """Messages over a WebSocket, whose protocol is that of the library `websockets`."""
+    """Message connection over a WebSocket, based on the `websockets` library."""
 
     lingers = False
 
     def __init__(self, line: Transport, first: bytes, rules: Quotas) -> None:
-        """Takes over a connection whose request is still to be read.
+        """Wrap a connection whose HTTP request is not complete yet.
 
         Args:
-            line: to the client.
-            first: what has been read already.
-            rules: how long a message may be, and in how many fragments.
+            line: transport to the client.
+            first: bytes that were read already.
+            rules: limits for message size and fragments.
         """
         self._line, self._rules = line, rules
         self._frames = TokenBucket(rules.fragments / 2, rules.fragments)
         self._protocol = ServerProtocol(max_size=rules.message)
         self._protocol.receive_data(first)
-        self._unread = b""  # what the client has said and is still to be parsed
-        self._events = deque[Event]()  # that were parsed and not looked at yet
-        self._pieces: list[bytes] = []  # of the message that has begun
-        self._half = False  # a message has begun and not ended
+        self._unread = b""  # received bytes that are not parsed yet
+        self._events = deque[Event]()  # parsed events that are not handled yet
+        self._pieces: list[bytes] = []  # of the incomplete message
+        self._is_midway = False  # whether a message is incomplete
 
     def move(self, line: Transport) -> None:
-        """Goes on over another transport of the same connection."""
+        """Continue over another transport of the same connection."""
         self._line = line
 
     async def open(
@@ -53,16 +53,18 @@ class WebSocket:
         authorities: frozenset[str],
         files: Mapping[str, WebFile] = NO_FILES,
     ) -> bool:
-        """Reads the request and answers it; says whether the token came with it.
+        """Read and answer the HTTP request.
+
+        Return whether it contained the token.
 
         Args:
-            access: who may connect.
-            is_token: says whether a token is right.
-            authorities: what the request's `Host` may be.
-            files: that may be requested instead, by their path.
+            access: token and allowed origins.
+            is_token: returns whether a token is correct.
+            authorities: valid `Host` values.
+            files: files that may be requested instead, by path.
 
         Raises:
-            HalfError: there is no request, it is refused, or a file was all that was requested.
+            HalfError: the request is incomplete or refused, or it was for a file.
         """
         while not (events := self._protocol.events_received()):
             if not await self._receive(hurry=True):
@@ -71,16 +73,16 @@ class WebSocket:
         if not isinstance(request, Request):
             raise HalfError("no request")
         headers = request.headers
-        tokens = [value.removeprefix(BEARER) for value in headers.get_all("Authorization")]
-        shown = len(tokens) == 1 and is_token(tokens[0])
-        if shown and "Origin" not in headers:
-            rejection = None  # no page can send this header, and a program may call the server what it likes
-        elif access.token is not None and tokens and not shown:
+        tokens = [value.removeprefix(BEARER_PREFIX) for value in headers.get_all("Authorization")]
+        has_token = len(tokens) == 1 and is_token(tokens[0])
+        if has_token and "Origin" not in headers:
+            rejection = None  # browser pages cannot send this header, and a program may use any host name
+        elif access.token is not None and tokens and not has_token:
             rejection = Rejection(HTTPStatus.UNAUTHORIZED, "the token is wrong")
         else:
             rejection = find_rejection(headers, authorities, access.origins)
         if rejection is None and files and asks_for_file(request):
-            response = show_file(request.path, files)
+            response = file_response(request.path, files)
         elif rejection is None:
             response = self._protocol.accept(request)
         else:
@@ -90,26 +92,26 @@ class WebSocket:
         if self._protocol.state is not State.OPEN:
             await self._line.close()
             raise HalfError("refused, or a file")
-        return shown
+        return has_token
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
-        """Messages as they come, until the client closes.
+        """Yield messages until the client closes the connection.
 
         Args:
-            hurry: whether the client has to say something soon.
+            hurry: returns whether the next message has a time limit.
 
         Raises:
-            ValueError: a message is too long.
-            HalfError: one has begun and does not end.
+            ValueError: a message exceeds the size limit.
+            HalfError: the connection ended or stalled within a message.
         """
         while True:
             for frame in self._read_frames():
-                if frame.opcode in DATA:
+                if frame.opcode in DATA_OPCODES:
                     self._pieces.append(bytes(frame.data))
                     if frame.fin:
                         message, self._pieces = b"".join(self._pieces), []
                         yield message
-                self._half = bool(self._pieces)
+                self._is_midway = bool(self._pieces)
             await self._flush()
             if self._protocol.parser_exc is not None:
                 raise ValueError(f"at most {self._rules.message} bytes are read: {self._protocol.parser_exc}")
@@ -121,13 +123,15 @@ class WebSocket:
         while self._events:
             event = self._events.popleft()
             if not self._frames.take():
-                most = self._rules.fragments
-                raise ValueError(f"at most {most} frames are read at once, {most // 2} a second: send fewer fragments")
+                max_count = self._rules.fragments
+                raise ValueError(
+                    f"at most {max_count} frames at once and {max_count // 2} a second are read: send fewer fragments"
+                )
             if isinstance(event, Frame):
                 yield event
 
     async def send(self, message: str) -> None:
-        """Sends a message.
+        """Send a message.
 
         Raises:
             TimeoutError: the client does not read.
@@ -137,23 +141,26 @@ class WebSocket:
             await self._flush()
 
     async def close(self, code: int, why: str) -> None:
-        """Ends the connection, and says why."""
+        """Send the reason and end the connection."""
         if self._protocol.state is State.OPEN:
             self._protocol.send_close(code, why[:100])
             await self._flush()
         await self._line.close()
 
     async def _receive(self, *, hurry: bool) -> bool:
-        """Reads and parses a little, so that others have their turn in between; False at the end."""
+        """Read and parse a limited number of bytes.
+
+        Return False at the end.
+        """
         if not self._unread:
-            self._unread = await self._line.read(hurry=self._half or hurry)
+            self._unread = await self._line.read(hurry=self._is_midway or hurry)
             if not self._unread:
                 self._protocol.receive_eof()
                 return False
         else:
             await sleep(0)
-        piece, self._unread = self._unread[:PIECE], self._unread[PIECE:]
-        self._half = True
+        piece, self._unread = self._unread[:PARSE_SIZE], self._unread[PARSE_SIZE:]
+        self._is_midway = True
         self._protocol.receive_data(piece)
         return True
 

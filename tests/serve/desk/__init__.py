@@ -1,1 +1,1 @@
-"""In a package, so that what its tests share is made once."""
+"""Tests of the query service, in a package so that fixtures are shared."""

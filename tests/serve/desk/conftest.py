@@ -1,11 +1,11 @@
-"""What planning needs, made once."""
+"""Setups for planning, created once."""
 
 from dataclasses import replace
 
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.planning.setup import Setup
+from kinesic.session.setup import set_up
 from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.voice import voice
 
@@ -17,7 +17,7 @@ def upper22_setup() -> Setup:
 
 @pytest.fixture(scope="package")
 def speaking_setup(upper22_setup: Setup) -> Setup:
-    """One whose voice is heard."""
+    """Setup with an audible voice."""
     if fault := espeak_fault():
         pytest.skip(fault)
     return replace(upper22_setup, voice=voice("espeak"))

@@ -1,4 +1,4 @@
-"""A client that wants files outside its folder: by hostile names, planted links, and links that come and go."""
+"""Client that attacks outside files with hostile names, planted links and races."""
 
 import hashlib
 import json
@@ -17,22 +17,22 @@ from kinesic import Performer
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
 from kinesic.cli.live.folder_gestures import read_folder
-from kinesic.cli.live.serve import WRITERS
+from kinesic.cli.live.serve import EXPORT_WRITERS
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
 from kinesic.report.output import default_folder
 from kinesic.serve.desk.documents import DocumentFolder
 from kinesic.serve.desk.drafter import FileQuestion, answer_draft
 from kinesic.serve.wire.questions import ExportQuestion, Format, GestureQuestion
-from kinesic.serve.wire.quotas import USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id={0}><head id={0} lexeme="NOD" start="0"/></bml>'
 GESTURE = "category = {}\n\n[[gesture]]\nid = {}\nkeys = [{{ right = {{ at = [0.5, 0.3, 0.5] }} }}]\n"
 ROBOT = "[robot]\nname = {}\nextends = {}\n"
-SECRET = "dear-secret-letter"
+SECRET_TEXT = "dear-secret-letter"
 KEPT_NAMES = ("data.csv", "song.wav", "motion.npz", "rc.bap", "scene.glb", "mine.bml", "mine.toml", "letter")
 PLANTED_NAMES = ("link.bml", "link.toml", "race.bml", "race.toml", "performance.csv", "performance.npz", "gesture.toml")
-SOURCES = (
+FILE_SOURCES = (
     "{}",
     "{}.bml",
     "{}.toml",
@@ -46,12 +46,12 @@ SOURCES = (
     " {}",
     "{}\0",
 )
-WEIGHTS = {"export": 45, "save": 25, "open": 15, "load": 12, "report": 3}  # of a hundred requests
+REQUEST_WEIGHTS = {"export": 45, "save": 25, "open": 15, "load": 12, "report": 3}  # in percent of all requests
 
 
 @dataclass(frozen=True)
 class Grounds:
-    """Folders: one that the client was given, one for temporary files, and all that it must not touch."""
+    """Folders of an attack: document folder, temporary folder and protected outside files."""
 
     root: Path
 
@@ -68,11 +68,11 @@ class Grounds:
         return self.root / "outside"
 
     def lay_out(self) -> None:
-        """Makes them, with letters outside that nobody may read or write, and links to these inside."""
+        """Create the folders, secret files outside, and links to them inside."""
         for folder in (self.given, self.temporary, self.outside / "work", self.outside / "home"):
             folder.mkdir(parents=True)
             for name in KEPT_NAMES if folder.is_relative_to(self.outside) else ():
-                (folder / name).write_text(SECRET)
+                (folder / name).write_text(SECRET_TEXT)
                 (folder / name).chmod(0o600 if name.startswith("m") else 0o644)
         for folder in (self.given, self.temporary):
             (folder / "up").symlink_to(self.outside)
@@ -80,7 +80,7 @@ class Grounds:
                 (folder / name).symlink_to(self.outside / "home" / "mine.bml")
 
     def snapshot(self) -> dict[str, tuple]:
-        """Everything outside: kind, permissions, time of the last change, and what it holds."""
+        """Return kind, permissions, modification time and content of all outside files."""
         found = {}
         for folder, folders, files in os.walk(self.outside):
             for name in (".", *folders, *files):
@@ -92,7 +92,7 @@ class Grounds:
 
     @contextmanager
     def racing(self) -> Iterator[None]:
-        """Lets a thread exchange files of the given folder for links and folders, as fast as it can."""
+        """Replace files by links and folders in a thread, as fast as possible."""
         done = Event()
         thread = Thread(target=self._race, args=(done,))
         thread.start()
@@ -116,16 +116,19 @@ class Grounds:
 
 
 class Intruder:
-    """Makes requests of every kind with hostile names."""
+    """Generator of requests of all kinds with hostile names."""
 
     def __init__(self, grounds: Grounds, setup: Setup, performer: Performer, seed: int) -> None:
         self._grounds, self._setup, self._performer = grounds, setup, performer
         self._chance, self._folder = random.Random(seed), DocumentFolder(grounds.given)
         self.done: Counter[str] = Counter()
-        self.granted: Counter[str] = Counter()  # of these, what was not refused
+        self.granted: Counter[str] = Counter()  # accepted requests
 
     def act(self, count: int) -> None:
-        """Makes so many requests; none may end in anything but an answer or a refusal, or tell a secret."""
+        """Execute a number of requests.
+
+        Each must end in an answer or a refusal and must not reveal a secret.
+        """
         acts: dict[str, Callable[[], str]] = {
             "export": self._export,
             "save": self._save,
@@ -133,17 +136,17 @@ class Intruder:
             "load": self._load,
             "report": self._report,
         }
-        for kind in self._chance.choices(list(WEIGHTS), list(WEIGHTS.values()), k=count):
+        for kind in self._chance.choices(list(REQUEST_WEIGHTS), list(REQUEST_WEIGHTS.values()), k=count):
             self.done[kind] += 1
             try:
                 answer = acts[kind]()
                 self.granted[kind] += 1
             except (ConfigError, BmlError) as refusal:
                 answer = str(refusal)
-            assert SECRET not in answer, (kind, answer)
+            assert SECRET_TEXT not in answer, (kind, answer)
 
     def name(self) -> str:
-        """A hostile name, or now and then a harmless one."""
+        """Return a hostile name, or occasionally a harmless one."""
         chance, grounds = self._chance, self._grounds
         kept = chance.choice(KEPT_NAMES)
         place = chance.choice((grounds.outside / "home", grounds.outside / "work", grounds.given, grounds.temporary))
@@ -158,12 +161,12 @@ class Intruder:
                 *("doc", "race", "/dev/shm/x", "/proc/self/cwd/mine", "\N{RIGHT-TO-LEFT OVERRIDE}lmb", "\udcff", "a b"),
             )
         )
-        return chance.choice((*("{}",) * 12, *SOURCES)).format(bare)
+        return chance.choice((*("{}",) * 12, *FILE_SOURCES)).format(bare)
 
     def _export(self) -> str:
         document = NOD.format(quoteattr(self.name().translate({0: "?", 0xDCFF: "?"})))
         question = ExportQuestion(document, self._chance.choice(get_args(Format)), id=1)
-        answer = answer_draft(question, self._setup, USUAL, writers=WRITERS)
+        answer = answer_draft(question, self._setup, DEFAULT_QUOTAS, writers=EXPORT_WRITERS)
         told = json.loads(answer)
         if "error" in told:
             raise ConfigError(answer)
@@ -177,7 +180,7 @@ class Intruder:
         if name.endswith(".toml"):
             text = GESTURE.format('"beat"', '"mine"')
             present = self._folder.read_present(name)
-            fault = answer_draft(FileQuestion(name, text, present), self._setup, USUAL)
+            fault = answer_draft(FileQuestion(name, text, present), self._setup, DEFAULT_QUOTAS)
             if fault:
                 raise ConfigError(fault)
         self._folder.save(name, text)
@@ -189,13 +192,13 @@ class Intruder:
         return self._folder.read(self.name())
 
     def _load(self) -> str:
-        """Reads gestures and robots of strangers."""
+        """Load gesture and robot files from an untrusted source."""
         what = self._chance.randrange(4)
         quoted = [json.dumps(self.name()).replace("\\udcff", "?") for _ in range(2)]
         if what == 0:
-            return answer_draft(GestureQuestion(GESTURE.format(*quoted)), self._setup, USUAL)
+            return answer_draft(GestureQuestion(GESTURE.format(*quoted)), self._setup, DEFAULT_QUOTAS)
         if what == 1:
-            return answer_draft(GestureQuestion(lexeme=self.name().replace("\udcff", "?")), self._setup, USUAL)
+            return answer_draft(GestureQuestion(lexeme=self.name().replace("\udcff", "?")), self._setup, DEFAULT_QUOTAS)
         if what == 2:
             return "\n".join(read_folder(self._grounds.given).faults)
         file = self._grounds.temporary / "stranger.toml"

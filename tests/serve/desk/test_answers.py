@@ -1,22 +1,26 @@
-"""What the desk asks of whom, and what its processes answer, without processes."""
+"""Dispatch of queries and answers of the helper functions, without processes."""
 
 import json
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from msgspec import ValidationError
+from msgspec.json import decode
 
+from kinesic.expressivity.lexicon.search import find_gestures
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk import desk as module
 from kinesic.serve.desk import drafter
-from kinesic.serve.desk.asker import Asker
 from kinesic.serve.desk.desk import Desk
-from kinesic.serve.desk.drafter import SOUND, FileQuestion, answer_draft, unanswered_draft
-from kinesic.serve.desk.dragging import answer_reach, unanswered_reach
+from kinesic.serve.desk.drafter import NO_FAULT, FileQuestion, answer_draft, draft_failure
+from kinesic.serve.desk.dragging import answer_reach, reach_failure
 from kinesic.serve.desk.helper import Unanswered
+from kinesic.serve.desk.requester import Requester
 from kinesic.serve.messages import ServoPlace
 from kinesic.serve.wire.questions import (
     ExportQuestion,
+    FindQuestion,
     GestureQuestion,
     OpenRequest,
     PlanQuestion,
@@ -51,16 +55,16 @@ class Helper:
 
 
 class Room:
-    """Watches or a keeper that only remember."""
+    """Stub of subscriptions or document keeper that records its calls."""
 
     def __init__(self, *_: object) -> None:
         self.taken, self.closed = list[tuple](), 0
 
-    def set(self, asker: Asker, rate: float) -> None:
-        self.taken.append((asker.number, rate))
+    def set(self, requester: Requester, rate: float) -> None:
+        self.taken.append((requester.number, rate))
 
-    def take(self, asker: Asker, request: object) -> None:
-        self.taken.append((asker.number, request))
+    def take(self, requester: Requester, request: object) -> None:
+        self.taken.append((requester.number, request))
 
     def close(self) -> None:
         self.closed += 1
@@ -90,38 +94,39 @@ def told() -> list[str]:
 
 
 def opened(servos: object = None) -> Desk:
-    return Desk(lambda: None, SimpleNamespace(body=None, servos=servos), RULES)
+    return Desk(lambda: None, SimpleNamespace(report_body=None, servos=servos), RULES)
 
 
-def test_every_question_goes_to_who_answers_it(rooms: dict, told: list[str]):
-    desk, asker = opened(), Asker(4, told.append, lambda: True)
+def test_each_client_query_is_passed_to_its_handler(rooms: dict, told: list[str]):
+    desk, requester = opened(), Requester(4, told.append, lambda: True)
     drafts = (
         (PlanQuestion("x"), ""),
         (GestureQuestion(toml="x"), ""),
         (GestureQuestion(lexeme="beat"), "file"),
         (ExportQuestion("x", "csv"), "export"),
+        (FindQuestion("x"), "find"),
     )
     for question, _ in drafts:
-        desk.answer(asker, question)
+        desk.answer(requester, question)
     assert rooms["drafter"].asked == [(4, question, kind) for question, kind in drafts]
     assert rooms["reacher"].warmed == 2, "whoever writes may drag a hand soon"
     assert not rooms["reacher"].asked
     reach = ReachQuestion((0.0, 0.0, 1.0))
-    desk.answer(asker, reach)
+    desk.answer(requester, reach)
     assert rooms["reacher"].asked == [(4, reach, "")]
-    desk.answer(asker, WatchRequest(20.0))
+    desk.answer(requester, WatchRequest(20.0))
     assert rooms["watches"].taken == [(4, 20.0)]
     save, open_ = SaveRequest("a.bml", ""), OpenRequest()
-    desk.answer(asker, save)
-    desk.answer(asker, open_)
+    desk.answer(requester, save)
+    desk.answer(requester, open_)
     assert rooms["keeper"].taken == [(4, save), (4, open_)]
     assert not told
 
 
-def test_answers_go_to_who_asked_and_what_was_not_answered_is_told_too(rooms: dict, told: list[str]):
-    desk, asker = opened(), Asker(4, told.append, lambda: True)
+def test_answers_and_failures_of_queries_are_sent_to_the_requesting_client(rooms: dict, told: list[str]):
+    desk, requester = opened(), Requester(4, told.append, lambda: True)
     for question, helper in ((PlanQuestion("x", id=3), "drafter"), (ReachQuestion((0, 0, 1), id=4), "reacher")):
-        desk.answer(asker, question)
+        desk.answer(requester, question)
         for found in ("an answer", Unanswered.OUTDATED, Unanswered.FAILED):
             rooms[helper].reply(found)
     assert [told[0], told[3]] == ["an answer"] * 2
@@ -131,16 +136,16 @@ def test_answers_go_to_who_asked_and_what_was_not_answered_is_told_too(rooms: di
     assert json.loads(told[5])["told"] == "refused"
 
 
-def test_servos_are_listed_where_there_are_some(rooms: dict, told: list[str]):
+def test_servo_query_lists_servos_or_returns_an_empty_list(rooms: dict, told: list[str]):
     place = ServoPlace("body", 1, "hinge", "xm430_w210", 80)
-    opened(SimpleNamespace(members=(place,))).answer(Asker(4, told.append, bool), ServosQuestion(5))
-    opened().answer(Asker(4, told.append, bool), ServosQuestion(6))
+    opened(SimpleNamespace(members=(place,))).answer(Requester(4, told.append, bool), ServosQuestion(5))
+    opened().answer(Requester(4, told.append, bool), ServosQuestion(6))
     some, none = map(json.loads, told)
     assert some["servos"] == [{"bus": "body", "id": 1, "hinge": "hinge", "model": "xm430_w210", "hottest": 80}]
     assert none == {"told": "servos", "id": 6, "servos": []}
 
 
-def test_all_ends_with_it(rooms: dict):
+def test_closing_the_query_service_ends_all_helpers(rooms: dict):
     opened().close()
     assert {name: room.closed for name, room in rooms.items()} == dict.fromkeys(
         ("drafter", "reacher", "watches", "keeper"), 1
@@ -151,14 +156,14 @@ def answered(question: object, setup: Setup) -> dict:
     return json.loads(answer_draft(question, setup, RULES))
 
 
-def test_a_plan_is_answered_by_its_number(upper22_setup: Setup):
+def test_answer_to_a_plan_query_repeats_the_query_id(upper22_setup: Setup):
     found = answered(PlanQuestion(NOD, id=3), upper22_setup)
     assert (found["told"], found["id"], found["block"]) == ("plan", 3, "b")
     assert [each["type"] for each in found["behaviours"]] == ["head"]
     assert found["behaviours"][0]["outcome"] == "realised"
 
 
-def test_a_plan_is_bound_by_the_rules(upper22_setup: Setup):
+def test_plan_queries_respect_the_quotas(upper22_setup: Setup):
     long = NOD.replace('start="0"', 'start="9"')
     assert "at most 5 s" in answered(PlanQuestion(long), upper22_setup)["error"]["text"]
     deep = "<bml>" + "<a>" * 99 + "</a>" * 99 + "</bml>"
@@ -166,7 +171,7 @@ def test_a_plan_is_bound_by_the_rules(upper22_setup: Setup):
     assert "powr" in answered(PlanQuestion(NOD, ("powr=1",)), upper22_setup)["error"]["text"]
 
 
-def test_gestures_are_planned_and_ours_are_shown(upper22_setup: Setup):
+def test_gestures_are_planned_and_built_in_ones_returned_as_toml(upper22_setup: Setup):
     found = answered(GestureQuestion(toml=GESTURE, id=3), upper22_setup)
     assert (found["told"], found["id"], found["gesture"]) == ("gesture", 3, "mine")
     ours = answered(GestureQuestion(lexeme="beat"), upper22_setup)
@@ -176,20 +181,31 @@ def test_gestures_are_planned_and_ours_are_shown(upper22_setup: Setup):
     assert "nobody" in gone["error"]["text"]
 
 
+def test_gestures_are_found_in_the_order_of_the_ranked_search(upper22_setup: Setup):
+    found = answered(FindQuestion("weigh two things", id=5), upper22_setup)
+    assert (found["told"], found["id"]) == ("find", 5)
+    hits = find_gestures(upper22_setup.lexicon, "weigh two things", count=50)
+    assert [gesture["id"] for gesture in found["gestures"]] == [hit.id for hit in hits]
+    assert found["gestures"][0] == {"id": "balance", "category": "metaphoric", "says": hits[0].says, "near": True}
+    assert not answered(FindQuestion("versus"), upper22_setup)["gestures"][0]["near"]
+    with pytest.raises(ValidationError):
+        decode(b'{"do": "find", "words": "' + b"x" * 201 + b'"}', type=FindQuestion)
+
+
 @pytest.mark.parametrize("question", [GestureQuestion(), GestureQuestion(toml=GESTURE, lexeme="beat")])
-def test_one_of_both_is_asked_for(upper22_setup: Setup, question: GestureQuestion):
+def test_gesture_query_needs_either_toml_or_lexeme(upper22_setup: Setup, question: GestureQuestion):
     assert answered(question, upper22_setup)["error"]["text"] == "give either toml or lexeme"
 
 
-def test_files_are_sound_or_their_fault_is_named(upper22_setup: Setup):
-    assert answer_draft(FileQuestion("a.toml", GESTURE, None), upper22_setup, RULES) == SOUND
-    assert answer_draft(FileQuestion("a.toml", GESTURE, GESTURE), upper22_setup, RULES) == SOUND
-    assert "something else" in answer_draft(FileQuestion("a.toml", GESTURE, "[robot]"), upper22_setup, RULES)
+def test_gesture_files_are_valid_or_their_fault_is_named(upper22_setup: Setup):
+    assert answer_draft(FileQuestion("a.toml", GESTURE, None), upper22_setup, RULES) == NO_FAULT
+    assert answer_draft(FileQuestion("a.toml", GESTURE, GESTURE), upper22_setup, RULES) == NO_FAULT
+    assert "other data than gestures" in answer_draft(FileQuestion("a.toml", GESTURE, "[robot]"), upper22_setup, RULES)
     assert "robot" in answer_draft(FileQuestion("a.toml", "[robot]", None), upper22_setup, RULES)
 
 
 @pytest.mark.parametrize("defect", [ZeroDivisionError, KeyError, RecursionError, MemoryError])
-def test_a_defect_costs_one_answer(
+def test_internal_planning_error_is_returned_as_the_error_of_the_query(
     upper22_setup: Setup, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], defect: type[Exception]
 ):
     def fail(*_: object, **__: object) -> None:
@@ -206,11 +222,16 @@ def test_a_defect_costs_one_answer(
 
 @pytest.mark.parametrize(
     ("question", "kind"),
-    [(PlanQuestion("x"), "plan"), (ExportQuestion("x", "csv"), "export"), (GestureQuestion(), "gesture")],
+    [
+        (PlanQuestion("x"), "plan"),
+        (ExportQuestion("x", "csv"), "export"),
+        (GestureQuestion(), "gesture"),
+        (FindQuestion("x"), "find"),
+    ],
 )
-def test_what_was_not_answered_is_told_under_the_name_of_the_question(question: object, kind: str):
-    outdated = json.loads(unanswered_draft(question, Unanswered.OUTDATED, RULES))
-    failed = json.loads(unanswered_draft(question, Unanswered.FAILED, RULES))
+def test_query_failures_are_reported_under_the_query_name(question: object, kind: str):
+    outdated = json.loads(draft_failure(question, Unanswered.OUTDATED, RULES))
+    failed = json.loads(draft_failure(question, Unanswered.FAILED, RULES))
     assert outdated == {"told": kind, "id": 0, "outdated": True}
     assert failed["told"] == kind
     assert "outdated" not in failed
@@ -220,7 +241,7 @@ def reached(setup: Setup, **question: object) -> dict:
     return json.loads(answer_reach(ReachQuestion(**question), setup, RULES))
 
 
-def test_a_reach_begins_at_the_given_posture_or_at_rest(upper22_setup: Setup):
+def test_reach_query_starts_from_the_given_posture_or_the_rest_posture(upper22_setup: Setup):
     robot = upper22_setup.robot
     rest = robot.skeleton.rest
     hand = robot.skeleton.frames(rest).origins[robot.arm("r").wrist]
@@ -234,7 +255,7 @@ def test_a_reach_begins_at_the_given_posture_or_at_rest(upper22_setup: Setup):
     assert np.abs(np.array(bowed["angles"])[torso] - rest[torso]).max() == pytest.approx(0.1, abs=1e-3)
 
 
-def test_the_hand_of_the_side_that_was_asked_for_moves(upper22_setup: Setup):
+def test_reach_query_moves_the_requested_hand(upper22_setup: Setup):
     robot = upper22_setup.robot
     rest = robot.skeleton.rest
     for side, own, other in (("left", "l_arm", "r_arm"), ("right", "r_arm", "l_arm")):
@@ -245,14 +266,16 @@ def test_the_hand_of_the_side_that_was_asked_for_moves(upper22_setup: Setup):
 
 
 @pytest.mark.parametrize("count", [0, 1, 21, 23])
-def test_a_posture_of_another_robot_is_refused(upper22_setup: Setup, count: int):
+def test_posture_of_another_robot_is_refused(upper22_setup: Setup, count: int):
     found = reached(upper22_setup, target=(0, 0, 1), posture=(0.0,) * count, id=3)
     assert (found["told"], found["do"], found["id"]) == ("refused", "reach", 3)
     assert f"posture has {count} angles, upper22 has 22 hinges" in found["why"]
 
 
 @pytest.mark.parametrize("part", ["trunk", "gaze"])
-def test_a_part_that_the_robot_has_not_is_refused(upper22_setup: Setup, monkeypatch: pytest.MonkeyPatch, part: str):
+def test_reach_query_for_a_missing_body_part_returns_the_reason(
+    upper22_setup: Setup, monkeypatch: pytest.MonkeyPatch, part: str
+):
     assert "angles" in reached(upper22_setup, target=(1.0, 0.3, 1.0), part=part)
 
     class Without:
@@ -268,6 +291,6 @@ def test_a_part_that_the_robot_has_not_is_refused(upper22_setup: Setup, monkeypa
     assert found["why"] == "armful has no neck"
 
 
-def test_a_reach_that_was_not_found_says_why():
+def test_failed_reach_query_reports_the_reason():
     question = ReachQuestion((0, 0, 1), id=3)
-    assert json.loads(unanswered_reach(question, Unanswered.FAILED))["why"] == Unanswered.FAILED.value
+    assert json.loads(reach_failure(question, Unanswered.FAILED))["why"] == Unanswered.FAILED.value

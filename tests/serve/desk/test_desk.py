@@ -1,4 +1,4 @@
-"""Questions of clients over the wire: answered to whoever asked, numbered, and within the rules."""
+"""Client queries over the wire: receiver, ids and limits of the answers."""
 
 import base64
 import json
@@ -20,12 +20,12 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="n
 
 
 def told(client, what: str) -> dict:
-    """The next answer of a kind."""
+    """Return the next answer of a kind."""
     return told_any(client, {what})
 
 
 def told_any(client, kinds: set[str]) -> dict:
-    """The next answer of some kinds."""
+    """Return the next answer of several kinds."""
     while True:
         message = client.receive(20)
         assert message is not None
@@ -33,7 +33,7 @@ def told_any(client, kinds: set[str]) -> dict:
             return json.loads(message)
 
 
-def test_a_reach_is_answered_with_its_number(server, upper22_setup):
+def test_answer_to_a_reach_query_repeats_the_query_id(server, upper22_setup):
     target = to_world(upper22_setup.robot, "r", np.array([0.5, 0.3, 0.2])).tolist()
     with server.client() as client:
         client.do("reach", side="right", target=target, id=7)
@@ -45,16 +45,16 @@ def test_a_reach_is_answered_with_its_number(server, upper22_setup):
         assert "target" in told(client, "refused")["why"]
 
 
-def test_a_plan_is_answered_and_moves_nothing(server):
+def test_plan_query_does_not_move_the_robot(server):
     with server.client() as client, server.client() as other:
-        client.do("plan", bml=NOD + " " * 5000, id=3)  # longer than other control messages may be
+        client.do("plan", bml=NOD + " " * 5000, id=3)  # longer than the limit of other control messages
         found = told(client, "plan")
         assert (found["id"], found["block"], [each["id"] for each in found["behaviours"]]) == (3, "b", ["n"])
         other.do("status")
         assert told(other, "status")["state"] == "resting"
 
 
-def test_an_export_is_answered_beside_a_plan_and_says_what_is_wrong(server):
+def test_export_is_answered_during_a_plan_and_reports_errors(server):
     with server.client() as client:
         client.do("export", bml=NOD, format="csv", id=4)
         client.do("plan", bml=NOD, id=5)
@@ -65,14 +65,14 @@ def test_an_export_is_answered_beside_a_plan_and_says_what_is_wrong(server):
         assert base64.b64decode(found["export"]["data"]).startswith(b"time_s,")
         assert found["plan"]["id"] == 5
         client.do("export", bml=NOD, format="wav", id=6)
-        assert "nothing is heard" in told(client, "export")["error"]["text"]
+        assert "there is no audio" in told(client, "export")["error"]["text"]
         client.do("export", bml="<bml", format="csv", id=7)
         assert told(client, "export")["error"]["line"] == 1
         client.do("export", bml=NOD, format="../../x")
         assert "format" in told(client, "refused")["why"]
 
 
-def test_a_drafter_that_dies_costs_one_answer(server):
+def test_death_of_the_preview_process_fails_at_most_one_plan_query(server):
     with server.client() as client:
         client.do("plan", bml=NOD, id=1)
         told(client, "plan")
@@ -93,7 +93,7 @@ def test_a_drafter_that_dies_costs_one_answer(server):
         ("_reacher", "reach", {"side": "left", "target": [0.3, 0.2, 0.3]}),
     ],
 )
-def test_a_process_that_does_not_read_holds_nobody_up(server, helper, question, settings):
+def test_blocked_helper_process_delays_no_client(server, helper, question, settings):
     with server.client() as client, server.client() as other:
         client.do(question, **settings)
         told(client, question)
@@ -109,7 +109,7 @@ def test_a_process_that_does_not_read_holds_nobody_up(server, helper, question, 
         told(client, question)
 
 
-def test_of_reaches_that_wait_only_the_newest_is_answered(server):
+def test_only_the_newest_waiting_reach_query_is_answered(server):
     with server.client() as client:
         for k in range(50):
             client.do("reach", side="left", target=[0.3, 0.2, 0.01 * k], id=k)
@@ -119,7 +119,7 @@ def test_of_reaches_that_wait_only_the_newest_is_answered(server):
         assert any(each.get("outdated") for each in answers)
 
 
-def test_clients_name_styles_of_ours_alone(server, tmp_path):
+def test_clients_may_name_only_built_in_styles(server, tmp_path):
     (tmp_path / "secret.toml").write_text('password = "hunter2"')
     with server.client() as client:
         for block in ({}, {"block": "b"}):
@@ -130,23 +130,23 @@ def test_clients_name_styles_of_ours_alone(server, tmp_path):
                 assert "password" not in why
 
 
-def test_a_watch_tells_the_body_until_it_is_ended(server):
+def test_subscription_sends_body_telemetry_until_its_rate_is_set_to_zero(server):
     with server.client() as client:
         client.do("watch", rate=50)
         first, second = told(client, "body"), told(client, "body")
         assert second["time"] > first["time"]
         assert len(second["angles"]) == len(second["planned"]) == 22
-        client.do("watch", rate=40)  # instead of the first
+        client.do("watch", rate=40)  # replaces the first one
         told(client, "body")
         client.do("watch", rate=0)
         client.do("ping", id="last")
         told(client, "pong")
-        time.sleep(0.1)  # in which four more would come
+        time.sleep(0.1)  # time of four more reports
         client.do("ping", id="later")
         assert json.loads(client.receive(20))["told"] == "pong"
 
 
-def test_only_the_files_that_were_given_are_shown(server, monkeypatch):
+def test_only_configured_web_files_are_served(server, monkeypatch):
     files = {"/": WebFile("text/html", b"<p>hello")}
     monkeypatch.setattr(server.open.reception, "_files", files)
 

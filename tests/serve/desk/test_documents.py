@@ -1,14 +1,14 @@
-"""Documents of clients: kept byte for byte, by plain names, and nothing outside their folder."""
+"""Client documents: exact content, plain names, no access outside the folder."""
 
 import os
 
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.serve.desk.documents import MOST_BYTES, MOST_NAMES, DocumentFolder
+from kinesic.serve.desk.documents import MAX_DOCUMENT_SIZE, MAX_LISTED_NAMES, DocumentFolder
 
 
-def test_what_is_saved_is_read_again(tmp_path):
+def test_saved_client_document_is_read_back(tmp_path):
     folder = DocumentFolder(tmp_path)
     folder.save("a.bml", "one\r\n  two\n")
     folder.save("a.bml", "three\r\n\n")
@@ -37,14 +37,14 @@ def test_what_is_saved_is_read_again(tmp_path):
         "a\0.bml",
     ],
 )
-def test_other_names_are_refused(tmp_path, name):
+def test_invalid_document_names_are_refused(tmp_path, name):
     folder = DocumentFolder(tmp_path)
     for act in (lambda: folder.read(name), lambda: folder.save(name, "x")):
-        with pytest.raises(ConfigError, match="no name of a document"):
+        with pytest.raises(ConfigError, match="not a document name"):
             act()
 
 
-def test_links_and_folders_are_no_documents(tmp_path):
+def test_links_and_folders_are_not_read_as_documents(tmp_path):
     (tmp_path / "secret").write_text("secret")
     mine = tmp_path / "mine"
     mine.mkdir()
@@ -63,26 +63,26 @@ def test_links_and_folders_are_no_documents(tmp_path):
     assert (tmp_path / "secret").read_text() == "secret"
 
 
-def test_without_a_folder_nothing_is_kept():
+def test_saving_without_an_existing_document_folder_fails():
     with pytest.raises(ConfigError, match="--folder"):
         DocumentFolder(None).save("a.bml", "x")
     assert DocumentFolder(None).list().names == ()
 
 
-def test_lists_and_documents_have_bounds(tmp_path):
-    for number in range(MOST_NAMES + 1):
+def test_document_size_and_listing_length_are_limited(tmp_path):
+    for number in range(MAX_LISTED_NAMES + 1):
         (tmp_path / f"d{number:04}.bml").touch()
     folder = DocumentFolder(tmp_path)
     found = folder.list()
-    assert (len(found.names), found.is_whole) == (MOST_NAMES, False)
+    assert (len(found.names), found.is_whole) == (MAX_LISTED_NAMES, False)
     with pytest.raises(ConfigError, match=r"d0019\.bml and 980 more"):
         folder.read("gone.bml")
-    (tmp_path / "d0000.bml").write_text("x" * (MOST_BYTES + 1))
+    (tmp_path / "d0000.bml").write_text("x" * (MAX_DOCUMENT_SIZE + 1))
     with pytest.raises(ConfigError, match="more than 1000000 bytes"):
         folder.read("d0000.bml")
 
 
-def test_a_private_document_stays_private_and_a_read_only_one_as_it_is(tmp_path):
+def test_saving_a_document_preserves_its_file_permissions(tmp_path):
     folder = DocumentFolder(tmp_path)
     for name, mode in (("private.bml", 0o600), ("kept.bml", 0o444)):
         (tmp_path / name).write_text("before")
@@ -94,7 +94,7 @@ def test_a_private_document_stays_private_and_a_read_only_one_as_it_is(tmp_path)
     assert (tmp_path / "kept.bml").read_text() == "before"
 
 
-def test_a_document_is_on_the_disk_when_it_is_saved(tmp_path, monkeypatch):
+def test_saved_document_is_synced_to_disk(tmp_path, monkeypatch):
     synced, sync = [], os.fsync
 
     def record(descriptor):
@@ -106,7 +106,7 @@ def test_a_document_is_on_the_disk_when_it_is_saved(tmp_path, monkeypatch):
     assert synced == [(tmp_path / "a.bml").stat().st_ino, tmp_path.stat().st_ino]
 
 
-def test_a_document_named_like_a_device_is_not_listed(tmp_path):
+def test_document_listing_omits_windows_device_names(tmp_path):
     for name in ("con.bml", "console.bml", "NUL.toml"):
         (tmp_path / name).touch()
     assert DocumentFolder(tmp_path).list().names == ("console.bml",)

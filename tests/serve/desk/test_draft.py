@@ -1,11 +1,11 @@
-"""Drafts: what a document would become, and the place of what is wrong."""
+"""Previews of documents and locations of errors."""
 
 from base64 import b64decode
 
 import numpy as np
 import pytest
 
-from kinesic.bml.block import BOUNDS
+from kinesic.bml.block import DEFAULT_BOUNDS
 from kinesic.serve.desk.draft import draft
 
 WORDS = (
@@ -15,8 +15,8 @@ WORDS = (
 )
 
 
-def test_a_draft_has_words_strokes_and_the_motion(upper22_setup):
-    found = draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=60.0)
+def test_document_preview_contains_word_times_strokes_and_joint_angles(upper22_setup):
+    found = draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     assert [(each["mark"], each["text"]) for each in found["words"]] == [("start", "Say"), ("m", "one, and another.")]
     assert found["words"][0]["end"] == found["words"][1]["start"]
     (stroke,) = [each for each in found["syncs"] if each["behaviour"] == "g" and each["sync"] == "stroke"]
@@ -29,33 +29,35 @@ def test_a_draft_has_words_strokes_and_the_motion(upper22_setup):
     assert found["phonemes"] == sorted(found["phonemes"], key=lambda each: each[1])
 
 
-def test_a_draft_says_how_loud_its_voice_is_and_where(speaking_setup, upper22_setup):
-    found = draft(WORDS, (), speaking_setup, bounds=BOUNDS, longest=60.0)
+def test_document_preview_contains_the_speech_loudness_over_time(speaking_setup, upper22_setup):
+    found = draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     peaks = np.frombuffer(b64decode(found["loudness"]), np.uint8)
     assert peaks.max() == 255
     begin, end = found["words"][0]["start"], found["words"][-1]["end"]
     loud = np.flatnonzero(peaks > 25) / found["rate"]
     assert begin - 0.05 <= loud[0] < begin + 0.3
     assert end - 0.4 < loud[-1] <= end + 0.1
-    assert draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=60.0)["loudness"] == "", "nothing is heard"
+    assert draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["loudness"] == "", (
+        "nothing is heard"
+    )
 
 
-def test_a_refusal_says_where(upper22_setup):
-    wrong = draft(WORDS.replace("s:m", "none:end"), (), upper22_setup, bounds=BOUNDS, longest=60.0)
+def test_preview_of_an_invalid_document_reports_the_error_with_its_line(upper22_setup):
+    wrong = draft(WORDS.replace("s:m", "none:end"), (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     assert wrong["error"]["line"] == 3
     assert "none" in wrong["error"]["text"]
-    assert draft("<bml", (), upper22_setup, bounds=BOUNDS, longest=60.0)["error"]["line"] == 1
-    assert "at most 1 s" in draft(WORDS, (), upper22_setup, bounds=BOUNDS, longest=1.0)["error"]["text"]
-    assert "power" in draft(WORDS, ("powr=1",), upper22_setup, bounds=BOUNDS, longest=9.0)["error"]["text"]
+    assert draft("<bml", (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["error"]["line"] == 1
+    assert "at most 1 s" in draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=1.0)["error"]["text"]
+    assert "power" in draft(WORDS, ("powr=1",), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=9.0)["error"]["text"]
 
 
-def test_a_draft_reads_no_file_whatever_it_names(upper22_setup, tmp_path):
+def test_document_preview_reads_no_files_named_in_the_document(upper22_setup, tmp_path):
     (tmp_path / "a.wav").write_bytes(b"no sound")
     spoken = '<bml id="b"><speech id="s" start="0"><text>hi</text><description priority="1" type="audio/wav">{}'
     said = set()
     for name in (tmp_path / "a.wav", tmp_path / "gone.wav", tmp_path, "/etc/passwd"):
         document = spoken.format(f'<file ref="{name}"/></description></speech></bml>')
-        found = draft(document, (), upper22_setup, bounds=BOUNDS, longest=60.0)
+        found = draft(document, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
         said.update(each["text"].replace(str(name), "FILE") for each in found["notices"])
     assert len(said) == 1, said
-    assert "a document that is no file has no folder" in said.pop()
+    assert "the document is not a file" in said.pop()

@@ -1,4 +1,4 @@
-"""Postures for a dragged elbow, trunk or gaze: inside the ranges, clear of the body, or with what stops them named."""
+"""Postures for a dragged elbow, trunk or gaze: ranges, clearance and obstacles."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ PARTS = {"elbow": "l_arm", "trunk": "torso", "gaze": "neck"}
 
 
 def raised(robot):
-    """Both forearms before the body, so that elbows can swing."""
+    """Return a posture with both forearms in front, so that elbows can swing."""
     posture = np.array(robot.skeleton.rest)
     for side in "lr":
         posture[robot.skeleton.names.index(f"{side}_elbow_flexion")] = 1.4
@@ -18,7 +18,7 @@ def raised(robot):
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_whatever_is_pulled_keeps_to_the_ranges_and_clear_and_the_rest_stays(upper22_setup, part):
+def test_dragged_posture_respects_ranges_and_clearance_and_other_joints_stay(upper22_setup, part):
     robot, distances = upper22_setup.robot, upper22_setup.distances
     skeleton, rng, stopped = robot.skeleton, np.random.default_rng(3), set()
     start, joints = raised(robot), robot.joints(PARTS[part])
@@ -27,7 +27,7 @@ def test_whatever_is_pulled_keeps_to_the_ranges_and_clear_and_the_rest_stays(upp
         target = robot.gesture_origin + [0.1, 0.0, 0.3] + robot.arm_length * rng.uniform(-1.5, 1.5, 3)
         found = drag_part(robot, distances, part, "l", target, start)
         assert ((found.angles >= skeleton.lower - 1e-9) & (found.angles <= skeleton.upper + 1e-9)).all()
-        assert distances.clearance(found.angles[None]).distances[0] > robot.least_clearance - 1e-3
+        assert distances.clearance(found.angles[None]).distances[0] > robot.min_clearance - 1e-3
         others = [k for k in range(len(start)) if k not in joints]
         assert np.array_equal(found.angles[others], start[others])
         if part == "elbow":
@@ -42,7 +42,7 @@ def test_whatever_is_pulled_keeps_to_the_ranges_and_clear_and_the_rest_stays(upp
     assert "limits" in stopped
 
 
-def test_an_elbow_goes_to_where_it_was_on_another_posture_with_the_same_hand(upper22_setup):
+def test_dragged_elbow_reaches_its_position_in_another_posture(upper22_setup):
     robot, start = upper22_setup.robot, raised(upper22_setup.robot)
     arm, frames = robot.arm("l"), robot.skeleton.frames(raised(robot))
     shoulder, elbow, hand = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
@@ -55,7 +55,7 @@ def test_an_elbow_goes_to_where_it_was_on_another_posture_with_the_same_hand(upp
         assert np.linalg.norm(robot.skeleton.frames(found.angles).origins[arm.elbow] - place) < 0.003
 
 
-def test_eyes_look_at_the_place_unless_the_neck_ends(upper22_setup):
+def test_dragged_gaze_reaches_the_target_unless_the_neck_is_at_its_limit(upper22_setup):
     robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
     head, eyes = robot.skeleton.segment("skullbase"), robot.sites["eyes"]
     for target in ([1.0, 0.3, 1.4], [0.8, -0.4, 1.2], [0.5, 0.0, 1.0]):
@@ -69,7 +69,7 @@ def test_eyes_look_at_the_place_unless_the_neck_ends(upper22_setup):
     assert behind.residual > 0.5
 
 
-def test_the_trunk_leans_to_where_its_neck_is_pulled(upper22_setup):
+def test_dragged_trunk_leans_towards_the_target(upper22_setup):
     robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
     neck = robot.skeleton.segment("skullbase")
     place = robot.skeleton.frames(start).origins[neck] + [0.03, 0.04, 0.0]

@@ -1,4 +1,4 @@
-"""Gestures that are being written: ours can be copied, and what is wrong, or out of reach, is said."""
+"""Previews of single gestures: copies of built-in ones, errors and reach."""
 
 import pytest
 
@@ -7,18 +7,18 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 
 
-def test_the_file_of_every_gesture_holds_it_alone(upper22_setup):
+def test_exported_gesture_file_contains_only_the_named_gesture(upper22_setup):
     lexicon = upper22_setup.lexicon
     for form in lexicon.forms[::9]:
         text = gesture_text(form.id, lexicon)
         assert text.startswith(f'category = "{form.category}"\n')
         assert text.count("[[gesture]]") == 1
         assert f'id = "{form.id}"\n' in text
-    with pytest.raises(ConfigError, match="no such gesture"):
+    with pytest.raises(ConfigError, match="no such built-in gesture"):
         gesture_text("nobody", lexicon)
 
 
-def test_a_gesture_is_planned_alone_with_its_keys_and_checks(upper22_setup):
+def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper22_setup):
     text = gesture_text("conduit", upper22_setup.lexicon).replace('"conduit"', '"mine"')
     found = draft_gesture(text, (), upper22_setup)
     assert (found["gesture"], [list(key) for key in found["keys"]]) == ("mine", [["both"], ["both"]])
@@ -50,7 +50,7 @@ def test_a_gesture_is_planned_alone_with_its_keys_and_checks(upper22_setup):
         ("\n", "#", 1, "no gesture"),
     ],
 )
-def test_a_file_that_is_wrong_is_refused_with_its_line(upper22_setup, old, new, line, why):
+def test_invalid_gesture_file_is_refused_with_its_line(upper22_setup, old, new, line, why):
     found = draft_gesture(gesture_text("conduit", upper22_setup.lexicon).replace(old, new), (), upper22_setup)
     assert found["error"]["line"] == line
     assert why in found["error"]["text"]
@@ -62,12 +62,12 @@ GESTUARY = """<gestuary><gesture category="{}" id="mine"><phase><hand side="LEFT
 <handShape value="FORM_OPEN"/></hand></phase></gesture></gestuary>"""
 
 
-def test_the_category_in_a_strangers_gestuary_is_no_path(tmp_path):
+def test_category_of_a_foreign_gestuary_is_not_used_as_path(tmp_path):
     (tmp_path / "secret.toml").write_text('[[gesture]]\nid = "mine"\nsecret = 7\n')
     file = tmp_path / "gestuary.xml"
     for category in (f"{tmp_path}/secret", "../robots/upper22", "x" * 300):
         file.write_text(GESTUARY.format(category))
         lexicon = Lexicon.load(file)
         assert lexicon.forms_by_id["mine"].category == category
-        with pytest.raises(ConfigError, match="mine: there is no such gesture of our own"):
+        with pytest.raises(ConfigError, match="mine: there is no such built-in gesture"):
             gesture_text("mine", lexicon)

@@ -1,4 +1,4 @@
-"""A process that answers: whatever it does, whoever asks waits for it only so long, and nobody else at all."""
+"""Helper processes: limited waiting time for clients, none for others."""
 
 import asyncio
 import importlib
@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.serve.desk import helper
 from kinesic.serve.desk.helper import Helper, Unanswered
-from kinesic.serve.wire.quotas import USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
+from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
 
-HASTY = replace(USUAL, planning=1.0)
+HASTY = replace(DEFAULT_QUOTAS, planning=1.0)
 LONG = "x" * 900_000
 
 
@@ -36,14 +36,14 @@ def fail(question, setup, rules):
 
 @pytest.fixture
 def work(tmp_path, monkeypatch):
-    """What other processes do, in a module that they can import, too."""
+    """Functions for helper processes, in an importable module."""
     (tmp_path / "answers_of_helpers.py").write_text(ANSWERS)
     monkeypatch.syspath_prepend(tmp_path)
     return importlib.import_module("answers_of_helpers")
 
 
 def ask_all(asked: Helper, questions, *, seconds: float = 30.0):
-    """Answers in the order of questions (client, text, wait [s]), and the longest time [s] that others had to wait."""
+    """Return the answers to (client, text, wait [s]) and the longest delay [s] of others."""
 
     async def all_of_them():
         answers, longest = {}, 0.0
@@ -61,29 +61,29 @@ def ask_all(asked: Helper, questions, *, seconds: float = 30.0):
     return asyncio.run(all_of_them())
 
 
-def test_one_that_never_is_ready_holds_nobody_up_and_is_ended(work, monkeypatch):
-    monkeypatch.setattr(helper, "START", 1.0)
+def test_helper_process_that_never_starts_is_killed_without_delaying_clients(work, monkeypatch):
+    monkeypatch.setattr(helper, "SETUP_TIMEOUT", 1.0)
     asked = Helper(work.never_set_up, work.echo, HASTY, name="stuck")
     answers, longest = ask_all(asked, [(1, LONG, 0.0), (2, LONG, 0.0)])
     assert answers == [Unanswered.FAILED] * 2
     assert longest < 0.5
 
 
-def test_an_answer_that_takes_too_long_costs_itself_alone(work):
+def test_overlong_helper_answer_fails_only_the_query_that_caused_it(work):
     asked = Helper(set_up, work.echo, HASTY, name="slow")
     answers, longest = ask_all(asked, [(1, "sleep 600", 0.0), (2, "quick", 0.0)])
     assert answers == [Unanswered.FAILED, "5 upper22"]
     assert longest < 0.5
 
 
-def test_of_a_clients_that_wait_the_newest_is_answered_and_others_keep_their_turn(work):
-    asked = Helper(set_up, work.echo, USUAL, name="newest")
+def test_helper_answers_the_newest_waiting_query_of_each_client_in_turn(work):
+    asked = Helper(set_up, work.echo, DEFAULT_QUOTAS, name="newest")
     questions = [(1, "sleep 0.3", 0.1), (1, "a", 0.0), (2, "bb", 0.0), (1, "ccc", 0.0), (1, "dddd", 0.0)]
     answers, _ = ask_all(asked, questions)
     assert answers == ["9 upper22", Unanswered.OUTDATED, "2 upper22", Unanswered.OUTDATED, "4 upper22"]
 
 
-def test_one_that_dies_fails_its_question_and_the_next_one_has_another(work):
-    asked = Helper(set_up, work.fail, USUAL, name="dying")
+def test_dead_helper_process_fails_the_running_query_and_is_replaced(work):
+    asked = Helper(set_up, work.fail, DEFAULT_QUOTAS, name="dying")
     answers, _ = ask_all(asked, [(1, "a", 0.0), (2, "b", 0.0)])
     assert answers == [Unanswered.FAILED] * 2

@@ -1,4 +1,4 @@
-"""Documents of clients with a drafter of the tests' own: in which order, and what is kept only once it was tried."""
+"""Saving and opening of documents with a stub drafter: order and validation."""
 
 import asyncio
 import json
@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.serve.desk.asker import Asker
-from kinesic.serve.desk.drafter import SOUND, FileQuestion
+from kinesic.serve.desk.drafter import NO_FAULT, FileQuestion
 from kinesic.serve.desk.helper import Unanswered
-from kinesic.serve.desk.keeper import MOST_WAITING, DocumentKeeper
+from kinesic.serve.desk.keeper import MAX_WAITING_REQUESTS, DocumentKeeper
+from kinesic.serve.desk.requester import Requester
 from kinesic.serve.wire.questions import OpenRequest, SaveRequest
 from kinesic.serve.wire.quotas import Quotas
 
@@ -18,7 +18,7 @@ RULES = Quotas(planning=7.0)
 
 
 class Drafter:
-    """Keeps its questions until the test answers them."""
+    """Stub drafter that keeps its questions until the test answers them."""
 
     def __init__(self) -> None:
         self.questions: list[tuple[int, FileQuestion, str]] = []
@@ -37,7 +37,7 @@ class Drafter:
 
 
 class Office:
-    """A keeper, its drafter, and what clients are told."""
+    """Document keeper with its drafter and the messages to clients."""
 
     def __init__(self, folder: Path | None) -> None:
         self.drafter, self.told, self.known = Drafter(), list[tuple[int, dict]](), 0
@@ -47,10 +47,10 @@ class Office:
         self.known += 1
 
     def take(self, request: SaveRequest | OpenRequest, client: int = 1) -> None:
-        self.keeper.take(Asker(client, lambda said: self.told.append((client, json.loads(said))), bool), request)
+        self.keeper.take(Requester(client, lambda said: self.told.append((client, json.loads(said))), bool), request)
 
     async def finish(self, count: int) -> list[dict]:
-        """Waits for so many answers."""
+        """Wait for a number of answers."""
         async with asyncio.timeout(20.0):
             while len(self.told) < count:
                 await asyncio.sleep(0.001)
@@ -77,7 +77,7 @@ def work(tmp_path: Path) -> Callable:
     return run
 
 
-def test_a_document_is_kept_opened_and_listed(work: Callable, tmp_path: Path):
+def test_document_is_saved_opened_and_listed(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.bml", "<bml/>", id=3))
         office.take(OpenRequest("a.bml", id=4))
@@ -96,11 +96,11 @@ def test_a_document_is_kept_opened_and_listed(work: Callable, tmp_path: Path):
 @pytest.mark.parametrize(
     ("request_", "verb", "why"),
     [
-        (SaveRequest("../a.bml", "x", id=3), "save", "no name of a document"),
+        (SaveRequest("../a.bml", "x", id=3), "save", "not a document name"),
         (OpenRequest("gone.bml", id=3), "open", "no such document"),
     ],
 )
-def test_what_cannot_be_done_is_refused_and_the_next_request_is_fulfilled(
+def test_impossible_save_or_open_request_is_refused_and_the_next_one_executed(
     work: Callable, request_: SaveRequest | OpenRequest, verb: str, why: str
 ):
     async def act(office: Office) -> None:
@@ -114,7 +114,7 @@ def test_what_cannot_be_done_is_refused_and_the_next_request_is_fulfilled(
     work(act)
 
 
-def test_without_a_folder_nothing_is_kept(work: Callable):
+def test_save_requests_without_a_document_folder_are_refused(work: Callable):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.bml", "x"))
         assert "--folder" in (await office.finish(1))[0]["why"]
@@ -122,7 +122,7 @@ def test_without_a_folder_nothing_is_kept(work: Callable):
     work(act, folder=None)
 
 
-def test_gestures_are_kept_once_they_were_tried_and_known_before_the_answer(work: Callable, tmp_path: Path):
+def test_gesture_file_is_validated_saved_and_loaded_before_the_answer(work: Callable, tmp_path: Path):
     (tmp_path / "a.toml").write_text("before")
 
     async def act(office: Office) -> None:
@@ -130,7 +130,7 @@ def test_gestures_are_kept_once_they_were_tried_and_known_before_the_answer(work
         await office.asked(1)
         assert office.drafter.questions == [(5, FileQuestion("a.toml", "after", "before"), "file")]
         assert (tmp_path / "a.toml").read_text() == "before"
-        office.drafter.replies[0](SOUND)
+        office.drafter.replies[0](NO_FAULT)
         (answer,) = await office.finish(1)
         assert answer == {"told": "saved", "id": 3, "name": "a.toml"}
         assert office.known == office.drafter.renewals == 1
@@ -139,9 +139,9 @@ def test_gestures_are_kept_once_they_were_tried_and_known_before_the_answer(work
     assert (tmp_path / "a.toml").read_text() == "after"
 
 
-def test_a_new_file_of_gestures_replaces_nothing(work: Callable, tmp_path: Path):
+def test_new_gesture_file_overwrites_nothing(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
-        office.drafter.always = SOUND
+        office.drafter.always = NO_FAULT
         office.take(SaveRequest("a.toml", "new"))
         await office.finish(1)
         assert office.drafter.questions[0][1].present is None
@@ -158,7 +158,7 @@ def test_a_new_file_of_gestures_replaces_nothing(work: Callable, tmp_path: Path)
         (Unanswered.OUTDATED, "a.toml: planning failed, or took longer than 7 s"),
     ],
 )
-def test_gestures_with_a_fault_are_not_kept(work: Callable, tmp_path: Path, fault: str | Unanswered, why: str):
+def test_invalid_gesture_file_is_not_saved(work: Callable, tmp_path: Path, fault: str | Unanswered, why: str):
     async def act(office: Office) -> None:
         office.drafter.always = fault
         office.take(SaveRequest("a.toml", "x", id=3))
@@ -171,7 +171,7 @@ def test_gestures_with_a_fault_are_not_kept(work: Callable, tmp_path: Path, faul
     assert not (tmp_path / "a.toml").exists()
 
 
-def test_requests_of_one_client_are_fulfilled_in_order_and_others_do_not_wait(work: Callable, tmp_path: Path):
+def test_requests_are_ordered_per_client_and_independent_between_clients(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x", id=1), client=1)
         office.take(OpenRequest(id=2), client=1)
@@ -179,37 +179,37 @@ def test_requests_of_one_client_are_fulfilled_in_order_and_others_do_not_wait(wo
         office.take(OpenRequest(id=3), client=2)
         ((client, answer),) = [office.told[0] for _ in await office.finish(1)]
         assert (client, answer["id"]) == (2, 3)
-        office.drafter.replies[0](SOUND)
+        office.drafter.replies[0](NO_FAULT)
         await office.finish(3)
         assert [(client, said["id"]) for client, said in office.told] == [(2, 3), (1, 1), (1, 2)]
 
     work(act)
 
 
-def test_so_many_of_a_clients_wait_and_no_more(work: Callable):
+def test_number_of_waiting_requests_per_client_is_limited(work: Callable):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x"))
-        for number in range(1, MOST_WAITING):
+        for number in range(1, MAX_WAITING_REQUESTS):
             office.take(OpenRequest(id=number))
         assert not office.told
         office.take(OpenRequest(id=99))
         ((_, refused),) = office.told
         assert (refused["told"], refused["id"]) == ("refused", 99)
-        assert f"{MOST_WAITING} of your documents wait already" in refused["why"]
+        assert f"{MAX_WAITING_REQUESTS} of your document requests are pending" in refused["why"]
         office.take(OpenRequest(id=7), client=2)
         await office.finish(2)
         assert office.told[1][0] == 2
         await office.asked(1)
-        office.drafter.replies[0](SOUND)
-        await office.finish(2 + MOST_WAITING)
+        office.drafter.replies[0](NO_FAULT)
+        await office.finish(2 + MAX_WAITING_REQUESTS)
         office.take(OpenRequest(id=100))
-        await office.finish(3 + MOST_WAITING)
+        await office.finish(3 + MAX_WAITING_REQUESTS)
         assert office.told[-1][1]["told"] == "documents"
 
     work(act)
 
 
-def test_nothing_is_fulfilled_after_the_end(work: Callable, tmp_path: Path):
+def test_no_request_is_executed_after_close(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x"))
         await office.asked(1)

@@ -1,4 +1,4 @@
-"""Whatever names, links and races a client comes with: no file outside the folders that it was given is touched."""
+"""Hostile names, links and races never touch a file outside the given folders."""
 
 import os
 import tempfile
@@ -9,13 +9,13 @@ import pytest
 from kinesic import Performer
 from kinesic.files.draft import DRAFT_NAME
 
-from .intruder import SECRET, WEIGHTS, Grounds, Intruder
+from .intruder import REQUEST_WEIGHTS, SECRET_TEXT, Grounds, Intruder
 
 SAMPLE_SIZE, SOAK_SIZE = 120, 5000  # requests
 
 
 def attack(root: Path, monkeypatch: pytest.MonkeyPatch, setup, *, count: int, seed: int) -> Intruder:
-    """Makes requests, and looks at everything outside before and afterwards."""
+    """Make requests and compare all outside files before and after."""
     grounds = Grounds(root)
     grounds.lay_out()
     monkeypatch.setenv("HOME", str(grounds.outside / "home"))
@@ -32,17 +32,17 @@ def attack(root: Path, monkeypatch: pytest.MonkeyPatch, setup, *, count: int, se
     assert sorted(os.listdir(root)) == ["given", "outside", "temporary"]
     assert not list(filter(DRAFT_NAME.fullmatch, os.listdir(grounds.given))), "no draft stays"
     for path in grounds.given.rglob("*"):
-        assert path.is_symlink() or not path.is_file() or SECRET not in path.read_text(errors="replace"), path
-    assert set(intruder.granted) == set(WEIGHTS), (intruder.granted, "some requests of every kind are granted")
+        assert path.is_symlink() or not path.is_file() or SECRET_TEXT not in path.read_text(errors="replace"), path
+    assert set(intruder.granted) == set(REQUEST_WEIGHTS), (intruder.granted, "some requests of every kind are granted")
     return intruder
 
 
-def test_no_file_outside_is_touched_by_a_sample_of_hostile_requests(tmp_path, monkeypatch, upper22_setup):
+def test_sampled_hostile_requests_touch_no_outside_file(tmp_path, monkeypatch, upper22_setup):
     attack(tmp_path, monkeypatch, upper22_setup, count=SAMPLE_SIZE, seed=1)
 
 
 @pytest.mark.soak
-def test_no_file_outside_is_touched_by_five_thousand_hostile_requests(tmp_path, monkeypatch, upper22_setup):
+def test_five_thousand_hostile_requests_touch_no_outside_file(tmp_path, monkeypatch, upper22_setup):
     intruder = attack(tmp_path, monkeypatch, upper22_setup, count=SOAK_SIZE, seed=2)
     assert sum(intruder.done.values()) == SOAK_SIZE
     print("requests", dict(intruder.done), "granted", dict(intruder.granted))  # noqa: T201 - for whoever runs with -s

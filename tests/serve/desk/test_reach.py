@@ -1,4 +1,4 @@
-"""Postures for a dragged hand: they arrive, keep to the ranges and clear of the body, or say what stops them."""
+"""Postures for a dragged hand: arrival, ranges, clearance and obstacles."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from kinesic.serve.desk.reach import at_limit, reach_posture
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_a_hand_arrives_or_its_reason_is_named(upper22_setup, side):
+def test_posture_of_a_dragged_hand_reaches_the_target_or_names_the_obstacle(upper22_setup, side):
     setup, robot, rng = upper22_setup, upper22_setup.robot, np.random.default_rng(7)
     posture, stopped = robot.skeleton.rest, set()
     for _ in range(60):
@@ -17,7 +17,7 @@ def test_a_hand_arrives_or_its_reason_is_named(upper22_setup, side):
         assert np.linalg.norm(hand - target) == pytest.approx(found.residual, abs=1e-9)
         assert (found.angles >= robot.skeleton.lower - 1e-9).all()
         assert (found.angles <= robot.skeleton.upper + 1e-9).all()
-        assert setup.distances.clearance(found.angles[None]).distances[0] > robot.least_clearance - 1e-3
+        assert setup.distances.clearance(found.angles[None]).distances[0] > robot.min_clearance - 1e-3
         others = [k for k in range(len(posture)) if k not in robot.arm(side).joints]
         assert np.array_equal(found.angles[others], posture[others])
         if found.reached:
@@ -29,7 +29,7 @@ def test_a_hand_arrives_or_its_reason_is_named(upper22_setup, side):
     assert stopped >= {"contact", "limits"}
 
 
-def test_the_hinges_at_an_end_of_their_range_are_named_and_no_others(upper22_setup):
+def test_unreached_target_names_only_hinges_at_their_limits(upper22_setup):
     robot = upper22_setup.robot
     skeleton, joints = robot.skeleton, robot.arm("r").joints
     posture = (skeleton.lower + skeleton.upper) / 2

@@ -1,4 +1,4 @@
-"""What clients save: documents, and gestures that were tried; nothing that changes the robot, or that ends anything."""
+"""Saved documents and validated gestures over the wire, without side effects."""
 
 import json
 import re
@@ -22,7 +22,7 @@ OWN = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><gesture i
 
 @pytest.fixture(scope="module")
 def studio(tmp_path_factory):
-    """A server of documents in whose folder its own robot lies."""
+    """Server whose document folder also contains its robot file."""
     folder = tmp_path_factory.mktemp("documents")
     (folder / "mine.toml").write_text(ROBOT)
     (folder / "names.toml").write_text('[synonyms]\nbeat = ["thump"]\n')
@@ -32,7 +32,7 @@ def studio(tmp_path_factory):
 
 
 def saved(client, name: str, text: str) -> str:
-    """Why a document is not kept; nothing where it is."""
+    """Return the reason of a refused save, or an empty text."""
     client.do("save", name=name, text=text)
     while True:
         answer = json.loads(client.receive(30))
@@ -43,9 +43,9 @@ def saved(client, name: str, text: str) -> str:
 @pytest.mark.parametrize(
     ("name", "text", "why"),
     [
-        ("mine.toml", ROBOT + "[collision]\nclearance = -5.0\n", "something else than gestures"),
-        ("mine.toml", GESTURE.format("mine", 0.3), "something else than gestures"),
-        ("names.toml", GESTURE.format("mine", 0.3), "something else than gestures"),
+        ("mine.toml", ROBOT + "[collision]\nclearance = -5.0\n", "other data than gestures"),
+        ("mine.toml", GESTURE.format("mine", 0.3), "other data than gestures"),
+        ("names.toml", GESTURE.format("mine", 0.3), "other data than gestures"),
         ("robot.toml", ROBOT, "it has robot"),
         ("style.toml", "spatial = 0.5\n", "it has spatial"),
         ("targets.toml", "cup = [0.0, 0.0, 0.0]\n", "it has cup"),
@@ -58,7 +58,7 @@ def saved(client, name: str, text: str) -> str:
         ("wrong.toml", GESTURE.format("mine", 0.3).replace("right", "rihgt"), "rihgt"),
     ],
 )
-def test_what_is_no_file_of_gestures_is_refused_and_nothing_is_written(studio, name, text, why):
+def test_invalid_gesture_file_is_refused_and_not_written(studio, name, text, why):
     server, folder = studio
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     with server.client() as client:
@@ -66,7 +66,7 @@ def test_what_is_no_file_of_gestures_is_refused_and_nothing_is_written(studio, n
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
-def test_gestures_are_kept_replaced_and_known_to_the_next_block(studio):
+def test_saved_gesture_can_be_used_by_the_next_block(studio):
     server, folder = studio
     with server.client() as client:
         for height in (0.3, 0.4):
@@ -77,14 +77,14 @@ def test_gestures_are_kept_replaced_and_known_to_the_next_block(studio):
             assert "warningFeedback" not in messages, messages
 
 
-def test_documents_are_kept_as_they_are(studio):
+def test_documents_are_saved_unchanged(studio):
     server, folder = studio
     with server.client() as client:
         assert saved(client, "draft.bml", "<bml> half a docum") == ""
     assert (folder / "draft.bml").read_text() == "<bml> half a docum"
 
 
-def test_who_saves_without_end_keeps_no_planner_from_anybody(studio):
+def test_continuous_saving_does_not_block_the_planner(studio):
     server, _ = studio
     deaths = server.open.clients.session.planner.deaths
     with server.client() as saver, server.client() as client:
@@ -98,7 +98,7 @@ def test_who_saves_without_end_keeps_no_planner_from_anybody(studio):
     assert server.open.clients.session.planner.deaths == deaths
 
 
-def test_who_asks_for_more_documents_than_are_read_is_told(studio):
+def test_excess_document_requests_are_refused(studio):
     server, folder = studio
     (folder / "big.bml").write_text("x" * 900_000)
     with server.client() as client:

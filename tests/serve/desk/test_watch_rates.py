@@ -1,4 +1,4 @@
-"""Watching in simulated time: who is told how often, and who no longer."""
+"""Telemetry subscriptions in simulated time: rates and ends."""
 
 import asyncio
 import json
@@ -7,13 +7,13 @@ from collections.abc import Callable, Coroutine
 import pytest
 
 from kinesic.serve.desk import watches as module
-from kinesic.serve.desk.asker import Asker
-from kinesic.serve.desk.watches import MOST_RATE, MOST_REPORTS, Watches
+from kinesic.serve.desk.requester import Requester
+from kinesic.serve.desk.watches import MAX_REPORT_RATE, MAX_WATCH_RATE, Watches
 from kinesic.serve.messages import BodyReport
 
 
 class Room:
-    """Watches, and the reports that every client got, with their times [s]."""
+    """Subscriptions and the reports of each client with their times [s]."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.time, self.looks, self.told = 0.0, 0, dict[int, list[float]]()
@@ -41,7 +41,7 @@ class Room:
             assert (report["told"], report["time"], report["angles"]) == ("body", self.time, [0.1])
             times.append(self.time)
 
-        self.watches.set(Asker(number, tell, lambda: number not in self.gone), rate)
+        self.watches.set(Requester(number, tell, lambda: number not in self.gone), rate)
 
     async def until(self, time: float) -> None:
         while self.time < time and any(not task.done() for task in asyncio.all_tasks() - {asyncio.current_task()}):
@@ -61,8 +61,8 @@ def play(monkeypatch: pytest.MonkeyPatch) -> Callable:
     return run
 
 
-@pytest.mark.parametrize(("rate", "reports"), [(10.0, 10), (0.5, 1), (MOST_RATE, 50), (1000.0, 50)])
-def test_each_is_told_at_its_rate_up_to_the_greatest(play: Callable, rate: float, reports: int):
+@pytest.mark.parametrize(("rate", "reports"), [(10.0, 10), (0.5, 1), (MAX_WATCH_RATE, 50), (1000.0, 50)])
+def test_each_subscription_has_its_rate_up_to_the_maximum(play: Callable, rate: float, reports: int):
     async def act(room: Room) -> None:
         room.watch(1, rate)
         await room.until(1.0)
@@ -72,7 +72,7 @@ def test_each_is_told_at_its_rate_up_to_the_greatest(play: Callable, rate: float
     play(act)
 
 
-def test_two_have_each_their_own_rate_and_one_look_serves_both(play: Callable):
+def test_subscriptions_with_different_rates_read_the_body_state_only_once_per_period(play: Callable):
     async def act(room: Room) -> None:
         room.watch(1, 10.0)
         room.watch(2, 10.0)
@@ -85,20 +85,20 @@ def test_two_have_each_their_own_rate_and_one_look_serves_both(play: Callable):
     play(act)
 
 
-def test_many_share_what_there_is(play: Callable):
+def test_many_telemetry_subscriptions_divide_the_total_rate(play: Callable):
     async def act(room: Room) -> None:
         for number in range(200):
             room.watch(number, 50.0)
         await room.until(4.0)
         counts = [len(times) for times in room.told.values()]
-        assert sum(counts) == pytest.approx(4.0 * MOST_REPORTS, rel=0.15)
+        assert sum(counts) == pytest.approx(4.0 * MAX_REPORT_RATE, rel=0.15)
         assert max(counts) - min(counts) <= 1
 
     play(act)
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0])
-def test_a_rate_of_nothing_ends_it(play: Callable, rate: float):
+def test_rate_of_zero_ends_a_telemetry_subscription(play: Callable, rate: float):
     async def act(room: Room) -> None:
         room.watch(1, 10.0)
         room.watch(2, 10.0)
@@ -114,7 +114,7 @@ def test_a_rate_of_nothing_ends_it(play: Callable, rate: float):
     play(act)
 
 
-def test_a_new_rate_takes_the_place_of_the_old_one(play: Callable):
+def test_new_telemetry_rate_replaces_the_old_one(play: Callable):
     async def act(room: Room) -> None:
         room.watch(1, 50.0)
         await room.until(1.0)
@@ -126,7 +126,7 @@ def test_a_new_rate_takes_the_place_of_the_old_one(play: Callable):
     play(act)
 
 
-def test_who_has_gone_is_told_nothing_and_the_others_are(play: Callable):
+def test_disconnected_client_gets_no_telemetry_report_but_others_do(play: Callable):
     async def act(room: Room) -> None:
         room.watch(1, 10.0)
         room.watch(2, 10.0)
@@ -147,7 +147,7 @@ def test_who_has_gone_is_told_nothing_and_the_others_are(play: Callable):
     play(act)
 
 
-def test_whoever_was_held_up_is_not_told_more_often_for_that(play: Callable):
+def test_telemetry_reports_missed_during_a_delay_are_not_sent_later(play: Callable):
     async def act(room: Room) -> None:
         room.watch(1, 10.0)
         await room.until(0.5)
@@ -159,7 +159,7 @@ def test_whoever_was_held_up_is_not_told_more_often_for_that(play: Callable):
     play(act)
 
 
-def test_nobody_is_told_after_the_end(play: Callable):
+def test_telemetry_ends_when_the_subscriptions_are_closed(play: Callable):
     async def act(room: Room) -> None:
         room.watches.close()
         room.watch(1, 10.0)

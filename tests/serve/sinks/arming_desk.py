@@ -1,4 +1,4 @@
-"""Arming with servos, a loop and clients that are played by the tests."""
+"""Arming with stub servos, loop and clients."""
 
 import asyncio
 import json
@@ -45,7 +45,7 @@ class Servos:
 
 
 class LoopOfServos:
-    """A loop that gives torque some looks after it was asked to."""
+    """Stub loop that arms some polls after the request."""
 
     def __init__(self, servos: Servos | None) -> None:
         self.servos, self.alive, self.rests, self.ticks = servos, True, True, 3
@@ -57,7 +57,7 @@ class LoopOfServos:
     def is_alive(self) -> bool:
         return self.alive
 
-    def settled(self) -> bool:
+    def is_settled(self) -> bool:
         return self.rests
 
     def pass_time(self) -> None:
@@ -69,14 +69,14 @@ class LoopOfServos:
 
 class Control:
     def __init__(self) -> None:
-        self.hindrance, self.interrupted = "", list[str | None]()
+        self.arming_obstacle, self.interrupted = "", list[str | None]()
 
     def interrupt(self, block: str | None) -> None:
         self.interrupted.append(block)
 
 
 class Desk:
-    """Arming, and all that it acts on; time passes only while somebody sleeps, or is told to pass."""
+    """Arming procedure with all its stubs, in simulated time."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, servos: Servos | None) -> None:
         self.time, self.loop, self.control = 1000.0, LoopOfServos(servos), Control()

@@ -1,4 +1,4 @@
-"""Torque for servos: only where the token, a confirmation in time and a robot at rest come together."""
+"""Arming over the wire: needs token, timely confirmation and a resting robot."""
 
 import json
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ pytestmark = pytest.mark.realtime
 
 
 class Limp:
-    """Two servos that keep what they are told."""
+    """Two stub servos that record their calls."""
 
     def __init__(self) -> None:
         self.armed, self.state, self.revived, self.fails = False, "limp", 0, ""
@@ -57,7 +57,7 @@ class Limp:
 
 
 class Guest:
-    """A client that has shown the token."""
+    """Client that has sent the token."""
 
     def __init__(self, server: Running, socket: ClientConnection) -> None:
         self.server, self.socket = server, socket
@@ -89,13 +89,13 @@ def guest(armable: Running, limp: Limp) -> Iterator[Guest]:
     limp.armed, limp.state, limp.fails = False, "limp", ""
     with connect(f"ws://localhost:{armable.port}/") as socket:
         asking, end = Guest(armable, socket), monotonic() + 20.0
-        while asking.ask(do="status")["state"] != "resting":  # as it does not yet when the server has just begun
-            assert monotonic() < end, "the motion goes on"
+        while asking.ask(do="status")["state"] != "resting":  # not true directly after the server start
+            assert monotonic() < end, "the motion continues"
             sleep(0.02)
         yield asking
 
 
-def test_servos_follow_after_a_confirmation_and_rest_without_torque_until_the_next(guest: Guest, limp: Limp):
+def test_servos_follow_after_confirmation_until_disarmed(guest: Guest, limp: Limp):
     limp.commands.clear()
     asked = guest.ask(do="arm", token=TOKEN, id=7)
     assert (asked["told"], asked["id"], asked["servos"]) == ("confirm", 7, 2)
@@ -105,7 +105,7 @@ def test_servos_follow_after_a_confirmation_and_rest_without_torque_until_the_ne
     while not limp.commands:
         assert monotonic() < end, "no command comes"
         sleep(0.01)
-    assert guest.ask(do="arm", token=TOKEN)["why"] == "the servos have their torque already"
+    assert guest.ask(do="arm", token=TOKEN)["why"] == "the servos are armed already"
     guest.socket.send(json.dumps({"do": "disarm", "id": 9}))
     while "disarmed" not in (told := guest.socket.recv(20)):
         pass
@@ -114,7 +114,7 @@ def test_servos_follow_after_a_confirmation_and_rest_without_torque_until_the_ne
 
 
 @pytest.mark.parametrize("token", [None, "open barley", ""])
-def test_without_the_token_in_the_message_nobody_arms(guest: Guest, limp: Limp, token: str | None):
+def test_arming_needs_the_token_in_the_message(guest: Guest, limp: Limp, token: str | None):
     code = guest.ask(do="arm", token=TOKEN)["code"]
     assert "token" in guest.ask(do="arm", token=token, code=code)["why"]
     assert "token" in guest.ask(do="arm", token=token)["why"]
@@ -123,7 +123,7 @@ def test_without_the_token_in_the_message_nobody_arms(guest: Guest, limp: Limp, 
 
 
 @pytest.mark.parametrize("code", ["", "0" * 16, "ä"])
-def test_without_a_confirmation_nobody_arms(guest: Guest, limp: Limp, code: str):
+def test_arming_needs_a_confirmation(guest: Guest, limp: Limp, code: str):
     assert "not confirmed" in guest.ask(do="arm", token=TOKEN, code=code)["why"]
     right = guest.ask(do="arm", token=TOKEN)["code"]
     assert "not confirmed" in guest.ask(do="arm", token=TOKEN, code=code)["why"]
@@ -131,14 +131,14 @@ def test_without_a_confirmation_nobody_arms(guest: Guest, limp: Limp, code: str)
     assert not limp.armed
 
 
-def test_a_confirmation_is_the_client_s_own_counts_once_and_lapses(
+def test_confirmation_is_bound_to_the_client_valid_once_and_expires(
     guest: Guest, limp: Limp, monkeypatch: pytest.MonkeyPatch
 ):
     with connect(f"ws://localhost:{guest.server.port}/") as socket:
         other = Guest(guest.server, socket)
         code = guest.ask(do="arm", token=TOKEN)["code"]
         assert other.ask(do="arm", token=TOKEN, code=code)["told"] == "refused"
-    monkeypatch.setattr(arming, "LASTS", 0.0)
+    monkeypatch.setattr(arming, "CONFIRMATION_TIMEOUT", 0.0)
     assert guest.confirm()["told"] == "refused"
     monkeypatch.undo()
     code = guest.ask(do="arm", token=TOKEN)["code"]
@@ -147,7 +147,7 @@ def test_a_confirmation_is_the_client_s_own_counts_once_and_lapses(
     assert guest.ask(do="arm", token=TOKEN, code=code)["told"] == "refused"
 
 
-def test_strangers_and_foreign_pages_do_not_come_so_far(armable: Running, limp: Limp):
+def test_unauthenticated_clients_and_foreign_pages_cannot_arm(armable: Running, limp: Limp):
     with connect(f"ws://localhost:{armable.port}/") as socket:
         socket.send('{"do": "arm"}')
         assert json.loads(socket.recv(5))["told"] == "refused"
@@ -156,7 +156,7 @@ def test_strangers_and_foreign_pages_do_not_come_so_far(armable: Running, limp: 
     assert not limp.armed
 
 
-def test_nothing_is_performed_without_torque_and_nobody_arms_a_robot_that_is_stopped(guest: Guest, limp: Limp):
+def test_documents_need_torque_and_a_stopped_robot_cannot_be_armed(guest: Guest, limp: Limp):
     guest.socket.send(NOD.format("limp"))
     assert "arm them first" in guest.socket.recv(10)
     assert guest.ask(do="stop")["told"] == "stopped"
@@ -164,17 +164,17 @@ def test_nothing_is_performed_without_torque_and_nobody_arms_a_robot_that_is_sto
     guest.socket.send('{"do": "resume"}')
     end = monotonic() + 20.0
     assert guest.ask(do="status")["servos"] == "limp"
-    while not limp.armed:  # it moves on before it rests, and begins to some time after it was asked to
+    while not limp.armed:  # it continues for a while and decelerates some time after the request
         asked = guest.ask(do="arm", token=TOKEN)
         if asked["told"] == "confirm":
             asked = guest.ask(do="arm", token=TOKEN, code=asked["code"])
-        assert asked["told"] == "armed" or "the motion goes on" in asked["why"]
+        assert asked["told"] == "armed" or "the robot moves" in asked["why"]
         assert monotonic() < end
         sleep(0.05)
     guest.ask(do="disarm")
 
 
-def test_servos_whose_supervisor_has_ended_are_opened_anew_and_a_failure_is_told(guest: Guest, limp: Limp):
+def test_servos_are_reopened_after_their_supervisor_ended_and_failures_reported(guest: Guest, limp: Limp):
     limp.state, before = "ended", limp.revived
     assert guest.confirm()["told"] == "armed"
     assert limp.revived == before + 1
@@ -182,7 +182,7 @@ def test_servos_whose_supervisor_has_ended_are_opened_anew_and_a_failure_is_told
     assert guest.ask(do="disarm") == {"told": "refused", "id": 0, "why": "the robot cannot fold"}
 
 
-def test_every_servo_is_told_by_name_and_by_figures(guest: Guest):
+def test_each_servo_is_reported_with_identity_and_telemetry(guest: Guest):
     told = guest.ask(do="servos", id=3)
     assert told["servos"][0] == {"bus": "body", "id": 1, "hinge": "hinge1", "model": "xm430_w210", "hottest": 80}
     body = guest.ask(do="watch", rate=50.0)
@@ -192,7 +192,7 @@ def test_every_servo_is_told_by_name_and_by_figures(guest: Guest):
     assert body["angles"] == [0.25] * 22, "they are measured without torque, too"
 
 
-def test_a_server_without_servos_says_so(server: Running):
+def test_arming_without_servos_is_refused(server: Running):
     with connect(f"ws://localhost:{server.port}/") as socket:
         for do in ("arm", "disarm"):
             socket.send(json.dumps({"do": do}))

@@ -1,4 +1,4 @@
-"""Torque for servos in simulated time: who may confirm, how long, and what ends waiting."""
+"""Arming in simulated time: confirmation, expiry and timeouts."""
 
 import asyncio
 from collections.abc import Callable, Coroutine
@@ -6,7 +6,7 @@ from collections.abc import Callable, Coroutine
 import pytest
 
 from kinesic.serve.sinks import arming
-from kinesic.serve.sinks.arming import FOLDING, LASTS, LETTERS
+from kinesic.serve.sinks.arming import BLOCK_END_TIMEOUT, CODE_SIZE, CONFIRMATION_TIMEOUT
 from kinesic.serve.wire.protocol import Arm, Disarm
 
 from .arming_desk import Client, Desk, Play, Servos
@@ -21,14 +21,14 @@ def play(monkeypatch: pytest.MonkeyPatch) -> Play:
     return run
 
 
-def test_a_confirmation_in_time_gives_torque(play: Play):
+def test_timely_confirmation_enables_the_torque(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         asked = await desk.ask(client)
-        assert (asked["told"], asked["id"], asked["servos"], asked["lasts"]) == ("confirm", 5, 3, LASTS)
-        assert len(asked["code"]) == 2 * LETTERS
+        assert (asked["told"], asked["id"], asked["servos"], asked["lasts"]) == ("confirm", 5, 3, CONFIRMATION_TIMEOUT)
+        assert len(asked["code"]) == 2 * CODE_SIZE
         assert desk.loop.asked == 0
-        desk.time += LASTS - 0.1
+        desk.time += CONFIRMATION_TIMEOUT - 0.1
         assert await desk.ask(client, asked["code"]) == {"told": "armed", "id": 5}
         assert servos.armed
         assert desk.loop.asked == 1
@@ -38,41 +38,41 @@ def test_a_confirmation_in_time_gives_torque(play: Play):
 
 
 @pytest.mark.parametrize("late", [0.0, 0.1, 100.0])
-def test_a_confirmation_lapses(play: Play, late: float):
-    """Whoever went away to look whether nobody is in the way, and forgot, gives no torque by a click much later."""
+def test_arming_confirmation_expires(play: Play, late: float):
+    """A person who left to check the workspace cannot arm by a much later click."""
 
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         code = (await desk.ask(client))["code"]
-        desk.time += LASTS + late
+        desk.time += CONFIRMATION_TIMEOUT + late
         answer = await desk.ask(client, code)
         assert answer["told"] == "refused"
-        assert f"not confirmed within {LASTS:.0f} s" in answer["why"]
+        assert f"not confirmed within {CONFIRMATION_TIMEOUT:.0f} s" in answer["why"]
         assert not servos.armed
         assert desk.loop.asked == 0
 
     play(scene)
 
 
-def test_half_a_minute_is_what_a_person_has():
-    assert LASTS == 30.0
+def test_confirmation_timeout_is_half_a_minute():
+    assert CONFIRMATION_TIMEOUT == 30.0
 
 
-def test_another_client_s_request_prolongs_no_confirmation(play: Play):
+def test_request_of_another_client_does_not_extend_a_confirmation(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         one, other = Client(1), Client(2)
         code = (await desk.ask(one))["code"]
-        desk.time += LASTS / 2
+        desk.time += CONFIRMATION_TIMEOUT / 2
         others = (await desk.ask(other))["code"]
         assert others != code
-        desk.time += LASTS / 2 + 1.0
+        desk.time += CONFIRMATION_TIMEOUT / 2 + 1.0
         assert (await desk.ask(one, code))["told"] == "refused"
         assert (await desk.ask(other, others))["told"] == "armed"
 
     play(scene)
 
 
-def test_a_code_counts_once_for_the_client_that_was_told_it(play: Play):
+def test_confirmation_code_is_valid_once_for_its_client(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         one, other = Client(1), Client(2)
         code = (await desk.ask(one))["code"]
@@ -84,7 +84,7 @@ def test_a_code_counts_once_for_the_client_that_was_told_it(play: Play):
     play(scene)
 
 
-def test_every_code_is_another(play: Play):
+def test_confirmation_codes_are_unique(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         codes = {(await desk.ask(Client(number)))["code"] for number in range(20)}
         assert len(codes) == 20
@@ -92,7 +92,7 @@ def test_every_code_is_another(play: Play):
     play(scene)
 
 
-def test_a_message_without_the_token_gives_no_torque_and_voids_the_code(play: Play):
+def test_arming_message_without_token_is_refused_and_invalidates_the_code(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         assert "token" in (await desk.ask(client, trusted=False))["why"]
@@ -104,21 +104,21 @@ def test_a_message_without_the_token_gives_no_torque_and_voids_the_code(play: Pl
     play(scene)
 
 
-def test_a_hindrance_is_told_and_refuses_even_what_is_confirmed(play: Play):
+def test_arming_obstacle_refuses_even_a_confirmed_request(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         code = (await desk.ask(client))["code"]
-        desk.control.hindrance = "the motion goes on"
-        assert (await desk.ask(client, code))["why"] == "the motion goes on"
-        assert (await desk.ask(client))["why"] == "the motion goes on"
+        desk.control.arming_obstacle = "the robot moves"
+        assert (await desk.ask(client, code))["why"] == "the robot moves"
+        assert (await desk.ask(client))["why"] == "the robot moves"
         assert not servos.armed
         servos.armed = True
-        assert (await desk.ask(client))["why"] == "the servos have their torque already"
+        assert (await desk.ask(client))["why"] == "the servos are armed already"
 
     play(scene)
 
 
-def test_servos_that_nobody_drives_are_opened_first(play: Play):
+def test_servos_without_supervisor_are_reopened_before_arming(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.state, client = "ended", Client()
         code = (await desk.ask(client))["code"]
@@ -129,7 +129,7 @@ def test_servos_that_nobody_drives_are_opened_first(play: Play):
     play(scene)
 
 
-def test_nobody_waits_for_a_loop_that_has_ended(play: Play):
+def test_arming_does_not_wait_if_the_control_loop_has_ended(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         code = (await desk.ask(client))["code"]
@@ -141,14 +141,14 @@ def test_nobody_waits_for_a_loop_that_has_ended(play: Play):
     play(scene)
 
 
-def test_two_changes_of_torque_do_not_meet(play: Play):
+def test_concurrent_torque_changes_are_refused(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         one, other = Client(1), Client(2)
         code = (await desk.ask(one))["code"]
         desk.arming.arm(one, Arm(token=None, code=code, id=5), trusted=True)
         desk.arming.disarm(other, Disarm(id=6))
         desk.arming.arm(other, Arm(token=None, code=None, id=7), trusted=True)
-        assert [each["why"] for each in other.told] == [arming.BUSY] * 2
+        assert [each["why"] for each in other.told] == [arming.BUSY_REFUSAL] * 2
         assert [each["id"] for each in other.told] == [6, 7]
         assert desk.control.interrupted == []
         await desk.finish()
@@ -158,7 +158,7 @@ def test_two_changes_of_torque_do_not_meet(play: Play):
     play(scene)
 
 
-def test_torque_is_taken_when_all_blocks_have_ended(play: Play):
+def test_torque_is_disabled_after_all_blocks_ended(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, desk.loop.rests, client = True, False, Client()
         desk.arming.disarm(client, Disarm(id=6))
@@ -175,16 +175,16 @@ def test_torque_is_taken_when_all_blocks_have_ended(play: Play):
     play(scene)
 
 
-def test_blocks_that_do_not_end_are_not_waited_for_without_end(play: Play):
+def test_disarming_waits_for_blocks_only_up_to_a_timeout(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, desk.loop.rests = True, False
         assert (await desk.disarm(Client()))["told"] == "disarmed"
-        assert desk.time == pytest.approx(1000.0 + FOLDING, abs=0.1)
+        assert desk.time == pytest.approx(1000.0 + BLOCK_END_TIMEOUT, abs=0.1)
 
     play(scene)
 
 
-def test_servos_of_a_loop_that_has_ended_lose_their_torque_at_once(play: Play):
+def test_servos_of_an_ended_loop_are_disarmed_immediately(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, desk.loop.rests, desk.loop.alive = True, False, False
         assert (await desk.disarm(Client()))["told"] == "disarmed"
@@ -193,7 +193,7 @@ def test_servos_of_a_loop_that_has_ended_lose_their_torque_at_once(play: Play):
     play(scene)
 
 
-def test_a_failure_is_told_and_the_next_request_is_taken(play: Play):
+def test_arming_failure_is_reported_and_the_next_request_accepted(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, servos.fault, client = True, "a limb is held", Client()
         assert await desk.disarm(client) == {"told": "refused", "id": 6, "why": "a limb is held"}
@@ -203,7 +203,7 @@ def test_a_failure_is_told_and_the_next_request_is_taken(play: Play):
     play(scene)
 
 
-def test_what_is_under_way_ends_with_the_server(play: Play):
+def test_pending_torque_change_ends_with_the_server(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         desk.arming.close()
         servos.armed, desk.loop.rests, client = True, False, Client()
@@ -217,7 +217,7 @@ def test_what_is_under_way_ends_with_the_server(play: Play):
     play(scene)
 
 
-def test_a_server_without_servos_says_so(monkeypatch: pytest.MonkeyPatch):
+def test_arming_without_servos_is_refused(monkeypatch: pytest.MonkeyPatch):
     async def scene() -> None:
         desk, client = Desk(monkeypatch, None), Client()
         assert "--on servos" in (await desk.ask(client))["why"]

@@ -1,4 +1,4 @@
-"""Servos as a sink: who gets commands, how servos are told to be, and how torque comes and goes."""
+"""Servo sink: forwarding of commands, telemetry, arming and disarming."""
 
 from math import nan
 from threading import Event, Thread
@@ -18,7 +18,7 @@ ROW = np.array([0.2])
 
 
 class Far:
-    """Nothing ever meets."""
+    """Distances without any collision."""
 
     def clearance(self, angles):
         return Clearance(np.full(len(angles), 1.0), [("arm", "wall")] * len(angles))
@@ -28,7 +28,7 @@ class Far:
 
 
 class Driven:
-    """Servos of a supervisor that keeps what it is told."""
+    """Stub servos whose supervisor records its calls."""
 
     def __init__(self) -> None:
         self.status = Status(Stage.LIMP, 100.0, nan)
@@ -36,7 +36,9 @@ class Driven:
         self.past: tuple[Status, ...] = ()
         self.fault, self.paces = "", list[float]()
         self.during = lambda: None
-        model = SimpleNamespace(name="xm430_w210", starts=lambda register: {"TEMPERATURE_LIMIT": 80}[register.name])
+        model = SimpleNamespace(
+            name="xm430_w210", factory_value=lambda register: {"TEMPERATURE_LIMIT": 80}[register.name]
+        )
         self.members = (SimpleNamespace(bus="body", id=4, hinge="neck", model=model),)
 
     def state(self) -> Status:
@@ -71,11 +73,11 @@ class Driven:
 
 
 class Cabinet:
-    """Opens servos, and keeps all that it opened."""
+    """Opener of stub servos with a record of all opened ones."""
 
     def __init__(self, *, armed: bool = True) -> None:
         self.opened: list[Driven] = []
-        self.sink = RealServos(self.open, distances=Far(), least=0.01, armed=armed)
+        self.sink = RealServos(self.open, distances=Far(), min_clearance=0.01, armed=armed)
 
     def open(self) -> Driven:
         self.opened.append(Driven())
@@ -90,7 +92,7 @@ def command(time: float) -> Command:
     return Command(time, ROW, ROW, ROW, ROW)
 
 
-def test_commands_are_handed_on_only_to_servos_that_follow():
+def test_commands_are_forwarded_only_to_armed_servos():
     cabinet = Cabinet(armed=False)
     cabinet.sink.write(command(0.0))
     assert not cabinet.servos.commands
@@ -99,11 +101,11 @@ def test_commands_are_handed_on_only_to_servos_that_follow():
     assert [each.time for each in cabinet.servos.commands] == [0.01]
 
 
-def test_what_is_seen_is_what_the_supervisor_measured_while_it_performs():
+def test_measurement_is_available_only_during_a_performance():
     cabinet = Cabinet()
-    assert cabinet.sink.seen() is None
+    assert cabinet.sink.measurement() is None
     cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW)
-    assert cabinet.sink.seen() == (5.0, ROW)
+    assert cabinet.sink.measurement() == (5.0, ROW)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +118,7 @@ def test_what_is_seen_is_what_the_supervisor_measured_while_it_performs():
         (True, Stage.HOLD, "armed"),
     ],
 )
-def test_the_state_is_told(armed: bool, stage: Stage, state: str):
+def test_servo_sink_reports_the_operating_state(armed: bool, stage: Stage, state: str):
     cabinet = Cabinet(armed=armed)
     cabinet.servos.status = Status(stage, 100.0, 5.0)
     assert cabinet.sink.state == state
@@ -124,7 +126,7 @@ def test_the_state_is_told(armed: bool, stage: Stage, state: str):
     assert cabinet.sink.state == "ended"
 
 
-def test_every_servo_is_told_with_its_place_and_its_figures():
+def test_servo_sink_reports_bus_id_hinge_model_and_telemetry_of_each_servo():
     cabinet = Cabinet()
     (place,) = cabinet.sink.members
     assert (place.bus, place.id, place.hinge, place.model, place.hottest) == ("body", 4, "neck", "xm430_w210", 80)
@@ -137,7 +139,7 @@ def test_every_servo_is_told_with_its_place_and_its_figures():
     assert (report.errors, report.torque) == ((0.0,), (1.0,))
 
 
-def test_torque_is_taken_after_folding_and_the_servos_are_opened_anew_and_limp():
+def test_disarm_folds_and_reopens_servos_with_torque_off():
     cabinet = Cabinet()
     states, first = [], cabinet.servos
     first.during = lambda: states.append((cabinet.sink.state, cabinet.sink.armed))
@@ -151,7 +153,7 @@ def test_torque_is_taken_after_folding_and_the_servos_are_opened_anew_and_limp()
     assert not cabinet.servos.commands
 
 
-def test_servos_that_cannot_fold_stay_open_and_get_no_commands():
+def test_servos_that_cannot_fold_stay_open_without_commands():
     cabinet = Cabinet()
     cabinet.servos.fault = "a limb is held"
     with pytest.raises(BusError, match="a limb is held"):
@@ -162,7 +164,7 @@ def test_servos_that_cannot_fold_stay_open_and_get_no_commands():
 
 
 @pytest.mark.parametrize("running", [True, False])
-def test_only_servos_that_nobody_drives_are_opened_anew(running: bool):
+def test_only_servos_without_supervisor_are_reopened(running: bool):
     cabinet = Cabinet()
     cabinet.servos.running = running
     cabinet.sink.revive()
@@ -170,23 +172,23 @@ def test_only_servos_that_nobody_drives_are_opened_anew(running: bool):
 
 
 @pytest.mark.parametrize("waits", ["", "consent"])
-def test_servos_that_wait_for_consent_go_on_when_it_comes(waits: str):
+def test_servos_that_hold_continue_after_a_resume_request(waits: str):
     cabinet = Cabinet()
     cabinet.servos.status = Status(Stage.HOLD, 100.0, 5.0, waits=waits)
-    assert cabinet.sink.waits() == bool(waits)
+    assert cabinet.sink.needs_resume() == bool(waits)
     cabinet.sink.resume()
     assert cabinet.servos.done == ["resume"] * bool(waits)
 
 
 @pytest.mark.parametrize("waits", ["", "consent"])
-def test_at_the_end_servos_fold_and_nobody_has_to_consent(waits: str):
+def test_closing_the_servo_sink_folds_servos_without_confirmation(waits: str):
     cabinet = Cabinet()
     cabinet.servos.status = Status(Stage.HOLD, 100.0, 5.0, waits=waits)
     cabinet.sink.close()
     assert cabinet.servos.done == ["release"] * bool(waits) + ["close"]
 
 
-def test_the_end_waits_until_torque_was_taken():
+def test_closing_the_servo_sink_waits_for_a_running_disarm():
     cabinet, going, may = Cabinet(), Event(), Event()
     first = cabinet.servos
 
@@ -208,11 +210,11 @@ def test_the_end_waits_until_torque_was_taken():
     assert cabinet.servos.done == ["close"]
 
 
-def test_cycles_of_the_supervisor_are_told_once():
+def test_servo_sink_returns_each_supervisor_cycle_once():
     cabinet = Cabinet()
-    cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW, goals=ROW, taken=np.array([100.0]))
+    cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW, setpoints=ROW, taken=np.array([100.0]))
     cabinet.servos.past = (cabinet.servos.status,) * 3
     cabinet.sink.write(command(5.0))
     assert cabinet.sink.time(100.0) == 5.0
-    assert len(cabinet.sink.cycles()) == 3
-    assert cabinet.sink.cycles() == ()
+    assert len(cabinet.sink.take_cycles()) == 3
+    assert cabinet.sink.take_cycles() == ()

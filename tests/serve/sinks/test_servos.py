@@ -1,4 +1,4 @@
-"""Servos as a sink that owns the time."""
+"""Servo sink as the source of the performance time."""
 
 from math import nan
 
@@ -14,7 +14,7 @@ from kinesic.serve.sinks.servos import RealServos
 
 
 class Wall:
-    """One metre per radian from a wall at 0."""
+    """Distances that shrink by one metre per radian, zero at 0 rad."""
 
     def clearance(self, angles: Floats) -> Clearance:
         return Clearance(angles[:, 0], [("arm", "wall")] * len(angles))
@@ -24,7 +24,7 @@ class Wall:
 
 
 class Told:
-    """Servos whose supervisor says this."""
+    """Stub servos with a fixed supervisor status."""
 
     def __init__(self, status: Status) -> None:
         self._status = status
@@ -45,14 +45,16 @@ class Told:
         (Status(stage=Stage.HOLD, clock=100.0, time=5.0, scale=0.0), 5.0),
     ],
 )
-def test_time_is_the_supervisors_where_it_runs_and_where_it_stands(status: Status, time: float | None):
-    """Whoever stood still meanwhile learns where it stands: only what comes after that can still be performed."""
-    servos = RealServos(lambda: Told(status), distances=Wall(), least=0.01)
+def test_performance_time_of_the_servo_sink_is_extrapolated_from_the_supervisor_status(
+    status: Status, time: float | None
+):
+    """While the supervisor is halted, its time is the earliest for new commands."""
+    servos = RealServos(lambda: Told(status), distances=Wall(), min_clearance=0.01)
     assert servos.time(100.2) == (time if time is None else pytest.approx(time))
 
 
 class Straying(Told):
-    """Servos that stay where they are while their commands go on, cycle by cycle."""
+    """Stub servos that stay in place while commands continue."""
 
     def __init__(self, angle: float) -> None:
         super().__init__(Status())
@@ -63,7 +65,7 @@ class Straying(Told):
         time = command.time
         taken = 100.0 + time
         rows = [np.array([value]) for value in (self.angle, 0.0, taken)]
-        self._status = Status(Stage.ACTIVE, taken, time, 1.0, angles=rows[0], goals=rows[1], taken=rows[2])
+        self._status = Status(Stage.ACTIVE, taken, time, 1.0, angles=rows[0], setpoints=rows[1], taken=rows[2])
 
     def history(self) -> tuple[Status, ...]:
         return (self._status,) if self.cycles else ()
@@ -78,9 +80,9 @@ class Straying(Told):
 @pytest.mark.parametrize(
     ("angle", "slows", "stops"), [(0.02, False, False), (0.0335, True, False), (0.002, True, True)]
 )
-def test_servos_that_stray_are_slowed_down_and_stopped(angle: float, slows: bool, stops: bool):
+def test_servos_with_tracking_errors_are_slowed_and_stopped(angle: float, slows: bool, stops: bool):
     told = Straying(angle)
-    servos = RealServos(lambda: told, distances=Wall(), least=0.01)
+    servos = RealServos(lambda: told, distances=Wall(), min_clearance=0.01)
     for k in range(20):
         row = np.array([0.02])
         servos.write(Command(k / 100, row, row, row, row))

@@ -9,12 +9,12 @@ from kinesic.body.config import ConfigError
 from kinesic.serve.wire import origin
 from kinesic.serve.wire.origin import find_rejection, own_authorities, read_origin
 
-HERE = own_authorities("127.0.0.1", "127.0.0.1", 8864)
-STUDIO = frozenset({"https://studio.example", "http://localhost:5173"})
+LOCAL_AUTHORITIES = own_authorities("127.0.0.1", "127.0.0.1", 8864)
+ALLOWED_ORIGINS = frozenset({"https://studio.example", "http://localhost:5173"})
 
 
-def status(*pairs, origins=frozenset(), authorities=HERE):
-    """With what a request is refused; None where it is not."""
+def status(*pairs, origins=frozenset(), authorities=LOCAL_AUTHORITIES):
+    """Return the HTTP status of a refusal, or None."""
     headers = Headers()
     for name, value in pairs:
         headers[name] = value
@@ -23,12 +23,12 @@ def status(*pairs, origins=frozenset(), authorities=HERE):
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8864", "localhost:8864", "LocalHost:8864", "[::1]:8864"])
-def test_a_program_may_ask_for_this_server_by_its_names(host):
+def test_program_without_origin_header_may_use_any_host_name(host):
     assert status(("hOST", host)) is None
 
 
 @pytest.mark.parametrize("page", ["http://127.0.0.1:8864", "https://localhost:8864", "http://[::1]:8864"])
-def test_a_page_of_this_server_may_connect(page):
+def test_web_page_of_this_server_may_connect(page):
     assert status(("Host", "localhost:8864"), ("oRiGiN", page)) is None
 
 
@@ -60,7 +60,7 @@ def test_a_page_of_this_server_may_connect(page):
         "http://localhost:8864, http://evil.example",
     ],
 )
-def test_no_other_page_may(page):
+def test_web_pages_of_other_origins_may_not_connect(page):
     assert status(("Host", "localhost:8864"), ("Origin", page)) == HTTPStatus.FORBIDDEN
 
 
@@ -83,32 +83,34 @@ def test_no_other_page_may(page):
         "",
     ],
 )
-def test_another_name_is_not_this_server(host):
+def test_requests_for_foreign_host_names_are_refused(host):
     assert status(("Host", host)) == HTTPStatus.MISDIRECTED_REQUEST
     assert status(("Host", host), ("Origin", f"http://{host}")) == HTTPStatus.MISDIRECTED_REQUEST
 
 
 @given(st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=40))
-def test_no_text_is_an_origin_but_the_few(page):
-    expected = None if page in {f"{scheme}://{own}" for scheme in ("http", "https") for own in HERE} else 403
+def test_requests_with_an_invalid_or_foreign_origin_header_are_refused(page):
+    expected = (
+        None if page in {f"{scheme}://{own}" for scheme in ("http", "https") for own in LOCAL_AUTHORITIES} else 403
+    )
     assert status(("Host", "localhost:8864"), ("Origin", page)) == expected
 
 
-def test_what_is_said_twice_is_not_believed():
+def test_requests_with_duplicate_host_or_origin_headers_are_refused():
     host, page = ("Host", "localhost:8864"), ("Origin", "http://localhost:8864")
     assert status(host, host) == HTTPStatus.BAD_REQUEST
     assert status(host, page, page) == HTTPStatus.BAD_REQUEST
     assert status(page) == HTTPStatus.BAD_REQUEST
 
 
-def test_an_operator_may_name_pages_and_their_server_is_known_then():
-    assert status(("Host", "localhost:8864"), ("Origin", "http://localhost:5173"), origins=STUDIO) is None
-    assert status(("Host", "studio.example"), ("Origin", "https://studio.example"), origins=STUDIO) is None
-    assert status(("Host", "localhost:8864"), ("Origin", "http://studio.example"), origins=STUDIO) == 403
-    assert status(("Host", "localhost:8864"), ("Origin", "null"), origins=STUDIO) == 403
+def test_host_name_of_an_allowed_page_origin_is_accepted():
+    assert status(("Host", "localhost:8864"), ("Origin", "http://localhost:5173"), origins=ALLOWED_ORIGINS) is None
+    assert status(("Host", "studio.example"), ("Origin", "https://studio.example"), origins=ALLOWED_ORIGINS) is None
+    assert status(("Host", "localhost:8864"), ("Origin", "http://studio.example"), origins=ALLOWED_ORIGINS) == 403
+    assert status(("Host", "localhost:8864"), ("Origin", "null"), origins=ALLOWED_ORIGINS) == 403
 
 
-def test_the_names_of_a_server_depend_on_where_it_listens(monkeypatch):
+def test_valid_host_headers_depend_on_the_listening_address(monkeypatch):
     monkeypatch.setattr(origin, "gethostname", lambda: "Robot")
     assert own_authorities("192.168.0.7", "192.168.0.7", 5) == {"192.168.0.7:5"}
     assert own_authorities("robot.lab", "192.168.0.7", 5) == {"192.168.0.7:5", "robot.lab:5"}
@@ -119,13 +121,13 @@ def test_the_names_of_a_server_depend_on_where_it_listens(monkeypatch):
 
 
 @pytest.mark.parametrize("text", ["http://localhost:5173", "HTTPS://Studio.Example", "http://[::1]:80"])
-def test_origins_are_read(text):
+def test_valid_origin_options_of_the_command_line_are_parsed(text):
     assert read_origin(text) == text.lower()
 
 
 @pytest.mark.parametrize(
     "text", ["null", "*", "localhost:5173", "http://localhost/", "file://", "http://a@b", "http://a:"]
 )
-def test_what_is_no_origin_is_refused(text):
+def test_invalid_origin_options_of_the_command_line_are_refused(text):
     with pytest.raises(ConfigError, match="give SCHEME://HOST"):
         read_origin(text)

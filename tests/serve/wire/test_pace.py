@@ -1,17 +1,17 @@
-"""Connections that send much are read in turns; one that sends little never waits."""
+"""Fair reads: busy connections take turns, others never wait."""
 
 import asyncio
 
 import pytest
 
 from kinesic.serve.wire import pace, quotas
-from kinesic.serve.wire.pace import TURN, Pace
+from kinesic.serve.wire.pace import TURN_PERIOD, Pace
 from kinesic.serve.wire.quotas import TokenBucket
 
 
 @pytest.fixture
 def waits(monkeypatch):
-    """For how long is waited each time; time itself stands still until all have asked."""
+    """Recorded delays; simulated time advances only when all connections wait."""
     found = []
     release = asyncio.Event()
 
@@ -25,7 +25,7 @@ def waits(monkeypatch):
     return found
 
 
-def test_a_connection_that_sends_little_never_waits(waits):
+def test_connection_with_little_traffic_never_waits(waits):
     async def read():
         for _ in range(3):
             await Pace().await_turn(TokenBucket(1.0, 3))
@@ -34,7 +34,7 @@ def test_a_connection_that_sends_little_never_waits(waits):
     assert waits[1:] == []
 
 
-def test_the_more_send_much_the_longer_each_of_them_waits(waits):
+def test_read_delay_grows_with_the_number_of_busy_connections(waits):
     async def read():
         release, shared = waits.pop(0), Pace()
         spent = [TokenBucket(100.0, 1) for _ in range(20)]
@@ -44,16 +44,16 @@ def test_the_more_send_much_the_longer_each_of_them_waits(waits):
         readers = [asyncio.create_task(shared.await_turn(bucket)) for bucket in spent]
         await asyncio.sleep(0)
         await asyncio.sleep(0)
-        await shared.await_turn(TokenBucket(100.0, 1))  # a quiet one, meanwhile
+        await shared.await_turn(TokenBucket(100.0, 1))  # a quiet connection at the same time
         release.set()
         await asyncio.gather(*readers)
 
     asyncio.run(read())
-    assert waits == [max(0.01, TURN * number) for number in range(1, 21)]
+    assert waits == [max(0.01, TURN_PERIOD * number) for number in range(1, 21)]
 
 
-def test_all_that_always_have_something_to_say_are_read_two_hundred_times_a_second_together(monkeypatch):
-    """A hundred connections for twenty seconds: the first bursts apart, a turn is no beginning of another burst."""
+def test_busy_connections_get_two_hundred_reads_per_second_in_total(monkeypatch):
+    """For 100 connections over 20 s: after the first bursts, a turn starts no new burst."""
     seconds, burst, connections = 20.0, 20, 100
     loop = asyncio.new_event_loop()
     now = [loop.time()]
@@ -78,5 +78,5 @@ def test_all_that_always_have_something_to_say_are_read_two_hundred_times_a_seco
 
     loop.run_until_complete(read_all())
     loop.close()
-    assert len(reads) <= connections * burst + 1.1 * seconds / TURN
-    assert len(reads) >= connections * burst + 0.8 * seconds / TURN
+    assert len(reads) <= connections * burst + 1.1 * seconds / TURN_PERIOD
+    assert len(reads) >= connections * burst + 0.8 * seconds / TURN_PERIOD

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.serve.wire.protocol import (
-    END,
+    MESSAGE_END,
     Enquiry,
     Hello,
     InterruptCommand,
@@ -16,18 +16,20 @@ from kinesic.serve.wire.protocol import (
     Resume,
     SpokenWords,
     Stop,
-    control,
     is_text,
     json_answer,
+    read_control,
 )
 
-MESSAGES = st.lists(st.binary(min_size=1, max_size=40).map(lambda data: b"<" + data.replace(END, b"x")), max_size=6)
+MESSAGES = st.lists(
+    st.binary(min_size=1, max_size=40).map(lambda data: b"<" + data.replace(MESSAGE_END, b"x")), max_size=6
+)
 
 
 @settings(deadline=None)
 @given(MESSAGES, st.lists(st.integers(0, 250), max_size=12))
-def test_messages_are_the_same_however_the_stream_is_cut(messages, cuts):
-    stream = b"".join(message + END for message in messages)
+def test_message_framing_is_independent_of_chunk_boundaries(messages, cuts):
+    stream = b"".join(message + MESSAGE_END for message in messages)
     places = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
     frames = MessageFramer(100)
     found = [each for a, b in pairwise(places) for each in frames.feed(stream[a:b])]
@@ -35,7 +37,7 @@ def test_messages_are_the_same_however_the_stream_is_cut(messages, cuts):
     assert not frames.is_midway
 
 
-def test_blanks_between_messages_are_no_messages():
+def test_blanks_between_messages_are_ignored():
     frames = MessageFramer(10)
     assert frames.feed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
     assert frames.is_midway
@@ -45,7 +47,7 @@ def test_blanks_between_messages_are_no_messages():
 
 
 @pytest.mark.parametrize("pieces", [[b"12345678901"], [b"12345", b"678901"], [b"12345678901\0"]])
-def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
+def test_overlong_message_is_detected_immediately(pieces):
     frames, (*first, last) = MessageFramer(10), pieces
     assert [frames.feed(piece) for piece in first] == [[]] * len(first)
     with pytest.raises(ValueError, match="11 bytes or more, at most 10"):
@@ -66,15 +68,15 @@ def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
         ('{"do": "ping", "id": "7"}', Ping("7")),
     ],
 )
-def test_control_messages(text, wish):
-    assert control(text.encode()) == wish
+def test_control_messages_are_decoded(text, wish):
+    assert read_control(text.encode()) == wish
 
 
 @pytest.mark.parametrize(
     "text", ["<bml/>", '{"bml": {"id": "b"}}', "{", "[1]", '{"do": "stop"', '{"do": "stop"}' + " " * 9 + "x" * 5000]
 )
-def test_everything_else_is_a_document(text):
-    assert control(text.encode()) is None
+def test_messages_without_a_control_key_are_documents(text):
+    assert read_control(text.encode()) is None
 
 
 @pytest.mark.parametrize(
@@ -86,26 +88,35 @@ def test_everything_else_is_a_document(text):
         ('{"do": "hello"}', "token"),
     ],
 )
-def test_wrong_control_messages_say_what_is_wrong(text, why):
+def test_invalid_control_messages_report_the_error(text, why):
     with pytest.raises(ValueError, match=why):
-        control(text.encode())
+        read_control(text.encode())
 
 
-def test_answers_are_json():
+def test_server_answers_are_encoded_as_json():
     assert json.loads(json_answer("pong", id='"7"')) == {"told": "pong", "id": '"7"'}
 
 
-def test_words_may_be_as_long_as_a_document():
+def test_words_message_may_be_as_long_as_a_document():
     text = "I never saw it. " * 1000
-    assert control(json.dumps({"do": "words", "text": text}).encode()) == SpokenWords(text)
-    assert control(b'{"do": "words", "text": "a", "ends": true, "instead": true}') == SpokenWords("a", True, True)
+    assert read_control(json.dumps({"do": "words", "text": text}).encode()) == SpokenWords(text)
+    assert read_control(b'{"do": "words", "text": "a", "ends": true, "instead": true}') == SpokenWords("a", True, True)
     with pytest.raises(ValueError, match="text"):
-        control(b'{"do": "words", "text": 7}')
+        read_control(b'{"do": "words", "text": 7}')
 
 
 @pytest.mark.parametrize(
     ("message", "is_one"),
-    [(b"Hello", True), (b" \n No", True), (b"<bml", False), (b"\xef\xbb\xbf {", False), (b"[", False)],
+    [
+        (b"Hello", True),
+        (b" \n No", True),
+        (b"<speak>Hello</speak>", True),
+        (b"```\nx = 1\n```", True),
+        (b"<bml", False),
+        (b"\xef\xbb\xbf {", False),
+        (b"[", False),
+        (b"Sure:\n```xml\n<bml/>\n```", False),
+    ],
 )
-def test_a_text_is_neither_xml_nor_json(message, is_one):
+def test_plain_text_is_neither_xml_nor_json(message, is_one):
     assert is_text(message) is is_one

@@ -5,26 +5,26 @@ from xml.etree.ElementTree import fromstring
 import pytest
 
 from kinesic.serve.wire import quotas
-from kinesic.serve.wire.quotas import USUAL, Quotas, TokenBucket, quota_feedback
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, Quotas, TokenBucket, quota_feedback
 
 
 @pytest.mark.parametrize(
     "name", ["message", "rate", "burst", "waiting", "clients", "fragments", "unread", "patience", "planning"]
 )
-def test_a_rule_that_forbids_everything_is_refused(name):
+def test_non_positive_quotas_are_refused(name):
     with pytest.raises(ValueError, match=f"{name} is 0, must be above 0"):
         Quotas(**{name: 0})
 
 
-def test_the_usual_limits_are_those_of_the_documentation():
-    page = (Path(__file__).parents[3] / "docs" / "serve.md").read_text(encoding="utf-8")
+def test_default_quotas_match_the_documentation():
+    page = (Path(__file__).parents[3] / "docs" / "reference" / "wire-protocol.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)`(?:, `burst`)? \| ([\d ]*\d)", page, re.MULTILINE))
-    told = {name: float(figure.replace(" ", "")) for name, figure in rows.items() if hasattr(USUAL, name)}
+    told = {name: float(figure.replace(" ", "")) for name, figure in rows.items() if hasattr(DEFAULT_QUOTAS, name)}
     assert told.keys() >= {"message", "depth", "duration", "rate", "waiting", "clients", "unread"}
-    assert told == {name: getattr(USUAL, name) for name in told}
+    assert told == {name: getattr(DEFAULT_QUOTAS, name) for name in told}
 
 
-def test_a_bucket_lets_a_burst_through_and_then_the_rate(monkeypatch):
+def test_token_bucket_allows_a_burst_then_the_rate(monkeypatch):
     now = [0.0]
     monkeypatch.setattr(quotas, "monotonic", lambda: now[0])
     bucket = TokenBucket(10.0, 3)
@@ -45,7 +45,7 @@ def test_a_bucket_lets_a_burst_through_and_then_the_rate(monkeypatch):
     assert sum(bucket.take() for _ in range(8)) == 5
 
 
-def test_a_refusal_names_its_rule():
+def test_quota_refusal_names_the_exceeded_rule():
     told = fromstring(quota_feedback("rate", "too many"))
     assert told.tag.endswith("warningFeedback")
     assert told.text == "rule rate: too many"

@@ -1,12 +1,12 @@
-"""A client as those know it who answer its questions."""
+"""Client that waits for the answer to its query."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, eq=False)
-class Asker:
-    """A client with a question."""
+class Requester:
+    """Client that sent a query, with its number and answer channel."""
 
     number: int
     send: Callable[[str], None]

@@ -1,0 +1,22 @@
+"""Tests of the warm-up of a planner."""
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.intent.reading.language import load_language
+from kinesic.serve.tracks import NO_ACCOMPANIMENT
+from kinesic.serve.warm_up import warm_up
+from kinesic.session.setup import set_up
+
+
+def test_warm_up_reads_what_the_first_streamed_phrase_needs():
+    load_language.cache_clear()
+    warm_up(set_up(language="nl"), NO_ACCOMPANIMENT)
+    before = load_language.cache_info()
+    load_language("nl")
+    assert load_language.cache_info().hits == before.hits + 1
+
+
+def test_invalid_language_tag_is_refused_before_a_server_starts():
+    with pytest.raises(ConfigError, match=r"'\.\./nl' is not a language tag"):
+        set_up(language="../nl")
