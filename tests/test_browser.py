@@ -1,4 +1,4 @@
-"""Pages that a browser shows: none but the server's own reaches the robot, whatever way it tries."""
+"""Browser pages: only pages of the server reach the robot."""
 
 import json
 import threading
@@ -13,7 +13,7 @@ import pytest
 
 from kinesic.serve.wire.quotas import Quotas
 
-from .chromium import FOREIGN, Page, binary, opened
+from .chromium import FOREIGN_HOST, Page, binary, opened
 from .serve.conftest import running
 
 pytestmark = [
@@ -22,7 +22,7 @@ pytestmark = [
 ]
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="smuggled"><head id="h" lexeme="NOD" start="0"/></bml>'
-TRY = """
+ATTACK_SCRIPT = """
 const port = {port}, hosts = {hosts}, bml = {bml};
 function attempt(host) {{
   return new Promise(done => {{
@@ -67,14 +67,14 @@ new Promise(done => {{
 
 @pytest.fixture(scope="module")
 def plain():
-    """A server of the usual kind, without a token."""
+    """Server with default settings, without a token."""
     with running(Quotas(patience=2.0)) as found:
         yield found
 
 
 @pytest.fixture
 def reached(plain, monkeypatch):
-    """What comes through to the session, from whichever client."""
+    """Messages that reached the session, from any client."""
     found = []
     monkeypatch.setattr(plain.open.clients, "receive", lambda client, message: found.append(message))
     return found
@@ -82,11 +82,11 @@ def reached(plain, monkeypatch):
 
 @contextmanager
 def web_server(folder: Path) -> Iterator[int]:
-    """Serves a folder on a free port, as anybody's page is served."""
+    """Serve a folder on a free port, like a foreign web server."""
 
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_: object) -> None:
-            """Says nothing."""
+            """Log nothing."""
 
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder)) as server:
         thread = threading.Thread(target=server.serve_forever)
@@ -99,29 +99,29 @@ def web_server(folder: Path) -> Iterator[int]:
 
 
 def settled(page: Page) -> object:
-    """What came of all attempts of a page that makes them by itself."""
+    """Return the results of all attempts of a page that runs them itself."""
     page.until("typeof mine !== 'undefined'")
     return page.value("mine")
 
 
 def attempts(page: Page, script: str) -> object:
-    """What comes of all attempts that a script makes on whatever the server shows a browser."""
+    """Return the results of all attempts of a script on a page of the server."""
     page.until("document.readyState === 'complete' && location.port !== ''")
     page.call("Runtime.evaluate", expression=script)
     return page.value("all()")
 
 
 def attack(port: int, *hosts: str) -> str:
-    return TRY.format(port=port, hosts=json.dumps(hosts or ("localhost", "127.0.0.1")), bml=json.dumps(NOD))
+    return ATTACK_SCRIPT.format(port=port, hosts=json.dumps(hosts or ("localhost", "127.0.0.1")), bml=json.dumps(NOD))
 
 
-def test_a_foreign_page_and_its_sandboxed_iframe_are_refused(plain, reached, tmp_path):
+def test_server_refuses_connections_of_foreign_pages_and_sandboxed_iframes(plain, reached, tmp_path):
     page = PAGE.format(script=attack(plain.port))
     (tmp_path / "index.html").write_text(page)
     inner = page.replace("const mine = all();", "all().then(found => parent.postMessage(found, '*'));")
     with (
         web_server(tmp_path) as port,
-        opened(f"http://{FOREIGN}:{port}/") as shown,
+        opened(f"http://{FOREIGN_HOST}:{port}/") as shown,
     ):
         assert settled(shown) == ["refused", "refused"]
         assert shown.value(IFRAME.format(inner=json.dumps(inner))) == ["refused", "refused"]
@@ -129,7 +129,7 @@ def test_a_foreign_page_and_its_sandboxed_iframe_are_refused(plain, reached, tmp
 
 
 @pytest.mark.parametrize("scheme", ["data", "file"])
-def test_a_page_without_a_server_is_refused(plain, reached, tmp_path, scheme):
+def test_server_refuses_connections_of_pages_from_a_file_or_data_url(plain, reached, tmp_path, scheme):
     page, file = PAGE.format(script=attack(plain.port)), tmp_path / "page.html"
     file.write_text(page)
     data = f"data:text/html;base64,{b64encode(page.encode()).decode()}"
@@ -139,14 +139,14 @@ def test_a_page_without_a_server_is_refused(plain, reached, tmp_path, scheme):
     assert reached == []
 
 
-def test_a_name_that_is_made_to_point_here_is_refused(plain, reached, tmp_path):
-    """The browser believes that the page and the robot are of one server: no rule of its own would stop it."""
-    with opened(f"http://{FOREIGN}:{plain.port}/") as shown:
-        assert attempts(shown, attack(plain.port, FOREIGN)) == ["refused"]
+def test_server_refuses_a_browser_page_after_dns_rebinding(plain, reached, tmp_path):
+    """The browser assigns page and robot to one server, so its same-origin policy would not help."""
+    with opened(f"http://{FOREIGN_HOST}:{plain.port}/") as shown:
+        assert attempts(shown, attack(plain.port, FOREIGN_HOST)) == ["refused"]
     assert reached == []
 
 
-def test_the_own_page_may_connect(plain, reached, tmp_path):
+def test_browser_page_of_the_server_itself_may_connect(plain, reached, tmp_path):
     with opened(f"http://localhost:{plain.port}/") as shown:
         assert attempts(shown, attack(plain.port)) == ["open", "open"]
     assert reached == [NOD.encode(), b'{"do": "stop"}'] * 2

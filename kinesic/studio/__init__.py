@@ -1,1 +1,1 @@
-"""The page on which documents are written, seen and performed in a browser."""
+"""Browser page to write, preview and perform documents."""

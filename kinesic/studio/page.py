@@ -1,4 +1,7 @@
-"""Gathers the files of the page: what is built from `client/`, the robot's body, and examples."""
+"""Files of the studio page.
+
+The bundle of `client/`, data of the robot, and examples.
+"""
 
 from importlib.resources import files
 from pathlib import Path
@@ -8,49 +11,56 @@ import msgspec
 from kinesic.body.config import names_of
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.lexicon.space import SECTORS
+from kinesic.expressivity.lexicon.space import SECTOR_CENTRES
 from kinesic.report.report import Json
 from kinesic.report.scene import scene_data
 from kinesic.serve.wire.pages import WebFile
 
-PAGE, EXAMPLES = (Path(__file__).parent / name for name in ("page", "examples"))
-GREETING = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"
-TYPES = {
+PAGE_FOLDER = Path(__file__).parent / "page"  # folder of the page's files
+EXAMPLE_FOLDER = Path(__file__).parent / "examples"  # folder of the example documents
+WELCOME_EXAMPLE = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"  # document with which the page opens
+CONTENT_TYPES = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
 }
-JSON = "application/json"
-START = "index.html"
+JSON_TYPE = "application/json"  # MIME type of JSON
+START_FILE = "index.html"  # file served at the root of the site
 
 
 def page_files(
     robot: Robot, lexicon: Lexicon, *, style: str = "neutral", document: str | None = None
 ) -> dict[str, WebFile]:
-    """Gathers all that a browser may have, by its path.
+    """Return all files of the studio page by their paths.
 
     Args:
-        robot: that is shown.
-        lexicon: whose gestures are listed.
-        style: in which the robot begins.
-        document: the name of the one that the page opens first, in the server's folder; None: an example.
+        robot: robot on the stage.
+        lexicon: lexicon of the listed gestures.
+        style: initial style of the robot.
+        document: name of the first opened document in the server's folder; None: an example.
     """
-    found = {f"/{path.name}": WebFile(TYPES[path.suffix], path.read_bytes()) for path in sorted(PAGE.iterdir())}
-    found["/"] = found.pop(f"/{START}")
+    contents = {
+        f"/{path.name}": WebFile(CONTENT_TYPES[path.suffix], path.read_bytes())
+        for path in sorted(PAGE_FOLDER.iterdir())
+    }
+    contents["/"] = contents.pop(f"/{START_FILE}")
     about = {
         "robot": body_data(robot),
-        "gestures": _gestures(lexicon),
+        "gestures": _list_gestures(lexicon),
         "styles": sorted(names_of("style"), key=lambda name: (name != style, name)),
-        "examples": _examples(),
+        "examples": _list_examples(),
         "document": document,
     }
-    found["/studio.json"] = WebFile(JSON, msgspec.json.encode(about))
-    return found
+    contents["/studio.json"] = WebFile(JSON_TYPE, msgspec.json.encode(about))
+    return contents
 
 
 def body_data(robot: Robot) -> dict[str, Json]:
-    """Gathers what the page knows of the robot: its shapes, its hinges and their ranges, its hands and their space."""
+    """Return the page's data of a robot.
+
+    Shapes, joints with ranges, hands and gesture space.
+    """
     skeleton, neck = robot.skeleton, robot.chains.get("neck")
     return {
         **scene_data(robot),
@@ -63,30 +73,30 @@ def body_data(robot: Robot) -> dict[str, Json]:
         "hands": {side: robot.arm(side).wrist for side in SIDES},
         "elbows": {side: robot.arm(side).elbow for side in SIDES},
         "neck": skeleton.segment(neck[0]) if neck and robot.joints("torso") else None,
-        "eyes": _eyes(robot) if neck else None,
+        "eyes": _locate_eyes(robot) if neck else None,
         "arm_length": round(robot.arm_length, 4),
-        "sectors": {axis: dict(centres) for axis, centres in SECTORS.items()},
+        "sectors": {axis: dict(centres) for axis, centres in SECTOR_CENTRES.items()},
         "gesture_origin": [round(float(value), 4) for value in robot.gesture_origin],
     }
 
 
-def _eyes(robot: Robot) -> Json:
-    """The segment of the eyes, where they are in it, and where they look when they look ahead."""
+def _locate_eyes(robot: Robot) -> Json:
+    """Return segment, position and forward direction of the robot's eyes."""
     eyes = robot.sites["eyes"]
     place: list[Json] = [round(float(value), 4) for value in eyes.position]
     facing: list[Json] = [round(float(value), 4) for value in eyes.facing]
     return {"segment": robot.skeleton.segment(eyes.segment), "at": place, "facing": facing}
 
 
-def _gestures(lexicon: Lexicon) -> list[Json]:
-    """Id, category and meaning of every gesture."""
+def _list_gestures(lexicon: Lexicon) -> list[Json]:
+    """List id, category and meaning of every gesture."""
     return [
         {"id": form.id, "category": form.category, "says": sense.says}
         for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)
     ]
 
 
-def _examples() -> list[Json]:
-    """Name and text of every example, the greeting first."""
-    paths = (GREETING, *sorted(EXAMPLES.glob("*.bml")))
+def _list_examples() -> list[Json]:
+    """List name and text of every example document, the welcome first."""
+    paths = (WELCOME_EXAMPLE, *sorted(EXAMPLE_FOLDER.glob("*.bml")))
     return [{"name": path.stem.lstrip("0123456789_"), "text": path.read_text(encoding="utf-8")} for path in paths]

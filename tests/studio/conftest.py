@@ -1,4 +1,4 @@
-"""One server and one browser for all tests of the page."""
+"""One server and one browser for all tests of a module."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -9,47 +9,47 @@ import pytest
 
 from kinesic.cli.live.studio import StudioPlanning
 from kinesic.cli.options import Planning
-from kinesic.controller.perform import set_up
 from kinesic.serve.wire.pages import WebFile
 from kinesic.serve.wire.quotas import Quotas
+from kinesic.session.setup import set_up
 from kinesic.studio.page import page_files
 
 from ..chromium import Page, binary, opened
 from ..serve.conftest import Running, running
 
-PATIENT = Quotas(planning=60.0)  # others work on the machine, too
-STEP = 10.0  # [s] that the browser may be silent
+PATIENT = Quotas(planning=60.0)  # the machine may be shared
+STEP = 10.0  # [s] longest wait for an answer of the browser
 
 
 @dataclass
 class Studio:
-    """An open page, and the server behind it."""
+    """Open page with its server."""
 
     page: Page
     server: Running
     folder: Path
-    files: Mapping[str, WebFile] = field(default_factory=dict)  # of the page
+    files: Mapping[str, WebFile] = field(default_factory=dict)
 
     def state(self, name: str) -> object:
-        """One thing that the page knows."""
+        """Return one value of the page's state."""
         return self.page.value(f"kinesicStudio.state().{name}")
 
     def until(self, condition: str) -> None:
-        """Waits until something is so; `s` is what the page knows."""
+        """Wait for a condition; `s` is the state of the page."""
         self.page.until(f"(s => {condition})(kinesicStudio.state())")
 
     def rest(self, seconds: float) -> None:
-        """Lets the page do what it does for a while."""
+        """Let the page run for some time."""
         for _ in range(ceil(seconds / STEP)):
             self.page.value(f"new Promise(done => setTimeout(done, {1000 * min(STEP, seconds)}))")
 
     def heap(self) -> float:
-        """Memory [bytes] that the page's script holds, without what nobody needs any more."""
+        """Return the script's memory [bytes] after garbage collection."""
         self.page.call("HeapProfiler.collectGarbage")
         return self.page.call("Runtime.getHeapUsage")["usedSize"]
 
     def write(self, text: str) -> None:
-        """Replaces the document, as if it were typed, and waits for its plan or its error."""
+        """Replace the document like typed text and wait for its plan or error."""
         if self.state("text") == text:
             return
         planned, area = self.state("planned"), "document.querySelector('#text')"
@@ -60,7 +60,7 @@ class Studio:
 
 @pytest.fixture(scope="module")
 def studio(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    """The page in a browser, with a real server and its twin; modules that look at no picture have DRAWN = False."""
+    """Page in a browser with a real server and its twin; modules without checks of pictures set DRAWN = False."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()

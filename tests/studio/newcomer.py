@@ -1,4 +1,4 @@
-"""A newcomer with a mouse and a keyboard before a studio that moves simulated servos, and his first wish."""
+"""Simulated first use of the studio with mouse and keyboard, on simulated servos."""
 
 import json
 import re
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..chromium import Page, opened
 
-PATIENT = "planning=60"  # [s]: others work on the machine, too
+PATIENT = "planning=60"  # [s], the machine may be shared
 STATE = "kinesicStudio.state()"
 DOCUMENT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="talk">\n'
@@ -21,20 +21,20 @@ DOCUMENT = (
 
 @dataclass
 class Person:
-    """Somebody whose actions are counted; whoever films is told of each."""
+    """User whose actions are counted and reported to `films`."""
 
     page: Page
     films: Callable[[str, tuple[float, float] | None], None] = lambda _what, _where: None
     actions: list[str] = field(default_factory=list)
 
     def click(self, selector: str, what: str = "") -> None:
-        """Clicks on an element; `what` says why."""
+        """Click on an element; `what` describes the action."""
         self.page.value(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
         self._does(what or f"click {selector}", self.middle(selector))
         self.page.click(selector)
 
     def write(self, selector: str, text: str, what: str = "") -> None:
-        """Writes into a field, and leaves it."""
+        """Write into a field and leave it."""
         self._does(what or f"write into {selector}", self.middle(selector))
         script = (
             f"(e => {{ e.value = {json.dumps(text)}; e.dispatchEvent(new Event('input'));"
@@ -47,7 +47,7 @@ class Person:
         self.page.drag(begin, *steps)
 
     def sees(self, condition: str) -> None:
-        """Waits until something is so; `s` is what the page knows."""
+        """Wait for a condition; `s` is the state of the page."""
         self.page.until(f"(s => {condition})({STATE})")
 
     def middle(self, selector: str) -> tuple[float, float]:
@@ -61,15 +61,17 @@ class Person:
 
 
 @contextmanager
-def before_the_studio(folder: Path, *flags: str, drawn: bool = True) -> Iterator[Person]:
-    """Puts a newcomer before a studio whose folder this is, in a browser with these flags more, drawn or not."""
+def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str | Path = "upper22") -> Iterator[Person]:
+    """Open a studio for a folder in a browser with additional flags, drawn or not."""
     kinesic = [sys.executable, "-m", "kinesic"]
     with subprocess.Popen(
-        [*kinesic, "servos", "simulate", "--folder", str(folder)], stdout=subprocess.PIPE, text=True
+        [*kinesic, "servos", "simulate", "--robot", str(robot), "--folder", str(folder)],
+        stdout=subprocess.PIPE,
+        text=True,
     ) as servos:
         try:
             assert "body" in servos.stdout.readline()
-            moved = ("--on", "servos", "--port", str(folder / "body"))
+            moved = ("--robot", str(robot), "--on", "servos", "--port", str(folder / "body"))
             command = [*kinesic, "studio", "--listen", "127.0.0.1:0", "--no-browser", "--rule", PATIENT, *moved]
             with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder) as studio:
                 try:
@@ -85,19 +87,19 @@ def before_the_studio(folder: Path, *flags: str, drawn: bool = True) -> Iterator
 
 
 def make_and_perform(person: Person) -> None:
-    """Makes a gesture that weighs two things, puts it on a word, makes it shy, saves and performs it."""
+    """Make a weighing gesture, tie it to a word, make it shy, save and perform it."""
     person.page.call("Runtime.evaluate", expression="names = ['weigh.toml', 'talk.bml']; prompt = () => names.shift()")
     person.click("#lexicon summary", "Gestures are found by what they mean")
     person.write("#search", "weigh against", "search: weigh against")
     person.click("[aria-label='Edit a copy of balance']", "Edit opens a copy of its file")
     person.sees("s.draft?.gesture === 'my_balance'")
-    person.click("#keys .group button:nth-child(1)", "choose a key of the gesture")
+    person.click("#keys .group button:nth-child(1)", "select a key of the gesture")
     person.sees("s.drawn > 0 && s.left !== null")
     hand = person.page.value(f"{STATE}.left")
     up = [(hand["x"] + 5 * k, hand["y"] - 10 * k) for k in range(3)]
-    person.drag(*up, what="drag the hand to where it shall be")
+    person.drag(*up, what="drag the hand to its new position")
     person.sees("s.past === 1")
-    person.click("#save", "Save as weigh.toml: the robot knows it at once")
+    person.click("#save", "Save as weigh.toml for immediate use by the robot")
     person.page.until("document.querySelector('#file').textContent === 'weigh.toml'")
     person.write("#examples", "example:one_gesture", "open an example")
     person.sees("s.draft?.block === 'one'")
@@ -111,7 +113,7 @@ def make_and_perform(person: Person) -> None:
     stroke = person.middle("[data-stroke='my_balance']")
     person.drag(stroke, (onto[0] - 9, onto[1] + 3), onto, what="drag its stroke onto the word: versus")
     person.sees("s.text.includes('stroke=\"s:')")
-    person.click("[data-row='my_balance'] .name", "choose it")
+    person.click("[data-row='my_balance'] .name", "select the gesture")
     person.write("#own-style", "shy", "make it shy")
     person.sees(
         "s.text.includes('kinesic:style=\"shy\"') && s.draft.behaviours.every(each => each.outcome === 'realised')"
@@ -122,8 +124,8 @@ def make_and_perform(person: Person) -> None:
     assert person.page.value("document.querySelector('#perform').disabled"), "the servos have no torque yet"
     person.click("#arm", "Arm gives servos their torque")
     person.page.until("document.querySelector('#arming').open")
-    person.page.value("document.querySelector('#arm-yes').click()")  # a script is nobody
+    person.page.value("document.querySelector('#arm-yes').click()")  # a script's click does not count
     assert person.page.value("document.querySelector('#arming').open")
-    person.click("#arm-yes", "confirm that nobody is in the way")
+    person.click("#arm-yes", "confirm that the space is free")
     person.sees("s.report.servos.state === 'armed'")
     person.click("#perform", "Perform")

@@ -1,4 +1,4 @@
-"""The page of a robot elsewhere, limp and guarded by a token: seen, moved by hand, captured, armed by a person."""
+"""Page of a limp robot behind a relay and a token: display, capture of a posture, and arming by a person."""
 
 import asyncio
 import re
@@ -10,10 +10,10 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.serve.server import Address
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.pages import WebFile
+from kinesic.session.setup import set_up
 from kinesic.studio.page import page_files
 from kinesic.studio.relay import open_relay
 
@@ -27,7 +27,7 @@ pytestmark = pytest.mark.realtime
 
 @contextmanager
 def relay(port: int, files: Mapping[str, WebFile], own: int = 0) -> Iterator[Address]:
-    """A relay to a server, in a thread, on a port of its own."""
+    """Run a relay to a server in a thread, on its own port."""
     loop, found, ready = asyncio.new_event_loop(), [], threading.Event()
     ended = asyncio.Event()
 
@@ -67,7 +67,7 @@ def attached(tmp_path, limp: Limp) -> Iterator[Studio]:
         yield Studio(page, server, tmp_path)
 
 
-def test_a_limp_robot_elsewhere_is_seen_captured_and_armed_by_a_person_alone(attached: Studio, limp: Limp):
+def test_studio_captures_a_posture_of_a_remote_robot_and_enables_its_torque(attached: Studio, limp: Limp):
     page, robot = attached.page, set_up().robot
     page.value(f"document.querySelector('#token').value = '{TOKEN}'")
     page.click("#lock button")
@@ -100,12 +100,12 @@ def test_a_limp_robot_elsewhere_is_seen_captured_and_armed_by_a_person_alone(att
     assert page.value("document.querySelector('#perform').disabled")
     page.click("#arm")
     page.until("document.querySelector('#arming').open")
-    page.value("document.querySelector('#arm-yes').click()")  # a script is no person
-    assert page.value("document.querySelector('#arming').open"), "the question still waits for a person"
+    page.value("document.querySelector('#arm-yes').click()")  # a script's click does not count
+    assert page.value("document.querySelector('#arming').open"), "the question still waits for a person's click"
     page.press("Escape", 27)
-    assert not page.value("document.querySelector('#arming').open"), "at once, not when nobody has answered for 30 s"
+    assert not page.value("document.querySelector('#arming').open"), "closed at once, not after the timeout of 30 s"
     assert not limp.armed
-    attached.until("s.stopped")  # Escape stops, whatever is open
+    attached.until("s.stopped")  # Escape also stops the robot
     page.click("#resume")
     attached.until("!s.stopped")
     ask(page)
@@ -115,7 +115,7 @@ def test_a_limp_robot_elsewhere_is_seen_captured_and_armed_by_a_person_alone(att
 
 
 def ask(page) -> None:
-    """Asks for torque until the server asks back: it does not while the motion goes on, as it does after a stop."""
+    """Request torque until the server asks for confirmation, which it does only at rest."""
     end = monotonic() + 30.0
     while monotonic() < end and not page.value("document.querySelector('#arming').open"):
         page.click("#arm")

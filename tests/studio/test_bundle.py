@@ -1,4 +1,4 @@
-"""The bundle that the package carries: made from the sources that are here, and small."""
+"""Built page of the package: up to date and small."""
 
 import gzip
 import hashlib
@@ -6,21 +6,21 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES
+from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES_FOLDER
 from kinesic.studio import page
 
 CLIENT = Path(page.__file__).parent / "client"
-MOST = 200_000  # [bytes] of all that the page loads, as browsers may get it compressed
+MAX_PAGE_SIZE = 200_000  # [bytes] all files of the page, compressed
 
 
-def test_the_bundle_is_made_from_these_sources():
+def test_script_bundle_of_the_page_is_up_to_date():
     if not CLIENT.is_dir():
         pytest.skip("an installed package has no sources")
-    sources = [*sorted((CLIENT / "src").iterdir()), *(TEMPLATES / name for name in SCENE_SCRIPTS)]
+    sources = [*sorted((CLIENT / "src").iterdir()), *(TEMPLATES_FOLDER / name for name in SCENE_SCRIPTS)]
     digest = hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
-    first = (page.PAGE / "studio.js").read_text(encoding="utf-8").partition("\n")[0]
-    assert first == f"// kinesic studio, made from sources {digest}", "make studio makes it anew"
+    first = (page.PAGE_FOLDER / "studio.js").read_text(encoding="utf-8").partition("\n")[0]
+    assert first == f"// kinesic studio, made from sources {digest}", "rebuild it with: make studio"
 
 
-def test_the_page_is_small():
-    assert sum(len(gzip.compress(path.read_bytes())) for path in page.PAGE.iterdir()) < MOST
+def test_compressed_page_size_is_limited():
+    assert sum(len(gzip.compress(path.read_bytes())) for path in page.PAGE_FOLDER.iterdir()) < MAX_PAGE_SIZE

@@ -1,4 +1,4 @@
-"""Longer looks at the page: what people who cannot see it find, and what half an hour of play leaves in memory."""
+"""Long tests of the page: accessibility, and memory after half an hour of playback."""
 
 import multiprocessing
 import os
@@ -14,39 +14,39 @@ from .test_bundle import CLIENT
 
 AXE = CLIENT / "node_modules" / "axe-core" / "axe.min.js"
 HALF_HOUR, WARM = 1800.0, 30.0  # [s]
-PARTS = 6  # of the time, after each of which all is weighed
+PARTS = 6  # number of measurements
 
 pytestmark = [pytest.mark.soak, pytest.mark.realtime]
 
 
 @dataclass(frozen=True)
 class Weight:
-    """What page and server hold."""
+    """Memory use of page and server."""
 
-    heap: float  # [bytes] of the page's script
-    nodes: float  # of the page's document, those that only its script holds among them
+    heap: float  # [bytes] script of the page
+    nodes: float  # DOM nodes, including detached ones
     listeners: float
-    server: float  # [bytes] of all processes of the server
+    server: float  # [bytes] all processes of the server
 
     @classmethod
     def of(cls, studio: Studio) -> "Weight":
-        studio.server.witness.commands.clear()  # of the tests' own: all that the robot was told
+        studio.server.witness.commands.clear()  # log of the test itself
         heap, counted = studio.heap(), studio.page.call("Memory.getDOMCounters")
         return cls(heap, counted["nodes"], counted["jsEventListeners"], sum(resident()))
 
 
-MOST = Weight(8e6, 500, 100, 60e6)  # that each may be more than at the beginning
-CREEP = Weight(2e6, 100, 20, 15e6)  # and in the second half of the time
+MAX_GROWTH = Weight(8e6, 500, 100, 60e6)  # over the whole time
+MAX_LATE_GROWTH = Weight(2e6, 100, 20, 15e6)  # in the second half of the time
 
 
 def resident() -> Iterator[float]:
-    """Memory [bytes] of the server, which runs here, and of its processes."""
+    """Yield the resident memory [bytes] of the server's processes, including this one."""
     for process in (os.getpid(), *(each.pid for each in multiprocessing.active_children())):
         yield int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 @pytest.mark.skipif(not AXE.is_file(), reason="axe-core is not installed: make studio")
-def test_nothing_stands_in_the_way_of_anybody(studio: Studio):
+def test_studio_page_has_no_accessibility_violations(studio: Studio):
     page = studio.page
     page.call("Runtime.evaluate", expression=AXE.read_text(encoding="utf-8"))
     page.value("document.querySelector('#lexicon').open = true")
@@ -56,8 +56,8 @@ def test_nothing_stands_in_the_way_of_anybody(studio: Studio):
         assert page.value(found) == []
 
 
-def test_half_an_hour_of_play_leaves_no_memory_behind(studio: Studio):
-    """Looped, while the robot is watched; page and server are weighed after each sixth of the time."""
+def test_half_an_hour_of_studio_playback_leaks_no_memory(studio: Studio):
+    """Playback loops while the robot is watched; memory is measured after each sixth of the time."""
     studio.page.click("#loop")
     studio.page.click("#play")
     studio.rest(WARM)
@@ -69,5 +69,5 @@ def test_half_an_hour_of_play_leaves_no_memory_behind(studio: Studio):
         found.append(Weight.of(studio))
     studio.page.click("#play")
     first, middle, last = (astuple(found[k]) for k in (0, PARTS // 2, PARTS))
-    assert all(now - then < most for now, then, most in zip(last, first, astuple(MOST), strict=True)), found
-    assert all(now - then < most for now, then, most in zip(last, middle, astuple(CREEP), strict=True)), found
+    assert all(now - then < most for now, then, most in zip(last, first, astuple(MAX_GROWTH), strict=True)), found
+    assert all(now - then < most for now, then, most in zip(last, middle, astuple(MAX_LATE_GROWTH), strict=True)), found

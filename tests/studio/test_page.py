@@ -1,4 +1,4 @@
-"""The page in a browser, against the real server: text, timeline, stage, stop."""
+"""Page in a browser with the real server: text, timeline, stage and stop."""
 
 import json
 from pathlib import Path
@@ -9,19 +9,19 @@ from websockets.sync.client import ClientConnection, connect
 
 from kinesic import Performer
 
-from ..chromium import PATIENCE
+from ..chromium import MAX_WAIT
 from .conftest import Studio
 
 pytestmark = pytest.mark.realtime
 
-DRAWN = False  # what WebGL draws is looked at in test_stage.py
+DRAWN = False  # WebGL pictures are tested in test_stage.py
 WORDS = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">'
     '<speech id="s"><text>Say <sync id="m1"/>one and then <sync id="m2"/>another.</text></speech>'
     '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m1"/></bml>'
 )
 ESCAPE = 27
-ASKED = 180  # [ms] after which the page has just asked for the plan of what is typed: it waits for 150
+ASKED = 180  # [ms] just after the request for a plan, which follows 150 ms after typing
 
 
 def middle(studio: Studio, selector: str) -> tuple[float, float]:
@@ -31,8 +31,8 @@ def middle(studio: Studio, selector: str) -> tuple[float, float]:
 
 
 def rests(client: ClientConnection) -> None:
-    """Waits until the robot rests."""
-    end = monotonic() + PATIENCE
+    """Wait until the robot rests."""
+    end = monotonic() + MAX_WAIT
     while '"resting"' not in status(client):
         assert monotonic() < end
         sleep(0.05)
@@ -40,12 +40,12 @@ def rests(client: ClientConnection) -> None:
 
 def status(client: ClientConnection) -> str:
     client.send('{"do": "status"}')
-    while '"status"' not in (told := client.recv(PATIENCE)):
+    while '"status"' not in (told := client.recv(MAX_WAIT)):
         pass
     return told
 
 
-def test_the_page_opens_with_the_greeting_planned_and_drawn(studio: Studio):
+def test_page_opens_with_the_welcome_example(studio: Studio):
     studio.until("s.connection === 'open' && s.drawn > 0 && !s.flat")
     rows = "[...document.querySelectorAll('[data-row]')].map(row => row.dataset.row)"
     draft = studio.state("draft")
@@ -55,7 +55,7 @@ def test_the_page_opens_with_the_greeting_planned_and_drawn(studio: Studio):
     assert studio.page.value("document.querySelector('#examples').options.length") > 8
 
 
-def test_an_error_has_its_line_and_column_and_goes_when_it_is_mended(studio: Studio):
+def test_document_error_is_shown_with_line_and_column_until_corrected(studio: Studio):
     studio.write(WORDS.replace("<gesture", "\n  <gesture").replace("s:m1", "nowhere:end"))
     fault = studio.page.value("document.querySelector('#fault').textContent")
     assert fault.startswith("2:")
@@ -65,7 +65,7 @@ def test_an_error_has_its_line_and_column_and_goes_when_it_is_mended(studio: Stu
     assert studio.page.value("document.querySelector('#fault').hidden")
 
 
-def test_a_stroke_that_is_dragged_onto_a_word_is_tied_to_it_and_can_be_undone(studio: Studio):
+def test_dragging_a_stroke_onto_a_word_synchronises_it_and_can_be_undone(studio: Studio):
     studio.write(WORDS)
     word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")
     planned, onto = studio.state("planned"), middle(studio, f'[data-word="{word}"]')
@@ -82,7 +82,7 @@ def test_a_stroke_that_is_dragged_onto_a_word_is_tied_to_it_and_can_be_undone(st
     assert studio.state("text") == marked
 
 
-def test_the_voice_is_seen_and_heard_from_where_it_is_played_and_goes_before_the_clock(studio: Studio):
+def test_speech_waveform_is_shown_and_its_clock_drives_playback(studio: Studio):
     studio.write(WORDS)
     if not studio.page.value("document.querySelector('.voice svg') !== null"):
         pytest.skip("no voice is heard here: espeak is not installed")
@@ -101,7 +101,7 @@ def test_the_voice_is_seen_and_heard_from_where_it_is_played_and_goes_before_the
 
 
 def exported(studio: Studio, folder: Path, name: str) -> Path:
-    """The file that the browser keeps when the document on the page is exported as CSV."""
+    """Return the downloaded CSV export of the page's document."""
     folder.mkdir()
     studio.page.call(
         "Browser.setDownloadBehavior",
@@ -111,22 +111,22 @@ def exported(studio: Studio, folder: Path, name: str) -> Path:
     )
     menu = "document.querySelector('#export')"
     studio.page.value(f"{menu}.value = 'csv', {menu}.dispatchEvent(new Event('change'))")
-    end, file = monotonic() + PATIENCE, folder / name
+    end, file = monotonic() + MAX_WAIT, folder / name
     while not file.exists():
         assert monotonic() < end, f"not downloaded: {name}, but {list(folder.iterdir())}"
         sleep(0.05)
     return file
 
 
-def test_a_performance_is_exported_to_the_browser(studio: Studio, tmp_path: Path):
+def test_performance_is_exported_by_download(studio: Studio, tmp_path: Path):
     studio.write(WORDS)
     rows = exported(studio, tmp_path / "downloads", "doc.csv").read_text().splitlines()
     assert rows[0].startswith("time_s,")
     assert float(rows[-1].split(",")[0]) == pytest.approx(studio.state("draft")["duration"], abs=0.5), "it ends at rest"
 
 
-def test_a_strangers_document_writes_nowhere_but_to_the_browsers_downloads(studio: Studio, tmp_path: Path):
-    """Its id is the path of a file of ours, with and without a link that leads there."""
+def test_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_path: Path):
+    """The id is the path of another file, with and without a link to it."""
     letter = tmp_path / "mine" / "dear.csv"
     letter.parent.mkdir()
     letter.write_text("dear")
@@ -142,7 +142,7 @@ def test_a_strangers_document_writes_nowhere_but_to_the_browsers_downloads(studi
     assert sorted(studio.folder.iterdir()) == before
 
 
-def test_a_manner_is_set_of_the_chosen_behaviour(studio: Studio):
+def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
     studio.write(WORDS)
     studio.page.click('[data-row="g"] .name')
     planned, slider = studio.state("planned"), "document.querySelector('[aria-label=spatial]')"
@@ -153,11 +153,11 @@ def test_a_manner_is_set_of_the_chosen_behaviour(studio: Studio):
     assert studio.page.value("document.querySelector('#inspector').hidden")
 
 
-def test_a_manner_is_set_of_the_whole_block(studio: Studio):
+def test_expressivity_of_the_whole_block_can_be_set(studio: Studio):
     words = WORDS.replace('id="g"', 'id="doc"')  # a behaviour may have the id of the block
     studio.write(words)
     studio.page.click("#choose-block")
-    assert studio.page.value("document.querySelector('#chosen').textContent") == "The whole block"
+    assert studio.page.value("document.querySelector('#chosen').textContent") == "Whole block"
     planned, slider = studio.state("planned"), "document.querySelector('[aria-label=power]')"
     studio.page.value(f"{slider}.value = '-0.5', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned}")
@@ -166,7 +166,7 @@ def test_a_manner_is_set_of_the_whole_block(studio: Studio):
     studio.page.click("#choose-block")
 
 
-def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
+def test_escape_stops_the_robot_until_resume(studio: Studio):
     studio.write(WORDS)
     studio.page.click("#perform")
     studio.until("s.report.planned.some((angle, k) => Math.abs(angle - s.report.angles[k]) > 0) && s.mode === 'robot'")
@@ -180,7 +180,7 @@ def test_escape_stops_the_robot_and_resume_goes_on(studio: Studio):
     studio.until("!s.stopped && !document.querySelector('#perform').disabled")
 
 
-def test_forty_gestures_in_two_minutes_are_planned_and_a_stop_does_not_wait_for_that(studio: Studio):
+def test_emergency_stop_does_not_wait_for_a_long_plan(studio: Studio):
     beats = "".join(
         f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{2 + 3 * k}"/>'
         for k in range(40)
@@ -198,7 +198,7 @@ def test_forty_gestures_in_two_minutes_are_planned_and_a_stop_does_not_wait_for_
     assert studio.state("draft")["duration"] > 115.0
 
 
-def test_another_client_s_motion_is_seen(studio: Studio):
+def test_motion_of_another_client_is_shown(studio: Studio):
     studio.page.click("#mode-robot")
     studio.until("s.report !== null")
     rest = studio.state("report")["planned"]
@@ -207,7 +207,7 @@ def test_another_client_s_motion_is_seen(studio: Studio):
         studio.page.until(f"kinesicStudio.state().report.planned.some((angle, k) => Math.abs(angle - {rest}[k]) > 0.2)")
 
 
-def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
+def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     page, search = studio.page, "document.querySelector('#search')"
     page.value("document.querySelector('#lexicon').open = true")
     page.value(f"{search}.value = 'idea bowl', {search}.dispatchEvent(new Event('input'))")
@@ -217,7 +217,7 @@ def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
     page.click("#keys .group button:nth-child(2)")
     hand = studio.state("left")
     page.drag((hand["x"], hand["y"]), (hand["x"] + 10, hand["y"] - 15), (hand["x"] + 20, hand["y"] - 30))
-    studio.until("s.past === 1 && s.draft.keys[1].both.at[1] > 0.24")  # higher than it was
+    studio.until("s.past === 1 && s.draft.keys[1].both.at[1] > 0.24")  # higher than before
     assert studio.state("draft")["keys"][0]["both"]["at"] == [0.22, 0.10, 0.42]
     page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.toml'")
     page.click("#save")
@@ -234,7 +234,7 @@ def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
         "(document.querySelector('#examples'))"
     )
     studio.until("s.draft?.block === 'one'")
-    studio.write(text)  # the gesture that was saved is known at once
+    studio.write(text)  # the saved gesture is available at once
     studio.until("s.draft?.block === 'doc' && s.draft.notices.length === 0")
     assert {each["outcome"] for each in studio.state("draft")["behaviours"]} == {"realised"}
     with connect(f"ws://localhost:{studio.server.port}/") as other:
@@ -242,12 +242,12 @@ def test_a_gesture_is_copied_shaped_by_hand_saved_and_performed(studio: Studio):
         rests(other)
         other.send(text.replace('"doc"', '"with"'))
         told = [other.recv(30)]
-        while "blockProgress" not in told[-1]:  # it begins: all that is not as asked has been told before
+        while "blockProgress" not in told[-1]:  # all warnings come before the start
             told.append(other.recv(30))
     assert not [each for each in told if "warningFeedback" in each]
 
 
-def test_a_document_is_saved_byte_for_byte_and_found_again(studio: Studio):
+def test_document_is_saved_unchanged_and_reopened(studio: Studio):
     studio.write(WORDS)
     studio.page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.bml'")
     studio.page.click("#save")
@@ -256,8 +256,8 @@ def test_a_document_is_saved_byte_for_byte_and_found_again(studio: Studio):
     studio.page.until("[...document.querySelectorAll('#saved option')].some(each => each.value === 'file:mine.bml')")
 
 
-def test_play_leaves_no_memory_behind(studio: Studio):
-    """A moment of what a soak test does for half an hour."""
+def test_studio_playback_leaks_no_memory(studio: Studio):
+    """Short form of the soak test in test_long.py."""
     studio.write(WORDS)
     studio.page.click("#loop")
     studio.page.click("#play")
@@ -268,7 +268,7 @@ def test_play_leaves_no_memory_behind(studio: Studio):
     studio.page.click("#loop")
 
 
-def test_hostile_names_and_texts_are_shown_and_never_run_and_broken_answers_are_passed_over(studio: Studio):
+def test_hostile_names_and_texts_never_run_and_broken_answers_are_ignored(studio: Studio):
     evil = '<img src="x" onerror="hacked = true"><script>hacked = true</script>'
     escaped = evil.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
     studio.write(WORDS.replace("another", escaped).replace('lexeme="offer"', f'lexeme="{escaped}"'))

@@ -1,4 +1,4 @@
-"""What a browser gets of the page: its files with their types, and what it knows of robot, gestures and examples."""
+"""Files of the page with their types, and its data on robot, gestures and examples."""
 
 import json
 
@@ -8,7 +8,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.report.scene import scene_data
-from kinesic.studio.page import PAGE, body_data, page_files
+from kinesic.studio.page import PAGE_FOLDER, body_data, page_files
 
 ROBOT, LEXICON = Robot.load(), Lexicon.load()
 
@@ -18,21 +18,21 @@ def files():
     return page_files(ROBOT, LEXICON, style="joyful", document="mine.bml")
 
 
-def test_files_of_the_page_have_their_types_and_it_begins_at_the_root(files):
+def test_studio_page_files_have_types_and_index_is_the_root(files):
     assert {*files} == {
         "/",
         "/studio.json",
-        *(f"/{path.name}" for path in PAGE.iterdir() if path.name != "index.html"),
+        *(f"/{path.name}" for path in PAGE_FOLDER.iterdir() if path.name != "index.html"),
     }
     assert files["/"].type == "text/html; charset=utf-8"
-    assert files["/"].body == (PAGE / "index.html").read_bytes()
+    assert files["/"].body == (PAGE_FOLDER / "index.html").read_bytes()
     scripts = [file for path, file in files.items() if path.endswith(".js")]
     assert scripts
     assert {file.type for file in scripts} == {"text/javascript; charset=utf-8"}
     assert files["/studio.json"].type == "application/json"
 
 
-def test_page_knows_gestures_styles_examples_and_its_document(files):
+def test_studio_page_data_lists_gestures_styles_examples_and_document(files):
     about = json.loads(files["/studio.json"].body)
     assert about["document"] == "mine.bml"
     assert about["styles"][0] == "joyful"
@@ -49,7 +49,7 @@ def test_page_knows_gestures_styles_examples_and_its_document(files):
     assert about["robot"] == json.loads(json.dumps(body_data(ROBOT)))
 
 
-def test_body_is_the_robots_own_to_a_tenth_of_a_milliradian():
+def test_body_data_of_the_page_equals_the_robot():
     found = body_data(ROBOT)
     skeleton = ROBOT.skeleton
     for name in ("rest", "lower", "upper"):

@@ -1,4 +1,4 @@
-"""The page of a robot that another server drives: passed on as it is, and for this page alone."""
+"""Relay to the robot of another server: token, stop line, origin and address checks."""
 
 import asyncio
 import json
@@ -16,7 +16,7 @@ from kinesic.serve.server import Address
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.pages import WebFile
 from kinesic.serve.wire.quotas import Quotas
-from kinesic.studio.relay import LATER, open_relay
+from kinesic.studio.relay import TRY_LATER_CODE, open_relay
 
 from ..serve.conftest import Running, running
 
@@ -31,7 +31,7 @@ def robot() -> Iterator[Running]:
 
 
 def relayed(port: int, deed: Callable[[Address], Awaitable[None]]) -> None:
-    """Does something at the relay of a server."""
+    """Run a test at the relay of a server."""
 
     async def act() -> None:
         async with open_relay(Address("127.0.0.1", 0), Address("127.0.0.1", port), FILES) as door:
@@ -45,7 +45,7 @@ async def ask(socket: ClientConnection, **message: object) -> dict:
     return json.loads(await socket.recv())
 
 
-def test_the_token_is_the_robot_s_and_stops_have_their_own_line(robot: Running):
+def test_relayed_page_needs_the_token_of_the_robot_and_gets_a_stop_connection(robot: Running):
     async def act(door: Address) -> None:
         async with connect(f"ws://{door}/") as page:
             assert (await ask(page, do="status"))["told"] == "refused"
@@ -62,7 +62,7 @@ def test_the_token_is_the_robot_s_and_stops_have_their_own_line(robot: Running):
     relayed(robot.port, act)
 
 
-def test_the_page_is_shown_and_no_other_page_may_pass(robot: Running):
+def test_relay_serves_the_page_and_rejects_other_origins(robot: Running):
     async def act(door: Address) -> None:
         shown = await asyncio.to_thread(lambda: urlopen(f"http://{door}/").read())
         assert shown == b"<p>the page</p>"
@@ -75,18 +75,18 @@ def test_the_page_is_shown_and_no_other_page_may_pass(robot: Running):
     relayed(robot.port, act)
 
 
-def test_a_robot_that_is_not_there_is_told_so():
+def test_relay_closes_the_page_with_reason_if_the_robot_is_unreachable():
     async def act(door: Address) -> None:
         async with connect(f"ws://{door}/") as page:
             with pytest.raises(ConnectionClosed) as closed:
                 await page.recv()
-        assert closed.value.rcvd.code == LATER
-        assert "is not there" in closed.value.rcvd.reason
+        assert closed.value.rcvd.code == TRY_LATER_CODE
+        assert "is not reachable" in closed.value.rcvd.reason
 
     relayed(1, act)
 
 
-def test_the_robot_is_the_server_s(robot: Running):
+def test_studio_uses_the_robot_of_the_remote_server(robot: Running):
     here = Address("127.0.0.1", robot.port)
     assert ask_robot(here, TOKEN) == "upper22"
     for token in (None, "open barley"):
@@ -109,11 +109,11 @@ def test_the_robot_is_the_server_s(robot: Running):
         ("::1", "::1", 8864),
     ],
 )
-def test_an_address_may_leave_out_the_port(text: str, host: str, port: int):
+def test_port_of_a_remote_server_address_is_optional(text: str, host: str, port: int):
     assert read_server(text) == Address(host, port)
 
 
 @pytest.mark.parametrize("text", ["", ":99", "robot:x", "robot:0", "robot:70000"])
-def test_what_is_no_address_is_refused(text: str):
+def test_invalid_remote_server_addresses_are_refused(text: str):
     with pytest.raises(ConfigError, match=r"give HOST or HOST:PORT"):
         read_server(text)

@@ -1,4 +1,4 @@
-"""Lines between a page and a robot that only echoes: what is said passes both ways, and each end ends the other."""
+"""Connections of the relay between a page and an echo server."""
 
 import asyncio
 import socket
@@ -14,15 +14,15 @@ from kinesic.body.config import ConfigError
 from kinesic.serve.server import Address
 from kinesic.serve.wire.pages import WebFile
 from kinesic.studio import relay
-from kinesic.studio.relay import LATER, open_relay
+from kinesic.studio.relay import TRY_LATER_CODE, open_relay
 
 FILES = {"/": WebFile("text/html", b"<p>the page</p>")}
-PATIENCE = 30.0  # [s] after which a line hangs
-LONG = 2_000_000  # [bytes] of a message
+PATIENCE = 30.0  # [s] timeout of a connection
+LONG = 2_000_000  # [bytes] size of a long message
 
 
 class Robot:
-    """A server that sends back what it gets, until it is told to go."""
+    """Echo server that closes a connection after the message `go`."""
 
     def __init__(self) -> None:
         self.lines: list[ServerConnection] = []
@@ -50,7 +50,7 @@ def relayed(deed: Callable[[Address, Robot], Awaitable[None]]) -> None:
     asyncio.run(act())
 
 
-def test_messages_of_both_kinds_pass_both_ways_unchanged():
+def test_relay_passes_text_and_binary_messages_unchanged():
     async def act(door: Address, _robot: Robot) -> None:
         async with connect(f"ws://{door}/", max_size=LONG) as page:
             for message in ("text \N{GRINNING FACE}", b"\0bytes", "x" * (LONG - 1)):
@@ -60,7 +60,7 @@ def test_messages_of_both_kinds_pass_both_ways_unchanged():
     relayed(act)
 
 
-def test_each_page_has_a_line_of_its_own_which_ends_with_it():
+def test_relay_gives_each_page_its_own_robot_connection():
     async def act(door: Address, robot: Robot) -> None:
         async with connect(f"ws://{door}/") as one, connect(f"ws://{door}/") as other:
             for page in (one, other):
@@ -76,7 +76,7 @@ def test_each_page_has_a_line_of_its_own_which_ends_with_it():
     relayed(act)
 
 
-def test_page_is_closed_when_the_robot_goes():
+def test_relay_closes_the_page_when_the_robot_disconnects():
     async def act(door: Address, _robot: Robot) -> None:
         async with connect(f"ws://{door}/") as page:
             await page.send("go")
@@ -86,7 +86,7 @@ def test_page_is_closed_when_the_robot_goes():
     relayed(act)
 
 
-def test_line_to_the_robot_says_nothing_of_where_the_page_is_from():
+def test_relay_connects_to_the_robot_without_origin():
     async def act(door: Address, robot: Robot) -> None:
         async with connect(f"ws://{door}/", origin=f"http://{door}") as page:
             await page.send("hello")
@@ -98,7 +98,7 @@ def test_line_to_the_robot_says_nothing_of_where_the_page_is_from():
 
 
 @pytest.mark.parametrize("origin", ["http://elsewhere.example", "null"])
-def test_page_from_elsewhere_is_refused_before_the_robot_hears_of_it(origin: str):
+def test_relay_rejects_foreign_origins_without_contacting_the_robot(origin: str):
     async def act(door: Address, robot: Robot) -> None:
         with pytest.raises(InvalidStatus) as caught:
             await connect(f"ws://{door}/", origin=origin)
@@ -108,7 +108,7 @@ def test_page_from_elsewhere_is_refused_before_the_robot_hears_of_it(origin: str
     relayed(act)
 
 
-def test_files_of_the_page_are_shown_and_no_others():
+def test_relay_serves_only_files_of_the_page():
     async def ask(door: Address, path: str) -> bytes:
         reader, writer = await asyncio.open_connection(door.host, door.port)
         writer.write(f"GET {path} HTTP/1.1\r\nHost: {door}\r\n\r\n".encode())
@@ -126,7 +126,7 @@ def test_files_of_the_page_are_shown_and_no_others():
     relayed(act)
 
 
-def test_robot_that_is_not_there_closes_the_page_for_now():
+def test_relay_asks_the_page_to_retry_if_the_robot_is_unreachable():
     async def act() -> None:
         with socket.socket() as nobody:
             nobody.bind(("127.0.0.1", 0))
@@ -134,25 +134,25 @@ def test_robot_that_is_not_there_closes_the_page_for_now():
             async with open_relay(Address("127.0.0.1", 0), gone, FILES) as door, connect(f"ws://{door}/") as page:
                 with pytest.raises(ConnectionClosed) as caught:
                     await asyncio.wait_for(page.recv(), PATIENCE)
-                assert caught.value.rcvd.code == LATER
-                assert caught.value.rcvd.reason.startswith(f"{gone} is not there: ")
+                assert caught.value.rcvd.code == TRY_LATER_CODE
+                assert caught.value.rcvd.reason.startswith(f"{gone} is not reachable: ")
                 assert len(caught.value.rcvd.reason) <= 100
 
     asyncio.run(act())
 
 
-def test_address_that_is_taken_is_refused_with_the_option():
+def test_occupied_relay_address_is_an_error_with_hint():
     async def act(door: Address, _robot: Robot) -> None:
         assert door.host == "127.0.0.1"
-        with pytest.raises(ConfigError, match=rf"{door}: .*; give another one with --listen"):
+        with pytest.raises(ConfigError, match=rf"{door}: .*; select another address with --listen"):
             async with open_relay(door, door, FILES):
                 pass
 
     relayed(act)
 
 
-def test_message_that_is_too_long_ends_its_line_either_way(monkeypatch):
-    monkeypatch.setattr(relay, "LARGEST_MESSAGE", 1000)
+def test_too_long_relayed_message_closes_the_connection(monkeypatch):
+    monkeypatch.setattr(relay, "MAX_MESSAGE_SIZE", 1000)
 
     async def act(door: Address, _robot: Robot) -> None:
         async with connect(f"ws://{door}/") as page:

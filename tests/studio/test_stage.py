@@ -1,4 +1,4 @@
-"""The stage in a browser, against the real server: what is dragged, what stops it, and how finely it is drawn."""
+"""Stage in a browser with the real server: drags, their limits, and drawing quality."""
 
 from contextlib import ExitStack
 from functools import partial
@@ -15,7 +15,7 @@ from .test_page import WORDS
 pytestmark = pytest.mark.realtime
 
 
-def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
+def test_dragged_hand_shows_what_limits_its_reach(studio: Studio):
     studio.write(WORDS)
     hand = studio.state("right")
     begin, far = (hand["x"], hand["y"]), (hand["x"] - 120, hand["y"] - 150)
@@ -23,7 +23,7 @@ def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
     studio.until("s.reach !== null && s.reach.reached")
     words = studio.page.value("document.querySelector('#stops').textContent")
     assert words.startswith("within reach: X")
-    studio.until("document.querySelector('#sectors').hasAttribute('hidden')")  # the hand was let go
+    studio.until("document.querySelector('#sectors').hasAttribute('hidden')")  # the hand is released
     studio.page.click("#show-sectors")
     studio.until("!document.querySelector('#sectors').hasAttribute('hidden')")
     assert studio.page.value("document.querySelectorAll('#sectors polygon').length") == 5 * 7
@@ -46,7 +46,7 @@ def test_a_hand_that_is_dragged_says_what_stops_it(studio: Studio):
     assert len(studio.state("latencies")) >= 2
 
 
-def test_a_drag_follows_the_pointer_between_frames_and_shows_its_own_dot_alone(studio: Studio):
+def test_drag_reacts_to_pointer_events_between_frames_and_hides_the_unused_handles(studio: Studio):
     studio.write(WORDS)
     studio.page.click("#mode-plan")
     seen = "[...document.querySelectorAll('#handles i')].filter(dot => getComputedStyle(dot).visibility === 'visible')"
@@ -55,7 +55,7 @@ def test_a_drag_follows_the_pointer_between_frames_and_shows_its_own_dot_alone(s
     hand = studio.state("left")
     x, y = hand["x"], hand["y"]
     studio.page.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
-    # what a browser tells of moves at once; it keeps those of `pointermove` until the next frame
+    # raw events arrive at once; `pointermove` waits for the next frame
     raw = f"new PointerEvent('pointerrawupdate', {{clientX: {x + 6}, clientY: {y - 9}}})"
     studio.page.value(f"document.querySelector('#canvas').dispatchEvent({raw})")
     studio.until("s.reach !== null")
@@ -68,12 +68,12 @@ def test_a_drag_follows_the_pointer_between_frames_and_shows_its_own_dot_alone(s
 @pytest.mark.parametrize(
     ("part", "way", "far", "free", "stops"),
     [
-        ("trunk", (8, 4), (500, 40), "the trunk leans there", "vl5"),
-        ("gaze", (25, 20), (10, 300), "the eyes look there", "skullbase"),
-        ("elbow", (0, 0), (0, 1), "the elbow swings there", ""),
+        ("trunk", (8, 4), (500, 40), "the trunk can lean there", "vl5"),
+        ("gaze", (25, 20), (10, 300), "the eyes can look there", "skullbase"),
+        ("elbow", (0, 0), (0, 1), "the elbow can swing there", ""),
     ],
 )
-def test_elbow_trunk_and_gaze_are_dragged_too_and_what_stops_them_is_named(
+def test_elbow_trunk_and_gaze_can_be_dragged_and_show_their_limits(
     studio: Studio, part: str, way: tuple[float, float], far: tuple[float, float], free: str, stops: str
 ):
     studio.write(WORDS)
@@ -93,7 +93,7 @@ def test_elbow_trunk_and_gaze_are_dragged_too_and_what_stops_them_is_named(
     studio.page.click("#view-free")
 
 
-def test_a_posture_is_drawn_once_finely_when_still_and_sketched_by_the_processor_while_it_moves(studio: Studio):
+def test_still_posture_is_drawn_once_at_high_resolution_and_motion_at_low_resolution(studio: Studio):
     share = "(c => c.width / c.clientWidth)(document.querySelector('#canvas'))"
     studio.write(WORDS)
     studio.page.click("#mode-plan")
@@ -103,10 +103,10 @@ def test_a_posture_is_drawn_once_finely_when_still_and_sketched_by_the_processor
         studio.page.click("#mode-plan")
     turned = "(s => s.show({...s.shown, angles: s.shown.angles.map(angle => angle + %s)}))(kinesicStudio.view.stage)"
     for _ in range(3):
-        studio.page.value(turned % 0.001)  # a tick of an encoder is not seen
+        studio.page.value(turned % 0.001)  # below a tick of an encoder, which is invisible
     studio.rest(0.1)
     assert studio.state("drawn") == drawn
-    studio.page.value("document.querySelector('#show-sectors').click()")  # as by keyboard: no pointer moves
+    studio.page.value("document.querySelector('#show-sectors').click()")  # without a pointer, as by keyboard
     studio.page.until("!document.querySelector('#sectors').hasAttribute('hidden')")
     studio.page.value("document.querySelector('#show-sectors').click()")
     studio.page.until("document.querySelector('#sectors').hasAttribute('hidden')")
@@ -155,8 +155,8 @@ SKETCHED = """(() => {
 })()"""
 
 
-def test_what_the_processor_draws_looks_as_what_webgl_draws(studio: Studio):
-    """Silhouettes, colours in the light, where it is lit or strained, the floor, and a ghost that shines through."""
+def test_robot_drawn_without_webgl_looks_like_the_webgl_drawing(studio: Studio):
+    """Compare silhouettes, lit colours, highlights, strain, floor and ghost."""
     studio.write(WORDS)
     studio.page.click("#mode-plan")
     studio.page.until("kinesicStudio.view.stage.sketch !== null")
@@ -166,8 +166,8 @@ def test_what_the_processor_draws_looks_as_what_webgl_draws(studio: Studio):
     assert max(floor, floor_with_ghost) < 16
 
 
-def test_a_drag_asks_no_oftener_than_the_server_reads_a_client(studio: Studio):
-    """Fifty times a second in the long run: whoever asks more often waits for his turn each time, a frame and more."""
+def test_drag_sends_requests_at_the_rate_of_the_server(studio: Studio):
+    """The server reads a client 50 times a second; faster requests would each wait longer than a frame."""
     studio.write(WORDS)
     studio.page.click("#mode-plan")
     studio.until("s.left !== null")
@@ -186,15 +186,15 @@ def test_a_drag_asks_no_oftener_than_the_server_reads_a_client(studio: Studio):
     studio.page.click("#mode-plan")
 
 
-def test_the_bench_times_a_dragged_hand_and_a_first_paint(studio: Studio):
-    figures = time_page(browser(), f"http://localhost:{studio.server.port}/", loads=1, seconds=0.5)
-    assert [figure.name for figure in figures] == list(PAGE_GOALS)
-    drag, paint, robot = (figure.value or 0.0 for figure in figures)
+def test_bench_measures_drag_latency_and_first_paint(studio: Studio):
+    metrics = time_page(browser(), f"http://localhost:{studio.server.port}/", loads=1, seconds=0.5)
+    assert [metric.name for metric in metrics] == list(PAGE_GOALS)
+    drag, paint, robot = (metric.value or 0.0 for metric in metrics)
     assert drag > 1.0
     assert robot > paint > 1.0
 
 
-def test_a_server_that_goes_in_the_middle_of_a_drag_is_missed_until_it_is_back(studio: Studio):
+def test_lost_server_is_shown_during_a_drag_until_it_returns(studio: Studio):
     way = ExitStack()
     door = way.enter_context(relay(studio.server.port, studio.files))
     with way, opened(f"http://{door}/") as page:

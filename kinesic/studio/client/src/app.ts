@@ -1,4 +1,4 @@
-// The page: one document, seen as text, as a timeline and on the stage.
+// Page of the studio: one document as text, timeline and stage.
 import { listen } from "./controls.ts";
 import { Documents } from "./documents.ts";
 import { byId, say } from "./dom.ts";
@@ -13,13 +13,13 @@ import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Playback } from "./playback.ts";
 import { Robot } from "./robot.ts";
 import { TextPane } from "./text.ts";
-import { anchorOf, type Moved, Timeline } from "./timeline.ts";
+import { type Moved, Timeline, wordAnchor } from "./timeline.ts";
 import type { About, Draft, GestureDraft } from "./types.ts";
 import { StageView } from "./view.ts";
 import type { Answer } from "./wire.ts";
 import { BLOCK } from "./xml.ts";
 
-const ALONE = "g"; // the behaviour that plays a gesture which is being written
+const GESTURE_ID = "g"; // id of the behaviour that performs a gesture under edit
 
 class App {
   private readonly view: StageView;
@@ -34,10 +34,10 @@ class App {
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private chosen: string | null = null;
-  private planned = 0; // drafts that were shown
+  private planned = 0; // number of shown drafts
   private name = "untitled.bml";
-  private saved = ""; // the document as it was saved last
-  private performances = 0; // of gestures alone
+  private saved = ""; // last saved text
+  private performances = 0; // number of performances of single gestures
 
   constructor(private readonly about: About) {
     this.text = new TextPane((text) => this.edit(text, true));
@@ -84,7 +84,7 @@ class App {
       insert: (id) => this.insert(id),
       seek: (time) => this.playback.player.seek(time),
       say: (text) => this.robot.live.say(text),
-      hand: (side) => this.view.stage.placeOfHand(side),
+      hand: (side) => this.view.stage.handPosition(side),
     });
     this.documents = new Documents(this.robot.wire, {
       opened: (name, text) => this.open(name, text),
@@ -112,11 +112,11 @@ class App {
 
   private open(name: string, text: string): void {
     this.opened(name.includes(".") ? name : `${name}.bml`);
-    this.chosen = this.isGesture ? ALONE : null;
+    this.chosen = this.isGesture ? GESTURE_ID : null;
     this.history = begin(text);
     this.editing.begin(this.isGesture);
     this.text.show(text);
-    this.view.become("plan");
+    this.view.setMode("plan");
     this.playback.player.seek(0);
     void this.drafting.now();
   }
@@ -161,7 +161,7 @@ class App {
       return;
     }
     const marked = mark(this.document, onto.speech, onto.mark, onto.index);
-    this.edit(tie(marked.text, behaviour, point, anchorOf({ ...onto, mark: marked.mark })));
+    this.edit(tie(marked.text, behaviour, point, wordAnchor({ ...onto, mark: marked.mark })));
   }
 
   private choose(id: string): void {
@@ -175,7 +175,7 @@ class App {
 
   private insert(lexeme: string): void {
     const time = Math.max(0, this.playback.player.time - (this.draft?.zero ?? 0));
-    if (this.isGesture) this.robot.live.say("open a document first: this is a gesture");
+    if (this.isGesture) this.robot.live.say("open a document first; this is a gesture");
     else this.edit(addGesture(this.document, lexeme, time));
   }
 
@@ -211,7 +211,7 @@ class App {
     this.about.document = null;
   }
 
-  /** What is sent to be performed: the document, or one that asks for the gesture in the manner in which it is tried. */
+  /** BML to perform: the document, or a document for the edited gesture with the tried manner. */
   private get performed(): string {
     if (!this.isGesture || !this.draft) return this.document;
     return alone((this.draft as GestureDraft).gesture, this.editing.manner, ++this.performances);
@@ -219,8 +219,9 @@ class App {
 
   private perform(): void {
     this.playback.player.play(false);
-    if (this.isGesture && this.saved !== this.document) this.robot.live.say("save it first: then the robot knows it");
-    else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.view.become("robot");
+    if (this.isGesture && this.saved !== this.document)
+      this.robot.live.say("save the gesture first, so that the robot can use it");
+    else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.view.setMode("robot");
   }
 
   private opened(name: string): void {
@@ -234,7 +235,7 @@ class App {
     byId<HTMLButtonElement>("undo").disabled = !this.history.past.length;
     byId<HTMLButtonElement>("redo").disabled = !this.history.future.length;
     byId<HTMLButtonElement>("perform").disabled = !this.robot?.ready;
-    byId("perform").title = this.robot?.limp ? "Arm the servos first" : "The robot performs it (Ctrl Enter)";
+    byId("perform").title = this.robot?.limp ? "Arm the servos first" : "Perform on the robot (Ctrl Enter)";
     byId<HTMLButtonElement>("save").disabled = this.robot?.wire.state !== "open";
   }
 
@@ -248,7 +249,7 @@ class App {
       redo: () => this.step(redo(this.history)),
       save: () => void this.documents.save(this.name, this.document),
       remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
-      show: (mode) => this.view.become(mode),
+      show: (mode) => this.view.setMode(mode),
       view: (view) => this.view.stage.view(view),
       chooseBlock: () => this.choose(BLOCK),
       sectors: (on) => this.view.showSectors(on),
@@ -268,7 +269,7 @@ class App {
     });
   }
 
-  /** What tests and curious people may read. */
+  /** State for tests and debugging. */
   state(): Record<string, unknown> {
     return {
       ...this.view.state(),

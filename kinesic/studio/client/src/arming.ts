@@ -1,9 +1,9 @@
-// Torque of the servos: given when a person has confirmed it in a dialog of this page, taken by a click.
+// Servo torque: switched on after a person has confirmed a dialog, switched off by a click.
 import { byId } from "./dom.ts";
 import type { ServoReport } from "./types.ts";
 import type { Answer, Wire } from "./wire.ts";
 
-const WORDS: Record<ServoReport["state"], string> = {
+const BUTTON_LABELS: Record<ServoReport["state"], string> = {
   limp: "Arm …",
   arming: "Arming",
   armed: "Disarm",
@@ -14,9 +14,9 @@ const WORDS: Record<ServoReport["state"], string> = {
 export class Arming {
   private readonly button = byId<HTMLButtonElement>("arm");
   private readonly dialog = byId<HTMLDialogElement>("arming");
-  private code: string | null = null; // that the server wants to hear again
+  private code: string | null = null; // confirmation code of the server
   private state: ServoReport["state"] | null = null;
-  private ending = 0; // the timer of the question that is asked
+  private ending = 0; // timer that withdraws the question
 
   constructor(
     private readonly wire: Wire,
@@ -29,7 +29,7 @@ export class Arming {
     this.dialog.addEventListener("close", () => this.end());
   }
 
-  /** Whether servos are there that do not follow. */
+  /** Whether there are servos without torque. */
   get limp(): boolean {
     return this.state !== null && this.state !== "armed" && this.state !== "arming";
   }
@@ -38,7 +38,7 @@ export class Arming {
     this.state = report?.state ?? null;
     this.button.hidden = this.state === null;
     if (this.state === null) return;
-    this.button.textContent = WORDS[this.state];
+    this.button.textContent = BUTTON_LABELS[this.state];
     this.button.disabled = this.state === "arming" || this.state === "releasing";
   }
 
@@ -51,7 +51,7 @@ export class Arming {
     this.ending = setTimeout(() => this.end(), 1000 * Number(answer.lasts));
   }
 
-  /** A person has pressed the button: nothing that a script does is taken for that. */
+  /** Confirm after a click by a person; clicks by scripts are ignored. */
   private async confirm(event: Event): Promise<void> {
     const { code } = this;
     if (!event.isTrusted || code === null) return;
@@ -67,7 +67,7 @@ export class Arming {
     this.say(answer?.told === "refused" ? String(answer.why) : String(answer?.told ?? "no server"));
   }
 
-  /** Asks nobody any more. */
+  /** Withdraw the question. */
   end(): void {
     clearTimeout(this.ending);
     this.code = null;

@@ -1,40 +1,40 @@
-// A body of fewer triangles, which is drawn while it moves.
+// Mesh with fewer triangles, drawn during motion.
 import { cross, dot, plus, type Vector } from "./vectors.ts";
 
-/** Triangles: the place and the normal of each corner, and three of these corners for each triangle. */
+/** Triangles: position and normal of each corner, and three corner indices per triangle. */
 export interface Mesh {
   places: Float32Array;
   normals: Float32Array;
   triangles: Uint32Array;
 }
 
-const CELL = 0.02; // [m] at most
-const FEWEST = 5; // cells along a part, so that a finger is one
+const MAX_CELL_SIZE = 0.02; // [m] largest cell
+const MIN_CELLS = 5; // cells along a part, so that fingers keep their shape
 
-/** How large cells may be [m], so that a small part keeps its form. */
-export function cellOf(mesh: ArrayLike<number>): number {
+/** Return the cell size [m] that preserves the shape of a part. */
+export function cellSize(mesh: ArrayLike<number>): number {
   const [low, high] = [Array(3).fill(Number.POSITIVE_INFINITY), Array(3).fill(Number.NEGATIVE_INFINITY)];
   for (let corner = 0; corner < mesh.length; corner += 6)
     for (let axis = 0; axis < 3; axis++) {
       low[axis] = Math.min(low[axis], mesh[corner + axis]!);
       high[axis] = Math.max(high[axis], mesh[corner + axis]!);
     }
-  return Math.min(CELL, Math.max(...high.map((value, axis) => value - low[axis])) / FEWEST);
+  return Math.min(MAX_CELL_SIZE, Math.max(...high.map((value, axis) => value - low[axis])) / MIN_CELLS);
 }
 
 /**
- * What is left of a mesh where all corners inside a cell of space are one of them, and each triangle is there once; its
- * corners run to the left as seen from outside, which the normals tell.
- * @param mesh six numbers for each corner: its place [m] and its normal
- * @param corners of triangles, three for each; all of the mesh in order where they are left out
- * @param cell [m]
+ * Merge all corners within a grid cell and drop duplicate triangles.
+ * Triangles run counterclockwise as seen from outside, by their normals.
+ * @param mesh six numbers per corner: position [m] and normal
+ * @param corners three corner indices per triangle; default: all corners in order
+ * @param cell cell size [m]
  */
 export function coarsen(mesh: ArrayLike<number>, corners: ArrayLike<number> | undefined, cell: number): Mesh {
-  const first = firstOfCells(mesh, cell); // of all of the mesh, so that parts which share it have no gap between them
+  const first = firstCornerPerCell(mesh, cell); // over the whole mesh, so that parts of one mesh have no gap between them
   const count = corners?.length ?? mesh.length / 6;
   const places: number[] = [];
   const normals: number[] = [];
-  const kept = new Map<number, number>(); // corner of the mesh -> of what is left
+  const kept = new Map<number, number>(); // corner of the mesh -> corner of the result
   const keep = (corner: number): number => {
     const known = kept.get(corner);
     if (known !== undefined) return known;
@@ -59,8 +59,8 @@ export function coarsen(mesh: ArrayLike<number>, corners: ArrayLike<number> | un
 
 const vectorAt = (mesh: ArrayLike<number>, at: number): Vector => [mesh[at]!, mesh[at + 1]!, mesh[at + 2]!];
 
-/** For each corner the first one of the mesh that is in its cell. */
-function firstOfCells(mesh: ArrayLike<number>, cell: number): number[] {
+/** Return for each corner the first corner of the mesh in the same cell. */
+function firstCornerPerCell(mesh: ArrayLike<number>, cell: number): number[] {
   const firsts = new Map<number, number>();
   return Array.from({ length: mesh.length / 6 }, (_, corner) => {
     const [x, y, z] = vectorAt(mesh, 6 * corner).map((value) => Math.round(value / cell) + 512) as [
@@ -75,7 +75,7 @@ function firstOfCells(mesh: ArrayLike<number>, cell: number): number[] {
   });
 }
 
-/** Whether a triangle is seen from where its corners' normals point to. */
+/** Whether the corner order of a triangle agrees with its normals. */
 function facesOut(mesh: ArrayLike<number>, ...corners: [number, number, number]): boolean {
   const [p, q, r] = corners.map((corner) => vectorAt(mesh, 6 * corner)) as [Vector, Vector, Vector];
   const out = corners.reduce<Vector>((sum, corner) => plus(sum, vectorAt(mesh, 6 * corner + 3)), [0, 0, 0]);

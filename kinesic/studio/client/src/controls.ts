@@ -1,4 +1,4 @@
-// Buttons, menus and keys of the page, and what each of them does.
+// Actions of the buttons, menus and keys of the page.
 import { byId } from "./dom.ts";
 import { VIEWS, type View } from "./look.ts";
 

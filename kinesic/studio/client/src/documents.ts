@@ -1,4 +1,4 @@
-// The documents of the server's folder: listed, opened, saved.
+// Documents in the server's folder: list, open and save.
 import { byId, make } from "./dom.ts";
 import type { Wire } from "./wire.ts";
 
@@ -20,7 +20,7 @@ export class Documents {
     else if (answer) this.listener.say(String(answer.why));
   }
 
-  /** Asks for a name, and saves a text by it. */
+  /** Ask for a name and save a text. */
   async save(suggested: string, text: string): Promise<void> {
     const name = prompt("Save as", suggested);
     if (name === null) return;

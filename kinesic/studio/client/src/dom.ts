@@ -1,18 +1,18 @@
-// Elements of the page, found and made.
+// Helpers to find and create elements of the page.
 
-/** The element with this id, which the page has. */
+/** Return the element with an id; it must exist. */
 export function byId<T extends Element = HTMLElement>(id: string): T {
   const found = document.querySelector<T>(`#${id}`);
   if (!found) throw new Error(`the page has no #${id}`);
   return found;
 }
 
-/** Says a text in an element; a page that says it already is not laid out anew. */
+/** Set the text of an element; equal text causes no layout. */
 export function say(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Makes an element with attributes and children. */
+/** Create an element with attributes and children. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   name: K,
   attributes: Record<string, string> = {},

@@ -1,11 +1,11 @@
-// Asks the server what a document becomes: once nobody has typed for a moment, and the newest answer alone counts.
+// Requests the plan of a document after a pause in typing; only the newest answer counts.
 import { readDraft } from "./checks.ts";
 import type { Draft, Fault } from "./types.ts";
 import type { Answer } from "./wire.ts";
 
-const UNREAD: Fault = { line: 1, column: 1, text: "the server's answer cannot be read: is it of another version?" };
-const IDLE = 150; // [ms] after the last change
-const LONG = 400; // [ms] without an answer, after which it is said that one is awaited
+const INVALID_ANSWER: Fault = { line: 1, column: 1, text: "the server's answer is invalid; its version may differ" };
+const TYPING_PAUSE = 150; // [ms] pause after the last change
+const WAIT_DELAY = 400; // [ms] without an answer until a waiting message is shown
 
 export class Drafting {
   private timer = 0;
@@ -16,21 +16,21 @@ export class Drafting {
     private readonly listener: { drafted(draft: Draft): void; failed(fault: Fault): void; waiting(on: boolean): void },
   ) {}
 
-  /** Asks soon, unless it is told so again before. */
+  /** Request a plan after a pause; another call restarts the pause. */
   later(): void {
     clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.now(), IDLE);
+    this.timer = window.setTimeout(() => void this.now(), TYPING_PAUSE);
   }
 
   async now(): Promise<void> {
     const number = ++this.asked;
-    const wait = window.setTimeout(() => this.listener.waiting(number === this.asked), LONG);
+    const wait = window.setTimeout(() => this.listener.waiting(number === this.asked), WAIT_DELAY);
     const answer = await this.ask();
     clearTimeout(wait);
     if (number === this.asked) this.listener.waiting(false);
     if (!answer || number !== this.asked || answer.outdated) return;
     const draft = answer.error ? null : readDraft(answer);
     if (draft) this.listener.drafted(draft);
-    else this.listener.failed((answer.error as Fault | undefined) ?? UNREAD);
+    else this.listener.failed((answer.error as Fault | undefined) ?? INVALID_ANSWER);
   }
 }

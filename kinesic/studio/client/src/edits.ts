@@ -1,30 +1,30 @@
-// Edits of a document, each a pure function from text to text: whatever it does not change stays byte for byte.
-import { attributeOf, escaped, isMark, opens, tagsOf, tagWithId, withAttribute } from "./xml.ts";
+// Edits of a document: pure functions from text to text that preserve all other bytes.
+import { escapeXml, findAttribute, findTags, isMark, opensBehaviour, tagWithId, withAttribute } from "./xml.ts";
 
-/** Sync points in the order in which they happen. */
+/** Sync points in chronological order. */
 export const POINTS = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end"] as const;
 const PINNING: readonly string[] = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd"];
 
 export type Anchor = { speech: string; mark: string } | { time: number };
 
-/** A time as documents have it: to a millisecond, without useless zeros. */
-export const written = (seconds: number): string => String(Math.round(seconds * 1000) / 1000);
+/** Format a time [s] with up to three decimals. */
+export const formatTime = (seconds: number): string => String(Math.round(seconds * 1000) / 1000);
 
-/** Ties a sync point of a behaviour to a mark of a speech, or to a time of the block [s]; others that pin it go. */
+/** Tie a sync point to a mark of a speech or to a block time [s]; remove other pinned points. */
 export function tie(text: string, behaviour: string, point: string, anchor: Anchor): string {
-  const value = "time" in anchor ? written(Math.max(0, anchor.time)) : `${anchor.speech}:${anchor.mark}`;
+  const value = "time" in anchor ? formatTime(Math.max(0, anchor.time)) : `${anchor.speech}:${anchor.mark}`;
   return pin(text, behaviour, point, value);
 }
 
-/** Moves a sync point by some seconds from where it is asked to be now [s of the block], its reference kept. */
+/** Shift a sync point from its requested block time [s] by some seconds and keep its reference. */
 export function shift(text: string, behaviour: string, point: string, by: number, asked: number): string {
   const tag = tagWithId(text, behaviour);
-  const old = tag && attributeOf(tag, point)?.value;
+  const old = tag && findAttribute(tag, point)?.value;
   const parts = old?.match(/^\s*([A-Za-z_][^\s+]*?)\s*([+-]\s*[\d.]+)?\s*$/);
   if (!parts) return tie(text, behaviour, point, { time: asked + by });
   const offset = Math.round((Number((parts[2] ?? "0").replace(/\s/g, "")) + by) * 1000) / 1000;
   const sign = offset > 0 ? "+" : "";
-  return pin(text, behaviour, point, `${parts[1]}${offset === 0 ? "" : sign + written(offset)}`);
+  return pin(text, behaviour, point, `${parts[1]}${offset === 0 ? "" : sign + formatTime(offset)}`);
 }
 
 function pin(text: string, behaviour: string, point: string, value: string): string {
@@ -35,24 +35,29 @@ function pin(text: string, behaviour: string, point: string, value: string): str
   );
 }
 
-/** Sets an attribute of a behaviour; null takes it away. */
+/** Set an attribute of a behaviour; null removes it. */
 export function setAttribute(text: string, behaviour: string, name: string, value: string | null): string {
   const tag = tagWithId(text, behaviour);
   return tag ? withAttribute(text, tag, name, value) : text;
 }
 
-/** Sets a behaviour's style or a number of its manner, in our own namespace where the document has no other; null takes it away. */
+/** Set a behaviour's style or manner, in the `kinesic` namespace unless the document uses another; null removes it. */
 export function setManner(text: string, behaviour: string, name: string, value: string | number | null): string {
   const tag = tagWithId(text, behaviour);
-  const known = tag && attributeOf(tag, name)?.name;
-  return setAttribute(text, behaviour, known ?? `kinesic:${name}`, typeof value === "number" ? written(value) : value);
+  const known = tag && findAttribute(tag, name)?.name;
+  return setAttribute(
+    text,
+    behaviour,
+    known ?? `kinesic:${name}`,
+    typeof value === "number" ? formatTime(value) : value,
+  );
 }
 
-/** The text with a mark before the n-th word after a mark (or the start) of a speech, and its id. */
+/** Insert a mark before the n-th word after a mark, or after the start of a speech; return text and id. */
 export function mark(text: string, speech: string, after: string, word: number): { text: string; mark: string } {
   if (word === 0) return { text, mark: after };
-  const tags = tagsOf(text);
-  const first = tags.findIndex((tag) => opens(tag, speech));
+  const tags = findTags(text);
+  const first = tags.findIndex((tag) => opensBehaviour(tag, speech));
   const last = tags.findIndex((tag, k) => k > first && tag.closing && tag.name === tags[first]?.name);
   const inside = tags.slice(first + 1, last < 0 ? undefined : last);
   const from = inside.findIndex((tag) => isMark(tag) && tag.attributes.some((a) => a.value === after));
@@ -66,7 +71,7 @@ export function mark(text: string, speech: string, after: string, word: number):
   return { text: `${text.slice(0, at)}<sync id="${id}"/>${text.slice(at)}`, mark: id };
 }
 
-/** Where the n-th word begins in a stretch of text, tags passed over; -1 where there are fewer. */
+/** Return the index of the n-th word of a text without its tags, or -1 if it has fewer. */
 function wordAt(text: string, from: number, to: number, count: number): number {
   const pieces = /<[^>]*>|[^\s<]+/g;
   pieces.lastIndex = from;
@@ -84,10 +89,10 @@ function unusedId(used: string[]): string {
   return `m${number}`;
 }
 
-/** A behaviour, with its line, gone. */
+/** Remove a behaviour with its line. */
 export function remove(text: string, behaviour: string): string {
-  const tags = tagsOf(text);
-  const first = tags.findIndex((tag) => opens(tag, behaviour));
+  const tags = findTags(text);
+  const first = tags.findIndex((tag) => opensBehaviour(tag, behaviour));
   const tag = tags[first];
   if (!tag) return text;
   const last = tag.empty ? tag : tags.slice(first).find((each) => each.closing && each.name === tag.name);
@@ -96,7 +101,7 @@ export function remove(text: string, behaviour: string): string {
   return text.slice(0, tag.from - blank) + text.slice(last.to);
 }
 
-/** A document that performs one gesture in a manner; every one has an id of its own, as the server wants it. */
+/** Return a document that performs one gesture in a manner; its id is unique, as the server requires. */
 export function alone(lexeme: string, manner: ReadonlyMap<string, number>, number: number): string {
   const bml = `<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="studio${number}"></bml>`;
   const asked = addGesture(bml, lexeme, 0);
@@ -104,14 +109,14 @@ export function alone(lexeme: string, manner: ReadonlyMap<string, number>, numbe
   return [...manner].reduce((text, [name, value]) => setManner(text, id, name, value), asked);
 }
 
-/** A gesture more, at a time of the block [s], as the last behaviour. */
+/** Append a gesture at a block time [s]. */
 export function addGesture(text: string, lexeme: string, time: number): string {
-  const tags = tagsOf(text);
+  const tags = findTags(text);
   const end = tags.findLast((tag) => tag.closing && tag.name === "bml");
   if (!end) return text;
   const used = tags.flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
   let id = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
   for (let k = 2, stem = id; used.includes(id); k++) id = `${stem}${k}`;
-  const line = `  <gesture id="${id}" lexeme="${escaped(lexeme)}" start="${written(time)}"/>\n`;
+  const line = `  <gesture id="${id}" lexeme="${escapeXml(lexeme)}" start="${formatTime(time)}"/>\n`;
   return text.slice(0, end.from) + line + text.slice(end.from);
 }

@@ -1,4 +1,4 @@
-// What a document becomes in other programs: files that the browser keeps.
+// Exports of a performance as files for download.
 import { byId, make } from "./dom.ts";
 import type { Fault } from "./types.ts";
 import type { Wire } from "./wire.ts";
@@ -9,7 +9,7 @@ export class Exports {
     private readonly say: (text: string) => void,
   ) {}
 
-  /** Has a document's performance written in a format, and hands the file to the browser. */
+  /** Request the performance of a document in a format and download the file. */
   async keep(bml: string, format: string): Promise<void> {
     const answer = await this.wire.ask("export", { bml, format });
     const fault = answer?.error as Fault | undefined;
@@ -26,7 +26,7 @@ export class Exports {
     this.say(`exported: ${name}, ${Math.ceil(bytes.length / 1000)} kB`);
   }
 
-  /** Has the voice of a document [WAV, base64]; null where it has none. */
+  /** Request the voice of a document (WAV, base64); null if nothing is spoken. */
   async voice(bml: string): Promise<string | null> {
     const answer = await this.wire.ask("export", { bml, format: "wav" });
     return typeof answer?.data === "string" ? answer.data : null;

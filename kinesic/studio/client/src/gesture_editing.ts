@@ -1,15 +1,15 @@
-// A document that is a gesture: its keys, the manner in which it is tried, and hands that are dragged into their keys.
+// Editor of a gesture: its keys, the tried manner, and hands dragged into their keys.
 import { byId } from "./dom.ts";
-import { GestureList } from "./gestures.ts";
+import { GestureList, readFound } from "./gestures.ts";
 import { KeysPanel } from "./keys.ts";
 import type { Drag } from "./stage.ts";
-import { copyKey, type Hand, mirror, type Place, placeText, removeKey, rename, setHand } from "./toml.ts";
+import { copyKey, formatPosition, type Hand, mirror, type Place, removeKey, rename, setHand } from "./toml.ts";
 import type { About, Fault, GestureDraft, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
 
 const SIDES: readonly Side[] = ["left", "right"];
 
-/** What the editing of gestures needs of the page. */
+/** Parts of the page that the gesture editor needs. */
 export interface Desk {
   text(): string;
   edit(text: string): void;
@@ -17,12 +17,12 @@ export interface Desk {
   insert(lexeme: string): void;
   seek(time: number): void;
   say(text: string): void;
-  /** Where the stage shows a hand [m]. */
+  /** Position of a hand on the stage [m]. */
   hand(side: Side): readonly number[] | null;
 }
 
 export class GestureEditing {
-  /** In which a gesture is tried: NAME=VALUE; it is no part of its file. */
+  /** Tried manner, NAME=VALUE; it is not stored in the gesture's file. */
   readonly manner = new Map<string, number>();
   private readonly keys: KeysPanel;
   private readonly list: GestureList;
@@ -41,10 +41,14 @@ export class GestureEditing {
       capture: () => this.capture(),
       mirror: () => desk.edit(mirror(desk.text())),
     });
-    this.list = new GestureList(about.gestures, { insert: (id) => desk.insert(id), edit: (id) => void this.copy(id) });
+    this.list = new GestureList(about.gestures, {
+      insert: (id) => desk.insert(id),
+      edit: (id) => void this.copy(id),
+      find: async (words) => readFound(await this.wire.ask("find", { words: words.slice(0, 200) })),
+    });
   }
 
-  /** Begins with another document. */
+  /** Start with another document. */
   begin(isGesture: boolean): void {
     this.keys.chosen = 0;
     this.draft = null;
@@ -53,18 +57,18 @@ export class GestureEditing {
     if (isGesture) byId("keys").parentElement?.scrollTo(0, 0);
   }
 
-  /** Lists the gesture among those that documents may name, now that its file is kept. */
+  /** Add the saved gesture to the list of gestures. */
   saved(): void {
-    if (this.draft) this.list.add({ id: this.draft.gesture, category: "own", says: "a gesture of your folder" });
+    if (this.draft) this.list.add({ id: this.draft.gesture, category: "own", says: "gesture in your folder" });
   }
 
-  /** Shows a draft, and the moment of the chosen key. */
+  /** Show a draft at the time of the selected key. */
   show(draft: GestureDraft): void {
     this.draft = draft;
     this.choose(this.keys.chosen);
   }
 
-  /** A hand that is dropped is where its key has it from now on. */
+  /** Set the hand of its key to the dropped position. */
   drop({ side, target }: Drag): void {
     const key = this.draft?.keys[this.keys.chosen];
     if (!key) return;
@@ -72,7 +76,7 @@ export class GestureEditing {
     this.desk.edit(this.placed(this.desk.text(), hand, this.inArms(side, target)));
   }
 
-  /** The hands of the key are where the stage shows them; of a key for both, in the middle between the two. */
+  /** Set the hands of the key to their positions on the stage; a key for both gets the mean. */
   private capture(): void {
     const key = this.draft?.keys[this.keys.chosen];
     const seen = SIDES.map((side) => this.desk.hand(side));
@@ -87,10 +91,10 @@ export class GestureEditing {
         if (side in key) text = this.placed(text, side, places[k]!);
       });
     this.desk.edit(text);
-    this.desk.say(`key ${this.keys.chosen + 1} has the hands of the stage`);
+    this.desk.say(`key ${this.keys.chosen + 1} set from the stage`);
   }
 
-  /** A place [m] in arm lengths: outward, up, forward. */
+  /** Convert a position [m] to arm lengths: outward, up, forward. */
   private inArms(side: Side, place: readonly number[]): Place {
     const { gesture_origin: origin, arm_length: size } = this.about.robot;
     const [x, y, z] = place.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
@@ -98,7 +102,7 @@ export class GestureEditing {
   }
 
   private placed(text: string, hand: Hand, place: Place): string {
-    return setHand(text, this.keys.chosen, hand, "at", placeText(place));
+    return setHand(text, this.keys.chosen, hand, "at", formatPosition(place));
   }
 
   private choose(key: number): void {

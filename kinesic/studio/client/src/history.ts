@@ -1,4 +1,4 @@
-// What can be undone: documents before and after the present one, oldest first; every step is a new value.
+// Immutable undo history: documents before and after the present one, oldest first.
 
 export interface History<T> {
   readonly past: readonly T[];
@@ -10,7 +10,7 @@ export const STEPS = 200;
 
 export const begin = <T>(present: T): History<T> => ({ past: [], present, future: [] });
 
-/** A change; the same value again is none. */
+/** Add a change; an equal value adds nothing. */
 export function change<T>(history: History<T>, present: T): History<T> {
   if (present === history.present) return history;
   return { past: [...history.past, history.present].slice(-STEPS), present, future: [] };

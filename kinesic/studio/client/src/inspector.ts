@@ -1,4 +1,4 @@
-// What can be set of the chosen behaviour.
+// Editable attributes of the selected behaviour.
 import { byId } from "./dom.ts";
 import { Manners } from "./manners.ts";
 import { BLOCK } from "./xml.ts";
@@ -8,9 +8,9 @@ const ATTRIBUTES = ["lexeme", "mode"] as const;
 export interface Chosen {
   id: string;
   type: string;
-  /** What the document says; undefined: nothing. */
+  /** Value in the document, or undefined. */
   read(name: string): string | undefined;
-  /** Whether it is a gesture that is being written, of which nothing but the manner can be set. */
+  /** Whether it is a gesture under edit, where only the manner can be changed. */
   alone: boolean;
 }
 
@@ -35,9 +35,9 @@ export class Inspector {
     byId("inspector").hidden = !chosen;
     if (!chosen) return;
     byId("chosen").textContent = chosen.alone
-      ? "In which manner"
+      ? "Manner"
       : chosen.id === BLOCK
-        ? "The whole block"
+        ? "Whole block"
         : `${chosen.type} ${chosen.id}`;
     byId("remove").hidden = chosen.alone || chosen.id === BLOCK;
     byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone;

@@ -1,10 +1,10 @@
-// The keys of a gesture as a table: one key at a time, each hand with its place, its palm and its shape.
+// Keys of a gesture as a table: one key at a time, with position, palm and shape of each hand.
 import { byId, make } from "./dom.ts";
 import type { GestureDraft, HandKey } from "./types.ts";
 
 const FIELDS = ["palm", "pointing", "shape", "touch"] as const;
 const TITLES: Record<string, string> = {
-  "Capture pose": "The hands are where the stage shows them: the robot as it was moved by hand, or a dragged posture",
+  "Capture pose": "Set the hands to their positions on the stage, of a robot posed by hand or of a dragged posture",
 };
 const AXES = ["out", "up", "forward"] as const;
 
@@ -61,7 +61,7 @@ export class KeysPanel {
       const made = make("input", {
         value,
         "aria-label": `${name} ${axis}`,
-        title: `${axis}: arm lengths, or a sector`,
+        title: `${axis} in arm lengths, or a sector`,
       });
       made.addEventListener("change", () => {
         const all = places.map(({ value }) =>

@@ -1,9 +1,9 @@
-// What the robot does now, and what the server tells.
+// Live state of the robot and messages of the server.
 import { byId, make, say } from "./dom.ts";
 import { Strips } from "./telemetry.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
 
-const KEPT = 60; // lines of the log
+const MAX_LOG_LINES = 60; // lines of the log
 
 export class Live {
   private readonly strips: Strips;
@@ -30,7 +30,7 @@ export class Live {
     say(byId("servos"), servos.filter(Boolean).join(", ") || "simulated");
   }
 
-  /** BML feedback, shortened to what people ask. */
+  /** Log BML feedback in short form. */
   feedback(xml: string): void {
     const root = new DOMParser().parseFromString(xml, "text/xml").documentElement;
     const about = root.getAttribute("id") ?? root.getAttribute("characterId") ?? "";
@@ -42,6 +42,6 @@ export class Live {
   say(text: string, title = ""): void {
     const log = byId("log");
     log.prepend(make("li", { title }, text));
-    while (log.children.length > KEPT) log.lastElementChild?.remove();
+    while (log.children.length > MAX_LOG_LINES) log.lastElementChild?.remove();
   }
 }

@@ -1,14 +1,14 @@
-// From where the robot is seen, and how that changes.
+// Viewpoints of the robot and their changes.
 import type { Look } from "kinesic:scene";
 import type { Body } from "./types.ts";
 
 export const VIEWS = ["front", "left", "top", "free"] as const;
 export type View = (typeof VIEWS)[number];
 
-const LOWEST = -0.1; // [rad] from which one looks up at it
+const MIN_ELEVATION = -0.1; // [rad] lowest elevation
 const HIGHEST = 1.5;
 
-/** How keys turn it, about the robot and up [rad]. */
+/** Rotation by the arrow keys: azimuth and elevation [rad]. */
 export const TURNS: Readonly<Record<string, readonly [number, number]>> = {
   ArrowLeft: [0.1, 0],
   ArrowRight: [-0.1, 0],
@@ -16,7 +16,7 @@ export const TURNS: Readonly<Record<string, readonly [number, number]>> = {
   ArrowDown: [0, -0.1],
 };
 
-/** One of the usual sides. */
+/** Return one of the standard views. */
 export function lookFrom(view: View, body: Body): Look {
   const [x, y, z] = body.view.from as [number, number, number];
   const sides: Record<View, Look> = {
@@ -28,14 +28,14 @@ export function lookFrom(view: View, body: Body): Look {
   return sides[view];
 }
 
-/** As it is seen after a turn about the robot, and up or down [rad]. */
+/** Rotate the view by azimuth and elevation [rad]. */
 export const turned = (look: Look, turn: number, rise: number): Look => ({
   ...look,
   turn: look.turn + turn,
-  rise: Math.min(Math.max(look.rise + rise, LOWEST), HIGHEST),
+  rise: Math.min(Math.max(look.rise + rise, MIN_ELEVATION), HIGHEST),
 });
 
-/** As it is seen from nearer, or farther away. */
+/** Move the viewpoint closer or farther. */
 export const zoomed = (look: Look, factor: number): Look => ({
   ...look,
   zoom: Math.min(Math.max(look.zoom * factor, 0.5), 6),

@@ -1,7 +1,7 @@
-// Sliders for the manner of the chosen behaviour: each number is part of the document, or left to the style.
+// Sliders for the manner of the selected behaviour; each number is set in the document or left to the style.
 import { byId, make } from "./dom.ts";
 
-const RANGES: Record<string, number> = {
+const EXPRESSIVITY_RANGES: Record<string, number> = {
   spatial: -1,
   temporal: -1,
   fluidity: -1,
@@ -17,10 +17,10 @@ export class Manners {
   private readonly sliders = new Map<string, { slider: HTMLInputElement; shown: HTMLOutputElement }>();
 
   constructor(changed: (name: string, value: number | null) => void) {
-    for (const [name, least] of Object.entries(RANGES)) {
+    for (const [name, least] of Object.entries(EXPRESSIVITY_RANGES)) {
       const slider = make("input", { type: "range", min: String(least), max: "1", step: "0.05", "aria-label": name });
       const shown = make("output");
-      slider.title = "Double click: as the style has it";
+      slider.title = "Double-click for the value of the style";
       slider.addEventListener("input", () => this.say(name, slider.value));
       slider.addEventListener("change", () => changed(name, Number(slider.value)));
       slider.addEventListener("dblclick", () => changed(name, null));
@@ -29,7 +29,7 @@ export class Manners {
     }
   }
 
-  /** Shows what a document says of each number; undefined: nothing. */
+  /** Show the values in the document; undefined: left to the style. */
   show(read: (name: string) => string | undefined): void {
     for (const [name, { slider }] of this.sliders) {
       const value = read(name);

@@ -1,4 +1,4 @@
-// A draft's motion, read at any time.
+// Motion of a draft at any time.
 import type { Draft } from "./types.ts";
 
 export class Motion {
@@ -12,7 +12,7 @@ export class Motion {
     this.rows = new Float32Array(bytes.buffer);
   }
 
-  /** Angles [rad] at a time [s], between the two rows around it. */
+  /** Interpolated angles [rad] at a time [s]. */
   at(time: number): number[] {
     const count = this.rows.length / this.hinges;
     const place = Math.min(Math.max(time * this.draft.rate, 0), count - 1);

@@ -1,8 +1,8 @@
-// What surrounds the stage: menus, the clock, and what is said of the plan.
+// Panels around the stage: menus, clock and notices of the plan.
 import { byId, make } from "./dom.ts";
 import type { About, Draft } from "./types.ts";
 
-/** Fills the menus of examples, styles and gestures. */
+/** Fill the menus of examples, styles and gestures. */
 export function fillMenus(about: About): void {
   for (const { name } of about.examples)
     byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
@@ -11,7 +11,7 @@ export function fillMenus(about: About): void {
   for (const { id, says } of about.gestures) byId("gestures").append(make("option", { value: id }, says));
 }
 
-/** Shows the time [s] of the player, of so many seconds in all. */
+/** Show the player's time and the duration [s]. */
 export function showClock(time: number, duration: number, playing: boolean): void {
   const [slider, play] = [byId<HTMLInputElement>("time"), byId("play")];
   if (slider.max !== String(duration)) slider.max = String(duration);
@@ -21,8 +21,8 @@ export function showClock(time: number, duration: number, playing: boolean): voi
   play.setAttribute("aria-label", playing ? "Pause" : "Play");
 }
 
-/** Lists what is not as the document asks. */
+/** List the deviations of the plan from the document. */
 export function showNotices(notices: Draft["notices"]): void {
   const lines = notices.map(({ id, text }) => make("li", {}, make("b", {}, id), ` ${text}`));
-  byId("notices").replaceChildren(...(lines.length ? lines : [make("li", { class: "none" }, "all as asked")]));
+  byId("notices").replaceChildren(...(lines.length ? lines : [make("li", { class: "none" }, "none")]));
 }

@@ -1,4 +1,4 @@
-// Plays what is planned, with the voice of what is said.
+// Playback of the plan with its voice.
 import type { Exports } from "./exports.ts";
 import { Player } from "./player.ts";
 import { Voice } from "./voice.ts";
@@ -20,7 +20,7 @@ export class Playback {
     });
   }
 
-  /** Plays or pauses; where the document speaks, its voice is asked for first. */
+  /** Play or pause; request the voice first if the document speaks. */
   async toggle(speaks: boolean): Promise<void> {
     const document = this.document();
     if (!this.player.playing && speaks && !this.voice.has(document))

@@ -1,11 +1,11 @@
-// Plays a plan on the page alone: time goes on, and whoever listens shows that moment.
+// Player of a plan: advances the time and notifies a listener.
 
-/** What is heard meanwhile; its time goes before that of the page. */
+/** Sound played along with the plan; its clock overrides the page's. */
 export interface Sound {
   start(time: number): void;
   scrub(time: number): void;
   stop(): void;
-  /** Performance time [s] that is heard; null where nothing is. */
+  /** Audible performance time [s]; null if nothing is audible. */
   read(): number | null;
 }
 

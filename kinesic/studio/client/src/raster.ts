@@ -1,11 +1,11 @@
-// Triangles that the processor draws into a picture in memory: without a graphics card that is sooner than by WebGL.
+// Triangle rasterizer on the CPU, faster than software WebGL without a graphics card.
 
-/** Numbers of each corner: across and down [pixels], its depth, and three that are blended between corners. */
+/** Numbers per corner: x and y [pixels], depth, and three interpolated values. */
 export const STRIDE = 6;
 const OPAQUE = 0xff000000;
-const FAR = 2; // beyond all depths, which go from -1 to 1
+const MAX_DEPTH = 2; // beyond all depths -1..1
 
-/** A picture of which a triangle can take its colours. */
+/** Picture that serves as a texture. */
 export interface Texture {
   width: number;
   height: number;
@@ -15,12 +15,12 @@ export interface Texture {
 export class Raster {
   width = 0;
   height = 0;
-  /** Of each pixel, row by row: red in the lowest byte, then green, blue, and how opaque it is. */
+  /** RGBA per pixel, row by row, red in the lowest byte. */
   pixels = new Uint32Array(0);
   private depths = new Float32Array(0);
   private readonly slopes = new Float64Array(2 * STRIDE);
 
-  /** Begins a picture on a ground that has its size. */
+  /** Start a picture with a background of its size. */
   begin(ground: Texture): void {
     if (this.pixels.length !== ground.pixels.length) {
       this.pixels = new Uint32Array(ground.pixels.length);
@@ -29,15 +29,15 @@ export class Raster {
     this.width = ground.width;
     this.height = ground.height;
     this.pixels.set(ground.pixels);
-    this.depths.fill(FAR);
+    this.depths.fill(MAX_DEPTH);
   }
 
   /**
-   * Draws a triangle where it is in front of what is drawn; one that is seen from behind is not drawn.
-   * @param corners of all triangles, `STRIDE` numbers each
-   * @param a b c which of them are its own, to the left as seen from outside
-   * @param into colours of the pixels; the picture's own where it is left out
-   * @param texture whose shares (0..1) are blended, and how light it is there; else red, green and blue (0..255) are
+   * Draw a triangle with depth test and back-face culling.
+   * @param corners corners of all triangles, `STRIDE` numbers each
+   * @param a b c corner indices, counterclockwise as seen from outside
+   * @param into pixels to draw into; default: the picture
+   * @param texture texture for interpolated coordinates (0..1) and brightness; default: interpolated RGB (0..255)
    */
   fill(
     corners: Float32Array,
@@ -62,7 +62,7 @@ export class Raster {
     const first = Math.max(0, Math.ceil(Math.min(ay, by, cy) - 0.5));
     const last = Math.min(height - 1, Math.ceil(Math.max(ay, by, cy) - 0.5) - 1);
     if (last < first) return;
-    const { slopes } = this; // of each number, from pixel to pixel across, and then of each one down
+    const { slopes } = this; // of each value, per pixel across, then per pixel down
     for (let n = 2; n < STRIDE; n++) {
       const toB = corners[j + n]! - corners[i + n]!;
       const toC = corners[k + n]! - corners[i + n]!;
@@ -80,7 +80,7 @@ export class Raster {
     }
   }
 
-  /** Fills some pixels of a row, the first of them so far from a corner of their triangle. */
+  /** Fill pixels of a row; the first is at an offset from a corner of the triangle. */
   private fillRow(
     begin: number,
     count: number,
@@ -103,7 +103,9 @@ export class Raster {
     for (let pixel = begin; pixel < begin + count; pixel++) {
       if (z < depths[pixel]!) {
         depths[pixel] = z;
-        into[pixel] = texture ? sample(texture, p, q, r) : OPAQUE | (byte(r) << 16) | (byte(q) << 8) | byte(p);
+        into[pixel] = texture
+          ? sample(texture, p, q, r)
+          : OPAQUE | (clampToByte(r) << 16) | (clampToByte(q) << 8) | clampToByte(p);
       }
       z += zx;
       p += px;
@@ -112,7 +114,7 @@ export class Raster {
     }
   }
 
-  /** Lays another picture over this one, as opaque as is said (0..1), where it has a colour. */
+  /** Blend another picture over this one with an opacity (0..1), where it has colour. */
   lay(over: Uint32Array, opacity: number): void {
     const { pixels } = this;
     for (let at = 0; at < pixels.length; at++) if (over[at]) pixels[at] = blend(over[at]!, pixels[at]!, opacity);
@@ -126,8 +128,8 @@ export interface Box {
   height: number;
 }
 
-/** Where two pictures of a width differ; null where they are the same. */
-export function differenceOf(a: Uint32Array, b: Uint32Array, width: number): Box | null {
+/** Return the bounding box of differing pixels; null if the pictures are equal. */
+export function findDifference(a: Uint32Array, b: Uint32Array, width: number): Box | null {
   let [left, right, top, bottom] = [width, -1, -1, -1];
   for (let begin = 0, row = 0; begin < a.length; begin += width, row++) {
     let first = 0;
@@ -143,23 +145,23 @@ export function differenceOf(a: Uint32Array, b: Uint32Array, width: number): Box
   return top < 0 ? null : { x: left, y: top, width: right - left + 1, height: bottom - top + 1 };
 }
 
-/** Where a line between two places crosses a row. */
+/** Return the crossing of a line with a row. */
 const crossing = (ax: number, ay: number, bx: number, by: number, y: number): number =>
   ax + ((y - ay) * (bx - ax)) / (by - ay);
 
-/** A share of a colour, as far as there are such. */
-const byte = (value: number): number => Math.min(Math.max(value, 0), 255);
+/** Clamp a colour component to 0..255. */
+const clampToByte = (value: number): number => Math.min(Math.max(value, 0), 255);
 
-/** The colour of a texture at a place (0..1 across and down), as light as is said (0..1). */
+/** Return the texture's colour at coordinates (0..1) with a brightness (0..1). */
 function sample({ width, height, pixels }: Texture, across: number, down: number, light: number): number {
   const x = Math.min(Math.max(Math.floor(across * width), 0), width - 1);
   const y = Math.min(Math.max(Math.floor(down * height), 0), height - 1);
   const colour = pixels[y * width + x]!;
-  const part = (shift: number) => byte(((colour >>> shift) & 255) * light);
+  const part = (shift: number) => clampToByte(((colour >>> shift) & 255) * light);
   return OPAQUE | (part(16) << 16) | (part(8) << 8) | part(0);
 }
 
-/** A colour over another one, of which nothing may be known to be opaque. */
+/** Blend a colour over another one, which may be transparent. */
 export function blend(over: number, under: number, opacity: number): number {
   const left = ((under >>> 24) / 255) * (1 - opacity);
   const whole = opacity + left;

@@ -1,23 +1,23 @@
-// A part of the body that is dragged: asks the server for each posture, one question at a time, and says what stops it.
+// Drag of a body part: requests postures from the server one at a time, and names what stops the part.
 
 import { readReached } from "./checks.ts";
 import type { Part } from "./handles.ts";
-import { sectorOf } from "./sectors.ts";
+import { findSector } from "./sectors.ts";
 import type { Drag } from "./stage.ts";
 import type { Body, Reached, Side } from "./types.ts";
 import type { Wire } from "./wire.ts";
 
-// [ms] between two questions: the server reads a client 50 times a second in the long run, and whoever asks more often waits
-// for his turn each time, which takes 20 ms.
+// [ms] between two requests. The server reads a client 50 times a second on average; more frequent
+// requests each wait 20 ms.
 const PERIOD = 21;
-const FREE = { elbow: "the elbow swings there", trunk: "the trunk leans there", gaze: "the eyes look there" };
+const FREE = { elbow: "the elbow can swing there", trunk: "the trunk can lean there", gaze: "the eyes can look there" };
 const plain = (name: string) => name.replace(/^l_/, "left ").replace(/^r_/, "right ").replaceAll("_", " ");
 
 export class Reaching {
   found: Reached | null = null;
   private next: Drag | null = null;
   private busy = false;
-  private cancelled = 0; // drags; an answer to one of them comes too late
+  private cancelled = 0; // number of cancelled drags; later answers to them are ignored
   private posture: number[] | null = null;
   private side: Side = "left";
   private part: Part = "hand";
@@ -30,12 +30,12 @@ export class Reaching {
     private readonly startPosture: () => readonly number[],
   ) {}
 
-  /** The posture that is shown instead of any other; null where no hand has been dragged. */
+  /** Posture shown instead of all others; null without a drag. */
   get shown(): readonly number[] | null {
     return this.posture;
   }
 
-  /** Segments that stop what is dragged. */
+  /** Segments that stop the dragged part. */
   get lit(): ReadonlySet<number> {
     const found = this.found;
     if (!found || found.reached) return new Set();
@@ -59,7 +59,7 @@ export class Reaching {
     this.next = null;
   }
 
-  /** Goes back to what is planned. */
+  /** Return to the planned posture. */
   forget(): void {
     this.cancelled += 1;
     this.next = null;
@@ -68,16 +68,16 @@ export class Reaching {
     this.changed(null);
   }
 
-  /** What stops it, in words. */
+  /** Description of what stops the part. */
   words(found: Reached | null): string {
     if (!found) return "";
     if (found.reached && this.part !== "hand") return FREE[this.part];
     if (found.reached) {
-      const { x, y, z } = sectorOf(this.body, this.side, this.target);
+      const { x, y, z } = findSector(this.body, this.side, this.target);
       return `within reach: ${x} ${y} ${z}`;
     }
     const far = `${(100 * found.residual).toFixed(1)} cm short`;
-    if (found.contact) return `${found.contact.map(plain).join(" meets ")}: ${far}`;
+    if (found.contact) return `${found.contact.map(plain).join(" touches ")}: ${far}`;
     if (found.limits.length) return `at its limit: ${found.limits.map(plain).join(", ")}; ${far}`;
     return this.part === "hand" ? `the arm is straight: ${far}` : far;
   }

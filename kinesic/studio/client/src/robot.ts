@@ -1,4 +1,4 @@
-// The robot behind the server: whether it is there, how it is, whether it is stopped, and what it tells.
+// Robot behind the server: connection, state, stop and messages.
 import { Arming } from "./arming.ts";
 import { readReport } from "./checks.ts";
 import { byId } from "./dom.ts";
@@ -6,16 +6,16 @@ import { Live } from "./live.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
 import { type Answer, Wire } from "./wire.ts";
 
-const RATE = 20; // [Hz] at which it is watched
-const WORDS = { connecting: "connecting", open: "connected", locked: "token needed", closed: "no server" };
-const TOKEN = "token"; // where it is kept while the page is open
+const REPORT_RATE = 20; // [Hz] rate of reports
+const STATE_LABELS = { connecting: "connecting", open: "connected", locked: "token needed", closed: "no server" };
+const TOKEN_KEY = "token"; // key of the token in the session storage
 
 export class Robot {
   readonly wire: Wire;
   readonly live: Live;
   report: BodyReport | null = null;
   stopped = false;
-  /** Its servos; none where it is simulated. */
+  /** Servos; empty for a simulated robot. */
   places: readonly ServoPlace[] = [];
   private readonly arming: Arming;
 
@@ -30,28 +30,28 @@ export class Robot {
         told: (answer) => this.told(answer),
         feedback: (xml) => this.live.feedback(xml),
       },
-      sessionStorage.getItem(TOKEN),
+      sessionStorage.getItem(TOKEN_KEY),
     );
     this.arming = new Arming(
       this.wire,
-      () => sessionStorage.getItem(TOKEN),
+      () => sessionStorage.getItem(TOKEN_KEY),
       (text) => this.live.say(text),
     );
   }
 
-  /** Whether it takes documents. */
+  /** Whether documents can be performed. */
   get ready(): boolean {
     return this.wire.state === "open" && !this.stopped && !this.limp;
   }
 
-  /** Whether its servos have no torque. */
+  /** Whether the servos have no torque. */
   get limp(): boolean {
     return this.arming.limp;
   }
 
   stop(): void {
     this.arming.end();
-    if (!this.wire.stop()) this.live.say("no server: use the switch that cuts the power");
+    if (!this.wire.stop()) this.live.say("no server: use the switch that cuts its power");
   }
 
   resume(): void {
@@ -60,18 +60,18 @@ export class Robot {
   }
 
   unlock(token: string): void {
-    sessionStorage.setItem(TOKEN, token);
+    sessionStorage.setItem(TOKEN_KEY, token);
     this.wire.unlock(token);
   }
 
   private connected(): void {
     const { state } = this.wire;
     document.body.dataset.state = state;
-    byId("state").textContent = WORDS[state];
+    byId("state").textContent = STATE_LABELS[state];
     byId<HTMLDialogElement>("lock")[state === "locked" ? "show" : "close"]();
     byId<HTMLButtonElement>("stop").disabled = state !== "open";
     if (state === "open") {
-      this.wire.tell("watch", { rate: RATE });
+      this.wire.tell("watch", { rate: REPORT_RATE });
       this.wire.tell("status");
       void this.list();
       this.listener.opened();
@@ -97,7 +97,7 @@ export class Robot {
       this.listener.moved();
     } else if (answer.told === "stopped" || answer.told === "failed") {
       this.halt(true);
-      this.live.say(String(answer.why ?? "stopped: every hinge holds"));
+      this.live.say(String(answer.why ?? "stopped: all joints hold"));
     } else if (answer.told === "status") this.halt(answer.state === "stopped");
     else if (answer.told === "refused") this.live.say(String(answer.why));
   }

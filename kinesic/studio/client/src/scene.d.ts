@@ -1,4 +1,4 @@
-// What the report's player and the studio draw with: kinesic/report/templates/scene.js.
+// Scene renderer of the report's player and the studio: kinesic/report/templates/scene.js.
 declare module "kinesic:scene" {
   export interface Look {
     turn: number;
@@ -16,36 +16,36 @@ declare module "kinesic:scene" {
     beside: boolean;
     ink: readonly number[];
     lit?: ReadonlySet<number>;
-    /** Pixels of the canvas for each CSS pixel; the screen's where it is left out. */
+    /** Canvas pixels per CSS pixel; default: those of the screen. */
     scale?: number;
-    /** Whether shadows are drawn; they are where it is left out. */
+    /** Whether to draw shadows; default: yes. */
     full?: boolean;
   }
   type Triple = readonly [number, number, number];
-  /** A part of the body that has one colour. */
+  /** Part of the body with one colour. */
   export interface Shape {
     segment: number;
     hinges: readonly number[];
     colour: string;
-    /** Six numbers for each corner: its place and its normal, in the frame of its segment. */
+    /** Six numbers per corner: position and normal in the segment's frame. */
     mesh: ArrayLike<number>;
-    /** Corners of its triangles, three for each; all of the mesh in order where they are left out. */
+    /** Three corner indices per triangle; default: all corners in order. */
     corners?: ArrayLike<number>;
   }
   export interface Scene {
     draw(picture: Picture): number[][];
-    /** Frames (4 x 4, columns first) of all segments, as they stand in the picture. */
+    /** Frames (4 x 4, column-major) of all segments in the scene. */
     frames(angles: readonly number[]): Float32Array[];
-    /** Where the camera is, and the matrix from the picture to a canvas of a shape, its own where that is left out. */
+    /** Camera position, and matrix from scene to canvas for an aspect ratio; default: that of the canvas. */
     camera(look: Look, shape?: { width: number; height: number }): { eye: Triple; view: Float32Array };
-    /** From the world to the picture [m]. */
+    /** Transformation from world to scene [m]. */
     up: Triple;
-    /** What is drawn of the body; null where it has a skin. */
+    /** Drawn shapes of the body; null for a robot with skin. */
     shapes: readonly Shape[] | null;
-    /** The colour of a shape, each share 0..1. */
+    /** Colour of a shape, components 0..1. */
     paint(shape: Shape, how: { duty?: readonly number[]; lit?: ReadonlySet<number> | undefined }): Triple;
   }
   export function sceneOf(canvas: HTMLCanvasElement, data: unknown, smooth?: boolean): Scene | null;
-  /** The face on a screen, of a robot that shows nothing else on it. */
+  /** Picture of the face on a screen, for a robot that shows nothing else on it. */
   export function plainFace(): { paper: HTMLCanvasElement };
 }

@@ -1,14 +1,14 @@
-// McNeill's sectors of gesture space: which one a place is in, and their grid over the stage.
+// McNeill's sectors of gesture space: the sector of a position, and their grid over the stage.
 import type { Body, Side } from "./types.ts";
 import { project, type Vector } from "./vectors.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
-const USUAL = "ZMiddle"; // the depth of the grid where no hand is dragged
+const DEFAULT_DEPTH = "ZMiddle"; // depth of the grid without a drag
 type Axis = "x" | "y" | "z";
 export type Sector = Record<Axis, string>;
 
-/** The sector of a place [m] in the world, for one hand. */
-export function sectorOf(body: Body, side: Side, place: readonly number[]): Sector {
+/** Return the sector of a world position [m] for one hand. */
+export function findSector(body: Body, side: Side, place: readonly number[]): Sector {
   const { gesture_origin: origin, arm_length: size, sectors } = body;
   const [forward, left, up] = place.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
   const at: Record<Axis, number> = { x: side === "left" ? left : -left, y: up, z: forward };
@@ -19,7 +19,7 @@ export function sectorOf(body: Body, side: Side, place: readonly number[]): Sect
   return { x: nearest("x"), y: nearest("y"), z: nearest("z") };
 }
 
-/** Centres in order, and the edges about each of them. */
+/** Return sorted centres with the bounds around each. */
 function bands(centres: Record<string, number>): { name: string; from: number; to: number }[] {
   const sorted = Object.entries(centres).sort((a, b) => a[1] - b[1]);
   return sorted.map(([name, centre], k) => {
@@ -36,7 +36,7 @@ function bands(centres: Record<string, number>): { name: string; from: number; t
 
 export class SectorGrid {
   shown = false;
-  private drawn = ""; // what the grid was made of: it is made anew only where that changes
+  private drawn = ""; // input of the drawn grid, which is rebuilt only after a change
 
   constructor(
     private readonly svg: SVGSVGElement,
@@ -44,11 +44,11 @@ export class SectorGrid {
   ) {}
 
   /**
-   * Draws the sectors of a hand at the depth where it is.
-   * @param view from the picture's space to the canvas
-   * @param up from the world to the picture's space
-   * @param place [m] of the hand in the world; null: no hand is dragged
-   * @param size of the stage [CSS pixels]
+   * Draw the sectors of a hand at the hand's depth.
+   * @param view matrix from scene to canvas
+   * @param up transformation from world to scene
+   * @param place world position of the hand [m]; null without a drag
+   * @param size size of the stage [CSS pixels]
    */
   draw(
     view: Float32Array,
@@ -59,8 +59,8 @@ export class SectorGrid {
   ): void {
     this.svg.toggleAttribute("hidden", !this.shown && place === null);
     if (this.svg.hasAttribute("hidden")) return;
-    const now = place && sectorOf(this.body, side, place);
-    const depth = this.body.sectors.z[now?.z ?? USUAL]!;
+    const now = place && findSector(this.body, side, place);
+    const depth = this.body.sectors.z[now?.z ?? DEFAULT_DEPTH]!;
     const about = [...view, size.width, size.height, side, now?.x, now?.y, now?.z].join();
     if (about === this.drawn) return;
     this.drawn = about;
@@ -81,7 +81,7 @@ export class SectorGrid {
     this.svg.replaceChildren(...cells);
   }
 
-  /** A place given outward, up and forward in arm lengths, in the picture's space. */
+  /** Convert a position (outward, up, forward in arm lengths) to the scene. */
   private place(side: Side, outward: number, high: number, forward: number, up: readonly number[]): Vector {
     const left = side === "left" ? outward : -outward;
     const [x, y, z] = [forward, left, high].map(

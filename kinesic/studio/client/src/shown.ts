@@ -1,16 +1,16 @@
-// What the stage shows of the robot, and when two such pictures look the same.
+// Drawn state of the robot, and comparison of two such states.
 
 export interface Shown {
   angles: readonly number[];
   ghost: readonly number[] | undefined;
   lit: ReadonlySet<number>;
-  /** How far each hinge is from its plan, 1: very far; it is red from a half on. */
+  /** Tracking error per joint, 1: very large; red starts at 0.5. */
   strain?: readonly number[];
-  /** [ms] when the pointer asked for it, where it did. */
+  /** [ms] time of the pointer event that requested it, if any. */
   asked?: number;
 }
 
-const NEAR = 0.002; // [rad] that nobody sees, a tick of a servo's encoder: a robot that rests is still
+const EQUAL_ANGLES = 0.002; // [rad] invisible difference, one tick of a servo's encoder
 const NEAR_STRAIN = 0.02;
 
 const alike = (a: readonly number[] | undefined, b: readonly number[] | undefined, near: number): boolean =>
@@ -20,9 +20,9 @@ const alike = (a: readonly number[] | undefined, b: readonly number[] | undefine
     a.length === b.length &&
     a.every((value, k) => Math.abs(value - b[k]!) <= near));
 
-/** Whether two pictures of the robot look the same. */
+/** Whether two states look the same. */
 export const same = (a: Shown, b: Shown): boolean =>
-  alike(a.angles, b.angles, NEAR) &&
-  alike(a.ghost, b.ghost, NEAR) &&
+  alike(a.angles, b.angles, EQUAL_ANGLES) &&
+  alike(a.ghost, b.ghost, EQUAL_ANGLES) &&
   alike(a.strain, b.strain, NEAR_STRAIN) &&
   alike([...a.lit], [...b.lit], 0);

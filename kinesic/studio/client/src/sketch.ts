@@ -1,26 +1,29 @@
-// The robot as it is drawn while it moves where there is no graphics card: by the processor, from fewer triangles.
+// Robot drawn by the CPU from fewer triangles, used during motion without a graphics card.
 import { type Picture, plainFace, type Scene, type Shape } from "kinesic:scene";
-import { cellOf, coarsen } from "./coarse.ts";
-import { floorOf } from "./floor.ts";
-import { differenceOf, Raster, type Texture } from "./raster.ts";
-import { lightCorners, placeCorners, type Seen, type Solid, shareCorners, solidOf } from "./solid.ts";
+import { cellSize, coarsen } from "./coarse.ts";
+import { drawFloor } from "./floor.ts";
+import { findDifference, Raster, type Texture } from "./raster.ts";
+import { lightCorners, makeSolid, placeCorners, type Seen, type Solid, shareCorners } from "./solid.ts";
 import type { Body } from "./types.ts";
 import type { Vector } from "./vectors.ts";
 
-const GHOST = 0.38; // how opaque the ghost is
-const FACE = { width: 96, height: 72 }; // [pixels] of the face on a screen
+const GHOST_OPACITY = 0.38; // opacity of the ghost
+const FACE_SIZE = { width: 96, height: 72 }; // [pixels] size of the face on a screen
 
 interface Size {
   width: number;
   height: number;
 }
 
-/** The face on the robot's screen, as small as it is seen. */
+/** Picture of the face on the robot's screen, at its small visible size. */
 function readFace(): Texture {
-  const pen = new OffscreenCanvas(FACE.width, FACE.height).getContext("2d")!;
+  const pen = new OffscreenCanvas(FACE_SIZE.width, FACE_SIZE.height).getContext("2d")!;
   pen.imageSmoothingQuality = "high";
-  pen.drawImage(plainFace().paper, 0, 0, FACE.width, FACE.height);
-  return { ...FACE, pixels: new Uint32Array(pen.getImageData(0, 0, FACE.width, FACE.height).data.buffer) };
+  pen.drawImage(plainFace().paper, 0, 0, FACE_SIZE.width, FACE_SIZE.height);
+  return {
+    ...FACE_SIZE,
+    pixels: new Uint32Array(pen.getImageData(0, 0, FACE_SIZE.width, FACE_SIZE.height).data.buffer),
+  };
 }
 
 export class Sketch {
@@ -29,10 +32,10 @@ export class Sketch {
   private readonly face: Texture | undefined;
   private readonly solids: Solid[];
   private ground: Texture = { width: 0, height: 0, pixels: new Uint32Array(0) };
-  private grounded = ""; // what the ground was made for
+  private grounded = ""; // input of the drawn background
   private shown = new ImageData(1, 1);
   private shownPixels = new Uint32Array(this.shown.data.buffer);
-  private over = new Uint32Array(0); // the ghost alone
+  private over = new Uint32Array(0); // pixels of the ghost
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -42,22 +45,22 @@ export class Sketch {
   ) {
     this.pen = canvas.getContext("2d", { willReadFrequently: true })!;
     this.solids = shapes.map((shape) =>
-      solidOf(coarsen(shape.mesh, shape.corners, cellOf(shape.mesh)), shape.segment, shape),
+      makeSolid(coarsen(shape.mesh, shape.corners, cellSize(shape.mesh)), shape.segment, shape),
     );
     if (!screen) return;
     this.face = readFace();
     const { picture, segment } = screen;
     const mesh = { places: new Float32Array(picture.places), normals: new Float32Array(picture.normals) };
     this.solids.push(
-      solidOf({ ...mesh, triangles: new Uint32Array(picture.triangles) }, segment, null, picture.shares),
+      makeSolid({ ...mesh, triangles: new Uint32Array(picture.triangles) }, segment, null, picture.shares),
     );
   }
 
   /**
-   * Draws a picture, and shows it.
-   * @param seen from where, and where the segments of its twin are
-   * @param size of the stage [CSS pixels]
-   * @param scale pixels for each of them
+   * Draw and show a picture.
+   * @param seen viewpoint, and segment frames of the twin
+   * @param size size of the stage [CSS pixels]
+   * @param scale canvas pixels per CSS pixel
    */
   draw({ twin, ghost, ink, lit }: Picture, seen: Seen, size: Size, scale: number): void {
     const { raster, scene } = this;
@@ -70,7 +73,7 @@ export class Sketch {
       if (this.over.length !== raster.pixels.length) this.over = new Uint32Array(raster.pixels.length);
       else this.over.fill(0);
       this.drawBody({ ...seen, frames: scene.frames(ghost) }, (shape) => scene.paint(shape, {}), this.over);
-      raster.lay(this.over, GHOST);
+      raster.lay(this.over, GHOST_OPACITY);
     }
     this.show(width, height);
   }
@@ -79,7 +82,7 @@ export class Sketch {
     this.canvas.hidden = true;
   }
 
-  /** Shows what is drawn: only where it differs from what is shown, as the browser paints all that it is given. */
+  /** Show the changed region only, because the browser repaints everything that it gets. */
   private show(width: number, height: number): void {
     const { canvas, raster } = this;
     if (this.shown.width !== width || this.shown.height !== height) {
@@ -89,7 +92,7 @@ export class Sketch {
       this.shownPixels = new Uint32Array(this.shown.data.buffer);
     }
     canvas.hidden = false;
-    const box = differenceOf(raster.pixels, this.shownPixels, width);
+    const box = findDifference(raster.pixels, this.shownPixels, width);
     if (!box) return;
     this.shownPixels.set(raster.pixels);
     this.pen.putImageData(this.shown, 0, 0, box.x, box.y, box.width, box.height);
@@ -99,12 +102,12 @@ export class Sketch {
     const about = [...view, ...ink, width, height].join();
     if (about === this.grounded) return;
     this.grounded = about;
-    this.ground = floorOf(view, ink, width, height);
+    this.ground = drawFloor(view, ink, width, height);
   }
 
   private drawBody(seen: Seen, paint: (shape: Shape) => Vector, into?: Uint32Array): void {
     for (const solid of this.solids) {
-      if (!solid.shape && into) continue; // a ghost shows no face
+      if (!solid.shape && into) continue; // a ghost has no face
       placeCorners(solid, seen, this.raster);
       if (solid.shape) lightCorners(solid, seen, paint(solid.shape));
       else shareCorners(solid, seen);

@@ -1,4 +1,4 @@
-// A part of the body as triangles, and where each of its corners is in a picture, and how light.
+// Part of the body as triangles, projected and lit.
 import type { Shape } from "kinesic:scene";
 import type { Mesh } from "./coarse.ts";
 import { STRIDE } from "./raster.ts";
@@ -6,25 +6,25 @@ import { dot, unit, type Vector } from "./vectors.ts";
 
 export interface Solid extends Mesh {
   segment: number;
-  /** What says its colour; one that has none shows the face instead. */
+  /** Shape with the colour; a part without one shows the face. */
   shape: Shape | null;
-  /** Shares of the face at each corner, where it is shown. */
+  /** Texture coordinates of the face per corner. */
   shares: readonly number[];
-  /** Of its triangles in a picture: see `Raster`. */
+  /** Projected corners, see `Raster`. */
   corners: Float32Array;
 }
 
-/** From where a picture is seen, and where the segments are. */
+/** Viewpoint and segment frames of a picture. */
 export interface Seen {
   view: Float32Array;
   eye: Vector;
   frames: Float32Array[];
 }
 
-const SUN = unit([0.5, 0.45, 0.8]); // the lights of the scene
+const LIGHT_DIRECTION = unit([0.5, 0.45, 0.8]); // direction of the scene's light
 const LAMP = unit([0.6, -0.7, 0.2]);
 
-export const solidOf = (mesh: Mesh, segment: number, shape: Shape | null, shares: readonly number[] = []): Solid => ({
+export const makeSolid = (mesh: Mesh, segment: number, shape: Shape | null, shares: readonly number[] = []): Solid => ({
   ...mesh,
   segment,
   shape,
@@ -32,7 +32,7 @@ export const solidOf = (mesh: Mesh, segment: number, shape: Shape | null, shares
   corners: new Float32Array((STRIDE * mesh.places.length) / 3),
 });
 
-/** Finds where corners are in a picture: across, down, and how deep. */
+/** Project the corners to x, y and depth. */
 export function placeCorners(solid: Solid, { view, frames }: Seen, size: { width: number; height: number }): void {
   const { places, corners } = solid;
   const m = times(view, frames[solid.segment]!);
@@ -42,14 +42,14 @@ export function placeCorners(solid: Solid, { view, frames }: Seen, size: { width
     const z = places[from + 2]!;
     const depth = m[2]! * x + m[6]! * y + m[10]! * z + m[14]!;
     const away = m[3]! * x + m[7]! * y + m[11]! * z + m[15]!;
-    const w = depth < -away ? Number.NaN : away; // before the near plane: no triangle with this corner is drawn
+    const w = depth < -away ? Number.NaN : away; // before the near plane: triangles with this corner are not drawn
     corners[to] = ((m[0]! * x + m[4]! * y + m[8]! * z + m[12]!) / w + 1) * 0.5 * size.width;
     corners[to + 1] = (1 - (m[1]! * x + m[5]! * y + m[9]! * z + m[13]!) / w) * 0.5 * size.height;
     corners[to + 2] = depth / w;
   }
 }
 
-/** Finds the colour of each corner in the light of the scene, given its paint (0..1). */
+/** Compute the lit colour of each corner from a base colour (0..1). */
 export function lightCorners(solid: Solid, { eye, frames }: Seen, paint: Vector): void {
   const { places, normals, corners } = solid;
   const f = frames[solid.segment]!;
@@ -68,12 +68,12 @@ export function lightCorners(solid: Solid, { eye, frames }: Seen, paint: Vector)
     const ez = eye[2] - (f[2]! * px + f[6]! * py + f[10]! * pz + f[14]!);
     const long = Math.sqrt(x * x + y * y + z * z) || 1;
     const away = Math.sqrt(ex * ex + ey * ey + ez * ez);
-    const sun = Math.max((x * SUN[0] + y * SUN[1] + z * SUN[2]) / long, 0);
+    const sun = Math.max((x * LIGHT_DIRECTION[0] + y * LIGHT_DIRECTION[1] + z * LIGHT_DIRECTION[2]) / long, 0);
     const lamp = Math.max((x * LAMP[0] + y * LAMP[1] + z * LAMP[2]) / long, 0);
     const bare = 0.46 + (0.14 * z) / long + 0.46 * sun + 0.12 * lamp;
-    const hx = SUN[0] + ex / away;
-    const hy = SUN[1] + ey / away;
-    const hz = SUN[2] + ez / away;
+    const hx = LIGHT_DIRECTION[0] + ex / away;
+    const hy = LIGHT_DIRECTION[1] + ey / away;
+    const hz = LIGHT_DIRECTION[2] + ez / away;
     const half = Math.max((x * hx + y * hy + z * hz) / (long * Math.sqrt(hx * hx + hy * hy + hz * hz)), 0);
     const rim = 1 - Math.max((x * ex + y * ey + z * ez) / (long * away), 0);
     const gloss = 0.16 * half ** 36 + 0.1 * rim ** 3;
@@ -81,7 +81,7 @@ export function lightCorners(solid: Solid, { eye, frames }: Seen, paint: Vector)
   }
 }
 
-/** Finds which share of the face is at each corner, and how light it is there. */
+/** Set texture coordinates and brightness of each corner. */
 export function shareCorners({ normals, shares, corners, segment }: Solid, { frames }: Seen): void {
   const f = frames[segment]!;
   for (let k = 0, to = 3; to < corners.length; k++, to += STRIDE) {
@@ -89,11 +89,11 @@ export function shareCorners({ normals, shares, corners, segment }: Solid, { fra
     const row = (r: 0 | 1 | 2) => f[r]! * nx + f[r + 4]! * ny + f[r + 8]! * nz;
     corners[to] = shares[2 * k]!;
     corners[to + 1] = shares[2 * k + 1]!;
-    corners[to + 2] = 0.85 + 0.15 * Math.max(dot([row(0), row(1), row(2)], SUN), 0);
+    corners[to + 2] = 0.85 + 0.15 * Math.max(dot([row(0), row(1), row(2)], LIGHT_DIRECTION), 0);
   }
 }
 
-/** The product of two matrices, columns first. */
+/** Return the product of two column-major matrices. */
 function times(a: Float32Array, b: Float32Array): Float64Array {
   const out = new Float64Array(16);
   for (let column = 0; column < 16; column += 4)

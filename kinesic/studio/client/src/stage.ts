@@ -1,6 +1,6 @@
-// The stage: the robot from any side, and parts of its body that can be dragged.
+// Stage: the robot from any viewpoint, with draggable parts.
 import { type Look, type Scene, sceneOf } from "kinesic:scene";
-import { type Handle, Handles, type Part, type Point, placeOf } from "./handles.ts";
+import { type Handle, Handles, handlePosition, type Part, type Point } from "./handles.ts";
 import { lookFrom, TURNS, turned, type View, zoomed } from "./look.ts";
 import { drawsInSoftware, Pace, type Quality, whenDrawn } from "./pace.ts";
 import { SectorGrid } from "./sectors.ts";
@@ -13,13 +13,13 @@ import { unproject, type Vector } from "./vectors.ts";
 export interface Drag extends Handle {
   /** [m] in the world. */
   target: Vector;
-  /** [ms] when the pointer was there. */
+  /** [ms] time of the pointer event. */
   asked: number;
 }
 
-const KEPT = 500; // latencies
-// A dragged part follows each move of the pointer as it comes, not those before the next frame together, where that is told.
-const MOVES = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
+const MAX_LATENCIES = 500; // number of stored latencies
+// Raw pointer events arrive without waiting for the next frame, where the browser supports them.
+const MOVE_EVENT = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 
 export class Stage {
   readonly flat: boolean;
@@ -28,21 +28,21 @@ export class Stage {
   readonly sectors: SectorGrid;
   private readonly scene: Scene | null;
   private shown: Shown;
-  /** [ms] from a move of the pointer until its posture is drawn, to the last pixel. */
+  /** [ms] from a pointer event until its posture is fully drawn. */
   readonly latencies: number[] = [];
   private readonly software = drawsInSoftware();
   private readonly pace = new Pace(this.software);
-  private sketch: Sketch | null = null; // of what moves, where there is no graphics card
+  private sketch: Sketch | null = null; // used during motion without a graphics card
   private readonly gl: WebGL2RenderingContext | null;
-  private due = false; // another frame is wanted
-  private busy = false; // one is being drawn
-  private settling = 0; // the timer of a finer frame, once all is still
-  private quality: Quality = { scale: 0, full: false }; // of the last frame
+  private due = false; // a frame is requested
+  private busy = false; // a frame is being drawn
+  private settling = 0; // timer of a finer frame after motion
+  private quality: Quality = { scale: 0, full: false }; // quality of the last frame
   private ink: readonly number[] = [0, 0, 0];
-  private size = { width: 0, height: 0 }; // [CSS pixels]
+  private size = { width: 0, height: 0 }; // [CSS pixels] size of the stage
   private readonly handles: Handles;
   private dragged: (Handle & { grip: Vector }) | null = null;
-  private last: Drag | null = null; // of the part that is dragged
+  private last: Drag | null = null; // last event of the current drag
   private over: Handle | null = null;
 
   constructor(
@@ -61,13 +61,13 @@ export class Stage {
     this.listen();
   }
 
-  /** Shows the robot from one of the usual sides. */
+  /** Show the robot from a standard view. */
   view(view: View): void {
     this.look = lookFrom(view, this.body);
     this.redraw();
   }
 
-  /** Shows the robot in a posture; nothing is drawn where it looks as the one that is shown. */
+  /** Show the robot in a posture; equal pictures are not drawn again. */
   show(shown: Shown): void {
     if (this.drawn && same(shown, this.shown)) return;
     this.shown = shown;
@@ -76,7 +76,7 @@ export class Stage {
     else this.draw(performance.now());
   }
 
-  /** Draws at the next chance, however often it is asked; a frame at a time, so that none waits behind another. */
+  /** Request a frame; repeated requests are merged, and only one frame is drawn at a time. */
   redraw(): void {
     this.pace.move(performance.now());
     if (this.due) return;
@@ -84,23 +84,23 @@ export class Stage {
     if (!this.waits) requestAnimationFrame((now) => this.due && this.draw(now));
   }
 
-  /** Where a part can be taken, on the page [CSS pixels]. */
-  handleAt(part: Part, side: Side = "right"): Point | null {
+  /** Return the position of a handle on the page [CSS pixels]. */
+  handleOnPage(part: Part, side: Side = "right"): Point | null {
     const area = this.canvas.getBoundingClientRect();
     const k = this.handles.all.findIndex((each) => each.part === part && each.side === side);
     const at = this.points()[k];
     return at ? { x: area.left + at.x, y: area.top + at.y } : null;
   }
 
-  /** Where a hand is [m] in the world, in the posture that is shown; null where nothing is drawn. */
-  placeOfHand(side: Side): Vector | null {
+  /** Return the world position [m] of a hand in the shown posture; null if nothing is drawn. */
+  handPosition(side: Side): Vector | null {
     if (!this.scene) return null;
-    const [x, y, z] = placeOf(this.body, { part: "hand", side }, this.scene.frames(this.shown.angles));
+    const [x, y, z] = handlePosition(this.body, { part: "hand", side }, this.scene.frames(this.shown.angles));
     const [ux, uy, uz] = this.scene.up;
     return [x - ux, y - uy, z - uz];
   }
 
-  /** From where the posture that is shown is seen; null where nothing is drawn. */
+  /** Return the viewpoint of the shown posture; null if nothing is drawn. */
   private seen(): Seen | null {
     const { scene } = this;
     return scene && { ...scene.camera(this.look, this.size), frames: scene.frames(this.shown.angles) };
@@ -110,7 +110,7 @@ export class Stage {
     return seen ? this.handles.points(seen.view, seen.frames, this.size) : [];
   }
 
-  /** Whether what changes must wait for the frame that is being drawn; a sketch waits for nothing. */
+  /** Whether changes must wait for the current frame; a sketch never waits. */
   private get waits(): boolean {
     return this.busy && !this.sketch;
   }
@@ -157,21 +157,21 @@ export class Stage {
   }
 
   /**
-   * Judges a frame that is drawn, and draws what has changed meanwhile.
-   * @param took [ms]
-   * @param moving whether that decides how fine the next one is
-   * @param asked [ms] when the pointer asked for its posture, where it did
+   * Judge the drawn frame and draw later changes.
+   * @param took duration [ms]
+   * @param moving whether the duration influences the quality of the next frame
+   * @param asked time [ms] of the pointer event that requested the posture, if any
    */
   private finish(took: number, moving: boolean, asked: number | undefined): void {
     const now = performance.now();
     if (moving) this.pace.learn(took);
     if (asked !== undefined) {
       this.latencies.push(now - asked);
-      this.latencies.splice(0, this.latencies.length - KEPT);
+      this.latencies.splice(0, this.latencies.length - MAX_LATENCIES);
       if (this.shown.asked === asked) delete this.shown.asked;
     }
     if (this.due) {
-      this.pace.move(now); // it has changed meanwhile, however long that took
+      this.pace.move(now); // it has changed during this frame
       this.draw(now);
       return;
     }
@@ -179,13 +179,13 @@ export class Stage {
     this.settle(now);
   }
 
-  /** Once the robot is seen: sketches what moves from now on, if that is sooner. */
+  /** After the first frame, draw motion as sketches if they are faster. */
   private prepareSketch(): void {
     if (!this.software || this.sketch || !this.scene?.shapes) return;
     this.sketch = new Sketch(this.covers.sketch, this.scene, this.scene.shapes, this.body);
   }
 
-  /** Draws finely what has been drawn coarsely, once all is still. */
+  /** Draw in full quality after motion. */
   private settle(now: number): void {
     clearTimeout(this.settling);
     if (this.dragged) return;
@@ -195,7 +195,7 @@ export class Stage {
     this.settling = setTimeout(() => this.busy || this.draw(performance.now()), wait);
   }
 
-  /** Reads how large the stage is, once for all frames: asking the page makes it lay everything out. */
+  /** Read the size of the stage once for many frames, because each read causes a layout. */
   private measure(): void {
     this.size = { width: this.canvas.clientWidth, height: this.canvas.clientHeight };
     this.redraw();
@@ -230,8 +230,8 @@ export class Stage {
       canvas.setPointerCapture(event.pointerId);
       const handle = this.under(event);
       const frames = this.scene?.frames(this.shown.angles);
-      this.dragged = handle && frames ? { ...handle, grip: placeOf(this.body, handle, frames) } : null;
-      if (this.dragged) canvas.addEventListener(MOVES, this.follow);
+      this.dragged = handle && frames ? { ...handle, grip: handlePosition(this.body, handle, frames) } : null;
+      if (this.dragged) canvas.addEventListener(MOVE_EVENT, this.follow);
     });
     canvas.addEventListener("pointermove", (event) => {
       if (this.dragged) return;
@@ -240,7 +240,7 @@ export class Stage {
     });
     for (const kind of ["pointerup", "pointercancel"] as const)
       canvas.addEventListener(kind, () => {
-        canvas.removeEventListener(MOVES, this.follow);
+        canvas.removeEventListener(MOVE_EVENT, this.follow);
         if (this.last) this.listener.drop(this.last);
         this.dragged = this.last = null;
         this.redraw();

@@ -1,12 +1,12 @@
-// How each servo is, as a strip and as colour on the body.
+// State of each servo as a strip and as a colour of the body.
 import { byId, make, say } from "./dom.ts";
 import type { Body, BodyReport, ServoPlace, ServoReport } from "./types.ts";
 
-const WIDEST = 0.1; // [rad] of error that is very far
-const COOL = 40; // [C] at which nothing is to be said
-const STEPS = 50; // of a bar
-const SAG = 1; // [V] below the best supplied servo that is very low
-const ERRORS: Record<number, string> = {
+const MAX_TRACKING_ERROR = 0.1; // [rad] very large tracking error
+const NORMAL_TEMPERATURE = 40; // [C] normal temperature
+const BAR_STEPS = 50; // steps of a bar
+const MAX_VOLTAGE_DROP = 1; // [V] very large drop below the best supplied servo
+const ERROR_NAMES: Record<number, string> = {
   1: "voltage",
   4: "overheating",
   8: "encoder",
@@ -16,34 +16,39 @@ const ERRORS: Record<number, string> = {
 export const MEASURES = ["tracking", "temperature", "load", "voltage", "error"] as const;
 export type Measure = (typeof MEASURES)[number];
 
-/** What the bits of a servo's error say. */
+/** Return the names of a servo's error bits. */
 export const errorWords = (bits: number): string =>
-  Object.entries(ERRORS)
+  Object.entries(ERROR_NAMES)
     .filter(([bit]) => bits & Number(bit))
     .map(([, word]) => word)
     .join(", ") || "error";
 
-const share = (value: number): number => Math.min(1, Math.max(0, value));
+const clamp = (value: number): number => Math.min(1, Math.max(0, value));
 
-/** How far each hinge is from its plan, 1: very far. */
+/** Return the tracking error per joint, 1: very large. */
 const tracking = ({ planned, angles }: BodyReport): number[] =>
-  planned.map((angle, k) => share(Math.abs(angle - (angles[k] ?? angle)) / WIDEST));
+  planned.map((angle, k) => clamp(Math.abs(angle - (angles[k] ?? angle)) / MAX_TRACKING_ERROR));
 
-/** One measure of each servo, 1: as bad as it may become. */
+/** Return one measure per servo, 1: at its limit. */
 function ofServos(report: ServoReport, places: readonly ServoPlace[], measure: Measure): number[] {
   const best = Math.max(...report.volts.map((volts) => volts ?? 0));
   return places.map((place, k) => {
     const celsius = report.celsius[k];
-    if (celsius == null) return 1; // it does not answer
-    if (measure === "temperature") return share((celsius - COOL) / (place.hottest - COOL));
-    if (measure === "load") return share(Math.abs(report.load[k] ?? 0));
-    if (measure === "voltage") return share((best - (report.volts[k] ?? 0)) / SAG);
+    if (celsius == null) return 1; // no answer
+    if (measure === "temperature") return clamp((celsius - NORMAL_TEMPERATURE) / (place.hottest - NORMAL_TEMPERATURE));
+    if (measure === "load") return clamp(Math.abs(report.load[k] ?? 0));
+    if (measure === "voltage") return clamp((best - (report.volts[k] ?? 0)) / MAX_VOLTAGE_DROP);
     return report.errors[k] ? 1 : 0;
   });
 }
 
-/** One measure of each hinge: of two servos that turn it the worse. */
-export function strainOf(body: Body, report: BodyReport, places: readonly ServoPlace[], measure: Measure): number[] {
+/** Return one measure per joint, the worst of its servos. */
+export function computeStrain(
+  body: Body,
+  report: BodyReport,
+  places: readonly ServoPlace[],
+  measure: Measure,
+): number[] {
   if (measure === "tracking" || !report.servos) return tracking(report);
   const each = ofServos(report.servos, places, measure);
   return body.hinges.map((hinge) => Math.max(0, ...each.filter((_, k) => places[k]?.hinge === hinge)));
@@ -56,9 +61,9 @@ interface Strip {
   texts: HTMLElement[];
 }
 
-const COLUMNS = ["", "away", "load", "°C", "V"];
+const COLUMN_TITLES = ["", "away", "load", "°C", "V"];
 
-/** A strip for each servo; for each hinge where there are none. */
+/** Strips of all servos, or of all joints of a robot without servos. */
 export class Strips {
   private strips: Strip[] = [];
   private places: readonly ServoPlace[] = [];
@@ -76,7 +81,7 @@ export class Strips {
         }))
       : this.body.hinges.map((name) => ({ name, title: name }));
     this.strips = names.map(({ name, title }) => this.strip(name, title));
-    const heads = places.length ? COLUMNS : ["", "away", "", "angle"];
+    const heads = places.length ? COLUMN_TITLES : ["", "away", "", "angle"];
     const head = make(
       "div",
       { class: "strip head", "aria-hidden": "true" },
@@ -98,7 +103,7 @@ export class Strips {
   private tell(strip: Strip, servos: ServoReport, k: number): void {
     const { celsius, volts, errors, load } = servos;
     const bits = errors[k];
-    fill(strip.bars.load, share(Math.abs(load[k] ?? 0)));
+    fill(strip.bars.load, clamp(Math.abs(load[k] ?? 0)));
     say(strip.texts[0]!, celsius[k]?.toFixed(0) ?? "–");
     say(strip.texts[1]!, volts[k]?.toFixed(1) ?? "–");
     strip.line.classList.toggle("faulty", bits === null || Boolean(bits));
@@ -115,9 +120,9 @@ export class Strips {
   }
 }
 
-/** Fills a share of a bar, in steps that are seen: what hardly changes is not painted anew. */
-function fill(bar: HTMLElement, share: number): void {
-  const seen = (Math.round(STEPS * share) / STEPS).toString();
+/** Fill a bar in visible steps; smaller changes cause no repaint. */
+function fill(bar: HTMLElement, fraction: number): void {
+  const seen = (Math.round(BAR_STEPS * fraction) / BAR_STEPS).toString();
   if (bar.style.getPropertyValue("--share") !== seen) bar.style.setProperty("--share", seen);
 }
 

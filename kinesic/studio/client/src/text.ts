@@ -1,9 +1,9 @@
-// The document as text, with numbered lines and the place of an error.
+// Text pane of the document with line numbers and the position of an error.
 import { byId, make } from "./dom.ts";
 import type { Fault } from "./types.ts";
-import { attributeOf, tagWithId } from "./xml.ts";
+import { findAttribute, tagWithId } from "./xml.ts";
 
-const NUMBERED = 10_000; // lines: a text with more is none to be read
+const MAX_NUMBERED_LINES = 10_000; // largest number of numbered lines
 
 export class TextPane {
   private readonly area = byId<HTMLTextAreaElement>("text");
@@ -27,7 +27,7 @@ export class TextPane {
     this.number();
   }
 
-  /** Shows where the document is wrong; null: nowhere. */
+  /** Show the position of an error; null: no error. */
   mark(fault: Fault | null): void {
     this.fault = fault;
     this.area.setAttribute("aria-invalid", String(fault !== null));
@@ -36,7 +36,7 @@ export class TextPane {
     this.number();
   }
 
-  /** Brings a behaviour into sight. */
+  /** Scroll to a behaviour. */
   find(behaviour: string): void {
     const tag = tagWithId(this.area.value, behaviour);
     if (!tag) return;
@@ -47,11 +47,11 @@ export class TextPane {
 
   attribute(behaviour: string, name: string): string | undefined {
     const tag = tagWithId(this.area.value, behaviour);
-    return tag && attributeOf(tag, name)?.value;
+    return tag && findAttribute(tag, name)?.value;
   }
 
   private number(): void {
-    const count = Math.min(this.area.value.split("\n").length, NUMBERED);
+    const count = Math.min(this.area.value.split("\n").length, MAX_NUMBERED_LINES);
     while (this.gutter.children.length > count) this.gutter.lastElementChild?.remove();
     while (this.gutter.children.length < count)
       this.gutter.append(make("li", {}, String(this.gutter.children.length + 1)));

@@ -1,4 +1,4 @@
-// The timeline: what is said, and a row for every behaviour, with strokes that can be dragged onto words.
+// Timeline: spoken words, and a row per behaviour with strokes that can be dragged onto words.
 import { make } from "./dom.ts";
 import type { Anchor } from "./edits.ts";
 import type { Draft, Sync } from "./types.ts";
@@ -6,8 +6,8 @@ import { drawWaveform } from "./waveform.ts";
 
 export interface Word {
   speech: string;
-  mark: string; // that it follows
-  index: number; // among the words that follow it
+  mark: string; // preceding mark
+  index: number; // index among the words after the mark
   text: string;
   start: number;
   end: number;
@@ -16,25 +16,25 @@ export interface Word {
 export interface Moved {
   behaviour: string;
   point: string;
-  /** The word on which it was dropped, or by how much it was moved [s]. */
+  /** Word under the dropped point, or its shift [s]. */
   onto: Word | { by: number; asked: number };
 }
 
-const SNAP = 14; // [CSS pixels] from a word's beginning
-const LEAST = 48; // [CSS pixels] of a second: a long document is scrolled
-const MOST = 400; // [CSS pixels] of a second, however far it is zoomed in
-const READABLE = 130; // [CSS pixels] of a second, from which on phonemes stand apart
-const NUDGE = 0.05; // [s] of an arrow key
+const SNAP_DISTANCE = 14; // [CSS pixels] distance from the start of a word
+const MIN_SCALE = 48; // [CSS pixels/s] smallest scale; long documents scroll
+const MAX_SCALE = 400; // [CSS pixels/s] largest scale
+const PHONEME_SCALE = 130; // [CSS pixels/s] scale from which phonemes are shown
+const KEY_STEP = 0.05; // [s] step of an arrow key
 const CORES = [
   ["strokeStart", "strokeEnd"],
   ["ready", "relax"],
   ["attackPeak", "relax"],
 ] as const;
-const MOVED = 0.02; // [s] from what was asked, that is shown
+const MIN_DEVIATION = 0.02; // [s] smallest shown deviation from the requested time
 const STROKES = ["stroke", "attackPeak", "ready", "start"];
 
-/** The words of a draft; times inside what is said between two marks are shares of its letters. */
-export function wordsOf(draft: Draft): Word[] {
+/** Return the words of a draft; times between two marks are proportional to letters. */
+export function listWords(draft: Draft): Word[] {
   return draft.words.flatMap(({ speech, mark, text, start, end }) => {
     const perLetter = (end - start) / Math.max(1, text.length);
     return [...text.matchAll(/\S+/g)].map((match, index) => ({
@@ -48,14 +48,14 @@ export function wordsOf(draft: Draft): Word[] {
   });
 }
 
-/** The anchor of a word that has a mark. */
-export const anchorOf = (word: Word): Anchor => ({ speech: word.speech, mark: word.mark });
+/** Return the anchor of a word that has a mark. */
+export const wordAnchor = (word: Word): Anchor => ({ speech: word.speech, mark: word.mark });
 
 export class Timeline {
   private draft: Draft | null = null;
   private words: Word[] = [];
-  private scale = LEAST; // [CSS pixels] of a second, at least
-  private scrolls = false; // it is longer than what is seen of it
+  private scale = MIN_SCALE; // [CSS pixels/s] smallest scale
+  private scrolls = false; // whether it is wider than its pane
   private readonly head = make("div", { class: "playhead" });
 
   constructor(
@@ -72,7 +72,7 @@ export class Timeline {
 
   show(draft: Draft, chosen: string | null): void {
     this.draft = draft;
-    this.words = wordsOf(draft);
+    this.words = listWords(draft);
     const rows = [this.wordRow(), this.voiceRow(draft), ...draft.behaviours.map((each) => this.row(each, chosen))];
     const inner = make("div", { class: "inner" }, ...rows.filter((row) => row !== null), this.head);
     const { scrollLeft, scrollTop } = this.place;
@@ -81,26 +81,26 @@ export class Timeline {
     this.place.scrollTo(scrollLeft, scrollTop);
   }
 
-  /** Makes a second shorter or longer, about where the pointer is. */
+  /** Zoom around the pointer. */
   private zoomAt(event: WheelEvent): void {
     event.preventDefault();
     const time = this.timeAt(event.clientX);
     const now = this.lane().width / this.duration;
-    this.scale = Math.min(Math.max(now * Math.exp(-0.002 * event.deltaY), LEAST), MOST);
+    this.scale = Math.min(Math.max(now * Math.exp(-0.002 * event.deltaY), MIN_SCALE), MAX_SCALE);
     this.spread();
     this.place.scrollLeft += ((time / this.duration) * this.lane().width + this.lane().left - event.clientX) | 0;
   }
 
-  /** Gives a second its length. */
+  /** Apply the scale. */
   private spread(): void {
     const inner = this.place.querySelector<HTMLElement>(".inner");
     if (!inner) return;
     inner.style.minWidth = `calc(var(--names) + ${Math.round(this.duration * this.scale)}px)`;
-    inner.classList.toggle("dense", this.lane().width / this.duration < READABLE);
+    inner.classList.toggle("dense", this.lane().width / this.duration < PHONEME_SCALE);
     this.scrolls = this.place.scrollWidth > this.place.clientWidth;
   }
 
-  /** Shows the moment [s]. */
+  /** Show the time [s]. */
   at(time: number): void {
     this.head.style.left = `calc(var(--names) + (100% - var(--names)) * ${time / this.duration})`;
     if (!this.scrolls) return;
@@ -139,7 +139,7 @@ export class Timeline {
     return make("div", { class: "row said" }, make("span", { class: "name" }, "words"), lane);
   }
 
-  /** The voice: how loud it is, and its phonemes. */
+  /** Waveform and phonemes of the voice. */
   private voiceRow(draft: Draft): HTMLElement | null {
     if (!draft.phonemes.length && !draft.loudness) return null;
     const lane = make("div", { class: "lane voice", "aria-hidden": "true" });
@@ -202,18 +202,18 @@ export class Timeline {
     handle.style.left = this.percent(stroke.planned);
     this.draggable(handle, id, stroke);
     handle.addEventListener("keydown", (event) => {
-      const by = { ArrowLeft: -NUDGE, ArrowRight: NUDGE }[event.key];
+      const by = { ArrowLeft: -KEY_STEP, ArrowRight: KEY_STEP }[event.key];
       if (by === undefined) return;
       event.preventDefault();
       this.listener.moved({ behaviour: id, point: stroke.sync, onto: { by, asked: stroke.asked } });
     });
-    if (Math.abs(stroke.asked - stroke.planned) < MOVED) return [handle];
-    const asked = make("i", { class: "asked", title: `asked for ${stroke.asked.toFixed(2)} s` });
+    if (Math.abs(stroke.asked - stroke.planned) < MIN_DEVIATION) return [handle];
+    const asked = make("i", { class: "asked", title: `requested: ${stroke.asked.toFixed(2)} s` });
     asked.style.left = this.percent(stroke.asked);
     return [handle, asked];
   }
 
-  /** Lets a sync point be dragged: strokes snap to words, and everything moves by as much as the pointer did. */
+  /** Make a sync point draggable: strokes snap to words, all points can be shifted. */
   private draggable(element: HTMLElement, behaviour: string, sync: Sync): void {
     element.addEventListener("pointerdown", (down) => {
       if (down.button !== 0) return;
@@ -243,13 +243,13 @@ export class Timeline {
     });
   }
 
-  /** The word under the pointer, or whose beginning is near it. */
+  /** Return the word under the pointer or with a start close to it. */
   private wordAt(x: number, y: number): Word | undefined {
     const row = this.place.querySelector(".words")?.getBoundingClientRect();
     if (!row) return undefined;
     const time = this.timeAt(x);
     if (y <= row.bottom + 4) return this.words.find((word) => word.start <= time && time <= word.end);
-    const near = (SNAP / this.lane().width) * this.duration;
+    const near = (SNAP_DISTANCE / this.lane().width) * this.duration;
     return this.words.find((word) => Math.abs(word.start - time) < near);
   }
 }

@@ -1,5 +1,5 @@
-// Edits of a gesture's file, each a pure function from text to text: keys are found where they stand, inline, in
-// `keys = [ { left = {...}, ... }, ... ]` of the first gesture, and everything else stays byte for byte.
+// Edits of a gesture file: pure functions from text to text that preserve all other bytes. Keys are expected inline,
+// as `keys = [ { left = {...}, ... }, ... ]` of the first gesture.
 
 export type Hand = "left" | "right" | "both";
 export type Place = readonly [number, number, number];
@@ -9,7 +9,7 @@ interface Span {
   to: number;
 }
 
-/** Where the bracket that opens at a place is closed, behind it; strings and comments are passed over. */
+/** Return the index after the bracket that closes the one at an index; strings and comments are skipped. */
 function closingEnd(text: string, at: number): number {
   let depth = 0;
   for (let k = at; k < text.length; k++) {
@@ -36,7 +36,7 @@ function lineEnd(text: string, at: number): number {
   return end < 0 ? text.length : end;
 }
 
-/** Values that stand directly between two brackets, without the commas. */
+/** Return the values between two brackets, without commas. */
 function items(text: string, span: Span): Span[] {
   const found: Span[] = [];
   let from = -1;
@@ -57,7 +57,7 @@ function items(text: string, span: Span): Span[] {
   return from >= 0 ? [...found, { from, to }] : found;
 }
 
-/** The inline tables of the keys; none where they are written otherwise. */
+/** Return the inline tables of the keys; none for another notation. */
 export function keySpans(text: string): Span[] {
   const list = keyList(text);
   return list ? items(text, list) : [];
@@ -70,7 +70,7 @@ function keyList(text: string): Span | null {
   return { from, to: closingEnd(text, from) };
 }
 
-/** The value of a name in an inline table. */
+/** Return the value of a name in an inline table. */
 function valueIn(text: string, table: Span, name: string): Span | null {
   for (const item of items(text, table)) {
     const match = /^([\w-]+)\s*=\s*/.exec(text.slice(item.from, item.to));
@@ -79,7 +79,7 @@ function valueIn(text: string, table: Span, name: string): Span | null {
   return null;
 }
 
-/** The text with a value of a hand's key set; null takes it away. */
+/** Set a value of a hand's key; null removes it. */
 export function setHand(text: string, key: number, hand: Hand, name: string, value: string | null): string {
   const own = keySpans(text)[key];
   const table = own && valueIn(text, own, hand);
@@ -92,15 +92,15 @@ export function setHand(text: string, key: number, hand: Hand, name: string, val
   return `${text.slice(0, table.from)}{ ${made.join(", ")} }${text.slice(table.to)}`;
 }
 
-/** A place in arm lengths as gestures have it: outward, up, forward, to a thousandth. */
-export const placeText = (place: Place): string => `[${place.map((value) => decimal(value)).join(", ")}]`;
+/** Format a position in arm lengths (outward, up, forward) with three decimals. */
+export const formatPosition = (place: Place): string => `[${place.map((value) => decimal(value)).join(", ")}]`;
 
 const decimal = (value: number): string => {
   const short = (Math.round(value * 1000) / 1000 + 0).toString();
   return short.includes(".") ? short : `${short}.0`;
 };
 
-/** Another key, as the one before it, behind it. */
+/** Insert a copy of a key after it. */
 export function copyKey(text: string, key: number): string {
   const own = keySpans(text)[key];
   if (!own) return text;
@@ -108,7 +108,7 @@ export function copyKey(text: string, key: number): string {
   return `${text.slice(0, own.to)},${blank}${text.slice(own.from, own.to)}${text.slice(own.to)}`;
 }
 
-/** One key less; the last one stays. */
+/** Remove a key, except the last one. */
 export function removeKey(text: string, key: number): string {
   const spans = keySpans(text);
   const own = spans[key];
@@ -118,7 +118,7 @@ export function removeKey(text: string, key: number): string {
   return after ? text.slice(0, own.from) + text.slice(after.from) : text.slice(0, before!.to) + text.slice(own.to);
 }
 
-/** The gesture with its hands exchanged. */
+/** Mirror the gesture. */
 export function mirror(text: string): string {
   const other: Record<string, string> = { left: "right", right: "left" };
   const places = keySpans(text).flatMap((key) => items(text, key).map((item) => item.from));
@@ -128,5 +128,5 @@ export function mirror(text: string): string {
   }, text);
 }
 
-/** Another id for the gesture, so that ours stays what it is. */
+/** Change the gesture's id, so that the built-in gesture is kept. */
 export const rename = (text: string, id: string): string => text.replace(/^id\s*=\s*"[^"]*"/m, `id = "${id}"`);

@@ -1,4 +1,4 @@
-// What the server tells: see docs/serve.md.
+// Messages of the server: see docs/reference/wire-protocol.md.
 
 export interface Hinge {
   hinge: number;
@@ -15,7 +15,7 @@ export interface Body {
   upper: number[];
   hands: { l: number; r: number };
   elbows: { l: number; r: number };
-  /** The segment that the neck begins with, and where the eyes are; null where there is no neck. */
+  /** First segment of the neck, and position of the eyes; null without a neck. */
   neck: number | null;
   eyes: { segment: number; at: number[]; facing: number[] } | null;
   arm_length: number;
@@ -24,11 +24,11 @@ export interface Body {
   sectors: Record<"x" | "y" | "z", Record<string, number>>;
   segments: { hinges: Hinge[] }[];
   view: { from: number[] };
-  /** The sheet of the screen on its head, on which the face is shown; null where it has none. */
+  /** Surface of the screen on the head that shows the face, or null. */
   screen: { segment: number; picture: Sheet } | null;
 }
 
-/** Triangles that show a picture: places and normals of their corners, and which share of the picture is there. */
+/** Textured triangles: positions, normals and texture coordinates of the corners. */
 export interface Sheet {
   places: number[];
   normals: number[];
@@ -57,7 +57,7 @@ export interface Sync {
   planned: number;
 }
 
-/** What is said between two marks of a speech. */
+/** Spoken text between two marks of a speech. */
 export interface Piece {
   speech: string;
   mark: string;
@@ -74,7 +74,7 @@ export interface Draft {
   syncs: Sync[];
   words: Piece[];
   phonemes: [string, number][];
-  /** Peaks of the voice, a byte for each row of the motion, in base64; empty where nothing is heard. */
+  /** Peaks of the voice, one byte per row of the motion, in base64; empty without a voice. */
   loudness: string;
   notices: { type: string; id: string; text: string }[];
   rate: number;
@@ -89,7 +89,7 @@ export interface HandKey {
   touch?: string;
 }
 
-/** A draft of a gesture that is written. */
+/** Draft of a gesture under edit. */
 export interface GestureDraft extends Draft {
   gesture: string;
   keys: Record<string, HandKey>[];
@@ -113,11 +113,11 @@ export interface ServoPlace {
   id: number;
   hinge: string;
   model: string;
-  /** [C] at which it shuts down. */
+  /** [C] shutdown temperature. */
   hottest: number;
 }
 
-/** How each servo is, in the order in which they are listed; null for one that does not answer. */
+/** State of all servos in list order; null for a servo that does not answer. */
 export interface ServoReport {
   state: "limp" | "arming" | "armed" | "releasing" | "ended";
   celsius: (number | null)[];

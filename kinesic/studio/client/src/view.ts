@@ -1,10 +1,10 @@
-// What the stage shows: the plan at a moment, the robot as it is, or the posture of what is dragged.
+// Contents of the stage: the plan at a time, the actual robot, or a dragged posture.
 import { byId, say } from "./dom.ts";
 import type { Motion } from "./motion.ts";
 import { Reaching } from "./reaching.ts";
 import type { Robot } from "./robot.ts";
 import { type Drag, Stage } from "./stage.ts";
-import { type Measure, strainOf } from "./telemetry.ts";
+import { computeStrain, type Measure } from "./telemetry.ts";
 import type { About, BodyReport, Reached } from "./types.ts";
 
 export class StageView {
@@ -40,26 +40,26 @@ export class StageView {
     byId("measure").addEventListener("change", () => this.redraw());
   }
 
-  /** Shows another moment: what was dragged is forgotten. */
+  /** Show another time and forget the drag. */
   move(): void {
     this.reaching.forget();
     this.redraw();
   }
 
-  become(mode: "plan" | "robot"): void {
+  setMode(mode: "plan" | "robot"): void {
     this.mode = mode;
     for (const name of ["plan", "robot"]) byId(`mode-${name}`).setAttribute("aria-pressed", String(name === mode));
     this.move();
   }
 
-  /** Shows the robot where it is now, if that is what is shown. */
+  /** Show the actual robot, if it is the selected mode. */
   follow(): void {
     if (this.mode === "robot") this.redraw();
   }
 
   showSectors(on: boolean): void {
     this.stage.sectors.shown = on;
-    this.stage.redraw(); // also where the robot looks as before
+    this.stage.redraw(); // also when the robot looks the same
   }
 
   private redraw(asked?: number): void {
@@ -76,10 +76,10 @@ export class StageView {
 
   private strain(report: BodyReport): number[] {
     const measure = byId<HTMLSelectElement>("measure").value as Measure;
-    return strainOf(this.about.robot, report, this.robot.places, measure);
+    return computeStrain(this.about.robot, report, this.robot.places, measure);
   }
 
-  /** The posture [rad] that is shown where nothing is dragged; a servo that does not answer is where it should be. */
+  /** Posture [rad] shown without a drag; a servo that does not answer is shown at its planned angle. */
   private posture(): readonly number[] {
     const { report } = this;
     if (report) return report.angles.map((angle, k) => angle ?? report.planned[k]!);
@@ -92,18 +92,18 @@ export class StageView {
     this.redraw(asked);
   }
 
-  /** What tests and curious people may read. */
+  /** State for tests and debugging. */
   state(): Record<string, unknown> {
     const { stage } = this;
     return {
       mode: this.mode,
       drawn: stage.drawn,
       flat: stage.flat,
-      left: stage.handleAt("hand", "left"),
-      right: stage.handleAt("hand", "right"),
-      elbow: stage.handleAt("elbow", "left"),
-      trunk: stage.handleAt("trunk"),
-      gaze: stage.handleAt("gaze"),
+      left: stage.handleOnPage("hand", "left"),
+      right: stage.handleOnPage("hand", "right"),
+      elbow: stage.handleOnPage("elbow", "left"),
+      trunk: stage.handleOnPage("trunk"),
+      gaze: stage.handleOnPage("gaze"),
       reach: this.reaching.found,
       latencies: stage.latencies,
     };

@@ -1,21 +1,21 @@
-// The voice of a plan: heard while it plays, and then the clock of the player, for ears notice what eyes forgive.
+// Voice of a plan. It is the clock of the player, because ears are more sensitive to jumps than eyes.
 
-const GRAIN = 0.12; // [s] that are heard where somebody drags the slider
+const SCRUB_DURATION = 0.12; // [s] of sound at a drag of the time slider
 
 export class Voice {
   on = true;
   private context: AudioContext | null = null;
   private buffer: AudioBuffer | null = null;
-  private document: string | null = null; // whose voice it is
+  private document: string | null = null; // document of the voice
   private source: AudioBufferSourceNode | null = null;
-  private zero = 0; // [s] of the context's clock at which performance time is 0
+  private zero = 0; // [s] audio clock at performance time 0
 
-  /** Whether the voice of a document is here, or is not wanted. */
+  /** Whether the voice of a document is loaded, or switched off. */
   has(document: string): boolean {
     return !this.on || this.document === document;
   }
 
-  /** Takes the voice of a document: a WAV file in base64; null where it has none. */
+  /** Set the voice of a document, a WAV file in base64, or null without a voice. */
   async take(document: string, wav: string | null): Promise<void> {
     this.stop();
     this.document = document;
@@ -24,14 +24,14 @@ export class Voice {
     this.buffer = bytes && (await this.context.decodeAudioData(bytes.buffer));
   }
 
-  /** Begins to speak at a performance time [s]. */
+  /** Start the voice at a performance time [s]. */
   start(document: string, time: number): void {
     this.speak(document, time);
   }
 
-  /** Lets the moment be heard. */
+  /** Play a short piece at the present time. */
   scrub(document: string, time: number): void {
-    this.speak(document, time, GRAIN);
+    this.speak(document, time, SCRUB_DURATION);
   }
 
   stop(): void {
@@ -39,7 +39,7 @@ export class Voice {
     this.source = null;
   }
 
-  /** Performance time [s] that is heard now; null where nothing is. */
+  /** Audible performance time [s]; null if nothing is audible. */
   get time(): number | null {
     if (!this.source || this.context?.state !== "running") return null;
     return this.context.currentTime - (this.context.outputLatency || 0) - this.zero;
@@ -49,7 +49,7 @@ export class Voice {
     this.stop();
     const { buffer, context } = this;
     if (!this.on || !buffer || !context || this.document !== document || time >= buffer.duration) return;
-    void context.resume(); // a browser lets pages be heard once somebody has pressed something
+    void context.resume(); // browsers allow sound only after a user action
     const source = context.createBufferSource();
     source.buffer = buffer;
     source.connect(context.destination);

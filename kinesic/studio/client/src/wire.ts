@@ -3,10 +3,10 @@
 export type Answer = { told: string; id?: number } & Record<string, unknown>;
 export type State = "connecting" | "open" | "locked" | "closed";
 
-const FIRST_WAIT = 300; // [ms] before the first attempt to connect again
-const LONGEST_WAIT = 4000; // [ms]
+const MIN_RETRY_DELAY = 300; // [ms] before the first attempt to reconnect
+const MAX_RETRY_DELAY = 4000; // [ms] longest time between attempts
 
-/** An answer; null where it is none. */
+/** Parse an answer; null if it is invalid. */
 function parse(text: string): Answer | null {
   try {
     const told: unknown = JSON.parse(text);
@@ -16,11 +16,11 @@ function parse(text: string): Answer | null {
   }
 }
 
-/** A WebSocket that is opened again whenever it closes. */
+/** WebSocket that reconnects after every close. */
 class Line {
   private socket: WebSocket | null = null;
-  private wait = FIRST_WAIT;
-  private again = 0; // the timer of the next attempt; 0: none is due
+  private wait = MIN_RETRY_DELAY;
+  private again = 0; // timer of the next attempt; 0: none
 
   constructor(
     private readonly opened: () => void,
@@ -36,7 +36,7 @@ class Line {
     return true;
   }
 
-  /** Connects now, where it would wait for its next attempt. */
+  /** Connect at once instead of at the next attempt. */
   hurry(): void {
     if (!this.again) return;
     clearTimeout(this.again);
@@ -48,19 +48,19 @@ class Line {
     const socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/`);
     this.socket = socket;
     socket.addEventListener("open", () => {
-      this.wait = FIRST_WAIT;
+      this.wait = MIN_RETRY_DELAY;
       this.opened();
     });
     socket.addEventListener("message", (event) => this.heard(String(event.data)));
     socket.addEventListener("close", () => {
       this.closed();
       this.again = setTimeout(() => this.connect(), this.wait);
-      this.wait = Math.min(2 * this.wait, LONGEST_WAIT);
+      this.wait = Math.min(2 * this.wait, MAX_RETRY_DELAY);
     });
   }
 }
 
-/** Sends documents and asks questions; answers find whoever asked by their number. */
+/** Sends documents and requests; answers are matched to requests by number. */
 export class Wire {
   state: State = "connecting";
   private readonly line: Line;
@@ -94,17 +94,17 @@ export class Wire {
     );
   }
 
-  /** Sends a document to be performed; false where nobody is there. */
+  /** Send a document to perform; false without a connection. */
   perform(bml: string): boolean {
     return this.line.send(bml);
   }
 
-  /** Sends a control message that is answered to the listener, if at all. */
+  /** Send a control message; answers go to the listener. */
   tell(verb: string, values: Record<string, unknown> = {}): boolean {
     return this.line.send(JSON.stringify({ do: verb, ...values }));
   }
 
-  /** Asks a question; null where the connection is lost before the answer. */
+  /** Send a request and return its answer; null if the connection closes first. */
   ask(verb: string, values: Record<string, unknown>): Promise<Answer | null> {
     const id = ++this.number;
     return new Promise((answered) => {
@@ -113,13 +113,13 @@ export class Wire {
     });
   }
 
-  /** Stops the robot by the connection that does nothing else, or else by the other; false where neither is there. */
+  /** Stop the robot by the stop line, or else by the other line; false without either. */
   stop(): boolean {
     const message = JSON.stringify({ do: "stop" });
     return (this.stopReady && this.stopLine.send(message)) || this.line.send(message);
   }
 
-  /** Shows the token from now on. */
+  /** Use a token from now on. */
   unlock(token: string): void {
     this.token = token;
     this.greet();
@@ -127,7 +127,7 @@ export class Wire {
     this.stopLine.hurry();
   }
 
-  /** Says who is there; the answer tells whether that will do. */
+  /** Identify the client; the answer grants or refuses access. */
   private greet(): void {
     if (this.token === null) this.tell("status");
     else this.tell("hello", { token: this.token });
@@ -140,8 +140,8 @@ export class Wire {
     }
     const answer = parse(text);
     if (!answer) return;
-    if (answer.told === "welcome" || (answer.told === "status" && this.state !== "open")) this.become("open");
-    if (answer.told === "refused" && String(answer.why).includes("token")) this.become("locked");
+    if (answer.told === "welcome" || (answer.told === "status" && this.state !== "open")) this.setState("open");
+    if (answer.told === "refused" && String(answer.why).includes("token")) this.setState("locked");
     const asked = answer.id === undefined ? undefined : this.waiting.get(answer.id);
     if (answer.id !== undefined && asked) {
       this.waiting.delete(answer.id);
@@ -152,10 +152,10 @@ export class Wire {
   private lose(): void {
     for (const answered of this.waiting.values()) answered(null);
     this.waiting.clear();
-    if (this.state !== "locked") this.become("closed");
+    if (this.state !== "locked") this.setState("closed");
   }
 
-  private become(state: State): void {
+  private setState(state: State): void {
     this.state = state;
     this.listener.state(state);
   }

@@ -1,4 +1,4 @@
-// Torque is given only by a person's click on the dialog of the page, in time, and with the server's own code.
+// Arming: torque only after a person's click in the dialog, in time, and with the server's code.
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 import { Arming } from "../src/arming.ts";
@@ -6,7 +6,7 @@ import type { ServoReport } from "../src/types.ts";
 import { Wire } from "../src/wire.ts";
 import { click, element, load, type Socket, settle, sockets } from "./page.ts";
 
-const LASTS = 30; // [s] that the server's question is valid
+const LASTS = 30; // [s] validity of the server's question
 const TOKEN = "secret";
 const COUNT = 22; // servos
 
@@ -38,7 +38,7 @@ function begin(state: ServoReport["state"] = "limp"): Scene {
   return { window, arming, server, log };
 }
 
-/** Press Arm, and have the server ask back. */
+/** Press Arm and let the server ask for confirmation. */
 async function ask({ window, server }: Scene, code = "4711"): Promise<void> {
   click(window, "arm");
   const [question] = server.read();
@@ -48,7 +48,7 @@ async function ask({ window, server }: Scene, code = "4711"): Promise<void> {
 
 const isOpen = () => element<HTMLDialogElement>("arming").open;
 
-test("Arm asks the server with the token, and the server's question opens the dialog", async () => {
+test("Arm sends the token, and the server's question opens the dialog", async () => {
   const scene = begin();
   click(scene.window, "arm");
   assert.deepEqual(scene.server.read(), [{ do: "arm", id: 1, token: TOKEN }]);
@@ -59,7 +59,7 @@ test("Arm asks the server with the token, and the server's question opens the di
   assert.deepEqual(scene.server.read(), [], "nothing is confirmed by the dialog alone");
 });
 
-test("a person's click confirms with the code, once, and the answer is logged", async () => {
+test("a person's click confirms once with the code, and the answer is logged", async () => {
   const scene = begin();
   await ask(scene);
   click(scene.window, "arm-yes");
@@ -74,7 +74,7 @@ test("a person's click confirms with the code, once, and the answer is logged", 
   assert.deepEqual(scene.server.read(), [], "the code is used up");
 });
 
-test("a script's click confirms nothing", async () => {
+test("a script's click is ignored", async () => {
   const scene = begin();
   await ask(scene);
   element("arm-yes").click();
@@ -83,7 +83,7 @@ test("a script's click confirms nothing", async () => {
   assert.ok(isOpen());
 });
 
-test("the question ends when its time is over, and not before", async () => {
+test("the question ends exactly after its validity", async () => {
   const scene = begin();
   await ask(scene);
   mock.timers.tick(1000 * LASTS - 1);
@@ -94,7 +94,7 @@ test("the question ends when its time is over, and not before", async () => {
   assert.deepEqual(scene.server.read(), [], "a late click has no code to confirm");
 });
 
-test("a question that was answered does not end the next one", async () => {
+test("the timer of an answered question does not end the next one", async () => {
   const scene = begin();
   await ask(scene);
   mock.timers.tick(1000 * LASTS - 1);
@@ -106,7 +106,7 @@ test("a question that was answered does not end the next one", async () => {
   assert.equal(scene.server.read()[0]!.code, "4712");
 });
 
-test("No, a closed dialog and a stop each withdraw the question", async () => {
+test("No, a closed dialog and a stop withdraw the question", async () => {
   const ends: ((scene: Scene) => void)[] = [
     ({ window }) => click(window, "arm-no"),
     () => element<HTMLDialogElement>("arming").close(),
@@ -122,7 +122,7 @@ test("No, a closed dialog and a stop each withdraw the question", async () => {
   }
 });
 
-test("the button says the state, and takes torque only where the servos have it", () => {
+test("the button shows the state and disarms only armed servos", () => {
   const button = () => element<HTMLButtonElement>("arm");
   const states = { limp: "Arm …", arming: "Arming", armed: "Disarm", releasing: "Disarming", ended: "Arm …" };
   for (const [state, text] of Object.entries(states) as [ServoReport["state"], string][]) {
@@ -137,14 +137,14 @@ test("the button says the state, and takes torque only where the servos have it"
   }
 });
 
-test("without servos there is no button, and nothing is limp", () => {
+test("a simulated robot has no button and is not limp", () => {
   const { arming } = begin("limp");
   arming.show(null);
   assert.ok(element("arm").hidden);
   assert.equal(arming.limp, false);
 });
 
-test("the log says why the server refuses, what it does, and that it is gone", async () => {
+test("refusals, answers and a lost connection are logged", async () => {
   const scene = begin();
   click(scene.window, "arm");
   scene.server.tell({ told: "refused", id: 1, why: "the robot moves" });

@@ -1,4 +1,4 @@
-// What the server tells, whole and broken.
+// Checks of complete and broken answers of the server.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { readDraft, readReached, readReport } from "../src/checks.ts";
@@ -12,7 +12,7 @@ const draft = {
   ...{ behaviours: [], syncs: [], words: [], phonemes: [], notices: [] },
 };
 
-test("what is whole is read as it is", () => {
+test("complete answers are accepted unchanged", () => {
   assert.equal(readReport(report, HINGES), report);
   assert.ok(readReport({ ...report, servos: null }, HINGES));
   assert.equal(readReached(reached, HINGES), reached);
@@ -20,7 +20,7 @@ test("what is whole is read as it is", () => {
   assert.equal(readDraft(draft), draft);
 });
 
-test("what lacks anything, or has another robot's number of hinges, is passed over", () => {
+test("incomplete answers and another number of joints are rejected", () => {
   for (const name of ["angles", "planned", "servos"])
     assert.equal(readReport({ ...report, [name]: undefined }, HINGES), null);
   for (const name of ["angles", "residual", "limits", "contact"])
@@ -31,7 +31,7 @@ test("what lacks anything, or has another robot's number of hinges, is passed ov
   assert.equal(readReached(reached, HINGES + 1), null);
 });
 
-test("what is no number is no angle, and a servo that is silent has none", () => {
+test("angles must be numbers, or null for a silent servo", () => {
   for (const wrong of ["0", Number.NaN, Number.POSITIVE_INFINITY, {}, [0]]) {
     assert.equal(readReport({ ...report, planned: [0, wrong] }, HINGES), null);
     assert.equal(readReached({ ...reached, angles: [0, wrong] }, HINGES), null);

@@ -1,12 +1,12 @@
-// What is left of a body that is drawn while it moves.
+// Simplified mesh.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cellOf, coarsen, type Mesh } from "../src/coarse.ts";
+import { cellSize, coarsen, type Mesh } from "../src/coarse.ts";
 import { cross, dot, plus, type Vector } from "../src/vectors.ts";
 import { sphere } from "./sphere.ts";
 
 const CELL = 0.05; // [m]
-const NOTHING = 1e-8; // [m3] that single precision takes for none
+const NOTHING = 1e-8; // [m3] zero volume in single precision
 const ball = sphere(0.2, 40);
 const countOf = (mesh: readonly number[]): number => mesh.length / 6;
 const vector = (of: ArrayLike<number>, k: number): Vector => [of[3 * k]!, of[3 * k + 1]!, of[3 * k + 2]!];
@@ -14,7 +14,7 @@ const key = (place: Vector): string => place.map((value) => value.toFixed(5)).jo
 const placesOf = ({ places }: Mesh): string[] =>
   Array.from({ length: places.length / 3 }, (_, k) => key(vector(places, k)));
 
-test("fewer triangles are left, each corner a vertex of the mesh with its normal", () => {
+test("the result has fewer triangles with corners and normals of the mesh", () => {
   const left = coarsen(ball, undefined, CELL);
   assert.ok(left.triangles.length > 0 && left.triangles.length < countOf(ball) / 4);
   assert.equal(left.places.length, left.normals.length);
@@ -25,7 +25,7 @@ test("fewer triangles are left, each corner a vertex of the mesh with its normal
     assert.ok(dot(vector(left.places, k), vector(left.normals, k)) > 0.199);
 });
 
-test("all of them are seen from outside, however they ran: none is taken for its back", () => {
+test("all triangles face outwards, whatever their winding was", () => {
   const { places, normals, triangles } = coarsen(ball, undefined, CELL);
   for (let k = 0; k < triangles.length; k += 3) {
     const corners = [...triangles.slice(k, k + 3)];
@@ -35,17 +35,17 @@ test("all of them are seen from outside, however they ran: none is taken for its
   }
 });
 
-test("two parts of one mesh have the same corners where they meet", () => {
+test("two parts of one mesh share corners at their border", () => {
   const all = Array.from({ length: countOf(ball) }, (_, k) => k);
   const whole = new Set(placesOf(coarsen(ball, all, CELL)));
   for (const part of [all.slice(0, all.length / 2), all.slice(all.length / 2)])
     for (const place of placesOf(coarsen(ball, part, CELL))) assert.ok(whole.has(place));
 });
 
-test("a small part keeps its form, a large one is made of cells that are not seen", () => {
-  assert.equal(cellOf(ball), 0.02);
+test("the cell size depends on the size of the part", () => {
+  assert.equal(cellSize(ball), 0.02);
   const tip = sphere(0.006, 40);
-  const { places, triangles } = coarsen(tip, undefined, cellOf(tip));
+  const { places, triangles } = coarsen(tip, undefined, cellSize(tip));
   assert.ok(triangles.length >= 3 * 50);
   for (const axis of [0, 1, 2]) {
     const along = places.filter((_, k) => k % 3 === axis);

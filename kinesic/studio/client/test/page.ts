@@ -1,10 +1,10 @@
-// The studio's page without a browser: its own HTML in happy-dom, and WebSockets that a test drives as the server.
+// The studio's HTML page in happy-dom, and WebSockets driven by a test.
 import { existsSync, readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { mock } from "node:test";
 import { Window } from "happy-dom";
 
-/** Find page/index.html above the working folder, which is a copy of the client under mutation tests. */
+/** Find page/index.html above the working folder, a copy of the client under mutation tests. */
 function findPage(): string {
   for (let folder = process.cwd(); folder !== dirname(folder); folder = dirname(folder)) {
     const page = join(folder, "page", "index.html");
@@ -15,7 +15,7 @@ function findPage(): string {
 
 const HTML = findPage().replace(/<(script|link)\b[^>]*>(<\/script>)?/g, "");
 
-/** A WebSocket whose server is the test. */
+/** WebSocket whose server is the test. */
 export class Socket extends EventTarget {
   static readonly OPEN = 1;
   readyState = 0;
@@ -40,22 +40,22 @@ export class Socket extends EventTarget {
     this.dispatchEvent(new Event("close"));
   }
 
-  /** Send the page a message: text as it is, anything else as JSON. */
+  /** Send a message to the page: text unchanged, other values as JSON. */
   tell(message: unknown): void {
     const data = typeof message === "string" ? message : JSON.stringify(message);
     this.dispatchEvent(new MessageEvent("message", { data }));
   }
 
-  /** Return the messages received since the last call, read as JSON. */
+  /** Return the parsed messages since the last call. */
   read(): Record<string, unknown>[] {
     return this.sent.splice(0).map((text) => JSON.parse(text) as Record<string, unknown>);
   }
 }
 
-/** All sockets that the page has opened, in their order. */
+/** All sockets opened by the page, in order. */
 export const sockets: Socket[] = [];
 
-/** Load the page anew, at an address. Its timers wait for `mock.timers.tick`. */
+/** Reload the page at an address. Its timers wait for `mock.timers.tick`. */
 export function load(url = "http://robot.example:8080/"): Window {
   mock.timers.reset();
   mock.timers.enable({ apis: ["setTimeout"] });
@@ -73,14 +73,14 @@ export const element = <T extends HTMLElement = HTMLElement>(id: string): T => {
   return found as T;
 };
 
-/** Click as a person: the browser marks the event as trusted. A script's click is not. */
+/** Click like a person: the event is trusted, in contrast to a script's click. */
 export function click(window: Window, id: string): void {
   const event = new window.MouseEvent("click", { bubbles: true });
   Object.defineProperty(event, "isTrusted", { value: true });
   element(id).dispatchEvent(event as unknown as Event);
 }
 
-/** Press a key on an element; the body by default. Returns whether the page has taken it. */
+/** Press a key on an element, by default the body. Returns whether the page has handled it. */
 export function press(window: Window, key: string, options: { on?: Element; ctrlKey?: boolean } = {}): boolean {
   const { on = document.body, ...rest } = options;
   const event = new window.KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...rest });
@@ -88,5 +88,5 @@ export function press(window: Window, key: string, options: { on?: Element; ctrl
   return event.defaultPrevented;
 }
 
-/** Let answers arrive: promises that are settled are followed. */
+/** Let settled promises continue. */
 export const settle = (): Promise<void> => new Promise((done) => setImmediate(done));

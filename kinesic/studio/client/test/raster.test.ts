@@ -1,9 +1,9 @@
-// Triangles that the processor draws: which pixels, what is in front, and what shines through.
+// Rasterizer: covered pixels, depth test, and blending.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { floorOf } from "../src/floor.ts";
-import { blend, differenceOf, Raster, STRIDE, type Texture } from "../src/raster.ts";
-import { placeCorners, solidOf } from "../src/solid.ts";
+import { drawFloor } from "../src/floor.ts";
+import { blend, findDifference, Raster, STRIDE, type Texture } from "../src/raster.ts";
+import { makeSolid, placeCorners } from "../src/solid.ts";
 
 const SIZE = 16; // [pixels]
 const RED = 0xff0000ff;
@@ -17,14 +17,14 @@ function begun(): Raster {
   return raster;
 }
 
-/** Draws a triangle whose corners run to the left. */
+/** Draw a counterclockwise triangle. */
 function fill(raster: Raster, places: [Place, Place, Place], depth: number, colour: Colour): void {
   raster.fill(new Float32Array(places.flatMap((place) => [...place, depth, ...colour])), 0, 1, 2);
 }
 
 const drawn = (raster: Raster): number => raster.pixels.filter(Boolean).length;
 
-test("two triangles that share a side fill each pixel of both once", () => {
+test("two triangles with a common side fill each pixel once", () => {
   const [a, b, c, d]: [Place, Place, Place, Place] = [
     [1.3, 1.7],
     [2.1, 14.2],
@@ -41,7 +41,7 @@ test("two triangles that share a side fill each pixel of both once", () => {
   assert.ok(both.pixels.every((pixel) => pixel === 0 || pixel === RED));
 });
 
-test("what is seen from behind is not drawn, and nothing beyond the edges", () => {
+test("back faces and pixels outside the picture are not drawn", () => {
   const raster = begun();
   fill(
     raster,
@@ -67,7 +67,7 @@ test("what is seen from behind is not drawn, and nothing beyond the edges", () =
   assert.equal(drawn(raster), SIZE * SIZE);
 });
 
-test("the nearer one is seen, in whichever order they are drawn", () => {
+test("the nearer triangle is visible in any drawing order", () => {
   const all: [Place, Place, Place] = [
     [-90, -90],
     [-90, 300],
@@ -83,7 +83,7 @@ test("the nearer one is seen, in whichever order they are drawn", () => {
   }
 });
 
-test("colours are blended between corners", () => {
+test("colours are interpolated between corners", () => {
   const raster = begun();
   const corners = [0, 0, 0, 0, 0, 0, 0, 64, 0, 255, 0, 0, 64, 0, 0, 0, 255, 0];
   raster.fill(new Float32Array(corners), 0, 1, 2);
@@ -92,7 +92,7 @@ test("colours are blended between corners", () => {
   assert.equal(at(15, 0) >> 8, Math.floor((255 * 15.5) / 64));
 });
 
-test("a texture is seen where its shares are, as light as it is there", () => {
+test("a texture is drawn with its coordinates and brightness", () => {
   const raster = begun();
   const texture = { width: 2, height: 1, pixels: new Uint32Array([0xff0000c8, 0xff00c800]) };
   const corners = [0, 0, 0, 0, 0, 0.5, 0, 2 * SIZE, 0, 0, 0, 0.5, 2 * SIZE, 0, 0, 2, 0, 0.5];
@@ -102,7 +102,7 @@ test("a texture is seen where its shares are, as light as it is there", () => {
   assert.equal(raster.pixels[SIZE - 1], 0xff006400);
 });
 
-test("what lies over something shines through, and over nothing is as faint as it is", () => {
+test("a translucent picture is blended over opaque and transparent pixels", () => {
   assert.equal(blend(0xff0000ff, 0xff000000, 0.4) >>> 0, 0xff000066);
   assert.equal(blend(0xff0000ff, 0, 0.4) >>> 0, 0x660000ff);
   const raster = begun();
@@ -110,11 +110,11 @@ test("what lies over something shines through, and over nothing is as faint as i
   assert.deepEqual([...raster.pixels.slice(0, 4)], [RED, RED, RED, 0]);
 });
 
-test("the floor is seen from above, its lines where they are, and not beyond its end", () => {
-  // Seen straight from above: 4 m across, x to the right and y up.
+test("the floor shows its grid lines and ends at its border", () => {
+  // Seen from straight above: 4 m across, x to the right and y up.
   const [size, half] = [400, 2];
   const view = new Float32Array([1 / half, 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
-  const { pixels } = floorOf(view, [0, 0, 1], size, size);
+  const { pixels } = drawFloor(view, [0, 0, 1], size, size);
   const at = (x: number, y: number) =>
     pixels[Math.floor((0.5 - y / 2 / half) * size) * size + Math.floor((0.5 + x / 2 / half) * size)]!;
   assert.equal(at(0.1, 0.1) & 0xffffff, 0xff0000);
@@ -123,26 +123,26 @@ test("the floor is seen from above, its lines where they are, and not beyond its
   assert.equal(at(1.7, 0.1), 0);
 });
 
-test("two pictures differ in a box, or not at all", () => {
+test("the difference of two pictures is a box or null", () => {
   const [a, b] = [new Uint32Array(60), new Uint32Array(60)];
-  assert.equal(differenceOf(a, b, 10), null);
+  assert.equal(findDifference(a, b, 10), null);
   for (const [row, column] of [
     [1, 7],
     [2, 3],
     [4, 5],
   ] as const)
     b[10 * row + column] = 1;
-  assert.deepEqual(differenceOf(a, b, 10), { x: 3, y: 1, width: 5, height: 4 });
-  assert.deepEqual(differenceOf(a, new Uint32Array(60).fill(1), 10), { x: 0, y: 0, width: 10, height: 6 });
+  assert.deepEqual(findDifference(a, b, 10), { x: 3, y: 1, width: 5, height: 4 });
+  assert.deepEqual(findDifference(a, new Uint32Array(60).fill(1), 10), { x: 0, y: 0, width: 10, height: 6 });
 });
 
-test("what is behind the eye, or only partly before it, is not drawn", () => {
+test("triangles behind or partly behind the camera are not drawn", () => {
   const view = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -1, 0, 0, -0.2, 0]); // near 0.1, along -z
   const whole = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
   const seenAt = (third: number, others: number): number => {
     const places = new Float32Array([-1, -1, others, 1, -1, others, 0, 1, third]);
     const mesh = { places, normals: places, triangles: new Uint32Array([0, 1, 2]) };
-    const solid = solidOf(mesh, 0, null);
+    const solid = makeSolid(mesh, 0, null);
     placeCorners(solid, { view, eye: [0, 0, 0], frames: [whole] }, { width: SIZE, height: SIZE });
     const raster = begun();
     raster.fill(solid.corners, 0, 1, 2);

@@ -1,6 +1,6 @@
-// A ball as shapes have it: six numbers for each corner, its place and its normal.
+// Sphere in the form of shapes: six numbers per corner, position and normal.
 
-/** Triangles of a ball about the middle, half of which run the wrong way round. */
+/** Triangles of a sphere around the origin; half of them are wound the wrong way. */
 export function sphere(radius: number, count: number): number[] {
   const place = (i: number, j: number): number[] => {
     const [around, high] = [(2 * Math.PI * i) / count, Math.PI * (j / count - 0.5)];

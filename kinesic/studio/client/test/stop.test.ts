@@ -1,4 +1,4 @@
-// Stop on the page: by button and key, whatever is open, and what the page shows of it.
+// Stop on the page by button and key, and its display.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type Actions, listen } from "../src/controls.ts";
@@ -21,7 +21,7 @@ interface Scene {
   calls: string[];
 }
 
-/** Open the page with a robot whose server is there. */
+/** Open the page with a connected server. */
 function begin(): Scene {
   const window = load();
   const calls: string[] = [];
@@ -46,7 +46,7 @@ const shown = () => ({
   stop: !element<HTMLButtonElement>("stop").disabled,
 });
 
-/** Names of the actions that a page's controls have asked for. */
+/** Names of the requested actions. */
 function controlled(): { window: ReturnType<typeof load>; acts: string[] } {
   const window = load();
   const acts: string[] = [];
@@ -55,7 +55,7 @@ function controlled(): { window: ReturnType<typeof load>; acts: string[] } {
   return { window, acts };
 }
 
-test("the page is ready when its server is, watches the robot and lists its servos", async () => {
+test("the connected page watches the robot and lists its servos", async () => {
   const { robot, line, calls } = begin();
   assert.ok(robot.ready);
   assert.deepEqual(calls.slice(0, 2), ["opened", "changed"]);
@@ -75,7 +75,7 @@ test("the page is ready when its server is, watches the robot and lists its serv
   assert.equal(element("state").textContent, "no server");
 });
 
-test("stop goes out at once; the page shows it when the server has stopped, and takes documents again after resume", () => {
+test("stop is sent at once, shown when the server has stopped, and ended by resume", () => {
   const { robot, line, stopLine, calls } = begin();
   line.read();
   stopLine.read();
@@ -87,14 +87,14 @@ test("stop goes out at once; the page shows it when the server has stopped, and 
   assert.deepEqual(shown(), { stopped: true, resume: true, stop: true });
   assert.ok(robot.stopped && !robot.ready);
   assert.deepEqual(calls, ["changed"]);
-  assert.equal(log(), "stopped: every hinge holds");
+  assert.equal(log(), "stopped: all joints hold");
   robot.resume();
   assert.deepEqual(line.read(), [{ do: "resume" }]);
   assert.deepEqual(shown(), { stopped: false, resume: false, stop: true });
   assert.ok(robot.ready);
 });
 
-test("a failed stop and a stopped server are shown as stopped, with the reason", () => {
+test("a failed stop and a stopped server are shown with the reason", () => {
   const { robot, line } = begin();
   line.tell({ told: "failed", why: "servo 3 does not answer" });
   assert.ok(robot.stopped);
@@ -105,21 +105,21 @@ test("a failed stop and a stopped server are shown as stopped, with the reason",
   assert.ok(robot.stopped && shown().resume);
 });
 
-test("a stop that nobody receives tells to cut the power", () => {
+test("a stop without a connection asks to cut the power", () => {
   const { robot, line, stopLine } = begin();
   line.close();
   stopLine.close();
   robot.stop();
-  assert.equal(log(), "no server: use the switch that cuts the power");
+  assert.equal(log(), "no server: use the switch that cuts its power");
 });
 
-test("a stop that is sent says nothing of the power", () => {
+test("a sent stop does not mention the power", () => {
   const { robot } = begin();
   robot.stop();
-  assert.notEqual(log(), "no server: use the switch that cuts the power");
+  assert.notEqual(log(), "no server: use the switch that cuts its power");
 });
 
-test("a stop withdraws the question of the arming dialog", async () => {
+test("a stop closes the arming dialog", async () => {
   const { window, robot, line } = begin();
   line.tell(body("limp"));
   line.read();
@@ -131,7 +131,7 @@ test("a stop withdraws the question of the arming dialog", async () => {
   assert.ok(!element<HTMLDialogElement>("arming").open);
 });
 
-test("servos without torque keep documents back; a report of another robot is passed over", () => {
+test("limp servos disable documents, and reports of another robot are ignored", () => {
   const { robot, line, calls } = begin();
   calls.length = 0;
   line.tell(body("limp"));
@@ -146,7 +146,7 @@ test("servos without torque keep documents back; a report of another robot is pa
   assert.equal(robot.report?.angles[0], 0.1);
 });
 
-test("a refusal is logged, and a token that is needed opens the question for it", () => {
+test("a refusal is logged, and a missing token opens its dialog", () => {
   const { window, robot, line } = begin();
   line.tell({ told: "refused", why: "a token is needed" });
   assert.equal(log(), "a token is needed");
@@ -160,7 +160,7 @@ test("a refusal is logged, and a token that is needed opens the question for it"
   assert.ok(robot.ready && !element<HTMLDialogElement>("lock").open);
 });
 
-test("a token that was kept is shown to the server and to the servos' question", () => {
+test("a stored token is sent to the server and with the arming request", () => {
   const { window } = begin();
   window.sessionStorage.setItem("token", "kept");
   sockets.length = 0;
@@ -175,7 +175,7 @@ test("a token that was kept is shown to the server and to the servos' question",
   assert.equal(line.read()[0]!.token, "kept");
 });
 
-test("Escape stops from everywhere, Space where it neither writes nor presses a button", () => {
+test("Escape always stops, Space only outside of text fields and buttons", () => {
   const { window, acts } = controlled();
   const places = ["text", "search", "mode", "loop", "perform", "time", "canvas"];
   const stopsBySpace = ["time", "canvas"];
@@ -195,7 +195,7 @@ test("Escape stops from everywhere, Space where it neither writes nor presses a 
   assert.deepEqual(acts, ["stop", "stop"]);
 });
 
-test("shortcuts act with Ctrl alone, and other keys are the browser's", () => {
+test("shortcuts need Ctrl, and other keys are left to the browser", () => {
   const { window, acts } = controlled();
   const shortcuts = { z: "undo", Z: "redo", y: "redo", s: "save", Enter: "perform" };
   for (const [key, act] of Object.entries(shortcuts)) {
@@ -213,7 +213,7 @@ test("shortcuts act with Ctrl alone, and other keys are the browser's", () => {
   assert.deepEqual(acts, ["redo"]);
 });
 
-test("each button, menu and field asks for its own action", () => {
+test("each button, menu and field triggers its action", () => {
   const { window, acts } = controlled();
   const buttons = ["play", "perform", "stop", "resume", "undo", "redo", "save", "remove"];
   for (const name of buttons) {
@@ -243,7 +243,7 @@ test("each button, menu and field asks for its own action", () => {
   assert.deepEqual(acts.splice(0), ["style joyful"]);
 });
 
-test("the menu of documents lists them when it opens, and opens a kind by its name", () => {
+test("the menu lists documents when opened and opens a selected one", () => {
   const { window, acts } = controlled();
   const menu = element<HTMLSelectElement>("examples");
   const option = Object.assign(document.createElement("option"), { value: "saved:my:file.bml" });
@@ -263,7 +263,7 @@ test("the menu of documents lists them when it opens, and opens a kind by its na
   assert.equal(again.value, "");
 });
 
-test("the token is taken from the form, which leaves the page in place", () => {
+test("the form passes on the token without a page load", () => {
   const { window, acts } = controlled();
   element<HTMLInputElement>("token").value = "secret";
   const event = new window.Event("submit", { bubbles: true, cancelable: true });

@@ -1,8 +1,8 @@
-// Edits of gestures: they touch nothing but what they name, and random ones are undone byte for byte.
+// Edits of gesture files change only the named value; random edits are undone exactly.
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { copyKey, keySpans, mirror, placeText, removeKey, rename, setHand } from "../src/toml.ts";
+import { copyKey, formatPosition, keySpans, mirror, removeKey, rename, setHand } from "../src/toml.ts";
 
 const folder = "../../configs/gestures/";
 const gestures = readdirSync(folder).flatMap((name) =>
@@ -12,7 +12,7 @@ const gestures = readdirSync(folder).flatMap((name) =>
 );
 const own = gestures.find((text) => text.includes('id = "conduit"'))!;
 
-test("keys of every gesture are found, and mirrored twice a gesture is itself", () => {
+test("keys of every gesture are found, and mirroring twice restores a gesture", () => {
   assert.ok(gestures.length > 200);
   for (const text of gestures) {
     const spans = keySpans(text);
@@ -25,19 +25,19 @@ test("keys of every gesture are found, and mirrored twice a gesture is itself", 
   }
 });
 
-test("a value is set where it stands, added, and taken away", () => {
+test("a value is changed in place, added, and removed", () => {
   assert.equal(
-    setHand(own, 1, "both", "at", placeText([0.5, -0.1, 0.66666])),
+    setHand(own, 1, "both", "at", formatPosition([0.5, -0.1, 0.66666])),
     own.replace("[0.42, 0.24, 0.70]", "[0.5, -0.1, 0.667]"),
   );
   assert.equal(setHand(own, 1, "left", "palm", '"up"'), own);
   const touched = setHand(own, 0, "both", "touch", '"chest"');
   assert.ok(touched.includes('openness = 0.1, touch = "chest" }'));
   assert.equal(setHand(touched, 0, "both", "touch", null), own);
-  assert.equal(placeText([1, -0.00001, 0.25]), "[1.0, 0.0, 0.25]");
+  assert.equal(formatPosition([1, -0.00001, 0.25]), "[1.0, 0.0, 0.25]");
 });
 
-test("comments and strings with brackets confuse nobody, and one key stays", () => {
+test("brackets in comments and strings are skipped, and the last key stays", () => {
   const odd = 'keys = [\n  # ] not { this\n  { left = { at = [0, 0, 0], palm = "up" } }, # "}\n]\n';
   assert.equal(keySpans(odd).length, 1);
   assert.equal(removeKey(odd, 0), odd);

@@ -1,4 +1,4 @@
-// The connections: an emergency stop has one of its own, both are opened again, and answers find whoever asked.
+// Connections: separate stop line, reconnection, and matching of answers to requests.
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 import { type Answer, type State, Wire } from "../src/wire.ts";
@@ -37,7 +37,7 @@ function open(scene: Scene): Scene {
   return scene;
 }
 
-test("two connections go to the page's own host, by TLS where the page came by it", () => {
+test("two connections go to the page's host, with TLS for an https page", () => {
   begin();
   assert.deepEqual(
     sockets.map((socket) => socket.url),
@@ -47,7 +47,7 @@ test("two connections go to the page's own host, by TLS where the page came by i
   assert.equal(sockets[0]!.url, "wss://robot.example/");
 });
 
-test("without a token the line asks for the status; with one, both lines show it first", () => {
+test("without a token the line requests the status; with one, both lines send it first", () => {
   const open = begin();
   open.line.open();
   open.stopLine.open();
@@ -60,14 +60,14 @@ test("without a token the line asks for the status; with one, both lines show it
   assert.deepEqual(locked.stopLine.read(), [{ do: "hello", token: "secret" }, { do: "stop_line" }]);
 });
 
-test("a stop goes by its own line once the server has granted it", () => {
+test("a stop uses the stop line after the server has granted it", () => {
   const scene = open(begin());
   assert.ok(scene.wire.stop());
   assert.deepEqual(scene.stopLine.read(), [{ do: "stop" }]);
   assert.deepEqual(scene.line.read(), [], "not by the line that documents may fill");
 });
 
-test("a stop goes by the line of documents while its own is not granted, or lost", () => {
+test("a stop uses the document line while the stop line is not granted or lost", () => {
   const scene = begin();
   scene.line.open();
   scene.stopLine.open();
@@ -83,7 +83,7 @@ test("a stop goes by the line of documents while its own is not granted, or lost
   assert.deepEqual(scene.stopLine.read(), []);
 });
 
-test("a granted stop line stays granted when it tells something else", () => {
+test("other messages do not revoke a granted stop line", () => {
   const scene = open(begin());
   scene.stopLine.tell({ told: "stopped" });
   scene.stopLine.tell("no JSON");
@@ -91,7 +91,7 @@ test("a granted stop line stays granted when it tells something else", () => {
   assert.deepEqual(scene.stopLine.read(), [{ do: "stop" }]);
 });
 
-test("a stop line that is opened again is not used before it is granted again", async () => {
+test("a reopened stop line is not used before it is granted again", async () => {
   const scene = open(begin());
   scene.stopLine.close();
   mock.timers.tick(300);
@@ -112,14 +112,14 @@ test("a stop without any open line is reported as not sent", () => {
   assert.equal(scene.wire.stop(), false);
 });
 
-test("a stop line that has granted but cannot send falls back to the other", () => {
+test("a granted stop line that cannot send falls back to the document line", () => {
   const scene = open(begin());
   scene.stopLine.readyState = 2; // closing, not yet closed
   assert.ok(scene.wire.stop());
   assert.deepEqual(scene.line.read(), [{ do: "stop" }]);
 });
 
-test("the stop line reports stops and failures, and nothing else", () => {
+test("the stop line reports only stops and failures", () => {
   const scene = open(begin());
   for (const told of ["stopped", "failed", "status", "body"]) scene.stopLine.tell({ told });
   assert.deepEqual(
@@ -129,7 +129,7 @@ test("the stop line reports stops and failures, and nothing else", () => {
   assert.equal(scene.told.length, 3, "the one status came by the other line");
 });
 
-test("answers find whoever asked by number, and others go to the listener", async () => {
+test("answers are matched to requests by number, and others go to the listener", async () => {
   const scene = open(begin());
   scene.told.length = 0;
   const answers = [scene.wire.ask("plan", { bml: "a" }), scene.wire.ask("reach", {})];
@@ -148,7 +148,7 @@ test("answers find whoever asked by number, and others go to the listener", asyn
   assert.deepEqual(scene.told, [{ told: "plan", id: 1 }, { told: "gone", id: 9 }, { told: "stopped" }]);
 });
 
-test("a question is answered with null where the line is closed, or closes before the answer", async () => {
+test("a request returns null if the line is or becomes closed", async () => {
   const scene = open(begin());
   const waiting = scene.wire.ask("plan", {});
   scene.line.close();
@@ -158,14 +158,14 @@ test("a question is answered with null where the line is closed, or closes befor
   assert.equal(scene.wire.tell("resume"), false);
 });
 
-test("documents go as they are, control messages as JSON", () => {
+test("documents are sent unchanged, control messages as JSON", () => {
   const scene = open(begin());
   assert.ok(scene.wire.perform("<bml/>"));
   assert.ok(scene.wire.tell("watch", { rate: 20 }));
   assert.deepEqual(scene.line.sent, ["<bml/>", '{"do":"watch","rate":20}']);
 });
 
-test("feedback, JSON of another shape and broken text are told apart", () => {
+test("feedback, invalid answers and broken text are distinguished", () => {
   const scene = open(begin());
   scene.told.length = 0;
   scene.line.tell("<blockProgress/>");
@@ -176,7 +176,7 @@ test("feedback, JSON of another shape and broken text are told apart", () => {
   assert.deepEqual(scene.told, []);
 });
 
-test("the state follows welcome, first status, refusal of the token and loss", async () => {
+test("the state follows welcome, first status, refused token and connection loss", async () => {
   const scene = begin("wrong");
   scene.line.open();
   scene.line.tell({ told: "refused", why: "another token" });
@@ -194,7 +194,7 @@ test("the state follows welcome, first status, refusal of the token and loss", a
   assert.deepEqual(other.states, ["open", "closed"]);
 });
 
-test("a closed line is opened again after 0.3, 0.6, 1.2, 2.4 s, then every 4 s, and from 0.3 s after success", () => {
+test("a closed line reconnects after 0.3, 0.6, 1.2, 2.4 s, then every 4 s, and after success from 0.3 s", () => {
   const scene = begin();
   scene.stopLine.open();
   for (const wait of [300, 600, 1200, 2400, 4000, 4000]) {
@@ -211,13 +211,13 @@ test("a closed line is opened again after 0.3, 0.6, 1.2, 2.4 s, then every 4 s, 
   mock.timers.tick(300);
   assert.equal(sockets.length, count + 1);
 
-  /** The last socket of the line of documents: the stop line's stays open. */
+  /** Last socket of the document line, while the stop line stays open. */
   function latest(): Socket {
     return sockets.length === 2 ? sockets[0]! : sockets.at(-1)!;
   }
 });
 
-test("a new token is shown at once, and lines that wait connect now, once", async () => {
+test("a new token is sent at once, and waiting lines connect immediately, once", async () => {
   const scene = begin("old");
   scene.line.open();
   scene.line.read();
