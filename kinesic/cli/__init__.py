@@ -1,40 +1,62 @@
-"""Runs the command line: prints one line per error, and sets the exit code."""
+"""Command-line entry point with one-line errors and exit codes."""
 
 import sys
 
-from kinesic.cli.ending_signals import STOPPED, ended_by_signals, ended_on_the_spot
+from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE, exit_at_once_on_interrupt, exit_on_signals
 
-with ended_on_the_spot():  # Ctrl-C is one line from the beginning
+with exit_at_once_on_interrupt():  # Ctrl-C prints one line even during imports.
     import click
 
     from kinesic.bml.block import BmlError
     from kinesic.body.config import ConfigError
+    from kinesic.cli.examples import attach_examples
+    from kinesic.cli.export_verb import export_verb
+    from kinesic.cli.extras import explain_missing
+    from kinesic.cli.gesture_verbs import gesture_verbs
     from kinesic.cli.live import mcp_verb, serve_verb, studio_verb
     from kinesic.cli.many.verbs import results_verb, search_verb, sweep_verb, validate_verb
     from kinesic.cli.plain_words import printable
     from kinesic.cli.servos import servo_verbs
+    from kinesic.cli.study.verbs import study_verbs
     from kinesic.cli.verbs import kinesic, robots
     from kinesic.hardware.protocol.wire import BusError
 
-BAD_INPUT = 2
+BAD_INPUT_EXIT_CODE = 2  # exit code for invalid input or configuration
 
 
-for verb in (serve_verb, studio_verb, mcp_verb, servo_verbs, results_verb, sweep_verb, validate_verb):
+for verb in (
+    gesture_verbs,
+    serve_verb,
+    studio_verb,
+    mcp_verb,
+    servo_verbs,
+    study_verbs,
+    results_verb,
+    sweep_verb,
+    validate_verb,
+    export_verb,
+):
     kinesic.add_command(verb)
 robots.add_command(search_verb)
+attach_examples(kinesic)
 
 
 def main() -> None:
-    """Runs the command line; errors of input and configuration are one line on standard error."""
+    """Run the command line and exit, with one-line messages for input errors."""
     try:
-        with ended_by_signals():
+        with exit_on_signals():
             sys.exit(kinesic(standalone_mode=False) or 0)
     except (BmlError, ConfigError, BusError) as error:
         for line in str(error).splitlines():
             click.echo(f"kinesic: {printable(line)}", err=True)
-        sys.exit(BAD_INPUT)
+        sys.exit(BAD_INPUT_EXIT_CODE)
+    except ModuleNotFoundError as error:
+        if (remedy := explain_missing(error)) is None:
+            raise
+        click.echo(f"kinesic: {remedy}", err=True)
+        sys.exit(BAD_INPUT_EXIT_CODE)
     except click.ClickException as error:
         error.show()
-        sys.exit(BAD_INPUT)
+        sys.exit(BAD_INPUT_EXIT_CODE)
     except click.Abort:
-        sys.exit(STOPPED)
+        sys.exit(INTERRUPTED_EXIT_CODE)

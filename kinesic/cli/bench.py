@@ -1,6 +1,7 @@
-"""`kinesic bench`: measures a part and prints each figure beside its goal."""
+"""Verb `kinesic bench`: run benchmarks and compare the results with their goals."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
@@ -10,30 +11,50 @@ from tempfile import TemporaryDirectory
 import click
 from rich.table import Table
 
-from kinesic.bench import PARTS
-from kinesic.bench.figure import Figure
+from kinesic.bench import BENCH_PARTS
+from kinesic.bench.metric import Metric
 from kinesic.body.config import names_of
 from kinesic.cli.many.workers import Workers
-from kinesic.cli.progress import Stage, show_stages, untold
+from kinesic.cli.progress import Stage, ignore_stage, show_stages
 from kinesic.cli.terminal import console
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import check_folder, new_folder
-from kinesic.tasks.store import FIGURES
+from kinesic.host import LIVE_SERVER, VIRTUAL_PORTS, HostFeature
+from kinesic.tasks.store import FIGURES_FILE
 
-PROGRESS_RATE = 1.0  # [Hz] of pictures of the progress bar, which must not be measured along
+PART_NEEDS: Mapping[str, HostFeature] = {"bus": VIRTUAL_PORTS, "bml": LIVE_SERVER, "studio": LIVE_SERVER}
+PROGRESS_RATE = 1.0  # [Hz] refresh rate of the progress bar, low so that it hardly affects timings
 
 
-def measure(part: str, stage: Stage = untold) -> list[Figure]:
-    """Measures a part, and names what it is at; only its own modules are imported."""
-    figures: list[Figure] = []
-    for module in PARTS[part]:
+def measure(part: str, stage: Stage = ignore_stage) -> list[Metric]:
+    """Run all benchmarks of one part, importing only its modules."""
+    metrics: list[Metric] = []
+    for module in BENCH_PARTS[part]:
         stage(f"measuring {module}")
-        figures += import_module(f"kinesic.bench.{module}").bench()
-    return figures
+        metrics += import_module(f"kinesic.bench.{module}").bench()
+    return metrics
 
 
-def print_figures(
+def _choose_parts(part: str) -> list[str]:
+    """Return the benchmark parts to run on this system.
+
+    `all` omits the parts that this system lacks, with a message.
+
+    Raises:
+        ConfigError: the part needs a feature that this system lacks.
+    """
+    if part != "all":
+        if part in PART_NEEDS:
+            PART_NEEDS[part].require()
+        return [part]
+    missing = [name for name, feature in PART_NEEDS.items() if not feature.is_available]
+    for name in missing:
+        click.echo(f"left out: {name}, as {PART_NEEDS[name].name} needs {PART_NEEDS[name].systems}", err=True)
+    return [name for name in BENCH_PARTS if name not in missing]
+
+
+def print_metrics(
     part: str,
     matrix: bool,
     styles: tuple[str, ...],
@@ -44,80 +65,87 @@ def print_figures(
     force: bool,
     workers: Workers,
 ) -> int:
-    """Measures a part, or all, and prints or draws the figures; workers measure gestures of the lexicon."""
+    """Run benchmarks of one part or all, and print or plot metrics.
+
+    Workers evaluate the gestures of the lexicon.
+    """
     if matrix:
+        PART_NEEDS["bus"].require()
         return _print_matrix(as_json=as_json)
     if (styles or capture) and part != "naturalness":
-        raise click.UsageError("--style and --capture are of naturalness alone")
+        raise click.UsageError("--style and --capture apply only to naturalness")
     if out is not None:
         check_folder(out, force=force)
     if plots is not None:
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
-    names = list(PARTS) if part == "all" else [part]
+    part_names = _choose_parts(part)
     with workers.engine(), show_stages(rate=PROGRESS_RATE) as stage:
         if styles or capture:
             stage("measuring naturalness")
-            figures = _measure_naturalness(styles, capture)
+            metrics = _measure_naturalness(styles, capture)
         else:
-            figures = [figure for name in names for figure in measure(name, stage)]
+            metrics = [metric for name in part_names for metric in measure(name, stage)]
         if plots is not None:
             stage("drawing")
-            _draw(figures, names, plots, styles=styles or (() if capture else names_of("style")), force=force)
-    text = json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1)
+            _draw(metrics, part_names, plots, styles=styles or (() if capture else names_of("style")), force=force)
+    text = json.dumps([asdict(metric) | {"ok": metric.ok} for metric in metrics], indent=1)
     if out is not None:
-        with new_folder(out, force=force) as fresh:
-            (fresh / FIGURES).write_text(text, encoding="utf-8")
-        click.echo(f"json: {out / FIGURES}", err=as_json)
+        with new_folder(out, force=force) as temporary:
+            (temporary / FIGURES_FILE).write_text(text, encoding="utf-8")
+        click.echo(f"json: {out / FIGURES_FILE}", err=as_json)
     if as_json:
         click.echo(text)
         return 0
     table = Table("name", "value", "unit", "goal", "", "", box=None)
-    marks = {True: "[green]met[/]", False: "[red]missed[/]", None: ""}
-    for figure in figures:
-        value = figure.why if figure.value is None else f"{figure.value:.4g}"
-        note = "" if figure.value is None else figure.why
-        sign = ">=" if figure.better == "higher" else "<="
-        goal = "" if figure.goal is None else f"{sign} {figure.goal:g}"
-        table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok], note)
+    goal_marks = {True: "[green]met[/]", False: "[red]missed[/]", None: ""}
+    for metric in metrics:
+        value = metric.why if metric.value is None else f"{metric.value:.4g}"
+        note = "" if metric.value is None else metric.why
+        comparison = ">=" if metric.better == "higher" else "<="
+        goal = "" if metric.goal is None else f"{comparison} {metric.goal:g}"
+        table.add_row(metric.name, value, metric.unit, goal, goal_marks[metric.ok], note)
     console().print(table)
     return 0
 
 
-def _measure_naturalness(styles: tuple[str, ...], capture: Path | None) -> list[Figure]:
-    """Measures the lexicon in some styles, clips of a folder, or both."""
-    from kinesic.bench import naturalness  # noqa: PLC0415 - no other part has styles or clips
+def _measure_naturalness(styles: tuple[str, ...], capture: Path | None) -> list[Metric]:
+    """Measure the lexicon in given styles and the clips of a folder."""
+    from kinesic.bench import naturalness  # noqa: PLC0415 - only this part has styles and clips
 
-    figures = naturalness.bench_styles(styles) if styles else []
-    return figures if capture is None else [*figures, *naturalness.bench_clips(capture)]
+    metrics = naturalness.bench_styles(styles) if styles else []
+    return metrics if capture is None else [*metrics, *naturalness.bench_clips(capture)]
 
 
 def _print_matrix(*, as_json: bool) -> int:
-    from kinesic.bench.bus import faults  # noqa: PLC0415 - no other part needs the drivers of others
+    from kinesic.bench.bus import faults  # noqa: PLC0415 - only this part needs third-party drivers
 
     if as_json:
         with show_stages(rate=PROGRESS_RATE) as stage:
             stage("comparing drivers")
-            rows = [fared.record() for fared in faults.compare_drivers()]
+            rows = [result.record() for result in faults.compare_drivers()]
         click.echo(json.dumps(rows, indent=1))
         return 0
-    for fared in faults.compare_drivers():
-        click.echo(fared)
+    for result in faults.compare_drivers():
+        click.echo(result)
     return 0
 
 
-def _draw(figures: list[Figure], names: list[str], plots: Path, *, styles: tuple[str, ...], force: bool) -> None:
-    """Draws into a folder that may hold other things; no picture is replaced unless forced."""
-    from kinesic.bench import expressivity, growth, ik, naturalness  # noqa: PLC0415 - only drawings need all of them
+def _draw(metrics: list[Metric], part_names: list[str], plots: Path, *, styles: tuple[str, ...], force: bool) -> None:
+    """Plot benchmark metrics into a folder.
 
-    with TemporaryDirectory() as place:
-        pictures = ik.draw(figures, Path(place))
-        if "expressivity" in names:
-            pictures += expressivity.draw(Path(place))
-        if "growth" in names:
-            pictures += growth.draw(Path(place))
-        if "naturalness" in names and styles:
-            pictures += naturalness.draw(styles, Path(place))
-        for picture in pictures:
-            with new_file(plots / picture.name, force=force) as fresh:
-                copyfile(picture, fresh)
+    The folder may contain other files; existing pictures are replaced only if forced.
+    """
+    from kinesic.bench import expressivity, growth, ik, naturalness  # noqa: PLC0415 - only plots need all of them
+
+    with TemporaryDirectory() as temporary:
+        plot_files = ik.draw(metrics, Path(temporary))
+        if "expressivity" in part_names:
+            plot_files += expressivity.draw(Path(temporary))
+        if "growth" in part_names:
+            plot_files += growth.draw(Path(temporary))
+        if "naturalness" in part_names and styles:
+            plot_files += naturalness.draw(styles, Path(temporary))
+        for plot_file in plot_files:
+            with new_file(plots / plot_file.name, force=force) as temporary_file:
+                copyfile(plot_file, temporary_file)

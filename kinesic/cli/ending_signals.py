@@ -1,4 +1,8 @@
-"""Signals that end a command: what it has begun is put away, and a terminal that has closed is used no more."""
+"""Handlers that end a command cleanly on SIGTERM, SIGHUP or Ctrl-C.
+
+Temporary results are removed, and a closed terminal is no longer used. The command line imports this module first:
+it imports nothing slow, so that Ctrl-C prints one line from the beginning.
+"""
 
 import os
 import select
@@ -9,63 +13,71 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-STOPPED = 130  # the exit code of Ctrl-C
-STOPPED_LINE = "kinesic: stopped"
+EXIT_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)
+)  # all ending signals but Ctrl-C
+INTERRUPTED_EXIT_CODE = 130  # 128 plus the number of SIGINT
+INTERRUPTED_MESSAGE = "kinesic: stopped"
 
 
 @contextmanager
-def ended_by_signals() -> Iterator[None]:
-    """Lets SIGTERM and a terminal that closes end what is done meanwhile as an exception would, not on the spot.
+def exit_on_signals() -> Iterator[None]:
+    """Turn SIGTERM and SIGHUP into exceptions, so that cleanup code runs.
 
-    One that is ignored, as under nohup, stays so. Outside the main thread, which alone hears them, nothing changes.
+    Signals that are ignored, as under nohup, stay ignored. Outside the main thread, which alone receives signals,
+    nothing changes.
 
     Raises:
-        SystemExit: one came; its code is that of a shell, 128 and the signal's number.
+        SystemExit: a signal arrived; the exit code is that of a shell, 128 plus the signal number.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    usual = [each for each in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(each) is signal.SIG_DFL]
-    for number in usual:
-        signal.signal(number, _end)
+    default_signals = [number for number in EXIT_SIGNALS if signal.getsignal(number) is signal.SIG_DFL]
+    for number in default_signals:
+        signal.signal(number, _exit_for_signal)
     try:
         yield
     finally:
-        for number in usual:
+        for number in default_signals:
             signal.signal(number, signal.SIG_DFL)
 
 
 @contextmanager
-def ended_on_the_spot() -> Iterator[None]:
-    """Lets Ctrl-C end the process at once while modules are imported, which may swallow it; nothing is made by then."""
-    usual = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or usual is not signal.default_int_handler:
+def exit_at_once_on_interrupt() -> Iterator[None]:
+    """Make Ctrl-C end the process at once while modules are imported.
+
+    Import code may swallow KeyboardInterrupt. Nothing has been written at this point, so no cleanup is needed.
+    """
+    previous_handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or previous_handler is not signal.default_int_handler:
         yield
         return
-    signal.signal(signal.SIGINT, _vanish)
+    signal.signal(signal.SIGINT, _exit_at_once)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, usual)
+        signal.signal(signal.SIGINT, previous_handler)
 
 
-def _vanish(_number: int, _frame: FrameType | None) -> None:
-    os.write(2, f"{STOPPED_LINE}\n".encode())
-    os._exit(STOPPED)
+def _exit_at_once(_number: int, _frame: FrameType | None) -> None:
+    os.write(2, f"{INTERRUPTED_MESSAGE}\n".encode())
+    os._exit(INTERRUPTED_EXIT_CODE)
 
 
-def _end(number: int, _frame: FrameType | None) -> None:
-    leave_closed_terminal()
+def _exit_for_signal(number: int, _frame: FrameType | None) -> None:
+    detach_closed_terminal()
     sys.exit(128 + number)
 
 
-def leave_closed_terminal() -> None:
-    """Lets what would still be read from or written to a terminal that has closed come from nowhere and go there."""
-    looking = select.poll()
-    for stream in range(3):
-        looking.register(stream, select.POLLHUP)
-    closed = [stream for stream, event in looking.poll(0) if event & select.POLLHUP]
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in closed:
-        os.dup2(nowhere, stream)
-    os.close(nowhere)
+def detach_closed_terminal() -> None:
+    """Redirect the standard streams of a closed terminal to /dev/null."""
+    if sys.platform != "win32":  # Windows ends the programs of a closed console
+        poller = select.poll()
+        for stream in range(3):
+            poller.register(stream, select.POLLHUP)
+        closed = [stream for stream, event in poller.poll(0) if event & select.POLLHUP]
+        null_device = os.open(os.devnull, os.O_RDWR)
+        for stream in closed:
+            os.dup2(null_device, stream)
+        os.close(null_device)

@@ -1,4 +1,4 @@
-"""Options that say whether a performance is filmed, and how."""
+"""Command-line options for filming a performance."""
 
 from functools import wraps
 from typing import get_args
@@ -6,52 +6,70 @@ from typing import get_args
 import click
 
 from kinesic.cli.options import Verb
-from kinesic.files.film_settings import USUAL, FilmFormat, FilmSettings
+from kinesic.files.film_settings import DEFAULT_FILM, FilmFormat, FilmSettings
 
-SMALLEST, LARGEST = 64, 2048  # [pixels] of a side
-FASTEST = 60.0  # [Hz]
+MIN_FILM_SIDE = 64  # [pixels] smallest width or height of a film
+MAX_FILM_SIDE = 2048  # [pixels] largest width or height of a film
+MAX_FILM_RATE = 60.0  # [Hz] highest frame rate of a film
 
 
 class FilmSize(click.ParamType[tuple[int, int]]):
-    """Width and height, as 1280x720."""
+    """Film size as WIDTHxHEIGHT, such as 1280x720."""
 
     name = "size"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
-        """Reads a size."""
+        """Parse and check width and height [pixels]."""
         sides = str(value).lower().split("x")
         if len(sides) != 2 or not all(side.isdecimal() for side in sides):
-            self.fail(f"{value!r} is no size: two whole numbers, as in 1280x720", param, ctx)
+            self.fail(f"{value!r} is not a size; give two whole numbers, as in 1280x720", param, ctx)
         width, height = (int(side) for side in sides)
-        if not all(SMALLEST <= side <= LARGEST and not side % 2 for side in (width, height)):
-            self.fail(f"{value}: both sides must be even, {SMALLEST} to {LARGEST} pixels, as in 1280x720", param, ctx)
+        if not all(MIN_FILM_SIDE <= side <= MAX_FILM_SIDE and not side % 2 for side in (width, height)):
+            self.fail(
+                f"{value}: both sides must be even, {MIN_FILM_SIDE} to {MAX_FILM_SIDE} pixels, as in 1280x720",
+                param,
+                ctx,
+            )
         return width, height
 
 
 def film_options(verb: Verb) -> Verb:
-    """Adds --film and how films are; the verb gets `film`, None where none is wanted."""
+    """Add the film options to a verb, which receives them as `film`.
+
+    With --no-film the value is None.
+    """
 
     @wraps(verb)
-    def begin(
-        *, film: bool, film_format: FilmFormat, film_size: tuple[int, int], film_rate: float, **given: object
+    def run(
+        *, film: bool, film_format: FilmFormat, film_size: tuple[int, int], film_rate: float, **arguments: object
     ) -> int:
-        return verb(film=FilmSettings(film_size, film_rate, film_format) if film else None, **given)
+        return verb(film=FilmSettings(film_size, film_rate, film_format) if film else None, **arguments)
 
     for option in (
         click.option(
-            "--film-rate", type=click.FloatRange(1.0, FASTEST), default=USUAL.rate, show_default=True, metavar="HZ"
+            "--film-rate",
+            type=click.FloatRange(1.0, MAX_FILM_RATE),
+            default=DEFAULT_FILM.rate,
+            show_default=True,
+            metavar="HZ",
+            help="Frame rate of the films.",
         ),
         click.option(
-            "--film-size", type=FilmSize(), default="x".join(map(str, USUAL.size)), show_default=True, metavar="WxH"
+            "--film-size",
+            type=FilmSize(),
+            default="x".join(map(str, DEFAULT_FILM.size)),
+            show_default=True,
+            metavar="WxH",
+            help="Width and height of the films in pixels; several robots side by side fit into this size.",
         ),
         click.option(
             "--film-format",
             type=click.Choice(get_args(FilmFormat)),
-            default=USUAL.format,
+            default=DEFAULT_FILM.format,
             show_default=True,
-            help="mp4 carries the voice, and needs an encoder; `kinesic doctor` names it.",
+            help="Format of the films; mp4 has sound and needs an encoder, which `kinesic doctor` names.",
         ),
-        click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
+        click.option("--film/--no-film", default=True, help="Film the twin and the face, if OpenGL works."),
     ):
-        begin = option(begin)
-    return begin
+        run = option(run)
+    return run

@@ -1,4 +1,7 @@
-"""Options that several verbs share or that belong together, handed on as one value; quick to import."""
+"""Command-line options used by several verbs.
+
+Options that belong together are passed to a verb as one dataclass. The module is quick to import.
+"""
 
 import sys
 from collections.abc import Callable
@@ -10,88 +13,100 @@ from typing import TYPE_CHECKING, Annotated, cast, get_args
 import click
 
 from kinesic.bml.block import BmlError
-from kinesic.body.choices import Terms
+from kinesic.body.choices import InvertedTerms
 from kinesic.body.config import names_of
-from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
-from kinesic.controller.options import CHOICES, Offer, PlanningOptions, offers
+from kinesic.cli.completion import ROBOT_NAME, STYLE_NAME
+from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE, INTERRUPTED_MESSAGE, exit_at_once_on_interrupt
+from kinesic.cli.help_pages import SharedOption
+from kinesic.host import HostFeature
 from kinesic.importing import import_at_once
+from kinesic.session.builtin_documents import locate_document, suggest_document
+from kinesic.session.options import OPTION_CHOICES, CliOption, PlanningOptions, list_cli_options
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
     from kinesic.planning.setup import Setup
 
-SINKS = ("twin", "servos", "face")
-FAULT = 3  # the exit code when one of them failed
-CELL, STRIP = 176, 192  # pixels of each picture of a sheet of faces, and of a strip
-SIDE = 512  # pixels of any other
+SINK_NAMES = ("twin", "servos", "face")
+FAULT_EXIT_CODE = 3  # exit code after a robot or servo fault
+SHEET_PICTURE_SIDE = 176  # [pixels] side of each picture on a contact sheet of faces
+STRIP_PICTURE_SIDE = 192  # [pixels] side of each picture in a film strip
+DEFAULT_PICTURE_SIDE = 512  # [pixels] side of all other pictures of the face
 
-STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
-FORCE_HELP = "Replaces a folder that kinesic has made."
-TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
-LEARN_HELP = (
-    "FILE of what servos have told (P gain, delay): goals lead by it, and what they tell now is written to it. "
-    "'none': goals lead as data sheets say. Default: by the file of --twin."
+STYLE_HELP = f"Style, unless a document sets another: {', '.join(names_of('style'))}, or a TOML file."
+FORCE_HELP = "Replace a folder made by kinesic."
+TWIN_HELP = (
+    "Servos of the twin: nominal, pessimistic, both (checks of the nominal twin, errors of both), "
+    "or a TOML file of factors."
 )
-TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
-CORRECTION_HELP = "Goals corrected by what the twin measures."
-PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
-AU_HELP = "Action units of FACS and their intensities: 1=0.8,2=0.8; L or R before one moves that side."
-EMOTION_HELP = "An emotion or a lexeme of BML: joy, surprise, RAISE_BROWS."
+LEARN_HELP = (
+    "FILE of learned servo factors (P gain, delay): the feed-forward uses it, and newly learned factors are written "
+    "to it. 'none': the feed-forward uses the data sheets, and nothing is learned. Default: the file of --twin."
+)
+TERMS_HELP = "Inverted terms of the servo model in the feed-forward: all, the velocity lag, or none."
+CORRECTION_HELP = "Correct the setpoints by the positions that the twin measures."
+PORT_HELP = "Port of a bus: NAME=PATH, or PATH if the robot has one bus. Repeatable."
+AU_HELP = "FACS action units with intensities: 1=0.8,2=0.8; L or R before a unit moves only that side."
+EMOTION_HELP = "Emotion or BML lexeme, such as joy, surprise or RAISE_BROWS."
 
 Verb = Callable[..., int]
 Decorator = Callable[[Verb], Verb]
 
 
 def read_input(file: str) -> bytes:
-    """Reads a file, or standard input for `-`.
+    """Read a file, built-in document, or standard input for `-`.
 
     Raises:
-        BmlError: there is no such file, or it cannot be read.
+        BmlError: the file does not exist or cannot be read.
     """
     if file == "-":
         return sys.stdin.buffer.read()
     try:
-        return Path(file).read_bytes()
+        return locate_document(file).read_bytes()
+    except FileNotFoundError as error:
+        raise BmlError(f"{file}: {error.strerror}{suggest_document(file)}") from None
     except OSError as error:
         raise BmlError(f"{file}: {error.strerror}") from None
 
 
 class SinkNames(click.ParamType[frozenset[str]]):
-    """Names of sinks, with commas between them."""
+    """Comma-separated names of sinks."""
 
     name = "sinks"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
-        """Reads names of sinks."""
+        """Parse and check the names of sinks."""
         names = frozenset(str(value).split(","))
-        if names - set(SINKS):
-            self.fail(f"{value!r} is not one of {', '.join(SINKS)}, or several with commas between them", param, ctx)
+        if names - set(SINK_NAMES):
+            self.fail(
+                f"{value!r} is not one of {', '.join(SINK_NAMES)}, nor several of them separated by commas", param, ctx
+            )
         return names
 
 
 @dataclass(frozen=True)
 class Planning:
-    """A robot, and how documents are planned for it; picklable, so that other processes can load the same."""
+    """Robot, style and options of planning, picklable for worker processes."""
 
     robot: str
     style: str
     options: PlanningOptions
 
     def set_up(self) -> "Setup":
-        """Loads everything that the options name.
+        """Load robot, style and files that the planning options name.
 
         Raises:
-            ConfigError: something is missing or wrong.
+            ConfigError: a file is missing or an option is invalid.
         """
-        from kinesic.controller.perform import set_up  # noqa: PLC0415 - slow to import, and help needs it not
+        from kinesic.session.setup import set_up  # noqa: PLC0415 - slow to import, and unused by help
 
         return set_up(self.robot, style=self.style, **self.options)
 
 
 @dataclass(frozen=True)
 class Performers:
-    """Who performs, and at which ports servos are."""
+    """Names of the performing sinks, and serial ports of the servos."""
 
     sinks: frozenset[str]
     ports: tuple[str, ...]
@@ -99,7 +114,7 @@ class Performers:
 
 @dataclass(frozen=True)
 class ServoOptions:
-    """How the twin's servos are, and what is known of the robot's."""
+    """Servo model of the twin, and file of learned servo parameters."""
 
     twin: Annotated[str | None, click.option("--twin", metavar="NAME|FILE", help=TWIN_HELP)]
     learn: Annotated[str | None, click.option("--learn", metavar="FILE", help=LEARN_HELP)]
@@ -107,42 +122,46 @@ class ServoOptions:
 
 @dataclass(frozen=True)
 class TwinOptions(ServoOptions):
-    """How the twin performs."""
+    """Options for performing in the twin."""
 
     feedforward: Annotated[
-        Terms,
+        InvertedTerms,
         click.option(
-            "--feedforward", type=click.Choice(get_args(Terms)), default="full", show_default=True, help=TERMS_HELP
+            "--feedforward",
+            type=click.Choice(get_args(InvertedTerms)),
+            default="full",
+            show_default=True,
+            help=TERMS_HELP,
         ),
     ]
     correction: Annotated[
         bool,
-        click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures."),
+        click.option("--correction/--no-correction", default=True, help=CORRECTION_HELP),
     ]
 
 
 @dataclass(frozen=True)
 class Output:
-    """Where results go, and whether as JSON to standard output."""
+    """Output folder, and whether results go to standard output as JSON."""
 
     out: Path | None
     force: bool
     as_json: bool
 
 
-force_option = click.option("--force", is_flag=True, help="Replaces an existing file.")
+force_option = click.option("--force", is_flag=True, help="Replace an existing file.")
 
 
 @dataclass(frozen=True)
 class PictureFile:
-    """Where a picture or a film goes, if it is not shown in a window."""
+    """Output file of a picture or film, or None for a window."""
 
     out: Annotated[
         Path | None,
         click.option(
             "--out",
             type=click.Path(path_type=Path),
-            help="X.png, or X.webp or X.mp4 to move; a window without it.",
+            help="X.png for a picture, X.webp or X.mp4 for a film (default: a window).",
         ),
     ]
     force: Annotated[bool, force_option]
@@ -150,100 +169,119 @@ class PictureFile:
 
 @dataclass(frozen=True)
 class ExpressionOptions:
-    """A face by its action units, an emotion, or both."""
+    """Facial expression as action units, an emotion, or both."""
 
     units: Annotated[str, click.option("--au", "units", default="", metavar="N=X,...", help=AU_HELP)]
     emotion: Annotated[str | None, click.option("--emotion", metavar="NAME", help=EMOTION_HELP)]
     amount: Annotated[
         float,
         click.option(
-            "--amount", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True, help="Of the emotion."
+            "--amount",
+            type=click.FloatRange(0.0, 1.0),
+            default=1.0,
+            show_default=True,
+            help="Intensity of the emotion.",
         ),
     ]
 
 
-def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
-    """Has a verb done by a function MODULE:NAME of this package, which is imported when the verb is called.
+def implemented_by(place: str, *, needs: HostFeature | None = None) -> Callable[[Callable[[], None]], Verb]:
+    """Make a verb that imports its function MODULE:NAME only when called.
 
-    Where the function leaves Ctrl-C to us, it is one line and an exit code.
+    The module belongs to this package. If the function does not handle Ctrl-C itself, an interrupt ends in one line and
+    an exit code.
+
+    Args:
+        place: MODULE:NAME.
+        needs: feature of the operating system without which the verb is refused.
     """
     module, name = place.split(":")
 
     def decorate(verb: Callable[[], None]) -> Verb:
         @wraps(verb)
-        def begin(**given: object) -> int:
-            with ended_on_the_spot():
+        def run(**arguments: object) -> int:
+            if needs is not None:
+                needs.require()
+            with exit_at_once_on_interrupt():
                 function: Verb = getattr(import_at_once(f"{__package__}.{module}"), name)
             try:
-                return function(**given)
+                return function(**arguments)
             except KeyboardInterrupt:
-                click.echo(STOPPED_LINE, err=True)
-                return STOPPED
+                click.echo(INTERRUPTED_MESSAGE, err=True)
+                return INTERRUPTED_EXIT_CODE
 
-        return begin
+        return run
 
     return decorate
 
 
-robot_option = click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+robot_option = click.option(
+    "--robot", type=ROBOT_NAME, default="upper22", show_default=True, help="Name or TOML file of the robot."
+)
 port_option = click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
 
 
-def planning(verb: Verb) -> Verb:
-    """Adds the options that say how a document is planned."""
+def planning_options(verb: Verb) -> Verb:
+    """Add the planning options, passed to the verb as `planning`."""
 
     @wraps(verb)
-    def begin(*, robot: str, style: str, **given: object) -> int:
-        options = {name: given.pop(name) for name in PlanningOptions.__annotations__}
-        return verb(planning=Planning(robot, style, cast(PlanningOptions, options)), **given)
+    def run(*, robot: str, style: str, **arguments: object) -> int:
+        options = {name: arguments.pop(name) for name in PlanningOptions.__annotations__}
+        return verb(planning=Planning(robot, style, cast(PlanningOptions, options)), **arguments)
 
-    return _decorated(
-        begin,
+    return _add_options(
+        run,
         robot_option,
-        click.option("--style", default="neutral", show_default=True, help=STYLE_HELP),
-        *(_planning_option(name, offer) for name, offer in offers().items()),
+        click.option("--style", type=STYLE_NAME, default="neutral", show_default=True, help=STYLE_HELP),
+        *(_make_planning_option(name, option) for name, option in list_cli_options().items()),
     )
 
 
-def _planning_option(name: str, offer: Offer) -> Decorator:
-    kinds = {Path: click.Path(path_type=Path), float: click.FloatRange(0.0, offer.most), int: click.IntRange(0)}
+def _make_planning_option(name: str, option: CliOption) -> Decorator:
+    click_types = {Path: click.Path(path_type=Path), float: click.FloatRange(0.0, option.most), int: click.IntRange(0)}
     return click.option(
-        offer.flag or f"--{name}",
+        option.flag or f"--{name}",
         name,
-        type=click.Choice(CHOICES[name]) if name in CHOICES else kinds.get(offer.kind, offer.kind),
-        default=offer.default,
-        multiple=offer.many,
-        metavar=offer.metavar,
-        show_default=offer.show_default,
-        help=offer.help,
+        cls=SharedOption,
+        type=click.Choice(OPTION_CHOICES[name])
+        if name in OPTION_CHOICES
+        else click_types.get(option.kind, option.kind),
+        default=option.default,
+        multiple=option.many,
+        metavar=option.metavar,
+        show_default=option.show_default,
+        help=option.help,
     )
 
 
-def together(name: str, kind: "type[DataclassInstance]", *options: Decorator) -> Decorator:
-    """Adds options to a verb, which gets their values as one; without any, those that stand beside its fields."""
+def group_options(name: str, kind: "type[DataclassInstance]", *options: Decorator) -> Decorator:
+    """Add options to a verb, which receives their values as one dataclass.
+
+    Without explicit options, those in the annotations of the dataclass fields are added.
+    """
     options = options or tuple(get_args(field.type)[-1] for field in fields(kind))
 
     def decorate(verb: Verb) -> Verb:
         @wraps(verb)
-        def begin(**given: object) -> int:
-            own = {field.name: given.pop(field.name) for field in fields(kind)}
-            return verb(**given, **{name: kind(**own)})
+        def run(**arguments: object) -> int:
+            values = {field.name: arguments.pop(field.name) for field in fields(kind)}
+            return verb(**arguments, **{name: kind(**values)})
 
-        return _decorated(begin, *options)
+        return _add_options(run, *options)
 
     return decorate
 
 
-def _decorated(verb: Verb, *options: Decorator) -> Verb:
-    """Adds options in the order in which help lists them."""
+def _add_options(verb: Verb, *options: Decorator) -> Verb:
+    """Add options in the order in which help lists them."""
     for option in reversed(options):
         verb = option(verb)
     return verb
 
 
-def performers(on_help: str) -> Decorator:
-    """Adds --on and --port."""
-    return together(
+def performer_options(on_help: str) -> Decorator:
+    """Add --on and --port, passed to the verb as `performers`."""
+    return group_options(
         "performers",
         Performers,
         click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help=on_help),
@@ -251,24 +289,24 @@ def performers(on_help: str) -> Decorator:
     )
 
 
-def robot_and_ports(verb: Verb) -> Verb:
-    """Adds --robot and --port."""
+def robot_and_port_options(verb: Verb) -> Verb:
+    """Add --robot and --port."""
     return robot_option(port_option(verb))
 
 
-def output(out_help: str, force_help: str, json_help: str, *between: Decorator) -> Decorator:
-    """Adds --out, --force and --json, and other options before the last."""
-    return together(
+def output_options(out_help: str, force_help: str, json_help: str, *more_options: Decorator) -> Decorator:
+    """Add --out, --force, further options and --json to a verb."""
+    return group_options(
         "output",
         Output,
         click.option("--out", type=click.Path(path_type=Path), help=out_help),
         click.option("--force", is_flag=True, help=force_help),
-        *between,
+        *more_options,
         click.option("--json", "as_json", is_flag=True, help=json_help),
     )
 
 
-twin_options = together("way", TwinOptions)
-servo_options = together("servos", ServoOptions)
-expression = together("expression", ExpressionOptions)
-picture_file = together("picture", PictureFile)
+twin_options = group_options("twin_options", TwinOptions)
+servo_options = group_options("servos", ServoOptions)
+expression_options = group_options("expression", ExpressionOptions)
+picture_options = group_options("picture", PictureFile)

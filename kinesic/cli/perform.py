@@ -1,37 +1,33 @@
-"""`kinesic perform`: one document in the twin, with a report, and then on servos."""
+"""Verb `kinesic perform`: perform in the twin, report, then use servos."""
 
 import json
 from contextlib import nullcontext
 from pathlib import Path
-from time import perf_counter
 
 import click
 
-from kinesic.bml.block import Block
 from kinesic.body.config import ConfigError
-from kinesic.cli.ending_signals import STOPPED
-from kinesic.cli.live.say import speak_as_it_comes
-from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
-from kinesic.cli.plain_words import printable, printable_xml
-from kinesic.cli.plan import document_name, is_motion, parse_document, parse_text, plan_motion
-from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
-from kinesic.cli.progress import Stage, share_of, show_stages
+from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE
+from kinesic.cli.options import FAULT_EXIT_CODE, Output, Performers, Planning, TwinOptions, read_input
+from kinesic.cli.plain_words import printable
+from kinesic.cli.plan import document_name, plan_input, print_written
+from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_servo_run
+from kinesic.cli.progress import Stage, show_stages, stage_progress
 from kinesic.cli.servos.memory import ServoMemory
-from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.servos.summary import print_lesson
-from kinesic.cli.summary import MOST_WARNINGS, print_checks, print_notices, print_side_by_side
+from kinesic.cli.servos.ports import read_all_ports
+from kinesic.cli.servos.summary import print_learned_factors
+from kinesic.cli.summary import MAX_PRINTED_WARNINGS, print_checks, print_notices, print_tracking_errors
 from kinesic.cli.terminal import console
-from kinesic.controller.documents import write_bml
-from kinesic.controller.learned_gains import Lesson, learn
-from kinesic.controller.perform import dry_runs
-from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import ServoRun
+from kinesic.controller.dry_run import dry_runs
+from kinesic.controller.learned_gains import Identification, identify_servos
 from kinesic.files.film_file import NO_ENCODER, find_encoder
 from kinesic.files.film_settings import FilmSettings
 from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.planning.plan import plan_block
+from kinesic.host import LIVE_SERVER, SERVO_DRIVER
+from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.servo_run import ServoRun
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 from kinesic.report.films import film_processes
@@ -41,96 +37,101 @@ from kinesic.report.report import Json, report
 from kinesic.report.servo_belief import with_lesson
 from kinesic.report.servo_report import live_checks, live_log
 from kinesic.report.verdict import verdict
-from kinesic.sim.log import log_of
+from kinesic.session.plan import plan_plain_text
+from kinesic.sim.log import make_log
 
 
 def perform_file(
     file: str,
     planning: Planning,
     performers: Performers,
-    way: TwinOptions,
+    twin_options: TwinOptions,
     output: Output,
     film: FilmSettings | None,
     *,
     text: str | None = None,
 ) -> int:
-    """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed.
+    """Perform a document in the twin, report, then perform on servos.
 
-    Into a path that ends in .glb goes the performance as a scene, instead of a report into a folder.
-    With a plain text that text is performed, and `file` is its name.
+    Servos move only if no check of the twin failed. If the output path ends in .glb, the performance is written as a
+    glTF scene, and no report folder. If a plain text is given, that text is performed, and `file` is its name.
     """
+    if "servos" in performers.sinks:
+        SERVO_DRIVER.require()
     source = document_name(file)
-    memory = ServoMemory.of(way)
+    memory = ServoMemory.of(twin_options)
     if is_scene(output.out):
-        return _perform_scene(file, planning, performers, way, output, text)
+        return _perform_scene(file, planning, performers, twin_options, output, text)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
     if film is not None and film.format == "mp4" and find_encoder() is None:
         raise ConfigError(NO_ENCODER)
     with film_processes() if film is not None else nullcontext() as processes, show_stages() as stage:
         stage("reading the robot")
-        known = planning.set_up()
-        paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
-        performance, *beside = _performed(file, known, way, memory, stage, text)
-        lesson = None
+        setup = planning.set_up()
+        paths = read_all_ports(performers.ports, Manifest.of(setup.robot).bauds) if "servos" in performers.sinks else {}
+        performance, *other_runs = _perform_in_twins(file, setup, twin_options, memory, stage, text)
+        identification = None
         if memory.path is not None and not paths:
             stage("learning from the twin")
-            lesson = learn(log_of(performance.measured), known.robot, memory.believed)
+            identification = identify_servos(make_log(performance.measured), setup.robot, memory.estimate)
         stage("writing the report")
-        data = report(performance, source=source, seed=known.idling.seed, beside=beside)
-        data = with_lesson(data, lesson)
+        data = report(performance, source=source, seed=setup.idling.seed, beside=other_runs)
+        data = with_lesson(data, identification)
         written = write_report(performance, data, folder, film=film is not None, force=output.force)
         try:
-            drawing = share_of(stage, printable(f"drawing films; the page is there: {written.page}"))
+            progress = stage_progress(stage, printable(f"drawing films; the report page is ready: {written.page}"))
             if processes is not None and film is not None:
-                written = add_films(written, performance, data, processes, settings=film, progress=drawing)
+                written = add_films(written, performance, data, processes, settings=film, progress=progress)
         except KeyboardInterrupt:
             click.echo(f"kinesic: stopped before its films were drawn; page: {written.page}", err=True)
-            return STOPPED
-    live, log, planned = None, None, performance.plan
-    film_beside = written.film if film is not None and film.format == "webp" and "twin" in performers.sinks else None
-    with preview_window(known.robot, requested="face" in performers.sinks, beside=film_beside) as preview:
+            return INTERRUPTED_EXIT_CODE
+    servo_run, servo_log, plan = None, None, performance.plan
+    twin_film = written.film if film is not None and film.format == "webp" and "twin" in performers.sinks else None
+    with preview_window(setup.robot, requested="face" in performers.sinks, body_film=twin_film) as preview:
         if paths and data["ok"]:
-            live = perform_on_servos(
-                performance, paths, folder, quiet=output.as_json, listener=follow_servos(planned, preview)
+            servo_run = perform_on_servos(
+                performance, paths, folder, quiet=output.as_json, listener=follow_servos(plan, preview)
             )
-            lesson = _learned(live, memory)
-            data, log = write_live(live, data, written, lesson)
+            identification = _identify_run(servo_run, memory)
+            data, servo_log = write_servo_run(servo_run, data, written, identification)
         elif preview is not None:
-            play_whole(planned, preview)
+            play_whole(plan, preview)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
-        _print_report((performance, *beside), live, data)
-    if paths and live is None:
+        _print_report((performance, *other_runs), servo_run, data)
+    if paths and servo_run is None:
         click.echo("the servos did not move: a check of the twin failed", err=True)
-    _print_paths(written, log, on_error=output.as_json)
-    if lesson is not None:
-        print_lesson(lesson, memory.keep(lesson, folder), on_error=output.as_json)
-    if live is not None and live.ending == "failed":
-        return FAULT
+    _print_paths(written, servo_log, to_stderr=output.as_json)
+    if identification is not None:
+        print_learned_factors(identification, memory.keep(identification, folder), to_stderr=output.as_json)
+    if servo_run is not None and servo_run.ending == "failed":
+        return FAULT_EXIT_CODE
     return 0 if data["ok"] else 1
 
 
 def _perform_scene(
-    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, text: str | None
+    file: str, planning: Planning, performers: Performers, twin_options: TwinOptions, output: Output, text: str | None
 ) -> int:
-    """Performs in the twin and writes that as glTF; the report is told, and not written."""
+    """Perform in the twin and write a glTF scene, without report files."""
     if performers.sinks != {"twin"}:
         raise ConfigError(f"{output.out}: a scene shows the twin alone: --out FOLDER for --on servos or face")
-    assert output.out is not None  # it has the ending of a scene
+    assert output.out is not None  # The suffix is that of a scene.
     check_file(output.out, force=output.force)
     with show_stages() as stage:
         stage("reading the robot")
-        known = planning.set_up()
-        performance, *beside = _performed(file, known, way, ServoMemory.of(way), stage, text)
+        setup = planning.set_up()
+        performance, *other_runs = _perform_in_twins(
+            file, setup, twin_options, ServoMemory.of(twin_options), stage, text
+        )
         stage("writing the scene")
         save_performed(performance, output.out, force=output.force)
-        data = report(performance, source=document_name(file), seed=known.idling.seed, beside=beside)
+        data = report(performance, source=document_name(file), seed=setup.idling.seed, beside=other_runs)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
-        _print_report((performance, *beside), None, data)
+        _print_report((performance, *other_runs), None, data)
     click.echo(f"scene: {output.out}", err=output.as_json)
     return 0 if data["ok"] else 1
 
@@ -139,71 +140,71 @@ def say_text(
     text: str,
     planning: Planning,
     performers: Performers,
-    way: TwinOptions,
+    twin_options: TwinOptions,
     output: Output,
     film: FilmSettings | None,
     to: str,
 ) -> int:
-    """Writes BML for a text and performs it; only prints it, if that is wanted. `-` is standard input, as it comes."""
+    """Write BML for a text, and perform it or only print it.
+
+    The text `-` stands for standard input, which is spoken as it arrives.
+    """
     if text == "-" and to == "bml":
-        text = read_input(text).decode(errors="replace")
-    elif text == "-":
-        return speak_as_it_comes(planning, performers, output)
-    if to == "bml":
-        click.echo(printable_xml(write_bml(text, planning.set_up())), nl=False)
+        print_written(read_input(text), planning.set_up)
         return 0
-    return perform_file("said", planning, performers, way, output, film, text=text)
+    if text == "-":
+        LIVE_SERVER.require()
+        from kinesic.cli.live.say import speak_standard_input  # noqa: PLC0415 - the server's modules are slow to import
+
+        return speak_standard_input(planning, performers, output)
+    if to == "bml":
+        print_written(text, planning.set_up)
+        return 0
+    return perform_file("said", planning, performers, twin_options, output, film, text=text)
 
 
-def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, data: dict[str, Json]) -> None:
+def _print_report(performances: tuple[DryRun, ...], servo_run: ServoRun | None, data: dict[str, Json]) -> None:
     screen = console()
-    print_checks((*checks(performances[0]), *(live_checks(live) if live is not None else ())), screen)
+    print_checks((*checks(performances[0]), *(live_checks(servo_run) if servo_run is not None else ())), screen)
     if len(performances) > 1:
-        print_side_by_side(performances, screen)
-    print_notices(performances[0].plan, screen, most=MOST_WARNINGS)
+        print_tracking_errors(performances, screen)
+    print_notices(performances[0].plan, screen, max_lines=MAX_PRINTED_WARNINGS)
     screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
 
 
-def _learned(live: ServoRun, memory: ServoMemory) -> Lesson | None:
-    """What the servos of a run have told, where anybody wants to know."""
-    if not memory.learns or len(live.times) < 2:
+def _identify_run(servo_run: ServoRun, memory: ServoMemory) -> Identification | None:
+    """Identify servo parameters from a run, unless learning is off."""
+    if not memory.learns or len(servo_run.times) < 2:
         return None
     with show_stages() as stage:
         stage("learning from the servos")
-        return learn(live_log(live), live.performance.plan.setup.robot, memory.believed)
+        return identify_servos(live_log(servo_run), servo_run.performance.plan.setup.robot, memory.estimate)
 
 
-def _performed(
-    file: str, known: Setup, way: TwinOptions, memory: ServoMemory, stage: Stage, text: str | None
-) -> tuple[Performance, ...]:
-    """Plans a document, or a plain text, and performs it in the twins."""
+def _perform_in_twins(
+    file: str, setup: Setup, twin_options: TwinOptions, memory: ServoMemory, stage: Stage, text: str | None
+) -> tuple[DryRun, ...]:
+    """Plan a document or plain text and perform it in the twins."""
     stage("planning")
-    begun = perf_counter()
-    if text is not None:
-        block: Block | None = parse_text(text, known, source=file)
-    else:
-        block = None if is_motion(file) else parse_document(file, known)
-    parsed = perf_counter() - begun
-    planned = plan_motion(file, known) if block is None else plan_block(block, known)
+    plan = plan_input(file, setup) if text is None else plan_plain_text(text, setup, source=file)
     return dry_runs(
-        planned,
+        plan,
         memory.twins,
-        feedforward=way.feedforward,
-        correction=way.correction,
-        believed=memory.believed,
-        parse_seconds=parsed,
-        progress=share_of(stage, "performing in the twin"),
+        feedforward=twin_options.feedforward,
+        correction=twin_options.correction,
+        believed=memory.estimate,
+        progress=stage_progress(stage, "performing in the twin"),
     )
 
 
-def _print_paths(written: WrittenPaths, log: Path | None, *, on_error: bool) -> None:
+def _print_paths(written: WrittenPaths, servo_log: Path | None, *, to_stderr: bool) -> None:
     films = (("film", written.film, written.why_no_film), ("face", written.face, written.why_no_face))
-    for name, path, why in films:
-        click.echo(f"{name}: none ({why})" if path is None else f"{name}: {path}", err=on_error)
+    for name, path, reason in films:
+        click.echo(f"{name}: none ({reason})" if path is None else f"{name}: {path}", err=to_stderr)
     if written.voice is not None:
-        click.echo(f"voice: {written.voice}", err=on_error)
-    click.echo(f"measured: {written.measured}", err=on_error)
-    if log is not None:
-        click.echo(f"servos: {log}", err=on_error)
-    click.echo(f"report: {written.report}", err=on_error)
-    click.echo(f"page: {written.page}", err=on_error)
+        click.echo(f"voice: {written.voice}", err=to_stderr)
+    click.echo(f"measured: {written.measured}", err=to_stderr)
+    if servo_log is not None:
+        click.echo(f"servos: {servo_log}", err=to_stderr)
+    click.echo(f"report: {written.report}", err=to_stderr)
+    click.echo(f"page: {written.page}", err=to_stderr)

@@ -1,11 +1,19 @@
-"""Words of strangers, for a terminal; quick to import."""
+"""Escaping of untrusted text for the terminal.
+
+The module is quick to import.
+"""
 
 
-def printable(words: str) -> str:
-    """Spells out characters that a terminal would obey, such as the beginning of an escape sequence."""
-    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in words)
+def printable(text: str) -> str:
+    """Escape control characters, such as the start of a terminal escape sequence."""
+    return "".join(character if character.isprintable() else repr(character)[1:-1] for character in text)
 
 
 def printable_xml(text: str) -> str:
-    """Writes characters that a terminal would obey as XML's references to them: it is read as the same document."""
-    return "".join(each if each.isprintable() or each in "\n\t" else f"&#{ord(each)};" for each in text)
+    """Replace control characters with XML character references.
+
+    The result parses as the same document.
+    """
+    return "".join(
+        character if character.isprintable() or character in "\n\t" else f"&#{ord(character)};" for character in text
+    )

@@ -1,181 +1,210 @@
-"""`kinesic plan`: one document as a motion in a file, or as a timeline on the screen; nothing moves."""
+"""Verb `kinesic plan`: write a document's motion or print its timeline.
 
-from collections.abc import Mapping, Sequence
+Nothing moves.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import click
 from rich.console import Console
 from rich.table import Table
 
-from kinesic.bml.block import Behaviour, Block, BmlError, Gesture, Speech
-from kinesic.bml.parse import parse
+from kinesic.bml.block import Behaviour, BmlError, Gesture, Speech
+from kinesic.bml.reading.wrapping import OpenedDocument, open_document
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import SIDES, Side
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.progress import show_stages
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
-from kinesic.controller.documents import read_block, write_bml, write_fml
-from kinesic.controller.synchrony import StrokeLag, median_lag, planned_lags
 from kinesic.files.output_file import check_file
 from kinesic.intent.fml.author import is_fml
-from kinesic.planning.bap import SUFFIX, read_bap
-from kinesic.planning.imported_motion import plan_imported
-from kinesic.planning.motion_files import check_motion_file, save_motion
-from kinesic.planning.plan import Plan, plan_block
+from kinesic.metrics.synchrony import StrokeLag, compute_median_lag, measure_planned_lags
+from kinesic.planning.certify import certify
+from kinesic.planning.clearance import Conditioner
+from kinesic.planning.files.bap import BAP_SUFFIX
+from kinesic.planning.files.motion_files import check_motion_file, save_motion
+from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.report.gltf.scene import SUFFIX as SCENE
+from kinesic.report.gltf.scene import SCENE_SUFFIX as SCENE
 from kinesic.report.gltf.scene import is_scene, save_scene
 from kinesic.report.labels import label
+from kinesic.session.documents import is_spoken_file, write_fml, write_text
+from kinesic.session.plan import plan, plan_motion_file, plan_plain_text
 
-ENDS = ("start", "end")  # sync points that have a column
-WORDS = 30  # letters of what is said
-HANDS: Mapping[tuple[Side, ...], str] = {
+COLUMN_SYNCS = ("start", "end")  # sync points with their own column in the timeline
+MAX_SPEECH_LENGTH = 30  # [characters] speech shown in the timeline
+HAND_LABELS: Mapping[tuple[Side, ...], str] = {
     (): "",
     ("l",): ", left hand",
     ("r",): ", right hand",
     ("l", "r"): ", both hands",
 }
-TEXT = ".txt"  # of a file with plain text, for which BML is written
 
 
-def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: str) -> int:
-    """Plans a document or a motion, and writes it to a file; without one, it prints what would happen when.
+def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: str, optimal: bool) -> int:
+    """Plan a document or a motion, and write or print it.
 
-    To BML it is not planned: what it is as BML is printed.
+    Without a file, the timeline is printed. With `to` = bml, nothing is planned: the document's BML is printed.
+
+    Raises:
+        ConfigError: the optimum of a ready motion is requested, which has no key times to move.
     """
     if to == "bml":
         return _print_bml(file, planning.set_up())
+    if optimal and is_motion(file):
+        raise ConfigError(f"{file}: --optimal moves the key times of a document, and a motion has none")
     if out is not None:
         check_motion_file(out, also=SCENE)
         check_file(out, force=force)
     with show_stages() as stage:
         stage("planning")
-        known = planning.set_up()
-        planned = plan_motion(file, known) if is_motion(file) else plan_block(parse_document(file, known), known)
-    lags = planned_lags(planned)
+        setup = planning.set_up()
+        planned = plan_input(file, setup, conditioned=_choose_conditioner(optimal))
+    lags = measure_planned_lags(planned)
     if out is None:
         print_timeline(planned, lags, console())
     elif is_scene(out):
         save_scene(planned, out, force=force)
     else:
-        save_motion(planned.trajectory, known.robot, out, force=force)
+        save_motion(planned.trajectory, setup.robot, out, force=force)
     print_notices(planned, error_console())
-    middle = median_lag(lags)
-    if middle is not None:
-        click.echo(f"hands are fastest {middle:.2f} s from their words (median, strokes: {len(lags)})")
+    median_lag = compute_median_lag(lags)
+    if median_lag is not None:
+        click.echo(f"hands are fastest {median_lag:.2f} s from their words (median, strokes: {len(lags)})")
     click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
-    click.echo("nothing is written: --out motion.npz (.csv, .bap) would be" if out is None else f"motion: {out}")
+    click.echo("nothing written; --out motion.npz (.csv, .bap) writes the motion" if out is None else f"motion: {out}")
     return 0
 
 
-def _print_bml(file: str, known: Setup) -> int:
-    """Prints the BML that is written for a plain text or FML; of BML, what it is."""
-    read = read_input(file)
-    if file.lower().endswith(TEXT):
-        click.echo(printable_xml(write_bml(read.decode("utf-8", "replace"), known)), nl=False)
-    elif is_fml(read):
-        bml, unshown = write_fml(read, known, source=document_name(file))
+def _choose_conditioner(optimal: bool) -> Conditioner:
+    """Return the limit solver: key times by linear programs, or by IPOPT."""
+    if not optimal:
+        return certify
+    from kinesic.planning.optimal import certify_optimal  # noqa: PLC0415 - CasADi is slow to import
+
+    return certify_optimal
+
+
+def _print_bml(file: str, setup: Setup) -> int:
+    """Print the BML generated from a plain text or FML.
+
+    Raises:
+        BmlError: the document is BML already, or a motion.
+    """
+    content: str | bytes = read_input(file)
+    opened = OpenedDocument(content) if is_spoken_file(file, content) else open_document(content)
+    for part in opened.surroundings:
+        click.echo(f"warning: {printable(part)}", err=True)
+    content = opened.text
+    if is_spoken_file(file, content):
+        print_written(content, lambda: setup)
+    elif is_fml(content):
+        bml, unshown = write_fml(content, setup, source=document_name(file))
         click.echo(printable_xml(bml), nl=False)
-        for each in unshown:
-            click.echo(f"not shown: {printable(each)}", err=True)
+        for element in unshown:
+            click.echo(f"not shown: {printable(element)}", err=True)
     else:
-        raise BmlError(f"{document_name(file)}: it is BML already, or a motion; --to bml is for FML and plain text")
+        raise BmlError(
+            f"{document_name(file)}: the document is BML already, or a motion; --to bml is for FML and plain text"
+        )
     return 0
+
+
+def print_written(text: str | bytes, load_setup: Callable[[], Setup]) -> None:
+    """Print the BML of a text, and its warnings on standard error."""
+    with show_stages() as stage:
+        stage("writing BML")
+        written = write_text(text, load_setup())
+    click.echo(printable_xml(written.bml), nl=False)
+    for warning in written.warnings:
+        click.echo(f"warning: {printable(warning)}", err=True)
 
 
 def document_name(file: str) -> str:
-    """Names a document as messages and reports have it."""
+    """Return a document's name for messages and reports."""
     return "stdin" if file == "-" else file
 
 
 def is_motion(file: str) -> bool:
-    """Says whether a document is a motion that was made elsewhere, and no BML."""
-    return file.lower().endswith(SUFFIX)
+    """Return whether the file is a motion file (.bap)."""
+    return file.lower().endswith(BAP_SUFFIX)
 
 
-def parse_document(file: str, known: Setup) -> Block:
-    """Reads BML or FML from a file, or from standard input for `-`; of a plain text (.txt), the BML written for it.
-
-    Raises:
-        BmlError: there is no such file, or the document is refused.
-    """
-    read = read_input(file)
-    if file.lower().endswith(TEXT):
-        return parse_text(read.decode("utf-8", "replace"), known, source=file)
-    return read_block(read, known, source=document_name(file))
-
-
-def parse_text(text: str, known: Setup, *, source: str) -> Block:
-    """Reads the BML that is written for a plain text.
+def plan_input(file: str, setup: Setup, *, conditioned: Conditioner = certify) -> Plan:
+    """Plan a file, or standard input for `-`.
 
     Args:
-        text: that is said.
-        known: says in which style, and with which seed.
-        source: name of the text in messages and reports.
-    """
-    return parse(write_bml(text, known), source=source, dialect=known.dialect, performer=known.character)
-
-
-def plan_motion(file: str, known: Setup) -> Plan:
-    """Plans a motion from a file; nothing moves.
+        file: BML, FML, text (.txt, .md, .srt, .vtt, SSML), or a motion (.bap).
+        setup: robot, style and options.
+        conditioned: conditioner that brings desired motions within the limits.
 
     Raises:
-        ConfigError: there is no such file, or it is wrong.
+        BmlError: the file does not exist, or the document is refused.
+        ConfigError: the motion is invalid.
     """
-    return plan_imported(read_bap(Path(file), known.robot), known, source=file)
+    if is_motion(file):
+        return plan_motion_file(file, setup)
+    content = read_input(file)
+    if is_spoken_file(file, content):
+        return plan_plain_text(content, setup, source=document_name(file), conditioned=conditioned)
+    return plan(content, setup, source=document_name(file), conditioned=conditioned)
 
 
 def print_timeline(planned: Plan, lags: Sequence[StrokeLag], screen: Console) -> None:
-    """Prints a row for each behaviour that is performed, in time order, with all its sync points in block time [s].
+    """Print a row for each performed behaviour with its sync points.
+
+    Rows are in order of time, in block time [s].
 
     Args:
-        planned: what is performed.
-        lags: of its strokes that are tied to words.
-        screen: to print on.
+        planned: plan whose behaviours are printed.
+        lags: lags of the strokes that are tied to words.
+        screen: console to print on.
     """
     table = Table(box=None, header_style="bold")
     for name in ("from", "to"):
         table.add_column(name, justify="right", no_wrap=True)
-    for name in ("behaviour", "does", "sync points"):
+    for name in ("behaviour", "action", "sync points"):
         table.add_column(name)
-    known = {behaviour.id: behaviour for behaviour in planned.timeline.block.behaviours}
-    tied = {(each.behaviour, each.sync): each for each in lags}
+    behaviours = {behaviour.id: behaviour for behaviour in planned.timeline.block.behaviours}
+    lags_by_sync = {(lag.behaviour, lag.sync): lag for lag in lags}
     rows: dict[str, list[SyncTime]] = {}
     for sync in planned.syncs:
         rows.setdefault(sync.behaviour, []).append(sync)
     for name, syncs in rows.items():
-        shown = [sync for sync in syncs if sync.sync not in ENDS or _is_moved(sync)]
-        between = ", ".join(_point(sync, tied.get((name, sync.sync))) for sync in shown)
+        shown_syncs = [sync for sync in syncs if sync.sync not in COLUMN_SYNCS or _is_moved(sync)]
+        sync_text = ", ".join(_format_sync(sync, lags_by_sync.get((name, sync.sync))) for sync in shown_syncs)
         times = (f"{syncs[0].planned:.2f}", f"{syncs[-1].planned:.2f}")
-        table.add_row(*times, *map(quote_text, (name, _does(known[name], planned), between)))
+        table.add_row(*times, *map(quote_text, (name, _describe_behaviour(behaviours[name], planned), sync_text)))
     if rows:
         screen.print(table)
 
 
-def _point(sync: SyncTime, lag: StrokeLag | None) -> str:
-    asked = f" (asked {sync.asked:.2f})" if _is_moved(sync) else ""
+def _format_sync(sync: SyncTime, lag: StrokeLag | None) -> str:
+    requested = f" (requested {sync.requested:.2f})" if _is_moved(sync) else ""
     fastest = "" if lag is None else f" (hand fastest at {lag.fastest:.2f})"
-    return f"{sync.sync} {sync.planned:.2f}{asked}{fastest}"
+    return f"{sync.sync} {sync.planned:.2f}{requested}{fastest}"
 
 
 def _is_moved(sync: SyncTime) -> bool:
-    return abs(sync.planned - sync.asked) > SHIFT_TO_WARN
+    return abs(sync.planned - sync.requested) > SHIFT_TO_WARN
 
 
-def _does(behaviour: Behaviour, planned: Plan) -> str:
-    """What a behaviour is and does; of a gesture the entry of the lexicon and the hands, of a speech its words."""
+def _describe_behaviour(behaviour: Behaviour, planned: Plan) -> str:
+    """Describe a behaviour by type, label, gesture entry and hands, or words."""
     match behaviour.action:
         case Speech(script):
             words = " ".join(script.text.split())
-            return f'"{words}"' if len(words) <= WORDS else f'"{words[:WORDS]}..."'
+            return f'"{words}"' if len(words) <= MAX_SPEECH_LENGTH else f'"{words[:MAX_SPEECH_LENGTH]}..."'
         case Gesture(lexeme, mode):
-            asked = f"{behaviour.type} {label(behaviour)}"
-            used = planned.keyframes.uses.get(behaviour.id, frozenset())
-            hands = tuple(side for side in SIDES if f"{side}_hand" in used)
-            found = planned.setup.lexicon.find(lexeme, mode) if hands else None
-            entry = "" if found is None or found.form.id == lexeme.lower() else f" as {found.form.id}"
-            return f"{asked}{entry}{HANDS[hands]}"
+            description = f"{behaviour.type} {label(behaviour)}"
+            body_parts = planned.keyframes.uses.get(behaviour.id, frozenset())
+            hands = tuple(side for side in SIDES if f"{side}_hand" in body_parts)
+            match = planned.setup.lexicon.find(lexeme, mode) if hands else None
+            entry_text = "" if match is None or match.form.id == lexeme.lower() else f" as {match.form.id}"
+            return f"{description}{entry_text}{HAND_LABELS[hands]}"
         case _:
             return f"{behaviour.type} {label(behaviour)}"

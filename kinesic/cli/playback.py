@@ -1,4 +1,4 @@
-"""A document performed in real time: the face's window, the voice, the servos and the keys that stop them."""
+"""Real-time performance with the face window, voice, servos and stop keys."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -9,19 +9,18 @@ import click
 from rich.console import Console
 from rich.live import Live as Display
 
-from kinesic.body.command import RATE
+from kinesic.body.command import COMMAND_RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.cli.ending_signals import leave_closed_terminal
+from kinesic.cli.ending_signals import detach_closed_terminal
 from kinesic.cli.servos.summary import warn_of_lost_events
 from kinesic.cli.terminal import pressed_keys
-from kinesic.controller.learned_gains import Lesson
-from kinesic.controller.performance import Performance
-from kinesic.controller.play import command_times, pace, play
-from kinesic.controller.servo_performance import RunRequest, ServoRun, interrupted, perform_live
+from kinesic.controller.learned_gains import Identification
+from kinesic.controller.play import pace_commands, play
+from kinesic.controller.servo_performance import RunRequest, catch_interrupts, perform_live
 from kinesic.controller.soundtrack import open_speaker, sound, speak_along
 from kinesic.face.display import DisplayError
-from kinesic.face.show.controls import HELP
+from kinesic.face.show.controls import KEY_HELP
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.preview_settings import PreviewSettings
 from kinesic.face.show.window import has_display
@@ -29,6 +28,8 @@ from kinesic.files.output_file import new_file
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Awaited
+from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.servo_run import ServoRun
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.output import WrittenPaths, rewrite
@@ -37,22 +38,24 @@ from kinesic.report.servo_belief import with_lesson
 from kinesic.report.servo_report import live_log, with_live
 from kinesic.sim.log import write_log
 
-KEYS = "space: stop where it is; Enter: go on; Ctrl-C: fold to rest and let go."
-HELD: Mapping[Awaited, str] = {
-    "consent": "the servos hold: Enter goes on, Ctrl-C folds to rest and ends",
-    "confirmation": "a limb cannot fold, and is held: `kinesic servos release` lets it fall",
-    "port": "a port is gone: plug it in again",
+SERVO_KEY_HELP = "space: stop and hold; Enter: resume; Ctrl-C: fold to rest and switch torque off."
+WAIT_MESSAGES: Mapping[Awaited, str] = {
+    "consent": "the servos hold: Enter resumes, Ctrl-C folds to rest and ends",
+    "confirmation": "a limb cannot fold and is held: `kinesic servos release` lets it fall",
+    "port": "a port was disconnected: plug it in again",
 }
 
 
 @contextmanager
-def preview_window(robot: Robot, *, requested: bool, beside: Path | None = None) -> Iterator[Preview | None]:
-    """Opens a window of the face meanwhile, where it is requested and there is a display; else it is None.
+def preview_window(robot: Robot, *, requested: bool, body_film: Path | None = None) -> Iterator[Preview | None]:
+    """Open a face window if requested and a display exists.
+
+    Otherwise the value is None.
 
     Args:
-        robot: whose head turns the face.
-        requested: whether anybody wants to see it.
-        beside: a film of its body.
+        robot: robot whose head turns the face.
+        requested: whether the window is requested.
+        body_film: film of the robot's body to show next to the face.
 
     Raises:
         ConfigError: the window does not open.
@@ -61,134 +64,145 @@ def preview_window(robot: Robot, *, requested: bool, beside: Path | None = None)
         yield None
         return
     if not has_display():
-        click.echo("face: no display for a window; its film is on the page, unless --no-film", err=True)
+        click.echo("face: no display for a window; the report has a film, unless --no-film", err=True)
         yield None
         return
     try:
-        preview = Preview(robot, look=PreviewSettings(beside=beside), windowed=True)
+        preview = Preview(robot, look=PreviewSettings(beside=body_film), windowed=True)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
-    click.echo(HELP, err=True)
+    click.echo(KEY_HELP, err=True)
     with preview:
         yield preview
 
 
 def play_whole(plan: Plan, preview: Preview) -> None:
-    """Shows a whole performance in its own time, with its voice where there is a loudspeaker."""
-    commands, voice = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
-    with ExitStack() as opened:
-        speaker = None if voice is None else opened.enter_context(open_speaker(warn))
+    """Show a whole performance in real time, with its voice if possible."""
+    commands, voice = tuple(commands_with_face(plan, plan.command_times)), sound(plan)
+    with ExitStack() as stack:
+        speaker = None if voice is None else stack.enter_context(open_speaker(warn))
         if voice is not None and speaker is not None:
             speaker.play(voice, monotonic())
-        play(pace(commands), preview)
+        play(pace_commands(commands), preview)
 
 
 def follow_servos(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:
-    """Makes a callback that, at each status of the servos, shows the face at their performance time."""
+    """Make a callback that shows the face at the servos' time."""
     if preview is None:
         return lambda status: None
-    commands = tuple(commands_with_face(plan, command_times(plan.duration)))
+    commands = tuple(commands_with_face(plan, plan.command_times))
 
     def follow(status: Status) -> None:
-        preview.write(commands[min(max(round(status.time * RATE), 0), len(commands) - 1)])
+        preview.write(commands[min(max(round(status.time * COMMAND_RATE), 0), len(commands) - 1)])
 
     return follow
 
 
 def perform_on_servos(
-    performance: Performance,
+    performance: DryRun,
     ports: dict[str, Path],
     folder: Path,
     *,
     quiet: bool,
     listener: Callable[[Status], None] = lambda status: None,
 ) -> ServoRun:
-    """Performs on the servos, and aloud, what the twin has performed; events are added to FOLDER/events.jsonl.
+    """Perform on the servos, with speech, after the performance in the twin.
+
+    Servo events are appended to FOLDER/events.jsonl.
 
     Args:
-        performance: of the twin.
-        ports: of the robot's buses.
-        folder: of the report.
-        quiet: nothing is shown in the terminal.
-        listener: gets every status of the servos.
+        performance: performance of the twin.
+        ports: ports of the robot's buses.
+        folder: folder of the report.
+        quiet: whether nothing is shown in the terminal.
+        listener: called with every status of the servos.
 
     Raises:
         BusError: a port or a servo is missing or wrong; nothing has moved.
     """
     plan = performance.plan
-    with speak_along(plan, warn) as said:
+    with speak_along(plan, warn) as voice:
         servos = Servos(plan.setup.robot, ports, log=folder / "events.jsonl")
         if not quiet:
-            click.echo(KEYS, err=True)
-        with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
-            listeners = _all(shown, said, tell_waiting(), listener)
-            live = perform_live(performance, servos, requested=_requested(keys, folding), shown=listeners)
-    warn_of_lost_events(live.notes)
-    return live
+            click.echo(SERVO_KEY_HELP, err=True)
+        with catch_interrupts() as interrupted, pressed_keys() as keys, _open_status_line(quiet) as status_line:
+            listeners = _call_all(status_line, voice, report_waiting(), listener)
+            servo_run = perform_live(
+                performance, servos, requested=_make_request_reader(keys, interrupted), shown=listeners
+            )
+    warn_of_lost_events(servo_run.notes)
+    return servo_run
 
 
-def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
-    def hear(status: Status) -> None:
+def _call_all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
+    def call(status: Status) -> None:
         for listener in listeners:
             listener(status)
 
-    return hear
+    return call
 
 
-def tell_waiting() -> Callable[[Status], None]:
-    """Makes a callback that prints what the servos wait for, when it is a person that can help."""
-    before: list[Awaited] = ["nothing"]
+def report_waiting() -> Callable[[Status], None]:
+    """Make a callback that prints the user action the servos await.
 
-    def tell(status: Status) -> None:
-        if status.waits != before[-1] and status.waits in HELD:
-            warn(HELD[status.waits])
-        before[:] = [status.waits]
+    It prints only if a person can act, and only when this changes.
+    """
+    previous: list[Awaited] = ["nothing"]
 
-    return tell
+    def report(status: Status) -> None:
+        if status.waits != previous[-1] and status.waits in WAIT_MESSAGES:
+            warn(WAIT_MESSAGES[status.waits])
+        previous[:] = [status.waits]
+
+    return report
 
 
-def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], RunRequest]:
+def _make_request_reader(keys: Callable[[], str], interrupted: Callable[[], bool]) -> Callable[[], RunRequest]:
     def request() -> RunRequest:
         pressed = keys()
         if " " in pressed:
             return "stop"
         if "\n" in pressed or "\r" in pressed:
             return "resume"
-        if not folding():
+        if not interrupted():
             return "go on"
-        leave_closed_terminal()
+        detach_closed_terminal()
         return "end"
 
     return request
 
 
-def write_live(
-    live: ServoRun, data: dict[str, Json], written: WrittenPaths, lesson: Lesson | None
+def write_servo_run(
+    servo_run: ServoRun, data: dict[str, Json], written: WrittenPaths, identification: Identification | None
 ) -> tuple[dict[str, Json], Path]:
-    """Writes the report anew with what the robot did and told, and a log; returns report and path of the log."""
-    whole = with_lesson(with_live(data, live), lesson)
-    rewrite(written, live.performance, whole)
-    log = written.report.with_name("servos.npz")
-    with new_file(log, force=True) as fresh:
-        write_log(live_log(live), live.performance.plan.setup.robot, fresh)
-    return whole, log
+    """Rewrite the report with the servo run, and write the servo log.
+
+    Returns:
+        The report, and the path of the log.
+    """
+    new_data = with_lesson(with_live(data, servo_run), identification)
+    rewrite(written, servo_run.performance, new_data)
+    servo_log = written.report.with_name("servos.npz")
+    with new_file(servo_log, force=True) as temporary:
+        write_log(live_log(servo_run), servo_run.performance.plan.setup.robot, temporary)
+    return new_data, servo_log
 
 
 @contextmanager
-def _display(quiet: bool) -> Iterator[Callable[[Status], None]]:
-    """Opens a line that shows how it goes, where there is a terminal."""
+def _open_status_line(quiet: bool) -> Iterator[Callable[[Status], None]]:
+    """Open a live status line of the servos, on terminals only."""
     screen = Console(stderr=True)
     if quiet or not screen.is_terminal:
         yield lambda status: None
         return
     with Display(console=screen, transient=True) as display:
-        yield lambda status: display.update(_line(status))
+        yield lambda status: display.update(_format_status(status))
 
 
-def _line(status: Status) -> str:
+def _format_status(status: Status) -> str:
     parts = (
         f"{status.stage.value:9} {status.time:6.2f} s",
-        f"{status.energised} servos on",
+        f"{status.energised} servos with torque",
         f"{status.hottest:.0f} C",
         f"{status.volts:.1f} V",
         *((f"{status.silent} silent",) if status.silent else ()),
@@ -197,5 +211,5 @@ def _line(status: Status) -> str:
 
 
 def warn(line: str) -> None:
-    """Prints to standard error what cannot be seen or heard."""
+    """Print a warning line to standard error."""
     click.echo(line, err=True)

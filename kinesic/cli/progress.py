@@ -1,4 +1,4 @@
-"""How far a verb has come: the stage that it is in, with a bar, on a terminal; in a pipe or a file, nothing."""
+"""Progress display: the current stage with a bar, on terminals only."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -7,27 +7,29 @@ from typing import Protocol
 
 
 class Stage(Protocol):
-    """Tells what is being done."""
+    """Callback that displays the current stage of a command."""
 
-    def __call__(self, name: str, share: float | None = None, /) -> None:
-        """Names the stage, and the share of it that is done, 0..1; None: nobody knows."""
+    def __call__(self, name: str, fraction: float | None = None, /) -> None:
+        """Display a stage and its completed fraction 0..1, None if unknown."""
 
 
-def untold(name: str, share: float | None = None, /) -> None:
-    """Nobody looks."""
+def ignore_stage(name: str, fraction: float | None = None, /) -> None:
+    """Accept a stage without displaying it."""
 
 
 @contextmanager
 def show_stages(*, rate: float = 10.0) -> Iterator[Stage]:
-    """Opens a bar on the terminal that standard error is, which goes again at the end; without one, yields nothing.
+    """Open a progress bar on standard error, which disappears at the end.
+
+    If standard error is not a terminal, the yielded callback does nothing.
 
     Args:
-        rate: of its pictures [Hz]; the fewer, the less they disturb what is measured meanwhile.
+        rate: refresh rate [Hz]; a low rate disturbs concurrent measurements less.
     """
     if not sys.stderr.isatty():
-        yield untold
+        yield ignore_stage
         return
-    from rich.console import Console  # noqa: PLC0415 - slow to import, and pipes need it not
+    from rich.console import Console  # noqa: PLC0415 - slow to import, and unused in pipes
     from rich.markup import escape  # noqa: PLC0415 - as above
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - as above
 
@@ -35,13 +37,13 @@ def show_stages(*, rate: float = 10.0) -> Iterator[Stage]:
     with Progress(*columns, console=Console(stderr=True), transient=True, refresh_per_second=rate) as bar:
         task = bar.add_task("", total=None)
 
-        def tell(name: str, share: float | None = None, /) -> None:
-            bar.tasks[0].total = None if share is None else 1.0  # None: the bar only moves
-            bar.update(task, description=escape(name), completed=share or 0.0)
+        def display(name: str, fraction: float | None = None, /) -> None:
+            bar.tasks[0].total = None if fraction is None else 1.0  # A bar without total only moves.
+            bar.update(task, description=escape(name), completed=fraction or 0.0)
 
-        yield tell
+        yield display
 
 
-def share_of(stage: Stage, name: str) -> Callable[[float], None]:
-    """Makes a function that tells the share of one stage that is done."""
-    return lambda share: stage(name, share)
+def stage_progress(stage: Stage, name: str) -> Callable[[float], None]:
+    """Make a callback that displays the completed fraction of one stage."""
+    return lambda fraction: stage(name, fraction)

@@ -1,4 +1,4 @@
-"""`kinesic robots`: which robots there are, what they are made of, whether they can work; imports other ones."""
+"""Verbs `kinesic robots`: list, show, check and import robots."""
 
 from pathlib import Path
 
@@ -13,102 +13,107 @@ from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, new_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.sim.importer.apart.imported import ImportedRobot, import_apart
-from kinesic.sim.shells.shell import SUFFIX, is_stale, shell_of
+from kinesic.sim.shells.shell import SHELL_SUFFIX, is_stale, load_shell
 
-WARN_TORQUE = 0.4  # of stall
-FAIL_TORQUE = 0.8
-MAX_NOTES_SHOWN = 5  # parts of a foreign robot that are left out
+WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
+FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails
+MAX_PRINTED_NOTES = 5  # printed notes on parts that the import omits
 
 
 def list_robots() -> int:
-    """Lists the robots that come with kinesic."""
+    """Print the names of the robots that come with kinesic."""
     for path in sorted((CONFIGS / "robots").glob("*.toml")):
         click.echo(path.stem)
     return 0
 
 
 def show_robot(robot: str) -> int:
-    """Prints range, servo and limits of every hinge of a robot."""
-    body = load_robot(robot)
+    """Print range, servo and limits of every hinge of a robot."""
+    robot_model = load_robot(robot)
     table = Table("hinge", "range deg", "rest deg", "servo", "reduction", "stall Nm", "speed limit rad/s", box=None)
-    for hinge, drive, speed in zip(body.skeleton.hinges, body.drives, body.speed_limits, strict=True):
+    for hinge, drive, velocity in zip(
+        robot_model.skeleton.hinges, robot_model.drives, robot_model.velocity_limits, strict=True
+    ):
         low, high, rest = np.degrees([hinge.lower, hinge.upper, hinge.rest])
         servo = drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}"
-        figures = f"{low:.0f}..{high:.0f}", f"{rest:.0f}", servo, f"{drive.reduction:g}", f"{drive.stall:.1f}"
-        table.add_row(*map(quote_text, (hinge.name, *figures)), f"{speed:.2f}")
+        cells = f"{low:.0f}..{high:.0f}", f"{rest:.0f}", servo, f"{drive.reduction:g}", f"{drive.stall:.1f}"
+        table.add_row(*map(quote_text, (hinge.name, *cells)), f"{velocity:.2f}")
     console().print(table)
-    click.echo(_tell_shell(body))
+    click.echo(_describe_surface(robot_model))
     return 0
 
 
-def _tell_shell(robot: Robot) -> str:
-    """Says what the robot is drawn as, and what mends a shell that was made from another description."""
+def _describe_surface(robot: Robot) -> str:
+    """Describe the robot's surface, with the remedy for an outdated shell."""
     if robot.skin is not None:
         return "drawn with its skin"
     if is_stale(robot):
-        made = f"{robot.path.with_suffix(SUFFIX).name} was made from another description"
-        return f"drawn as capsules: {made}; make it anew: python -m kinesic.sim.shells.bake {robot.path.name}"
-    return "drawn in its shell" if shell_of(robot) else "drawn as capsules"
+        problem = f"{robot.path.with_suffix(SHELL_SUFFIX).name} was made from another robot description"
+        return f"drawn as capsules: {problem}; rebuild it: python -m kinesic.sim.shells.bake {robot.path.name}"
+    return "drawn in its shell" if load_shell(robot) else "drawn as capsules"
 
 
 def assess_robot(robot: str) -> int:
-    """Prints static torque ratios, workspace and clearance of a robot."""
-    from kinesic.planning.workspace import workspace  # noqa: PLC0415 - slow to import, and imports need neither
+    """Print static torque ratios, workspace and clearance of a robot."""
+    from kinesic.planning.workspace import find_workspace  # noqa: PLC0415 - slow to import, and unused by the other verbs
     from kinesic.sim.robot_check import check_robot  # noqa: PLC0415
 
-    body = load_robot(robot)
+    robot_model = load_robot(robot)
     with show_stages() as stage:
         stage("searching the worst postures")
-        physics = check_robot(body)
-        stage("reaching for every sector")
-        reach = workspace(body)
+        checked = check_robot(robot_model)
+        stage("computing the workspace")
+        reach = find_workspace(robot_model)
     table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
     failed = False
-    for name, rest, worst in zip(body.skeleton.names, physics.rest_ratios, physics.worst_ratios, strict=True):
-        failed |= bool(worst > FAIL_TORQUE)
-        mark = "[red]fail[/]" if worst > FAIL_TORQUE else "[yellow]warn[/]" if worst > WARN_TORQUE else "pass"
-        table.add_row(quote_text(name), f"{rest:.3f}", f"{worst:.3f}", mark)
+    for name, rest, worst in zip(robot_model.skeleton.names, checked.rest_ratios, checked.worst_ratios, strict=True):
+        failed |= bool(worst > FAIL_TORQUE_RATIO)
+        status_text = (
+            "[red]fail[/]" if worst > FAIL_TORQUE_RATIO else "[yellow]warn[/]" if worst > WARN_TORQUE_RATIO else "pass"
+        )
+        table.add_row(quote_text(name), f"{rest:.3f}", f"{worst:.3f}", status_text)
     console().print(table)
     click.echo(
-        f"mass {physics.mass:.2f} kg, {physics.moving_mass:.2f} kg of it moving; arm length {body.arm_length:.3f} m"
+        f"mass {checked.mass:.2f} kg, {checked.moving_mass:.2f} kg of it moving; "
+        f"arm length {robot_model.arm_length:.3f} m"
     )
-    for name, gap in (("at rest", physics.rest_gap), ("at zero", physics.zero_gap)):
-        click.echo(f"clearance {name}: {1000 * gap.distance:.0f} mm, {gap.pair[0]} and {gap.pair[1]}")
-    least = 1000 * body.least_clearance
-    click.echo(f"{100 * physics.clear_share:.0f} % of random postures keep {least:.0f} mm")
+    for name, clearance in (("at rest", checked.rest_gap), ("at zero", checked.zero_gap)):
+        click.echo(f"clearance {name}: {1000 * clearance.distance:.0f} mm, {clearance.pair[0]} and {clearance.pair[1]}")
+    min_clearance = 1000 * robot_model.min_clearance
+    click.echo(f"{100 * checked.clear_share:.0f} % of random postures have {min_clearance:.0f} mm clearance")
     total = len(reach.reached) + len(reach.missed)
     click.echo(f"workspace: {len(reach.reached)} of {total} sectors within 2 cm, torso upright")
     return 1 if failed else 0
 
 
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
-    """Map the joints of an MJCF or URDF and write a TOML."""
+    """Map the joints of MJCF or URDF and write a robot file."""
     target = out or Path(f"{file.stem}.toml")
-    shell = target.with_suffix(SUFFIX)
+    shell = target.with_suffix(SHELL_SUFFIX)
     for path in (target, shell):
         check_file(path, force=force)
     with show_stages() as stage:
-        stage("mapping its hinges")
-        found = import_apart(file)
-    write_text(target, found.text, force=force, durable=True)
-    console().print(_mapping(found))
+        stage("mapping the joints")
+        imported = import_apart(file)
+    write_text(target, imported.text, force=force, durable=True)
+    console().print(_tabulate_mapping(imported))
     click.echo(f"robot: {target}")
-    if found.shell:
-        with new_file(shell, force=force) as fresh:
-            fresh.write_bytes(found.shell)
+    if imported.shell:
+        with new_file(shell, force=force) as temporary:
+            temporary.write_bytes(imported.shell)
         click.echo(f"shell: {shell}")
-    for why in found.left_out[:MAX_NOTES_SHOWN]:
-        click.echo(f"left out: {quote_text(why)}")
-    if (more := len(found.left_out) - MAX_NOTES_SHOWN) > 0:
-        click.echo(f"left out: {more} more")
-    if found.doubt:
-        click.echo(f"kinesic: review {target} before it moves: {found.doubt}", err=True)
-    return 1 if found.doubt else 0
+    for note in imported.left_out[:MAX_PRINTED_NOTES]:
+        click.echo(f"left out: {quote_text(note)}")
+    if (hidden_count := len(imported.left_out) - MAX_PRINTED_NOTES) > 0:
+        click.echo(f"left out: {hidden_count} more")
+    if imported.doubt:
+        click.echo(f"kinesic: review {target} before it moves: {imported.doubt}", err=True)
+    return 1 if imported.doubt else 0
 
 
-def _mapping(found: ImportedRobot) -> Table:
-    """Tabulate which hinge of the file became which."""
-    table = Table("hinge", "of the file", "range deg", "rest deg", box=None)
-    for name, joint, *degrees in found.mapping:
+def _tabulate_mapping(imported: ImportedRobot) -> Table:
+    """Tabulate the file's joint for each hinge."""
+    table = Table("hinge", "joint in the file", "range deg", "rest deg", box=None)
+    for name, joint, *degrees in imported.mapping:
         table.add_row(name, quote_text(joint), *degrees)
     return table

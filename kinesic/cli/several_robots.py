@@ -1,4 +1,4 @@
-"""`kinesic perform --robot A,B`: one document by several robots, a report of each, and a film of them side by side."""
+"""Verb `kinesic perform --robot A,B`: one document, several robots, one combined film."""
 
 import json
 from collections.abc import Sequence
@@ -9,11 +9,12 @@ import click
 import numpy as np
 
 from kinesic.body.arrays import Picture
-from kinesic.body.config import ConfigError, locate
+from kinesic.body.config import ConfigError, locate_config
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
 from kinesic.cli.perform import perform_file
 from kinesic.cli.plan import document_name
-from kinesic.cli.servos.memory import check_alone
+from kinesic.cli.progress import show_stages
+from kinesic.cli.servos.memory import check_single_robot
 from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.pictures import LazyPictures
 from kinesic.files.film_settings import FilmSettings
@@ -22,95 +23,128 @@ from kinesic.files.output_folder import check_folder
 from kinesic.report.gltf.scene import is_scene
 from kinesic.report.output import default_folder
 
-FILM = "film.webp"
-HEIGHT, ASPECT = 720, 4 / 3  # [pixels] of the film, and width to height of each robot's part of it
-RATE = 30.0  # [Hz]
-MOST_PICTURES = 3600  # of one film; a longer one has fewer a second
+FILM_FILE = "film.webp"  # file name of the combined film
+PART_ASPECT_RATIO = 4 / 3  # width / height of one robot's part of the film
+MAX_FILM_FRAMES = 3600  # largest number of frames; longer films have a lower frame rate
 
 
 def perform_document(
-    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: FilmSettings | None
+    file: str,
+    planning: Planning,
+    performers: Performers,
+    twin_options: TwinOptions,
+    output: Output,
+    film: FilmSettings | None,
 ) -> int:
-    """Performs a document with one robot, or with several whose names have commas between them."""
+    """Perform a document with one robot, or with several, separated by commas."""
     perform = perform_with_several if "," in planning.robot else perform_file
-    return perform(file, planning, performers, way, output, film)
+    return perform(file, planning, performers, twin_options, output, film)
 
 
 def perform_with_several(
-    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: FilmSettings | None
+    file: str,
+    planning: Planning,
+    performers: Performers,
+    twin_options: TwinOptions,
+    output: Output,
+    film: FilmSettings | None,
 ) -> int:
-    """Performs a document with each robot of a list, into a folder of its own, and films them side by side.
+    """Perform a document with each robot, and film them side by side.
+
+    Each robot has its own report folder.
 
     Raises:
-        ConfigError: a robot is unknown, named twice, or more is asked than several robots can do.
+        ConfigError: a robot is unknown or named twice, or an option does not allow several robots.
     """
     robots = planning.robot.split(",")
-    _check(robots, performers, output)
-    check_alone(way)
+    _check_options(robots, performers, output)
+    check_single_robot(twin_options)
     if film is not None and film.format != "webp":
-        raise ConfigError("--film-format mp4: several robots are filmed side by side as webp alone; name one robot")
+        raise ConfigError("--film-format mp4: several robots are filmed side by side only as webp; name one robot")
     if file == "-":
-        raise ConfigError("standard input is read once: several robots need a file")
+        raise ConfigError("standard input can be read only once; several robots need a file")
     if is_scene(output.out):
         raise ConfigError(f"{output.out}: a scene has one robot: name one, or give --out FOLDER")
     folder = output.out or default_folder(document_name(file))
-    places = [folder / _folder_name(robot) for robot in robots]
-    for place in places:
-        check_folder(place, force=output.force)
-    beside = folder / FILM
+    robot_folders = [folder / _make_folder_name(robot) for robot in robots]
+    for robot_folder in robot_folders:
+        check_folder(robot_folder, force=output.force)
+    film_path = folder / FILM_FILE
     if folder.is_dir():
-        check_file(beside, force=output.force)
-    code = 0
-    for robot, place in zip(robots, places, strict=True):
-        alone = replace(planning, robot=robot)
-        code = max(code, perform_file(file, alone, performers, way, replace(output, out=place), film))
-    if film is not None and all((place / FILM).exists() for place in places):
-        film_beside = _Beside(places)
-        with new_file(beside, force=output.force) as fresh:
-            save_film(film_beside.pictures, fresh, rate=film_beside.rate)
-        click.echo(f"side by side: {beside}")
-    return code
+        check_file(film_path, force=output.force)
+    exit_code = 0
+    for robot, robot_folder in zip(robots, robot_folders, strict=True):
+        robot_planning = replace(planning, robot=robot)
+        exit_code = max(
+            exit_code,
+            perform_file(file, robot_planning, performers, twin_options, replace(output, out=robot_folder), film),
+        )
+    if film is not None and all((robot_folder / FILM_FILE).exists() for robot_folder in robot_folders):
+        combined_film = _CombinedFilm(robot_folders, film)
+        with new_file(film_path, force=output.force) as temporary, show_stages() as stage:
+            stage("joining the films")
+            save_film(combined_film.pictures, temporary, rate=combined_film.rate)
+        click.echo(f"side by side: {film_path}")
+    return exit_code
 
 
-def _check(robots: Sequence[str], performers: Performers, output: Output) -> None:
+def _check_options(robots: Sequence[str], performers: Performers, output: Output) -> None:
     for robot in robots:
-        locate("robot", robot)
-    if len({_folder_name(robot) for robot in robots}) < len(robots):
+        locate_config("robot", robot)
+    if len({_make_folder_name(robot) for robot in robots}) < len(robots):
         raise ConfigError(f"--robot {','.join(robots)}: each robot may be named once")
     if performers.sinks != {"twin"}:
-        raise ConfigError("several robots perform in the twin alone: name one robot for --on servos or face")
+        raise ConfigError("several robots perform only in the twin; name one robot for --on servos or face")
     if output.as_json:
-        raise ConfigError("--json tells of one robot: name one, or read report.json of each")
+        raise ConfigError("--json reports one robot; name one, or read report.json of each")
 
 
-def _folder_name(robot: str) -> str:
+def _make_folder_name(robot: str) -> str:
     """Return the folder name for a robot, never `.` or `..`."""
     stem = Path(robot).stem
     return stem if stem.strip(".") else "robot"
 
 
-class _Beside:
-    """Several films next to one another; block zero is at the same time in all."""
+class _CombinedFilm:
+    """Several robots' films next to each other, aligned at block time zero."""
 
-    def __init__(self, places: Sequence[Path]) -> None:
-        self._films = [SideFilm(place / FILM, HEIGHT) for place in places]
-        timings = [json.loads((place / "report.json").read_text(encoding="utf-8"))["timing"] for place in places]
-        first = max(timing["zero_s"] for timing in timings)
-        self._waits = [first - timing["zero_s"] for timing in timings]
-        ends = [wait + timing["duration_s"] for wait, timing in zip(self._waits, timings, strict=True)]
-        self.rate = min(RATE, MOST_PICTURES / max(ends))  # [Hz]
+    def __init__(self, robot_folders: Sequence[Path], settings: FilmSettings) -> None:
+        self._part_size = part_size(settings.size, len(robot_folders))
+        self._films = [SideFilm(robot_folder / FILM_FILE, self._part_size[1]) for robot_folder in robot_folders]
+        timings = [
+            json.loads((robot_folder / "report.json").read_text(encoding="utf-8"))["timing"]
+            for robot_folder in robot_folders
+        ]
+        latest_zero = max(timing["zero_s"] for timing in timings)
+        self._waits = [latest_zero - timing["zero_s"] for timing in timings]
+        ends = [delay + timing["duration_s"] for delay, timing in zip(self._waits, timings, strict=True)]
+        self.rate = min(settings.rate, MAX_FILM_FRAMES / max(ends))  # [Hz]
         self.pictures = LazyPictures(int(max(ends) * self.rate) + 1, self._draw)
 
     def _draw(self, index: int) -> Picture:
         time = index / self.rate
         return np.concatenate(
-            [_middle(film.at(max(time - wait, 0.0))) for film, wait in zip(self._films, self._waits, strict=True)],
+            [
+                _crop(film.at(max(time - delay, 0.0)), self._part_size[0])
+                for film, delay in zip(self._films, self._waits, strict=True)
+            ],
             axis=1,
         )
 
 
-def _middle(picture: Picture) -> Picture:
-    """The part of a picture that is as wide as each robot's is."""
-    width = min(round(HEIGHT * ASPECT), picture.shape[1])
+def part_size(film_size: tuple[int, int], count: int) -> tuple[int, int]:
+    """Return each robot's picture size [pixels] in a side-by-side film.
+
+    Args:
+        film_size: largest width and height [pixels] of the whole film.
+        count: number of robots.
+    """
+    height = min(film_size[1], int(film_size[0] / count / PART_ASPECT_RATIO))
+    return min(film_size[0] // count, round(height * PART_ASPECT_RATIO)), height
+
+
+def _crop(picture: Picture, width: int) -> Picture:
+    """Crop a picture to its centre of some width [pixels]."""
+    width = min(width, picture.shape[1])
     left = (picture.shape[1] - width) // 2
     return picture[:, left : left + width]

@@ -1,10 +1,8 @@
-"""The terminal: tables as wide as it is, and keys as they are pressed while something else goes on."""
+"""Terminal output as wide as the window, and non-blocking key input."""
 
 import os
 import select
 import sys
-import termios
-import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
@@ -13,42 +11,49 @@ from rich.text import Text
 
 from kinesic.cli.plain_words import printable
 
-WIDTH = 160  # [characters]
-MOST_INPUT = 64  # [bytes] taken at once
+if sys.platform != "win32":
+    import termios
+    import tty
+
+FILE_WIDTH = 160  # [characters] width of tables in files and pipes
+MAX_KEY_BYTES = 64  # [bytes] largest key input per read
 
 
 def console() -> Console:
-    """Opens standard output for tables: as wide as the terminal, or as `WIDTH` in a file."""
-    return Console() if sys.stdout.isatty() else Console(width=WIDTH)
+    """Return a console for standard output, `FILE_WIDTH` wide without a terminal."""
+    return Console() if sys.stdout.isatty() else Console(width=FILE_WIDTH)
 
 
 def error_console() -> Console:
-    """Opens standard error for lines with colours; in a file, without."""
-    return Console(stderr=True) if sys.stderr.isatty() else Console(stderr=True, width=WIDTH)
+    """Return a console for standard error, in colour only on a terminal."""
+    return Console(stderr=True) if sys.stderr.isatty() else Console(stderr=True, width=FILE_WIDTH)
 
 
-def quote_text(words: str) -> Text:
-    """Makes a cell of a table of words that may come from strangers: as they stand, without markup."""
-    return Text(printable(words))
+def quote_text(text: str) -> Text:
+    """Return untrusted text as a table cell, escaped and without markup."""
+    return Text(printable(text))
 
 
 @contextmanager
 def pressed_keys() -> Iterator[Callable[[], str]]:
-    """Yields a function that gives the keys since its last call, at once; none where there is no terminal."""
-    if not sys.stdin.isatty():
+    """Yield a non-blocking function that returns newly pressed keys.
+
+    Without a terminal, and on Windows, it returns no keys.
+    """
+    if sys.platform != "win32" and sys.stdin.isatty():
+        terminal = sys.stdin.fileno()
+        settings = termios.tcgetattr(terminal)
+        tty.setcbreak(terminal)
+        try:
+            yield lambda: _read_waiting_keys(terminal)
+        finally:
+            with suppress(termios.error):  # The terminal may have been closed.
+                termios.tcsetattr(terminal, termios.TCSADRAIN, settings)
+    else:
         yield lambda: ""
-        return
-    terminal = sys.stdin.fileno()
-    before = termios.tcgetattr(terminal)
-    tty.setcbreak(terminal)
-    try:
-        yield lambda: _waiting(terminal)
-    finally:
-        with suppress(termios.error):  # it has closed meanwhile
-            termios.tcsetattr(terminal, termios.TCSADRAIN, before)
 
 
-def _waiting(terminal: int) -> str:
+def _read_waiting_keys(terminal: int) -> str:
     if not select.select([terminal], [], [], 0)[0]:
         return ""
-    return os.read(terminal, MOST_INPUT).decode(errors="replace")
+    return os.read(terminal, MAX_KEY_BYTES).decode(errors="replace")

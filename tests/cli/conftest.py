@@ -21,7 +21,7 @@ class Ended:
 
 @pytest.fixture
 def kinesic(capsys, monkeypatch, tmp_path) -> Callable[..., Ended]:
-    """Runs the command line in this process, in an empty folder."""
+    """Return a function that runs the command line in this process, in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str, stdin: bytes = b"") -> Ended:
@@ -37,7 +37,7 @@ def kinesic(capsys, monkeypatch, tmp_path) -> Callable[..., Ended]:
 
 @pytest.fixture(scope="session")
 def kinesic_in() -> Callable[..., Ended]:
-    """Runs the command line in this process, in a folder that several tests examine."""
+    """Return a function that runs the command line in this process, in a given folder."""
 
     def run(folder: Path, *arguments: str, stdin: bytes = b"") -> Ended:
         out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True) for _ in range(2))
@@ -46,7 +46,7 @@ def kinesic_in() -> Callable[..., Ended]:
             patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
             with pytest.raises(SystemExit) as end:
                 main()
-        told, complained = (stream.buffer.getvalue().decode() for stream in (out, err))
-        return Ended(int(end.value.code or 0), told, complained)
+        out_text, err_text = (stream.buffer.getvalue().decode() for stream in (out, err))
+        return Ended(int(end.value.code or 0), out_text, err_text)
 
     return run

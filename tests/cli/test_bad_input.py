@@ -1,4 +1,4 @@
-"""Every bad input has the outcome that is promised: one line and exit code 2, or a named drop and a performance."""
+"""Invalid input: one line and exit code 2, or one dropped behaviour."""
 
 import json
 
@@ -11,7 +11,7 @@ BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="0.2"/>'
 SPEECH = '<speech id="s"><text>Well, <sync id="m"/>hello.</text></speech>'
 
-REFUSED = {
+REFUSED_DOCUMENTS = {
     "empty file": "",
     "not XML": "hello there",
     "entity": '<!DOCTYPE bml [<!ENTITY e "x">]>' + BML.format(NOD),
@@ -24,10 +24,10 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_refused_with_one_located_line(name, kinesic, tmp_path):
+@pytest.mark.parametrize("name", REFUSED_DOCUMENTS)
+def test_invalid_document_is_refused_with_one_line_and_its_location(name, kinesic, tmp_path):
     path = tmp_path / "bad.bml"
-    path.write_text(REFUSED[name])
+    path.write_text(REFUSED_DOCUMENTS[name])
     ended = kinesic("perform", path, "--out", "there", "--no-film")
     assert ended.code == 2
     assert ended.err.startswith(f"kinesic: {path}:")
@@ -35,7 +35,7 @@ def test_refused_with_one_located_line(name, kinesic, tmp_path):
     assert not (tmp_path / "there").exists()
 
 
-def test_a_document_of_100_mb_is_refused_at_once(kinesic, tmp_path):
+def test_document_of_100_mb_is_refused_by_its_size(kinesic, tmp_path):
     path = tmp_path / "big.bml"
     with path.open("wb") as file:
         file.write(BML.format(NOD).encode())
@@ -45,7 +45,7 @@ def test_a_document_of_100_mb_is_refused_at_once(kinesic, tmp_path):
     assert "4 MB" in ended.err or "4000000" in ended.err.replace(" ", "").replace("_", "")
 
 
-DROPPED = {  # the id of what is dropped, and the document about it
+DROPPED_BEHAVIOURS = {  # id of the dropped behaviour, and its BML
     "unknown behaviour": ("dance", '<dance id="dance"/>'),
     "unknown sync of a known speech": ("lost", SPEECH + '<head id="lost" lexeme="NOD" stroke="s:nowhere"/>'),
     "cyclic sync": (
@@ -58,26 +58,26 @@ DROPPED = {  # the id of what is dropped, and the document about it
 
 
 @pytest.fixture(scope="module")
-def odd(kinesic_in, tmp_path_factory):
-    """A nod among everything that is dropped."""
+def odd_run(kinesic_in, tmp_path_factory):
+    """Report of a nod together with all behaviours that are dropped."""
     folder = tmp_path_factory.mktemp("odd")
-    (folder / "odd.bml").write_text(BML.format(NOD + "".join(text for _, text in DROPPED.values())))
+    (folder / "odd.bml").write_text(BML.format(NOD + "".join(text for _, text in DROPPED_BEHAVIOURS.values())))
     return kinesic_in(folder, "perform", "odd.bml", "--out", "there", "--no-film", "--json")
 
 
-@pytest.mark.parametrize("name", DROPPED)
-def test_dropped_by_name_and_the_rest_performs(name, odd):
-    assert odd.code == 0, odd.err
-    data, (wrong, _) = json.loads(odd.out), DROPPED[name]
+@pytest.mark.parametrize("name", DROPPED_BEHAVIOURS)
+def test_unperformable_behaviour_is_dropped_with_a_warning_while_others_perform(name, odd_run):
+    assert odd_run.code == 0, odd_run.err
+    data, (dropped_id, _) = json.loads(odd_run.out), DROPPED_BEHAVIOURS[name]
     outcomes = {entry["id"]: entry for entry in data["behaviours"]}
     assert outcomes["h"]["outcome"] == "realised"
-    assert outcomes[wrong]["outcome"] == "dropped"
-    assert outcomes[wrong]["why"]
-    assert any(warning["id"] == f"b:{wrong}" for warning in data["warnings"])
+    assert outcomes[dropped_id]["outcome"] == "dropped"
+    assert outcomes[dropped_id]["why"]
+    assert any(warning["id"] == f"b:{dropped_id}" for warning in data["warnings"])
 
 
 @pytest.mark.parametrize("seconds", [125, pytest.param(915, marks=pytest.mark.soak)])
-def test_a_long_block_is_performed(kinesic, tmp_path, seconds):
+def test_block_longer_than_two_minutes_is_performed(kinesic, tmp_path, seconds):
     path = tmp_path / "long.bml"
     path.write_text(BML.format(NOD + f'<head id="late" lexeme="NOD" start="{seconds - 1}" end="{seconds}"/>'))
     ended = kinesic("perform", path, "--out", "there", "--no-film", "--json")
@@ -85,7 +85,7 @@ def test_a_long_block_is_performed(kinesic, tmp_path, seconds):
     assert json.loads(ended.out)["timing"]["duration_s"] >= seconds
 
 
-def test_missing_robot_file(kinesic, tmp_path):
+def test_missing_robot_file_is_reported(kinesic, tmp_path):
     document = tmp_path / "nod.bml"
     document.write_text(BML.format(NOD))
     ended = kinesic("perform", document, "--robot", "nowhere.toml")
@@ -93,7 +93,7 @@ def test_missing_robot_file(kinesic, tmp_path):
     assert ended.err == "kinesic: nowhere.toml: no such file\n"
 
 
-ROBOTS = {
+INVALID_ROBOTS = {
     "misspelt key": (("range_deg = [-50, 50]", "rnage_deg = [-50, 50]"), "did you mean range_deg?"),
     "servo id twice": (("l_wrist_pivot = 18", "l_wrist_pivot = 17"), "17"),
     "unknown servo": (('servo = "xm540_w150"', 'servo = "xm540_w15"'), "did you mean xm540_w150?"),
@@ -101,9 +101,9 @@ ROBOTS = {
 }
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_a_wrong_robot_is_one_line(name, kinesic, tmp_path):
-    (old, new), taught = ROBOTS[name]
+@pytest.mark.parametrize("name", INVALID_ROBOTS)
+def test_invalid_robot_file_is_reported_in_one_line(name, kinesic, tmp_path):
+    (old, new), hint = INVALID_ROBOTS[name]
     robot = tmp_path / "mine.toml"
     robot.write_text(UPPER22.replace(old, new, 1))
     document = tmp_path / "nod.bml"
@@ -111,38 +111,38 @@ def test_a_wrong_robot_is_one_line(name, kinesic, tmp_path):
     ended = kinesic("perform", document, "--robot", robot, "--out", "there", "--no-film")
     assert ended.code == 2
     assert "mine.toml" in ended.err
-    assert taught in ended.err
+    assert hint in ended.err
     assert ended.err.count("\n") == 1
 
 
 @pytest.mark.parametrize(
-    ("setting", "taught"),
+    ("setting", "message"),
     [
         ("power=7", "power is 7, outside [-1, 1]"),
         ("head.openness=-1", "head.openness is -1, outside [0, 1]"),
         ("hed.power=0", "a style has no modality 'hed'; did you mean head?"),
     ],
 )
-def test_a_wrong_setting_names_its_range_or_what_there_is(kinesic, tmp_path, setting, taught):
+def test_invalid_setting_is_reported_with_valid_values(kinesic, tmp_path, setting, message):
     document = tmp_path / "nod.bml"
     document.write_text(BML.format(NOD))
     ended = kinesic("perform", document, "--set", setting)
     assert ended.code == 2
-    assert ended.err == f"kinesic: {taught}\n"
+    assert ended.err == f"kinesic: {message}\n"
 
 
 @pytest.mark.parametrize(
-    ("attribute", "taught"),
+    ("attribute", "message"),
     [
-        ("kinesic:power='7'", "kinesic:power='7' is out of range; -1 to 1 is allowed"),
-        ("kinesic:stile='sad'", "kinesic:stile is no parameter; did you mean style?"),
-        ("kinesic:style='sat'", "kinesic:style='sat' is no style; did you mean sad?"),
+        ("kinesic:power='7'", "kinesic:power='7' is out of range; use -1 to 1"),
+        ("kinesic:stile='sad'", "kinesic:stile is not a parameter; did you mean style?"),
+        ("kinesic:style='sat'", "kinesic:style='sat' is not a style; did you mean sad?"),
     ],
 )
-def test_a_wrong_manner_in_a_document_names_its_place(kinesic, tmp_path, attribute, taught):
+def test_invalid_style_attribute_is_reported_with_its_location(kinesic, tmp_path, attribute, message):
     document = tmp_path / "nod.bml"
     document.write_text(BML.format(NOD.replace("/>", f" {attribute}/>")))
     ended = kinesic("perform", document)
     assert ended.code == 2
     assert ended.err.startswith(f"kinesic: {document}:")
-    assert ended.err.endswith(f"{taught}\n")
+    assert ended.err.endswith(f"{message}\n")

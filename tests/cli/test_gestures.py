@@ -5,7 +5,7 @@ from PIL import Image
 
 from kinesic.studies.gestures import portraits
 
-OWN = """
+OWN_LEXICON = """
 category = "emotion"
 [[gesture]]
 id = "own"
@@ -18,7 +18,7 @@ keys = [
 """
 
 
-def test_the_list_is_a_vocabulary(kinesic):
+def test_json_gesture_list_has_all_fields_of_every_gesture(kinesic):
     entries = json.loads(kinesic("gestures", "list", "--json").out)
     assert len(entries) >= 150
     fields = {"id", "category", "says", "meanings", "hands", "shapes", "stroke_s", "whole_s", "synonyms", "tempo"}
@@ -31,18 +31,18 @@ def test_the_list_is_a_vocabulary(kinesic):
     assert (tempos["gasp"], tempos["offer"], tempos["think"]) == ("sudden", "neutral", "sustained")
 
 
-def test_a_category_is_listed_alone_and_a_wrong_one_is_named(kinesic):
+def test_gesture_list_is_filtered_by_category_and_unknown_ones_reported(kinesic):
     listed = kinesic("gestures", "list", "--category", "emotion")
     assert "joy_cheer" in listed.out
     assert "greet_wave" not in listed.out
     assert any("gasp" in line and "sudden" in line for line in listed.out.splitlines())
-    wrong = kinesic("gestures", "list", "--category", "emotions")
-    assert wrong.code == 2
-    assert wrong.err.startswith("kinesic: no category emotions; did you mean emotion?")
+    unknown = kinesic("gestures", "list", "--category", "emotions")
+    assert unknown.code == 2
+    assert unknown.err.startswith("kinesic: no category emotions; did you mean emotion?")
 
 
-def test_a_gesture_is_shown_with_words_shapes_and_paths(kinesic, tmp_path):
-    (tmp_path / "own.toml").write_text(OWN)
+def test_show_prints_description_shapes_and_paths(kinesic, tmp_path):
+    (tmp_path / "own.toml").write_text(OWN_LEXICON)
     shown = kinesic("gestures", "show", "swirl", "--lexicon", "own.toml")
     assert shown.code == 0
     assert shown.out.startswith(
@@ -52,8 +52,8 @@ def test_a_gesture_is_shown_with_words_shapes_and_paths(kinesic, tmp_path):
     assert "fist" in shown.out
 
 
-def test_one_gesture_is_drawn(kinesic, tmp_path):
-    (tmp_path / "own.toml").write_text(OWN)
+def test_render_draws_one_gesture(kinesic, tmp_path):
+    (tmp_path / "own.toml").write_text(OWN_LEXICON)
     ended = kinesic("gestures", "render", "own", "--lexicon", "own.toml", "--out", "own.png")
     assert ended.code == 0
     assert ended.out.splitlines()[-1] == "picture: own.png"
@@ -61,13 +61,13 @@ def test_one_gesture_is_drawn(kinesic, tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [(), ("offer", "--all"), ("xyzzy",)])
-def test_what_cannot_be_drawn_is_bad_input(kinesic, tmp_path, arguments):
+def test_invalid_render_arguments_are_refused(kinesic, tmp_path, arguments):
     ended = kinesic("gestures", "render", *arguments, "--out", "x.png")
     assert ended.code == 2
     assert not (tmp_path / "x.png").exists()
 
 
-def test_a_picture_that_cannot_be_written_is_one_line(kinesic):
+def test_unwritable_picture_is_reported_in_one_line(kinesic):
     ended = kinesic("gestures", "render", "offer", "--out", "nowhere/offer.png")
     assert ended.code == 2
     assert ended.err.count("\n") == 1
@@ -77,18 +77,18 @@ def test_a_picture_that_cannot_be_written_is_one_line(kinesic):
 
 
 @pytest.mark.parametrize("name", ["offer.svg", "offer.png"])
-def test_lines_are_drawn_where_there_is_no_opengl_or_no_pixel(kinesic, tmp_path, monkeypatch, name):
+def test_gesture_render_draws_lines_without_opengl_or_for_vector_formats(kinesic, tmp_path, monkeypatch, name):
     monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
     ended = kinesic("gestures", "render", "offer", "--out", name)
     assert ended.code == 0
     assert (tmp_path / name).stat().st_size > 1000
-    assert ("kinesic: drawn in lines: OpenGL is missing: install it" in ended.err) == name.endswith(".png")
+    assert ("kinesic: drawn as lines: OpenGL is missing: install it" in ended.err) == name.endswith(".png")
 
 
-def test_a_turntable_is_a_film(kinesic, tmp_path, monkeypatch):
+def test_turntable_is_a_looping_film(kinesic, tmp_path, monkeypatch):
     if why := portraits.opengl_fault():
         pytest.skip(why)
-    monkeypatch.setattr(portraits, "ROUND", 6)
+    monkeypatch.setattr(portraits, "TURNTABLE_FRAMES", 6)
     ended = kinesic("gestures", "render", "offer", "--turntable", "--out", "offer.webp")
     assert ended.code == 0
     assert ended.out.splitlines()[-1] == "film: offer.webp"
@@ -98,23 +98,55 @@ def test_a_turntable_is_a_film(kinesic, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("--all", "--turntable", "--out", "x.webp"), "leave out --all"),
         (("offer", "--turntable", "--drawn", "--out", "x.webp"), "leave out --drawn"),
-        (("offer", "--turntable", "--out", "x.svg"), "ends in .webp, .mp4, .png"),
+        (("offer", "--turntable", "--out", "x.svg"), "end in .webp, .mp4, .png"),
     ],
 )
-def test_a_turntable_that_cannot_be_is_bad_input(kinesic, tmp_path, arguments, told):
+def test_invalid_turntable_options_are_refused(kinesic, tmp_path, arguments, message):
     ended = kinesic("gestures", "render", *arguments)
     assert ended.code == 2
-    assert told in ended.err
+    assert message in ended.err
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_turntable_needs_opengl(kinesic, tmp_path, monkeypatch):
+def test_turntable_requires_opengl(kinesic, tmp_path, monkeypatch):
     monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
     ended = kinesic("gestures", "render", "offer", "--turntable", "--out", "x.webp")
     assert ended.code == 2
     assert ended.err.splitlines()[-1] == "kinesic: no turntable: OpenGL is missing: install it"
     assert not (tmp_path / "x.webp").exists()
+
+
+def test_list_as_json_has_all_gestures_of_a_category(kinesic):
+    ended = kinesic("gestures", "list", "--category", "beat", "--json")
+    assert ended.code == 0
+    entries = json.loads(ended.out)
+    assert entries
+    assert {entry["category"] for entry in entries} == {"beat"}
+
+
+def test_turntable_file_name_is_checked_before_the_gesture_is_planned(kinesic):
+    ended = kinesic("gestures", "render", "xyzzy", "--turntable", "--out", "x.svg")
+    assert ended.code == 2
+    assert "x.svg" in ended.err
+    assert "xyzzy" not in ended.err
+
+
+def test_gestures_are_found_by_words_the_best_first(kinesic):
+    found = json.loads(kinesic("gestures", "find", "weigh", "two things", "--json", "--count", "3").out)
+    assert found[0]["id"] == "balance"
+    assert len(found) == 3
+    ended = kinesic("gestures", "find", "thumbs", "up")
+    assert ended.code == 0
+    assert ended.out.splitlines()[1].split()[:3] == ["thumb_up", "emblem", "synonym"]
+
+
+def test_gesture_search_without_a_result_prints_one_line(kinesic):
+    ended = kinesic("gestures", "find", "qqqq")
+    assert (ended.code, ended.err.count("\n")) == (2, 1)
+    assert "no gesture for 'qqqq'; try other words" in ended.err
+    assert len(kinesic("gestures", "find", "q" * 5000).err) < 200
+    assert "no category iconik; did you mean iconic?" in kinesic("gestures", "find", "x", "--category", "iconik").err

@@ -1,11 +1,11 @@
-"""Every verb that writes: what must stay is refused in one line, before anything is read, planned or drawn."""
+"""Protection of existing files and folders by all verbs that write."""
 
 import os
 from pathlib import Path
 
 import pytest
 
-from kinesic.files.output_folder import MARK, MARKER
+from kinesic.files.output_folder import MARKER_FILE, MARKER_TEXT
 
 FOLDER_VERBS = {
     "perform": ("perform", "nowhere.bml"),
@@ -29,11 +29,11 @@ FILE_VERBS = {
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A home folder with a letter, as if kinesic had made it; the working folder is in it."""
+    """Home folder with a file and a marker of kinesic, outside the working folder."""
     home = tmp_path.parent / f"{tmp_path.name}-home"
     home.mkdir()
     (home / "letter").write_text("dear")
-    (home / MARKER).write_bytes(MARK)
+    (home / MARKER_FILE).write_bytes(MARKER_TEXT)
     monkeypatch.setenv("HOME", str(home))
     (tmp_path / "letter").write_text("dear")
     (tmp_path / "folder").mkdir()
@@ -46,7 +46,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize("verb", FOLDER_VERBS.values(), ids=FOLDER_VERBS)
-def test_no_verb_replaces_a_folder_that_is_not_its_own(kinesic, tmp_path: Path, home: Path, verb, force: bool):
+def test_no_command_replaces_a_folder_not_written_by_kinesic(kinesic, tmp_path: Path, home: Path, verb, force: bool):
     for target in (home, "/", ".", "..", "folder", "letter", "letter/new", "to folder", "to home", "to nothing"):
         ended = kinesic(*verb, "--out", str(target), *(["--force"] if force else []))
         assert ended.code == 2, target
@@ -59,7 +59,9 @@ def test_no_verb_replaces_a_folder_that_is_not_its_own(kinesic, tmp_path: Path, 
 
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize(("name", "verb"), FILE_VERBS.items(), ids=FILE_VERBS)
-def test_no_verb_replaces_a_file_through_a_link_or_unforced(kinesic, tmp_path: Path, home: Path, name, verb, force):
+def test_no_command_writes_through_a_link_or_replaces_a_file_without_force(
+    kinesic, tmp_path: Path, home: Path, name, verb, force
+):
     ending = Path(name).suffix
     letter, link, folder = (tmp_path / f"{kind}{ending}" for kind in ("letter", "link", "folder"))
     letter.write_text("dear")
@@ -75,8 +77,8 @@ def test_no_verb_replaces_a_file_through_a_link_or_unforced(kinesic, tmp_path: P
     assert not os.listdir(folder)
 
 
-def test_pictures_of_figures_are_replaced_only_if_forced(kinesic, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    def draw(figures: object, folder: Path) -> list[Path]:
+def test_benchmark_plots_are_replaced_only_with_force(kinesic, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def draw(metrics: object, folder: Path) -> list[Path]:
         (folder / "ik-solver.png").write_text("new")
         return [folder / "ik-solver.png"]
 
@@ -92,7 +94,7 @@ def test_pictures_of_figures_are_replaced_only_if_forced(kinesic, tmp_path: Path
     assert (tmp_path / "docs" / "ik-solver.png").read_text() == "new"
 
 
-def test_simulated_ports_take_the_place_of_nothing(kinesic, tmp_path: Path):
+def test_simulated_port_does_not_replace_a_file(kinesic, tmp_path: Path):
     (tmp_path / "body").write_text("dear")
     ended = kinesic("servos", "simulate", "--folder", ".")
     assert ended.code == 2

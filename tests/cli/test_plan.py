@@ -1,4 +1,4 @@
-"""`kinesic plan` without a file: what would happen when, and nothing is written."""
+"""Verb `kinesic plan`: timeline, warnings and generated BML."""
 
 import re
 from pathlib import Path
@@ -12,56 +12,56 @@ TALK = BLOCK.format(
 ).encode()
 
 
-def test_it_prints_a_timeline_and_writes_nothing(kinesic, tmp_path: Path):
+def test_plan_without_out_prints_a_timeline_and_writes_no_file(kinesic, tmp_path: Path):
     ended = kinesic("plan", "-", stdin=TALK)
     assert ended.code == 0, ended.err
     heading, *lines = ended.out.splitlines()
-    assert heading.split() == ["from", "to", "behaviour", "does", "sync", "points"]
-    rows = [line.split() for line in lines[:-2] if not line.startswith(" " * 15)]  # without lines that go on
-    assert {row[2] for row in rows} == {"s", "h", "rushed", "f"}, "what is dropped has no time"
+    assert heading.split() == ["from", "to", "behaviour", "action", "sync", "points"]
+    rows = [line.split() for line in lines[:-2] if not line.startswith(" " * 15)]  # without continuation lines
+    assert {row[2] for row in rows} == {"s", "h", "rushed", "f"}, "dropped behaviours have no time"
     assert [float(row[0]) for row in rows] == sorted(float(row[0]) for row in rows)
     for shown in ('s          "Good morning to you all, where..."', "head NOD", "gesture offer", "smile"):
         assert shown in ended.out
-    assert lines[-1].startswith("nothing is written: --out motion.npz")
+    assert lines[-1].startswith("nothing written; --out motion.npz")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_gestures_are_shown_with_the_entry_that_stands_for_their_name_and_their_hands(kinesic):
-    named = ("LHandOnHip_Motex", "this_index_RH", "applause", "NOD")
-    asked = "".join(f'<gesture id="g{k}" lexeme="{name}" start="{4 * k}"/>' for k, name in enumerate(named))
-    words = " ".join(kinesic("plan", "-", stdin=BLOCK.format(asked).encode()).out.split())
+def test_timeline_shows_lexicon_entry_and_hands_of_gestures(kinesic):
+    lexemes = ("LHandOnHip_Motex", "this_index_RH", "applause", "NOD")
+    behaviours = "".join(f'<gesture id="g{k}" lexeme="{name}" start="{4 * k}"/>' for k, name in enumerate(lexemes))
+    words = " ".join(kinesic("plan", "-", stdin=BLOCK.format(behaviours).encode()).out.split())
     assert "gesture LHandOnHip_Motex as hand_on_hip, left hand ready" in words
     assert "gesture this_index_RH as this_index, right hand ready" in words
     assert "gesture applause, both hands ready" in words
-    assert "gesture NOD ready" in words, "it is done by the head"
+    assert "gesture NOD ready" in words, "the head performs it"
 
 
-def test_sync_points_that_move_say_when_they_were_asked(kinesic):
+def test_plan_timeline_shows_requested_times_of_moved_sync_points(kinesic):
     ended = kinesic("plan", "-", stdin=TALK)
-    moved = re.findall(r"(\w+) (-?[\d.]+) \(asked ([\d.]+)\)", " ".join(ended.out.split()))
-    assert {sync for sync, _, _ in moved} >= {"start", "ready"}, "the gesture begins before it was asked"
-    assert "stroke" not in {sync for sync, _, _ in moved}, "its stroke is in time"
-    assert all(float(planned) < float(asked) for _, planned, asked in moved)
+    moved = re.findall(r"(\w+) (-?[\d.]+) \(requested ([\d.]+)\)", " ".join(ended.out.split()))
+    assert {sync for sync, _, _ in moved} >= {"start", "ready"}, "the gesture starts earlier than requested"
+    assert "stroke" not in {sync for sync, _, _ in moved}, "the stroke is on time"
+    assert all(float(planned) < float(requested) for _, planned, requested in moved)
     assert re.search(r" m 0\.\d\d *$", ended.out, re.MULTILINE)
 
 
-def test_dropped_behaviours_are_the_first_warnings(kinesic):
+def test_dropped_behaviours_are_listed_before_other_warnings(kinesic):
     ended = kinesic("plan", "-", stdin=TALK)
     first, *others = ended.err.splitlines()
     assert first.startswith("dropped     xyzzy (odd): ")
     assert any(line.startswith("warning     offer (rushed): ") for line in others)
 
 
-def test_a_motion_that_was_made_elsewhere_has_no_behaviours(kinesic, tmp_path: Path):
+def test_timeline_of_a_bap_motion_has_no_behaviours(kinesic, tmp_path: Path):
     assert kinesic("plan", "-", "--out", "nod.bap", stdin=TALK).code == 0
     (tmp_path / "nod.bap").rename(tmp_path / "NOD.BAP")
     ended = kinesic("plan", "NOD.BAP")
     assert ended.code == 0, ended.err
-    assert ended.out.splitlines()[-1].startswith("nothing is written")
+    assert ended.out.splitlines()[-1].startswith("nothing written")
     assert "behaviour" not in ended.out
 
 
-def test_a_stroke_on_a_word_says_when_the_hand_is_fastest(kinesic):
+def test_timeline_shows_peak_hand_speed_times_of_strokes_on_words(kinesic):
     tied = TALK.replace(b'start="0" stroke="0.25" end="0.6"', b'stroke="s:m + 1"')
     words = " ".join(kinesic("plan", "-", stdin=tied).out.split())
     stroke, fastest = map(float, re.search(r"stroke ([\d.]+) \(hand fastest at ([\d.]+)\)", words).groups())
@@ -70,7 +70,7 @@ def test_a_stroke_on_a_word_says_when_the_hand_is_fastest(kinesic):
     assert "fastest" not in kinesic("plan", "-", stdin=TALK).out
 
 
-def test_a_terminal_obeys_nothing_of_what_is_printed_as_bml(kinesic, tmp_path):
+def test_printed_bml_contains_no_terminal_control_characters(kinesic, tmp_path):
     odd = "A\u009b2J\u202e\u0085B"
     fml = (
         f'<fml-apml><bml id="b"><head id="h" lexeme="NOD" x="{odd}"/><speech id="s"><tm id="a"/>{odd}</speech></bml>'
@@ -83,12 +83,12 @@ def test_a_terminal_obeys_nothing_of_what_is_printed_as_bml(kinesic, tmp_path):
     tree = ElementTree.fromstring(ended.out)
     assert [tree.find("head").get("x"), "".join(tree.find("speech").itertext()).strip()] == [odd, odd]
     others = [kinesic("plan", "odd.txt", "--to", "bml"), kinesic("say", odd, "--to", "bml")]
-    for each in (ended, *others):
-        assert each.code == 0, each.err
-        assert all(letter.isprintable() or letter == "\n" for letter in each.out + each.err)
+    for run in (ended, *others):
+        assert run.code == 0, run.err
+        assert all(character.isprintable() or character == "\n" for character in run.out + run.err)
 
 
-def test_fml_is_printed_as_bml_with_what_nothing_shows(kinesic):
+def test_plan_prints_fml_as_bml_and_lists_omitted_intentions(kinesic):
     fml = (
         '<fml-apml><bml><speech id="s"><tm id="a"/>Hello you</speech></bml>'
         '<fml><performative type="greet" start="s:a"/><no type="set" start="s:a"/></fml></fml-apml>'
@@ -97,4 +97,51 @@ def test_fml_is_printed_as_bml_with_what_nothing_shows(kinesic):
     assert ended.code == 0, ended.err
     assert "(performative-greet, 0.50)" in ended.out
     assert "not shown: no-set" in ended.err
-    assert kinesic("plan", "-", "--to", "bml", stdin=TALK).code == 2, "it is BML already"
+    assert kinesic("plan", "-", "--to", "bml", stdin=TALK).code == 2, "the document is BML already"
+
+
+HURRIED_NODS = BLOCK.format(
+    '<head id="nods" lexeme="NOD" repetition="3" start="0" end="1.2"/>'
+    '<head id="shakes" lexeme="SHAKE" repetition="3" start="1.3" end="2.4"/>'
+).encode()
+
+
+def test_optimal_plan_is_written_to_a_file(kinesic, tmp_path: Path):
+    ended = kinesic("plan", "-", "--optimal", "--out", "nods.npz", stdin=HURRIED_NODS)
+    assert ended.code == 0, ended.err
+    assert (tmp_path / "nods.npz").exists()
+
+
+def test_option_optimal_is_refused_for_a_motion_file(kinesic):
+    ended = kinesic("plan", "nod.bap", "--optimal")
+    assert ended.code == 2
+    assert "nod.bap: --optimal moves the key times of a document" in ended.err
+
+
+def test_plan_is_written_as_a_scene_or_a_motion_by_its_suffix(kinesic, tmp_path: Path):
+    for name, start in (("talk.glb", b"glTF"), ("talk.npz", b"PK"), ("talk.csv", b"time")):
+        ended = kinesic("plan", "-", "--out", name, stdin=TALK)
+        assert ended.code == 0, ended.err
+        assert ended.out.splitlines()[-1] == f"motion: {name}"
+        assert (tmp_path / name).read_bytes().startswith(start)
+        assert kinesic("plan", "-", "--out", name, stdin=TALK).code == 2, "an existing file is kept"
+        assert kinesic("plan", "-", "--out", name, "--force", stdin=TALK).code == 0
+
+
+def test_plan_prints_a_plain_text_file_as_bml(kinesic, tmp_path: Path):
+    (tmp_path / "story.txt").write_text("Hello, I never saw three big boxes.")
+    ended = kinesic("plan", "story.txt", "--to", "bml")
+    assert ended.code == 0, ended.err
+    assert ElementTree.fromstring(ended.out).tag.endswith("bml")
+    assert "never" in ended.out
+    assert not ended.out.endswith("\n\n")
+
+
+def test_output_file_is_checked_before_planning(kinesic, tmp_path: Path):
+    (tmp_path / "old.npz").write_bytes(b"kept")
+    for name in ("plan.doc", "old.npz"):
+        ended = kinesic("plan", "missing.bml", "--out", name)
+        assert ended.code == 2
+        assert name in ended.err
+        assert "missing.bml" not in ended.err
+    assert (tmp_path / "old.npz").read_bytes() == b"kept"

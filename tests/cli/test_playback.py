@@ -1,4 +1,4 @@
-"""A performance on servos that is heard."""
+"""Speech and messages during a performance on servos."""
 
 from types import SimpleNamespace
 
@@ -13,62 +13,62 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.speech.loudspeaker import SpeakerError
 
 PLAN = SimpleNamespace()
-SAID = Sound.of(8000, np.full(800, 0.5))
+SPEECH = Sound.of(8000, np.full(800, 0.5))
 
 
-class Fake:
-    """A speaker that keeps what it is asked."""
+class FakeSpeaker:
+    """Speaker that records its calls."""
 
     def __init__(self) -> None:
-        self.asked: list[str] = []
-        self.begun: list[float] = []
+        self.calls: list[str] = []
+        self.start_times: list[float] = []
 
     def play(self, sound: Sound, at: float) -> None:
-        assert sound is SAID
-        self.begun.append(at)
+        assert sound is SPEECH
+        self.start_times.append(at)
 
     def stop(self) -> None:
-        self.asked.append("stop")
+        self.calls.append("stop")
 
     def close(self) -> None:
-        self.asked.append("close")
+        self.calls.append("close")
 
 
-def test_what_is_said_begins_with_the_performance_and_the_speaker_is_let_go(monkeypatch: pytest.MonkeyPatch):
-    fake = Fake()
-    monkeypatch.setattr(soundtrack, "sound", lambda plan: SAID)
+def test_speech_starts_with_the_performance_and_the_speaker_is_closed(monkeypatch: pytest.MonkeyPatch):
+    fake = FakeSpeaker()
+    monkeypatch.setattr(soundtrack, "sound", lambda plan: SPEECH)
     monkeypatch.setattr(soundtrack, "Speaker", lambda: fake)
-    with soundtrack.speak_along(PLAN, playback.warn) as said:
+    with soundtrack.speak_along(PLAN, playback.warn) as follow:
         for stage, time, scale in [(Stage.HOLD, 0.0, 0.0), (Stage.ACTIVE, 0.02, 1.0), (Stage.ACTIVE, 0.04, 1.0)]:
-            said(Status(stage, clock=7.0 + time, time=time, scale=scale))
-        assert fake.begun == [7.0]
-        said(Status(Stage.STOPPED, clock=8.0, time=0.5, scale=0.0))
-    assert fake.asked == ["stop", "close"]
+            follow(Status(stage, clock=7.0 + time, time=time, scale=scale))
+        assert fake.start_times == [7.0]
+        follow(Status(Stage.STOPPED, clock=8.0, time=0.5, scale=0.0))
+    assert fake.calls == ["stop", "close"]
 
 
-def test_what_is_waited_for_is_said_once(capsys):
-    tell = playback.tell_waiting()
+def test_user_action_awaited_by_the_servos_is_printed_once(capsys):
+    report = playback.report_waiting()
     for waits in ("nothing", "consent", "consent", "nothing", "confirmation"):
-        tell(Status(Stage.HOLD, waits=waits))
+        report(Status(Stage.HOLD, waits=waits))
     assert [line.split(":")[0] for line in capsys.readouterr().err.splitlines()] == [
         "the servos hold",
-        "a limb cannot fold, and is held",
+        "a limb cannot fold and is held",
     ]
 
 
-def test_without_a_loudspeaker_it_is_performed_in_silence(monkeypatch: pytest.MonkeyPatch, capsys):
-    def none() -> None:
+def test_performance_without_a_loudspeaker_is_silent(monkeypatch: pytest.MonkeyPatch, capsys):
+    def fail_to_open() -> None:
         raise SpeakerError("no device; plug one in")
 
-    monkeypatch.setattr(soundtrack, "sound", lambda plan: SAID)
-    monkeypatch.setattr(soundtrack, "Speaker", none)
-    with soundtrack.speak_along(PLAN, playback.warn) as said:
-        said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
+    monkeypatch.setattr(soundtrack, "sound", lambda plan: SPEECH)
+    monkeypatch.setattr(soundtrack, "Speaker", fail_to_open)
+    with soundtrack.speak_along(PLAN, playback.warn) as follow:
+        follow(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
     assert capsys.readouterr().err == "voice: not heard (no device; plug one in)\n"
 
 
-def test_nothing_is_opened_where_nothing_is_said(monkeypatch: pytest.MonkeyPatch):
+def test_no_speaker_is_opened_without_speech(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(soundtrack, "sound", lambda plan: None)
     monkeypatch.setattr(soundtrack, "Speaker", lambda: pytest.fail("opened"))
-    with soundtrack.speak_along(PLAN, playback.warn) as said:
-        said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
+    with soundtrack.speak_along(PLAN, playback.warn) as follow:
+        follow(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))

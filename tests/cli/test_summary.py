@@ -1,4 +1,4 @@
-"""What a performance comes to on the screen: failures first, passing checks in one line, every warning as text."""
+"""Printed summary of a performance: checks and warnings."""
 
 import io
 
@@ -7,15 +7,15 @@ from rich.console import Console
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.cli.summary import print_checks, print_notices, rank_notices
-from kinesic.controller.perform import plan
-from kinesic.controller.performance import Performance
+from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
 from kinesic.report.checks.check import Check
+from kinesic.session.plan import plan
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-PASS = Check.of("tracking.rmse", 0.1, 1.0)
-WARN = Check.of("tracking.max", 7.0, 5.0, "l_elbow_flexion at 1.20 s")
-FAIL = Check.of("collision.plan", 0.004, 0.01, "head and l_hand at 0.50 s")
+PASSED_CHECK = Check.of("tracking.rmse", 0.1, 1.0)
+WARNING_CHECK = Check.of("tracking.max", 7.0, 5.0, "l_elbow_flexion at 1.20 s")
+FAILED_CHECK = Check.of("collision.plan", 0.004, 0.01, "head and l_hand at 0.50 s")
 
 
 @pytest.fixture
@@ -28,8 +28,8 @@ def lines(screen: Console) -> list[str]:
     return [line.rstrip() for line in screen.file.getvalue().splitlines()]
 
 
-def test_a_failure_comes_before_a_warning_and_passing_checks_are_one_line(screen: Console):
-    print_checks((PASS, WARN, PASS, FAIL, PASS), screen)
+def test_failed_checks_are_printed_first_and_passing_checks_counted(screen: Console):
+    print_checks((PASSED_CHECK, WARNING_CHECK, PASSED_CHECK, FAILED_CHECK, PASSED_CHECK), screen)
     heading, first, second, last = lines(screen)
     assert heading.split()[:2] == ["check", "status"]
     assert first.split()[:2] == ["collision.plan", "fail"]
@@ -38,12 +38,12 @@ def test_a_failure_comes_before_a_warning_and_passing_checks_are_one_line(screen
     assert last == "3 of 5 checks pass"
 
 
-def test_where_all_pass_there_is_one_line_alone(screen: Console):
-    print_checks((PASS, PASS), screen)
+def test_only_a_count_is_printed_if_all_checks_pass(screen: Console):
+    print_checks((PASSED_CHECK, PASSED_CHECK), screen)
     assert lines(screen) == ["all 2 checks pass"]
 
 
-def test_every_warning_is_printed_and_what_is_dropped_comes_first(hurried: Performance, screen: Console):
+def test_all_warnings_are_printed_and_dropped_behaviours_come_first(hurried: DryRun, screen: Console):
     plan = hurried.plan
     print_notices(plan, screen)
     assert len(lines(screen)) == len(plan.notices) > 1
@@ -53,35 +53,35 @@ def test_every_warning_is_printed_and_what_is_dropped_comes_first(hurried: Perfo
         assert any(notice.text in line for line in lines(screen))
 
 
-def test_of_too_many_the_first_are_printed_and_the_rest_counted(hurried: Performance, screen: Console):
-    print_notices(hurried.plan, screen, most=1)
+def test_warnings_beyond_the_line_limit_are_only_counted(hurried: DryRun, screen: Console):
+    print_notices(hurried.plan, screen, max_lines=1)
     first, rest = lines(screen)
     assert first.startswith("dropped")
     assert rest == f"and {len(hurried.plan.notices) - 1} more warnings: report.json lists all"
 
 
-def test_words_of_strangers_are_no_markup(known: Setup, screen: Console):
-    found = plan(BLOCK.format('<gesture id="[bold]g" lexeme="[red]xyzzy&#x9b;"/>'), known)
-    print_notices(found, screen)
+def test_markup_in_documents_is_printed_literally(known: Setup, screen: Console):
+    document_plan = plan(BLOCK.format('<gesture id="[bold]g" lexeme="[red]xyzzy&#x9b;"/>'), known)
+    print_notices(document_plan, screen)
     assert any("[red]xyzzy\\x9b ([bold]g): " in line and "[red]xyzzy\\x9b" in line for line in lines(screen))
 
 
-def test_a_gesture_that_takes_the_other_hand_is_substituted_and_not_called_impossible(known: Setup):
-    """Two beats at once: the second is performed in its time, by the hand that is free."""
-    found = plan(
+def test_gesture_moved_to_the_other_hand_is_reported_as_substituted(known: Setup):
+    """The second of two simultaneous beats is performed in time by the free hand."""
+    document_plan = plan(
         BLOCK.format('<gesture id="one" lexeme="beat" stroke="1"/><gesture id="two" lexeme="beat" stroke="1"/>'), known
     )
-    (meaning, notice), *rest = rank_notices(found)
-    assert (meaning, notice.id, notice.type) == ("substituted", "b:two", NoticeType.CANNOT_CREATE_BEHAVIOR)
+    (category, notice), *rest = rank_notices(document_plan)
+    assert (category, notice.id, notice.type) == ("substituted", "b:two", NoticeType.CANNOT_CREATE_BEHAVIOR)
     assert notice.text.startswith("moved to the left hand: ")
     assert rest == []
 
 
-def test_a_warning_of_a_dropped_behaviour_that_is_not_the_reason_is_a_warning(known: Setup):
-    found = plan(BLOCK.format('<gesture id="g" lexeme="xyzzy" sparkle="1"/><head id="h" lexeme="NOD"/>'), known)
-    meanings = {notice.type: meaning for meaning, notice in rank_notices(found)}
-    assert meanings == {
+def test_only_the_warning_that_explains_a_drop_has_category_dropped(known: Setup):
+    document_plan = plan(BLOCK.format('<gesture id="g" lexeme="xyzzy" sparkle="1"/><head id="h" lexeme="NOD"/>'), known)
+    categories = {notice.type: category for category, notice in rank_notices(document_plan)}
+    assert categories == {
         NoticeType.CANNOT_CREATE_BEHAVIOR: "dropped",
         NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED: "warning",
     }
-    assert isinstance(rank_notices(found)[0][1], Notice)
+    assert isinstance(rank_notices(document_plan)[0][1], Notice)

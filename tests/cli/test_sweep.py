@@ -3,7 +3,7 @@ import json
 import pytest
 
 
-def test_a_sweep_prints_a_table_and_writes_figures(kinesic, tmp_path):
+def test_sweep_prints_a_table_and_writes_results(kinesic, tmp_path):
     ended = kinesic("sweep", "flat_surface", "--parameter", "spatial", "--values", "-1,0", "--out", "wide")
     assert ended.code == 0
     assert "flat_surface: spatial (monotone)" in ended.out
@@ -13,11 +13,11 @@ def test_a_sweep_prints_a_table_and_writes_figures(kinesic, tmp_path):
     assert (series["parameter"], series["measure"], series["monotone"]) == ("spatial", "swept_volume", True)
     assert [played["value"] for played in series["played"]] == [-1.0, 0.0]
     assert (tmp_path / "wide" / "spatial.png").stat().st_size > 1000
-    asked = kinesic("results", 'SELECT "value", swept_volume FROM sweep', "wide", "--json").out
-    assert [row["value"] for row in json.loads(asked)] == [-1.0, 0.0]
+    answer = kinesic("results", 'SELECT "value", swept_volume FROM sweep', "wide", "--json").out
+    assert [row["value"] for row in json.loads(answer)] == [-1.0, 0.0]
 
 
-def test_json_is_one_document_on_standard_output(kinesic):
+def test_json_of_sweep_is_the_only_standard_output(kinesic):
     ended = kinesic("sweep", "beat", "--parameter", "openness", "--values", "0.5", "--json", "--style", "calm")
     data = json.loads(ended.out)
     assert (data["gesture"], data["style"], data["stroke_s"]) == ("beat", "calm", 6.0)
@@ -29,13 +29,13 @@ def test_json_is_one_document_on_standard_output(kinesic):
     [
         (("beet", "--parameter", "power"), "no gesture beet; did you mean beat?"),
         (("beat", "--parameter", "powr"), "a style has no powr; did you mean power?"),
-        (("beat", "--parameter", "power", "--values", "a"), "--values is 'a'; write numbers with commas between"),
+        (("beat", "--parameter", "power", "--values", "a"), "--values is 'a'; give numbers separated by commas"),
         (("beat", "--parameter", "power", "--values", "3"), "power is 3, outside [-1, 1]"),
-        (("beat",), "say --parameter NAME or --all"),
-        (("beat", "--all", "--parameter", "power"), "say --parameter NAME or --all"),
+        (("beat",), "give --parameter NAME or --all"),
+        (("beat", "--all", "--parameter", "power"), "give --parameter NAME or --all"),
     ],
 )
-def test_wrong_input_is_one_line(kinesic, arguments, message, tmp_path):
+def test_invalid_input_of_sweep_is_reported_in_one_line(kinesic, arguments, message, tmp_path):
     ended = kinesic("sweep", *arguments, "--out", "o")
     assert ended.code == 2
     assert ended.err.startswith(f"kinesic: {message}")
@@ -43,7 +43,7 @@ def test_wrong_input_is_one_line(kinesic, arguments, message, tmp_path):
     assert not (tmp_path / "o").exists()
 
 
-def test_an_existing_folder_is_kept(kinesic, tmp_path):
+def test_sweep_keeps_an_existing_folder(kinesic, tmp_path):
     (tmp_path / "o").mkdir()
     (tmp_path / "o" / "letter").write_text("dear")
     ended = kinesic("sweep", "beat", "--parameter", "power", "--out", "o")

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.realtime
 
 @pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch):
-    """The other end of the terminal that standard input is."""
+    """Other end of the terminal that standard input is connected to."""
     ours, theirs = pty.openpty()
     with os.fdopen(theirs, "r") as stdin:
         monkeypatch.setattr(sys, "stdin", stdin)
@@ -22,26 +22,26 @@ def terminal(monkeypatch: pytest.MonkeyPatch):
     os.close(ours)
 
 
-def soon(keys: Callable[[], str]) -> str:
-    limit = time.monotonic() + 5.0
-    while time.monotonic() < limit:
-        if found := keys():
-            return found
+def await_keys(keys: Callable[[], str]) -> str:
+    deadline = time.monotonic() + 5.0
+    while time.monotonic() < deadline:
+        if pressed := keys():
+            return pressed
         time.sleep(0.005)
     return ""
 
 
-def test_keys_come_at_once_and_the_terminal_is_as_before(terminal: int):
+def test_keys_are_read_without_enter_and_terminal_settings_restored(terminal: int):
     before = termios.tcgetattr(sys.stdin.fileno())
     with pressed_keys() as keys:
         assert keys() == ""
         os.write(terminal, b" ")
-        assert soon(keys) == " "
+        assert await_keys(keys) == " "
         assert keys() == ""
     assert termios.tcgetattr(sys.stdin.fileno()) == before
 
 
-def test_without_a_terminal_nothing_is_pressed(monkeypatch: pytest.MonkeyPatch):
+def test_no_keys_are_read_without_a_terminal(monkeypatch: pytest.MonkeyPatch):
     with open(os.devnull, encoding="utf-8") as stdin:
         monkeypatch.setattr(sys, "stdin", stdin)
         with pressed_keys() as keys:

@@ -15,7 +15,7 @@ NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="
 
 @pytest.fixture
 def log(tmp_path):
-    """The neck of a robot with weak neck servos nods."""
+    """Log of a nod by a robot with weak neck servos."""
     twin = Twin(ROBOT, factors=Factors(servos={"xc430_w240": DriveFactors(stall=0.8)}))
     still, tilt = np.zeros(22), ROBOT.skeleton.joint("skullbase_tilt")
     for k in range(41):
@@ -26,32 +26,32 @@ def log(tmp_path):
     return tmp_path / "measured.npz"
 
 
-def test_a_log_is_fitted_and_the_factors_are_read_by_perform(kinesic, log, tmp_path):
+def test_perform_uses_the_servo_factors_fitted_to_a_log(kinesic, log, tmp_path):
     ended = kinesic("twin", "fit", log, "--free", "stall", "--out", "mine.toml")
     assert ended.code == 0
     assert ended.out.splitlines()[-1] == "factors: mine.toml"
-    found = Factors.read(tmp_path / "mine.toml")
-    assert found.servos["xc430_w240"].stall == pytest.approx(0.8, rel=0.05)
+    factors = Factors.read(tmp_path / "mine.toml")
+    assert factors.servos["xc430_w240"].stall == pytest.approx(0.8, rel=0.05)
     data = json.loads(kinesic("perform", "-", "--twin", "mine.toml", "--no-film", "--json", stdin=NOD).out)
     assert data["ok"]
-    assert kinesic("twin", "fit", log, "--free", "stall", "--out", "mine.toml").code == 2  # it is there already
+    assert kinesic("twin", "fit", log, "--free", "stall", "--out", "mine.toml").code == 2  # The file exists already.
     assert kinesic("twin", "fit", log, "--free", "stall", "--out", "mine.toml", "--force").code == 0
 
 
-def test_what_is_not_told_is_said_in_json_and_in_a_comment(kinesic, log, tmp_path):
+def test_twin_fit_reports_why_a_servo_factor_is_undetermined(kinesic, log, tmp_path):
     ended = kinesic("twin", "fit", log, "--free", "armature", "--out", "mine.toml", "--json")
     rows = {row["servo"]: row for row in json.loads(ended.out)["estimates"]}
     assert rows["xm540_w270"]["why"] == "the log hardly depends on it"
     assert "# armature: the log hardly depends on it" in (tmp_path / "mine.toml").read_text()
 
 
-def test_perform_writes_a_log_that_fit_reads(kinesic, tmp_path):
+def test_twin_fit_reads_the_log_written_by_perform(kinesic, tmp_path):
     assert "measured: there/measured.npz" in kinesic("perform", "-", "--out", "there", "--no-film", stdin=NOD).out
     ended = kinesic("twin", "fit", tmp_path / "there" / "measured.npz", "--free", "latency", "--json")
     assert json.loads(ended.out)["after_deg"] < 0.05
 
 
-def test_stall_and_mass_together_are_refused_in_one_line(kinesic, log):
+def test_twin_fit_refuses_free_stall_torque_and_mass_together(kinesic, log):
     ended = kinesic("twin", "fit", log, "--free", "stall", "--free", "mass")
     assert ended.code == 2
     assert "angles show only their ratio" in ended.err
@@ -60,13 +60,13 @@ def test_stall_and_mass_together_are_refused_in_one_line(kinesic, log):
 
 NODS = (
     b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
-    b'<head id="h" lexeme="NOD" repetition="2" start="0.2" end="1.6"/></bml>'
+    b'<head id="h" lexeme="NOD" repetition="2" start="0.1" end="1.1"/></bml>'
 )
 
 
 @pytest.fixture
 def perform(kinesic, tmp_path):
-    """Performs nods, and returns what the report says."""
+    """Return a function that performs nods and returns the report."""
 
     def run(*options: str) -> dict[str, object]:
         ended = kinesic("perform", "-", "--no-film", "--json", "--force", "--out", "there", *options, stdin=NODS)
@@ -76,22 +76,22 @@ def perform(kinesic, tmp_path):
     return run
 
 
-def test_what_a_twin_is_fitted_to_is_performed_led_and_reported(kinesic, perform, tmp_path):
-    """A log of soft servos, its fit, and a performance in the twin of that robot, with what is known and without."""
+def test_fitted_servo_factors_improve_tracking_and_are_reported(kinesic, perform, tmp_path):
+    """Fit a log of soft servos, and perform in this robot's twin with and without the fitted factors."""
     (tmp_path / "soft.toml").write_text("gain = 0.6\n")
-    unknown = perform("--twin", "soft.toml", "--learn", "none")
-    assert unknown["lead"]["text"] == "as data sheets say"
+    unfitted = perform("--twin", "soft.toml", "--learn", "none")
+    assert unfitted["lead"]["text"] == "as data sheets say"
     fit = ("twin", "fit", tmp_path / "there" / "measured.npz", "--free", "gain", "--out", "mine.toml")
     assert kinesic(*fit).code == 0
-    known = perform("--twin", "mine.toml")
-    assert known["lead"]["gain"]["xc430_w240"] == pytest.approx(0.6, rel=0.05)
-    assert known["learned"] is None
-    assert known["tracking"]["rmse_deg"] < 0.6 * unknown["tracking"]["rmse_deg"]
+    fitted = perform("--twin", "mine.toml")
+    assert fitted["lead"]["gain"]["xc430_w240"] == pytest.approx(0.6, rel=0.05)
+    assert fitted["learned"] is None
+    assert fitted["tracking"]["rmse_deg"] < 0.6 * unfitted["tracking"]["rmse_deg"]
     page = (tmp_path / "there" / "report.html").read_text()
-    assert "Goals lead for servos with P gain x" in page
+    assert "Setpoints are computed for servos with P gain x" in page
 
 
-def test_what_one_performance_learned_leads_the_next(perform, tmp_path):
+def test_learned_servo_factors_improve_the_next_performance(perform, tmp_path):
     (tmp_path / "soft.toml").write_text("gain = 0.6\nlatency = 0.015\n")
     first, second = (perform("--twin", "soft.toml", "--learn", "robot.toml") for _ in range(2))
     assert first["lead"]["text"] == "as data sheets say"
@@ -104,19 +104,19 @@ def test_what_one_performance_learned_leads_the_next(perform, tmp_path):
     assert Factors.read(tmp_path / "robot.toml").latency == pytest.approx(0.015, abs=0.001)
 
 
-def test_the_twin_of_a_robot_is_as_it_was_learned_unless_another_is_named(perform, tmp_path):
+def test_twin_uses_the_learned_servo_factors_by_default(perform, tmp_path):
     (tmp_path / "robot.toml").write_text("gain = 0.6\n")
-    own = perform("--learn", "robot.toml")
-    assert list(own["twins"]) == ["own"]
-    assert own["tracking"]["rmse_deg"] < 0.1
+    report = perform("--learn", "robot.toml")
+    assert list(report["twins"]) == ["own"]
+    assert report["tracking"]["rmse_deg"] < 0.1
 
 
-def test_a_memory_that_cannot_be_used_is_refused_before_anything_moves(kinesic, tmp_path):
+def test_invalid_learned_file_is_refused_before_the_performance(kinesic, tmp_path):
     (tmp_path / "robot.toml").write_text("gain = 0\n")
     for options, message in (
         (("--learn", "robot.toml"), "factor gain is 0.0, must be above 0"),
         (("--learn", "nowhere/robot.toml"), "nowhere"),
-        (("--learn", "robot.toml", "--robot", "upper22,upper36"), "is of one robot"),
+        (("--learn", "robot.toml", "--robot", "upper22,upper36"), "belong to one robot"),
     ):
         ended = kinesic("perform", "a.bml", "--no-film", *options)
         assert ended.code == 2

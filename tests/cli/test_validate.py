@@ -9,35 +9,35 @@ from pathlib import Path
 import pytest
 
 from kinesic.cli import validate
-from kinesic.cli.validate import SUMMARY
-from kinesic.tasks.store import JOURNAL
+from kinesic.cli.validate import SUMMARY_FILE
+from kinesic.tasks.store import JOURNAL_FILE
 
 pytestmark = pytest.mark.realtime
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-NOD = ROOT.format('<head id="h" lexeme="NOD" start="0.2"/>')
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = BLOCK.format('<head id="h" lexeme="NOD" start="0.2"/>')
 SAME_PROGRAM = """
 from kinesic.cli import main, validate
 validate.fingerprint = lambda settings, *others: repr((settings, others))
 main()
 """
-WALK = ROOT.format('<locomotion id="w" target="user"/>')
+WALK = BLOCK.format('<locomotion id="w" target="user"/>')
 
 
 @pytest.fixture
 def folder(tmp_path):
-    made = tmp_path / "documents"
-    (made / "nods").mkdir(parents=True)
-    (made / "nods" / "one.bml").write_text(NOD)
-    (made / "nods" / "two.bml").write_text(NOD.replace("0.2", "0.4"))
-    (made / "walk.xml").write_text(WALK)
-    (made / "broken.xml").write_text("<bml>")
-    return made
+    documents = tmp_path / "documents"
+    (documents / "nods").mkdir(parents=True)
+    (documents / "nods" / "one.bml").write_text(NOD)
+    (documents / "nods" / "two.bml").write_text(NOD.replace("0.2", "0.4"))
+    (documents / "walk.xml").write_text(WALK)
+    (documents / "broken.xml").write_text("<bml>")
+    return documents
 
 
 @pytest.fixture
 def same_program(monkeypatch):
-    """A run goes on although somebody is editing kinesic while its tests run."""
+    """Keep fingerprints constant even if files of kinesic change during the tests."""
     monkeypatch.setattr(validate, "fingerprint_inputs", lambda settings, *others: repr((settings, others)))
 
 
@@ -46,8 +46,8 @@ def parsed(ended):
     return json.loads(ended.out)
 
 
-def interrupted_run(*arguments, cwd, after, journal):
-    """Runs the command and presses Ctrl-C when so many documents are done."""
+def interrupted_run(*arguments, cwd, min_done, journal):
+    """Run the command, and interrupt it when a number of documents is done."""
     command = [
         sys.executable,
         "-c",
@@ -58,9 +58,9 @@ def interrupted_run(*arguments, cwd, after, journal):
     process = subprocess.Popen(
         command, cwd=cwd, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    until = time.monotonic() + 120
-    while process.poll() is None and time.monotonic() < until:
-        if journal.exists() and journal.read_bytes().count(b"\n") >= after:
+    deadline = time.monotonic() + 120
+    while process.poll() is None and time.monotonic() < deadline:
+        if journal.exists() and journal.read_bytes().count(b"\n") >= min_done:
             os.killpg(process.pid, signal.SIGINT)
             break
         time.sleep(0.01)
@@ -68,11 +68,11 @@ def interrupted_run(*arguments, cwd, after, journal):
     return process.returncode, out, err
 
 
-def test_verdicts_are_the_same_however_many_jobs(kinesic, folder, tmp_path):
-    twice = (folder, folder / "walk.xml", folder / "nods")  # each document counts once
-    one = parsed(kinesic("validate", *twice, "--json", "--jobs", 1, "--out", "reports"))
+def test_validation_verdicts_do_not_depend_on_the_number_of_jobs(kinesic, folder, tmp_path):
+    repeated_paths = (folder, folder / "walk.xml", folder / "nods")  # Each document counts once.
+    one = parsed(kinesic("validate", *repeated_paths, "--json", "--jobs", 1, "--out", "reports"))
     two = parsed(kinesic("validate", folder, "--json", "--jobs", 3))
-    assert json.loads((tmp_path / "reports" / SUMMARY).read_text()) == one
+    assert json.loads((tmp_path / "reports" / SUMMARY_FILE).read_text()) == one
     for entry in one["documents"]:
         if entry["outcome"] == "performed":
             assert json.loads((tmp_path / entry["report"]).read_text())["input"] == entry["file"]
@@ -91,11 +91,11 @@ def test_verdicts_are_the_same_however_many_jobs(kinesic, folder, tmp_path):
     assert one["interrupted"] is False
 
 
-def test_a_finished_run_and_a_strange_folder_are_not_overwritten(kinesic, folder, tmp_path):
+def test_validate_without_force_keeps_finished_runs_and_foreign_folders(kinesic, folder, tmp_path):
     assert kinesic("validate", folder / "broken.xml", "--out", "reports").code == 0
     again = kinesic("validate", folder / "broken.xml", "--out", "reports")
     assert again.code == 2
-    assert "finished run; --force begins anew" in again.err
+    assert "finished run; --force starts again" in again.err
     assert kinesic("validate", folder / "broken.xml", "--out", "reports", "--force").code == 0
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
@@ -103,12 +103,12 @@ def test_a_finished_run_and_a_strange_folder_are_not_overwritten(kinesic, folder
     assert (tmp_path / "mine" / "letter.txt").exists()
 
 
-def test_an_interrupted_run_says_what_is_done_and_goes_on(kinesic, folder, tmp_path, same_program):
+def test_interrupted_validation_reports_its_progress_and_resumes(kinesic, folder, tmp_path, same_program):
     for k in range(3):
         (folder / f"more{k:02d}.bml").write_text(NOD.replace("0.2", str(1 + k)))
     out = tmp_path / "reports"
     code, text, errors = interrupted_run(
-        folder, "--json", "--out", out, "--jobs", "1", cwd=tmp_path, after=3, journal=out / JOURNAL
+        folder, "--json", "--out", out, "--jobs", "1", cwd=tmp_path, min_done=3, journal=out / JOURNAL_FILE
     )
     assert code == 130, errors
     partial = json.loads(text)
@@ -117,8 +117,8 @@ def test_an_interrupted_run_says_what_is_done_and_goes_on(kinesic, folder, tmp_p
     assert 3 <= len(done) < 7
     assert f"interrupted after {len(done)} of 7 documents" in errors
     assert "Traceback" not in errors
-    assert not (out / SUMMARY).exists()
-    with (out / JOURNAL).open("ab") as file:
+    assert not (out / SUMMARY_FILE).exists()
+    with (out / JOURNAL_FILE).open("ab") as file:
         file.write(b'{"key": "half a li')
     reports = [out / Path(report).name for report in done.values() if report]
     written = {path.name: path.stat().st_mtime_ns for path in reports}
@@ -126,19 +126,19 @@ def test_an_interrupted_run_says_what_is_done_and_goes_on(kinesic, folder, tmp_p
     assert whole["totals"]["documents"] == 7
     assert whole["totals"]["performed"] == 5
     kept = {name: (out / name).stat().st_mtime_ns for name in written}
-    assert kept == written  # what was done was not done again
-    assert (out / SUMMARY).exists()
+    assert kept == written  # Completed documents were not repeated.
+    assert (out / SUMMARY_FILE).exists()
     fresh = parsed(kinesic("validate", folder, "--json"))
     assert [e | {"report": None} for e in fresh["documents"]] == [e | {"report": None} for e in whole["documents"]]
     assert fresh["totals"] == whole["totals"]
 
 
-def test_what_changed_is_done_again_and_the_rest_is_not(kinesic, folder, tmp_path, same_program):
+def test_resumed_validation_repeats_only_changed_documents_and_missing_reports(kinesic, folder, tmp_path, same_program):
     (folder / "nods" / "three.bml").write_text(NOD.replace("0.2", "0.6"))
     command = ("validate", folder / "nods", "--json", "--out", "reports")
     reports = {entry["file"]: entry["report"] for entry in parsed(kinesic(*command))["documents"]}
     before = {name: (tmp_path / name).stat().st_mtime_ns for name in reports.values()}
-    (tmp_path / "reports" / SUMMARY).unlink()  # as if the run had been interrupted
+    (tmp_path / "reports" / SUMMARY_FILE).unlink()  # simulates an interrupted run
     (folder / "nods" / "one.bml").write_text(NOD.replace("NOD", "SHAKE"))
     three, two = str(folder / "nods" / "three.bml"), str(folder / "nods" / "two.bml")
     (tmp_path / reports[two]).unlink()
@@ -150,7 +150,7 @@ def test_what_changed_is_done_again_and_the_rest_is_not(kinesic, folder, tmp_pat
     assert again[str(folder / "nods" / "one.bml")] not in before
 
 
-def test_the_tables_name_folders_checks_and_what_was_refused(kinesic, folder):
+def test_validation_tables_list_folders_checks_and_refused_documents(kinesic, folder):
     ended = kinesic("validate", folder)
     assert ended.code == 0
     lines = ended.out.splitlines()
@@ -160,7 +160,7 @@ def test_the_tables_name_folders_checks_and_what_was_refused(kinesic, folder):
     assert any(line.split()[0] == "collision.twin" for line in lines if line.split())
 
 
-def test_both_twins(kinesic, folder, tmp_path):
+def test_twin_both_reports_errors_of_both_twins(kinesic, folder, tmp_path):
     data = parsed(kinesic("validate", folder / "nods" / "one.bml", "--json", "--out", "reports", "--twin", "both"))
     report = json.loads((tmp_path / data["documents"][0]["report"]).read_text())
     assert list(report["twins"]) == ["nominal", "pessimistic"]

@@ -7,11 +7,11 @@ from kinesic.cli.validate import fingerprint_inputs
 PLANNING = Planning("upper22", "neutral", {})
 
 
-def test_the_same_options_give_the_same_text():
+def test_equal_planning_options_have_equal_fingerprints():
     assert fingerprint_inputs(PLANNING, "nominal") == fingerprint_inputs(replace(PLANNING), "nominal")
 
 
-def test_every_option_counts(tmp_path):
+def test_each_planning_option_changes_the_fingerprint(tmp_path):
     targets = tmp_path / "targets.toml"
     targets.write_text("box = [1.0, 0.0, 1.0]")
     others = [
@@ -24,17 +24,17 @@ def test_every_option_counts(tmp_path):
     assert len({fingerprint_inputs(PLANNING, "nominal"), *others}) == 6
 
 
-def test_what_is_in_a_named_file_counts(tmp_path):
+def test_content_of_a_lexicon_file_changes_the_fingerprint(tmp_path):
     lexicon = tmp_path / "lexicon"
     lexicon.mkdir()
-    found = []
+    fingerprints = []
     for text in ("a = 1", "a = 2"):
         (lexicon / "own.toml").write_text(text)
-        found.append(fingerprint_inputs(replace(PLANNING, options={"lexicon": lexicon}), "nominal"))
-    assert found[0] != found[1]
+        fingerprints.append(fingerprint_inputs(replace(PLANNING, options={"lexicon": lexicon}), "nominal"))
+    assert fingerprints[0] != fingerprints[1]
 
 
-def test_a_calibration_changes_it(tmp_path):
+def test_calibration_file_changes_the_fingerprint(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
     mine = replace(PLANNING, robot=str(path))

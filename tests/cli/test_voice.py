@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.speech.espeak_pool import espeak_fault
 
-HURRIED = b"""<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+HURRIED_BML = b"""<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <speech id="s"><text>See <sync id="a"/>this, <sync id="b"/>this.</text></speech>
   <gesture id="g1" lexeme="offer" mode="RIGHT_HAND" stroke="s:a"/>
   <gesture id="g2" lexeme="large" mode="BOTH_HANDS" stroke="s:b"/>
@@ -12,24 +12,24 @@ HURRIED = b"""<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
 """
 
 
-def performed(kinesic, folder, *options: str) -> dict:
-    (folder / "hurried.bml").write_bytes(HURRIED)
+def perform_hurried(kinesic, folder, *options: str) -> dict:
+    (folder / "hurried.bml").write_bytes(HURRIED_BML)
     out = str(folder / "out")
     ended = kinesic("perform", str(folder / "hurried.bml"), "--no-film", "--json", "--force", "--out", out, *options)
     assert ended.code in (0, 1), ended.err
     return json.loads(ended.out)
 
 
-def test_the_command_line_speaks_where_it_can(kinesic, tmp_path):
+def test_speech_is_audible_with_espeak(kinesic, tmp_path):
     if espeak_fault():
         pytest.skip(espeak_fault())
-    assert [said["heard"] for said in performed(kinesic, tmp_path)["speech"]] == [True]
+    assert [speech["heard"] for speech in perform_hurried(kinesic, tmp_path)["speech"]] == [True]
     assert (tmp_path / "out" / "speech.wav").stat().st_size > 10000
 
 
-def test_words_wait_when_they_are_told_to(kinesic, tmp_path):
+def test_option_pause_allows_speech_pauses_that_wait_for_the_body(kinesic, tmp_path):
     def pauses(*options: str) -> list[str]:
-        warnings = performed(kinesic, tmp_path, "--voice", "durations", *options)["warnings"]
+        warnings = perform_hurried(kinesic, tmp_path, "--voice", "durations", *options)["warnings"]
         return [warning["text"] for warning in warnings if warning["text"].startswith("a pause of")]
 
     assert pauses() == []
@@ -37,8 +37,8 @@ def test_words_wait_when_they_are_told_to(kinesic, tmp_path):
 
 
 @pytest.mark.parametrize("option", [("--voice", "nobody"), ("--pause", "-1"), ("--pause", "soon")])
-def test_a_wrong_option_is_refused(option, kinesic, tmp_path):
-    (tmp_path / "hurried.bml").write_bytes(HURRIED)
+def test_invalid_voice_option_is_refused(option, kinesic, tmp_path):
+    (tmp_path / "hurried.bml").write_bytes(HURRIED_BML)
     ended = kinesic("plan", str(tmp_path / "hurried.bml"), "--out", str(tmp_path / "motion.npz"), *option)
     assert ended.code == 2
     assert option[0] in ended.err

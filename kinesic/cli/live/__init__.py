@@ -1,68 +1,71 @@
-"""The verbs of the live server: `kinesic serve`, and `kinesic studio` with its page."""
+"""Declarations of the server verbs: `kinesic serve`, `studio` and `mcp`."""
 
 from dataclasses import fields
 from pathlib import Path
 
 import click
 
-from kinesic.cli.live.door import door
+from kinesic.cli.help_pages import VerbCommand
+from kinesic.cli.live.access_options import access_options
 from kinesic.cli.live.token import token_option
-from kinesic.cli.options import done_by, performers, planning, servo_options
-from kinesic.serve.wire.quotas import USUAL, Quotas
+from kinesic.cli.options import implemented_by, performer_options, planning_options, servo_options
+from kinesic.host import LIVE_SERVER
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, Quotas
 
-RULE_HELP = (
-    f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
-)
-CONNECT_HELP = "The page of a robot that `kinesic serve` drives already, there or here; the token is that server's."
-FOLDER_HELP = "Where documents are opened and saved (default: that of FILE, or this one)."
+DEFAULT_QUOTA_LIST = ", ".join(f"{field.name}={getattr(DEFAULT_QUOTAS, field.name):g}" for field in fields(Quotas))
+RULE_HELP = f"Limit for clients. Defaults: {DEFAULT_QUOTA_LIST}."
+CONNECT_HELP = "Show the page of a robot that a running `kinesic serve` drives; the token is that server's."
+FOLDER_HELP = "Folder in which documents are opened and saved (default: that of FILE, or this one)."
 
 
-@click.command("serve")
-@planning
-@door
-@performers("Who performs.")
+@click.command("serve", cls=VerbCommand)
+@planning_options
+@access_options
+@performer_options("Sinks that perform, separated by commas.")
 @servo_options
-@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
+@click.option("--sound/--no-sound", default=None, help="Play the speech (default: if audio works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
-@click.option("--end-with-input", is_flag=True, help="End when standard input ends, also where others may connect.")
-@done_by("live.serve:serve_blocks")
+@click.option("--end-with-input", is_flag=True, help="End when standard input ends, even if clients may connect.")
+@implemented_by("live.serve:serve_blocks", needs=LIVE_SERVER)
 def serve_verb() -> None:
-    """Performs blocks of BML as they come, and answers with BML feedback.
+    """Perform BML blocks as they arrive, and answer with BML feedback.
 
-    Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
-    on standard input, unless that is a terminal.
+    Messages arrive by TCP (each ends with a NUL byte), by WebSocket at the same address (one block per message), and on
+    standard input unless that is a terminal.
     """
 
 
-@click.command("studio")
+@click.command("studio", cls=VerbCommand)
 @click.argument("file", required=False, type=click.Path(path_type=Path))
-@planning
-@door
-@performers("Who performs.")
+@planning_options
+@access_options
+@performer_options("Sinks that perform, separated by commas.")
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False), help=FOLDER_HELP)
-@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
-@click.option("--browser/--no-browser", default=True, help="Opens the page in the browser, where there is a display.")
+@click.option("--sound/--no-sound", default=None, help="Play the speech (default: if audio works).")
+@click.option("--browser/--no-browser", default=True, help="Open the page in the browser, if there is a display.")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
 @click.option("--connect", metavar="HOST[:PORT]", help=CONNECT_HELP)
-@done_by("live.studio:open_studio")
+@implemented_by("live.studio:open_studio", needs=LIVE_SERVER)
 def studio_verb() -> None:
-    """Opens the studio: a page on which FILE (BML) is written, seen and performed.
+    """Open the studio, a web page to write and perform FILE (BML).
 
-    It is `kinesic serve` with a page at the same address: programs may connect meanwhile.
+    The studio is `kinesic serve` with a web page at the same address: programs may connect at the same time.
     """
 
 
-@click.command("mcp")
-@planning
-@performers("Who performs; servos only if they are named here.")
-@click.option("--connect", metavar="HOST:PORT", help="A server that performs already, instead of one of its own.")
-@token_option("That the server asks for, and clients by --http must show. Better --token-file or KINESIC_TOKEN.")
-@click.option("--http", metavar="HOST:PORT", help="Serves clients by HTTP at this address, not by standard input.")
-@done_by("live.mcp:serve_tools")
+@click.command("mcp", cls=VerbCommand)
+@planning_options
+@performer_options("Sinks that perform, separated by commas; servos only if named here.")
+@click.option("--connect", metavar="HOST:PORT", help="Running server to use, instead of starting one.")
+@token_option("Token of the server, also required from --http clients. Prefer --token-file or KINESIC_TOKEN.")
+@click.option("--http", metavar="HOST:PORT", help="Serve clients by HTTP at this address, not by standard input.")
+@implemented_by("live.mcp:serve_tools", needs=LIVE_SERVER)
 def mcp_verb() -> None:
-    """Serves a language model the tools to perform: gestures, documents, text, gaze, status and stop.
+    """Serve MCP tools to a language model, so that it performs.
 
-    It needs the extra mcp: pip install 'kinesic[mcp]'.
+    There are tools for gestures, documents, text, gaze, status and stop. The extra mcp is required: pip install
+    'kinesic[mcp]'.
 
-    A client starts it by itself and talks to it over standard input and output: kinesic mcp --robot upper36.
+    An MCP client starts this command and exchanges messages with it over standard input and output: kinesic mcp --robot
+    upper36.
     """

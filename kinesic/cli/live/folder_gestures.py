@@ -1,4 +1,7 @@
-"""Reads the gestures of a folder that others may write to: what is wrong is passed over, and what is much is, too."""
+"""Read gesture files from a folder with write access for clients.
+
+Invalid files are skipped, and the number and total size of files are limited.
+"""
 
 from dataclasses import dataclass
 from itertools import islice
@@ -8,30 +11,35 @@ from kinesic.body.config import ConfigError, read_tables
 from kinesic.expressivity.lexicon.lexicon import read_part
 from kinesic.expressivity.lexicon.toml_file import LexiconPart
 
-MOST_FILES = 500  # that are looked at
-MOST_BYTES = 1_000_000  # of all that are read
+MAX_GESTURE_FILES = 500  # gesture files examined per folder
+MAX_GESTURE_BYTES = 1_000_000  # total size of the gesture files read per folder
 
 
 @dataclass(frozen=True, eq=False)
 class FolderGestures:
-    """What the files of a folder say, and what is wrong with the others."""
+    """Gestures of a folder, with an error message for each invalid file."""
 
     parts: tuple[LexiconPart, ...]
-    faults: tuple[str, ...]  # one for each file of gestures that is passed over
+    faults: tuple[str, ...]  # one message per skipped gesture file
 
 
 def read_folder(folder: Path) -> FolderGestures:
-    """Reads all TOML files of a folder that hold gestures, in the order of their names; links are none."""
-    parts, faults, left = list[LexiconPart](), list[str](), MOST_BYTES
-    for path in sorted(islice(folder.glob("*.toml"), MOST_FILES)):
+    """Read all gesture files (TOML) of a folder in order of name.
+
+    Links are ignored.
+    """
+    parts, faults, remaining_bytes = list[LexiconPart](), list[str](), MAX_GESTURE_BYTES
+    for path in sorted(islice(folder.glob("*.toml"), MAX_GESTURE_FILES)):
         try:
             if path.is_symlink() or not path.is_file():
                 continue
-            if (size := path.stat().st_size) > left:
-                faults.append(f"{path}: at most {MOST_BYTES // 1_000_000} MB of gestures are read; move some elsewhere")
+            if (size := path.stat().st_size) > remaining_bytes:
+                faults.append(
+                    f"{path}: at most {MAX_GESTURE_BYTES // 1_000_000} MB of gestures are read; move some elsewhere"
+                )
             elif read_tables(path).get("gesture"):
                 parts.append(read_part(path))
-                left -= size
+                remaining_bytes -= size
         except (ConfigError, OSError) as error:
             faults.append(str(error))
     return FolderGestures(tuple(parts), tuple(faults))

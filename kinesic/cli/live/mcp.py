@@ -1,96 +1,188 @@
-"""`kinesic mcp`: tools for a language model, before a server that performs."""
+"""Verb `kinesic mcp`: tools that let a language model use a server.
+
+Clients give a program a few seconds to answer. So the server of the robot starts in its own process while this one
+imports, and the tools wait for it.
+"""
 
 import os
 import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from threading import Thread
+from typing import TYPE_CHECKING
 
 import click
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.live.serve import read_address
+from kinesic.cli.live.addresses import read_address
 from kinesic.cli.options import Performers, Planning
-from kinesic.controller.options import offers
-from kinesic.serve.priority import urgent
-from kinesic.serve.server import Address
+from kinesic.importing import import_at_once
+from kinesic.mcp.errors import RobotError
+from kinesic.serve.address import Address
+from kinesic.serve.priority import raise_priority
+from kinesic.session.options import list_cli_options
 
-ENDING = 15.0  # [s] in which a server of our own folds the arms and ends
-SWITCH_INTERVAL = 0.0001  # [s] after which a thread that writes a document yields to one that stops
-LISTENS = re.compile(r"listening at (\S+):(\d+)")
+if TYPE_CHECKING:
+    from kinesic.mcp.robot_line import RobotLine
+    from kinesic.planning.setup import Setup
+
+SERVER_END_TIMEOUT = 15.0  # [s] time limit for a server started here to fold the arms and end
+SWITCH_INTERVAL = 0.0001  # [s] Python thread switch interval; short, so that an emergency stop is prompt
+LISTENING_PATTERN = re.compile(r"listening at (\S+):(\d+)")
+START_EXIT_CODE = 2  # exit code if the server of the robot does not start
 
 
 def serve_tools(
     planning: Planning, performers: Performers, connect: str | None, token: str | None, http: str | None
 ) -> int:
-    """Serves the tools until the client is gone."""
-    try:
-        from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - the extra may be missing
-        from kinesic.mcp.server import make_server  # noqa: PLC0415 - as above
-        from kinesic.mcp.web import serve_web  # noqa: PLC0415 - as above
-    except ModuleNotFoundError as error:
-        raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
+    """Serve the tools until the client disconnects."""
     address = None if http is None else read_address(http, token)
-    known = planning.set_up()
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    # All threads are urgent: whichever holds the interpreter would hold up a stop while other work of the machine runs.
-    with _server(connect, planning, performers, token) as place, urgent():
+    # All threads get priority, because any thread that holds the interpreter could delay an emergency stop.
+    with _open_robot(connect, planning, performers, token) as opened, raise_priority():
         try:
-            robot = RobotLine(place.host, place.port, token=token)
-        except OSError as error:
-            raise ConfigError(f"--connect {place}: {error}; start kinesic serve there") from None
-        with closing(robot):
-            server = make_server(robot, known, resumes="servos" not in performers.sinks and connect is None)
-            if address is None:
-                server.run("stdio")
-            else:
-                click.echo(f"tools at http://{address}/mcp", err=True)
-                serve_web(server, address.host, address.port, token=token)
-    return 0
+            import_at_once("kinesic.mcp.server")
+        except ModuleNotFoundError as error:
+            raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
+        from kinesic.expressivity.lexicon.lexicon import Lexicon  # noqa: PLC0415 - slow to import
+        from kinesic.mcp.robot_gate import RobotGate  # noqa: PLC0415 - optional dependency
+        from kinesic.mcp.server import make_server  # noqa: PLC0415 - as above
+
+        path = planning.options.get("lexicon")
+        lexicon = Lexicon.load(None if path is None else Path(path))
+        setup = ThreadPoolExecutor(1, thread_name_prefix="setup").submit(_load_setup, planning, opened)
+        sys.setswitchinterval(SWITCH_INTERVAL)
+        resumes = "servos" not in performers.sinks and connect is None
+        server = make_server(RobotGate(opened, setup), lexicon, resumes=resumes)
+        if address is not None or connect is not None:
+            setup.result()
+        if address is None:
+            server.run("stdio")
+        else:
+            from kinesic.mcp.web import serve_web  # noqa: PLC0415 - as above
+
+            click.echo(f"tools at http://{address}/mcp", err=True)
+            serve_web(server, address.host, address.port, token=token)
+        return START_EXIT_CODE if opened.done() and opened.exception() is not None else 0
+
+
+def _load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
+    """Load the planning setup once the server listens.
+
+    The first answers then need not wait.
+
+    Raises:
+        ConfigError: the server does not start, or an option is invalid.
+    """
+    from kinesic.mcp.server import warm_up  # noqa: PLC0415 - slow to import
+
+    if (error := opened.exception()) is not None:
+        raise ConfigError(str(error))
+    return warm_up(planning.set_up())
 
 
 @contextmanager
-def _server(connect: str | None, planning: Planning, performers: Performers, token: str | None) -> Iterator[Address]:
-    """Yield the address of a running or newly started server."""
+def _open_robot(
+    connect: str | None, planning: Planning, performers: Performers, token: str | None
+) -> "Iterator[Future[RobotLine]]":
+    """Yield a future of connections to a running or newly started server.
+
+    The server that was started, and the connections, end with the context.
+    """
     if connect is not None:
-        host, _, port = connect.rpartition(":")
-        if not host or not port.isdecimal():
-            raise ConfigError(f"--connect {connect}: give HOST:PORT, such as 127.0.0.1:8864")
-        yield Address(host.strip("[]"), int(port))
-        return
-    own = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", "--end-with-input"]
-    own += _arguments(planning, performers)
-    # Its standard input closes with this process, whatever becomes of it: then the server folds the arms and ends.
-    environment = {**os.environ, "KINESIC_TOKEN": token or ""}  # arguments are for everybody to see
-    with subprocess.Popen(
-        own, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment
-    ) as it:
-        assert it.stdin is not None  # both are pipes
-        assert it.stderr is not None
+        line = _connect(_read_server(connect), token, connect)
+        opened: Future[RobotLine] = Future()
+        opened.set_result(line)
         try:
-            said = []
-            for line in it.stderr:
-                said.append(line.strip())
-                if found := LISTENS.search(line):
-                    Thread(target=it.stderr.read, daemon=True).start()  # nobody listens to what it says from now on
-                    yield Address(found[1], int(found[2]))
-                    return
-            raise ConfigError(f"the server does not begin: {' '.join(said[-3:]) or 'it says nothing'}")
+            yield opened
         finally:
-            it.stdin.close()
+            line.close()
+        return
+    with _start_server(planning, performers, token) as opened:
+        yield opened
+
+
+def _read_server(connect: str) -> Address:
+    """Parse the address of a running server."""
+    host, _, port = connect.rpartition(":")
+    if not host or not port.isdecimal():
+        raise ConfigError(f"--connect {connect}: give HOST:PORT, such as 127.0.0.1:8864")
+    return Address(host.strip("[]"), int(port))
+
+
+def _connect(address: Address, token: str | None, connect: str) -> "RobotLine":
+    from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - slow to import
+
+    try:
+        return RobotLine(address.host, address.port, token=token)
+    except OSError as error:
+        raise ConfigError(f"--connect {connect}: {error}; start kinesic serve there") from None
+
+
+@contextmanager
+def _start_server(planning: Planning, performers: Performers, token: str | None) -> "Iterator[Future[RobotLine]]":
+    """Start a server and yield a future of its connections."""
+    command = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", "--end-with-input"]
+    command += _list_arguments(planning, performers)
+    # Standard input of the server closes when this process ends in any way; the server then folds the arms and ends.
+    environment = {**os.environ, "KINESIC_TOKEN": token or ""}  # Arguments are visible to other users.
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment
+    ) as server:
+        assert server.stdin is not None  # Both streams are pipes.
+        opened: Future[RobotLine] = Future()
+        reader = Thread(target=_follow, args=(server, opened, token), daemon=True, name="server")
+        reader.start()
+        try:
+            yield opened
+        finally:
+            server.stdin.close()
+            if not opened.cancel() and opened.exception() is None:
+                opened.result().close()
             with suppress(subprocess.TimeoutExpired):
-                it.wait(ENDING)
-            it.kill()
+                server.wait(SERVER_END_TIMEOUT)
+            server.kill()
 
 
-def _arguments(planning: Planning, performers: Performers) -> list[str]:
-    """Writes options as the command line of another process has them."""
+def _follow(server: "subprocess.Popen[str]", opened: "Future[RobotLine]", token: str | None) -> None:
+    """Open the connections once the server listens, then discard its further output."""
+    from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - slow to import
+
+    assert server.stderr is not None  # It is a pipe.
+    lines = []
+    for line in server.stderr:
+        lines.append(line.strip())
+        if not opened.done() and (match := LISTENING_PATTERN.search(line)):
+            try:
+                robot = RobotLine(match[1], int(match[2]), token=token)
+            except OSError as error:
+                _fail(opened, str(error))
+                continue
+            try:
+                opened.set_result(robot)
+            except InvalidStateError:  # the client has disconnected
+                robot.close()
+    if not opened.done():
+        _fail(opened, " ".join(lines[-3:]) or "it printed nothing")
+
+
+def _fail(opened: "Future[RobotLine]", why: str) -> None:
+    if opened.cancelled():
+        return
+    text = f"the server of the robot does not start: {why}"
+    click.echo(f"kinesic: {text}", err=True)
+    opened.set_exception(RobotError(f"{text}. Nothing can move until kinesic mcp is started again"))
+
+
+def _list_arguments(planning: Planning, performers: Performers) -> list[str]:
+    """Convert planning and output options to arguments of a child process."""
     options = [f"--robot={planning.robot}", f"--style={planning.style}", f"--on={','.join(sorted(performers.sinks))}"]
     options += [f"--port={port}" for port in performers.ports]
-    for name, offer in offers().items():
+    for name, option in list_cli_options().items():
         value = planning.options.get(name)
-        values = value if offer.many and isinstance(value, tuple) else (value,)
-        options += [f"{offer.flag or f'--{name}'}={each}" for each in values if each is not None]
+        values = value if option.many and isinstance(value, tuple) else (value,)
+        options += [f"{option.flag or f'--{name}'}={item}" for item in values if item is not None]
     return options

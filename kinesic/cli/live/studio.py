@@ -1,6 +1,5 @@
-"""`kinesic studio`: the server, and a page in the browser on which documents are written, seen and performed."""
+"""Verb `kinesic studio`: a server with a web page for documents."""
 
-import webbrowser
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -9,30 +8,35 @@ from pathlib import Path
 import click
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.browser import open_in_browser
+from kinesic.cli.live.access_options import AccessOptions
+from kinesic.cli.live.addresses import read_address
 from kinesic.cli.live.attached import ask_robot, read_server, set_up_like, show_page
-from kinesic.cli.live.door import Door
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.frozen import FrozenPlanning
-from kinesic.cli.live.serve import open_and_serve, read_address
+from kinesic.cli.live.serve import open_and_serve
 from kinesic.cli.options import Performers, Planning
+from kinesic.cli.progress import show_stages
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.face.show.window import has_display
 from kinesic.planning.setup import Setup
+from kinesic.serve.address import Address
 from kinesic.serve.desk.documents import is_document_name
-from kinesic.serve.server import Address
 from kinesic.studio.page import page_files
 
 
 @dataclass(frozen=True, eq=False)
 class StudioPlanning(FrozenPlanning):
-    """Planning that also knows the gestures of the studio's folder, as they are when it is set up."""
+    """Planning snapshot plus the current gestures of the studio's folder.
+
+    The gestures are read again on each setup.
+    """
 
     folder: Path = Path()
 
     def set_up(self) -> Setup:
-        """Makes what planning needs, with the gestures of the folder that can be read."""
+        """Build the planning setup with all valid gestures of the folder."""
         setup = super().set_up()
-        with suppress(ConfigError):  # they contradict each other: none of them is known
+        with suppress(ConfigError):  # Contradictory gesture files are all ignored.
             return replace(setup, lexicon=Lexicon.load(*read_folder(self.folder).parts, self.gestures))
         return setup
 
@@ -40,7 +44,7 @@ class StudioPlanning(FrozenPlanning):
 def open_studio(
     file: Path | None,
     planning: Planning,
-    door: Door,
+    access_options: AccessOptions,
     performers: Performers,
     folder: Path | None,
     sound: bool | None,
@@ -48,49 +52,73 @@ def open_studio(
     rules: tuple[str, ...],
     connect: str | None = None,
 ) -> int:
-    """Serves the page, and clients like any server, until somebody ends it."""
-    if door.listen == "none":
+    """Serve the studio page and other clients until the user ends it."""
+    if access_options.listen == "none":
         raise ConfigError("--listen none: a page needs an address; give HOST:PORT")
 
-    def opened(address: Address) -> None:
+    def announce(address: Address) -> None:
         url = f"http://{address}/"
         click.echo(f"the studio: {url}", err=True)
-        if browser and has_display():
-            webbrowser.open(url)
+        if browser:
+            open_in_browser(url)
 
     if connect is not None:
-        return _attach(file, planning, door, connect, opened)
-    place = folder or (Path() if file is None else file.parent)
+        return _attach(file, planning, access_options, connect, announce)
+    document_folder = folder or (Path() if file is None else file.parent)
     if file is not None:
-        _check_document(file, place)
-    if not place.is_dir():
-        raise ConfigError(f"--folder {place}: there is no such folder; make it first")
-    known = replace(StudioPlanning.of(planning), folder=place.resolve())
-    setup = known.set_up()
-    files = page_files(setup.robot, setup.lexicon, style=planning.style, document=None if file is None else file.name)
-    for fault in read_folder(known.folder).faults:
-        click.echo(f"passed over: {fault}", err=True)
+        _check_document(file, document_folder)
+    if not document_folder.is_dir():
+        raise ConfigError(f"--folder {document_folder}: there is no such folder; make it first")
+    snapshot = replace(StudioPlanning.of(planning), folder=document_folder.resolve())
+    with show_stages() as stage:
+        stage("reading the robot")
+        setup = snapshot.set_up()
+        document = None if file is None else file.name
+        files = page_files(setup.robot, setup.lexicon, style=planning.style, document=document)
+    for fault_text in read_folder(snapshot.folder).faults:
+        click.echo(f"skipped: {fault_text}", err=True)
 
     return open_and_serve(
-        known, door, performers, sound, rules, files=files, folder=known.folder, armed=False, opened=opened
+        snapshot,
+        access_options,
+        performers,
+        sound,
+        rules,
+        files=files,
+        folder=snapshot.folder,
+        armed=False,
+        announce=announce,
     )
 
 
-def _attach(file: Path | None, planning: Planning, door: Door, connect: str, opened: Callable[[Address], None]) -> int:
-    """Shows the page for a robot that another server drives: its folder, its gestures, its rules."""
+def _attach(
+    file: Path | None,
+    planning: Planning,
+    access_options: AccessOptions,
+    connect: str,
+    announce: Callable[[Address], None],
+) -> int:
+    """Serve the studio page for a robot that another server drives.
+
+    Documents, gestures and quotas are those of that server.
+    """
     if file is not None:
-        raise ConfigError(f"{file}: with --connect, documents are those of the server's folder; open it on the page")
-    robot, place = read_server(connect), read_address(door.listen, token=None)
-    if place is None:
+        raise ConfigError(f"{file}: with --connect, documents are in the server's folder; open it on the page")
+    robot_address, page_address = read_server(connect), read_address(access_options.listen, token=None)
+    if page_address is None:
         raise ConfigError("--listen none: a page needs an address; give HOST:PORT")
-    setup = set_up_like(planning, ask_robot(robot, door.token), robot)
-    return show_page(place, robot, page_files(setup.robot, setup.lexicon, style=planning.style), opened)
+    setup = set_up_like(planning, ask_robot(robot_address, access_options.token), robot_address)
+    return show_page(
+        page_address, robot_address, page_files(setup.robot, setup.lexicon, style=planning.style), announce
+    )
 
 
 def _check_document(file: Path, folder: Path) -> None:
     if not is_document_name(file.name):
-        raise ConfigError(f"{file}: give NAME.bml, of letters, digits, - and _, and no device of Windows such as con")
+        raise ConfigError(
+            f"{file}: name it NAME.bml, with letters, digits, - and _, and not like a Windows device such as con"
+        )
     if file.parent.resolve() != folder.resolve():
-        raise ConfigError(f"{file} is not in the folder {folder}, outside of which nothing is read")
+        raise ConfigError(f"{file} is outside the folder {folder}; only files in it are read")
     if not file.is_file():
         raise ConfigError(f"{file}: there is no such file")

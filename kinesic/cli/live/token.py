@@ -1,4 +1,4 @@
-"""Read the token of a server from an option, a file or the environment."""
+"""Read a server's token from an option, file or environment variable."""
 
 import os
 import re
@@ -10,22 +10,23 @@ import click
 
 from kinesic.files.private_file import read_secret
 
-TOKEN_VARIABLE = "KINESIC_TOKEN"  # of the environment
-FILE_HELP = "FILE whose first line is the token; no other user may be able to read it."
+TOKEN_VARIABLE = "KINESIC_TOKEN"  # environment variable that holds the token
+FILE_HELP = "FILE whose first line is the token; other users must not be able to read it."
 SHOWN_WARNING = (
-    "warn: --token: other users may have seen it in the list of processes; give --token-file FILE, or set KINESIC_TOKEN"
+    "warn: --token: other users may have seen the token in the process list; "
+    "give --token-file FILE, or set KINESIC_TOKEN"
 )
 ARGUMENT_START_FIELD = 47  # of /proc/self/stat, counted from 0: address of the first argument
-ARGUMENT_END_FIELD = 48  # as above: address after the last argument
+ARGUMENT_END_FIELD = 48  # same file: address after the last argument
 
 Verb = Callable[..., int]
 
 
 def token_option(help_text: str) -> Callable[[Verb], Verb]:
-    """Add --token and --token-file, which a verb gets as one value `token`.
+    """Add --token and --token-file, passed to the verb as `token`.
 
     Args:
-        help_text: of --token.
+        help_text: help text of --token.
     """
 
     def decorate(verb: Verb) -> Verb:
@@ -40,7 +41,7 @@ def token_option(help_text: str) -> Callable[[Verb], Verb]:
 
 
 def hide_token() -> None:
-    """Overwrite the value of --token in the list of processes."""
+    """Overwrite the value of --token in the process list."""
     try:
         fields = Path("/proc/self/stat").read_text(encoding="ascii").rpartition(")")[2].split()
         start, end = (int(fields[number - 2]) for number in (ARGUMENT_START_FIELD, ARGUMENT_END_FIELD))
@@ -50,12 +51,12 @@ def hide_token() -> None:
             memory.seek(start)
             memory.write(_without_token(arguments))
     except (OSError, IndexError, ValueError):
-        return  # no Linux, or a hardened one: the warning tells
+        return  # Linux without access to /proc, or another system; the warning is printed anyway.
 
 
 def _without_token(arguments: bytes) -> bytes:
     """Replace the token in NUL-terminated arguments without changing their length."""
-    return re.sub(rb"(?<=\0--token[\0=])[^\0]+", lambda found: b"x" * len(found[0]), arguments)
+    return re.sub(rb"(?<=\0--token[\0=])[^\0]+", lambda match: b"x" * len(match[0]), arguments)
 
 
 def _choose_token(token: str | None, token_file: Path | None) -> str | None:

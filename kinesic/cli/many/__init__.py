@@ -1,1 +1,1 @@
-"""What verbs share that do many things: who works through them, and tables of what came of it."""
+"""Verbs that run many tasks, with their workers and result tables."""

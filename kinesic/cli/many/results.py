@@ -1,4 +1,4 @@
-"""`kinesic results`: asks the results of a run in SQL, sums them up, or draws them."""
+"""Verb `kinesic results`: query, summarise or plot stored results."""
 
 import json
 from collections.abc import Mapping
@@ -9,11 +9,10 @@ from rich.table import Table
 
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import new_file
-from kinesic.report.plots.results import draw_results
 from kinesic.tasks.store import QueryResult, open_store
 
-PICTURE = "results.png"
-SUMMARIES: Mapping[str, str] = {  # by the table that they need
+PICTURE_FILE = "results.png"  # default file name of the plot
+SUMMARY_QUERIES: Mapping[str, str] = {  # SQL by the table that it reads
     "checks": """
 SELECT name AS "check", count(*) AS documents, count(*) FILTER (status = 'fail') AS failed,
     count(*) FILTER (status = 'poor') AS poor, quantile_cont("value", 0.5) AS median,
@@ -31,31 +30,40 @@ FROM sweep GROUP BY ALL ORDER BY parameter
 
 
 def ask_results(query: str, folder: Path, as_json: bool, out: Path | None, force: bool) -> int:
-    """Prints what a query finds; `summary` is a table of each kind of results, and `plot` a picture of them."""
+    """Print or plot the result of a query (SQL) on stored results.
+
+    The query is SQL, `summary` (a table per kind of result) or `plot` (a picture).
+    """
     with open_store(folder) as store:
         if query == "plot":
-            path = out or folder / PICTURE
-            with new_file(path, force=force or out is None) as fresh:
-                draw_results(store, fresh)
+            from kinesic.report.plots.results import draw_results  # noqa: PLC0415 - needs an extra
+
+            path = out or folder / PICTURE_FILE
+            with new_file(path, force=force or out is None) as temporary:
+                draw_results(store, temporary)
             click.echo(f"png: {path}")
             return 0
-        asked = [text for table, text in SUMMARIES.items() if table in store.tables] if query == "summary" else [query]
-        answers = [store.ask(text) for text in asked]
+        queries = (
+            [text for table, text in SUMMARY_QUERIES.items() if table in store.tables]
+            if query == "summary"
+            else [query]
+        )
+        answers = [store.ask(text) for text in queries]
     if as_json:
         rows = [dict(zip(answer.columns, row, strict=True)) for answer in answers for row in answer.rows]
         click.echo(json.dumps(rows, indent=1, default=str))
         return 0
     for answer in answers:
-        console().print(_table(answer))
+        console().print(_tabulate(answer))
     return 0
 
 
-def _table(answer: QueryResult) -> Table:
+def _tabulate(answer: QueryResult) -> Table:
     table = Table(*answer.columns, box=None)
     for row in answer.rows:
-        table.add_row(*(quote_text(_cell(value)) for value in row))
+        table.add_row(*(quote_text(_format_cell(value)) for value in row))
     return table
 
 
-def _cell(value: object) -> str:
+def _format_cell(value: object) -> str:
     return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,4 +1,4 @@
-"""`kinesic robots search`: variants of a robot perform documents, and those that are not beaten are printed."""
+"""Verb `kinesic robots search`: find Pareto-optimal variants of a robot."""
 
 import json
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from kinesic.body.config import ConfigError, locate, names_of
+from kinesic.body.config import ConfigError, locate_config, names_of
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.robot_schema import RobotFile
 from kinesic.cli.many.workers import Workers
@@ -26,14 +26,14 @@ from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.files.plain_name import plain_stem
 from kinesic.report.batch import documents
 from kinesic.report.report import Json
-from kinesic.studies.designs.pareto import GOALS, unbeaten, values_of
-from kinesic.studies.designs.search import AS_IT_IS, SearchResult, search
+from kinesic.studies.designs.pareto import DESIGN_CRITERIA, unbeaten, values_of
+from kinesic.studies.designs.search import BASE_DESIGN, SearchResult, search
 from kinesic.studies.designs.trial import Trial
 from kinesic.studies.designs.variant import Variable, draw_designs, without_defaults, write_design
 from kinesic.tasks.journal import Journal
-from kinesic.tasks.store import DESIGNS
+from kinesic.tasks.store import DESIGNS_FILE
 
-JOURNAL = "tried.jsonl"  # of designs that have performed some documents
+SEARCH_JOURNAL_FILE = "tried.jsonl"  # results of the documents performed by each design
 
 
 def search_designs(
@@ -46,47 +46,49 @@ def search_designs(
     workers: Workers,
     output: Output,
 ) -> int:
-    """Searches designs, prints those that are not beaten, and writes them as robots' files."""
+    """Evaluate robot variants, print the Pareto-optimal ones and write their robot files."""
     planning = Planning(robot, style, {})
-    planning.set_up()  # a wrong option is one line here, not one in each process
+    planning.set_up()  # Report an invalid option once here, not in each process.
     variables = [Variable.parse(text) for text in varied]
-    path = locate("robot", robot)
+    path = locate_config("robot", robot)
     file = read_robot(path, RobotFile)
-    drawn = [without_defaults(file, design, path) for design in draw_designs(variables, designs, seed=seed)]
-    contents = [(str(each), each.read_bytes()) for each in documents(paths)]
-    if not contents:
-        raise ConfigError(f"{', '.join(map(str, paths))}: no documents; name BML files, or a folder that holds some")
-    folder = _begin(output)
+    drawn_designs = [without_defaults(file, design, path) for design in draw_designs(variables, designs, seed=seed)]
+    document_contents = [(str(document), document.read_bytes()) for document in documents(paths)]
+    if not document_contents:
+        raise ConfigError(f"{', '.join(map(str, paths))}: no documents; name BML files, or a folder that contains some")
+    folder = _prepare_folder(output)
     with workers.engine() as engine, show_stages() as stage:
-        found = search(
+        result = search(
             robot,
-            drawn,
-            contents,
+            drawn_designs,
+            document_contents,
             engine=engine,
             style=style,
             settings=fingerprint_inputs(planning),
-            journal=Journal(folder / JOURNAL, Trial) if folder else None,
+            journal=Journal(folder / SEARCH_JOURNAL_FILE, Trial) if folder else None,
             seed=seed,
             stage=stage,
         )
-    best = unbeaten(found.finished)
-    files = _write(found, best, robot, path, file, folder) if folder else []
+    pareto_designs = unbeaten(result.finished)
+    files = _write_designs(result, pareto_designs, robot, path, file, folder) if folder else []
     if output.as_json:
-        click.echo(json.dumps(_data(found, best), indent=1))
+        click.echo(json.dumps(_to_json(result, pareto_designs), indent=1))
     else:
-        _print(found, best)
-    for each in files:
-        click.echo(f"{each.suffix[1:]}: {each}", err=output.as_json)
+        _print_result(result, pareto_designs)
+    for document in files:
+        click.echo(f"{document.suffix[1:]}: {document}", err=output.as_json)
     return 0
 
 
-def _begin(output: Output) -> Path | None:
-    """Makes the folder, unless it holds a search that did not finish and goes on."""
+def _prepare_folder(output: Output) -> Path | None:
+    """Create the output folder, or return the folder of an interrupted search."""
     if output.out is None:
         return None
-    if not output.force and is_made(output.out) and (output.out / JOURNAL).exists():
-        if (output.out / DESIGNS).exists():
-            raise ConfigError(f"{output.out} holds a finished search; --force begins anew, --out names another folder")
+    if not output.force and is_made(output.out) and (output.out / SEARCH_JOURNAL_FILE).exists():
+        if (output.out / DESIGNS_FILE).exists():
+            raise ConfigError(
+                f"{output.out} contains a finished search; --force starts again, --out names another folder"
+            )
         return output.out
     check_folder(output.out, force=output.force)
     with new_folder(output.out, force=output.force):
@@ -94,90 +96,99 @@ def _begin(output: Output) -> Path | None:
     return output.out
 
 
-def _write(
-    found: SearchResult, best: Sequence[Trial], robot: str, path: Path, file: RobotFile, folder: Path
+def _write_designs(
+    result: SearchResult, pareto_designs: Sequence[Trial], robot: str, path: Path, file: RobotFile, folder: Path
 ) -> list[Path]:
-    """Writes what is not beaten as robots that extend the one that was varied, and all figures."""
-    is_own = robot in names_of("robot")
-    extends = robot if is_own else path.name
-    if not is_own:
-        with new_file(folder / path.name, force=True) as fresh:
-            copyfile(path, fresh)
+    """Write a robot file per Pareto-optimal design, and all metrics.
+
+    Each file extends the robot that was varied; a copy of that robot is written if it is not one of kinesic's.
+    """
+    is_builtin = robot in names_of("robot")
+    extends = robot if is_builtin else path.name
+    if not is_builtin:
+        with new_file(folder / path.name, force=True) as temporary:
+            copyfile(path, temporary)
     written: list[Path] = []
-    for number, trial in enumerate((trial for trial in best if trial.design != AS_IT_IS), 1):
+    for number, trial in enumerate((trial for trial in pareto_designs if trial.design != BASE_DESIGN), 1):
         name = f"{file.robot.name}_{number}"
-        heading = [f"{file.robot.name} but for {_words(trial)}, found by `kinesic robots search`."]
+        heading = [f"{file.robot.name} with {_describe_design(trial)}, found by `kinesic robots search`."]
         text = write_design(file, trial.design, name=name, extends=extends, heading=heading)
         written.append(folder / f"{plain_stem(file.robot.name, fallback='design')}_{number}.toml")
         write_text(written[-1], text, force=True)
     write_text(
-        folder / DESIGNS, json.dumps(_data(found, best), indent=1), force=True
-    )  # whose search is there is finished
-    return [*written, folder / DESIGNS]
+        folder / DESIGNS_FILE, json.dumps(_to_json(result, pareto_designs), indent=1), force=True
+    )  # marks the search as finished
+    return [*written, folder / DESIGNS_FILE]
 
 
-def _words(trial: Trial) -> str:
+def _describe_design(trial: Trial) -> str:
     return ", ".join(f"{name} = {value}" for name, value in trial.design) or "as it is"
 
 
-def _data(found: SearchResult, best: Sequence[Trial]) -> dict[str, Json]:
-    states = (("finished", found.finished), ("left", found.left), ("out", found.out))
+def _to_json(result: SearchResult, pareto_designs: Sequence[Trial]) -> dict[str, Json]:
+    states = (("finished", result.finished), ("left", result.left), ("out", result.out))
     rows: list[Json] = [
         {
-            "design": _words(trial),
+            "design": _describe_design(trial),
             "changes": dict(trial.design),
             "state": state,
             "why": trial.out,
-            "unbeaten": trial in best,
+            "unbeaten": trial in pareto_designs,
             "documents": len(trial.documents),
             "worst_stroke_ms": 1000 * trial.worst,
-            **{name: _figure(goal.value(trial), more=goal.more) for name, goal in GOALS.items() if trial.body},
+            **{
+                name: _to_number(goal.value(trial), more=goal.more)
+                for name, goal in DESIGN_CRITERIA.items()
+                if trial.body
+            },
             "performed": [{**asdict(one), "violations": list(one.violations)} for one in trial.documents],
         }
         for state, trials in states
         for trial in trials
     ]
-    rounds: list[Json] = [{"documents": each.documents, "designs": each.designs} for each in found.rounds]
+    rounds: list[Json] = [
+        {"documents": search_round.documents, "designs": search_round.designs} for search_round in result.rounds
+    ]
     return {"rounds": rounds, "designs": rows}
 
 
-def _figure(value: float, *, more: bool) -> float | None:
+def _to_number(value: float, *, more: bool) -> float | None:
     return (-value if more else value) if isfinite(value) else None
 
 
-def _print(found: SearchResult, best: Sequence[Trial]) -> None:
+def _print_result(result: SearchResult, pareto_designs: Sequence[Trial]) -> None:
     screen = console()
-    for number, each in enumerate(found.rounds, 1):
-        screen.print(f"round {number}: {each.designs} designs, {each.documents} documents")
-    base = next(trial for trial in found.finished if trial.design == AS_IT_IS)
-    table = Table("design", box=None, title="designs that no other one beats", title_justify="left")
-    for goal in GOALS.values():
+    for number, search_round in enumerate(result.rounds, 1):
+        screen.print(f"round {number}: {search_round.designs} designs, {search_round.documents} documents")
+    base = next(trial for trial in result.finished if trial.design == BASE_DESIGN)
+    table = Table("design", box=None, title="Pareto-optimal designs", title_justify="left")
+    for goal in DESIGN_CRITERIA.values():
         table.add_column(f"{goal.head}\n{goal.unit}", justify="right")
     table.add_column("worst\nms", justify="right")
-    table.add_column("than as it is")
-    shown = [base, *(trial for trial in best if trial is not base)]
-    values = values_of(shown)
-    for trial, row in zip(shown, values, strict=True):
-        cells = [_cell(goal.value(trial), goal.step, more=goal.more) for goal in GOALS.values()]
+    table.add_column("compared")
+    listed_trials = [base, *(trial for trial in pareto_designs if trial is not base)]
+    values = values_of(listed_trials)
+    for trial, row in zip(listed_trials, values, strict=True):
+        cells = [_format_cell(goal.value(trial), goal.step, more=goal.more) for goal in DESIGN_CRITERIA.values()]
         compared = "" if trial is base else _compare(row - values[0])
         lines = [printable(f"{name} {value}") for name, value in trial.design] or ["as it is"]
-        name = "\n".join(lines) + ("" if trial in best else " (beaten)")
+        name = "\n".join(lines) + ("" if trial in pareto_designs else " (dominated)")
         table.add_row(Text(name), *cells, f"{1000 * trial.worst:.0f}", compared)
     screen.print(table)
-    for trial in found.out:
-        screen.print(f"out: {quote_text(_words(trial))}: {quote_text(trial.out)}")
-    click.echo(f"left behind: {len(found.left)} of {found.rounds[0].designs + len(found.out)} designs")
+    for trial in result.out:
+        screen.print(f"rejected: {quote_text(_describe_design(trial))}: {quote_text(trial.out)}")
+    click.echo(f"eliminated: {len(result.left)} of {result.rounds[0].designs + len(result.out)} designs")
 
 
-def _cell(value: float, step: float, *, more: bool) -> str:
+def _format_cell(value: float, step: float, *, more: bool) -> str:
     digits = max(0, -int(np.floor(np.log10(step))))
     return f"{-value if more else value:.{digits}f}" if isfinite(value) else "?"
 
 
 def _compare(steps: np.ndarray) -> str:
-    """Says in what a design is better and worse."""
-    better = [goal.head for goal, step in zip(GOALS.values(), steps, strict=True) if step < 0]
-    worse = [goal.head for goal, step in zip(GOALS.values(), steps, strict=True) if step > 0]
+    """Describe the criteria in which a robot design is better or worse."""
+    better = [goal.head for goal, step in zip(DESIGN_CRITERIA.values(), steps, strict=True) if step < 0]
+    worse = [goal.head for goal, step in zip(DESIGN_CRITERIA.values(), steps, strict=True) if step > 0]
     if not worse:
-        return f"better in {', '.join(better)}; worse in nothing" if better else "alike"
+        return f"better in {', '.join(better)}; worse in nothing" if better else "equal"
     return f"better in {', '.join(better) or 'nothing'}; worse in {', '.join(worse)}"

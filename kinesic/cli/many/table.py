@@ -1,41 +1,45 @@
-"""Many verdicts on one screen: what was refused or failed, then documents by folder, then the checks."""
+"""Tables that summarise many verdicts: failures, folders and checks."""
 
 from os.path import commonpath
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from kinesic.cli.plain_words import printable
-from kinesic.cli.summary import COLOURS
+from kinesic.cli.summary import STATUS_COLOURS
 from kinesic.cli.terminal import quote_text
 from kinesic.report.batch import DocumentVerdict
-from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
-from kinesic.report.checks import GRAVITY
+from kinesic.report.batch_totals import BEHAVIOUR_OUTCOMES, DOCUMENT_OUTCOMES, counts, tallies
+from kinesic.report.checks import SEVERITY_RANKS
 
-BEYOND = {"fail": "failed", "poor": "poor"}
-MOST_ROWS = 16  # of folders; with more, folders are counted together
+FAILURE_LABELS = {"fail": "failed", "poor": "poor"}  # check status -> its word in the table
+COLUMN_GAP = 2  # [characters] space between the columns of a table
+TEXT_COLUMNS = 3  # last columns of checks that hold text: unit, place and file
+MIN_TEXT_WIDTH = 8  # [characters] smallest width of a column with a place or a file
+MAX_FOLDER_ROWS = 16  # more folders are grouped by their parents
 
 
 def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:
-    """Prints refusals and failures, then documents by folder, then all checks."""
+    """Print failures, then a table of folders and a table of checks."""
     if not verdicts:
         screen.print("no documents")
         return
-    _print_trouble(verdicts, screen)
-    screen.print(_folders(verdicts))
-    screen.print(_checks(verdicts))
+    _print_failures(verdicts, screen)
+    screen.print(_tabulate_folders(verdicts))
+    screen.print(_tabulate_checks(verdicts, screen.width))
 
 
-def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
-    """Prints a line for each document that is refused or crashed, and each check that failed or is poor."""
+def _print_failures(verdicts: list[DocumentVerdict], screen: Console) -> None:
+    """Print refused and crashed documents, and failed and poor checks."""
     lines = [f"{verdict.outcome:8} {verdict.error}" for verdict in verdicts if verdict.error]
     lines += [
-        f"{BEYOND[check.status]:8} {verdict.file}: {check.name} {check.value:.4g} {check.unit} "
+        f"{FAILURE_LABELS[check.status]:8} {verdict.file}: {check.name} {check.value:.4g} {check.unit} "
         f"(limit {check.limit:.4g}) {check.where}"
         for verdict in verdicts
         for check in verdict.checks
-        if check.status in BEYOND
+        if check.status in FAILURE_LABELS
     ]
     for line in lines:
         screen.print(printable(line), highlight=False, markup=False, soft_wrap=True)
@@ -43,50 +47,81 @@ def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
         screen.print()
 
 
-def _folders(verdicts: list[DocumentVerdict]) -> Table:
-    columns = ("documents", *OUTCOMES, "failed", "poor", *SHARES)
-    shown = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
+def _tabulate_folders(verdicts: list[DocumentVerdict]) -> Table:
+    columns = ("documents", *DOCUMENT_OUTCOMES, "failed", "poor", *BEHAVIOUR_OUTCOMES)
+    shown_columns = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
     table = Table("folder", box=None, header_style="bold")
-    for column in shown:
+    for column in shown_columns:
         table.add_column(column, justify="right")
     groups: dict[str, list[DocumentVerdict]] = {}
-    for verdict, name in zip(verdicts, _groups([Path(verdict.file).parent for verdict in verdicts]), strict=True):
+    for verdict, name in zip(
+        verdicts, _group_folders([Path(verdict.file).parent for verdict in verdicts]), strict=True
+    ):
         groups.setdefault(name, []).append(verdict)
     rows = [*groups.items(), ("all", verdicts)] if len(groups) > 1 else [*groups.items()]
-    for name, here in rows:
-        found = counts(here)
+    for name, folder_verdicts in rows:
+        folder_counts = counts(folder_verdicts)
         table.add_row(
-            quote_text(name), *(str(found[column]) for column in shown), style="bold" if here is verdicts else ""
+            quote_text(name),
+            *(str(folder_counts[column]) for column in shown_columns),
+            style="bold" if folder_verdicts is verdicts else "",
         )
     return table
 
 
-def _groups(folders: list[Path]) -> list[str]:
-    """Finds the part of each folder's name that differs from the others, cut so that there are few."""
+def _group_folders(folders: list[Path]) -> list[str]:
+    """Return a short group name per folder, truncated to get few groups.
+
+    Names are relative to the common parent folder.
+    """
     root = Path(commonpath([str(folder.absolute()) for folder in folders]))
     parts = [folder.absolute().relative_to(root).parts for folder in folders]
     deepest = max(len(part) for part in parts)
-    cuts = [[Path(*part[:depth]) for part in parts] for depth in range(deepest, 0, -1)]
-    few = next((cut for cut in cuts if len(set(cut)) <= MOST_ROWS), cuts[-1] if cuts else [Path()] * len(parts))
-    return [root.name if cut == Path() else str(cut) for cut in few]
+    groupings = [[Path(*part[:depth]) for part in parts] for depth in range(deepest, 0, -1)]
+    group_paths = next(
+        (grouping for grouping in groupings if len(set(grouping)) <= MAX_FOLDER_ROWS),
+        groupings[-1] if groupings else [Path()] * len(parts),
+    )
+    return [root.name if grouping == Path() else str(grouping) for grouping in group_paths]
 
 
-def _checks(verdicts: list[DocumentVerdict]) -> Table:
-    """Tabulates every check over all documents, with its worst value."""
-    table = Table("check", box=None, header_style="bold")
-    for column in (*reversed(GRAVITY), "worst", "limit"):
-        table.add_column(column, justify="right")
-    for column in ("unit", "worst where", "in"):
-        table.add_column(column, overflow="ellipsis", no_wrap=True)
-    for tally in tallies(verdicts):
-        counted = (f"[{COLOURS[status]}]{number}[/]" if number else "0" for status, number in tally.counts.items())
-        table.add_row(
+def _tabulate_checks(verdicts: list[DocumentVerdict], width: int) -> Table:
+    """Tabulate status counts and the worst value of each check.
+
+    Names and numbers stay whole; places and files share what is left of the width [characters].
+    """
+    headings = ("check", *reversed(SEVERITY_RANKS), "worst", "limit", "unit", "worst where", "in")
+    rows = [
+        (
             tally.name,
-            *counted,
+            *(str(number) for number in tally.counts.values()),
             f"{tally.worst.value:.3g}",
             f"{tally.worst.limit:.3g}",
             tally.worst.unit,
-            quote_text(tally.worst.where),
-            quote_text(Path(tally.file).name if tally.worst.where else ""),
+            printable(tally.worst.where),
+            printable(Path(tally.file).name if tally.worst.where else ""),
         )
+        for tally in tallies(verdicts)
+    ]
+    widths = [max(map(len, column)) for column in zip(headings, *rows, strict=True)]
+    left = width - sum(widths[:-2]) - COLUMN_GAP * len(widths)
+    has_places = left >= 2 * MIN_TEXT_WIDTH  # a narrow window shows only the file
+    place_width = min(widths[-2], left // 2) if has_places else -COLUMN_GAP
+    widths[-2:] = place_width, min(widths[-1], left - place_width)
+    shown = [k for k in range(len(headings)) if has_places or headings[k] != "worst where"]
+    table = Table(box=None, header_style="bold")
+    for k in shown:
+        is_text = k == 0 or k >= len(headings) - TEXT_COLUMNS
+        table.add_column(
+            headings[k],
+            justify="left" if is_text else "right",
+            no_wrap=True,
+            width=max(widths[k], 1),
+            overflow="ellipsis",
+        )
+    for row in rows:
+        cells = [Text(cell) for cell in row]
+        for status, cell in zip(reversed(SEVERITY_RANKS), cells[1:], strict=False):
+            cell.style = STATUS_COLOURS[status] if cell.plain != "0" else ""
+        table.add_row(*(cells[k] for k in shown))
     return table

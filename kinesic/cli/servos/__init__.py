@@ -1,82 +1,119 @@
-"""`kinesic servos`: its verbs with their options; a file per verb, imported when it is to be done, does it."""
+"""Declarations of the verbs `kinesic servos`.
+
+The module that implements a verb is imported when the verb runs.
+"""
 
 from pathlib import Path
 
 import click
 
-from kinesic.cli.options import done_by, robot_and_ports, robot_option
-from kinesic.hardware.virtual.faults import KINDS
+from kinesic.cli.completion import ROBOT_NAME
+from kinesic.cli.help_pages import VerbGroup
+from kinesic.cli.options import implemented_by, robot_and_port_options, robot_option
+from kinesic.hardware.virtual.faults import FAULT_KINDS
+from kinesic.host import SERVO_DRIVER, VIRTUAL_PORTS
 
-ROBOT_HELP = "Whose hinges the ids are: a name, or a TOML file."
-PHYSICS_HELP = "What turns the shafts: each servo's motor for itself, or the robot's twin."
+ROBOT_HELP = "Robot whose hinges are listed with the ids: name or TOML file."
+PHYSICS_HELP = "Physics of the shafts: each servo's motor alone, or the robot's twin."
 
 
-@click.group("servos")
+@click.group("servos", cls=VerbGroup)
 def servo_verbs() -> None:
-    """Finds, shows, calibrates, stops, releases and simulates servos on wires."""
+    """Find, show, calibrate, stop, release and simulate servos."""
 
 
 @servo_verbs.command("calibrate")
-@robot_and_ports
-@click.option("--yes", is_flag=True, help="Does not ask: the robot stands at zero now.")
-@click.option("--seconds", type=click.FloatRange(min=0.0), help="How long to look at most (default: until Enter).")
-@done_by("servos.calibrate:calibrate_robot")
+@robot_and_port_options
+@click.option("--yes", is_flag=True, help="Do not ask; the robot is in its zero posture now.")
+@click.option("--seconds", type=click.FloatRange(min=0.0), help="Maximum duration in s (default: until Enter).")
+@implemented_by("servos.calibrate:calibrate_robot", needs=SERVO_DRIVER)
 def _calibrate_robot() -> None:
-    """Writes ROBOT.calibration.toml, after every hinge was moved by hand. No servo gets torque."""
+    """Write ROBOT.calibration.toml while you move every hinge by hand.
+
+    No servo gets torque.
+    """
 
 
 @servo_verbs.command("doctor")
-@robot_and_ports
-@done_by("doctor:examine_servos")
+@robot_and_port_options
+@implemented_by("doctor:examine_servos", needs=SERVO_DRIVER)
 def _examine_servos() -> None:
-    """Checks ports, permissions, latency, supply and every servo; prints the line that mends what is wrong."""
+    """Check ports, permissions, latency, supply and servos, and print remedies."""
 
 
 @servo_verbs.command("release")
-@robot_and_ports
-@click.option("--yes", is_flag=True, help="Does not ask whether somebody holds the robot.")
-@done_by("servos.release:release_robot")
+@robot_and_port_options
+@click.option("--yes", is_flag=True, help="Do not ask whether somebody holds the robot.")
+@implemented_by("servos.release:release_robot", needs=SERVO_DRIVER)
 def _release_robot() -> None:
-    """Takes the torque of every servo, and looks that it is gone. The robot goes limp: hold its arms."""
+    """Switch the torque of every servo off and verify it.
+
+    The robot's arms fall: hold them.
+    """
 
 
 @servo_verbs.command("scan")
-@click.option("--robot", default="upper22", show_default=True, help=ROBOT_HELP)
-@click.option("--port", "ports", multiple=True, metavar="PATH", help="Port; all USB serial ports if not given.")
-@click.option("--baud", "bauds", multiple=True, type=int, help="Baud rate to try; all if not given.")
-@click.option("--thorough", is_flag=True, help="Asks every id one by one, too: slow, but finds shared ids.")
-@click.option("--json", "as_json", is_flag=True, help="Prints what was found as JSON.")
-@done_by("servos.scan:scan_ports")
+@click.option("--robot", type=ROBOT_NAME, default="upper22", show_default=True, help=ROBOT_HELP)
+@click.option(
+    "--port", "ports", multiple=True, metavar="PATH", help="Port to scan (default: all USB serial ports). Repeatable."
+)
+@click.option("--baud", "bauds", multiple=True, type=int, help="Baud rate to try (default: all). Repeatable.")
+@click.option("--thorough", is_flag=True, help="Also ping every id one by one: slow, but finds shared ids.")
+@click.option("--json", "as_json", is_flag=True, help="Print the servos as JSON.")
+@implemented_by("servos.scan:scan_ports", needs=SERVO_DRIVER)
 def _scan_ports() -> None:
-    """Looks for servos at every baud rate; nothing is changed."""
+    """Search for servos at every baud rate without changing them."""
 
 
 @servo_verbs.command("show")
-@robot_and_ports
-@click.option("--json", "as_json", is_flag=True, help="Prints the table as JSON.")
-@done_by("servos.show:show_servos")
+@robot_and_port_options
+@click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
+@implemented_by("servos.show:show_servos", needs=SERVO_DRIVER)
 def _show_servos() -> None:
-    """Shows every servo, and what in it differs from what the robot's file wants; nothing is changed."""
+    """Show every servo and its differences from the robot file.
+
+    Nothing is changed.
+    """
 
 
 @servo_verbs.command(
     "simulate",
-    epilog="Each bus of the robot becomes a port that any Dynamixel program can open. FILE is TOML: a [[fault]] for "
-    "each thing that goes wrong, with its kind and, where they matter, servos (ids), rate (0..1), start and seconds, "
-    f"value, and way (reply or request). Kinds: {', '.join(KINDS)}.",
+    epilog="Each bus of the robot becomes a port that any Dynamixel program can open. FILE is TOML with a "
+    "[[fault]] for each fault: its kind and, if applicable, servos (ids), rate (0..1), start and seconds, value, "
+    f"and way (reply or request). Kinds: {', '.join(FAULT_KINDS)}.",
 )
 @robot_option
 @click.option("--physics", type=click.Choice(("servo", "twin")), default="servo", show_default=True, help=PHYSICS_HELP)
-@click.option("--twin", default="nominal", show_default=True, help="nominal, pessimistic, or a TOML of factors.")
-@click.option("--faults", type=click.Path(path_type=Path, dir_okay=False), help="TOML of what goes wrong.")
-@click.option("--baud", type=int, help="Baud rate of all servos, instead of the robot file's.")
-@click.option("--folder", type=click.Path(path_type=Path, file_okay=False), help="Where the ports appear.")
-@done_by("servos.simulate:simulate_servos")
+@click.option(
+    "--twin",
+    default="nominal",
+    show_default=True,
+    help="Servos of the twin: nominal, pessimistic, or a TOML file of factors.",
+)
+@click.option("--faults", type=click.Path(path_type=Path, dir_okay=False), help="TOML file of faults.")
+@click.option("--baud", type=int, help="Baud rate of all servos (default: as in the robot file).")
+@click.option(
+    "--folder",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of the ports (default: a temporary folder).",
+)
+@click.option(
+    "--by-hand",
+    is_flag=True,
+    help="Start in the zero posture; Enter turns every hinge through its range, as a person does for calibrate.",
+)
+@implemented_by("servos.simulate:simulate_servos", needs=VIRTUAL_PORTS)
 def _simulate_servos() -> None:
-    """Simulates a robot's servos behind pseudo-terminals, and prints their paths, until it is stopped."""
+    """Simulate a robot's servos behind pseudo-terminals until stopped.
+
+    The paths of the pseudo-terminals are printed.
+    """
 
 
 @servo_verbs.command("stop")
-@done_by("servos.stop:stop_robots")
+@implemented_by("servos.stop:stop_robots", needs=SERVO_DRIVER)
 def _stop_robots() -> None:
-    """Stops every robot that you drive from this machine, at once: it holds where it is, with torque."""
+    """Stop all robots that you drive from this machine at once.
+
+    The servos keep their torque and hold their positions.
+    """

@@ -1,4 +1,7 @@
-"""`kinesic servos calibrate`: zeros, directions and limits, from a robot that is moved by hand."""
+"""Verb `kinesic servos calibrate`: calibrate a robot that is moved by hand.
+
+Zero positions, directions and limits are measured.
+"""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -14,11 +17,11 @@ from kinesic.body.calibration import Calibration, calibration_path, read_calibra
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.cli.servos.ports import all_ports, open_ports
+from kinesic.cli.servos.ports import open_ports, read_all_ports
 from kinesic.cli.terminal import console, pressed_keys
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import check_file, write_text
-from kinesic.hardware.protocol.device import Change
+from kinesic.hardware.protocol.device import RegisterChange
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.ticks import Ticks
@@ -31,154 +34,161 @@ from kinesic.hardware.tools.calibration import (
     Travel,
     calibration,
     calibration_text,
-    marks,
-    positive_way,
+    describe_positive_direction,
+    measure_hinges,
 )
 
-POLL = 0.05  # [s] between two looks
-FIRST_LOOK = 2.0  # [s] in which all servos must have answered
-ZERO = (
+POLL_PERIOD = 0.05  # [s] between two snapshots of the servos
+FIRST_ANSWER_TIMEOUT = 2.0  # [s] time limit for the first answer of every servo
+ZERO_POSTURE_PROMPT = (
     "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
 )
-TURN_HINGES = "Turn every hinge by hand: first the way the table says, then through all its range."
-WHOLE_TURN = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS_PER_TURN - 1}
-ENTER = {"\n", "\r"}
+TURN_HINGES_PROMPT = "Turn every hinge by hand: first in the direction of the table, then through its whole range."
+WHOLE_TURN_LIMITS = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS_PER_TURN - 1}
+ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 
 
 def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None) -> int:
-    """Writes a robot's calibration, after every hinge was moved by hand; no servo gets torque."""
-    raw = Robot.load(robot, calibrated=False)
-    manifest = Manifest.of(raw)
-    paths = all_ports(ports, manifest.bauds)
-    asks = not yes or seconds is None
-    if asks and not sys.stdin.isatty():
+    """Measure and write a robot's calibration while it is moved by hand.
+
+    No servo gets torque.
+    """
+    uncalibrated = Robot.load(robot, calibrated=False)
+    manifest = Manifest.of(uncalibrated)
+    paths = read_all_ports(ports, manifest.bauds)
+    is_interactive = not yes or seconds is None
+    if is_interactive and not sys.stdin.isatty():
         raise ConfigError("standard input is no terminal; give --yes and --seconds N")
-    before = read_calibration(raw.path, raw.name)
-    _prepare_place(calibration_path(raw.path))
+    earlier = read_calibration(uncalibrated.path, uncalibrated.name)
+    _prepare_folder(calibration_path(uncalibrated.path))
     with open_ports(manifest, paths) as wires:
-        axes = prepare_servos(manifest, wires, period=POLL)
-        limp(axes)
+        axes = prepare_servos(manifest, wires, period=POLL_PERIOD)
+        require_torque_off(axes)
         for change in free_servos(axes):
             click.echo(f"servo {change.servo}: {change.register.name} {change.before} -> {change.after}")
         travel = read_zero_posture(axes, ask=not yes)
         with pressed_keys() as keys:
-            travel = watch_hands(axes, raw, travel, seconds=inf if seconds is None else seconds, keys=keys)
-        found = calibration(travel, manifest, raw, before)
-    path = _written(found, raw)
+            travel = watch_hands(axes, uncalibrated, travel, seconds=inf if seconds is None else seconds, keys=keys)
+        measured = calibration(travel, manifest, uncalibrated, earlier)
+    path = _write_calibration(measured, uncalibrated)
     load_robot(robot)
-    _tell(found, marks(travel, manifest, raw))
+    _print_limits(measured, measure_hinges(travel, manifest, uncalibrated))
     click.echo(f"calibration: {path}")
     return 0
 
 
-def _prepare_place(path: Path) -> None:
-    """Makes the folder of a calibration, and refuses a link, before a hand has moved anything."""
+def _prepare_folder(path: Path) -> None:
+    """Create the calibration's folder and refuse a link, before measuring."""
     with name_failures(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     check_file(path, force=True)
 
 
-def _written(found: Calibration, robot: Robot) -> Path:
-    """Writes the calibration, in place of an earlier one."""
+def _write_calibration(measured: Calibration, robot: Robot) -> Path:
+    """Write the calibration, replacing an earlier one, and return its path."""
     path = calibration_path(robot.path)
-    write_text(path, calibration_text(found, robot), force=True, durable=True)
+    write_text(path, calibration_text(measured, robot), force=True, durable=True)
     return path
 
 
-def limp(axes: Axes) -> Snapshot:
-    """Reads all servos until each has answered; refuses to go on if one has torque.
+def require_torque_off(axes: Axes) -> Snapshot:
+    """Read all servos until each has answered, refusing servos with torque.
 
     Raises:
-        BusError: a servo has torque, or is silent.
+        BusError: a servo has torque, or does not answer.
     """
-    for snapshot in _looks(axes, FIRST_LOOK):
-        energised = [axes.where(k) for k in np.flatnonzero(snapshot.torque).tolist()]
+    for snapshot in _poll_servos(axes, FIRST_ANSWER_TIMEOUT):
+        energised = [axes.label(k) for k in np.flatnonzero(snapshot.torque).tolist()]
         if energised:
             raise BusError(
-                f"{energised[0]}: has torque, like {len(energised) - 1} others; let go with `kinesic servos release`"
+                f"{energised[0]}: has torque, as have {len(energised) - 1} others; "
+                "switch it off with `kinesic servos release`"
             )
         if snapshot.recent.all():
             return snapshot
-    raise BusError("not all servos answer at once; `kinesic servos doctor` tells which and why")
+    raise BusError("not all servos answer; run `kinesic servos doctor` to find the cause")
 
 
-def free_servos(axes: Axes) -> list[Change]:
-    """Lets servos count their ticks as they will when they are driven, and through a whole turn.
+def free_servos(axes: Axes) -> list[RegisterChange]:
+    """Configure the servos for driving, with position limits of a whole turn.
 
-    Position limits were counted from the zeros before; the next start sets them anew.
+    Old position limits refer to the previous zeros; the next start sets new ones.
     """
     return [
         change
         for member in axes.manifest.members
-        for change in axes.cold(member.bus).configure(member.id, {**member.lasting, **WHOLE_TURN})
+        for change in axes.access(member.bus).configure(member.id, {**member.eeprom_values, **WHOLE_TURN_LIMITS})
     ]
 
 
 def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
-    """Reads where the servos stand in the zero posture.
+    """Read the servo positions in the zero posture.
 
     Raises:
-        BusError: a servo has torque, or is silent.
+        BusError: a servo has torque, or does not answer.
     """
     if ask:
-        click.echo(ZERO)
+        click.echo(ZERO_POSTURE_PROMPT)
         click.prompt("Then press Enter", default="", show_default=False, prompt_suffix="")
-    return Travel.begin(counted_ticks(limp(axes)))
+    return Travel.begin(count_ticks(require_torque_off(axes)))
 
 
 def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
-    """Watches hands move the robot until Enter, until the time is over, or until all has been seen."""
+    """Record hinge travel until Enter, a time limit or full coverage."""
     manifest = axes.manifest
-    click.echo(f"{TURN_HINGES} Enter ends.")
+    click.echo(f"{TURN_HINGES_PROMPT} Enter ends.")
     with Live(console=console(), refresh_per_second=8) as live:
-        for snapshot in _looks(axes, seconds):
-            travel = travel.seen(counted_ticks(snapshot), manifest)
-            found = marks(travel, manifest, robot)
-            live.update(_table(found, robot))
-            if ENTER & set(keys()) or all(mark.whole for mark in found):
+        for snapshot in _poll_servos(axes, seconds):
+            travel = travel.with_positions(count_ticks(snapshot), manifest)
+            hinges = measure_hinges(travel, manifest, robot)
+            live.update(_tabulate(hinges, robot))
+            if ENTER_KEYS & set(keys()) or all(hinge.is_whole for hinge in hinges):
                 break
     if not sys.stdout.isatty():
-        click.echo()  # Live leaves the last line open in a file
+        click.echo()  # Live does not end its last line in a file.
     return travel
 
 
-def counted_ticks(snapshot: Snapshot) -> Ticks:
-    """(m,) positions with the turns counted; of a silent servo, the last one."""
+def count_ticks(snapshot: Snapshot) -> Ticks:
+    """Return each servo's position in ticks over several turns, (m,).
+
+    A silent servo has its last known position.
+    """
     return snapshot.records["position"].astype(np.int64)
 
 
-def _looks(axes: Axes, seconds: float) -> Iterator[Snapshot]:
-    """Yields a look at all servos after another, for some time [s]."""
+def _poll_servos(axes: Axes, seconds: float) -> Iterator[Snapshot]:
+    """Yield snapshots of all servos periodically for a duration [s]."""
     end = axes.now() + seconds
     while axes.now() <= end:
         snapshot = axes.cycle(None)
         yield snapshot
-        axes.sleep(snapshot.time + POLL)
+        axes.sleep(snapshot.time + POLL_PERIOD)
 
 
-def _table(found: tuple[HingeCalibration, ...], robot: Robot) -> Table:
-    names = ("hinge", "id", "zero", "deg", "first turn it so that", "way", "moved deg", "range deg", "")
+def _tabulate(hinges: tuple[HingeCalibration, ...], robot: Robot) -> Table:
+    names = ("hinge", "id", "zero", "deg", "first turn it so that", "direction", "moved deg", "range deg", "")
     table = Table(*names, box=None, header_style="bold")
-    ways = {1: "as its servo", -1: "inverted", 0: "?"}
-    for joint, mark in enumerate(found):
+    direction_labels = {1: "as its servo", -1: "inverted", 0: "?"}
+    for joint, mark in enumerate(hinges):
         table.add_row(
             mark.hinge,
             ", ".join(str(servo) for servo in mark.ids),
             str(mark.zero_ticks),
-            f"{mark.here:.1f}",
-            positive_way(robot, joint),
-            ways[mark.way],
-            f"{mark.least:.0f}..{mark.most:.0f}",
+            f"{mark.present:.1f}",
+            describe_positive_direction(robot, joint),
+            direction_labels[mark.direction],
+            f"{mark.lowest:.0f}..{mark.highest:.0f}",
             f"{mark.lower:.0f}..{mark.upper:.0f}",
-            "[green]whole[/]" if mark.whole else "",
+            "[green]whole[/]" if mark.is_whole else "",
         )
     return table
 
 
-def _tell(found: Calibration, seen: tuple[HingeCalibration, ...]) -> None:
-    """Names hinges that were not turned, and ranges that are narrower than in the robot's file."""
-    still = [mark.hinge for mark in seen if mark.way == 0]
-    if still:
-        click.echo(f"not turned, so their directions and limits stay as they were: {', '.join(still)}")
-    for hinge, (least, most) in found.range_deg.items():
-        click.echo(f"{hinge} goes {least:g}..{most:g} deg only")
+def _print_limits(measured: Calibration, hinges: tuple[HingeCalibration, ...]) -> None:
+    """Print the hinges that were not turned and the reduced ranges."""
+    unturned = [mark.hinge for mark in hinges if mark.direction == 0]
+    if unturned:
+        click.echo(f"not turned, so their directions and limits are unchanged: {', '.join(unturned)}")
+    for hinge, (lower, upper) in measured.range_deg.items():
+        click.echo(f"{hinge} moves only {lower:g}..{upper:g} deg")

@@ -1,70 +1,72 @@
-"""What is known of a robot's servos from earlier performances: where it is read, used and written."""
+"""Servo parameters learned in earlier performances: load, use and store them."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import ServoOptions
-from kinesic.controller.learned_gains import Lesson
+from kinesic.controller.learned_gains import Identification
 from kinesic.files.output_file import check_file, write_text
-from kinesic.sim.servo_factors import NOMINAL, TWINS, Factors, read_twins
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, TWIN_FACTORS, Factors, read_twins
 
-NOTHING = "none"
-FILE = "learned.toml"  # beside a report of servos, where no other file is named
+NO_LEARNING = "none"  # value of --learn that switches learning off
+LEARNED_FACTORS_FILE = "learned.toml"  # default file of learned servo factors, in the report folder
 
 
 @dataclass(frozen=True, eq=False)
 class ServoMemory:
-    """How the twins' servos are, how a robot's servos are believed to be, and where what they tell is kept."""
+    """Servo factors of twins and robot, with the file that stores them."""
 
     twins: tuple[Factors, ...]
-    believed: Factors
-    path: Path | None  # of what is learned; None: beside the report
+    estimate: Factors
+    path: Path | None  # file of learned factors; None: in the report folder
     learns: bool = True
 
     @classmethod
     def of(cls, options: ServoOptions) -> "ServoMemory":
-        """Reads what options name.
+        """Load the files that the servo options name.
 
-        Goals lead by the file of --learn; else by that of --twin, as the twin of this very robot; else as data sheets
-        say. Unless another is named, the twin is as servos are believed to be.
+        The feed-forward uses the factors of --learn; otherwise those of a file of --twin, which is the twin of this
+        very robot; otherwise the data sheets. Unless --twin is given, the twin uses the same factors.
 
         Raises:
-            ConfigError: a file is missing or wrong, or what is learned could not be written.
+            ConfigError: a file is missing or invalid, or learned factors could not be written.
         """
         twin, learn = options.twin, options.learn
-        if learn == NOTHING:
-            return cls(read_twins(twin or "nominal"), NOMINAL, None, learns=False)
+        if learn == NO_LEARNING:
+            return cls(read_twins(twin or "nominal"), NOMINAL_FACTORS, None, learns=False)
         if learn is None:
             twins = read_twins(twin or "nominal")
-            return cls(twins, NOMINAL if twin is None or twin in TWINS else twins[0], None)
+            return cls(twins, NOMINAL_FACTORS if twin is None or twin in TWIN_FACTORS else twins[0], None)
         path = Path(learn)
         check_file(path, force=True)
-        believed = Factors.read(path) if path.exists() else NOMINAL
-        return cls((believed,) if twin is None else read_twins(twin), believed, path)
+        estimate = Factors.read(path) if path.exists() else NOMINAL_FACTORS
+        return cls((estimate,) if twin is None else read_twins(twin), estimate, path)
 
-    def keep(self, lesson: Lesson, folder: Path | None = None) -> Path | None:
-        """Writes what was learned; returns where it stands, None where there is nothing or no place.
+    def keep(self, identification: Identification, folder: Path | None = None) -> Path | None:
+        """Write the learned factors and return the path.
+
+        The result is None if nothing was learned or there is no file to write.
 
         Args:
-            lesson: what servos have told.
-            folder: of a report, in which it stands unless a file was named.
+            identification: factors identified from the servos.
+            folder: report folder, used unless a file was named.
         """
-        path = self.path or (None if folder is None else folder / FILE)
-        if path is None or lesson.why:
+        path = self.path or (None if folder is None else folder / LEARNED_FACTORS_FILE)
+        if path is None or identification.why:
             return None
-        write_text(path, f"# {lesson}\n{lesson.believed.text()}", force=True, durable=True)
+        write_text(path, f"# {identification}\n{identification.estimate.text()}", force=True, durable=True)
         return path
 
 
-UNKNOWN = ServoMemory((NOMINAL,), NOMINAL, None)
+NO_SERVO_MEMORY = ServoMemory((NOMINAL_FACTORS,), NOMINAL_FACTORS, None)
 
 
-def check_alone(options: ServoOptions) -> None:
-    """Refuses one file for several robots.
+def check_single_robot(options: ServoOptions) -> None:
+    """Refuse a file of learned factors for several robots.
 
     Raises:
-        ConfigError: --learn names one.
+        ConfigError: --learn names a file.
     """
-    if options.learn not in (None, NOTHING):
-        raise ConfigError(f"--learn {options.learn}: what servos tell is of one robot: name one")
+    if options.learn not in (None, NO_LEARNING):
+        raise ConfigError(f"--learn {options.learn}: learned factors belong to one robot; name one robot")

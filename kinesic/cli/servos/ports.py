@@ -1,67 +1,67 @@
-"""The ports of a robot's buses: read from options, and opened."""
+"""Serial ports of a robot's buses: parse options and open wires."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.hardware.bus.host import ports as ports_here
+from kinesic.hardware.bus.host import list_ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.supervisor.manifest import Manifest
 
 
-def read_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
-    """Reads the port of each bus that is named.
+def read_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
+    """Parse the port given for each servo bus.
 
     Args:
-        given: NAME=PATH, or PATH if there is one bus.
-        buses: of the robot.
+        texts: NAME=PATH, or PATH alone if there is only one bus.
+        buses: names of the robot's buses.
 
     Raises:
         ConfigError: a bus is unknown or named twice, or no port is given.
     """
-    known, found = list(buses), dict[str, Path]()
-    for text in given:
-        name, sign, path = text.partition("=")
-        if not sign and len(known) == 1:
-            name, path = known[0], text
-        if name not in known:
-            raise ConfigError(f"--port {text}: no bus {name}{suggestion(name, known)}; give NAME=PATH")
-        if name in found or not path:
+    bus_names, ports = list(buses), dict[str, Path]()
+    for text in texts:
+        name, separator, path = text.partition("=")
+        if not separator and len(bus_names) == 1:
+            name, path = bus_names[0], text
+        if name not in bus_names:
+            raise ConfigError(f"--port {text}: no bus {name}{suggestion(name, bus_names)}; give NAME=PATH")
+        if name in ports or not path:
             raise ConfigError(f"--port {text}: give one path for bus {name}")
-        found[name] = Path(path)
-    if not found:
-        here = ", ".join(str(path) for path in ports_here()) or "none that USB knows of"
-        wanted = " ".join(f"--port {name}=PATH" for name in known)
-        raise ConfigError(f"no port given; add {wanted}; serial ports here: {here}")
-    return found
+        ports[name] = Path(path)
+    if not ports:
+        here = ", ".join(str(path) for path in ports_here()) or "none on USB"
+        remedy = " ".join(f"--port {name}=PATH" for name in bus_names)
+        raise ConfigError(f"no port given; add {remedy}; serial ports here: {here}")
+    return ports
 
 
-def all_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
-    """Reads the ports of all buses.
+def read_all_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
+    """Parse the servo ports and require one for every bus.
 
     Raises:
-        ConfigError: one has none.
+        ConfigError: a bus has no port.
     """
-    known = list(buses)
-    found = read_ports(given, known)
-    missing = " ".join(f"--port {name}=PATH" for name in known if name not in found)
+    bus_names = list(buses)
+    ports = read_ports(texts, bus_names)
+    missing = " ".join(f"--port {name}=PATH" for name in bus_names if name not in ports)
     if missing:
         raise ConfigError(f"a bus has no port; add {missing}")
-    return found
+    return ports
 
 
 @contextmanager
 def open_ports(manifest: Manifest, ports: Mapping[str, Path]) -> Iterator[dict[str, Wire]]:
-    """Opens wires at the baud rates of the robot's buses, and closes them at the end.
+    """Open the servo buses at the robot's baud rates.
 
     Raises:
         BusError: a port does not open.
     """
-    with ExitStack() as closing:
+    with ExitStack() as stack:
         wires: dict[str, Wire] = {}
         for name, path in ports.items():
             wires[name] = wire = SerialWire(path, manifest.bauds[name])
-            closing.callback(wire.close)
+            stack.callback(wire.close)
         yield wires

@@ -1,4 +1,4 @@
-"""`kinesic servos release`: says what will fall, lets go of every servo, and makes sure of it."""
+"""Verb `kinesic servos release`: switch all torque off after a confirmation."""
 
 import time
 from collections.abc import Iterable, Mapping
@@ -8,86 +8,91 @@ from pathlib import Path
 import click
 
 from kinesic.body.arrays import Floats
-from kinesic.cli.servos.ports import all_ports
+from kinesic.cli.servos.ports import read_all_ports
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import Channel
-from kinesic.hardware.supervisor.manifest import Manifest, raised_joints
+from kinesic.hardware.supervisor.manifest import Manifest, describe_raised_joints
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.tools.release import held_angles, release_servos
 
-FAULT = 3
-FOLD_TIMEOUT = 60.0  # [s] for a supervisor to fold what it can, and to let go
-POLL = 0.05  # [s]
+FAULT_EXIT_CODE = 3  # exit code if a servo may still have torque
+FOLD_TIMEOUT = 60.0  # [s] time limit for a supervisor to fold the robot and switch torque off
+POLL_PERIOD = 0.05  # [s] between two checks of the supervisor
 
 
 def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
-    """Takes the torque of every servo, and looks that it is gone; a supervisor that holds the robot is asked to."""
+    """Switch the torque of every servo off, and verify it.
+
+    A supervisor that holds the robot folds it first and ends.
+    """
     manifest = Manifest.of(load_robot(robot))
-    paths = all_ports(ports, manifest.bauds)
-    holder = _holder(manifest, paths.values())
-    if holder is not None:
-        _confirm(manifest, holder.status().angles, yes=yes)
-        _end(holder)
+    paths = read_all_ports(ports, manifest.bauds)
+    supervisor = _find_supervisor(manifest, paths.values())
+    if supervisor is not None:
+        _confirm_release(manifest, supervisor.status().angles, yes=yes)
+        _end_supervisor(supervisor)
     wires: dict[str, Wire] = {}
-    doubts: list[str] = []
-    with ExitStack() as closing:
+    problems: list[str] = []
+    with ExitStack() as stack:
         for name, path in paths.items():
             try:
                 wires[name] = SerialWire(path, manifest.bauds[name])
             except BusError as error:
                 if len(paths) == 1:
                     raise
-                doubts.append(f"{error}; the servos of bus {name} may still have torque")
+                problems.append(f"{error}; the servos of bus {name} may still have torque")
                 continue
-            closing.callback(wires[name].close)
-        if holder is None:
-            _confirm(manifest, held_angles(manifest, wires), yes=yes)
-        doubts += release_servos(wires, _members(manifest, wires))
-    for line in doubts:
+            stack.callback(wires[name].close)
+        if supervisor is None:
+            _confirm_release(manifest, held_angles(manifest, wires), yes=yes)
+        problems += release_servos(wires, _group_ids(manifest, wires))
+    for line in problems:
         click.echo(f"kinesic: {line}", err=True)
-    if not doubts:
-        click.echo(f"all {len(manifest.members)} servos are limp")
-    return FAULT if doubts else 0
+    if not problems:
+        click.echo(f"all {len(manifest.members)} servos have no torque")
+    return FAULT_EXIT_CODE if problems else 0
 
 
-def _holder(manifest: Manifest, paths: Iterable[Path]) -> Channel | None:
-    """The supervisor that holds the robot, if there is one."""
-    found = (find_supervisor(path, len(manifest.rest)) for path in paths)
-    return next((channel for channel in found if channel is not None), None)
+def _find_supervisor(manifest: Manifest, paths: Iterable[Path]) -> Channel | None:
+    """Return the channel of the supervisor that holds the robot, or None."""
+    channels = (find_supervisor(path, len(manifest.rest)) for path in paths)
+    return next((channel for channel in channels if channel is not None), None)
 
 
-def _members(manifest: Manifest, wires: Mapping[str, Wire]) -> dict[str, list[int]]:
+def _group_ids(manifest: Manifest, wires: Mapping[str, Wire]) -> dict[str, list[int]]:
     return {name: [member.id for member in manifest.members if member.bus == name] for name in wires}
 
 
-def _confirm(manifest: Manifest, angles: Floats, *, yes: bool) -> None:
-    """Says what will fall, and asks whether it may."""
-    falls = raised_joints(manifest, angles)
-    for line in falls:
+def _confirm_release(manifest: Manifest, angles: Floats, *, yes: bool) -> None:
+    """Print the joints that will fall, and ask for confirmation."""
+    falling = describe_raised_joints(manifest, angles)
+    for line in falling:
         click.echo(f"will fall: {line}", err=True)
-    if not falls:
+    if not falling:
         click.echo("no joint with torque is more than 5 deg from rest", err=True)
     if not yes:
-        click.confirm("The robot will go limp. Is somebody holding it?", abort=True)
+        click.confirm("All torque will be switched off. Is somebody holding the robot?", abort=True)
 
 
-def _end(holder: Channel) -> None:
-    """Lets a supervisor fold what it can, and let go of the rest; returns when it has ended.
+def _end_supervisor(supervisor: Channel) -> None:
+    """Make a supervisor fold the robot, switch torque off and end.
+
+    Returns when the supervisor has ended.
 
     Raises:
-        BusError: it does not.
+        BusError: the supervisor does not end in time.
     """
-    holder.set("confirm", 1)
-    limit, cycles, seen = time.monotonic() + FOLD_TIMEOUT, -1, time.monotonic()
-    while time.monotonic() < limit and holder.status().stage is not Stage.CLOSED:
-        if holder.word("cycles") != cycles:
-            cycles, seen = holder.word("cycles"), time.monotonic()
-        elif time.monotonic() - seen > 1.0:  # it writes no more: it has ended, or never will
+    supervisor.set("confirm", 1)
+    deadline, cycles, last_change = time.monotonic() + FOLD_TIMEOUT, -1, time.monotonic()
+    while time.monotonic() < deadline and supervisor.status().stage is not Stage.CLOSED:
+        if supervisor.word("cycles") != cycles:
+            cycles, last_change = supervisor.word("cycles"), time.monotonic()
+        elif time.monotonic() - last_change > 1.0:  # The supervisor has ended.
             return
-        time.sleep(POLL)
-    stage = holder.status().stage
+        time.sleep(POLL_PERIOD)
+    stage = supervisor.status().stage
     if stage is not Stage.CLOSED:
-        raise BusError(f"the supervisor has not let go in {FOLD_TIMEOUT:g} s ({stage.value}); switch the power off")
+        raise BusError(f"the supervisor has not ended in {FOLD_TIMEOUT:g} s ({stage.value}); switch the power off")

@@ -1,4 +1,4 @@
-"""`kinesic servos show`: how every servo of a robot is."""
+"""Verb `kinesic servos show`: print the state of every servo."""
 
 import json
 from dataclasses import asdict
@@ -13,53 +13,58 @@ from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.survey import SurveyedServo, survey
 
-FAULT = 3
+FAULT_EXIT_CODE = 3  # exit code if a servo is missing, of another model, or reports an error
 
 
 def show_servos(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
-    """Prints how every servo is and where it differs from the robot's file; nothing is changed."""
+    """Print each servo's state and its differences from the robot file.
+
+    Nothing is changed.
+    """
     manifest = Manifest.of(load_robot(robot))
     with open_ports(manifest, read_ports(ports, manifest.bauds)) as wires:
-        found = survey(manifest, wires)
+        servos = survey(manifest, wires)
     if as_json:
-        click.echo(json.dumps([_plain(seen) for seen in found], indent=1))
+        click.echo(json.dumps([_to_json(servo) for servo in servos], indent=1))
     else:
-        console().print(_table(found))
-    return FAULT if any(seen.errors or not seen.right for seen in found) else 0
+        console().print(_tabulate(servos))
+    return FAULT_EXIT_CODE if any(servo.errors or not servo.right for servo in servos) else 0
 
 
-def _table(found: tuple[SurveyedServo, ...]) -> Table:
+def _tabulate(servos: tuple[SurveyedServo, ...]) -> Table:
     names = ("hinge", "id", "model", "firmware", "deg", "C", "V", "torque", "errors", "differs from the robot's file")
     table = Table(*names, box=None, header_style="bold")
-    for seen in found:
-        place = (seen.member.hinge, str(seen.member.id))
-        if not seen.found:
-            table.add_row(*place, "[red]does not answer[/]")
-        elif not seen.right:
-            table.add_row(*place, f"[red]{seen.found}, must be {seen.member.model.name}[/]", str(seen.firmware))
+    for servo in servos:
+        labels = (servo.member.hinge, str(servo.member.id))
+        if not servo.model_name:
+            table.add_row(*labels, "[red]does not answer[/]")
+        elif not servo.right:
+            table.add_row(
+                *labels, f"[red]{servo.model_name}, must be {servo.member.model.name}[/]", str(servo.firmware)
+            )
         else:
-            state = (f"{seen.degrees:.1f}", str(seen.celsius), f"{seen.volts:.1f}", "on" if seen.torque else "off")
-            errors = f"[red]{', '.join(seen.errors)}[/]" if seen.errors else ""
-            table.add_row(*place, seen.found, str(seen.firmware), *state, errors, _differences(seen))
+            state = (f"{servo.degrees:.1f}", str(servo.celsius), f"{servo.volts:.1f}", "on" if servo.torque else "off")
+            errors = f"[red]{', '.join(servo.errors)}[/]" if servo.errors else ""
+            table.add_row(*labels, servo.model_name, str(servo.firmware), *state, errors, _format_differences(servo))
     return table
 
 
-def _differences(seen: SurveyedServo) -> str:
-    return ", ".join(f"{change.register.name} {change.before} (-> {change.after})" for change in seen.differs)
+def _format_differences(servo: SurveyedServo) -> str:
+    return ", ".join(f"{change.register.name} {change.before} (-> {change.after})" for change in servo.differs)
 
 
-def _plain(seen: SurveyedServo) -> dict[str, object]:
+def _to_json(servo: SurveyedServo) -> dict[str, object]:
     return {
-        "bus": seen.member.bus,
-        "id": seen.member.id,
-        "hinge": seen.member.hinge,
-        "model": seen.found or None,
-        "wanted_model": seen.member.model.name,
-        "firmware": seen.firmware,
-        "deg": None if isnan(seen.degrees) else seen.degrees,
-        "celsius": seen.celsius,
-        "volts": seen.volts,
-        "torque": seen.torque,
-        "errors": list(seen.errors),
-        "differs": [asdict(change) | {"register": change.register.name} for change in seen.differs],
+        "bus": servo.member.bus,
+        "id": servo.member.id,
+        "hinge": servo.member.hinge,
+        "model": servo.model_name or None,
+        "wanted_model": servo.member.model.name,
+        "firmware": servo.firmware,
+        "deg": None if isnan(servo.degrees) else servo.degrees,
+        "celsius": servo.celsius,
+        "volts": servo.volts,
+        "torque": servo.torque,
+        "errors": list(servo.errors),
+        "differs": [asdict(change) | {"register": change.register.name} for change in servo.differs],
     }

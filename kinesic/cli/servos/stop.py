@@ -1,4 +1,7 @@
-"""`kinesic servos stop`: an emergency stop for the supervisors themselves, past programs, servers and networks."""
+"""Verb `kinesic servos stop`: emergency stop sent directly to supervisor processes.
+
+It depends on no other program, server or network.
+"""
 
 import time
 
@@ -10,15 +13,17 @@ from kinesic.hardware.supervisor.address import find_faults, find_supervisors
 from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.state_machine import Stage
 
-STANDSTILL_TIMEOUT = 3.0  # [s] until all goals must stand still
-POLL = 0.02  # [s] between two looks, in which a supervisor has several cycles
-POWER_OFF = "switch the power off"
-STANDING = frozenset({Stage.STOPPED, Stage.LIMP, Stage.CLOSED, Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT})
-"""Stages that move nothing, in which an emergency stop can end."""
+STANDSTILL_TIMEOUT = 3.0  # [s] time limit for all setpoints to become constant
+POLL_PERIOD = 0.02  # [s] between two checks for standstill, several cycles of a supervisor
+POWER_OFF_REMEDY = "switch the power off"
+STATIONARY_STAGES = frozenset(
+    {Stage.STOPPED, Stage.LIMP, Stage.CLOSED, Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}
+)
+"""Supervisor stages without motion, in which an emergency stop can end."""
 
 
 def stop_robots() -> int:
-    """Stops all robots that supervisors of this user drive, and waits until their goals stand still.
+    """Stop all robots driven by this user's supervisors, and await standstill.
 
     Raises:
         BusError: no supervisor of this user runs, or one does not stop.
@@ -30,26 +35,31 @@ def stop_robots() -> int:
     if not channels:
         faults = "".join(f"; {fault}" for fault in find_faults())
         raise BusError(
-            f"no program of yours drives servos from here{faults}; if a robot moves all the same, {POWER_OFF}"
+            f"none of your programs drives servos from this machine{faults}; if a robot still moves, {POWER_OFF_REMEDY}"
         )
-    began, waiting = time.monotonic(), list(channels)
-    while waiting and time.monotonic() - began < STANDSTILL_TIMEOUT:
-        waiting = [channel for channel in waiting if not _stands(channel)]
+    start, waiting = time.monotonic(), list(channels)
+    while waiting and time.monotonic() - start < STANDSTILL_TIMEOUT:
+        waiting = [channel for channel in waiting if not _is_stationary(channel)]
     if waiting:
         stages = ", ".join(channel.status().stage.value for channel in waiting)
         raise BusError(
-            f"{len(waiting)} of {len(channels)} have not stopped in {STANDSTILL_TIMEOUT:g} s ({stages}); {POWER_OFF}"
+            f"{len(waiting)} of {len(channels)} robots have not stopped in {STANDSTILL_TIMEOUT:g} s ({stages}); "
+            f"{POWER_OFF_REMEDY}"
         )
-    held = sum(channel.status().energised for channel in channels)
-    click.echo(f"stopped: {held} servos hold where they are")
-    click.echo("to go on: Enter at `perform`, `resume` to `serve`; to let go: Ctrl-C there", err=True)
+    servo_count = sum(channel.status().energised for channel in channels)
+    click.echo(f"stopped: {servo_count} servos hold their positions")
+    click.echo("to resume: Enter in `perform`, `resume` to `serve`; to fold and end: Ctrl-C there", err=True)
     return 0
 
 
-def _stands(channel: Channel) -> bool:
-    """Whether a supervisor has heard the stop, and its goals stay."""
+def _is_stationary(channel: Channel) -> bool:
+    """Return whether a supervisor has stopped and its setpoints are constant."""
     before, cycles = channel.status(), channel.word("cycles")
-    time.sleep(POLL)
-    now = channel.status()
-    lives = channel.word("cycles") > cycles or now.stage is Stage.CLOSED
-    return lives and now.stage in STANDING and np.array_equal(before.goals, now.goals, equal_nan=True)
+    time.sleep(POLL_PERIOD)
+    after = channel.status()
+    is_running = channel.word("cycles") > cycles or after.stage is Stage.CLOSED
+    return (
+        is_running
+        and after.stage in STATIONARY_STAGES
+        and np.array_equal(before.setpoints, after.setpoints, equal_nan=True)
+    )

@@ -1,23 +1,23 @@
-"""What servos have told of themselves, and what their journal could not keep, in words."""
+"""Messages about learned servo factors and lost servo events."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
 import click
 
-from kinesic.controller.learned_gains import Lesson
+from kinesic.controller.learned_gains import Identification
 from kinesic.hardware.supervisor.channel import Note
 
 
-def print_lesson(lesson: Lesson, path: Path | None, *, on_error: bool) -> None:
-    """Prints what servos have told of themselves, and where it stands for the next performance."""
-    click.echo(f"servos: {lesson}", err=on_error)
+def print_learned_factors(identification: Identification, path: Path | None, *, to_stderr: bool) -> None:
+    """Print learned servo factors and the option that loads them again."""
+    click.echo(f"servos: {identification}", err=to_stderr)
     if path is not None:
-        click.echo(f"the next performance leads by it: --learn {path}", err=on_error)
+        click.echo(f"to use it in the next performance: --learn {path}", err=to_stderr)
 
 
 def warn_of_lost_events(notes: Iterable[Note]) -> None:
-    """Prints to standard error why events of the servos are not kept, where that is so."""
+    """Print to standard error why servo events could not be logged."""
     for note in notes:
         if note.kind == "journal":
             click.echo(note.text, err=True)

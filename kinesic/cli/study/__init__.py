@@ -1,1 +1,1 @@
-"""`kinesic study`: studies of perception, from their pages to what their answers say."""
+"""Verbs `kinesic study`: perception studies, from questionnaire pages to result tables."""

@@ -1,4 +1,4 @@
-"""`kinesic study analyse`: what the answers of participants say, whichever study they are of."""
+"""Verb `kinesic study analyse`: evaluate the answers of a perception study."""
 
 from pathlib import Path
 
@@ -8,5 +8,8 @@ from kinesic.studies.gesture_perception.answers import are_of_gestures
 
 
 def analyse_study(files: tuple[Path, ...], as_json: bool) -> int:
-    """Prints what is in the answers of all participants; the first file says which study they are of."""
+    """Print the evaluation of all answers to one study.
+
+    The first file determines the kind of study.
+    """
     return (analyse_gestures if are_of_gestures(files[0]) else analyse_faces)(files, as_json)

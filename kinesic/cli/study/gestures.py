@@ -1,7 +1,6 @@
-"""`kinesic study make-gestures`: a study of gestures, from its page to what its answers say."""
+"""Verb `kinesic study make-gestures`: perception study of gestures."""
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -12,23 +11,26 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages
+from kinesic.cli.study.fractions import format_cells, format_rate, fraction_to_json, fractions_to_json
+from kinesic.cli.study.systems import matches_to_json, print_matches, print_ratings, ratings_to_json
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.report.output import default_folder
 from kinesic.report.report import Json
 from kinesic.studies.gesture_perception.analysis import (
-    CONFIDENCE,
+    CONFIDENCE_LEVEL,
     Habit,
     PreferenceResult,
     RecognitionResult,
-    Share,
+    analyse_matches,
     analyse_preference,
     analyse_recognition,
     confusion_matrix,
-    strange,
+    find_position_choosers,
 )
 from kinesic.studies.gesture_perception.answers import read_gesture_answers
 from kinesic.studies.gesture_perception.design import draw_meanings, draw_questions
+from kinesic.studies.gesture_perception.elo import rate_systems
 from kinesic.studies.gesture_perception.page import write_gesture_page
 from kinesic.studies.gesture_perception.stimuli import (
     StimulusPair,
@@ -51,62 +53,65 @@ def make_gesture_study(
     post_to: str,
     planning: Planning,
 ) -> int:
-    """Plans the gestures of a study, and writes the page that shows them and asks."""
+    """Plan the gestures of a study and write its questionnaire page."""
     folder = out or default_folder("gesture-study")
     check_folder(folder, force=force)
     find_origin(post_to)
-    known, seed = planning.set_up(), planning.options["seed"]
+    setup, seed = planning.set_up(), planning.options["seed"]
     for condition in conditions:
-        changed_setup(known, condition)
+        changed_setup(setup, condition)
     texts = _read_documents(documents)
-    meanings = draw_meanings(known.lexicon, count, seed, gestures)
-    alone = gesture_documents((meaning.gesture for meaning in meanings), known.lexicon)
-    with new_folder(folder, force=force) as fresh, show_stages() as stage:
+    meanings = draw_meanings(setup.lexicon, count, seed, gestures)
+    gesture_blocks = gesture_documents((meaning.gesture for meaning in meanings), setup.lexicon)
+    with new_folder(folder, force=force) as temporary, show_stages() as stage:
         stage("planning gestures")
-        motions = plan_motions(alone, known, _tell)
+        motions = plan_motions(gesture_blocks, setup, _warn)
         questions = draw_questions([meaning for meaning in meanings if meaning.gesture in motions], seed)
         stage("planning texts")
-        spoken = plan_motions(texts, known, _tell)
-        compared: list[StimulusPair] = []
-        for k, condition in enumerate(dict.fromkeys(conditions) if pairs or spoken else ()):
+        text_motions = plan_motions(texts, setup, _warn)
+        stimulus_pairs: list[StimulusPair] = []
+        for k, condition in enumerate(dict.fromkeys(conditions) if pairs or text_motions else ()):
             stage(f"planning with {condition}")
-            own = plan_pairs(texts, spoken, known, condition, len(spoken))
-            own += plan_pairs(alone, motions, known, condition, pairs, first=k * pairs)
-            if not own:
-                raise ConfigError(f"--compare {condition} changes nothing that anybody could see here")
-            compared += own
-        write_gesture_page(fresh / "index.html", known.robot, questions, motions, compared, post_to=post_to)
+            new_pairs = plan_pairs(texts, text_motions, setup, condition, len(text_motions))
+            new_pairs += plan_pairs(gesture_blocks, motions, setup, condition, pairs, first=k * pairs)
+            if not new_pairs:
+                raise ConfigError(f"--compare {condition} changes no gesture visibly")
+            stimulus_pairs += new_pairs
+        write_gesture_page(temporary / "index.html", setup.robot, questions, motions, stimulus_pairs, post_to=post_to)
     click.echo(f"page: {folder / 'index.html'}")
     return 0
 
 
 def _read_documents(paths: tuple[Path, ...]) -> dict[str, bytes]:
-    """Reads documents by their names without endings, of which no two may be the same."""
+    """Read documents by file stem, refusing duplicate stems."""
     texts: dict[str, bytes] = {}
     for path in paths:
         if path.stem in texts:
-            raise ConfigError(f"--text {path}: there is another text {path.stem}; name one differently")
+            raise ConfigError(f"--text {path}: another text is named {path.stem}; rename one of them")
         texts[path.stem] = read_input(str(path))
     return texts
 
 
-def _tell(why: str) -> None:
-    click.echo(printable(f"kinesic: {why}"), err=True)
+def _warn(message: str) -> None:
+    click.echo(printable(f"kinesic: {message}"), err=True)
 
 
 def analyse_gestures(files: tuple[Path, ...], as_json: bool) -> int:
-    """Prints what participants recognise and prefer."""
+    """Print the participants' recognition rates and preferences."""
     answers = read_gesture_answers(files)
     recognised, preferred = analyse_recognition(answers.recognitions), analyse_preference(answers.preferences)
-    habits = strange(answers)
+    matched, rated = analyse_matches(answers.matches), rate_systems(answers.pair_choices, CONFIDENCE_LEVEL)
+    habits = find_position_choosers(answers)
     if as_json:
         names, counts = confusion_matrix(answers.recognitions)
         matrix: Json = {"gestures": list(names), "counts": [list(row) for row in counts]}
         document: dict[str, Json] = {
-            "answers": len(answers.recognitions) + len(answers.preferences),
-            "recognition": {**_recognition(recognised), "confusion": matrix} if recognised else None,
-            "preference": _preference(preferred) if preferred else None,
-            "choose_by_place": {person: _habit(habit) for person, habit in habits.items()},
+            "answers": sum(map(len, (answers.recognitions, answers.preferences, answers.matches, answers.realisms))),
+            "recognition": {**_recognition_to_json(recognised), "confusion": matrix} if recognised else None,
+            "preference": _preference_to_json(preferred) if preferred else None,
+            "mismatching": matches_to_json(matched) if matched else None,
+            "elo": ratings_to_json(rated) if rated else None,
+            "choose_by_place": {person: _habit_to_json(habit) for person, habit in habits.items()},
         }
         click.echo(json.dumps(document, indent=1))
         return 0
@@ -115,71 +120,62 @@ def analyse_gestures(files: tuple[Path, ...], as_json: bool) -> int:
         _print_recognition(recognised, screen)
     if preferred:
         _print_preference(preferred, screen)
+    if matched:
+        print_matches(matched, screen)
+    if rated:
+        print_ratings(rated, screen)
     for person, habit in habits.items():
         times = f"{habit.share.hits} of {habit.share.total} times"
-        screen.print(quote_text(f"participant {person} chose place {habit.place} {times} (p = {habit.share.p:.1g})"))
+        screen.print(quote_text(f"participant {person} chose position {habit.place} {times} (p = {habit.share.p:.1g})"))
     return 0
 
 
 def _print_recognition(result: RecognitionResult, screen: Console) -> None:
-    overall = f"{_rate(result.overall)}, of {result.overall.total} answers of {len(result.participants)} participants"
-    screen.print(f"recognised: {overall}; interval: {CONFIDENCE:.0%} (Wilson); p: as many by guessing (binomial)")
-    table = Table("gesture", "answers", "recognised", "interval", "p", "taken for", box=None)
-    for gesture, share in result.gestures.items():
-        others = [each for each in result.confusions if each.shown == gesture]
-        taken = ", ".join(f"{each.chosen} {each.count} of {each.offered}" for each in others)
-        table.add_row(quote_text(gesture), *_cells(share), quote_text(taken))
+    overall = (
+        f"{format_rate(result.overall)}, of {result.overall.total} answers of {len(result.participants)} participants"
+    )
+    screen.print(
+        f"recognised: {overall}; interval: {CONFIDENCE_LEVEL:.0%} (Wilson); p: probability by guessing (binomial)"
+    )
+    table = Table("gesture", "answers", "recognised", "interval", "p", "confused with", box=None)
+    for gesture, fraction in result.gestures.items():
+        confusions = [confusion for confusion in result.confusions if confusion.shown == gesture]
+        confused = ", ".join(f"{confusion.chosen} {confusion.count} of {confusion.offered}" for confusion in confusions)
+        table.add_row(quote_text(gesture), *format_cells(fraction), quote_text(confused))
     screen.print(table)
 
 
 def _print_preference(result: PreferenceResult, screen: Console) -> None:
-    screen.print("more natural as it is than with the changed setting; p: as far from one half by chance (binomial)")
-    table = Table("changed", "answers", "as it is", "interval", "p", box=None)
-    for condition, share in result.conditions.items():
-        table.add_row(quote_text(condition), *_cells(share))
+    screen.print(
+        "fraction that finds the unchanged gesture more natural; p: deviation from one half by chance (binomial)"
+    )
+    table = Table("changed", "answers", "unchanged", "interval", "p", box=None)
+    for condition, fraction in result.conditions.items():
+        table.add_row(quote_text(condition), *format_cells(fraction))
     screen.print(table)
-    screen.print(f"the first of two was preferred: {_rate(result.first)}, p = {result.first.p:.3f}")
+    screen.print(f"the first of two gestures was preferred: {format_rate(result.first)}, p = {result.first.p:.3f}")
 
 
-def _cells(share: Share) -> tuple[str, ...]:
-    low, high = share.interval
-    return f"{share.total}", f"{share.rate:.2f}", f"{low:.2f} to {high:.2f}", f"{share.p:.3f}"
-
-
-def _rate(share: Share) -> str:
-    low, high = share.interval
-    return f"{share.rate:.2f} ({low:.2f} to {high:.2f})"
-
-
-def _recognition(result: RecognitionResult) -> dict[str, Json]:
+def _recognition_to_json(result: RecognitionResult) -> dict[str, Json]:
     return {
-        "overall": _share(result.overall),
-        "gestures": _shares(result.gestures),
+        "overall": fraction_to_json(result.overall),
+        "gestures": fractions_to_json(result.gestures),
         "confusions": [
-            {"shown": each.shown, "chosen": each.chosen, "count": each.count, "offered": each.offered}
-            for each in result.confusions
+            {
+                "shown": confusion.shown,
+                "chosen": confusion.chosen,
+                "count": confusion.count,
+                "offered": confusion.offered,
+            }
+            for confusion in result.confusions
         ],
-        "participants": _shares(result.participants),
+        "participants": fractions_to_json(result.participants),
     }
 
 
-def _preference(result: PreferenceResult) -> dict[str, Json]:
-    return {"conditions": _shares(result.conditions), "first_interval": _share(result.first)}
+def _preference_to_json(result: PreferenceResult) -> dict[str, Json]:
+    return {"conditions": fractions_to_json(result.conditions), "first_interval": fraction_to_json(result.first)}
 
 
-def _shares(shares: Mapping[str, Share]) -> dict[str, Json]:
-    return {name: _share(share) for name, share in shares.items()}
-
-
-def _share(share: Share) -> dict[str, Json]:
-    return {
-        "share": share.rate,
-        "hits": share.hits,
-        "answers": share.total,
-        "interval": list(share.interval),
-        "p": share.p,
-    }
-
-
-def _habit(habit: Habit) -> dict[str, Json]:
-    return {"place": habit.place, **_share(habit.share)}
+def _habit_to_json(habit: Habit) -> dict[str, Json]:
+    return {"place": habit.place, **fraction_to_json(habit.share)}

@@ -3,21 +3,21 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from kinesic.cli.live.say import _show
+from kinesic.cli.live.say import _print_message
 from kinesic.cli.verbs import kinesic
 
 
-def test_standard_input_can_be_written_as_bml():
+def test_say_prints_standard_input_as_bml():
     done = CliRunner().invoke(kinesic, ["say", "-", "--to", "bml"], input="Hello there!")
     assert done.exit_code == 0
     assert "there!" in done.stdout
     assert "<gesture" in done.stdout
 
 
-def test_words_that_come_one_by_one_have_no_report():
+def test_option_out_is_refused_for_streamed_speech():
     done = CliRunner().invoke(kinesic, ["say", "-", "--out", "there"], input="")
     assert done.exit_code != 0
-    assert "leave no report" in str(done.exception)
+    assert "has no report" in str(done.exception)
 
 
 @pytest.mark.parametrize(
@@ -31,11 +31,11 @@ def test_words_that_come_one_by_one_have_no_report():
         ('<warningFeedback id="b:g1">stroke asked at 1 s is planned at 2 s</warningFeedback>', "", ""),
     ],
 )
-def test_words_are_shown_as_they_are_said_and_losses_are_told(message, out, err, capsys):
-    _show(message)
-    said = capsys.readouterr()
-    assert out in said.out
-    assert bool(said.out) is bool(out)
-    assert err in said.err
-    assert bool(said.err) is bool(err)
-    assert "\x1b" not in said.out
+def test_say_prints_spoken_text_and_reasons_for_omitted_behaviours(message, out, err, capsys):
+    _print_message(message)
+    captured = capsys.readouterr()
+    assert out in captured.out
+    assert bool(captured.out) is bool(out)
+    assert err in captured.err
+    assert bool(captured.err) is bool(err)
+    assert "\x1b" not in captured.out

@@ -9,10 +9,11 @@ from contextlib import contextmanager
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.live.serve import read_address, read_rules
+from kinesic.cli.live.addresses import read_address
+from kinesic.cli.live.serve import read_rules
 from kinesic.client import Client
 from kinesic.serve.server import Address
-from kinesic.serve.wire.quotas import USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 pytestmark = pytest.mark.realtime
 
@@ -30,58 +31,58 @@ SERVE = (sys.executable, "-m", "kinesic", "serve", "--voice", "durations")
         ("0.0.0.0:80", "t", Address("0.0.0.0", 80)),
     ],
 )
-def test_addresses(text, token, address):
+def test_valid_server_addresses_are_parsed(text, token, address):
     assert read_address(text, token) == address
 
 
 @pytest.mark.parametrize("text", ["0.0.0.0:80", "[::]:80", "robot.local:80", "192.168.0.2:80"])
 @pytest.mark.parametrize("token", [None, ""])
-def test_others_need_a_token(text, token):
+def test_server_on_a_public_address_requires_a_token(text, token):
     with pytest.raises(ConfigError, match="give --token-file, or set KINESIC_TOKEN"):
         read_address(text, token)
 
 
 @pytest.mark.parametrize("text", ["", "80", "localhost", "localhost:", "localhost:x", "localhost:99999"])
-def test_what_is_no_address_is_refused(text):
+def test_invalid_server_address_is_refused(text):
     with pytest.raises(ConfigError, match=r"give HOST:PORT"):
         read_address(text, None)
 
 
-def test_rules():
-    assert read_rules(()) == USUAL
+def test_server_rule_option_changes_only_the_named_client_quota():
+    assert read_rules(()) == DEFAULT_QUOTAS
     changed = read_rules(("rate=5", "message=100"))
-    assert (changed.rate, changed.message, changed.depth) == (5.0, 100, USUAL.depth)
+    assert (changed.rate, changed.message, changed.depth) == (5.0, 100, DEFAULT_QUOTAS.depth)
 
 
 @pytest.mark.parametrize(
     ("text", "why"), [("rat=5", "did you mean"), ("rate=fast", "fast"), ("depth=0", "above 0"), ("rate", "could not")]
 )
-def test_wrong_rules_are_refused(text, why):
+def test_invalid_server_rules_are_refused(text, why):
     with pytest.raises(ConfigError, match=why):
         read_rules((text,))
 
 
-def test_addresses_are_written_as_they_are_read():
+def test_server_address_round_trips_through_text():
     for text in ("127.0.0.1:5", "[::1]:5"):
         assert str(read_address(text, None)) == text
 
 
-def test_standard_input_is_performed_and_ends_it():
-    given = NOD.format("one") + "\0" + NOD.format("two").replace(" id", ' composition="APPEND" id', 1)
-    done = subprocess.run([*SERVE, "--listen", "none"], input=given, capture_output=True, text=True, check=True)
+def test_server_performs_blocks_from_standard_input_and_then_ends():
+    blocks = NOD.format("one") + "\0" + NOD.format("two").replace(" id", ' composition="APPEND" id', 1)
+    done = subprocess.run([*SERVE, "--listen", "none"], input=blocks, capture_output=True, text=True, check=True)
     ends = re.findall(r'blockProgress[^>]* id="(\w+:\w+)"', done.stdout)
     assert ends == [f"{name}:{point}" for name in ("one", "two") for point in ("start", "relax", "end")]
     assert all(line.startswith("<") for line in done.stdout.splitlines())
     assert "reading standard input" in done.stderr
 
 
-def test_what_standard_input_says_is_said_as_it_comes():
+def test_say_speaks_all_words_of_standard_input():
     say = [sys.executable, "-m", "kinesic", "say", "-", "--voice", "durations"]
     done = subprocess.run(say, input="Hello, my friend! Look", capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["Hello", "my", "friend", "Look"]
 
 
-def test_the_token_of_the_environment_is_asked_for_and_ctrl_c_folds_and_ends_well():
+def test_server_requires_the_token_and_ends_cleanly_on_ctrl_c():
     with _serving(KINESIC_TOKEN="t") as (process, port):
         with pytest.raises(PermissionError):
             Client(port=port, token="wrong")
@@ -96,9 +97,9 @@ def test_the_token_of_the_environment_is_asked_for_and_ctrl_c_folds_and_ends_wel
         assert process.wait(20) == 0
 
 
-def test_an_address_that_is_taken_is_told_in_one_line(kinesic):
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        address = f"127.0.0.1:{taken.getsockname()[1]}"
+def test_server_address_in_use_is_reported_in_one_line(kinesic):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        address = f"127.0.0.1:{listener.getsockname()[1]}"
         ended = kinesic("serve", "--voice", "durations", "--listen", address)
     assert ended.code == 2
     assert re.fullmatch(r"kinesic: .*address already in use.*\n", ended.err)
@@ -106,7 +107,7 @@ def test_an_address_that_is_taken_is_told_in_one_line(kinesic):
 
 @contextmanager
 def _serving(**environment):
-    """A server on a free port: its process, and the port."""
+    """Run a server on a free port, and yield its process and port."""
     with subprocess.Popen(
         [*SERVE, "--listen", "127.0.0.1:0"],
         stdin=subprocess.DEVNULL,
@@ -121,10 +122,10 @@ def _serving(**environment):
 
 
 def _until_closed(client):
-    told = []
+    messages = []
     try:
         while (message := client.receive(20)) is not None:
-            told.append(message)
+            messages.append(message)
     except ConnectionError:
         pass
-    return "\n".join(told)
+    return "\n".join(messages)

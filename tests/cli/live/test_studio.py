@@ -1,4 +1,4 @@
-"""`kinesic studio`: what it refuses before anything opens, and what the page is given."""
+"""Arguments that `kinesic studio` refuses, and the files of its page."""
 
 import json
 import pickle
@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from kinesic.body.config import CONFIGS, ConfigError
-from kinesic.cli.live.door import Door
+from kinesic.cli.live.access_options import AccessOptions
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.studio import StudioPlanning, open_studio
 from kinesic.cli.options import Performers, Planning
-from kinesic.controller.perform import set_up
+from kinesic.session.setup import set_up
 from kinesic.studio.page import page_files
 
 
@@ -21,19 +21,19 @@ from kinesic.studio.page import page_files
     [
         ("a.txt", None, "127.0.0.1:0", "NAME.bml"),
         ("gone.bml", None, "127.0.0.1:0", "no such file"),
-        ("a.bml", "other", "127.0.0.1:0", "outside of which"),
+        ("a.bml", "other", "127.0.0.1:0", "outside the folder"),
         (None, "gone", "127.0.0.1:0", "no such folder"),
         (None, None, "none", "needs an address"),
     ],
 )
-def test_what_cannot_be_shown_is_refused(tmp_path, file, folder, listen, why):
+def test_invalid_studio_arguments_are_refused(tmp_path, file, folder, listen, why):
     (tmp_path / "a.bml").write_text("<bml/>")
     (tmp_path / "other").mkdir()
     with pytest.raises(ConfigError, match=why):
         open_studio(
             None if file is None else tmp_path / file,
             Planning("upper22", "neutral", {}),
-            Door(listen, None, (), texts=False),
+            AccessOptions(listen, None, (), texts=False),
             Performers(frozenset({"twin"}), ()),
             None if folder is None else tmp_path / folder,
             sound=False,
@@ -43,8 +43,8 @@ def test_what_cannot_be_shown_is_refused(tmp_path, file, folder, listen, why):
 
 
 @pytest.fixture
-def frozen(tmp_path):
-    """Planning of a studio for a robot, style and targets of its own folder."""
+def snapshot(tmp_path):
+    """Planning snapshot of a studio with its robot, style and targets in one folder."""
     (tmp_path / "mine.toml").write_text('[robot]\nname = "mine"\nextends = "upper22"\n')
     (tmp_path / "manner.toml").write_text((CONFIGS / "styles" / "calm.toml").read_text())
     (tmp_path / "targets.toml").write_text("cup = [0.3, 0.0, 1.0]\n")
@@ -54,47 +54,47 @@ def frozen(tmp_path):
     return replace(StudioPlanning.of(planning), folder=tmp_path)
 
 
-def test_robot_style_and_targets_are_those_of_the_beginning_whatever_becomes_of_their_files(frozen):
-    folder, before = frozen.folder, frozen.set_up()
+def test_studio_snapshot_keeps_robot_style_and_targets_if_their_files_change(snapshot):
+    folder, before = snapshot.folder, snapshot.set_up()
     (folder / "mine.toml").write_text('[robot]\nname = "mine"\nextends = "upper36"\n[collision]\nclearance = 0.0\n')
     (folder / "manner.toml").write_text("nothing")
     (folder / "targets.toml").unlink()
-    elsewhere = pickle.loads(pickle.dumps(frozen)).set_up()  # as another process makes it
-    for after in (frozen.set_up(), elsewhere):
+    unpickled = pickle.loads(pickle.dumps(snapshot)).set_up()  # as in another process
+    for after in (snapshot.set_up(), unpickled):
         assert len(after.robot.skeleton.rest) == 22
-        assert after.robot.least_clearance == before.robot.least_clearance > 0.0
+        assert after.robot.min_clearance == before.robot.min_clearance > 0.0
         assert after.style == before.style
         assert after.targets["cup"].tolist() == [0.3, 0.0, 1.0]
-    assert len(pickle.dumps(frozen)) < 64_000  # what a pipe takes at once
+    assert len(pickle.dumps(snapshot)) < 64_000  # fits into a pipe's buffer
 
 
-def test_gestures_of_the_folder_are_known_and_what_is_wrong_is_passed_over_and_said(frozen):
+def test_valid_gestures_of_the_folder_are_loaded_and_invalid_files_reported(snapshot):
     gesture = 'category = "beat"\n[[gesture]]\nid = "{}"\nkeys = [{{ right = {{ at = [0.5, {}, 0.5] }} }}]\n'
-    (frozen.folder / "good.toml").write_text(gesture.format("good", 0.3))
-    (frozen.folder / "far.toml").write_text(gesture.format("far", "1e308"))
-    (frozen.folder / "digits.toml").write_text("category = " + "1" * 5000)
-    (frozen.folder / "dotted.toml").write_text(".".join(["a"] * 450_000) + " = 1")
-    (frozen.folder / "large.toml").write_text("#" * 1_000_001)
-    (frozen.folder / "link.toml").symlink_to(frozen.folder / "good.toml")
-    lexicon = frozen.set_up().lexicon
+    (snapshot.folder / "good.toml").write_text(gesture.format("good", 0.3))
+    (snapshot.folder / "far.toml").write_text(gesture.format("far", "1e308"))
+    (snapshot.folder / "digits.toml").write_text("category = " + "1" * 5000)
+    (snapshot.folder / "dotted.toml").write_text(".".join(["a"] * 450_000) + " = 1")
+    (snapshot.folder / "large.toml").write_text("#" * 1_000_001)
+    (snapshot.folder / "link.toml").symlink_to(snapshot.folder / "good.toml")
+    lexicon = snapshot.set_up().lexicon
     assert "good" in lexicon.forms_by_id
     assert "far" not in lexicon.forms_by_id
-    told = "\n".join(read_folder(frozen.folder).faults)
+    faults = "\n".join(read_folder(snapshot.folder).faults)
     for name, why in (("far", "arm lengths"), ("digits", "digits"), ("dotted", "32 parts"), ("large", "at most 1 MB")):
-        assert re.search(rf"{name}\.toml: .*{why}", told), told
+        assert re.search(rf"{name}\.toml: .*{why}", faults), faults
     for name in ("good", "mine", "manner", "link"):
-        assert f"{name}.toml" not in told, told
+        assert f"{name}.toml" not in faults, faults
 
 
-def test_the_page_is_given_the_body_the_gestures_and_examples():
+def test_studio_page_files_contain_robot_gestures_and_examples():
     setup = set_up("upper36")
     files = page_files(setup.robot, setup.lexicon, document="mine.bml")
     assert {"/", "/studio.js", "/studio.css", "/icon.svg", "/studio.json"} == set(files)
-    about = json.loads(files["/studio.json"].body)
-    robot = about["robot"]
+    page_data = json.loads(files["/studio.json"].body)
+    robot = page_data["robot"]
     assert len(robot["hinges"]) == len(robot["rest"]) == len(robot["lower"]) == len(robot["upper"]) == 36
     assert [robot["names"][robot["hands"][side]][0] for side in "lr"] == ["l", "r"]
-    assert about["document"] == "mine.bml"
-    assert about["examples"][0]["name"] == "welcome"
-    assert len(about["examples"]) >= 9
-    assert len({each["id"] for each in about["gestures"]}) > 200
+    assert page_data["document"] == "mine.bml"
+    assert page_data["examples"][0]["name"] == "welcome"
+    assert len(page_data["examples"]) >= 9
+    assert len({gesture["id"] for gesture in page_data["gestures"]}) > 200

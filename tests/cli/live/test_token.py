@@ -1,4 +1,4 @@
-"""The token of a server is in no process list, wherever it comes from."""
+"""Secrecy of a server's token in process lists and output."""
 
 import os
 import re
@@ -13,6 +13,8 @@ import pytest
 
 from kinesic.cli.live.token import _without_token
 from kinesic.client import Client
+
+from ...mcp.tool_servers import find_server, is_running, wait_for
 
 pytestmark = pytest.mark.realtime
 
@@ -34,25 +36,25 @@ def command_lines(pid: int) -> list[bytes]:
 def running(
     *arguments: str, until: str, **environment: str
 ) -> Iterator[tuple[subprocess.Popen[str], re.Match[str], str]]:
-    """A verb, what it said when it was ready, and all that it said before."""
-    usual = {name: value for name, value in os.environ.items() if name != "KINESIC_TOKEN"}
+    """Run a verb, and yield its process, the matched line and all output until then."""
+    inherited = {name: value for name, value in os.environ.items() if name != "KINESIC_TOKEN"}
     with subprocess.Popen(
         [*KINESIC, *arguments],
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        env=usual | environment,
+        env=inherited | environment,
     ) as process:
         try:
-            said = ""
+            output = ""
             for line in process.stderr:
-                said += line
-                if found := re.search(until, line):
+                output += line
+                if match := re.search(until, line):
                     break
             else:
-                raise AssertionError(said)
-            yield process, found, said
+                raise AssertionError(output)
+            yield process, match, output
         finally:
             process.kill()
 
@@ -65,7 +67,7 @@ def token_file(tmp_path: Path) -> Path:
     return path
 
 
-GIVEN: Mapping[str, tuple[tuple[str, ...], dict[str, str]]] = {
+TOKEN_SOURCES: Mapping[str, tuple[tuple[str, ...], dict[str, str]]] = {
     "argument": (("--token", TOKEN), {}),
     "joined argument": ((f"--token={TOKEN}",), {}),
     "file": (("--token-file", "FILE"), {"KINESIC_TOKEN": "of the environment"}),
@@ -74,43 +76,48 @@ GIVEN: Mapping[str, tuple[tuple[str, ...], dict[str, str]]] = {
 
 
 @needs_proc
-@pytest.mark.parametrize("way", GIVEN)
-def test_a_server_asks_for_its_token_and_no_process_shows_it(way: str, token_file: Path):
-    options, environment = GIVEN[way]
-    options = tuple(str(token_file) if each == "FILE" else each for each in options)
+@pytest.mark.parametrize(
+    "source",
+    ["argument", *(pytest.param(name, marks=pytest.mark.soak) for name in TOKEN_SOURCES if name != "argument")],
+)
+def test_server_requires_its_token_and_no_process_shows_it(source: str, token_file: Path):
+    options, environment = TOKEN_SOURCES[source]
+    options = tuple(str(token_file) if option == "FILE" else option for option in options)
     serve = ("serve", "--voice", "durations", "--listen", "127.0.0.1:0", *options)
-    with running(*serve, until=r"listening at 127.0.0.1:(\d+)", **environment) as (process, found, said):
+    with running(*serve, until=r"listening at 127.0.0.1:(\d+)", **environment) as (process, match, output):
         lines = command_lines(process.pid)
-        port = int(found[1])
+        port = int(match[1])
         with pytest.raises(PermissionError):
             Client(port=port, token="wrong")
         Client(port=port, token=TOKEN).close()
     assert len(lines) > 1
     assert not [line for line in lines if TOKEN.encode() in line]
-    assert TOKEN not in said
-    assert ("--token-file FILE, or set KINESIC_TOKEN" in said) == ("argument" in way)
+    assert TOKEN not in output
+    assert ("--token-file FILE, or set KINESIC_TOKEN" in output) == ("argument" in source)
 
 
 @needs_proc
 @pytest.mark.skipif(find_spec("mcp") is None, reason="the extra mcp is not installed")
-@pytest.mark.parametrize("way", ["argument", "environment"])
-def test_tools_and_the_server_that_they_begin_show_no_token(way: str):
-    options, environment = GIVEN[way]
-    with running("mcp", "--http", "127.0.0.1:0", *options, until=r"tools at", **environment) as (process, _, said):
+@pytest.mark.parametrize("source", ["argument", pytest.param("environment", marks=pytest.mark.soak)])
+def test_mcp_server_never_shows_the_token_and_ends_its_robot_server_with_itself(source: str):
+    options, environment = TOKEN_SOURCES[source]
+    with running("mcp", "--http", "127.0.0.1:0", *options, until=r"tools at", **environment) as (process, _, output):
         lines = command_lines(process.pid)
+        server = find_server(process.pid)
+    wait_for(lambda: not is_running(server))
     assert sum(b"\0serve\0" in line for line in lines) == 1
     assert not [line for line in lines if TOKEN.encode() in line]
-    assert TOKEN not in said
+    assert TOKEN not in output
 
 
-def test_a_file_that_others_can_read_and_two_tokens_are_refused(kinesic, token_file: Path):
-    twice = kinesic("serve", "--token", TOKEN, "--token-file", str(token_file))
-    assert (twice.code, TOKEN in twice.err) == (2, False)
-    assert "--token and --token-file: give one of them" in twice.err
+def test_server_refuses_a_world_readable_token_file_or_two_tokens(kinesic, token_file: Path):
+    both = kinesic("serve", "--token", TOKEN, "--token-file", str(token_file))
+    assert (both.code, TOKEN in both.err) == (2, False)
+    assert "--token and --token-file: give one of them" in both.err
     token_file.chmod(0o644)
-    shared = kinesic("serve", "--token-file", str(token_file))
-    assert shared.code == 2
-    assert "other users can read it" in shared.err
+    readable = kinesic("serve", "--token-file", str(token_file))
+    assert readable.code == 2
+    assert "other users can read it" in readable.err
 
 
 @pytest.mark.parametrize(
@@ -122,5 +129,5 @@ def test_a_file_that_others_can_read_and_two_tokens_are_refused(kinesic, token_f
         (b"kinesic\0--token\0", b"kinesic\0--token\0"),
     ],
 )
-def test_only_the_token_is_overwritten(arguments: bytes, hidden: bytes):
+def test_only_the_token_is_overwritten_in_process_arguments(arguments: bytes, hidden: bytes):
     assert _without_token(arguments) == hidden

@@ -13,21 +13,21 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_results_are_summed_up_and_asked(kinesic, folder):
+def test_results_verb_prints_a_summary_and_query_rows(kinesic, folder):
     assert json.loads(kinesic("results", "summary", folder, "--json").out)[0]["failed"] == 1
     assert "[a].bml" in kinesic("results", "SELECT file FROM documents", folder).out
 
 
-def test_a_wrong_query_is_one_line(kinesic, folder):
+def test_invalid_query_is_reported_in_one_line(kinesic, folder):
     ended = kinesic("results", "SELECT nothing FROM documents", folder)
     assert ended.code == 2
-    assert "the query is wrong" in ended.err
+    assert "invalid query" in ended.err
     assert ended.err.count("\n") == 1
 
 
-def test_results_are_drawn(kinesic, folder):
+def test_results_verb_writes_a_plot(kinesic, folder):
     assert kinesic("results", "plot", folder).out == f"png: {folder / 'results.png'}\n"
     assert (folder / "results.png").read_bytes().startswith(b"\x89PNG")
-    kinesic("results", "plot", folder)  # a picture of its own is drawn anew, another file is not
+    kinesic("results", "plot", folder)  # The plot is replaced, another file is not.
     (folder / "mine.png").touch()
     assert "exists already" in kinesic("results", "plot", folder, "--out", folder / "mine.png").err

@@ -5,15 +5,15 @@ import pytest
 from kinesic.body.robot import Robot
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
-VARY = ("--vary", "l_elbow_flexion.servo=xm430_w210,xc430_w240", "--vary", "vl5_roll.reduction=2.5,10")
+VARY_OPTIONS = ("--vary", "l_elbow_flexion.servo=xm430_w210,xc430_w240", "--vary", "vl5_roll.reduction=2.5,10")
 
 
 @pytest.mark.realtime
-def test_a_search_prints_and_writes_what_no_other_design_beats(kinesic, tmp_path):
+def test_search_prints_and_writes_pareto_optimal_designs(kinesic, tmp_path):
     (tmp_path / "nod.bml").write_text(NOD)
-    ended = kinesic("robots", "search", "upper22", "nod.bml", *VARY, "--out", "found", "--jobs", "1")
+    ended = kinesic("robots", "search", "upper22", "nod.bml", *VARY_OPTIONS, "--out", "found", "--jobs", "1")
     assert ended.code == 0
-    assert "as it is (beaten)" in ended.out
+    assert "as it is (dominated)" in ended.out
     assert "mass, price;" in ended.out
     assert "turns its servo by 400 degrees" in ended.out
     rows = json.loads((tmp_path / "found" / "designs.json").read_text())["designs"]
@@ -22,16 +22,16 @@ def test_a_search_prints_and_writes_what_no_other_design_beats(kinesic, tmp_path
     robot = Robot.load(tmp_path / "found" / "upper22_1.toml")
     assert robot.name == "upper22_1"
     assert robot.drives[robot.skeleton.names.index("r_elbow_flexion")].servo.name == "xc430_w240"
-    again = kinesic("robots", "search", "upper22", "nod.bml", *VARY, "--out", "found")
-    assert "holds a finished search" in again.err
+    again = kinesic("robots", "search", "upper22", "nod.bml", *VARY_OPTIONS, "--out", "found")
+    assert "contains a finished search" in again.err
 
 
 @pytest.mark.realtime
-def test_the_name_of_a_strangers_robot_is_no_path(kinesic, tmp_path):
+def test_robot_name_with_a_path_stays_inside_the_output_folder(kinesic, tmp_path):
     (tmp_path / "mine_1.toml").write_text("dear")
     (tmp_path / "nod.bml").write_text(NOD)
     (tmp_path / "robot.toml").write_text('[robot]\nname = "../mine"\nextends = "upper22"\n')
-    ended = kinesic("robots", "search", "robot.toml", "nod.bml", *VARY[:2], "--out", "found", "--jobs", "1")
+    ended = kinesic("robots", "search", "robot.toml", "nod.bml", *VARY_OPTIONS[:2], "--out", "found", "--jobs", "1")
     assert ended.code == 0, ended.err
     assert (tmp_path / "mine_1.toml").read_text() == "dear"
     assert sorted(path.name for path in (tmp_path / "found").glob("*.toml")) == ["mine_1.toml", "robot.toml"]
@@ -45,7 +45,7 @@ def test_the_name_of_a_strangers_robot_is_no_path(kinesic, tmp_path):
         ((".", "--vary", "l_elbow.length=0.2"), ".: no documents"),
     ],
 )
-def test_wrong_input_is_one_line(kinesic, tmp_path, arguments, message):
+def test_invalid_input_of_search_is_reported_in_one_line(kinesic, tmp_path, arguments, message):
     if arguments[0] != ".":
         (tmp_path / "nod.bml").write_text(NOD)
     ended = kinesic("robots", "search", "upper22", *arguments)

@@ -2,18 +2,18 @@ import click
 import pytest
 
 from kinesic.cli.many.workers import Workers
-from kinesic.tasks.engine import Processes, engine_in_use
+from kinesic.tasks.engine import Processes, current_engine
 
 
-def test_without_options_processes_of_this_machine_do_all_tasks_meanwhile():
-    before = engine_in_use()
+def test_tasks_run_in_local_processes_by_default():
+    before = current_engine()
     with Workers(3, None).engine() as engine:
-        assert engine_in_use() is engine
+        assert current_engine() is engine
         assert engine == Processes(3)
         assert engine.place == "3 processes"
-    assert engine_in_use() == before
+    assert current_engine() == before
 
 
-def test_two_ways_at_once_are_refused():
-    with pytest.raises(click.UsageError, match="say one of them"), Workers(2, "local:2").engine():
+def test_options_jobs_and_cluster_together_are_refused():
+    with pytest.raises(click.UsageError, match="give one of them"), Workers(2, "local:2").engine():
         pass

@@ -1,4 +1,4 @@
-"""How a performance is filmed."""
+"""Film options of `kinesic perform`."""
 
 import ast
 import sys
@@ -16,20 +16,20 @@ NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
-        ("--film-size", "wide", "'wide' is no size: two whole numbers, as in 1280x720"),
+        ("--film-size", "wide", "'wide' is not a size; give two whole numbers, as in 1280x720"),
         ("--film-size", "321x240", "both sides must be even, 64 to 2048 pixels"),
         ("--film-size", "32x32", "both sides must be even, 64 to 2048 pixels"),
         ("--film-rate", "0", "0 is not in the range 1.0<=x<=60.0"),
         ("--film-format", "gif", "'gif' is not one of 'webp', 'mp4'"),
     ],
 )
-def test_what_no_film_can_be_is_refused(kinesic, option, value, words):
+def test_invalid_film_options_are_refused(kinesic, option, value, words):
     ended = kinesic("perform", "-", option, value, stdin=NOD)
     assert ended.code == 2
     assert words in ended.err.replace(",0", ".0")
 
 
-def test_mp4_without_an_encoder_is_refused_before_anything_is_planned(kinesic, tmp_path, monkeypatch):
+def test_mp4_without_an_encoder_is_refused_before_planning(kinesic, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     ended = kinesic("perform", "-", "--film-format", "mp4", "--out", "out", stdin=NOD)
@@ -39,21 +39,21 @@ def test_mp4_without_an_encoder_is_refused_before_anything_is_planned(kinesic, t
     assert "no encoder for .mp4" in kinesic("doctor").out.replace("\n", " ")
 
 
-def test_several_robots_are_filmed_as_webp_alone(kinesic, tmp_path):
+def test_film_of_several_robots_as_mp4_is_refused(kinesic, tmp_path):
     (tmp_path / "nod.bml").write_bytes(NOD)
     ended = kinesic(
         "perform", tmp_path / "nod.bml", "--robot", "upper22,human", "--film-format", "mp4", "--out", "both"
     )
     assert ended.code == 2
-    assert "--film-format mp4: several robots are filmed side by side as webp alone" in ended.err
+    assert "--film-format mp4: several robots are filmed side by side only as webp" in ended.err
 
 
-def test_size_and_rate_are_chosen_and_with_an_encoder_the_page_has_a_film_with_a_voice(kinesic, tmp_path, monkeypatch):
-    """The encoder is a program in the place of ffmpeg that says what it was given; no face is filmed beside."""
+def test_mp4_film_has_the_requested_size_frame_rate_and_sound(kinesic, tmp_path, monkeypatch):
+    """Replace ffmpeg by a program that stores its arguments, and skip the film of the face."""
     if why := opengl_fault():
         pytest.skip(why)
     begin = films._process
-    monkeypatch.setattr(films, "_process", lambda kind: begin("twin"))  # opening a face takes a second
+    monkeypatch.setattr(films, "_process", lambda kind: begin("twin"))  # The face is slow to open.
     monkeypatch.setattr("kinesic.report.output.face_film", lambda plan, rate: None)
     program = tmp_path / "ffmpeg"
     program.write_text(

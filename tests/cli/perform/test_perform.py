@@ -5,7 +5,7 @@ from subprocess import Popen
 import pytest
 
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
-KEYS = {
+REPORT_KEYS = {
     "schema",
     "kinesic",
     "robot",
@@ -29,37 +29,37 @@ KEYS = {
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Where a nod is performed once and again."""
-    made = tmp_path_factory.mktemp("perform")
-    (made / "nod.bml").write_bytes(NOD)
-    (made / "there").mkdir()
-    return made
+    """Folder in which a nod is performed several times."""
+    run_folder = tmp_path_factory.mktemp("perform")
+    (run_folder / "nod.bml").write_bytes(NOD)
+    (run_folder / "there").mkdir()
+    return run_folder
 
 
 @pytest.fixture(scope="module")
-def told(kinesic_in, folder):
-    """A nod, performed for a program."""
+def json_run(kinesic_in, folder):
+    """Nod performed with JSON output."""
     return kinesic_in(folder, "perform", "nod.bml", "--out", "new", "--no-film", "--json")
 
 
 @pytest.fixture(scope="module")
-def written(kinesic_in, folder):
-    """The same nod, performed for people, into a folder that was there already."""
+def text_run(kinesic_in, folder):
+    """Nod performed with text output into an existing folder."""
     return kinesic_in(folder, "perform", "nod.bml", "--out", "there", "--no-film", "--force")
 
 
 @pytest.fixture(scope="module")
-def piped(kinesic_in, folder):
-    """The nod once more, from standard input, in the twin that is named."""
+def piped_run(kinesic_in, folder):
+    """Nod performed from standard input in the nominal twin."""
     return kinesic_in(folder, "perform", "-", "--out", "piped", "--no-film", "--json", "--twin", "nominal", stdin=NOD)
 
 
-def test_a_nod_is_performed_and_the_paths_are_printed_last(written, folder):
-    assert written.code == 0, written.err
-    assert re.match(r"all \d\d checks pass\nok: nod.bml on upper22, ", written.out)
-    assert written.out.splitlines()[-2:] == ["report: there/report.json", "page: there/report.html"]
+def test_perform_prints_the_paths_of_its_files_last(text_run, folder):
+    assert text_run.code == 0, text_run.err
+    assert re.match(r"all \d\d checks pass\nok: nod.bml on upper22, ", text_run.out)
+    assert text_run.out.splitlines()[-2:] == ["report: there/report.json", "page: there/report.html"]
     data = json.loads((folder / "there" / "report.json").read_text())
-    assert data.keys() >= KEYS
+    assert data.keys() >= REPORT_KEYS
     assert data["ok"]
     (behaviour,) = data["behaviours"]
     assert behaviour.items() >= {"id": "h", "type": "head", "outcome": "realised", "why": ""}.items()
@@ -67,35 +67,35 @@ def test_a_nod_is_performed_and_the_paths_are_printed_last(written, folder):
     assert (folder / "there" / "report.html").stat().st_size > 10_000
 
 
-def test_json_is_one_document_on_standard_output(told):
-    assert json.loads(told.out)["schema"] == 1
-    assert "report: new/report.json" in told.err
+def test_perform_json_report_is_the_only_standard_output(json_run):
+    assert json.loads(json_run.out)["schema"] == 1
+    assert "report: new/report.json" in json_run.err
 
 
-def test_standard_input(piped):
-    assert json.loads(piped.out)["input"] == "stdin"
+def test_perform_reads_a_document_from_standard_input(piped_run):
+    assert json.loads(piped_run.out)["input"] == "stdin"
 
 
-def test_an_existing_folder_is_refused_without_force(kinesic_in, folder, written):
-    assert written.code == 0
+def test_existing_report_folder_is_refused_without_force(kinesic_in, folder, text_run):
+    assert text_run.code == 0
     refused = kinesic_in(folder, "perform", "nod.bml", "--out", "there", "--no-film")
     assert refused.code == 2
     assert "there exists already" in refused.err
 
 
-def test_the_same_input_gives_the_same_report(told, written, folder):
-    first, second = json.loads(told.out), json.loads((folder / "there" / "report.json").read_text())
+def test_equal_inputs_give_equal_reports(json_run, text_run, folder):
+    first, second = json.loads(json_run.out), json.loads((folder / "there" / "report.json").read_text())
     first.pop("timing"), second.pop("timing")
     assert first == second
 
 
-def test_the_pessimistic_twin_tracks_worse(kinesic_in, folder, piped):
+def test_pessimistic_twin_tracks_worse(kinesic_in, folder, piped_run):
     options = ("--out", "pessimistic", "--no-film", "--json", "--twin", "pessimistic")
-    runs = [json.loads(ended.out) for ended in (piped, kinesic_in(folder, "perform", "nod.bml", *options))]
+    runs = [json.loads(ended.out) for ended in (piped_run, kinesic_in(folder, "perform", "nod.bml", *options))]
     assert runs[0]["tracking"]["rmse_deg"] < runs[1]["tracking"]["rmse_deg"]
 
 
-def test_words_of_strangers_are_printed_as_they_stand(kinesic, tmp_path):
+def test_markup_and_control_characters_in_documents_are_escaped(kinesic, tmp_path):
     (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m" amount="5"'))
     ended = kinesic("perform", "[red]m.bml", "--no-film", "--out", "o")
     assert ended.code == 0, ended.err
@@ -107,19 +107,19 @@ def test_words_of_strangers_are_printed_as_they_stand(kinesic, tmp_path):
     assert "\\x9b31m" in ended.err
 
 
-def test_the_page_is_there_before_films_are_drawn_and_stays_when_they_are_stopped(kinesic, tmp_path, monkeypatch):
+def test_report_page_is_written_before_films_and_kept_after_an_interrupt(kinesic, tmp_path, monkeypatch):
     def stop(jobs: object, processes: dict[str, Popen[bytes]], progress: object) -> None:
         text = (tmp_path / "there" / "report.html").read_text()
         assert "No film: not drawn yet" in text
         assert all(process.poll() is None for process in processes.values())
-        began.extend(processes.values())
+        drawing_processes.extend(processes.values())
         raise KeyboardInterrupt
 
-    began: list[Popen[bytes]] = []
+    drawing_processes: list[Popen[bytes]] = []
     monkeypatch.setattr("kinesic.report.output.draw_films", stop)
     ended = kinesic("perform", "-", "--out", "there", stdin=NOD)
     assert (ended.code, ended.out) == (130, "")
     assert ended.err == "kinesic: stopped before its films were drawn; page: there/report.html\n"
     assert json.loads((tmp_path / "there" / "report.json").read_text())["ok"]
-    assert len(began) == 2
-    assert all(process.poll() is not None for process in began), "they end with the command"
+    assert len(drawing_processes) == 2
+    assert all(process.poll() is not None for process in drawing_processes), "drawing processes end with the command"

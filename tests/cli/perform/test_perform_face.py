@@ -1,4 +1,4 @@
-"""The face in `kinesic perform`."""
+"""Film and window of the face in `kinesic perform`."""
 
 import json
 import os
@@ -7,7 +7,7 @@ import re
 import pytest
 from PIL import Image
 
-from kinesic.face.display import available
+from kinesic.face.display import find_display_problem
 from kinesic.face.show.window import has_display
 
 SMILE = (
@@ -15,7 +15,7 @@ SMILE = (
     b'<faceLexeme id="f" lexeme="smile"/><face id="g" type="FACS" au="99" start="0" end="1"/></bml>'
 )
 
-SMALL = ("--film-size", "160x90", "--film-rate", "5")  # of the twin's film
+SMALL_FILM = ("--film-size", "160x90", "--film-rate", "5")  # options of the twin's film
 
 
 @pytest.fixture
@@ -25,10 +25,10 @@ def smile(tmp_path):
     return path
 
 
-def test_the_face_is_filmed_and_shown_beside_the_twin(kinesic, smile, tmp_path):
-    if available() is not None:
-        pytest.skip(str(available()))
-    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL)
+def test_report_page_contains_a_film_of_the_face(kinesic, smile, tmp_path):
+    if find_display_problem() is not None:
+        pytest.skip(str(find_display_problem()))
+    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL_FILM)
     assert ended.code == 0, ended.err
     assert "face: there/face.webp" in ended.out
     with Image.open(tmp_path / "there" / "face.webp") as film:
@@ -54,21 +54,21 @@ ctypes.CDLL = Loaded
 """
 
 
-def test_without_opengl_the_page_says_why_there_is_no_face(kinesic, smile, tmp_path, monkeypatch):
-    (tmp_path / "empty").mkdir()  # of the process that draws
+def test_report_page_explains_a_missing_film_without_opengl(kinesic, smile, tmp_path, monkeypatch):
+    (tmp_path / "empty").mkdir()  # import path of the drawing process
     (tmp_path / "empty" / "sitecustomize.py").write_text(WITHOUT_EGL)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path / "empty"), os.environ.get("PYTHONPATH", "")]))
-    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL)
+    ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL_FILM)
     assert ended.code == 0, ended.err
-    missing = r"no OpenGL: libEGL\.so\.1( and libGL\.so\.1)? cannot be loaded; apt-get install libegl1 libgl1"
-    told = re.search(rf"face: none \(({missing})\)", ended.out)
-    assert told is not None, ended.out
-    why = told[1]
+    pattern = r"no OpenGL: libEGL\.so\.1( and libGL\.so\.1)? cannot be loaded; apt-get install libegl1 libgl1"
+    match = re.search(rf"face: none \(({pattern})\)", ended.out)
+    assert match is not None, ended.out
+    reason = match[1]
     page = (tmp_path / "there" / "report.html").read_text()
-    assert f"No film of the face: {why}".replace("'", "&#39;") in page
+    assert f"No film of the face: {reason}".replace("'", "&#39;") in page
 
 
-def test_on_a_face_without_a_display_it_is_performed_all_the_same(kinesic, smile, monkeypatch):
+def test_perform_on_the_face_without_a_display_only_warns(kinesic, smile, monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     if has_display():
@@ -76,10 +76,10 @@ def test_on_a_face_without_a_display_it_is_performed_all_the_same(kinesic, smile
     ended = kinesic("perform", smile, "--out", "there", "--no-film", "--on", "face,twin", "--voice", "durations")
     assert ended.code == 0, ended.err
     assert "face: no display for a window" in ended.err
-    assert "face: none (not asked for)" in ended.out
+    assert "face: none (not requested)" in ended.out
 
 
-def test_a_face_that_is_nowhere_is_named(kinesic, smile):
+def test_unknown_sink_is_reported(kinesic, smile):
     ended = kinesic("perform", smile, "--on", "nose", "--out", "there", "--no-film")
     assert ended.code == 2
     assert "'nose' is not one of twin, servos, face" in ended.err

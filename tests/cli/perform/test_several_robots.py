@@ -1,4 +1,4 @@
-"""`kinesic perform --robot A,B`."""
+"""Performance by several robots with `kinesic perform --robot A,B`."""
 
 import json
 
@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from kinesic.cli import several_robots
-from kinesic.cli.several_robots import _Beside
+from kinesic.cli.several_robots import _CombinedFilm, part_size
+from kinesic.files.film_settings import FilmSettings
 
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    made = tmp_path_factory.mktemp("several")
-    (made / "nod.bml").write_bytes(NOD)
-    return made
+    report_folder = tmp_path_factory.mktemp("several")
+    (report_folder / "nod.bml").write_bytes(NOD)
+    return report_folder
 
 
-def test_each_robot_has_a_report_of_its_own(kinesic_in, folder):
+def test_perform_with_several_robots_writes_one_report_folder_per_robot(kinesic_in, folder):
     ended = kinesic_in(folder, "perform", "nod.bml", "--robot", "upper22,human", "--out", "both", "--no-film")
     assert ended.code == 0, ended.err
     reports = [json.loads((folder / "both" / name / "report.json").read_text()) for name in ("upper22", "human")]
@@ -32,24 +32,24 @@ def test_each_robot_has_a_report_of_its_own(kinesic_in, folder):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("arguments", "message"),
     [
         (("nod.bml", "--robot", "upper22,humon"), "no robot humon; did you mean human?"),
         (("nod.bml", "--robot", "human,human"), "each robot may be named once"),
         (("nod.bml", "--robot", "upper22,human", "--on", "servos"), "name one robot for --on servos or face"),
-        (("nod.bml", "--robot", "upper22,human", "--json"), "--json tells of one robot"),
+        (("nod.bml", "--robot", "upper22,human", "--json"), "--json reports one robot"),
         (("-", "--robot", "upper22,human"), "several robots need a file"),
+        (("nod.bml", "--robot", "upper22,human", "--learn", "a.toml"), "learned factors belong to one robot"),
     ],
 )
-def test_what_several_robots_cannot_do_is_said_before_anything_moves(kinesic_in, folder, given, message: str):
-    ended = kinesic_in(folder, "perform", *given)
+def test_options_unsupported_by_several_robots_are_refused(kinesic_in, folder, arguments, message: str):
+    ended = kinesic_in(folder, "perform", *arguments)
     assert ended.code == 2
     assert message in ended.err
 
 
-def test_films_stand_side_by_side_with_block_zero_at_the_same_time(tmp_path, monkeypatch):
-    """Each film turns from black to its colour at block zero; so does the whole, in both parts at once."""
-    monkeypatch.setattr(several_robots, "HEIGHT", 12)
+def test_combined_film_aligns_the_start_of_the_block(tmp_path):
+    """Each film turns from black to its colour at block zero, and so must both parts of the combined film."""
     for name, zero, width, colour in (("a", 0.5, 16, (250, 0, 0)), ("b", 0.25, 30, (0, 0, 250))):
         (tmp_path / name).mkdir()
         timing = {"timing": {"zero_s": zero, "duration_s": 1.0}}
@@ -59,16 +59,31 @@ def test_films_stand_side_by_side_with_block_zero_at_the_same_time(tmp_path, mon
         black.save(
             tmp_path / name / "film.webp", save_all=True, append_images=[bright], duration=durations, lossless=True
         )
-    pictures = np.array(list(_Beside([tmp_path / "a", tmp_path / "b"]).pictures))
+    pictures = np.array(
+        list(_CombinedFilm([tmp_path / "a", tmp_path / "b"], FilmSettings(size=(32, 18), rate=30.0)).pictures)
+    )
     assert pictures.shape[1:3] == (12, 16 + 16), "the wider film shows its middle"
     left, right = pictures[:, :, :16].max(axis=(1, 2, 3)) > 99, pictures[:, :, 16:].max(axis=(1, 2, 3)) > 99
     assert (left == right).all()
     assert not left[14]
     assert left[15:].all()
-    assert len(pictures) == 38  # the second has waited a quarter of a second, so that it ends at 1.25 s
+    assert len(pictures) == 38  # The second film is delayed by 0.25 s and ends at 1.25 s.
 
 
-def test_the_film_of_all_is_never_written_through_a_link(kinesic_in, tmp_path):
+@pytest.mark.parametrize(
+    ("film", "count", "part"),
+    [
+        ((960, 540), 2, (480, 360)),
+        ((1280, 720), 2, (640, 480)),
+        ((1280, 240), 2, (320, 240)),
+        ((900, 900), 3, (300, 225)),
+    ],
+)
+def test_robots_side_by_side_fit_into_the_requested_size(film, count, part):
+    assert part_size(film, count) == part
+
+
+def test_combined_film_is_never_written_through_a_link(kinesic_in, tmp_path):
     (tmp_path / "nod.bml").write_bytes(NOD)
     (tmp_path / "mine.webp").write_bytes(b"mine")
     (tmp_path / "both").mkdir()
@@ -79,7 +94,7 @@ def test_the_film_of_all_is_never_written_through_a_link(kinesic_in, tmp_path):
     assert (tmp_path / "mine.webp").read_bytes() == b"mine"
 
 
-def test_the_folder_of_a_robot_is_inside_that_of_all(kinesic_in, tmp_path):
+def test_robot_folders_stay_inside_the_output_folder(kinesic_in, tmp_path):
     (tmp_path / "nod.bml").write_bytes(NOD)
     (tmp_path / "...toml").write_text('[robot]\nname = "mine"\nextends = "upper22"\n')
     ended = kinesic_in(tmp_path, "perform", "nod.bml", "--robot", "...toml,upper22", "--out", "a/b", "--no-film")

@@ -1,4 +1,4 @@
-"""The default robot's servos on a table, and hands that turn them: in virtual time, or behind a pseudo-terminal."""
+"""Virtual servos of the default robot, and motion by hand, in virtual or real time."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -14,42 +14,42 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.virtual.faults import CALM, FaultPlan
+from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.physics import FirstOrder
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
-from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
-STAY = 0.2  # [s] that hands stay in each posture: some looks
-VERBS = ("servos.ports", "servos.scan", "servos.release", "doctor")  # modules that open ports
+POSTURE_DURATION = 0.2  # [s] several snapshots of the servos
+PORT_MODULES = ("servos.ports", "servos.scan", "servos.release", "doctor")  # modules that open ports
 
-Posture = Callable[[str], float]  # hinge -> [deg] from where it stood
+Posture = Callable[[str], float]  # hinge name -> angle from the start [deg]
 
 
 class Table:
-    """Servos that lie on a table."""
+    """Virtual servos of the default robot on a table."""
 
-    def __init__(self, faults: FaultPlan = CALM) -> None:
+    def __init__(self, faults: FaultPlan = NO_FAULTS) -> None:
         robot = Robot.load()
         self.members = Manifest.of(robot).members
-        (cable,) = cables(robot)
+        (cable,) = describe_cables(robot)
         self.cable = replace(cable, faults=faults)
-        places = [fitting.ticks * Register.PRESENT_POSITION.field.scale for fitting in self.cable.fittings]
-        self.physics = FirstOrder([fitting.motor for fitting in self.cable.fittings], places)
+        angles = [fitting.ticks * Register.PRESENT_POSITION.field.scale for fitting in self.cable.fittings]
+        self.physics = FirstOrder([fitting.motor for fitting in self.cable.fittings], angles)
         self.plant, buses = build_bus([self.cable], self.physics)
         self.bus, self.port = buses["body"], Path("table")
-        self._zeros = places
+        self._zeros = angles
         self._moves: list[Posture] = []
-        self._next = 0.0  # [s] when hands move again
+        self._next = 0.0  # [s] time of the next posture
 
     def turn(self, *moves: Posture) -> None:
-        """Hands bring the robot into these postures, one after another."""
+        """Schedule postures into which the robot is moved by hand."""
         self._moves, self._next = list(moves), 0.0
 
     def move(self, time: float) -> None:
-        """Hands go on [s]."""
+        """Move the robot by hand to the next posture when it is due [s]."""
         if self._moves and time >= self._next:
-            move, self._next = self._moves.pop(0), time + STAY
+            move, self._next = self._moves.pop(0), time + POSTURE_DURATION
             ids = [fitting.servo for fitting in self.cable.fittings]
             for member in self.members:
                 k = ids.index(member.id)
@@ -68,7 +68,7 @@ class Table:
 
 
 class TableWire(MemoryWire):
-    """A wire to the table, whose clock moves the hands."""
+    """Wire to the table; its clock triggers the motion by hand."""
 
     def __init__(self, table: Table, path: Path, baud: int) -> None:
         super().__init__(table.bus, name=str(path), time=table.plant.time)
@@ -81,36 +81,36 @@ class TableWire(MemoryWire):
 
 @pytest.fixture
 def table(monkeypatch: pytest.MonkeyPatch) -> Table:
-    """The verbs' ports lead to a table, and nothing takes time."""
-    found = Table()
-    for verb in VERBS:
+    """Connect the ports of all verbs to a table in virtual time."""
+    virtual_table = Table()
+    for verb in PORT_MODULES:
         module = import_module(f"kinesic.cli.{verb}")
-        monkeypatch.setattr(module, "SerialWire", lambda path, baud: TableWire(found, path, baud))
-    return found
+        monkeypatch.setattr(module, "SerialWire", lambda path, baud: TableWire(virtual_table, path, baud))
+    return virtual_table
 
 
-TURN = 2e-4  # [s] after which a driver that waits busily lets the servos, a thread of the same process, answer
+SWITCH_INTERVAL = 2e-4  # [s] short, so that a busy-waiting driver yields to the thread of the servos
 
 
 @contextmanager
-def serving(found: Table, port: Path) -> Iterator[Table]:
-    """A table behind a port of this machine, in real time."""
-    stop, usual = Event(), sys.getswitchinterval()
-    sys.setswitchinterval(TURN)
-    found.port = port
-    terminal = PtyPort(found.bus, found.port)
+def serving(virtual_table: Table, port: Path) -> Iterator[Table]:
+    """Serve a table at a pseudo-terminal in real time."""
+    stop, switch_interval = Event(), sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    virtual_table.port = port
+    terminal = PtyPort(virtual_table.bus, virtual_table.port)
     terminal.exchange(0.0)
     thread = Thread(target=serve_wires, args=([terminal], lambda: not stop.is_set()))
     thread.start()
     try:
-        yield found
+        yield virtual_table
     finally:
         stop.set()
         thread.join()
-        sys.setswitchinterval(usual)
+        sys.setswitchinterval(switch_interval)
 
 
 @pytest.fixture
 def served(tmp_path: Path) -> Iterator[Table]:
-    with serving(Table(), tmp_path / "port") as found:
-        yield found
+    with serving(Table(), tmp_path / "port") as virtual_table:
+        yield virtual_table

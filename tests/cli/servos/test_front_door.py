@@ -1,4 +1,4 @@
-"""What keeps a performance from Python from servos."""
+"""Servos under `Performer` after a failed check in the twin."""
 
 import pytest
 
@@ -9,7 +9,7 @@ pytestmark = pytest.mark.realtime
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 
 
-def test_servos_stay_where_they_are_when_a_check_of_the_twin_fails(served, monkeypatch: pytest.MonkeyPatch):
+def test_servos_do_not_move_if_a_twin_check_fails(served, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("kinesic.report.run.Performance.ok", False)
     run = Performer().perform(NOD, on="servos", ports={"body": served.port})
     assert run.servos is None

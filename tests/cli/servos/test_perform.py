@@ -1,4 +1,4 @@
-"""What keeps a performance from servos, told before anything moves."""
+"""Errors of `kinesic perform --on servos` that are reported before any motion."""
 
 from pathlib import Path
 
@@ -28,13 +28,13 @@ def nod(tmp_path: Path) -> Path:
         (("--on", "twin,servos", "--port", "body=/dev/nothing"), "/dev/nothing: no such port"),
     ],
 )
-def test_bad_input_is_one_line_and_nothing_moves(kinesic, nod: Path, options: tuple[str, ...], message: str):
+def test_invalid_servo_options_are_reported(kinesic, nod: Path, options: tuple[str, ...], message: str):
     ended = kinesic("perform", nod, "--no-film", *options)
     assert ended.code == 2
     assert message in ended.err.splitlines()[-1]
 
 
-def test_the_servos_rest_when_a_check_of_the_twin_fails(kinesic, served, nod: Path, monkeypatch):
+def test_servos_do_not_move_if_a_twin_check_fails(kinesic, served, nod: Path, monkeypatch):
     monkeypatch.setattr(perform, "report", lambda *given, **named: report(*given, **named) | {"ok": False})
     ended = kinesic("perform", nod, "--on", "servos", "--port", served.port, "--no-film")
     assert ended.code == 1

@@ -1,4 +1,4 @@
-"""What `kinesic perform --on servos` refuses: one clear line each, and nothing is energised."""
+"""Refusals of `kinesic perform --on servos`: one line each, and no servo gets torque."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,13 +7,14 @@ import pytest
 import serial
 
 from kinesic.cli import perform
-from kinesic.controller.perform import performances
-from kinesic.controller.performance import Performance
+from kinesic.controller.dry_run import dry_runs
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
+from kinesic.metrics.dry_run import DryRun
 from kinesic.report import output
-from kinesic.sim.servo_factors import NOMINAL
+from kinesic.session.plan import plan
+from kinesic.sim.servo_factors import NOMINAL_FACTORS
 
 from .conftest import Table, serving
 
@@ -31,15 +32,15 @@ FAULTS = [
 
 
 @pytest.fixture(scope="module")
-def twins() -> tuple[Performance, ...]:
-    """What the twin makes of a nod."""
-    return performances(NOD, (NOMINAL,))
+def twins() -> tuple[DryRun, ...]:
+    """Dry runs of a nod in the twin."""
+    return dry_runs(plan(NOD), (NOMINAL_FACTORS,))
 
 
 @pytest.fixture(autouse=True)
-def _once(monkeypatch: pytest.MonkeyPatch, twins: tuple[Performance, ...]) -> None:
-    """The twin has performed before the servos are asked; once is enough, and nobody reads its page."""
-    monkeypatch.setattr(perform, "_performed", lambda *_, **__: twins)
+def _once(monkeypatch: pytest.MonkeyPatch, twins: tuple[DryRun, ...]) -> None:
+    """Reuse one dry run in all tests, and skip the report page."""
+    monkeypatch.setattr(perform, "_perform_in_twins", lambda *_, **__: twins)
     monkeypatch.setattr(output, "write_page", lambda *_, path: path.touch())
 
 
@@ -51,7 +52,7 @@ def nod(tmp_path: Path) -> Path:
 
 
 def refused(kinesic: Callable, nod: Path, table: Table) -> str:
-    """The one line of a performance that does not begin."""
+    """Perform on servos, and return the one line of the refusal."""
     ended = kinesic("perform", nod, "--no-film", "--json", "--on", "servos", "--port", table.port)
     lines = [line for line in ended.err.splitlines() if line.startswith("kinesic: ")]
     assert ended.code == 2
@@ -61,27 +62,31 @@ def refused(kinesic: Callable, nod: Path, table: Table) -> str:
 
 
 @pytest.mark.parametrize(("fault", "message"), FAULTS, ids=[fault.kind for fault, _ in FAULTS])
-def test_wrong_servos_are_one_line(kinesic: Callable, nod: Path, tmp_path: Path, fault: PlannedFault, message: str):
+def test_faulty_servos_are_refused_with_one_line(
+    kinesic: Callable, nod: Path, tmp_path: Path, fault: PlannedFault, message: str
+):
     with serving(Table(FaultPlan((fault,))), tmp_path / "port") as table:
         assert message in refused(kinesic, nod, table)
 
 
-def test_limits_outside_of_the_servos_are_one_line(kinesic: Callable, nod: Path, served: Table):
+def test_servo_limits_narrower_than_the_hinge_are_refused(kinesic: Callable, nod: Path, served: Table):
     served.set(15, Register.MAX_POSITION_LIMIT, 2100)
     assert "its hinge needs" in refused(kinesic, nod, served)
 
 
-def test_a_busy_port_is_one_line(kinesic: Callable, nod: Path, served: Table):
+def test_busy_port_is_refused_with_one_line(kinesic: Callable, nod: Path, served: Table):
     wire = SerialWire(served.port, 1_000_000)
     assert "another program uses this port" in refused(kinesic, nod, served)
     wire.close()
 
 
-def test_a_port_that_may_not_be_used_is_one_line(kinesic: Callable, monkeypatch: pytest.MonkeyPatch, served: Table):
-    def refuses(*_: object, **__: object) -> None:
+def test_port_without_permission_is_refused_with_the_remedy(
+    kinesic: Callable, monkeypatch: pytest.MonkeyPatch, served: Table
+):
+    def refuse(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(serial, "Serial", refuses)
+    monkeypatch.setattr(serial, "Serial", refuse)
     ended = kinesic("servos", "release", "--yes", "--port", served.port)
     assert ended.code == 2
     (line,) = ended.err.splitlines()

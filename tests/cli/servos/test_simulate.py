@@ -1,4 +1,4 @@
-"""Other people's programs, unmodified, on the ports that `kinesic servos simulate` opens."""
+"""Third-party Dynamixel programs on the ports of `kinesic servos simulate`."""
 
 import importlib
 import signal
@@ -13,19 +13,22 @@ import pytest
 from dynamixel_sdk import COMM_SUCCESS, GroupBulkRead, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
 
 from kinesic.body.robot import Robot
-from kinesic.hardware.virtual.wiring import cables
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.servo_map import ServoMap
+from kinesic.hardware.virtual.wiring import describe_cables
 
 pytestmark = pytest.mark.realtime
 
-PATIENCE = 30.0  # [s] that a loaded machine may take
-FITTINGS = {fitting.servo: fitting for fitting in cables(Robot.load())[0].fittings}
+WAIT_TIMEOUT = 30.0  # [s] sufficient on a loaded machine
+FITTINGS = {fitting.servo: fitting for fitting in describe_cables(Robot.load())[0].fittings}
+HINGES = [hinge.name for hinge in Robot.load().skeleton.hinges]
 
-SILENT = 28  # the id of a servo that the file of faults keeps from answering
+SILENT_SERVO = 28  # id of the servo with a fault
 
 
 @contextmanager
 def simulated(folder: Path, *options: str) -> Iterator[Path]:
-    """The port of the default robot's bus, served by another process."""
+    """Simulate the default robot's bus in another process, and yield its port."""
     command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--folder", str(folder), *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
@@ -35,14 +38,14 @@ def simulated(folder: Path, *options: str) -> Iterator[Path]:
             yield folder / "body"
         finally:
             process.send_signal(signal.SIGINT)
-            assert process.wait(PATIENCE) == 0
+            assert process.wait(WAIT_TIMEOUT) == 0
 
 
 @pytest.fixture(scope="module", params=["servo", "twin"])
 def port(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("ports")
     plan = folder / "faults.toml"
-    plan.write_text(f'[[fault]]\nkind = "silent"\nservos = [{SILENT}]\n', encoding="utf-8")
+    plan.write_text(f'[[fault]]\nkind = "silent"\nservos = [{SILENT_SERVO}]\n', encoding="utf-8")
     with simulated(folder, "--physics", request.param, "--faults", str(plan)) as path:
         yield path
     assert not path.is_symlink()
@@ -57,25 +60,25 @@ def sdk(port: Path) -> Iterator[tuple[PortHandler, PacketHandler]]:
     handler.closePort()
 
 
-def until(answers: Callable[[], bool]) -> None:
-    """Waits for something that takes its time on the servos' clock."""
-    limit = time.monotonic() + PATIENCE
-    while not answers():
-        assert time.monotonic() < limit
+def until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition holds."""
+    deadline = time.monotonic() + WAIT_TIMEOUT
+    while not condition():
+        assert time.monotonic() < deadline
         time.sleep(0.02)
 
 
-def test_the_sdk_finds_every_servo_but_the_one_that_a_fault_silences(sdk: tuple[PortHandler, PacketHandler]):
+def test_dynamixel_sdk_finds_all_simulated_servos_except_a_silent_one(sdk: tuple[PortHandler, PacketHandler]):
     port, protocol = sdk
     found, result = protocol.broadcastPing(port)
     assert result == COMM_SUCCESS
-    assert sorted(found) == sorted(FITTINGS.keys() - {SILENT})
+    assert sorted(found) == sorted(FITTINGS.keys() - {SILENT_SERVO})
     assert protocol.ping(port, 1)[0] == 1130
     port.setBaudRate(57_600)
     assert protocol.ping(port, 1)[1] != COMM_SUCCESS
 
 
-def test_the_sdk_moves_them_and_reads_them_in_every_way(sdk: tuple[PortHandler, PacketHandler]):
+def test_simulated_servos_support_all_group_commands_of_the_dynamixel_sdk(sdk: tuple[PortHandler, PacketHandler]):
     port, protocol = sdk
     neck = [5, 6, 7]
     read, write, bulk = (
@@ -92,19 +95,21 @@ def test_the_sdk_moves_them_and_reads_them_in_every_way(sdk: tuple[PortHandler, 
         assert read.addParam(servo)
         assert bulk.addParam(servo, 132, 4)
     assert write.txPacket() == COMM_SUCCESS
-    asks = (read.txRxPacket, read.fastSyncRead, bulk.txRxPacket, bulk.fastBulkRead)
+    requests = (read.txRxPacket, read.fastSyncRead, bulk.txRxPacket, bulk.fastBulkRead)
     sources = (read, read, bulk, bulk)
-    for ask, source in zip(asks, sources, strict=True):
+    for request, source in zip(requests, sources, strict=True):
 
-        def there(ask=ask, source=source) -> bool:
-            if ask() != COMM_SUCCESS:
+        def is_there(request=request, source=source) -> bool:
+            if request() != COMM_SUCCESS:
                 return False
             return all(abs(source.getData(servo, 132, 4) - goal) <= 8 for servo, goal in goals.items())
 
-        until(there)
+        until(is_there)
 
 
-def test_the_sdk_sees_errors_reboots_and_registered_writes(sdk: tuple[PortHandler, PacketHandler]):
+def test_simulated_servos_support_errors_reboots_and_registered_writes_of_the_sdk(
+    sdk: tuple[PortHandler, PacketHandler],
+):
     port, protocol = sdk
     assert protocol.write1ByteTxRx(port, 1, 64, 1) == (COMM_SUCCESS, 0)
     assert protocol.write1ByteTxRx(port, 1, 7, 9) == (COMM_SUCCESS, 7), "EEPROM is locked"
@@ -112,14 +117,14 @@ def test_the_sdk_sees_errors_reboots_and_registered_writes(sdk: tuple[PortHandle
     assert protocol.regWriteTxRx(port, 1, 65, 1, [1]) == (COMM_SUCCESS, 0)
     assert protocol.read1ByteTxRx(port, 1, 65)[0] == 0
     assert protocol.action(port, 1) == COMM_SUCCESS
-    time.sleep(0.05)  # it does not wait for the answer, and would take it for the next one's
+    time.sleep(0.05)  # The SDK does not read the answer, and would take it for the next one.
     assert protocol.read1ByteTxRx(port, 1, 65)[0] == 1
     assert protocol.reboot(port, 1) == (COMM_SUCCESS, 0)
     until(lambda: protocol.ping(port, 1)[1] == COMM_SUCCESS)
     assert protocol.read1ByteTxRx(port, 1, 64)[0] == 0
 
 
-def test_rustypot_reads_and_moves_them(port: Path):
+def test_rustypot_reads_and_moves_simulated_servos(port: Path):
     rustypot = pytest.importorskip("rustypot", reason="rustypot is not installed")
     servos = rustypot.Xl430PyController(str(port), 1_000_000, 0.5)
     ids = [5, 6, 7]
@@ -139,7 +144,7 @@ def test_rustypot_reads_and_moves_them(port: Path):
         servos.close()
 
 
-def test_lerobot_reads_and_moves_them(port: Path):
+def test_lerobot_reads_and_moves_simulated_servos(port: Path):
     pytest.importorskip("lerobot", reason="lerobot is not installed")
     module = importlib.import_module("lerobot.motors.dynamixel")
     motors = importlib.import_module("lerobot.motors")
@@ -166,15 +171,44 @@ def test_lerobot_reads_and_moves_them(port: Path):
         (("--physics", "magic"), "'magic' is not one of 'servo', 'twin'"),
     ],
 )
-def test_bad_input_is_one_line(kinesic, options: tuple[str, ...], message: str):
+def test_invalid_option_of_simulate_is_reported(kinesic, options: tuple[str, ...], message: str):
     ended = kinesic("servos", "simulate", *options)
     assert ended.code == 2
     assert message in ended.err
 
 
-def test_a_robot_without_buses_has_nothing_to_simulate(kinesic, tmp_path: Path):
+def test_robot_without_buses_is_refused_by_simulate(kinesic, tmp_path: Path):
     text = Robot.load().path.read_text(encoding="utf-8")
     (tmp_path / "bare.toml").write_text(text[: text.index("[[bus]]")], encoding="utf-8")
     ended = kinesic("servos", "simulate", "--robot", "bare.toml")
     assert ended.code == 2
     assert "no [[bus]], so there are no servos to simulate" in ended.err
+
+
+@pytest.mark.soak
+def test_enter_starts_simulated_joint_rotations_for_manual_calibration(tmp_path: Path):
+    zeros = ServoMap.of(Robot.load()).scale.zeros
+    command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--by-hand", "--folder", str(tmp_path)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
+    with subprocess.Popen(command, **pipes) as process:
+        process.stdout.readline()
+        handler, protocol = PortHandler(str(tmp_path / "body")), PacketHandler(2.0)
+        assert handler.openPort()
+        assert handler.setBaudRate(1_000_000)
+        elbow = Register.PRESENT_POSITION.field.address
+        assert protocol.read4ByteTxRx(handler, 15, elbow)[0] == zeros[HINGES.index("l_elbow_flexion")]
+        process.stdin.write("\n")
+        process.stdin.flush()
+        until(lambda: protocol.read4ByteTxRx(handler, 15, elbow)[0] > zeros[HINGES.index("l_elbow_flexion")] + 1000)
+        handler.closePort()
+        process.stdin.close()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(WAIT_TIMEOUT) == 0
+
+
+@pytest.mark.soak
+def test_simulate_refuses_manual_calibration_with_twin_physics():
+    command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--by-hand", "--physics", "twin"]
+    ended = subprocess.run(command, check=False, capture_output=True, text=True, timeout=WAIT_TIMEOUT)
+    assert ended.returncode == 2
+    assert ended.stderr == "kinesic: --by-hand turns servos without a body; leave out --physics twin\n"

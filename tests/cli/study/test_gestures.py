@@ -1,4 +1,4 @@
-"""A study of gestures, made on the command line."""
+"""Creation of a gesture study by `kinesic study make-gestures`."""
 
 import json
 from pathlib import Path
@@ -13,45 +13,47 @@ TEXT = (
 
 
 def study_in(page: Path) -> dict:
-    """What the page's script reads."""
+    """Return the study data that is embedded in the page."""
     return json.loads(page.read_text().split('type="application/json">')[1].split("</script>")[0])
 
 
-def test_gestures_texts_and_settings_that_are_named_are_in_the_page(kinesic, tmp_path: Path):
+def test_study_page_contains_named_gestures_texts_and_settings(kinesic, tmp_path: Path):
     (tmp_path / "hello.bml").write_text(TEXT.format(lexeme="welcome"))
-    asked = ("--pairs", "1", "--text", "hello.bml", "--compare", "whole_body=0", "--compare", "idle=0")
-    ended = kinesic("study", "make-gestures", *GESTURES, *asked, "--voice", "durations", "--out", "made")
+    options = ("--pairs", "1", "--text", "hello.bml", "--compare", "whole_body=0", "--compare", "idle=0")
+    ended = kinesic("study", "make-gestures", *GESTURES, *options, "--voice", "durations", "--out", "made")
     assert ended.code == 0, ended.err
     assert ended.out == "page: made/index.html\n"
     study = study_in(tmp_path / "made" / "index.html")
-    recognised = [trial["stimulus"] for trial in study["trials"] if trial["task"] == "recognition"]
-    assert sorted(recognised) == sorted(GESTURES[1::2])
-    compared = [(trial["condition"], trial["stimulus"]) for trial in study["trials"] if trial["task"] == "comparison"]
-    assert compared[0] == ("whole_body=0", "hello")
-    assert compared[1][1] in recognised
-    without_idle = {stimulus for setting, stimulus in compared[2:] if setting == "idle=0"}
+    recognition_stimuli = [trial["stimulus"] for trial in study["trials"] if trial["task"] == "recognition"]
+    assert sorted(recognition_stimuli) == sorted(GESTURES[1::2])
+    comparisons = [
+        (trial["condition"], trial["stimulus"]) for trial in study["trials"] if trial["task"] == "comparison"
+    ]
+    assert comparisons[0] == ("whole_body=0", "hello")
+    assert comparisons[1][1] in recognition_stimuli
+    without_idle = {stimulus for setting, stimulus in comparisons[2:] if setting == "idle=0"}
     assert "hello" in without_idle
-    assert not without_idle & {"stop", "offer", "photo"}, "a short gesture alone has no pause"
-    assert [said[2] for motion in study["motions"] for said in motion["words"] if said[2]] == ["Hello!"] * 3
+    assert not without_idle & {"stop", "offer", "photo"}, "a short gesture contains no pause"
+    assert [word[2] for motion in study["motions"] for word in motion["words"] if word[2]] == ["Hello!"] * 3
     assert len(study["motions"]) == 6 + 2 + 1 + len(without_idle)
 
 
 @pytest.mark.parametrize(
-    ("asked", "what"),
+    ("options", "message"),
     [
-        (("--compare", "power=0"), "--compare power=0 changes nothing that anybody could see here"),
+        (("--compare", "power=0"), "--compare power=0 changes no gesture visibly"),
         (("--compare", "powerr=1"), "a style has no powerr"),
         (("--text", "nowhere.bml"), "nowhere.bml: No such file"),
-        (("--text", "a/x.bml", "--text", "b/x.bml"), "there is another text x"),
+        (("--text", "a/x.bml", "--text", "b/x.bml"), "another text is named x"),
         (("--post-to", "ftp://x"), "--post-to ftp://x: must be a URL"),
     ],
 )
-def test_what_cannot_be_done_is_told_in_one_line_and_nothing_is_written(kinesic, tmp_path: Path, asked, what: str):
+def test_invalid_study_options_are_reported_and_write_nothing(kinesic, tmp_path: Path, options, message: str):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "x.bml").write_text(TEXT.format(lexeme="stop"))
-    ended = kinesic("study", "make-gestures", *GESTURES, *asked, "--out", "made")
+    ended = kinesic("study", "make-gestures", *GESTURES, *options, "--out", "made")
     assert ended.code == 2
-    assert what in ended.err
+    assert message in ended.err
     assert ended.err.count("\n") == 1
     assert not (tmp_path / "made").exists()

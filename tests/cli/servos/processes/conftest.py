@@ -1,4 +1,4 @@
-"""Commands in terminals of their own, the default robot's virtual servos in another process, and what both did."""
+"""Commands in their own terminals, with virtual servos in another process."""
 
 import fcntl
 import os
@@ -23,28 +23,28 @@ from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.manifest import Manifest
 
-SERVED = Path(__file__).parents[3] / "hardware" / "supervisor" / "processes" / "served.py"
-PATIENCE = 60.0  # [s] that a loaded machine may take for anything
-LOOK = 0.1  # [s] between two looks
-EVERY = 0.05  # [s] between two lines of the record
-NEAR = 10  # [ticks] of rest: less than a degree
-RAISED = 250  # [ticks] more than 20 degrees
-RAISE = (
+SERVER_PROGRAM = Path(__file__).parents[3] / "hardware" / "supervisor" / "processes" / "served.py"
+WAIT_TIMEOUT = 60.0  # [s] sufficient on a loaded machine
+POLL_PERIOD = 0.1  # [s] between two checks of a condition
+RECORD_PERIOD = 0.05  # [s] between two lines of the record
+REST_TOLERANCE = 10  # [ticks] from rest, less than 1 deg
+RAISED_DISTANCE = 250  # [ticks] from rest, more than 20 deg
+RAISE_BML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="offer" mode="RIGHT_HAND" '
     'start="0" stroke="1" strokeEnd="{0}" relax="{0}" end="{1}"/></bml>'
 )
 
 
-def wait(until: Callable[[], object], seconds: float = PATIENCE) -> None:
-    limit = time.monotonic() + seconds
+def wait(until: Callable[[], object], seconds: float = WAIT_TIMEOUT) -> None:
+    deadline = time.monotonic() + seconds
     while not until():
-        assert time.monotonic() < limit, "waited in vain"
-        time.sleep(LOOK)
+        assert time.monotonic() < deadline, "condition not met in time"
+        time.sleep(POLL_PERIOD)
 
 
 @dataclass
 class Record:
-    """What the servos did, and when."""
+    """Recorded states of the servos over time."""
 
     times: np.ndarray  # (m,) [s]
     torque: np.ndarray  # (m, n)
@@ -53,28 +53,27 @@ class Record:
 
 
 class Arms:
-    """The default robot's virtual servos, one after another test."""
+    """Virtual servos of a robot, used by one test after another."""
 
-    def __init__(self, folder: Path) -> None:
-        robot = Robot.load()
+    def __init__(self, robot: Robot, folder: Path) -> None:
         manifest = Manifest.of(robot)
         self.folder, self.port, self._joints = folder, folder / "body", len(manifest.rest)
         self._order = np.argsort(np.argsort([member.id for member in manifest.members]))
         self._rest = manifest.scale.ticks(manifest.rest[manifest.joints])
-        command = [sys.executable, str(SERVED), str(robot.path), str(folder), str(EVERY)]
+        command = [sys.executable, str(SERVER_PROGRAM), str(robot.path), str(folder), str(RECORD_PERIOD)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         wait(self.port.exists)
         self._file = (folder / "record").open()
         self._rows: list[list[float]] = []
-        self._begun = ""  # what there is of a line that is still being written
+        self._begun = ""  # incomplete last line
 
-    def forget(self) -> None:
-        """Another test begins."""
+    def discard_record(self) -> None:
+        """Discard the record of earlier tests."""
         self.record()
         self._rows = []
 
     def record(self) -> Record:
-        """What they have done in this test until now."""
+        """Return the record of the servos since the test began."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write(b"show\n")
@@ -83,51 +82,51 @@ class Arms:
         *lines, self._begun = (self._begun + self._file.read()).split("\n")
         self._rows += [[float(word) for word in line.split()] for line in lines]
         rows = np.array(self._rows)
-        shown = rows[:, 2:].reshape(len(rows), -1, 4)[:, self._order]
-        return Record(rows[:, 0], shown[:, :, 0], shown[:, :, 1], shown[:, :, 3])
+        states = rows[:, 2:].reshape(len(rows), -1, 4)[:, self._order]
+        return Record(rows[:, 0], states[:, :, 0], states[:, :, 1], states[:, :, 3])
 
-    def away(self) -> int:
-        """[ticks] how far the farthest is from rest."""
+    def distance_from_rest(self) -> int:
+        """Return the largest distance of a servo from rest [ticks]."""
         return int(np.abs(self.record().places[-1] - self._rest).max())
 
     @property
-    def home(self) -> bool:
-        """Whether all are at rest and limp."""
+    def is_home(self) -> bool:
+        """Whether all servos are at rest with torque off."""
         record = self.record()
-        return not record.torque[-1].any() and bool((np.abs(record.places[-1] - self._rest) <= NEAR).all())
+        return not record.torque[-1].any() and bool((np.abs(record.places[-1] - self._rest) <= REST_TOLERANCE).all())
 
     def supervisor(self) -> Channel:
-        """What somebody sees who looks on."""
-        found = find_supervisor(self.port, self._joints)
-        assert found is not None
-        return found
+        """Return the channel of the supervisor that drives the servos."""
+        channel = find_supervisor(self.port, self._joints)
+        assert channel is not None
+        return channel
 
-    def raised(self) -> bool:
-        return self.away() > RAISED
+    def is_raised(self) -> bool:
+        return self.distance_from_rest() > RAISED_DISTANCE
 
-    def still(self, seconds: float) -> bool:
-        """Whether nothing moves for a while."""
-        began = time.monotonic()
+    def is_still(self, seconds: float) -> bool:
+        """Return whether no servo moves for a duration [s]."""
+        start = time.monotonic()
         time.sleep(seconds)
         record = self.record()
-        return bool(np.ptp(record.places[record.times >= began], axis=0).max() <= 2)
+        return bool(np.ptp(record.places[record.times >= start], axis=0).max() <= 2)
 
     def close(self) -> None:
-        self._process.communicate(timeout=PATIENCE)
+        self._process.communicate(timeout=WAIT_TIMEOUT)
         self._file.close()
 
 
 @dataclass
 class Command:
-    """`kinesic ...` as a shell runs it in the foreground of a terminal, with places of its own for temporary files."""
+    """`kinesic ...` in the foreground of a terminal, with its own folder for temporary files."""
 
     folder: Path
     arguments: tuple[str, ...]
     environment: dict[str, str] = field(default_factory=dict)
-    said: str = ""
+    output: str = ""
 
     def __post_init__(self) -> None:
-        self.temporary = Path(mkdtemp(prefix="kinesic-"))  # sockets need a short path
+        self.temporary = Path(mkdtemp(prefix="kinesic-"))  # Sockets need a short path.
         self.mark = f"KINESIC_TEST={self.folder}"
         self._keys, terminal = pty.openpty()
         name, _, value = self.mark.partition("=")
@@ -144,107 +143,113 @@ class Command:
         os.close(terminal)
 
     def listen(self) -> str:
-        """What it has said so far."""
+        """Return all output until now."""
         while self._keys >= 0 and select.select([self._keys], [], [], 0)[0]:
             try:
-                self.said += os.read(self._keys, 65536).decode(errors="replace")
-            except OSError:  # nobody has the terminal any more
+                self.output += os.read(self._keys, 65536).decode(errors="replace")
+            except OSError:  # No process has the terminal open any more.
                 break
-        return self.said
+        return self.output
 
     def wait(self, until: Callable[[], object]) -> None:
-        """Waits until something is so, while it lives."""
+        """Wait until a condition holds, while the command runs."""
 
-        def seen() -> bool:
+        def is_over() -> bool:
             self.listen()
             return bool(until()) or self.process.poll() is not None
 
-        wait(seen)
-        assert self.process.poll() is None, self.said
+        wait(is_over)
+        assert self.process.poll() is None, self.output
 
     def press(self, keys: bytes) -> None:
         os.write(self._keys, keys)
 
     def close_terminal(self) -> None:
-        """The window is closed: the kernel says so to the shell, here to the command, and the shell to its group."""
+        """Close the terminal and send SIGHUP to the command's group, as a shell does."""
         os.close(self._keys)
         self._keys = -1
         self.signal_all(signal.SIGHUP)
 
     def signal_all(self, number: signal.Signals) -> None:
-        """To the command and all that it has begun in its group."""
+        """Send a signal to the command and all processes of its group."""
         os.killpg(self.process.pid, number)
 
     def end(self) -> int:
-        """Its exit code, when it has ended."""
+        """Wait until the command has ended, and return its exit code."""
         wait(lambda: (self.listen(), self.process.poll())[1] is not None)
         self.listen()
         return self.process.returncode
 
     def processes(self, word: str = "") -> list[int]:
-        """Ids of all processes that it, or who it has begun, has begun; with a word in their command lines."""
-        found = []
-        for place in Path("/proc").glob("[0-9]*"):
+        """Return the ids of all descendant processes with a word in their command lines."""
+        ids = []
+        for process_folder in Path("/proc").glob("[0-9]*"):
             try:
-                marked = self.mark.encode() in (place / "environ").read_bytes().split(b"\0")
-                if marked and word.encode() in (place / "cmdline").read_bytes():
-                    found.append(int(place.name))
+                is_descendant = self.mark.encode() in (process_folder / "environ").read_bytes().split(b"\0")
+                if is_descendant and word.encode() in (process_folder / "cmdline").read_bytes():
+                    ids.append(int(process_folder.name))
             except OSError:
                 continue
-        return found
+        return ids
 
     def supervisor(self) -> int:
-        (found,) = self.processes("kinesic.hardware.supervisor")
-        return found
+        (process,) = self.processes("kinesic.hardware.supervisor")
+        return process
 
-    def leaves_nothing(self) -> bool:
-        """Whether no process and no temporary file is left; processes may still be ending."""
+    def has_cleaned_up(self) -> bool:
+        """Return whether no process and no temporary file is left, after waiting for processes to end."""
         wait(lambda: not self.processes())
         return not list(self.temporary.iterdir())
 
     def close(self) -> None:
         for process in self.processes():
             os.kill(process, signal.SIGKILL)
-        self.process.wait(PATIENCE)
+        self.process.wait(WAIT_TIMEOUT)
         shutil.rmtree(self.temporary, ignore_errors=True)
         if self._keys >= 0:
             os.close(self._keys)
 
 
 @pytest.fixture(scope="module")
-def served_arms(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Arms]:
-    made = Arms(tmp_path_factory.mktemp("arms"))
-    yield made
-    made.close()
+def robot() -> Robot:
+    """The robot whose servos are simulated."""
+    return Robot.load()
+
+
+@pytest.fixture(scope="module")
+def served_arms(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Arms]:
+    arms_of_module = Arms(robot, tmp_path_factory.mktemp("arms"))
+    yield arms_of_module
+    arms_of_module.close()
 
 
 @pytest.fixture
 def arms(served_arms: Arms) -> Arms:
-    served_arms.forget()
+    served_arms.discard_record()
     return served_arms
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> Iterator[Callable[..., Command]]:
-    """Starts a command in an empty folder."""
-    begun: list[Command] = []
+    """Return a function that starts a command in an empty folder."""
+    commands: list[Command] = []
 
     def start(*arguments: object, **environment: str) -> Command:
-        begun.append(Command(tmp_path, tuple(map(str, arguments)), environment))
-        return begun[-1]
+        commands.append(Command(tmp_path, tuple(map(str, arguments)), environment))
+        return commands[-1]
 
     yield start
-    for command in begun:
+    for command in commands:
         command.close()
 
 
 @pytest.fixture
-def perform(run: Callable[..., Command], arms: Arms, tmp_path: Path) -> Callable[..., Command]:
-    """Starts a performance that raises the right hand, and holds it until a time [s]."""
+def perform(robot: Robot, run: Callable[..., Command], arms: Arms, tmp_path: Path) -> Callable[..., Command]:
+    """Return a function that starts a performance with the right hand raised until a time [s]."""
 
     def start(until: float, **environment: str) -> Command:
-        (tmp_path / "raise.bml").write_text(RAISE.format(until, until + 1.0), encoding="utf-8")
-        options = ("--on", "servos", "--port", f"body={arms.port}", "--no-film", "--out", "out")
+        (tmp_path / "raise.bml").write_text(RAISE_BML.format(until, until + 1.0), encoding="utf-8")
+        options = ("--robot", robot.path, "--on", "servos", "--port", f"body={arms.port}", "--no-film", "--out", "out")
         return run("perform", "raise.bml", *options, **environment)
 
     return start

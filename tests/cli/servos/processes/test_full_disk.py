@@ -1,4 +1,7 @@
-"""A disk that fills up while arms are raised. The size that files of a process may have stands for the disk."""
+"""Performance and server on a disk that becomes full while the arms are raised.
+
+A limit on the file size of the processes simulates the full disk.
+"""
 
 import json
 import signal
@@ -7,44 +10,44 @@ from resource import RLIMIT_FSIZE, prlimit
 
 import pytest
 
-from .conftest import RAISE
+from .conftest import RAISE_BML
 from .test_signals import serve
 
 pytestmark = [pytest.mark.realtime, pytest.mark.soak]
 
 
-def test_a_performance_goes_on_to_its_end_and_one_line_tells_which_result_is_lost(arms, perform):
+def test_performance_continues_on_a_full_disk_and_reports_the_lost_result(arms, perform):
     command = perform(3.0)
-    command.wait(arms.raised)
+    command.wait(arms.is_raised)
     for process in (command.process.pid, command.supervisor()):
         prlimit(process, RLIMIT_FSIZE, (1000, 1000))
     assert command.end() == 2
-    assert arms.home
-    assert command.leaves_nothing()
+    assert arms.is_home
+    assert command.has_cleaned_up()
     out = command.folder / "out"
-    lines = [line for line in command.said.splitlines() if "File too large" in line]
+    lines = [line for line in command.output.splitlines() if "File too large" in line]
     assert len(lines) == 2, lines
     assert lines[0].endswith(f"{out / 'events.jsonl'}: File too large; events are lost")
     assert lines[1].endswith("kinesic: out/report.json: File too large")
-    assert "Traceback" not in command.said
-    assert "Exception" not in command.said
-    assert "servos" not in json.loads((out / "report.json").read_text()), "the twin's report stays whole"
+    assert "Traceback" not in command.output
+    assert "Exception" not in command.output
+    assert "servos" not in json.loads((out / "report.json").read_text()), "the report of the twin is still complete"
     assert all(json.loads(line) for line in (out / "events.jsonl").read_text().splitlines())
     assert sorted(path.name for path in out.iterdir() if path.name.startswith(".")) == [".kinesic"]
     assert not (out / "servos.npz").exists()
 
 
-def test_a_server_goes_on_and_tells_that_events_are_lost(arms, run):
+def test_server_continues_on_a_full_disk_and_reports_lost_events(arms, run):
     command, client = serve(arms, run)
     with client:
-        client.send(RAISE.format(3.0, 4.0))
-        command.wait(arms.raised)
+        client.send(RAISE_BML.format(3.0, 4.0))
+        command.wait(arms.is_raised)
         prlimit(command.supervisor(), RLIMIT_FSIZE, (0, 0))
         while 'id="b:end"' not in client.receive(30):
             pass
         time.sleep(0.2)
         command.process.send_signal(signal.SIGTERM)
         assert command.end() == 0
-    assert "events.jsonl: File too large; events are lost" in command.said
-    assert arms.home
-    assert "Traceback" not in command.said
+    assert "events.jsonl: File too large; events are lost" in command.output
+    assert arms.is_home
+    assert "Traceback" not in command.output

@@ -1,4 +1,4 @@
-"""Signals to `kinesic perform` and `kinesic serve`, as terminals and other programs send them, and the arms then."""
+"""Reaction of `kinesic perform` and `kinesic serve` to signals and closed terminals."""
 
 import json
 import os
@@ -8,114 +8,135 @@ import time
 
 import pytest
 
+from kinesic.body.robot import Robot
 from kinesic.client import Client
 from kinesic.hardware.supervisor.channel import Channel
 
-from .conftest import RAISE
+from ....reduced_robots import write_robot
+from .conftest import RAISE_BML
 
 pytestmark = pytest.mark.realtime
 
-LONG = 8.0  # [s] that the hand stays raised
-TOO_LONG = 1.2  # [s] out of hand, after which somebody has to consent
+RAISED_DURATION = 8.0  # [s] with the hand raised
+LONG_INTERRUPTION = 1.2  # [s] suspension after which a person must confirm
 
 
-def test_a_performance_that_stood_still_needs_enter_and_folds_the_arms_when_its_terminal_closes(arms, perform):
-    command = perform(LONG)
-    command.wait(arms.raised)
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory):
+    """The arms alone: other servos would only take time."""
+    return Robot.load(write_robot(tmp_path_factory.mktemp("robot"), "neck", "torso", "clavicles"))
+
+
+def test_suspended_performance_resumes_on_enter_and_folds_arms_on_hangup(arms, perform):
+    command = perform(RAISED_DURATION)
+    command.wait(arms.is_raised)
     supervisor = command.supervisor()
     os.kill(supervisor, signal.SIGSTOP)
-    time.sleep(TOO_LONG)
+    time.sleep(LONG_INTERRUPTION)
     os.kill(supervisor, signal.SIGCONT)
-    command.wait(lambda: "the servos hold: Enter goes on" in command.said)
-    assert arms.still(0.5)
+    command.wait(lambda: "the servos hold: Enter resumes" in command.output)
+    assert arms.is_still(0.5)
     assert arms.record().torque[-1].all()
     command.press(b"\n")
     journal = command.folder / "out" / "events.jsonl"
     command.wait(lambda: "-> active" in journal.read_text().split("paused")[-1])
     end(command, "closed")
-    assert command.end() == 1, command.said
-    assert arms.home
-    assert command.leaves_nothing()
-    assert "Traceback" not in command.said
+    assert command.end() == 1, command.output
+    assert arms.is_home
+    assert command.has_cleaned_up()
+    assert "Traceback" not in command.output
     assert json.loads((command.folder / "out" / "report.json").read_text())["servos"]["ending"] == "ended"
     assert sorted(path.name for path in command.folder.iterdir()) == ["out", "raise.bml"]
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("way", ["Ctrl-C", "SIGTERM", "SIGTERM to it alone", "SIGKILL"])
-def test_a_performance_that_is_ended_folds_the_arms(arms, perform, way: str):
-    command = perform(LONG)
-    command.wait(arms.raised)
-    end(command, way)
-    assert command.end() == (-signal.SIGKILL if way == "SIGKILL" else 1), command.said
-    clean = command.leaves_nothing()
-    assert clean or way == "SIGKILL"
-    assert arms.home
-    assert "Traceback" not in command.said
+@pytest.mark.parametrize("ending", ["Ctrl-C", "SIGTERM", "SIGTERM to the process alone", "SIGKILL"])
+def test_terminated_performance_folds_the_arms(arms, perform, ending: str):
+    command = perform(RAISED_DURATION)
+    command.wait(arms.is_raised)
+    end(command, ending)
+    assert command.end() == (-signal.SIGKILL if ending == "SIGKILL" else 1), command.output
+    clean = command.has_cleaned_up()
+    assert clean or ending == "SIGKILL"
+    assert arms.is_home
+    assert "Traceback" not in command.output
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("way", ["Ctrl-C", "SIGTERM", "SIGTERM to it alone", "SIGKILL"])
-def test_a_server_that_is_ended_folds_the_arms_first(arms, run, way: str):
-    command, client = serve(arms, run)
+@pytest.mark.parametrize("ending", ["Ctrl-C", "SIGTERM", "SIGTERM to the process alone", "SIGKILL"])
+def test_terminated_server_folds_the_arms_first(robot, arms, run, ending: str):
+    command, client = serve(robot, arms, run)
     with client:
-        client.send(RAISE.format(LONG, LONG + 1.0))
-        command.wait(arms.raised)
-        end(command, way)
-        assert command.end() == (-signal.SIGKILL if way == "SIGKILL" else 0), command.said
-    clean = command.leaves_nothing()
-    assert clean or way == "SIGKILL"
-    assert arms.home
-    assert "Traceback" not in command.said
+        client.send(RAISE_BML.format(RAISED_DURATION, RAISED_DURATION + 1.0))
+        command.wait(arms.is_raised)
+        end(command, ending)
+        assert command.end() == (-signal.SIGKILL if ending == "SIGKILL" else 0), command.output
+    clean = command.has_cleaned_up()
+    assert clean or ending == "SIGKILL"
+    assert arms.is_home
+    assert "Traceback" not in command.output
 
 
-def test_a_server_that_stood_still_needs_consent_and_one_whose_terminal_closes_folds_the_arms(arms, run):
-    command, client = serve(arms, run, "--learn", "none")
+@pytest.mark.soak
+def test_suspended_server_needs_confirmation_and_folds_arms_when_the_terminal_closes(robot, arms, run):
+    command, client = serve(robot, arms, run, "--learn", "none")
     with client:
-        client.send(RAISE.format(LONG, LONG + 1.0))
-        command.wait(arms.raised)
+        client.send(RAISE_BML.format(RAISED_DURATION, RAISED_DURATION + 1.0))
+        command.wait(arms.is_raised)
         supervisor = arms.supervisor()
         command.process.send_signal(signal.SIGSTOP)
-        command.wait(lambda: stood(supervisor, TOO_LONG))  # when it has performed what had been handed over
+        command.wait(
+            lambda: has_stood_still(supervisor, LONG_INTERRUPTION)
+        )  # until the buffered setpoints are performed
         command.process.send_signal(signal.SIGCONT)
         command.wait(lambda: state(client) == "stopped")
-        assert arms.still(0.5)
+        assert arms.is_still(0.5)
         assert arms.record().torque[-1].all()
         client.do("resume")
         command.wait(lambda: state(client) == "playing")
         end(command, "closed")
-        assert command.end() == 0, command.said
-    assert arms.home
-    assert command.leaves_nothing()
-    assert "Traceback" not in command.said
+        assert command.end() == 0, command.output
+    assert arms.is_home
+    assert command.has_cleaned_up()
+    assert "Traceback" not in command.output
 
 
-def end(command, way: str) -> None:
-    if way == "Ctrl-C":
+def end(command, ending: str) -> None:
+    if ending == "Ctrl-C":
         command.press(b"\x03")
-    elif way == "closed":
+    elif ending == "closed":
         command.close_terminal()
-    elif way == "SIGTERM":
+    elif ending == "SIGTERM":
         command.signal_all(signal.SIGTERM)
-    elif way == "SIGTERM to it alone":
+    elif ending == "SIGTERM to the process alone":
         command.process.send_signal(signal.SIGTERM)
     else:
         command.process.kill()
 
 
-def stood(supervisor: Channel, seconds: float) -> bool:
-    """Whether the performance stands still for a while."""
+def has_stood_still(supervisor: Channel, seconds: float) -> bool:
+    """Return whether the performance time stands still for a duration [s]."""
     before = supervisor.status().time
     time.sleep(seconds)
     return supervisor.status().time == before
 
 
-def serve(arms, run, *more: str):
-    """A server in a terminal, and a client of it."""
-    options = ("--on", "servos", "--port", f"body={arms.port}", "--voice", "durations", "--no-sound")
-    command = run("serve", *options, *more, "--listen", "127.0.0.1:0")
-    command.wait(lambda: "listening at" in command.said)
-    return command, Client(port=int(re.search(r"listening at 127.0.0.1:(\d+)", command.said)[1]))
+def serve(robot, arms, run, *options_of_test: str):
+    """Start a server in a terminal, and return it with a connected client."""
+    options = (
+        "--robot",
+        robot.path,
+        "--on",
+        "servos",
+        "--port",
+        f"body={arms.port}",
+        "--voice",
+        "durations",
+        "--no-sound",
+    )
+    command = run("serve", *options, *options_of_test, "--listen", "127.0.0.1:0")
+    command.wait(lambda: "listening at" in command.output)
+    return command, Client(port=int(re.search(r"listening at 127.0.0.1:(\d+)", command.output)[1]))
 
 
 def state(client) -> str:

@@ -1,0 +1,60 @@
+"""Examples of command lines at the end of each help page."""
+
+from collections.abc import Mapping
+
+import click
+
+EXAMPLES: Mapping[str, tuple[str, ...]] = {
+    "bench": ("kinesic bench ik", "kinesic bench naturalness --style joyful --json"),
+    "completion": ("kinesic completion bash >> ~/.bashrc", "kinesic completion fish"),
+    "demo": ("kinesic demo", "kinesic demo --robot human --style joyful --out greeting"),
+    "doctor": ("kinesic doctor",),
+    "export": ("kinesic export welcome --to mcap",),
+    "face": ("kinesic face --emotion joy --out joy.png", "kinesic face --bml welcome --out face.webp"),
+    "gestures find": ("kinesic gestures find weigh two things", "kinesic gestures find big --category iconic --json"),
+    "gestures list": ("kinesic gestures list --category emblem", "kinesic gestures list --json"),
+    "gestures render": ("kinesic gestures render offer --out offer.png", "kinesic gestures render --all --out all.png"),
+    "gestures show": ("kinesic gestures show offer",),
+    "mcp": ("kinesic mcp --robot upper36", "kinesic mcp --connect localhost:8080"),
+    "new": ("kinesic new gesture my_offer", "kinesic new style mine --out styles"),
+    "perform": (
+        "kinesic perform welcome --robot upper36",
+        "kinesic perform my.bml --style joyful --set power=0.5 --out report",
+        "kinesic perform my.bml --on servos,twin --port body=/dev/ttyUSB0",
+    ),
+    "plan": ("kinesic plan welcome", "kinesic plan my.bml --out motion.csv", "kinesic plan my.txt --to bml"),
+    "results": ("kinesic results summary reports", "kinesic results plot reports --out checks.png"),
+    "robots check": ("kinesic robots check upper36",),
+    "robots import": ("kinesic robots import robot.urdf --out robot.toml",),
+    "robots list": ("kinesic robots list",),
+    "robots search": ("kinesic robots search upper22 documents --vary l_upperarm.length=0.25,0.3 --designs 8",),
+    "robots show": ("kinesic robots show upper36",),
+    "say": ('kinesic say "You took the big one?"', 'kinesic say "Hello." --style calm --to bml'),
+    "serve": ("kinesic serve --robot upper36", "kinesic serve --listen 127.0.0.1:9000 --text"),
+    "servos calibrate": ("kinesic servos calibrate --port body=/dev/ttyUSB0",),
+    "servos doctor": ("kinesic servos doctor --port body=/dev/ttyUSB0",),
+    "servos release": ("kinesic servos release --port body=/dev/ttyUSB0",),
+    "servos scan": ("kinesic servos scan", "kinesic servos scan --port /dev/ttyUSB0 --baud 1000000"),
+    "servos show": ("kinesic servos show --port body=/dev/ttyUSB0",),
+    "servos simulate": ("kinesic servos simulate --folder ports", "kinesic servos simulate --physics twin"),
+    "servos stop": ("kinesic servos stop",),
+    "studio": ("kinesic studio my.bml",),
+    "study analyse": ("kinesic study analyse answers.csv",),
+    "study make": ("kinesic study make --out my-study",),
+    "study make-speech": ("kinesic study make-speech --text one.txt --text two.txt --compare whole_body=0",),
+    "study make-gestures": ("kinesic study make-gestures --compare effort=0 --count 24",),
+    "sweep": ("kinesic sweep beat --parameter power", "kinesic sweep offer --all --out sweep"),
+    "twin fit": ("kinesic twin fit out/demo/measured.npz --out mine.toml",),
+    "validate": ("kinesic validate welcome story", "kinesic validate documents --out reports --jobs 2"),
+}
+
+
+def attach_examples(group: click.Group, *words: str) -> None:
+    """Append command-line examples to the help pages of a group's verbs."""
+    for name, command in group.commands.items():
+        path = (*words, name)
+        if isinstance(command, click.Group):
+            attach_examples(command, *path)
+        elif " ".join(path) in EXAMPLES:
+            lines = "\n".join(f"  {example}" for example in EXAMPLES[" ".join(path)])
+            command.epilog = f"{command.epilog or ''}\n\n\b\nExamples:\n{lines}".strip()

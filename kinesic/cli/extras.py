@@ -1,0 +1,25 @@
+"""Error lines with install commands for missing optional packages."""
+
+EXTRA_OF_PACKAGE = {  # extra by the package that it installs, by import name
+    "cryptography": "cluster",
+    "dask": "cluster",
+    "distributed": "cluster",
+    "duckdb": "store",
+    "foxglove": "mcap",
+    "glfw": "face",
+    "matplotlib": "plots",
+    "mcp": "mcp",
+    "pandas": "notebook",
+    "rerun": "rerun",
+    "spacy": "text",
+}
+
+
+def explain_missing(error: ModuleNotFoundError) -> str | None:
+    """Return an error line with the install command of a missing package.
+
+    None for packages that belong to no extra.
+    """
+    package = (error.name or "").partition(".")[0]
+    extra = EXTRA_OF_PACKAGE.get(package)
+    return None if extra is None else f"this needs {package}: pip install 'kinesic[{extra}]'"

@@ -1,0 +1,48 @@
+"""Ports of a robot's buses from the options of the command line."""
+
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.servos import ports
+from kinesic.cli.servos.ports import read_all_ports, read_ports
+
+
+def test_port_without_a_bus_name_belongs_to_the_only_bus():
+    assert read_ports(["/dev/a"], ["body"]) == {"body": Path("/dev/a")}
+    assert read_ports(["body=/dev/a=b"], ["body"]) == {"body": Path("/dev/a=b")}
+
+
+def test_port_options_assign_ports_to_buses_by_name():
+    given = ["right=/dev/b", "left=/dev/a"]
+    assert read_all_ports(given, iter(["left", "right"])) == {"left": Path("/dev/a"), "right": Path("/dev/b")}
+
+
+@pytest.mark.parametrize(
+    ("texts", "buses", "message"),
+    [
+        (["/dev/a"], ["left", "right"], "--port /dev/a: no bus /dev/a"),
+        (["arm=/dev/a"], ["body"], "--port arm=/dev/a: no bus arm; known: body; give NAME=PATH"),
+        (["left=/dev/a", "left=/dev/b"], ["left", "right"], "--port left=/dev/b: give one path for bus left"),
+        (["left="], ["left", "right"], "--port left=: give one path for bus left"),
+    ],
+)
+def test_unknown_or_repeated_bus_names_in_port_options_are_refused(texts: list[str], buses: list[str], message: str):
+    with pytest.raises(ConfigError) as error:
+        read_ports(texts, buses)
+    assert str(error.value).startswith(message)
+
+
+@pytest.mark.parametrize(("here", "named"), [([], "none on USB"), ([Path("/dev/x"), Path("/dev/y")], "/dev/x, /dev/y")])
+def test_missing_ports_are_reported_with_the_ports_of_this_machine(monkeypatch, here: list[Path], named: str):
+    monkeypatch.setattr(ports, "ports_here", lambda: here)
+    with pytest.raises(ConfigError) as error:
+        read_ports([], ["left", "right"])
+    remedy = "no port given; add --port left=PATH --port right=PATH; serial ports here:"
+    assert str(error.value) == f"{remedy} {named}"
+
+
+def test_bus_without_a_port_is_refused():
+    with pytest.raises(ConfigError, match=r"^a bus has no port; add --port right=PATH$"):
+        read_all_ports(["left=/dev/a"], ["left", "right"])

@@ -1,0 +1,59 @@
+from pathlib import Path
+
+import pytest
+
+from kinesic.cli import browser, demo
+from kinesic.session.builtin_documents import builtin_documents
+
+NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
+
+
+@pytest.fixture
+def opened(monkeypatch) -> list[str]:
+    """Return the pages that are opened in the browser of a simulated desktop."""
+    pages: list[str] = []
+    monkeypatch.setattr(browser, "has_display", lambda: True)
+    monkeypatch.setattr(browser.webbrowser, "open", lambda url: bool(pages.append(url)) or True)
+    return pages
+
+
+@pytest.fixture
+def short(tmp_path, monkeypatch) -> None:
+    """Let the demo perform a nod, which takes less time."""
+    nod = tmp_path / "elsewhere" / "nod.bml"
+    nod.parent.mkdir()
+    nod.write_bytes(NOD)
+    monkeypatch.setattr(demo, "DEMO_DOCUMENT", str(nod))
+
+
+def test_demo_writes_a_report_opens_it_and_replaces_it(kinesic, tmp_path, opened, short):
+    for _ in range(2):
+        ended = kinesic("demo", "--no-film", "--robot", "upper22")
+        assert ended.code == 0, ended.err
+    page = tmp_path / "out" / "demo" / "report.html"
+    assert opened == [page.resolve().as_uri()] * 2
+    assert f"page: {Path('out/demo/report.html')}\nthe page is open in the browser\n" in ended.out
+
+
+def test_demo_with_no_open_skips_the_browser_and_keeps_user_folders(kinesic, tmp_path, opened, short):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("dear")
+    options = ("demo", "--no-film", "--robot", "upper22", "--no-open", "--out")
+    refused = kinesic(*options, "mine", "--force")
+    assert refused.code == 2
+    assert [file.name for file in (tmp_path / "mine").iterdir()] == ["letter.txt"]
+    assert kinesic(*options, "other").code == 0
+    assert kinesic(*options, "other").code == 2  # A folder of the user's is replaced by --force alone.
+    assert opened == []
+
+
+def test_demo_performs_the_greeting_on_the_robot_with_hands(kinesic):
+    assert demo.DEMO_DOCUMENT in builtin_documents()
+    assert "upper36" in kinesic("demo", "-h").out
+
+
+def test_report_page_is_opened_only_on_a_desktop(monkeypatch, opened):
+    assert browser.open_in_browser("http://localhost/")
+    monkeypatch.setattr(browser, "has_display", lambda: False)
+    assert not browser.open_in_browser("http://localhost/")
+    assert opened == ["http://localhost/"]

@@ -1,0 +1,10 @@
+from kinesic.cli import doctor
+
+
+def test_install_commands_are_printed_with_their_brackets(kinesic, monkeypatch):
+    remedy = "espeak-ng is missing: pip install 'kinesic[speech]'"
+    monkeypatch.setattr(doctor, "COMPONENT_CHECKS", {"speech": lambda: remedy, "film": lambda: ""})
+    ended = kinesic("doctor")
+    assert ended.code == 0
+    assert remedy in ended.out
+    assert [line.split()[-1] for line in ended.out.splitlines() if line.split()[:1] == ["film"]] == ["works"]

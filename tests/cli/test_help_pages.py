@@ -1,0 +1,65 @@
+import shlex
+from collections.abc import Iterator
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from kinesic.cli import kinesic as command_line
+from kinesic.cli.examples import EXAMPLES
+from kinesic.cli.help_pages import OTHER_TASK, VERBS_BY_TASK, SharedOption
+
+EXAMPLE_LINES = [line for lines in EXAMPLES.values() for line in lines]
+
+
+def verbs(group: click.Group, *words: str) -> Iterator[tuple[str, click.Command]]:
+    """Yield the path and the command of every verb."""
+    for name, command in group.commands.items():
+        if isinstance(command, click.Group):
+            yield from verbs(command, *words, name)
+        else:
+            yield " ".join((*words, name)), command
+
+
+def help_of(*words: str) -> str:
+    return CliRunner().invoke(command_line, [*words, "-h"], prog_name="kinesic").output
+
+
+def test_help_groups_every_verb_by_task():
+    named = [name for names in VERBS_BY_TASK.values() for name in names]
+    assert sorted(named) == sorted(command_line.commands)
+    text = help_of()
+    assert f"{OTHER_TASK}:" not in text
+    headings = [line.rstrip(":") for line in text.splitlines() if line.endswith(":") and not line.startswith(" ")]
+    assert headings == ["Options", *VERBS_BY_TASK]
+
+
+def test_help_lists_options_of_the_verb_before_shared_options():
+    text = help_of("perform")
+    own, _, shared = text.partition("Options of planning, the same for all verbs:")
+    assert all(option in own for option in ("--robot", "--style", "--on", "--out", "--film-size", "--json", "--help"))
+    assert all(option in shared for option in ("--set", "--lexicon", "--seed", "--voice"))
+    assert not any(option in own.partition("Options:")[2] for option in ("--lexicon", "--seed", "--qualifiers"))
+
+
+def test_every_verb_ends_its_help_with_examples():
+    assert sorted(EXAMPLES) == sorted(path for path, _ in verbs(command_line))
+    for path in EXAMPLES:
+        text = help_of(*path.split())
+        assert text.rstrip().endswith(f"  {EXAMPLES[path][-1]}"), path
+
+
+@pytest.mark.parametrize("line", EXAMPLE_LINES)
+def test_help_examples_are_valid_command_lines(line):
+    program, *words = shlex.split(line.partition(" >>")[0])
+    assert program == "kinesic"
+    command: click.Command = command_line
+    while isinstance(command, click.Group):
+        command = command.commands[words.pop(0)]
+    command.make_context("kinesic", words, **command_line.context_settings)
+
+
+def test_shared_options_in_the_help_are_the_planning_options():
+    shared = {option.name for option in command_line.commands["plan"].params if isinstance(option, SharedOption)}
+    assert {"settings", "lexicon", "seed", "voice", "pause"} <= shared
+    assert "out" not in shared
