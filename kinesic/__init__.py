@@ -1,4 +1,4 @@
-"""kinesic performs BML on humanoids with servos."""
+"""kinesic performs BML on servo humanoids."""
 
 from typing import TYPE_CHECKING
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from kinesic.body.config import ConfigError
     from kinesic.body.robot import Robot
     from kinesic.client import Client
-    from kinesic.controller.perform import plan
     from kinesic.expressivity.style.style import Style
     from kinesic.hardware.protocol.wire import BusError
     from kinesic.ik.solve import solve as solve_ik
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from kinesic.performer import Performer, perform
     from kinesic.planning.plan import Plan
     from kinesic.report.run import Performance
+    from kinesic.session.plan import plan
     from kinesic.version import __version__
 
 _MODULES = ("client", "ik", "motion")
@@ -52,20 +52,20 @@ _PLACES = {
     "Style": ("kinesic.expressivity.style.style", "Style"),
     "__version__": ("kinesic.version", "__version__"),
     "perform": ("kinesic.performer", "perform"),
-    "plan": ("kinesic.controller.perform", "plan"),
+    "plan": ("kinesic.session.plan", "plan"),
     "solve_ik": ("kinesic.ik.solve", "solve"),
     "track_ik": ("kinesic.ik.track", "track"),
 }
 
 
 def __getattr__(name: str) -> object:
-    """Imports what is public when it is first asked for: `import kinesic` stays fast."""
+    """Import public names at first use, so that `import kinesic` stays fast."""
     if name in _MODULES:
         return import_at_once(f"kinesic.{name}")
     if name not in _PLACES:
         raise AttributeError(f"module kinesic has no attribute {name}")
-    module, own = _PLACES[name]
-    return getattr(import_at_once(module), own)
+    module, attribute = _PLACES[name]
+    return getattr(import_at_once(module), attribute)
 
 
 def __dir__() -> list[str]:

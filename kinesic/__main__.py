@@ -1,4 +1,4 @@
-"""`python -m kinesic` is the command line."""
+"""Command line entry point for `python -m kinesic`."""
 
 from kinesic.cli import main
 

@@ -1,4 +1,4 @@
-"""Child processes: how a server, a pool of workers and a window begin, watch and end theirs."""
+"""Child processes that end with their parent."""
 
 import gc
 import multiprocessing
@@ -7,9 +7,8 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from multiprocessing import forkserver, resource_tracker
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerContext, SpawnContext
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnContext
 from multiprocessing.process import current_process, parent_process
 from pathlib import Path
 from threading import Thread
@@ -17,92 +16,112 @@ from typing import TypeVarTuple
 
 from kinesic.heap import bound_heap
 
-SLOW = (  # to import: plans need the first three where times move, and the last where a word means no gesture
+if sys.platform != "win32":
+    from multiprocessing.connection import Connection
+    from multiprocessing.context import ForkServerContext
+
+    PipeEnd = Connection
+    ProcessContext = ForkServerContext | SpawnContext
+else:
+    from multiprocessing.connection import PipeConnection
+
+    PipeEnd = PipeConnection
+    ProcessContext = SpawnContext
+
+SLOW_IMPORTS = (  # preloaded: the first three are used to retime plans, the last one for unknown gesture names
     "scipy.interpolate",
     "scipy.optimize",
     "scipy.spatial.transform",
     "kinesic.expressivity.lexicon.read_ahead",
 )
 
-NAME_FILE = Path("/proc/self/comm")  # Linux only
-ORPHANED = 1  # the exit code of a child whose parent has gone
+PROCESS_NAME_FILE = Path("/proc/self/comm")  # file with the name of this process, on Linux only
+ORPHAN_EXIT_CODE = 1  # exit code of a child whose parent has ended
 
 Arguments = TypeVarTuple("Arguments")
 
 
 def has_private_forkserver() -> bool:
-    """Return True if only this user can reach the server of forks."""
-    # Python 3.11.0 lets all users connect to it, and have it run code (CVE-2022-42919).
+    """Return whether only this user can reach the fork server."""
+    # In Python 3.11.0 all users can connect to it and run code (CVE-2022-42919).
     return "forkserver" in multiprocessing.get_all_start_methods() and sys.version_info[:3] >= (3, 11, 1)
 
 
-def child_context(*preload: str) -> ForkServerContext | SpawnContext:
-    """Chooses how processes begin: as forks of a clean one where the system can, never of one with threads.
+def child_context(*preload: str) -> ProcessContext:
+    """Return a multiprocessing context that never forks a multi-threaded process.
+
+    It uses a fork server where available, else new processes.
 
     Args:
-        preload: modules that forks begin with, imported once; those that the first caller names hold for all.
+        preload: modules imported once by the fork server; only the first call of a program has an effect.
     """
-    if not has_private_forkserver():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["__main__", *preload, *SLOW])
-    return context
+    if sys.platform != "win32" and has_private_forkserver():
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(["__main__", *preload, *SLOW_IMPORTS])
+        return context
+    return multiprocessing.get_context("spawn")
 
 
 class Child:
-    """A process that does one thing, and ends at the latest with the one that began it.
+    """Child process that ends with its parent at the latest.
 
-    Ctrl-C in a terminal, its closing, and other signals to a whole group of processes are for that one alone.
+    Ctrl-C and other signals to the terminal's process group reach only the parent.
     """
 
     def __init__(
         self,
-        context: ForkServerContext | SpawnContext,
+        context: ProcessContext,
         work: Callable[[*Arguments], None],
         *arguments: *Arguments,
         name: str | None = None,
     ) -> None:
-        """Begins the process.
+        """Start the process.
 
         Args:
-            context: how processes begin, such as `child_context()`.
-            work: called in the process.
-            arguments: of the work, picklable. An end of a pipe belongs to the process from now on: it is closed here,
-                so that our end is told when the process dies.
-            name: in lists of processes.
+            context: multiprocessing context, such as `child_context()`.
+            work: function called in the process.
+            arguments: arguments of the function, picklable. A pipe end is closed in this process, so that the other end
+                is notified when the child dies.
+            name: name in process lists.
         """
         self._process = context.Process(target=_work_apart, args=(work, *arguments), name=name, daemon=True)
         _begin_forks(context)
         self._process.start()
         for argument in arguments:
-            if isinstance(argument, Connection):
+            if isinstance(argument, PipeEnd):
                 argument.close()
 
     @property
     def is_alive(self) -> bool:
-        """Whether it has not ended."""
+        """Whether the process has not ended."""
         return self._process.is_alive()
 
     def wait(self, seconds: float | None = None) -> int | None:
-        """Waits until it ends, or for some time [s]; its exit code, negative for a signal, and None while it lives."""
+        """Wait until the process ends, at most a time [s].
+
+        Returns:
+            The exit code, negative for a signal; None while the process runs.
+        """
         self._process.join(seconds)
         return self._process.exitcode
 
     def kill(self, *, wait: bool = True) -> None:
-        """Ends it at once.
+        """Kill the process.
 
         Args:
-            wait: until it has ended, which takes some milliseconds.
+            wait: whether to wait until it has ended, which takes some milliseconds.
         """
         self._process.kill()
         if wait:
             self._process.join()
 
 
-def _begin_forks(context: ForkServerContext | SpawnContext) -> None:
-    """Start the forkserver with Ctrl-C blocked, also during its imports."""
-    if isinstance(context, ForkServerContext):
-        resource_tracker.ensure_running()  # first: it unblocks the signal
+def _begin_forks(context: ProcessContext) -> None:
+    """Start the fork server with Ctrl-C blocked, also during its imports."""
+    if sys.platform != "win32" and isinstance(context, ForkServerContext):
+        from multiprocessing import forkserver, resource_tracker  # noqa: PLC0415 - Windows has none
+
+        resource_tracker.ensure_running()  # before blocking, because it unblocks the signal
         usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             forkserver.ensure_running()
@@ -111,23 +130,27 @@ def _begin_forks(context: ForkServerContext | SpawnContext) -> None:
 
 
 def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> None:
-    """Works in a group of its own, which no terminal signals, and ends with its parent whatever it is doing."""
-    os.setpgid(0, 0)
+    """Run the work in a separate process group.
+
+    Terminal signals do not reach this group. The process ends with its parent.
+    """
+    if sys.platform != "win32":
+        os.setpgid(0, 0)
     bound_heap()
-    gc.freeze()  # what was preloaded: marking it would copy every page that forks share
+    gc.freeze()  # otherwise a collection would copy the preloaded pages that forks share
     _show_name(current_process().name)
     Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
     work(*arguments)
 
 
 def _show_name(name: str) -> None:
-    """Show the name of this process in lists, such as `top`."""
-    with suppress(OSError):  # another system
-        NAME_FILE.write_text(name)
+    """Set the name of this process in process lists such as `top`."""
+    with suppress(OSError):  # not on Linux
+        PROCESS_NAME_FILE.write_text(name)
 
 
 def _end_with_parent() -> None:
     parent = parent_process()
     if parent is not None:
         wait([parent.sentinel])
-        os._exit(ORPHANED)  # not by an exception: the work is another thread's
+        os._exit(ORPHAN_EXIT_CODE)  # an exception would not end the work, which runs in another thread

@@ -1,4 +1,4 @@
-"""Return freed memory of long-lived processes to the system.
+"""Memory management of long-lived processes: return freed memory to the system.
 
 By default glibc raises its thresholds with the largest block that was ever freed, and gives every thread an arena. A
 server that has once read a document of 4 MB then never returns memory, and its heap grows by fragments.
@@ -13,24 +13,23 @@ from threading import Thread
 from time import sleep
 
 TRIM_THRESHOLD = -1  # M_TRIM_THRESHOLD of mallopt in <malloc.h>
-MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD
-ARENA_MAX = -8  # M_ARENA_MAX
-MAX_UNUSED_TOP = 1 << 20  # [bytes] free at the end of the heap before it is returned
-MIN_MAPPED_BLOCK = 1 << 16  # [bytes] from which a block is mapped alone, and returned when it is freed
-MAX_ARENAS = 2  # heaps that threads share
-TRIM_PERIOD = 10.0  # [s] between two returns of free pages amid the heap, which the thresholds leave
+MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD of mallopt in <malloc.h>
+ARENA_MAX = -8  # M_ARENA_MAX of mallopt in <malloc.h>
+MAX_UNUSED_TOP = 1 << 20  # [bytes] largest free memory at the heap end, above which it is returned
+MIN_MAPPED_BLOCK = 1 << 17  # [bytes] smallest block that is mapped separately and returned when freed
+MAX_ARENAS = 2  # largest number of heaps, which all threads share
+TRIM_PERIOD = 10.0  # [s] time between two returns of free pages within the heap
 
 
 def bound_heap() -> None:
     """Make glibc return freed memory to the system."""
-    if not sys.platform.startswith("linux"):
-        return
-    with suppress(AttributeError, OSError):  # another C library
-        configure = ctypes.CDLL(None).mallopt
-        configure(ARENA_MAX, MAX_ARENAS)
-        configure(MMAP_THRESHOLD, MIN_MAPPED_BLOCK)
-        configure(TRIM_THRESHOLD, MAX_UNUSED_TOP)
-        _start_trimming()
+    if sys.platform == "linux":
+        with suppress(AttributeError, OSError):  # another C library
+            configure = ctypes.CDLL(None).mallopt
+            configure(ARENA_MAX, MAX_ARENAS)
+            configure(MMAP_THRESHOLD, MIN_MAPPED_BLOCK)
+            configure(TRIM_THRESHOLD, MAX_UNUSED_TOP)
+            _start_trimming()
 
 
 @cache  # one thread in each process
@@ -40,7 +39,7 @@ def _start_trimming() -> None:
 
 
 def _trim_periodically(trim: Callable[[int], int]) -> None:
-    """Return free pages amid the heap to the system, again and again."""
+    """Return free pages within the heap to the system periodically."""
     while True:
         sleep(TRIM_PERIOD)
         trim(0)  # takes a tenth of a millisecond, without the interpreter's lock

@@ -1,39 +1,37 @@
-"""The front door: `Performer` plans documents for a robot in a style, performs and reports them."""
+"""Main interface for Python programs: plan, perform and report documents."""
 
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Unpack, get_args
 
-from kinesic.bml.block import BmlError
-from kinesic.body.choices import Terms
+from kinesic.body.choices import InvertedTerms
 from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
-from kinesic.controller.documents import read_block
+from kinesic.controller.dry_run import dry_run, dry_runs
 from kinesic.controller.feedforward import FeedForward
-from kinesic.controller.options import LIVELY, PlanningOptions
-from kinesic.controller.perform import dry_runs, set_up
-from kinesic.controller.perform import perform as perform_text
-from kinesic.controller.play import command_times, commands, play_together
+from kinesic.controller.play import commands, play_together
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.bap import SUFFIX, read_bap
-from kinesic.planning.face_track import faces
-from kinesic.planning.imported_motion import plan_imported
-from kinesic.planning.plan import Plan, plan_block
+from kinesic.host import SERVO_DRIVER
+from kinesic.planning.face_track import compute_faces
+from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.sim.servo_factors import NOMINAL, TWINS, Factors, TwinName
+from kinesic.session.options import INTERACTIVE_DEFAULTS, PlanningOptions
+from kinesic.session.plan import DocumentSource, plan, plan_document
+from kinesic.session.setup import set_up
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, TWIN_FACTORS, Factors, TwinName
 
 if TYPE_CHECKING:
-    from kinesic.controller.servo_performance import ServoRun
+    from kinesic.metrics.servo_run import ServoRun
     from kinesic.report.run import Performance
 
-DocumentSource = str | bytes | Path  # a path, or BML text
 On = Literal["twin", "servos"]
 
 
 class Performer:
-    """A robot in a style: plans documents, performs them, and reports.
+    """Robot with a style that plans, performs and reports documents.
 
     Example:
         ```python
@@ -43,7 +41,7 @@ class Performer:
         ```
 
     Attributes:
-        setup: everything that planning knows beside the documents.
+        setup: robot, style and all other inputs of planning except documents.
     """
 
     def __init__(
@@ -53,47 +51,47 @@ class Performer:
         style: Style | str | Path = "neutral",
         **options: Unpack[PlanningOptions],
     ) -> None:
-        """Loads robot and manner.
+        """Load a robot and a style.
 
         Args:
-            robot: its name, or its TOML file.
-            style: its name, or its TOML file.
-            options: settings, lexicon, dialect, gather, idle, variation, seed, voice, pause, targets, character; what
-                each says stands in `kinesic.controller.options.PlanningOptions`. Unless told otherwise, it idles, and
-                gestures vary.
+            robot: name of the robot, or path of its TOML file.
+            style: name of the style, or path of its TOML file.
+            options: settings, lexicon, dialect, gather, idle, variation, seed, voice, pause, targets, character; see
+                `kinesic.session.options.PlanningOptions`. By default, the robot idles and gestures vary.
 
         Raises:
-            ConfigError: something is missing or wrong; says what would have worked.
-            TypeError: there is no such option.
+            ConfigError: a file is missing or a value is invalid; the message names valid values.
+            TypeError: an option is unknown.
         """
-        self.setup = set_up(robot, style=style, **(LIVELY | options))
+        self.setup = set_up(robot, style=style, **(INTERACTIVE_DEFAULTS | options))
 
     @property
     def robot(self) -> Robot:
-        """The robot that performs."""
+        """Robot that performs."""
         return self.setup.robot
 
     @property
     def style(self) -> Style:
-        """The style in which it performs."""
+        """Style of the performance."""
         return self.setup.style
 
+    @property
+    def lexicon(self) -> Lexicon:
+        """Gestures of the performance: `performer.lexicon.find("wave")`."""
+        return self.setup.lexicon
+
     def plan(self, document: DocumentSource, *, source: str | None = None) -> Plan:
-        """Plans a document; nothing moves.
+        """Plan a document without moving.
 
         Args:
-            document: a path (BML, or a .bap motion), or BML text.
-            source: its name in messages and reports; the path, where it is one.
+            document: path (BML, or a .bap motion), name of a built-in document, or BML text.
+            source: name in messages and reports; default is the path.
 
         Raises:
-            BmlError: the document is refused, or there is no such file.
-            ConfigError: a motion's file is wrong.
+            BmlError: the document is refused, or the file does not exist.
+            ConfigError: the motion file is invalid.
         """
-        text, name = _read(document)
-        name = source or name
-        if text is None:
-            return plan_imported(read_bap(Path(str(document)), self.robot), self.setup, source=name)
-        return plan_block(read_block(text, self.setup, source=name), self.setup)
+        return plan_document(document, self.setup, source=source)
 
     def perform(
         self,
@@ -103,62 +101,66 @@ class Performer:
         ports: Mapping[str, str | Path] | None = None,
         sinks: Sequence[Sink] = (),
         twin: TwinName | Factors = "nominal",
-        feedforward: Terms = "full",
+        feedforward: InvertedTerms = "full",
         correction: bool = True,
         believed: Factors | None = None,
     ) -> "Performance":
-        """Performs in the twin; then in sinks of one's own, and on the servos, if they are requested.
+        """Perform a plan in the twin, on custom sinks and on servos.
 
-        Servos move only where no check of the twin has failed (`run.servos` is None otherwise). Ctrl-C folds them to
-        rest.
+        Servos move only if all checks of the twin passed; otherwise `run.servos` is None. Ctrl-C folds them to rest.
 
         Args:
-            plan: or a document, which is planned first.
-            on: whether servos perform too.
-            ports: path of the device by the name of each bus of the robot, for servos.
-            sinks: each gets every command, as fast as it takes them, and is closed at the end.
-            twin: how far the twin is from the robot's description.
-            feedforward: what of the servos' model is inverted, for the twin and sinks; servos are led with "full".
-            correction: whether goals in the twin are corrected by what it measures.
-            believed: how the servos are believed to be, by which goals lead; None: as the twin's where its factors are
-                given, as this very robot's, else as data sheets say.
+            plan: plan, or a document that is planned first.
+            on: "servos" to perform on the servos, too.
+            ports: device path of each bus of the robot by name, for servos.
+            sinks: additional sinks; each receives every command as fast as it accepts them and is closed at the end.
+            twin: deviations of the twin from the robot's description.
+            feedforward: terms of the inverse servo model, for the twin and sinks; servos need "full".
+            correction: whether setpoints of the twin are corrected by its measured tracking errors.
+            believed: estimated servo parameters for the feed-forward. Default are the twin's own if its factors are
+                given, else those of the data sheets.
 
         Raises:
             BmlError: the document is refused.
-            BusError: a port or a servo is missing or wrong; nothing has moved.
-            ConfigError: there is no such way to perform.
-            TypeError: a sink cannot `write` or `close`.
+            BusError: a port or servo is missing or wrong; nothing has moved.
+            ConfigError: an option is invalid.
+            TypeError: a sink has no `write` or `close` method.
         """
-        from kinesic.report.run import performance_of  # noqa: PLC0415 - who only plans starts sooner
+        from kinesic.report.run import performance_of  # noqa: PLC0415 - faster start without performing
 
-        _check_way(on, twin, sinks)
+        _check_options(on, twin, sinks)
         if on == "servos" and feedforward != "full":
             raise ConfigError(
                 f"feedforward is {feedforward!r}: servos are led with 'full' alone, as their dry run is then"
             )
         planned = plan if isinstance(plan, Plan) else self.plan(plan)
         if on == "servos":
+            SERVO_DRIVER.require()
             _check_ports(planned.setup.robot, ports or {})
-        factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
+        factors = (twin,) if isinstance(twin, Factors) else TWIN_FACTORS[twin]
         if believed is None:
-            believed = twin if isinstance(twin, Factors) else NOMINAL
-        found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction, believed=believed)
-        run = performance_of(found, beside=tuple(beside), seed=planned.setup.idling.seed)
+            believed = twin if isinstance(twin, Factors) else NOMINAL_FACTORS
+        first_run, *other_runs = dry_runs(
+            planned, factors, feedforward=feedforward, correction=correction, believed=believed
+        )
+        run = performance_of(first_run, beside=tuple(other_runs), seed=planned.setup.idling.seed)
         if sinks:
             _play(planned, sinks, believed, feedforward)
         if on == "servos" and run.ok:
             live = _perform_on_servos(run, ports or {})
-            run = performance_of(found, beside=tuple(beside), seed=planned.setup.idling.seed, servos=live)
+            run = performance_of(first_run, beside=tuple(other_runs), seed=planned.setup.idling.seed, servos=live)
         return run
 
     def report(
         self, done: "Performance | Plan | DocumentSource", folder: str | Path, *, film: bool = True
     ) -> "Performance":
-        """Writes the report of a performance; what is not performed yet is performed in the twin first.
+        """Write the report of a performance.
+
+        Perform it in the twin first if needed.
 
         Raises:
             BmlError: the document is refused.
-            ConfigError: something else than a report is in the folder.
+            ConfigError: the folder contains other files than a report.
         """
         run = self.perform(done) if isinstance(done, Plan | str | bytes | Path) else done
         run.report(folder, film=film)
@@ -170,48 +172,30 @@ class Performer:
 
 def perform(
     text: str | bytes,
-    known: Setup | None = None,
+    setup: Setup | None = None,
     *,
     source: str = "<text>",
-    twin: Factors = NOMINAL,
-    feedforward: Terms = "full",
+    twin: Factors = NOMINAL_FACTORS,
+    feedforward: InvertedTerms = "full",
     correction: bool = True,
 ) -> "Performance":
-    """Plans a BML document and performs it in the twin.
+    """Plan a BML document and perform it in the twin.
 
     Raises:
         BmlError: the document is refused.
     """
     from kinesic.report.run import performance_of  # noqa: PLC0415 - as above
 
-    run = perform_text(text, known, source=source, twin=twin, feedforward=feedforward, correction=correction)
+    planned = plan(text, setup, source=source)
+    run = dry_run(planned, twin=twin, feedforward=feedforward, correction=correction)
     return performance_of(run, seed=run.plan.setup.idling.seed)
 
 
-def _read(document: DocumentSource) -> tuple[str | bytes | None, str]:
-    """Reads text and name of a document; no text of a motion.
-
-    Raises:
-        BmlError: there is no such file, or it cannot be read.
-    """
-    if isinstance(document, bytes) or (isinstance(document, str) and document.lstrip("\ufeff \t\r\n")[:1] in "<{["):
-        return document, "<text>"
-    path = Path(document)
-    if path.suffix.lower() == SUFFIX:
-        return None, str(path)
-    try:
-        return path.read_bytes(), str(path)
-    except OSError as error:
-        raise BmlError(f"{path}: {error.strerror}; give a path, or BML text that begins with <") from None
-    except ValueError as error:
-        raise BmlError(f"{str(path)!r}: {error}; give a path, or BML text that begins with <") from None
-
-
-def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
+def _check_options(on: str, twin: object, sinks: Sequence[object]) -> None:
     if on not in get_args(On):
         raise ConfigError(f"on is {on!r}{suggestion(on, get_args(On))}")
-    if not isinstance(twin, Factors) and twin not in TWINS:
-        raise ConfigError(f"twin is {twin!r}{suggestion(str(twin), list(TWINS))}")
+    if not isinstance(twin, Factors) and twin not in TWIN_FACTORS:
+        raise ConfigError(f"twin is {twin!r}{suggestion(str(twin), list(TWIN_FACTORS))}")
     for sink in sinks:
         missing = [name for name in ("write", "close") if not callable(getattr(sink, name, None))]
         if missing:
@@ -219,31 +203,36 @@ def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
 
 
 def _check_ports(robot: Robot, ports: Mapping[str, str | Path]) -> None:
-    from kinesic.hardware.servos import check_ports  # noqa: PLC0415 - who has no servos starts sooner
+    from kinesic.hardware.servos import check_ports  # noqa: PLC0415 - faster start without servos
     from kinesic.hardware.supervisor.manifest import Manifest  # noqa: PLC0415
 
     check_ports(robot, Manifest.of(robot), ports)
 
 
 def _perform_on_servos(run: "Performance", ports: Mapping[str, str | Path]) -> "ServoRun":
-    """Performs on the servos what the twin has performed, with its voice; Ctrl-C ends it."""
-    from kinesic.controller.servo_performance import interrupted, perform_live  # noqa: PLC0415 - as above
+    """Repeat a twin performance on the servos with its speech.
+
+    Ctrl-C ends it.
+    """
+    from kinesic.controller.servo_performance import catch_interrupts, perform_live  # noqa: PLC0415 - as above
     from kinesic.controller.soundtrack import speak_along  # noqa: PLC0415
     from kinesic.hardware.servos import Servos  # noqa: PLC0415
 
-    with speak_along(run.plan, _warn) as said:
+    with speak_along(run.plan, _warn) as playback:
         servos = Servos(run.plan.setup.robot, ports)
-        with interrupted() as stopped:
-            return perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=said)
+        with catch_interrupts() as stopped:
+            return perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=playback)
 
 
-def _play(plan: Plan, sinks: Sequence[Sink], believed: Factors, terms: Terms) -> None:
-    """Hands every command of a plan, with the face, to all sinks."""
-    times, known = command_times(plan.duration), plan.setup
-    setpoints = FeedForward.of(known.robot, known.dynamics, believed, terms=terms).lead(plan.trajectory, times)
-    stream = commands(plan.trajectory, times, setpoints, faces(plan, times))
+def _play(plan: Plan, sinks: Sequence[Sink], believed: Factors, terms: InvertedTerms) -> None:
+    """Send all commands of a plan with the face to all sinks."""
+    times, setup = plan.command_times, plan.setup
+    setpoints = FeedForward.of(setup.robot, setup.dynamics, believed, terms=terms).compute_setpoints(
+        plan.trajectory, times
+    )
+    stream = commands(plan.trajectory, times, setpoints, compute_faces(plan, times))
     play_together(((command,) * len(sinks) for command in stream), sinks)
 
 
 def _warn(line: str) -> None:
-    warnings.warn(line, stacklevel=8)  # of who called `perform`
+    warnings.warn(line, stacklevel=8)  # location of the call of `perform`

@@ -1,10 +1,13 @@
-"""The version of the package, as its metadata has it: `pyproject.toml` alone says what it is."""
+"""Version of the package, read from its metadata.
+
+It is defined in `pyproject.toml` only.
+"""
 
 from importlib.metadata import PackageNotFoundError, version
 
 
 def _installed() -> str:
-    """The version that is installed; a source tree that nobody has installed has none."""
+    """Return the installed version, or "not installed" in a bare source tree."""
     try:
         return version("kinesic")
     except PackageNotFoundError:
