@@ -39,7 +39,7 @@ class Sandbox:
         """Copies what tests need of a tree."""
         for name in ("kinesic", "tests", "docs", "examples"):
             shutil.copytree(tree / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile"):
+        for name in ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "mkdocs.yml"):
             shutil.copy(tree / name, root / name)
         for name in ("kinesic", "tests"):
             compileall.compile_dir(root / name, quiet=1)  # once, so that no trial has to

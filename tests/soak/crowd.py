@@ -46,7 +46,7 @@ BEHAVIOURS = (
 QUESTIONS: tuple[tuple[str, dict[str, object]], ...] = (
     ("plan", {"bml": '<bml id="asked"><gesture id="g" lexeme="BEAT" start="0"/></bml>'}),
     ("reach", {"side": "right", "target": [0.05, 0.25, 0.3]}),
-    ("gesture", {"toml": flood.GESTURE % 0.3}),
+    ("gesture", {"toml": flood.GESTURE_TEMPLATE % 0.3}),
     ("export", {"format": "csv", "bml": '<bml id="asked"><head id="h" lexeme="NOD" start="0"/></bml>'}),
 )
 FAULTS = ("duplicate", "lost", "no end", "disorder", "early")  # words of the journal
@@ -162,7 +162,7 @@ def crowd(server: Server, seconds: float) -> Report:
 
 def _annoy(port: int, done: Event) -> None:
     """Flood the server periodically, and leave connections unfinished meanwhile."""
-    kinds = [kind for kind in flood.FLOODS if kind != "blocks"]
+    kinds = [kind for kind in flood.FLOOD_FUNCTIONS if kind != "blocks"]
     number = 0
     while not done.wait(FLOOD_PERIOD / 2):
         for _ in range(20):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
 
-from kinesic.bench.bml.server import _family
+from kinesic.bench.bml.server import _list_process_tree
 
 SETTLED = 300.0  # [s] in which every process is begun and every kind of request and flood comes
 WINDOW = 0.2  # share of the settled time, at its beginning and at its end
@@ -90,7 +90,7 @@ def _change(sizes: tuple[float, float]) -> str:
 
 def _sizes(server: int) -> Iterator[ProcessSize]:
     """Yield the memory of a server and all its descendants."""
-    for pid in _family(server):
+    for pid in _list_process_tree(server):
         with suppress(OSError):  # it ends just now
             rollup = Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines()[1:]
             held = {line.split()[0].rstrip(":"): 1024 * int(line.split()[1]) for line in rollup}

@@ -8,8 +8,10 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
-from kinesic.controller.perform import perform, set_up
+from kinesic.controller.dry_run import dry_run
 from kinesic.report.checks import checks
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.sim.importer.convert import import_humanoid
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
@@ -51,7 +53,7 @@ pytestmark = pytest.mark.soak
 
 
 @pytest.mark.parametrize(("wheel", "stem"), [(wheel, stem) for wheel, stems in MODELS.items() for stem in stems])
-def test_ten_blocks(wheel, stem, tmp_path):
+def test_imported_foreign_robots_perform_ten_blocks(wheel, stem, tmp_path):
     try:
         named = [file for file in files(wheel) or () if Path(file).name.startswith(stem)]
     except PackageNotFoundError:
@@ -64,7 +66,7 @@ def test_ten_blocks(wheel, stem, tmp_path):
     known = set_up(Robot.load(target))
     kept = 0
     for block in BLOCKS:
-        performance = perform(ROOT.format(block), known)
+        performance = dry_run(plan(ROOT.format(block), known))
         assert [check for check in checks(performance) if check.status == "fail"] == []
         outcomes = performance.plan.keyframes.outcomes.values()
         assert all(outcome.why for outcome in outcomes if outcome.kind != "realised")

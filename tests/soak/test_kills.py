@@ -15,13 +15,13 @@ COUNT, EVERY = 600, 4.0  # [s] between two kills
 MOST = 300.0  # [MB] of who called
 
 
-def test_processes_lose_and_double_nothing(tmp_path):
+def test_killed_processes_lose_and_repeat_no_result(tmp_path):
     outcome = perform_under_fire(Processes(2), COUNT, EVERY, tmp_path)
     assert outcome.is_good, outcome
     assert outcome.kills
 
 
-def test_workers_of_dask_lose_and_double_nothing(tmp_path):
+def test_killed_dask_workers_lose_and_repeat_no_result(tmp_path):
     pytest.importorskip("distributed", reason="the extra cluster is not installed")
     with cluster("local:2") as engine:
         outcome = perform_under_fire(engine, COUNT, EVERY, tmp_path)

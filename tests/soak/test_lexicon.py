@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.expressivity.lexicon import every, play_gestures
+from kinesic.bench.expressivity.lexicon import list_tasks, play_gestures
 from kinesic.body.config import names_of
-from kinesic.controller.perform import set_up
+from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
 pytestmark = pytest.mark.soak
 
 
-def test_all_gestures_in_all_styles_keep_limits_and_distances_and_tell_what_moves():
-    results = list(play_gestures(every(names_of("style"))))
+def test_all_gestures_in_all_styles_keep_limits_and_clearance_and_report_moved_times():
+    results = list(play_gestures(list_tasks(names_of("style"))))
     assert [result for result in results if result.penetrations or result.violations] == []
     assert [result for result in results if result.dropped or not result.reported] == []
     assert [result for result in results if result.style == "neutral" and not result.on_time] == []

@@ -5,19 +5,19 @@ import random
 import numpy as np
 import pytest
 
-from kinesic.bench.bml.merging import CUTS, replace_at_random
+from kinesic.bench.bml.merging import REPLACEMENT_COUNT, replace_at_random
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import stay
-from kinesic.motion.transition import knot_at, lengthen
-from kinesic.planning.certify import duties
+from kinesic.motion.transition import extend_controls, knot_at
+from kinesic.planning.certify import compute_peak_duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
-from kinesic.realizer.occupancy import freed_hinges, still_occupied
+from kinesic.realizer.occupancy import freed_hinges, remaining_occupancy
 from kinesic.realizer.release import release_motion
+from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
@@ -54,19 +54,19 @@ def random_block(chance: random.Random, lexemes: list[str]) -> str:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_an_endless_stream_of_blocks(seed, known):
+def test_merged_stream_of_blocks_keeps_limits_and_clearance(seed, known):
     chance = random.Random(seed)
     lexemes = [form.id for form in known.lexicon.forms]
     planner = plan_quickly if seed % 2 else plan_block
     pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCKS)]
     motion, now, playing = stay(known.robot.skeleton.rest), 0.0, []
-    least = known.robot.least_clearance + LAG_RESERVE
+    least = known.robot.min_clearance + LAG_RESERVE
     for step in range(STEPS):
         now += chance.expovariate(1 / 0.6)
         motion = motion.since(now - PAST)
         playing = [each.since(now - PAST) for each in playing]
-        playing = [each for each in playing if any(need.end > now or need.stays for need in each.occupancy)]
-        needs = still_occupied((need for each in playing for need in each.occupancy), now)
+        playing = [each for each in playing if any(need.end > now or need.is_held for need in each.occupancy)]
+        needs = remaining_occupancy((need for each in playing for need in each.occupancy), now)
         deed = chance.random()
         if deed < 0.85:
             found = merge(motion, now, chance.choice(pool), begin=now, occupied=needs)
@@ -84,18 +84,18 @@ def test_an_endless_stream_of_blocks(seed, known):
         else:
             continue
         count = knot_at(now - motion.start) + 3
-        same = [lengthen(each.controls, count)[:count] for each in (motion, after)]
+        same = [extend_controls(each.controls, count)[:count] for each in (motion, after)]
         np.testing.assert_allclose(*same, atol=1e-8, err_msg=f"step {step}")
-        for name, peak in check_limits(after, known.limits).shares.items():
+        for name, peak in check_limits(after, known.limits).by_quantity.items():
             assert peak.ratios.max() <= 1.001, (step, name)
-        assert duties(after, known).max() <= 1.0, step
+        assert compute_peak_duties(after, known).max() <= 1.0, step
         assert scan_clearance(after, known.distances)[1].distances.min() >= least - 1e-4, step
         assert len(after.controls) < 2500, step
         motion = after
 
 
-def test_every_cut_keeps_every_limit(known):
-    found = replace_at_random(known, CUTS, seed=1)
+def test_motion_replaced_at_random_times_keeps_every_limit_and_no_collision(known):
+    found = replace_at_random(known, REPLACEMENT_COUNT, seed=1)
     worst = max(found, key=lambda cut: cut.ratio)
     assert worst.ratio <= 1.001, worst
     assert max(cut.step for cut in found) <= 1e-8

@@ -26,7 +26,7 @@ def suffer(made: Drill, strike: Strike) -> None:
 
 @pytest.mark.parametrize("seed", range(200))
 @pytest.mark.parametrize("servos", KINDS)
-def test_no_rule_is_broken(servos: str, tmp_path: Path, seed: int):
+def test_random_servo_faults_break_no_safety_rule(servos: str, tmp_path: Path, seed: int):
     made = drill(servos, tmp_path)
     made.raise_arms()
     suffer(made, random_strike(servos, seed))
@@ -35,7 +35,7 @@ def test_no_rule_is_broken(servos: str, tmp_path: Path, seed: int):
 @pytest.mark.parametrize("seconds", OUTAGES)
 @pytest.mark.parametrize("kind", ["silent", "all silent", "lost", "unplug"])
 @pytest.mark.parametrize("servos", KINDS)
-def test_nobody_is_called_stuck_for_an_outage_in_any_posture(servos: str, tmp_path: Path, kind: str, seconds: float):
+def test_bus_outage_is_never_reported_as_a_stuck_servo(servos: str, tmp_path: Path, kind: str, seconds: float):
     made = drill(servos, tmp_path)
     made.raise_arms(RAISED * Random(f"{kind} {seconds}").uniform(0.0, 1.3))
     fault = PlannedFault(kind.removeprefix("all "), (3,) if kind == "silent" else (), seconds=seconds)

@@ -10,14 +10,14 @@ import sys
 
 import pytest
 
-from kinesic.bench.blocks import corpus_folder
-from kinesic.bench.bml.emergency_stop import IDLE, measure_stops, stop_figures, watched_server
-from kinesic.bench.bml.flood import FLOODS
-from kinesic.bench.bml.server import FLAT, endurance, open_server
+from kinesic.bench.blocks import find_corpus
+from kinesic.bench.bml.emergency_stop import NO_FLOOD, measure_stops, stop_metrics, watched_server
+from kinesic.bench.bml.flood import FLOOD_FUNCTIONS
+from kinesic.bench.bml.server import MAX_MEMORY_GROWTH, open_server, run_endurance
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
 from kinesic.report.batch import documents
-from kinesic.serve.wire.quotas import USUAL
+from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 from ..serve.mutations import mutate
 from .crowd import crowd
@@ -32,14 +32,14 @@ STOPS, LOAD = 200, 4.0
 pytestmark = pytest.mark.soak
 
 
-def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
+def test_ten_blocks_a_second_for_ten_minutes_lose_no_block_with_constant_memory():
     with open_server() as server:
-        lasting = endurance(server, 60.0 * MINUTES)
+        lasting = run_endurance(server, 60.0 * MINUTES)
     assert lasting.lost == 0, lasting
-    assert lasting.growth is None or lasting.growth <= FLAT, lasting
+    assert lasting.growth is None or lasting.growth <= MAX_MEMORY_GROWTH, lasting
 
 
-def test_six_clients_are_told_everything_once_and_in_order_while_memory_stays():
+def test_six_clients_get_all_feedback_once_in_order_with_constant_memory():
     duration = 60.0 * float(os.environ.get("KINESIC_SOAK_MINUTES", CROWD_MINUTES))
     with open_server() as server:
         report = crowd(server, duration)
@@ -52,18 +52,18 @@ def test_six_clients_are_told_everything_once_and_in_order_while_memory_stays():
         assert after - before <= MAX_GROWTH / 100.0 * total[0], "\n".join(report.memory.lines(*window))
 
 
-@pytest.mark.parametrize("name", [IDLE, *FLOODS])
-def test_two_hundred_emergency_stops_are_in_time_under_each_flood(name):
+@pytest.mark.parametrize("name", [NO_FLOOD, *FLOOD_FUNCTIONS])
+def test_emergency_stops_are_in_time_under_each_network_flood(name):
     if (load := os.getloadavg()[0]) > LOAD:
         pytest.skip(f"the load is {load:.1f}, stops are promised up to {LOAD:g}")
     with watched_server() as server:
-        acknowledged, still = stop_figures(name, measure_stops(server, name, STOPS))
+        acknowledged, still = stop_metrics(name, measure_stops(server, name, STOPS))
     assert acknowledged.ok, acknowledged
     assert still.ok, still
 
 
-def test_mutated_documents_neither_crash_nor_stall_it():
-    where = corpus_folder()
+def test_mutated_documents_neither_crash_nor_stall_the_server():
+    where = find_corpus()
     files = sorted((CONFIGS / "bml").glob("*.bml")) if where is None else documents((where,))
     chance = random.Random(7)
     texts = [file.read_bytes()[:6000] for file in files]
@@ -71,7 +71,7 @@ def test_mutated_documents_neither_crash_nor_stall_it():
     with open_server(*patient) as server, Client(port=server.port) as client:
         for seed in range(DOCUMENTS):
             text = mutate(chance.choice(texts), seed).replace(b"\0", b" ")
-            if len(text) > USUAL.message:
+            if len(text) > DEFAULT_QUOTAS.message:
                 _sent_home(server.port, text)
             else:
                 client.send_bytes(text)
@@ -87,7 +87,7 @@ def test_mutated_documents_neither_crash_nor_stall_it():
     assert re.search(r'id="sane:end"', messages[-1])
 
 
-def test_servos_on_a_wire_perform_stop_and_fold(tmp_path):
+def test_server_on_simulated_servos_performs_and_folds_the_arms_on_ctrl_c(tmp_path):
     simulate = [sys.executable, "-m", "kinesic", "servos", "simulate", "--folder", str(tmp_path)]
     with subprocess.Popen(simulate, stdout=subprocess.PIPE, text=True) as servos:
         try:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.controller.perform import set_up
 from kinesic.report.batch import documents, validate_documents
-from kinesic.tasks.engine import engine_in_use
+from kinesic.session.setup import set_up
+from kinesic.tasks.engine import current_engine
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 
@@ -20,9 +20,9 @@ pytestmark = [
 @pytest.mark.parametrize(
     "folder", ["greta/bml", "greta/fml", "greta/malformed", "openbmlparser", "realizertester", "asap"]
 )
-def test_performed_or_refused_with_a_place(folder):
+def test_corpus_documents_are_performed_or_refused_with_a_location(folder):
     files = documents((CORPUS / folder,))
-    verdicts = list(validate_documents(files, set_up, engine=engine_in_use()))
+    verdicts = list(validate_documents(files, set_up, engine=current_engine()))
     assert len(verdicts) == len(files)
     assert [verdict.file for verdict in verdicts if verdict.exit] == []
     for verdict in verdicts:
@@ -30,7 +30,7 @@ def test_performed_or_refused_with_a_place(folder):
 
 
 def test_gestures_heads_and_gazes_of_greta_are_performed():
-    verdicts = validate_documents(documents((CORPUS / "greta" / "bml",)), set_up, engine=engine_in_use())
+    verdicts = validate_documents(documents((CORPUS / "greta" / "bml",)), set_up, engine=current_engine())
     outcomes = [
         o for verdict in verdicts for kind, o in verdict.behaviours if kind in ("gesture", "head", "gaze", "gazeShift")
     ]

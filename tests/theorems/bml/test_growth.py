@@ -1,4 +1,4 @@
-"""Twice as much of a document takes about twice as long to be read, whoever wrote it."""
+"""The time to read a document grows linearly with its length."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -9,9 +9,9 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.realizer.request import block_id
 
-from ...growth import STRAIGHT, growth
+from ...growth import LINEAR_GROWTH_LIMIT, growth
 
-INSIDE: dict[str, Callable[[int], str]] = {
+BLOCK_CONTENTS: dict[str, Callable[[int], str]] = {
     "blanks in a reference": lambda n: f'<head id="h" lexeme="NOD" start="a{n * " "}-b"/>',
     "blanks behind a sign": lambda n: f'<head id="h" lexeme="NOD" start="a +{n * " "}b"/>',
     "digits of a time": lambda n: f'<head id="h" lexeme="NOD" start="{n * "1"}x"/>',
@@ -20,7 +20,7 @@ INSIDE: dict[str, Callable[[int], str]] = {
     "digits of a break": lambda n: f'<speech id="s"><text>a <break time="{n * "1"}x"/></text></speech>',
     "letters of a lexeme": lambda n: f'<gesture id="g" lexeme="{n * "aB1_"}"/>',
 }
-MOST = 2**19  # letters: more are refused
+MAX_LENGTH = 2**19  # Longest accepted document [characters]
 
 
 def read(text: str) -> None:
@@ -28,28 +28,31 @@ def read(text: str) -> None:
         parse(text)
 
 
-@pytest.mark.parametrize("name", INSIDE)
-def test_what_a_block_says(name: str) -> None:
-    assert growth(read, lambda size: f'<bml id="b">{INSIDE[name](size)}</bml>', most=MOST) < STRAIGHT
+@pytest.mark.parametrize("name", BLOCK_CONTENTS)
+def test_parsing_time_grows_at_most_linearly_with_block_length(name: str) -> None:
+    assert (
+        growth(read, lambda size: f'<bml id="b">{BLOCK_CONTENTS[name](size)}</bml>', most=MAX_LENGTH)
+        < LINEAR_GROWTH_LIMIT
+    )
 
 
-def test_breaks_among_marks() -> None:
+def test_time_to_parse_breaks_and_marks_is_linear() -> None:
     def document(count: int) -> str:
         words = "".join(f'word <sync id="m{k}"/><break time="1ms"/> ' for k in range(count))
         return f'<bml id="b"><speech id="s"><text>{words}</text></speech></bml>'
 
-    assert growth(read, document, most=4000) < STRAIGHT
+    assert growth(read, document, most=4000) < LINEAR_GROWTH_LIMIT
 
 
 @pytest.mark.parametrize("inside", ["{}!", "a{}!", "a({}!"])
-def test_how_a_block_meets_others(inside: str) -> None:
+def test_parsing_time_grows_at_most_linearly_with_composition_length(inside: str) -> None:
     def document(size: int) -> str:
         return f'<bml id="b" composition="{inside.format(size * " ")}"/>'
 
-    assert growth(read, document, most=MOST) < STRAIGHT
+    assert growth(read, document, most=MAX_LENGTH) < LINEAR_GROWTH_LIMIT
 
 
 @pytest.mark.parametrize("piece", ["<bml ", "<bml id", " id=", "<", "<a"])
-def test_its_id(piece: str) -> None:
-    assert growth(block_id, lambda size: f"<bml {size * piece}", most=MOST) < STRAIGHT
-    assert growth(block_id, lambda size: size * piece, most=MOST) < STRAIGHT
+def test_time_to_find_the_block_id_is_linear(piece: str) -> None:
+    assert growth(block_id, lambda size: f"<bml {size * piece}", most=MAX_LENGTH) < LINEAR_GROWTH_LIMIT
+    assert growth(block_id, lambda size: size * piece, most=MAX_LENGTH) < LINEAR_GROWTH_LIMIT

@@ -1,4 +1,4 @@
-"""What holds for every block: equalities, order within a behaviour, and that names and the origin of time are free."""
+"""Schedules are exact, ordered and independent of names and time origin."""
 
 import os
 from collections.abc import Mapping
@@ -12,23 +12,23 @@ from hypothesis import strategies as st
 from kinesic.bml.block import Behaviour, Block, Precedence, Speech, Synchronize, SyncRef, Timeline
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
-from kinesic.bml.timing.constraints import point_of, ties
+from kinesic.bml.timing.constraints import find_equalities, get_point
 from kinesic.body.utterance import Utterance
 
 from ...examples import examples
 from ...naming import about
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
-REFUSED = ("testinvalidxml.xml", "testspeech_unknownbehavior.xml")
-FILES = sorted(
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+REFUSED_FILES = ("testinvalidxml.xml", "testspeech_unknownbehavior.xml")
+CORPUS_FILES = sorted(
     path
     for folder in ("greta/bml", "openbmlparser", "asap")
-    for path in (CORPUS / folder).rglob("*.xml")
-    if path.name not in REFUSED
+    for path in (CORPUS_FOLDER / folder).rglob("*.xml")
+    if path.name not in REFUSED_FILES
 )
 SECONDS_PER_LETTER = 0.1
-EXACT = 1e-9  # [s]
-POINTS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
+TIME_TOLERANCE = 1e-9  # [s]
+SYNC_POINTS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 
 
 def _spoken(block: Block) -> dict[str, Utterance]:
@@ -55,7 +55,7 @@ offsets = st.integers(-8, 8).map(lambda quarter: quarter / 4)
 
 @st.composite
 def documents(draw: st.DrawFn) -> str:
-    """Small blocks of speeches and gestures that refer to one another, to the block and in constraints."""
+    """Draw small blocks of speeches and gestures that refer to each other."""
     count = draw(st.integers(1, 5))
     names = [f"x{i}" for i in range(count)]
 
@@ -64,7 +64,7 @@ def documents(draw: st.DrawFn) -> str:
         offset = draw(offsets)
         if kind == 0:
             return str(20 + 4 * offset)
-        point = draw(st.sampled_from((*POINTS[:1], "end", "stroke" if kind == 1 else "start")))
+        point = draw(st.sampled_from((*SYNC_POINTS[:1], "end", "stroke" if kind == 1 else "start")))
         return f"{draw(st.sampled_from(names))}:{point}{offset:+}"
 
     parts = []
@@ -73,7 +73,7 @@ def documents(draw: st.DrawFn) -> str:
             when = f'start="{ref()}"' if draw(st.booleans()) else ""
             parts.append(f'<speech id="{name}" {when}><text>one <sync id="stroke"/>two three</text></speech>')
             continue
-        points = draw(st.lists(st.sampled_from(POINTS), max_size=2, unique=True))
+        points = draw(st.lists(st.sampled_from(SYNC_POINTS), max_size=2, unique=True))
         syncs = " ".join(f'{point}="{ref()}"' for point in points)
         parts.append(f'<gesture id="{name}" lexeme="BEAT" {syncs}/>')
     kind = draw(st.sampled_from(("", "synchronize", "after", "before")))
@@ -85,7 +85,7 @@ def documents(draw: st.DrawFn) -> str:
 
 @examples(200)
 @given(documents())
-def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
+def test_scheduled_sync_points_satisfy_equalities_exactly_and_are_ordered(text: str) -> None:
     block = parse(text)
     timeline = _scheduled(block)
     times = _times(timeline)
@@ -96,14 +96,14 @@ def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
         own = list(timed.times.values())
         assert own == sorted(own)
     performed = replace(block, behaviours=tuple(timed.behaviour for timed in timeline.timed), constraints=())
-    for tie in ties(performed):
-        left, right = (_time(ref, times) for ref in (tie.left, tie.right))
-        assert left == pytest.approx(right, abs=EXACT)
+    for equality in find_equalities(performed):
+        left, right = (_time(ref, times) for ref in (equality.left, equality.right))
+        assert left == pytest.approx(right, abs=TIME_TOLERANCE)
 
 
 @examples(120)
 @given(documents())
-def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
+def test_time_constraints_hold_if_no_behaviour_is_dropped(text: str) -> None:
     block = parse(text)
     timeline = _scheduled(block)
     if timeline.notices:
@@ -113,14 +113,16 @@ def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
         if isinstance(constraint, Synchronize):
             first, *others = (_time(ref, times) for ref in constraint.refs)
             if any(ref.behaviour != "bml" for ref in constraint.refs):
-                assert others == pytest.approx([first] * len(others), abs=EXACT)
+                assert others == pytest.approx([first] * len(others), abs=TIME_TOLERANCE)
         else:
-            assert all(_time(constraint.earlier, times) <= _time(ref, times) + EXACT for ref in constraint.later)
+            assert all(
+                _time(constraint.earlier, times) <= _time(ref, times) + TIME_TOLERANCE for ref in constraint.later
+            )
 
 
 @examples(80)
 @given(documents(), st.permutations([f"n{i}" for i in range(5)]))
-def test_names_do_not_matter(text: str, names: list[str]) -> None:
+def test_schedule_is_independent_of_names(text: str, names: list[str]) -> None:
     block = parse(text)
     new = {b.id: names[i] for i, b in enumerate(block.behaviours)}
     _assert_same(_scheduled(block), _scheduled(_renamed(block, new)), new, shift=0.0)
@@ -128,8 +130,8 @@ def test_names_do_not_matter(text: str, names: list[str]) -> None:
 
 @examples(80)
 @given(documents(), st.integers(0, 400).map(lambda quarter: quarter / 4))
-def test_the_origin_of_time_does_not_matter(text: str, shift: float) -> None:
-    """Behaviours that hang on an absolute time move with it; the others stay."""
+def test_schedule_is_independent_of_the_time_origin(text: str, shift: float) -> None:
+    """Only behaviours at absolute times move with the origin."""
     block = parse(text)
     before, after = _scheduled(block), _scheduled(_shifted(block, shift))
     assert [d.behaviour.id for d in before.dropped] == [d.behaviour.id for d in after.dropped]
@@ -140,9 +142,10 @@ def test_the_origin_of_time_does_not_matter(text: str, shift: float) -> None:
             assert gaps in ({0.0}, {round(shift, 6)}), timed.behaviour.id
 
 
-@pytest.mark.skipif(not FILES, reason=f"no corpus at {CORPUS}")
-def test_names_and_origin_do_not_matter_in_documents() -> None:
-    for path in FILES:
+@pytest.mark.soak
+@pytest.mark.skipif(not CORPUS_FILES, reason=f"no corpus at {CORPUS_FOLDER}")
+def test_corpus_schedules_are_independent_of_names_and_origin() -> None:
+    for path in CORPUS_FILES:
         with about(path):
             block = _shifted(_grounded(parse(path.read_bytes(), source=path.name)), 50.0)
             new = {behaviour.id: f"n{index}" for index, behaviour in enumerate(block.behaviours)}
@@ -150,7 +153,7 @@ def test_names_and_origin_do_not_matter_in_documents() -> None:
 
 
 def _grounded(block: Block) -> Block:
-    """Gives what says nothing about its time a start, so that all of it can be moved."""
+    """Give untimed behaviours a start, so that the block is movable."""
     free = {b.id for b in block.behaviours if not b.syncs}
     anchor = {"start": SyncRef(block.id, "bml", "start")}
     tied = {ref.behaviour for b in block.behaviours for ref in b.syncs.values()}
@@ -171,7 +174,7 @@ def _assert_same(one: Timeline, other: Timeline, new: Mapping[str, str], *, shif
 
 
 def _time(ref: SyncRef, times: Mapping[tuple[str, str], float]) -> float:
-    return (0.0 if ref.behaviour == "bml" else times[ref.behaviour, point_of(ref).sync]) + ref.offset
+    return (0.0 if ref.behaviour == "bml" else times[ref.behaviour, get_point(ref).sync]) + ref.offset
 
 
 def _changed(block: Block, ref_of: dict[SyncRef, SyncRef]) -> Block:
@@ -204,8 +207,8 @@ def _shifted(block: Block, shift: float) -> Block:
 
 
 @examples(120)
-@given(documents(), st.lists(st.tuples(st.sampled_from(POINTS), offsets, st.booleans()), min_size=1, max_size=3))
-def test_whatever_hangs_on_the_end_of_the_block_finds_its_time(text: str, ends: list[tuple[str, float, bool]]) -> None:
+@given(documents(), st.lists(st.tuples(st.sampled_from(SYNC_POINTS), offsets, st.booleans()), min_size=1, max_size=3))
+def test_behaviours_relative_to_the_block_end_are_timed(text: str, ends: list[tuple[str, float, bool]]) -> None:
     refs = [f"bml:end{-abs(offset):+}" for _, offset, _ in ends]
     texts = [f"after({ref})" if after else ref for ref, (_, _, after) in zip(refs, ends, strict=True)]
     written = "".join(

@@ -1,4 +1,4 @@
-"""What holds for every posture of the default robot."""
+"""Properties of every posture of the default robot."""
 
 import numpy as np
 import pytest
@@ -7,23 +7,25 @@ from hypothesis import strategies as st
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
-from kinesic.body.rotation import about
+from kinesic.body.rotation import rotation_about
 
-ROBOT = Robot.load()
-SKELETON = ROBOT.skeleton
-MIRROR = np.diag([1.0, -1.0, 1.0])
-POSTURES = st.lists(st.floats(0.0, 1.0), min_size=22, max_size=22).map(
-    lambda shares: SKELETON.lower + np.array(shares) * (SKELETON.upper - SKELETON.lower)
+DEFAULT_ROBOT = Robot.load()
+ROBOT_SKELETON = DEFAULT_ROBOT.skeleton
+MIRROR_MATRIX = np.diag([1.0, -1.0, 1.0])
+RANDOM_POSTURES = st.lists(st.floats(0.0, 1.0), min_size=22, max_size=22).map(
+    lambda shares: ROBOT_SKELETON.lower + np.array(shares) * (ROBOT_SKELETON.upper - ROBOT_SKELETON.lower)
 )
-AXES = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array).filter(lambda v: np.linalg.norm(v) > 1e-3)
+AXIS_VECTORS = (
+    st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array).filter(lambda v: np.linalg.norm(v) > 1e-3)
+)
 
 
 def mirrored(angles: Floats) -> Floats:
-    """(22,) [rad]: left and right exchanged, turns and rolls of the midline reversed."""
+    """Return the angles (22,) [rad] of the mirror posture."""
     image = angles.copy()
-    for k, name in enumerate(SKELETON.names):
+    for k, name in enumerate(ROBOT_SKELETON.names):
         if name.startswith("l_"):
-            image[[k, SKELETON.joint("r_" + name[2:])]] = image[[SKELETON.joint("r_" + name[2:]), k]]
+            image[[k, ROBOT_SKELETON.joint("r_" + name[2:])]] = image[[ROBOT_SKELETON.joint("r_" + name[2:]), k]]
         elif name.endswith(("torsion", "roll")):
             image[k] = -image[k]
     return image
@@ -33,60 +35,62 @@ def other_side(name: str) -> str:
     return {"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]
 
 
-@given(POSTURES)
-def test_equal_angles_are_mirror_postures(angles: Floats):
-    frames, image = SKELETON.frames(angles), SKELETON.frames(mirrored(angles))
-    for k, segment in enumerate(SKELETON.segments):
-        j = SKELETON.segment(other_side(segment.name))
-        np.testing.assert_allclose(image.origins[j], MIRROR @ frames.origins[k], atol=1e-12)
-        np.testing.assert_allclose(image.rotations[j], MIRROR @ frames.rotations[k] @ MIRROR, atol=1e-12)
+@given(RANDOM_POSTURES)
+def test_mirrored_angles_give_mirror_postures(angles: Floats):
+    frames, image = ROBOT_SKELETON.frames(angles), ROBOT_SKELETON.frames(mirrored(angles))
+    for k, segment in enumerate(ROBOT_SKELETON.segments):
+        j = ROBOT_SKELETON.segment(other_side(segment.name))
+        np.testing.assert_allclose(image.origins[j], MIRROR_MATRIX @ frames.origins[k], atol=1e-12)
+        np.testing.assert_allclose(image.rotations[j], MIRROR_MATRIX @ frames.rotations[k] @ MIRROR_MATRIX, atol=1e-12)
 
 
-@given(POSTURES)
-def test_bones_keep_their_length(angles: Floats):
-    origins = SKELETON.frames(angles).origins
-    for k, segment in enumerate(SKELETON.segments):
+@given(RANDOM_POSTURES)
+def test_bone_lengths_are_constant(angles: Floats):
+    origins = ROBOT_SKELETON.frames(angles).origins
+    for k, segment in enumerate(ROBOT_SKELETON.segments):
         if segment.parent is not None:
-            length = np.linalg.norm(origins[k] - origins[SKELETON.segment(segment.parent)])
+            length = np.linalg.norm(origins[k] - origins[ROBOT_SKELETON.segment(segment.parent)])
             assert length == pytest.approx(np.linalg.norm(segment.origin_in_parent), abs=1e-12)
 
 
-@given(POSTURES)
-def test_a_chain_is_where_the_skeleton_is(angles: Floats):
-    frames = SKELETON.frames(angles)
+@given(RANDOM_POSTURES)
+def test_arm_chain_agrees_with_the_skeleton(angles: Floats):
+    frames = ROBOT_SKELETON.frames(angles)
     for side in SIDES:
-        arm, palm = ROBOT.arms[side], ROBOT.sites[f"{side}_palm"]
-        base = SKELETON.segment(arm.base)
+        arm, palm = DEFAULT_ROBOT.arms[side], DEFAULT_ROBOT.sites[f"{side}_palm"]
+        base = ROBOT_SKELETON.segment(arm.base)
         rotations, centres = arm.frames(angles[list(arm.indices)])
         in_world = centres @ frames.rotations[base].T + frames.origins[base]
         for j, joint in enumerate(arm.joints):
-            k = SKELETON.segment(joint.name)
+            k = ROBOT_SKELETON.segment(joint.name)
             np.testing.assert_allclose(in_world[j], frames.origins[k], atol=1e-12)
             np.testing.assert_allclose(frames.rotations[base] @ rotations[j], frames.rotations[k], atol=1e-12)
-        wrist = SKELETON.segment(palm.segment)
+        wrist = ROBOT_SKELETON.segment(palm.segment)
         np.testing.assert_allclose(
             in_world[-1], frames.origins[wrist] + frames.rotations[wrist] @ palm.position, atol=1e-12
         )
 
 
-@given(POSTURES)
-def test_every_segment_has_a_rotation(angles: Floats):
-    for rotation in SKELETON.frames(angles).rotations:
+@given(RANDOM_POSTURES)
+def test_segment_orientations_are_rotations(angles: Floats):
+    for rotation in ROBOT_SKELETON.frames(angles).rotations:
         np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
         assert np.linalg.det(rotation) == pytest.approx(1.0)
 
 
 @given(st.lists(st.floats(-10.0, 10.0), min_size=22, max_size=22).map(np.array))
-def test_clamped_angles_are_inside_and_stay(angles: Floats):
-    inside = SKELETON.clamp(angles)
-    assert (inside >= SKELETON.lower).all()
-    assert (inside <= SKELETON.upper).all()
-    np.testing.assert_array_equal(SKELETON.clamp(inside), inside)
+def test_clamped_angles_are_in_range_and_clamping_is_idempotent(angles: Floats):
+    inside = ROBOT_SKELETON.clamp(angles)
+    assert (inside >= ROBOT_SKELETON.lower).all()
+    assert (inside <= ROBOT_SKELETON.upper).all()
+    np.testing.assert_array_equal(ROBOT_SKELETON.clamp(inside), inside)
 
 
-@given(AXES, st.floats(-7.0, 7.0), st.floats(-7.0, 7.0))
-def test_turns_about_one_axis_add_up(axis: Floats, first: float, second: float):
+@given(AXIS_VECTORS, st.floats(-7.0, 7.0), st.floats(-7.0, 7.0))
+def test_rotations_about_one_axis_add_up(axis: Floats, first: float, second: float):
     axis = axis / np.linalg.norm(axis)
-    np.testing.assert_allclose(about(axis, first) @ about(axis, second), about(axis, first + second), atol=1e-12)
-    np.testing.assert_allclose(about(axis, first) @ axis, axis, atol=1e-12)
-    assert np.trace(about(axis, first)) == pytest.approx(1 + 2 * np.cos(first), abs=1e-12)
+    np.testing.assert_allclose(
+        rotation_about(axis, first) @ rotation_about(axis, second), rotation_about(axis, first + second), atol=1e-12
+    )
+    np.testing.assert_allclose(rotation_about(axis, first) @ axis, axis, atol=1e-12)
+    assert np.trace(rotation_about(axis, first)) == pytest.approx(1 + 2 * np.cos(first), abs=1e-12)

@@ -1,27 +1,27 @@
-"""What holds for whatever a face is asked to show."""
+"""Properties of every face track."""
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, TimedBehaviour, Timeline
-from kinesic.body.action_units import CHANNELS
+from kinesic.body.action_units import FACE_CHANNELS
 from kinesic.body.arrays import Floats
 from kinesic.body.utterance import Phoneme, Script, Utterance
 from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits
 from kinesic.expressivity.face.tracks import Channels, face_track
-from kinesic.expressivity.face.visemes import SHORTEST_PRESS, SOONER
+from kinesic.expressivity.face.visemes import MIN_PRESS_TIME, RELEASE_ADVANCE
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Style
 
 from ...examples import examples
 
-TIMES = np.arange(0.0, 6.0, 0.02)
-LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
+SAMPLE_TIMES = np.arange(0.0, 6.0, 0.02)
+FACE_LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
 seconds = st.floats(0.0, 5.0)
 faces = st.builds(
     Face,
-    st.lists(st.sampled_from(LEXEMES), max_size=2).map(tuple),
+    st.lists(st.sampled_from(FACE_LEXEMES), max_size=2).map(tuple),
     st.none(),
     amount=st.floats(-1, 3),
     shift=st.booleans(),
@@ -63,19 +63,19 @@ def utterances(draw: st.DrawFn) -> Utterance:
     return Utterance(now, {}, tuple(found))
 
 
-def show(timeline: Timeline, said: Utterance, times: Floats = TIMES, **eyes) -> Channels:
+def show(timeline: Timeline, said: Utterance, times: Floats = SAMPLE_TIMES, **eyes) -> Channels:
     return face_track(timeline, {"s": said}, times, styles=resolve_styles(Style(), timeline.block), eyes=Eyes(**eyes))
 
 
 @examples(80)
 @given(timelines(), utterances(), gazes, st.integers(0, 9))
-def test_intensities_are_shares_of_known_units(
+def test_face_track_intensities_are_finite_and_between_0_and_1(
     timeline: Timeline, said: Utterance, looks: list[GazeDirection], seed: int
 ):
-    found = show(timeline, said, TIMES, habits=Habits(seed), looks=looks)
-    assert found.keys() <= set(CHANNELS)
+    found = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed), looks=looks)
+    assert found.keys() <= set(FACE_CHANNELS)
     for values in found.values():
-        assert values.shape == TIMES.shape
+        assert values.shape == SAMPLE_TIMES.shape
         assert np.all(np.isfinite(values))
         assert values.min() >= 0.0
         assert values.max() <= 1.0
@@ -84,24 +84,24 @@ def test_intensities_are_shares_of_known_units(
 
 @examples(40)
 @given(timelines(), utterances(), st.integers(0, 9))
-def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed: int):
-    whole = show(timeline, said, TIMES, habits=Habits(seed))
-    again = show(timeline, said, TIMES, habits=Habits(seed))
+def test_face_intensities_at_a_time_do_not_depend_on_other_sample_times(timeline: Timeline, said: Utterance, seed: int):
+    whole = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed))
+    again = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed))
     assert whole.keys() == again.keys()
     assert all(np.array_equal(whole[channel], again[channel]) for channel in whole)
-    half = show(timeline, said, TIMES[::2])
-    every = show(timeline, said, TIMES)
+    half = show(timeline, said, SAMPLE_TIMES[::2])
+    every = show(timeline, said, SAMPLE_TIMES)
     for channel, values in half.items():
         np.testing.assert_allclose(values, every[channel][::2], atol=1e-12)
 
 
 @examples(60)
 @given(timelines(), utterances())
-def test_lips_close_on_p_b_and_m_whatever_is_felt(timeline: Timeline, said: Utterance):
+def test_lips_close_on_bilabials_in_every_expression(timeline: Timeline, said: Utterance):
     begin = timeline.timed[-1].times["start"]
-    found = show(timeline, said, TIMES)
+    found = show(timeline, said, SAMPLE_TIMES)
     for sound in said.phonemes:
-        since, last = TIMES - begin - sound.start, sound.duration - SOONER  # when they begin to part
-        during = (since >= min(0.0, last - SHORTEST_PRESS)) & (since <= last)
+        since, last = SAMPLE_TIMES - begin - sound.start, sound.duration - RELEASE_ADVANCE  # Start of the opening
+        during = (since >= min(0.0, last - MIN_PRESS_TIME)) & (since <= last)
         if sound.symbol in ("p", "b", "m") and during.any():
             np.testing.assert_allclose(found["24"][during], 1.0, atol=0.06)

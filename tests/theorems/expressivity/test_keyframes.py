@@ -1,4 +1,4 @@
-"""What holds for the key frames of every timeline."""
+"""Properties of the key frames of every timeline."""
 
 from itertools import accumulate, pairwise
 
@@ -31,20 +31,20 @@ from kinesic.expressivity.gather import SAME_FRAME
 from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.keyframes import Hand, KeyFrames
 from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Style
 
 from ...examples import examples
 from ...performances import LIMITS, ROBOT
 
-PACE = Pace(ROBOT, LIMITS)
-LEXICON = Lexicon.load()
-PARTS = {"head", "torso", "l_hand", "r_hand"}
+HAND_PACE = Pace(ROBOT, LIMITS)
+BUILTIN_LEXICON = Lexicon.load()
+BODY_PARTS = {"head", "torso", "l_hand", "r_hand"}
 
 modes = st.sampled_from(("left", "right", "both", "unspecified"))
 targets = st.sampled_from(("left", "right", "audience", "bluebox", "1 0.2 0.9"))
-lexemes = st.sampled_from([form.id for form in LEXICON.forms] + ["xyzzy"])
+lexemes = st.sampled_from([form.id for form in BUILTIN_LEXICON.forms] + ["xyzzy"])
 arms = st.sampled_from((("ARMS", "ARMS_CROSSED"), ("LEFT_ARM", "ARMS_NEUTRAL"), ("WHOLEBODY", "LEANING_FORWARD")))
 unit = st.floats(-1.0, 1.0)
 manners = st.builds(Expressivity, unit, unit, unit, unit, unit, unit, unit, st.floats(0.0, 1.0))
@@ -87,12 +87,14 @@ def timelines(draw) -> Timeline:
 
 def stays(behaviour: Behaviour) -> bool:
     action = behaviour.action
-    rest = isinstance(action, Gesture) and (match := LEXICON.find(action.lexeme)) is not None and match.form.rest
+    rest = (
+        isinstance(action, Gesture) and (match := BUILTIN_LEXICON.find(action.lexeme)) is not None and match.form.rest
+    )
     return rest or isinstance(action, HeadDirectionShift) or getattr(action, "shift", False)
 
 
 def performed(timeline: Timeline, style: Style) -> KeyFrames:
-    return keyframes(timeline, BlockContext(timeline.block, Context(style, LEXICON, PACE)))
+    return make_keyframes(timeline, BlockContext(timeline.block, Context(style, BUILTIN_LEXICON, HAND_PACE)))
 
 
 def same(a: Hand, b: Hand) -> bool:
@@ -103,7 +105,7 @@ def same(a: Hand, b: Hand) -> bool:
 
 @examples(100)
 @given(timelines(), styles)
-def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
+def test_each_sync_point_of_a_moving_behaviour_has_a_key_frame(timeline, style):
     found = performed(timeline, style)
     on = {sync: frame.time for frame in found.frames for sync in frame.syncs}
     asked, moved = (
@@ -124,7 +126,7 @@ def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
         assert abs(on[behaviour, sync] - time) < SAME_FRAME
         if sync == "stroke" and not any(0 < abs(other - time) < 2 * SAME_FRAME for other in strokes):
             assert on[behaviour, sync] == time
-    for (behaviour, sync), time in asked.items():  # what gives way for another stroke of the same hand
+    for (behaviour, sync), time in asked.items():  # Gestures that another stroke of the same hand displaces
         later = moved[behaviour, sync] - time
         assert (
             later == 0.0
@@ -135,13 +137,13 @@ def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
 
 @examples(100)
 @given(timelines(), styles)
-def test_frames_are_whole_apart_and_between_rests(timeline, style):
+def test_key_frames_contain_all_body_parts_keep_a_minimum_gap_and_start_at_rest(timeline, style):
     found = performed(timeline, style)
     assert set(found.outcomes) == {behaviour.id for behaviour in timeline.block.behaviours}
     assert set(found.uses) == set(found.outcomes)
     for frame in found.frames:
         assert set(frame.hands) == set(SIDES)
-        assert frame.given <= PARTS
+        assert frame.given <= BODY_PARTS
     assert all(b.time - a.time >= SAME_FRAME - 1e-9 for a, b in pairwise(found.frames))
     if found.frames:
         first = found.frames[0]
@@ -160,7 +162,7 @@ def test_frames_are_whole_apart_and_between_rests(timeline, style):
 
 @examples(50)
 @given(timelines(), styles)
-def test_realising_twice_gives_the_same(timeline, style):
+def test_key_frames_are_deterministic(timeline, style):
     first, second = performed(timeline, style), performed(timeline, style)
     assert [frame.time for frame in first.frames] == [frame.time for frame in second.frames]
     for a, b in zip(first.frames, second.frames, strict=True):
@@ -171,8 +173,8 @@ def test_realising_twice_gives_the_same(timeline, style):
 
 
 @examples(60)
-@given(st.sampled_from([form for form in LEXICON.forms if len(form.sides) == 1]), manners)
-def test_left_mirrors_right(form, manner):
+@given(st.sampled_from([form for form in BUILTIN_LEXICON.forms if len(form.sides) == 1]), manners)
+def test_left_handed_poses_mirror_right_handed(form, manner):
     flip = np.array([1.0, -1.0, 1.0])
     left = poses(in_mode(form, "left"), ROBOT, manner).hands["l"]
     right = poses(in_mode(form, "right"), ROBOT, manner).hands["r"]
@@ -186,15 +188,15 @@ def test_left_mirrors_right(form, manner):
 
 
 @settings(max_examples=30, deadline=None)
-@given(st.sampled_from([form.id for form in LEXICON.forms if not form.rest]), styles)
-def test_a_gesture_of_the_other_mode_is_the_mirror_image(lexeme, style):
+@given(st.sampled_from([form.id for form in BUILTIN_LEXICON.forms if not form.rest]), styles)
+def test_left_handed_gesture_mode_mirrors_the_right_handed_mode(lexeme, style):
     times = dict(zip(GESTURE_SYNCS, (0.0, 0.6, 0.6, 1.0, 1.2, 1.4, 2.0), strict=True))
     rows = []
     for mode in ("left", "right"):
         behaviour = Behaviour("g", "gesture", Gesture(lexeme, mode), Place(1, 1))
         rows.append(performed(Timeline(Block("bml1", (behaviour,)), (TimedBehaviour(behaviour, times),)), style).frames)
-    if len(LEXICON.find(lexeme).form.sides) == 2:
-        return  # the two hands of a form may do different things
+    if len(BUILTIN_LEXICON.find(lexeme).form.sides) == 2:
+        return  # The hands of a form may differ
     for left, right in zip(*rows, strict=True):
         assert left.time == right.time
         a, b = left.hands["l"].reach, right.hands["r"].reach
@@ -203,7 +205,7 @@ def test_a_gesture_of_the_other_mode_is_the_mirror_image(lexeme, style):
             assert a.position == pytest.approx(b.position * [1, -1, 1], abs=1e-12)
 
 
-def test_hanging_hands_mirror():
+def test_resting_hands_are_mirror_images():
     rest = resting_hands(ROBOT)
     assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
-    assert mirror_form(mirror_form(LEXICON.forms[0])).sides == LEXICON.forms[0].sides
+    assert mirror_form(mirror_form(BUILTIN_LEXICON.forms[0])).sides == BUILTIN_LEXICON.forms[0].sides

@@ -1,4 +1,4 @@
-"""What holds for every path of a hand."""
+"""Properties of all kinds of hand paths."""
 
 import numpy as np
 from hypothesis import given
@@ -13,34 +13,32 @@ turns = st.tuples(*[st.floats(0, 5)] * 3).map(sealed)
 variations = st.sampled_from(["none", "grows", "shrinks"])
 points = st.lists(st.tuples(*[st.floats(-0.5, 0.8)] * 3), max_size=4).map(lambda p: sealed(np.array(p).reshape(-1, 3)))
 paths = st.builds(HandPath, st.just("points"), sizes, turns, sizes, variations, variations, points)
-MIRROR = np.array([1.0, -1.0, 1.0])
+MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])
 
 
 @given(paths, places, places)
-def test_start_and_end_are_exactly_the_keys(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
+def test_path_starts_and_ends_exactly_at_its_keys(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
     np.testing.assert_allclose(path.at(start, end, np.array([0.0, 1.0])), [start, end], atol=1e-9)
 
 
 @given(paths, places, places)
-def test_the_mirror_image_of_a_path_is_the_path_of_the_mirror_image(
-    path: HandPath, start: np.ndarray, end: np.ndarray
-) -> None:
-    other = path.mapped(MIRROR * path.amplitude, lambda point: sealed(MIRROR * point))
+def test_mirrored_path_is_the_path_of_mirrored_keys(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
+    other = path.mapped(MIRROR_SIGNS * path.amplitude, lambda point: sealed(MIRROR_SIGNS * point))
     shares = np.linspace(0, 1, 50)
-    mirrored = other.at(sealed(MIRROR * start), sealed(MIRROR * end), shares)
-    np.testing.assert_allclose(mirrored, MIRROR * path.at(start, end, shares), atol=1e-9)
+    mirrored = other.at(sealed(MIRROR_SIGNS * start), sealed(MIRROR_SIGNS * end), shares)
+    np.testing.assert_allclose(mirrored, MIRROR_SIGNS * path.at(start, end, shares), atol=1e-9)
     np.testing.assert_allclose(
-        other.samples(MIRROR * start, MIRROR * end, 0.01), path.samples(start, end, 0.01), atol=1e-12
+        other.samples(MIRROR_SIGNS * start, MIRROR_SIGNS * end, 0.01), path.samples(start, end, 0.01), atol=1e-12
     )
 
 
 @given(paths, places, places)
-def test_samples_lie_in_order_inside(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
+def test_samples_are_ordered_and_between_the_keys(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
     shares = path.samples(start, end, 0.02, 0.3)
     assert np.all(np.diff([0.0, *shares, 1.0]) > 0)
 
 
 @given(paths, places, places)
-def test_no_path_is_shorter_than_the_straight_way(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
+def test_no_path_is_shorter_than_a_straight_line(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
     assert path.length(start, end) >= np.linalg.norm(end - start) - 1e-9
     assert path.swings(start, end) >= 1

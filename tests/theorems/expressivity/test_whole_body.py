@@ -1,4 +1,4 @@
-"""What holds for the body beside the hands of every gesture."""
+"""Properties of the body motion that accompanies every gesture."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from kinesic.expressivity.gather import SAME_FRAME
 from kinesic.expressivity.keyframes import KeyFrame, KeyFrames, Turn
 from kinesic.expressivity.lexicon.body_form import NO_BODY
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
-from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.expressivity.turns import turn_angles
@@ -22,13 +22,13 @@ from kinesic.expressivity.turns import turn_angles
 from ...examples import examples
 from ...performances import LIMITS, ROBOT
 
-PACE = Pace(ROBOT, LIMITS)
-LEXICON = Lexicon.load()
-HANDS = LEXICON.changed(lambda form: replace(form, body=NO_BODY))
-MIRRORED = LEXICON.changed(mirror_form)
-OFF = Style().changed(["whole_body=0"])
+HAND_PACE = Pace(ROBOT, LIMITS)
+BUILTIN_LEXICON = Lexicon.load()
+HANDS_ONLY = BUILTIN_LEXICON.changed(lambda form: replace(form, body=NO_BODY))
+MIRRORED_LEXICON = BUILTIN_LEXICON.changed(mirror_form)
+NO_WHOLE_BODY = Style().changed(["whole_body=0"])
 
-names = st.sampled_from([form.id for form in LEXICON.forms])
+names = st.sampled_from([form.id for form in BUILTIN_LEXICON.forms])
 styles = st.sampled_from(["neutral", "angry", "joyful", "sad", "shy"]).map(style_preset)
 spans = st.lists(st.floats(0.02, 1.2), min_size=7, max_size=7)
 
@@ -38,20 +38,31 @@ def timed(id: str, action, spans_: list[float]) -> TimedBehaviour:
     return TimedBehaviour(Behaviour(id, "x", action, Place(1, 1)), times)
 
 
-def performed(*behaviours: TimedBehaviour, style: Style = OFF, lexicon: Lexicon = LEXICON) -> KeyFrames:
+def performed(
+    *behaviours: TimedBehaviour, style: Style = NO_WHOLE_BODY, lexicon: Lexicon = BUILTIN_LEXICON
+) -> KeyFrames:
     timeline = Timeline(Block("b", tuple(each.behaviour for each in behaviours)), behaviours)
-    return keyframes(timeline, BlockContext(timeline.block, Context(style, lexicon, PACE)))
+    return make_keyframes(timeline, BlockContext(timeline.block, Context(style, lexicon, HAND_PACE)))
 
 
-def told(found: KeyFrames) -> list[object]:
-    """All that planning reads of key frames."""
+def frame_values(found: KeyFrames) -> list[object]:
+    """Return every value of the key frames that planning reads."""
     return [
-        (frame.time, frame.torso, frame.head, frame.given, frame.filled, frame.syncs, frame.passages, told_hands(frame))
+        (
+            frame.time,
+            frame.torso,
+            frame.head,
+            frame.given,
+            frame.filled,
+            frame.syncs,
+            frame.passages,
+            hand_values(frame),
+        )
         for frame in found.frames
     ]
 
 
-def told_hands(frame: KeyFrame) -> list[object]:
+def hand_values(frame: KeyFrame) -> list[object]:
     return [
         (side, hand.lift, hand.effort, None if hand.reach is None else hand.reach.position.tolist())
         for side, hand in frame.hands.items()
@@ -60,18 +71,18 @@ def told_hands(frame: KeyFrame) -> list[object]:
 
 @examples(40)
 @given(names, spans, styles)
-def test_at_weight_zero_the_hands_move_alone(name, spans_, style):
+def test_only_hands_move_if_the_whole_body_weight_is_zero(name, spans_, style):
     gesture, off = timed("g", Gesture(name), spans_), style.changed(["whole_body=0"])
     found = performed(gesture, style=off)
-    assert told(found) == told(performed(gesture, style=style, lexicon=HANDS))
+    assert frame_values(found) == frame_values(performed(gesture, style=style, lexicon=HANDS_ONLY))
     assert found.bodies == {}
 
 
 @examples(40)
 @given(names, spans, styles)
-def test_it_moves_no_sync_point_and_no_hand(name, spans_, style):
+def test_body_motion_changes_no_sync_point_and_no_hand(name, spans_, style):
     gesture = timed("g", Gesture(name), spans_)
-    with_body, alone = (performed(gesture, style=style, lexicon=each) for each in (LEXICON, HANDS))
+    with_body, alone = (performed(gesture, style=style, lexicon=each) for each in (BUILTIN_LEXICON, HANDS_ONLY))
     assert with_body.timeline.timed == alone.timeline.timed
     assert with_body.outcomes == alone.outcomes
     frames = {frame.time: frame for frame in with_body.frames}
@@ -89,9 +100,9 @@ def test_it_moves_no_sync_point_and_no_hand(name, spans_, style):
 
 @examples(40)
 @given(names, spans, styles)
-def test_a_mirrored_gesture_has_a_mirrored_body(name, spans_, style):
+def test_mirrored_gesture_has_mirrored_body_motion(name, spans_, style):
     gesture = timed("g", Gesture(name), spans_)
-    right, left = (performed(gesture, style=style, lexicon=each) for each in (LEXICON, MIRRORED))
+    right, left = (performed(gesture, style=style, lexicon=each) for each in (BUILTIN_LEXICON, MIRRORED_LEXICON))
     assert [frame.time for frame in left.frames] == pytest.approx([frame.time for frame in right.frames])
     for a, b in zip(right.frames, left.frames, strict=True):
         for here, there in ((a.head, b.head), (a.torso, b.torso)):
@@ -103,13 +114,13 @@ def test_a_mirrored_gesture_has_a_mirrored_body(name, spans_, style):
 
 @examples(40)
 @given(names, spans, spans, styles, st.sampled_from(("NOD", "SHAKE")))
-def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, style, lexeme):
+def test_head_behaviours_replace_accompanying_head_motion(name, spans_, nodding, style, lexeme):
     gesture, head = timed("g", Gesture(name), spans_), timed("h", Head(lexeme), nodding)
-    found, asked = (performed(gesture, head, style=style, lexicon=each) for each in (LEXICON, HANDS))
+    found, asked = (performed(gesture, head, style=style, lexicon=each) for each in (BUILTIN_LEXICON, HANDS_ONLY))
     axis = "tilt" if lexeme == "NOD" else "torsion"
     heads = {frame.time: frame.head for frame in found.frames}
     gesturing = max(gesture.times["start"], head.times["start"]), min(gesture.times["end"], head.times["end"])
-    if gesturing[0] < gesturing[1]:  # else they do not meet
+    if gesturing[0] < gesturing[1]:  # Gesture and nod overlap
         for frame in asked.frames:
             merged = any(abs(frame.time - time) < SAME_FRAME for time in gesture.times.values())
             if "head" in frame.given and frame.time in heads and not merged:
@@ -118,8 +129,8 @@ def test_a_head_that_the_document_moves_does_just_that(name, spans_, nodding, st
 
 @examples(40)
 @given(names, spans, styles)
-def test_it_stays_inside_the_ranges_and_comes_home(name, spans_, style):
+def test_body_motion_is_in_range_and_returns_to_rest(name, spans_, style):
     found = performed(timed("g", Gesture(name), spans_), style=style)
     assert turn_angles(found.frames[0].head) == turn_angles(found.frames[-1].head) == (0.0, 0.0, 0.0)
-    if not LEXICON.forms_by_id[name].rest:
+    if not BUILTIN_LEXICON.forms_by_id[name].rest:
         assert all(hand.lift == 0.0 for hand in found.frames[-1].hands.values())

@@ -1,57 +1,71 @@
-"""What holds for every face: it is a smooth, bounded function of its action units."""
+"""Every face is a smooth, bounded function of its action units."""
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.body.action_units import CHANNELS
-from kinesic.face.assets.action_units import SEALS, deform, intensities, shape_weights
-from kinesic.face.assets.mesh import VARIANTS, Mesh, load_head
+from kinesic.body.action_units import FACE_CHANNELS
+from kinesic.face.assets.action_units import LIP_SEALING_UNITS, compute_shape_weights, deform, read_intensities
+from kinesic.face.assets.mesh import FACE_VARIANTS, Mesh, load_head
 
 from ...examples import examples
 
-HEADS = [load_head(variant) for variant in VARIANTS]
-MESH = load_head("female")
-FASTEST = 0.1  # [m] that a vertex moves for a whole action unit: pressing shuts a mouth that is wide open
-STEPS = (0.01, 0.001)  # the smaller, the smaller a jump that shows
-NARROWING = ("18", "23", "L30", "R30")  # action units that move the corners of the mouth aside
-units = st.dictionaries(st.sampled_from(CHANNELS), st.floats(0.0, 1.0), max_size=8)
-pressed = st.builds(lambda told, seal: {**told, seal: 1.0}, units, st.sampled_from(SEALS))
+HEAD_MESHES = [load_head(variant) for variant in FACE_VARIANTS]
+FEMALE_MESH = load_head("female")
+MAX_DISPLACEMENT = 0.1  # Largest vertex displacement [m] per action unit: lip pressing closes an open mouth
+STEP_SIZES = (0.01, 0.001)  # Small steps reveal small discontinuities
+NARROWING_UNITS = ("18", "23", "L30", "R30")  # Action units with lateral motion of the lip corners
+units = st.dictionaries(st.sampled_from(FACE_CHANNELS), st.floats(0.0, 1.0), max_size=8)
+pressed = st.builds(lambda told, seal: {**told, seal: 1.0}, units, st.sampled_from(LIP_SEALING_UNITS))
 
 
 @examples(60)
 @given(units)
-def test_weights_are_shares_and_the_face_stays_a_face(told: dict[str, float]):
-    found = shape_weights(MESH, told)
+def test_weights_are_between_0_and_1_and_the_mesh_stays_bounded(told: dict[str, float]):
+    found = compute_shape_weights(FEMALE_MESH, told)
     assert found.min() >= 0.0
     assert found.max() <= 1.0
-    away = np.linalg.norm(deform(MESH, told) - MESH.positions, axis=1)
+    away = np.linalg.norm(deform(FEMALE_MESH, told) - FEMALE_MESH.positions, axis=1)
     assert np.all(np.isfinite(away))
     assert away.max() < 0.08
 
 
 @examples(150)
-@given(st.sampled_from(HEADS), units, st.sampled_from(CHANNELS), st.floats(0.0, 0.99), st.sampled_from(STEPS))
-def test_a_little_more_moves_a_little(mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float):
-    assert farthest(mesh, told, channel, value, step) < step * FASTEST
+@given(
+    st.sampled_from(HEAD_MESHES),
+    units,
+    st.sampled_from(FACE_CHANNELS),
+    st.floats(0.0, 0.99),
+    st.sampled_from(STEP_SIZES),
+)
+def test_small_changes_of_units_give_small_displacements(
+    mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float
+):
+    assert farthest(mesh, told, channel, value, step) < step * MAX_DISPLACEMENT
 
 
 @examples(150)
-@given(st.sampled_from(HEADS), pressed, st.sampled_from(NARROWING), st.floats(0.0, 0.99), st.sampled_from(STEPS))
-def test_a_little_more_moves_the_corners_of_pressed_lips_a_little(
+@given(
+    st.sampled_from(HEAD_MESHES),
+    pressed,
+    st.sampled_from(NARROWING_UNITS),
+    st.floats(0.0, 0.99),
+    st.sampled_from(STEP_SIZES),
+)
+def test_small_changes_of_pressed_lips_give_small_displacements(
     mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float
 ):
-    assert farthest(mesh, told, channel, value, step) < step * FASTEST
+    assert farthest(mesh, told, channel, value, step) < step * MAX_DISPLACEMENT
 
 
 def farthest(mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float) -> float:
-    """Metres that some vertex moves when an action unit is told to be so much stronger."""
+    """Return the largest displacement [m] for a change of an action unit."""
     before, after = (deform(mesh, {**told, channel: each}) for each in (value, value + step))
     return float(np.linalg.norm(after - before, axis=1).max())
 
 
 @settings(max_examples=30, deadline=None)
 @given(units)
-def test_telling_twice_shows_the_same(told: dict[str, float]):
-    assert np.array_equal(deform(MESH, told), deform(MESH, dict(reversed(told.items()))))
-    assert np.array_equal(intensities(told), intensities({**dict.fromkeys(CHANNELS, 0.0), **told}))
+def test_face_deformation_is_deterministic(told: dict[str, float]):
+    assert np.array_equal(deform(FEMALE_MESH, told), deform(FEMALE_MESH, dict(reversed(told.items()))))
+    assert np.array_equal(read_intensities(told), read_intensities({**dict.fromkeys(FACE_CHANNELS, 0.0), **told}))

@@ -13,7 +13,7 @@ ODD_VALUES: tuple[object, ...] = (
 
 
 def spelled(value: object) -> str:
-    """A value as TOML, tables in line."""
+    """Return a value as TOML text with inline tables."""
     match value:
         case bool():
             return "true" if value else "false"
@@ -34,7 +34,7 @@ def toml(tables: Tables) -> str:
 
 
 def places(value: object, *, above: tuple[object, ...] = ()) -> Iterator[tuple[object, ...]]:
-    """Paths to everything inside a value."""
+    """Return the paths to all items nested in a value."""
     entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for key, each in entries:
         yield (*above, key)
@@ -42,7 +42,7 @@ def places(value: object, *, above: tuple[object, ...] = ()) -> Iterator[tuple[o
 
 
 def altered(tables: Tables, choose: random.Random) -> Tables:
-    """The same with one to three values of another type, or missing, or doubled, or under another name."""
+    """Return a copy with up to three values altered."""
     found: Tables = json.loads(json.dumps(tables))
     for _ in range(choose.choice((1, 1, 1, 2, 3))):
         *way, last = choose.choice(list(places(found)) or [("x",)])
@@ -69,7 +69,7 @@ def altered(tables: Tables, choose: random.Random) -> Tables:
 
 
 def damaged(data: bytes, choose: random.Random) -> bytes:
-    """The same with bytes changed, lost or put in."""
+    """Return a copy with bytes changed, removed or inserted."""
     found = bytearray(data)
     for _ in range(choose.choice((1, 1, 2, 4, 16))):
         at = choose.randrange(len(found) + 1) if choose.random() < 0.5 else choose.randrange(min(len(found), 80) + 1)

@@ -1,4 +1,4 @@
-"""Whatever is done to a valid file, its reader takes it or refuses it in one sentence."""
+"""Every reader accepts an altered file or refuses it in one sentence."""
 
 import io
 import random
@@ -37,12 +37,12 @@ from kinesic.speech.recording import RecordingError, read_wav
 from ...examples import examples
 from .mutations import Tables, altered, damaged, toml
 
-REFUSALS = (ConfigError, BmlError, RecordingError)
+REFUSAL_ERRORS = (ConfigError, BmlError, RecordingError)
 
 
 @dataclass(frozen=True)
 class Reader:
-    """A kind of file: how it is read as users have it read, and valid ones."""
+    """A kind of file: its public reader and valid examples."""
 
     read: Callable[[Path], object]
     valid: Callable[[], Tables]
@@ -81,7 +81,7 @@ def _extension() -> Tables:
     }
 
 
-GESTURES: Tables = {
+GESTURE_TABLES: Tables = {
     "category": "beat",
     "gesture": [
         {
@@ -104,7 +104,7 @@ TOML_READERS = {
     "robot": Reader(_robot, lambda: _own("robots/upper22.toml")),
     "hands": Reader(_robot, lambda: _own("robots/upper36.toml")),
     "extension": Reader(_robot, _extension),
-    "lexicon": Reader(_lexicon, lambda: GESTURES),
+    "lexicon": Reader(_lexicon, lambda: GESTURE_TABLES),
     "style": Reader(Style.load, lambda: _own("styles/angry.toml")),
     "factors": Reader(
         Factors.read, lambda: {"stall": 0.9, "latency": 0.01, "servos": {"XM430-W350": {"stall": 0.8, "gain": 1.1}}}
@@ -115,14 +115,14 @@ TOML_READERS = {
 
 
 def refuses_or_reads(read: Callable[[Path], object], path: Path) -> None:
-    with suppress(*REFUSALS):
+    with suppress(*REFUSAL_ERRORS):
         read(path)
 
 
 @pytest.mark.parametrize("kind", TOML_READERS)
 @given(seed=st.integers(0, 2**32 - 1))
 @examples(200)
-def test_values_of_other_types_in_a_toml_file_are_refused(kind: str, seed: int):
+def test_altered_toml_files_are_read_or_refused(kind: str, seed: int):
     reader = TOML_READERS[kind]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "own.toml"
@@ -131,7 +131,7 @@ def test_values_of_other_types_in_a_toml_file_are_refused(kind: str, seed: int):
 
 
 @pytest.mark.parametrize("kind", TOML_READERS)
-def test_the_files_that_are_altered_are_valid(kind: str, tmp_path: Path):
+def test_undamaged_example_file_of_each_kind_is_read(kind: str, tmp_path: Path):
     reader = TOML_READERS[kind]
     (tmp_path / "own.toml").write_text(toml(reader.valid()), encoding="utf-8")
     reader.read(tmp_path / "own.toml")
@@ -159,7 +159,7 @@ def _log() -> bytes:
     return _arrays(times=np.arange(3.0), names=names, goals=motion, angles=motion)
 
 
-GRETA = (
+GRETA_XML = (
     b'<behaviorsets><behaviorset name="a"><signals><signal id="1" name="head=nod" modality="head"/></signals>'
     b"</behaviorset></behaviorsets>"
 )
@@ -188,14 +188,14 @@ BINARY_READERS: dict[str, tuple[str, Callable[[], bytes], Callable[[Path], objec
         lambda: b'<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody></mujoco>',
         load_model,
     ),
-    "greta": ("x.xml", lambda: GRETA, read_lexicon),
+    "greta": ("x.xml", lambda: GRETA_XML, read_lexicon),
 }
 
 
 @pytest.mark.parametrize("kind", BINARY_READERS)
 @given(seed=st.integers(0, 2**32 - 1))
 @examples(200)
-def test_bytes_that_are_changed_lost_or_put_in_are_refused(kind: str, seed: int):
+def test_damaged_binary_files_are_read_or_refused_without_a_crash(kind: str, seed: int):
     name, valid, read = BINARY_READERS[kind]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
@@ -218,7 +218,7 @@ def entries(data: bytes) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("kind", ["log", "shell"])
 @given(seed=st.integers(0, 2**32 - 1))
 @examples(200)
-def test_arrays_of_other_types_and_shapes_are_refused(kind: str, seed: int):
+def test_altered_arrays_are_read_or_refused(kind: str, seed: int):
     name, valid, read = BINARY_READERS[kind]
     choose, arrays = random.Random(seed), dict(entries(valid()))
     for _ in range(choose.choice((1, 1, 2))):
@@ -231,7 +231,7 @@ def test_arrays_of_other_types_and_shapes_are_refused(kind: str, seed: int):
 
 
 def repacked(data: bytes, name: str, shape: bytes) -> bytes:
-    """The same archive, one of whose arrays declares another shape."""
+    """Return the archive with another declared shape for one array."""
     stream = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(stream, "w") as new:
         for entry in old.infolist():
@@ -247,7 +247,7 @@ def repacked(data: bytes, name: str, shape: bytes) -> bytes:
 
 @pytest.mark.parametrize("kind", ["log", "shell"])
 @pytest.mark.parametrize("damage", ["encrypted", "method", "huge"])
-def test_archives_that_cannot_be_unpacked_are_refused(kind: str, damage: str, tmp_path: Path):
+def test_corrupt_archives_are_refused(kind: str, damage: str, tmp_path: Path):
     name, valid, read = BINARY_READERS[kind]
     data = bytearray(valid())
     flag = {"encrypted": (6, 8, 1), "method": (8, 10, 99)}

@@ -1,4 +1,4 @@
-"""Whatever stands at a path, and whoever moves it meanwhile: nothing is replaced but what kinesic has made."""
+"""Output replaces only files and folders made by kinesic."""
 
 import os
 from collections.abc import Iterator
@@ -13,18 +13,18 @@ from hypothesis import strategies as st
 
 from kinesic.body.config import ConfigError
 from kinesic.files.output_file import new_file
-from kinesic.files.output_folder import MARK, MARKER, new_folder
+from kinesic.files.output_folder import MARKER_FILE, MARKER_TEXT, new_folder
 
-NAMES = ("a", "b", "c")
-KINDS = ("file", "folder", "marked", "link", "way up", "home link")
-PATHS = st.lists(st.sampled_from(NAMES), min_size=1, max_size=3)
-TREES = st.lists(st.tuples(PATHS, st.sampled_from(KINDS), PATHS), max_size=8)
-SWAPS = 150
+ITEM_NAMES = ("a", "b", "c")
+ITEM_KINDS = ("file", "folder", "marked", "link", "way up", "home link")
+ITEM_PATHS = st.lists(st.sampled_from(ITEM_NAMES), min_size=1, max_size=3)
+FOLDER_TREES = st.lists(st.tuples(ITEM_PATHS, st.sampled_from(ITEM_KINDS), ITEM_PATHS), max_size=8)
+SWAP_COUNT = 150
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _away_from_home() -> Iterator[None]:
-    """A home and a working folder of one's own."""
+    """Use a temporary home and working folder."""
     with TemporaryDirectory() as place, pytest.MonkeyPatch.context() as patch:
         patch.setenv("HOME", place)
         patch.chdir(place)
@@ -32,7 +32,7 @@ def _away_from_home() -> Iterator[None]:
 
 
 def grow(root: Path, tree: list[tuple[list[str], str, list[str]]]) -> None:
-    """Makes files, folders, marked ones and links below a root."""
+    """Create files, folders, marked folders and links below a root."""
     for names, kind, way in tree:
         path = root.joinpath(*names)
         with suppress(OSError):
@@ -49,39 +49,39 @@ def grow(root: Path, tree: list[tuple[list[str], str, list[str]]]) -> None:
                     path.mkdir(parents=True)
                     (path / "letter").write_text("dear")
                     if kind == "marked":
-                        (path / MARKER).write_bytes(MARK)
+                        (path / MARKER_FILE).write_bytes(MARKER_TEXT)
 
 
 def letters(root: Path) -> set[str]:
-    """Everything that is in no marked folder; links as what they are."""
+    """Return the content of all user files outside marked folders."""
     found = set()
     for folder, folders, files in os.walk(root):
-        if MARKER in files:
+        if MARKER_FILE in files:
             folders.clear()
             continue
         found |= {os.path.join(folder, name) for name in (*folders, *files)}
-    return {name for name in found if not (Path(name) / MARKER).exists() or Path(name).is_symlink()}
+    return {name for name in found if not (Path(name) / MARKER_FILE).exists() or Path(name).is_symlink()}
 
 
-@given(TREES, PATHS, st.booleans(), st.booleans())
-def test_a_folder_takes_no_place_but_that_of_a_marked_or_empty_one(tree, names, force, fails):
+@given(FOLDER_TREES, ITEM_PATHS, st.booleans(), st.booleans())
+def test_output_folder_replaces_only_marked_or_empty_folders(tree, names, force, fails):
     with TemporaryDirectory() as place:
         grow(Path(place), tree)
         target, before = Path(place).joinpath(*names), letters(Path(place))
-        leads_to = Path(os.path.realpath(target))  # as far as links lead, if they go in a circle
-        inside_a_marked = any((folder / MARKER).exists() for folder in leads_to.parents)
+        leads_to = Path(os.path.realpath(target))  # Partly resolved if links are circular
+        inside_a_marked = any((folder / MARKER_FILE).exists() for folder in leads_to.parents)
         with suppress(ConfigError, ZeroDivisionError), new_folder(target, force=force) as fresh:
             (fresh / "result").write_text("new")
             if fails:
                 raise ZeroDivisionError
         gone = before - letters(Path(place))
-        assert gone <= {os.path.realpath(target)}  # an empty folder that is a marked one now
-        assert not gone or (target / MARKER).read_bytes() == MARK or inside_a_marked
+        assert gone <= {os.path.realpath(target)}  # An empty folder that is marked now
+        assert not gone or (target / MARKER_FILE).read_bytes() == MARKER_TEXT or inside_a_marked
         assert not [name for name in letters(Path(place)) if "/." in name.removeprefix(place)]
 
 
-@given(TREES, PATHS, st.booleans())
-def test_a_file_takes_no_place_but_that_of_a_file_and_only_if_forced(tree, names, force):
+@given(FOLDER_TREES, ITEM_PATHS, st.booleans())
+def test_output_file_replaces_only_files_if_forced(tree, names, force):
     with TemporaryDirectory() as place:
         grow(Path(place), tree)
         target, before = Path(place).joinpath(*names), letters(Path(place))
@@ -94,7 +94,7 @@ def test_a_file_takes_no_place_but_that_of_a_file_and_only_if_forced(tree, names
 
 
 def swap(target: Path, mine: Path, done: Event) -> None:
-    """Exchanges a marked folder for a link, a folder of somebody's and a file, and back, as fast as it can."""
+    """Replace a marked folder by other items in a tight loop."""
     away = target.with_name("away")
     while not done.is_set():
         with suppress(OSError):
@@ -104,14 +104,15 @@ def swap(target: Path, mine: Path, done: Event) -> None:
             mine.rename(target)
             target.rename(mine)
             away.rename(target)
-        with suppress(OSError):  # where the other one was in between: a new beginning
+        with suppress(OSError):  # The target was replaced during the race: start again
             if target.is_symlink():
                 target.unlink()
             if (target / "letter").exists() and not mine.exists():
                 target.rename(mine)
 
 
-def test_a_thread_that_swaps_the_folder_meanwhile_costs_nobody_a_file(tmp_path: Path):
+@pytest.mark.soak
+def test_concurrent_folder_swaps_delete_no_user_file(tmp_path: Path):
     target, mine, done = tmp_path / "out" / "demo", tmp_path / "mine", Event()
     mine.mkdir()
     for k in range(20):
@@ -123,7 +124,7 @@ def test_a_thread_that_swaps_the_folder_meanwhile_costs_nobody_a_file(tmp_path: 
     thread.start()
     replaced = 0
     try:
-        for _ in range(SWAPS):
+        for _ in range(SWAP_COUNT):
             with suppress(ConfigError), new_folder(target, force=True) as fresh:
                 (fresh / "result").write_text("new")
                 replaced += 1

@@ -1,4 +1,4 @@
-"""Whatever text a file name is made of: it is one plain, short name on every operating system."""
+"""Any text becomes a short file name, valid on every system."""
 
 import re
 from pathlib import Path, PureWindowsPath
@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from kinesic.files.plain_name import MAX_STEM_LENGTH, cut_name, is_device_name, plain_stem
 
-HOSTILE = st.one_of(
+HOSTILE_TEXTS = st.one_of(
     st.text(st.characters(), max_size=300),
     st.lists(
         st.sampled_from(("/", "\\", "..", ".", "con", "NUL", "C:", "a", "\0", "\n", " ", "-", "_")), max_size=9
@@ -16,18 +16,18 @@ HOSTILE = st.one_of(
 )
 
 
-@given(HOSTILE)
-def test_a_plain_stem_is_one_name_that_no_system_reserves(text: str):
+@given(HOSTILE_TEXTS)
+def test_plain_stem_is_a_single_unreserved_name(text: str):
     stem = plain_stem(text, fallback="performance")
     assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", stem)
-    assert len(stem) <= MAX_STEM_LENGTH + 1  # a device's name gets one more
+    assert len(stem) <= MAX_STEM_LENGTH + 1  # A device name is extended by one character
     for name in (stem, f"{stem}.csv"):
         assert not is_device_name(name)
         assert Path(name).name == PureWindowsPath(name).name == name
 
 
-@given(HOSTILE, st.integers(0, 300))
-def test_a_name_is_cut_by_bytes_and_only_at_its_end(text: str, limit: int):
+@given(HOSTILE_TEXTS, st.integers(0, 300))
+def test_long_name_is_truncated_by_bytes_at_its_end(text: str, limit: int):
     cut = cut_name(text, limit=limit)
     assert len(cut.encode()) <= limit
     assert text.encode("utf-8", "ignore").decode().startswith(cut)

@@ -1,17 +1,17 @@
-"""What holds for every packet, whatever it carries and however the wire cuts it up."""
+"""Properties of every packet and every split of the stream."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.bus.cycle import BLOCK, SIZE
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, RECORD_SIZE
 from kinesic.hardware.bus.goals import GoalFrame
 from kinesic.hardware.bus.query import FastQuery, PlainQuery
 from kinesic.hardware.protocol.crc import advance_crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (
-    BROADCAST,
-    HEADER,
+    BROADCAST_ID,
+    PACKET_HEADER,
     Instruction,
     Packet,
     Reader,
@@ -22,21 +22,21 @@ from kinesic.hardware.protocol.packet import (
     unstuff,
 )
 
-IDS = st.integers(0, 252)
-NASTY = st.lists(st.sampled_from([0xFF, 0xFF, 0xFD, 0xFD, 0x00, 0x55]), max_size=60).map(bytes)
-BODIES = st.binary(max_size=80) | NASTY
-INSTRUCTIONS = st.sampled_from([kind for kind in Instruction if kind != Instruction.STATUS])
-SAMPLE, MANY = 2_000, 100_000
+SERVO_IDS = st.integers(0, 252)
+STUFFED_BODIES = st.lists(st.sampled_from([0xFF, 0xFF, 0xFD, 0xFD, 0x00, 0x55]), max_size=60).map(bytes)
+PACKET_BODIES = st.binary(max_size=80) | STUFFED_BODIES
+INSTRUCTION_KINDS = st.sampled_from([kind for kind in Instruction if kind != Instruction.STATUS])
+SAMPLE_SIZE, SOAK_SIZE = 2_000, 100_000
 
 
-@given(BODIES)
-def test_stuffing_is_undone(body: bytes):
+@given(PACKET_BODIES)
+def test_unstuffing_inverts_stuffing(body: bytes):
     assert unstuff(stuff(body)) == body
-    assert HEADER not in stuff(body)
+    assert PACKET_HEADER not in stuff(body)
 
 
-@given(st.lists(st.tuples(IDS, INSTRUCTIONS, BODIES), max_size=6), st.data())
-def test_packets_come_out_as_they_went_in_however_the_stream_is_cut(
+@given(st.lists(st.tuples(SERVO_IDS, INSTRUCTION_KINDS, PACKET_BODIES), max_size=6), st.data())
+def test_packets_are_decoded_for_any_split_of_the_stream(
     asked: list[tuple[int, Instruction, bytes]], data: st.DataObject
 ):
     stream = b"".join(packet(*one) for one in asked)
@@ -46,20 +46,20 @@ def test_packets_come_out_as_they_went_in_however_the_stream_is_cut(
     assert [found for piece in pieces for found in reader.feed(piece)] == [Packet(*one) for one in asked]
 
 
-@given(IDS, BODIES, st.integers(0, 1000), st.integers(1, 255))
-def test_a_changed_byte_never_passes(servo: int, body: bytes, where: int, change: int):
+@given(SERVO_IDS, PACKET_BODIES, st.integers(0, 1000), st.integers(1, 255))
+def test_packet_with_a_changed_byte_is_rejected(servo: int, body: bytes, where: int, change: int):
     whole = bytearray(packet(servo, Instruction.WRITE, body))
     whole[where % len(whole)] ^= change
     assert list(Reader().feed(bytes(whole))) == []
 
 
-@given(st.binary(max_size=30).filter(lambda noise: b"\xff" not in noise), IDS, BODIES)
-def test_noise_before_a_packet_costs_nothing(noise: bytes, servo: int, body: bytes):
+@given(st.binary(max_size=30).filter(lambda noise: b"\xff" not in noise), SERVO_IDS, PACKET_BODIES)
+def test_packet_after_noise_is_decoded(noise: bytes, servo: int, body: bytes):
     assert list(Reader().feed(noise + packet(servo, Instruction.READ, body))) == [Packet(servo, 2, body)]
 
 
 @given(st.binary(min_size=1, max_size=60), st.integers(0, 0xFFFF))
-def test_tables_give_the_crc_of_the_loop(data: bytes, before: int):
+def test_packet_crc_by_table_equals_packet_crc_by_bits(data: bytes, before: int):
     table = byte_contributions(len(data))
     own = np.bitwise_xor.reduce([table[k, byte] for k, byte in enumerate(data)])
     assert own == crc16(data)
@@ -68,64 +68,64 @@ def test_tables_give_the_crc_of_the_loop(data: bytes, before: int):
     assert advance_crcs(np.array([before], dtype=np.uint16), data[0])[0] == crc16(data[:1], before)
 
 
-RECORDS = st.binary(min_size=SIZE, max_size=SIZE) | st.lists(
-    st.sampled_from([0xFF, 0xFD, 0x00]), min_size=SIZE, max_size=SIZE
+SERVO_RECORDS = st.binary(min_size=RECORD_SIZE, max_size=RECORD_SIZE) | st.lists(
+    st.sampled_from([0xFF, 0xFD, 0x00]), min_size=RECORD_SIZE, max_size=RECORD_SIZE
 ).map(bytes)
-SERVOS = st.lists(IDS, min_size=2, max_size=28, unique=True)
+SERVO_LISTS = st.lists(SERVO_IDS, min_size=2, max_size=28, unique=True)
 
 
 def joint(servos: list[int], records: list[bytes], errors: list[int]) -> bytes:
-    """The answer of several servos to a fast read, by the loop."""
-    length = 1 + BLOCK.itemsize * len(servos)
-    answer = bytearray(HEADER + bytes((BROADCAST, length & 0xFF, length >> 8, Instruction.STATUS)))
+    """Return the combined reply of several servos to a fast read."""
+    length = 1 + BLOCK_DTYPE.itemsize * len(servos)
+    answer = bytearray(PACKET_HEADER + bytes((BROADCAST_ID, length & 0xFF, length >> 8, Instruction.STATUS)))
     for servo, record, error in zip(servos, records, errors, strict=True):
         answer += bytes((error, servo)) + record
         answer += crc16(answer).to_bytes(2, "little")
     return bytes(answer)
 
 
-@given(SERVOS, st.data())
-def test_a_joint_answer_is_read_as_it_was_given(servos: list[int], data: st.DataObject):
-    records = [data.draw(RECORDS) for _ in servos]
+@given(SERVO_LISTS, st.data())
+def test_fast_read_answer_is_decoded(servos: list[int], data: st.DataObject):
+    records = [data.draw(SERVO_RECORDS) for _ in servos]
     question = FastQuery(tuple(servos), (224,) * len(servos))
     raw = joint(servos, records, [0] * len(servos))
     assert len(raw) == question.length
-    answer = question.answer(raw)
+    answer = question.parse(raw)
     assert answer.whole
     assert [block.tobytes()[2:20] for block in answer.blocks] == records
-    assert question.complete(raw)
+    assert question.is_complete(raw)
 
 
-@given(SERVOS, st.integers(0, 1000), st.integers(1, 255), st.data())
-def test_a_changed_byte_costs_two_blocks_at_most_and_lies_in_none(
+@given(SERVO_LISTS, st.integers(0, 1000), st.integers(1, 255), st.data())
+def test_changed_byte_in_a_fast_answer_loses_at_most_two_records(
     servos: list[int], where: int, change: int, data: st.DataObject
 ):
-    records = [data.draw(st.binary(min_size=SIZE, max_size=SIZE)) for _ in servos]
+    records = [data.draw(st.binary(min_size=RECORD_SIZE, max_size=RECORD_SIZE)) for _ in servos]
     raw = bytearray(joint(servos, records, [0] * len(servos)))
     raw[where % len(raw)] ^= change
-    answer = FastQuery(tuple(servos), (224,) * len(servos)).answer(bytes(raw))
-    assert answer.found.sum() >= len(servos) - 2
-    for block, found, record in zip(answer.blocks, answer.found, records, strict=True):
+    answer = FastQuery(tuple(servos), (224,) * len(servos)).parse(bytes(raw))
+    assert answer.received.sum() >= len(servos) - 2
+    for block, found, record in zip(answer.blocks, answer.received, records, strict=True):
         assert not found or block.tobytes()[2:20] == record
 
 
 @given(st.lists(st.integers(1, 250), min_size=1, max_size=20, unique=True), st.data())
-def test_single_statuses_are_read_as_they_were_given(servos: list[int], data: st.DataObject):
-    records = [data.draw(RECORDS) for _ in servos]
+def test_separate_status_packets_are_decoded(servos: list[int], data: st.DataObject):
+    records = [data.draw(SERVO_RECORDS) for _ in servos]
     raw = b"".join(packet(s, Instruction.STATUS, b"\0" + r) for s, r in zip(servos, records, strict=True))
-    answer = PlainQuery(tuple(servos), (224,) * len(servos)).answer(raw)
+    answer = PlainQuery(tuple(servos), (224,) * len(servos)).parse(raw)
     assert answer.whole
     assert [block.tobytes()[2:20] for block in answer.blocks] == records
 
 
-@given(SERVOS, st.data())
-def test_the_frame_of_goals_is_a_sync_write(servos: list[int], data: st.DataObject):
+@given(SERVO_LISTS, st.data())
+def test_goal_frame_is_a_sync_write(servos: list[int], data: st.DataObject):
     frame = GoalFrame(servos)
     for _ in range(3):
         goals = np.array([data.draw(st.integers(-10, 5000)) for _ in servos])
         kept = np.clip(goals, 0, 4095)
         rows = {servo: int(goal).to_bytes(4, "little") for servo, goal in zip(servos, kept, strict=True)}
-        assert frame.filled(goals) == sync_write(116, 4, rows)
+        assert frame.fill(goals) == sync_write(116, 4, rows)
 
 
 def _round_trips(count: int) -> None:
@@ -139,10 +139,10 @@ def _round_trips(count: int) -> None:
         assert list(reader.feed(noise + packet(servo, Instruction.WRITE, body))) == [Packet(servo, 3, body)]
 
 
-def test_random_packets_come_out_as_they_went_in():
-    _round_trips(SAMPLE)
+def test_random_packets_are_decoded():
+    _round_trips(SAMPLE_SIZE)
 
 
 @pytest.mark.soak
-def test_a_hundred_thousand_random_packets_come_out_as_they_went_in():
-    _round_trips(MANY)
+def test_100000_random_packets_are_decoded():
+    _round_trips(SOAK_SIZE)

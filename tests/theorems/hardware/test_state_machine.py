@@ -1,6 +1,6 @@
-"""What holds for every step of the supervisor, wherever it is, whatever is known and whatever happens.
+"""Properties of every step of the supervisor.
 
-Stories from the beginning seldom come to where it matters: so many steps are drawn, from all states that may be.
+Random sequences from the start rarely reach critical states, so single steps are drawn from all possible states too.
 """
 
 from collections.abc import Iterator
@@ -13,24 +13,32 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.supervisor.observation import Observation
-from kinesic.hardware.supervisor.state_machine import MOVING, POWERED, Action, Event, Stage, SupervisorState, step
-from kinesic.hardware.supervisor.status import awaited
+from kinesic.hardware.supervisor.state_machine import (
+    MOVING_STAGES,
+    POWERED_STAGES,
+    Action,
+    Event,
+    Stage,
+    SupervisorState,
+    step,
+)
+from kinesic.hardware.supervisor.status import awaited_input
 
 from ...examples import examples
 
-EVENTS: tuple[Event, ...] = get_args(Event)
-ENERGISING = {"arm", "adopt"}
-GOING = {"approach", "follow", "fold"}
-FRESH = {Stage.PROBE, Stage.CONFIGURE, Stage.LIMP}  # nothing has happened yet
-UNARMED = {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}  # with torque that may not all have come yet
-KNOWN = [field.name for field in fields(Observation) if field.name != "policy"]
-REMEMBERED = [field.name for field in fields(SupervisorState) if field.name not in ("stage", "slowed")]
-STEPS, STATES = 60_000, 2_000
-DECIDED = {Stage.CLOSED, Stage.LIMP, Stage.RELEASE}  # whether torque is taken
+ALL_EVENTS: tuple[Event, ...] = get_args(Event)
+ENERGISING_ACTIONS = {"arm", "adopt"}
+MOTION_ACTIONS = {"approach", "follow", "fold"}
+FRESH_STAGES = {Stage.PROBE, Stage.CONFIGURE, Stage.LIMP}  # Stages without history
+UNARMED_STAGES = {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}  # Torque may still be incomplete
+OBSERVED_FIELDS = [field.name for field in fields(Observation) if field.name != "policy"]
+STATE_FIELDS = [field.name for field in fields(SupervisorState) if field.name not in ("stage", "slowed")]
+STEP_COUNT, STATE_COUNT = 60_000, 2_000
+RELEASE_STAGES = {Stage.CLOSED, Stage.LIMP, Stage.RELEASE}  # The removal of torque is decided
 
 
-class Taken(NamedTuple):
-    """A step, with all that led to it."""
+class TakenStep(NamedTuple):
+    """Step of the state machine with its inputs and results."""
 
     before: SupervisorState
     event: Event
@@ -40,70 +48,70 @@ class Taken(NamedTuple):
 
 
 def possible(state: SupervisorState) -> SupervisorState:
-    """The same with what always holds."""
-    powered = state.stage in POWERED
-    if state.stage in FRESH:
+    """Correct a random state so that it satisfies the supervisor's invariants."""
+    powered = state.stage in POWERED_STAGES
+    if state.stage in FRESH_STAGES:
         state = replace(state, powered=False, armed=False, stopped=False, paused=False)
     return replace(
         state,
         checked=state.stage is not Stage.PROBE and (state.checked or state.stage is not Stage.CLOSED),
         powered=state.powered or powered,
-        armed=state.armed or (powered and state.stage not in UNARMED),
+        armed=state.armed or (powered and state.stage not in UNARMED_STAGES),
         paused=state.paused or state.stopped,
         faulty=state.faulty or state.refused,
     )
 
 
 def drawn_state(random: Random) -> SupervisorState:
-    remembered = {name: random.random() < 0.5 for name in REMEMBERED}
+    remembered = {name: random.random() < 0.5 for name in STATE_FIELDS}
     slowed = random.choice((Stage.APPROACH, Stage.ACTIVE))
     return possible(SupervisorState(random.choice(list(Stage)), slowed=slowed, **remembered))
 
 
 def drawn_event(random: Random) -> Event:
-    """Nothing in half of the cases, where facts alone decide."""
-    return "tick" if random.random() < 0.5 else random.choice(EVENTS)
+    """Draw an event, or none in half of the cases."""
+    return "tick" if random.random() < 0.5 else random.choice(ALL_EVENTS)
 
 
 def drawn_facts(random: Random) -> Observation:
-    known = {name: random.random() < 0.5 for name in KNOWN}
+    known = {name: random.random() < 0.5 for name in OBSERVED_FIELDS}
     return Observation(
         **known | {"raised": known["raised"] and known["energised"]}, policy=random.choice(("hold", "limp"))
     )
 
 
-def taken(before: SupervisorState, event: Event, known: Observation) -> Taken:
-    return Taken(before, event, known, *step(before, event, known))
+def taken(before: SupervisorState, event: Event, known: Observation) -> TakenStep:
+    return TakenStep(before, event, known, *step(before, event, known))
 
 
 @pytest.fixture(scope="module")
-def steps() -> list[Taken]:
-    """Many, from anywhere."""
+def steps() -> list[TakenStep]:
+    """Return random steps from all possible states."""
     random = Random(0)
-    return [taken(drawn_state(random), drawn_event(random), drawn_facts(random)) for _ in range(STEPS)]
+    return [taken(drawn_state(random), drawn_event(random), drawn_facts(random)) for _ in range(STEP_COUNT)]
 
 
 @pytest.fixture
 def states() -> Iterator[SupervisorState]:
     random = Random(1)
-    return (drawn_state(random) for _ in range(STATES))
+    return (drawn_state(random) for _ in range(STATE_COUNT))
 
 
 facts = st.builds(drawn_facts, st.randoms(use_true_random=False))
 
 
-@given(st.lists(st.tuples(st.sampled_from(EVENTS), facts), max_size=25))
+@given(st.lists(st.tuples(st.sampled_from(ALL_EVENTS), facts), max_size=25))
 @examples(100)
-def test_no_story_leads_to_what_is_called_impossible(story: list[tuple[Event, Observation]]):
+def test_no_event_sequence_reaches_an_impossible_supervisor_state(story: list[tuple[Event, Observation]]):
     state = SupervisorState()
     for event, known in [("open", Observation()), *story]:
         state, _ = step(state, event, known)
         assert possible(state) == state
 
 
-def test_nothing_is_energised_before_the_manifest_is_right(steps: list[Taken]):
+def test_no_servo_is_powered_before_the_manifest_is_checked(steps: list[TakenStep]):
     for before, _, _, after, actions in steps:
-        if ENERGISING & set(actions):
+        if ENERGISING_ACTIONS & set(actions):
             assert before.checked
             assert after.powered
         if not after.checked:
@@ -112,51 +120,51 @@ def test_nothing_is_energised_before_the_manifest_is_right(steps: list[Taken]):
             assert after.checked == (after.stage is Stage.CONFIGURE)
 
 
-def test_what_is_checked_waits_for_the_answer(steps: list[Taken]):
+def test_supervisor_leaves_probe_and_configuration_only_when_done_or_closing(steps: list[TakenStep]):
     for before, event, _, after, _ in steps:
         if before.stage in (Stage.PROBE, Stage.CONFIGURE) and event not in ("done", "estop"):
             assert after.stage in (before.stage, Stage.CLOSED)
 
 
-def test_an_emergency_stop_wins(steps: list[Taken]):
+def test_emergency_stop_pauses_the_supervisor_in_every_state(steps: list[TakenStep]):
     for before, event, known, after, actions in steps:
         if event == "estop":
             assert after.stopped
             assert after.paused
-            assert after.stage not in MOVING | {Stage.HOLD}
+            assert after.stage not in MOVING_STAGES | {Stage.HOLD}
             assert after.stage is not Stage.ARM or known.raised
-            assert not (ENERGISING | GOING) & set(actions)
+            assert not (ENERGISING_ACTIONS | MOTION_ACTIONS) & set(actions)
             if known.policy == "limp":
                 assert after.stage in (Stage.RELEASE, Stage.CLOSED)
             elif known.raised and before.stage is not Stage.RELEASE:
                 assert "release" not in actions
 
 
-def test_nothing_moves_or_is_armed_after_an_emergency_stop(steps: list[Taken]):
-    """Until somebody wants the end, or nobody is there who could."""
+def test_no_motion_or_arming_after_an_emergency_stop(steps: list[TakenStep]):
+    """The stop holds until the end is requested or inevitable."""
     for before, _, known, after, actions in steps:
-        if before.stopped and after.stopped and not known.dismissed and before.stage not in MOVING:
-            assert not GOING & set(actions)
+        if before.stopped and after.stopped and not known.dismissed and before.stage not in MOVING_STAGES:
+            assert not MOTION_ACTIONS & set(actions)
             assert "arm" not in actions
-            assert after.stage not in MOVING
+            assert after.stage not in MOVING_STAGES
             assert before.stage is not Stage.STOPPED or after.stage is not Stage.HOLD
 
 
-def test_torque_comes_only_in_arm_and_goes_only_in_release(steps: list[Taken]):
+def test_torque_is_enabled_in_arm_and_disabled_in_release_only(steps: list[TakenStep]):
     for _, _, _, after, actions in steps:
         assert ("arm" in actions) == (after.stage is Stage.ARM and bool(actions))
         assert ("release" in actions) == (after.stage is Stage.RELEASE and bool(actions))
 
 
-def test_no_torque_is_taken_from_a_raised_limb_unless_a_person_wants_it(steps: list[Taken]):
+def test_torque_of_raised_limbs_is_removed_only_by_a_person(steps: list[TakenStep]):
     for _, event, known, _, actions in steps:
         if "release" in actions and known.raised:
             assert known.confirmed or (event == "estop" and known.policy == "limp")
 
 
-def test_after_a_long_interruption_nothing_is_performed_without_consent(steps: list[Taken]):
+def test_no_state_continues_a_long_interrupted_performance_without_a_resume_request(steps: list[TakenStep]):
     for before, event, known, after, actions in steps:
-        struck = known.interrupted and before.armed and before.stage in POWERED
+        struck = known.interrupted and before.armed and before.stage in POWERED_STAGES
         if struck or (before.paused and event not in ("resumed", "open")):
             assert after.paused
             assert not {"approach", "follow"} & set(actions)
@@ -165,7 +173,7 @@ def test_after_a_long_interruption_nothing_is_performed_without_consent(steps: l
 
 
 def good_end(state: SupervisorState, known: Observation) -> SupervisorState:
-    """Lets everything go well from now on, until nothing changes any more; where that is."""
+    """Run without further faults to a constant state."""
     for _ in range(30):
         event: Event = "tick"
         if state.stage in (Stage.PROBE, Stage.CONFIGURE, Stage.ARM, Stage.IDENTIFY, Stage.ADOPT, Stage.RELEASE):
@@ -179,25 +187,25 @@ def good_end(state: SupervisorState, known: Observation) -> SupervisorState:
     raise AssertionError(f"{state} changes for ever")
 
 
-def test_every_state_leads_to_release_once_the_planner_has_ended(states: Iterator[SupervisorState]):
+def test_every_state_reaches_release_after_the_planner_ends(states: Iterator[SupervisorState]):
     for number, state in enumerate(states):
         release = bool(number % 2)
         known = Observation(energised=True, reached=True, idle=True, ended=True, alone=not release, release=release)
         assert good_end(state, known).stage is Stage.CLOSED
 
 
-def test_who_cannot_come_to_rest_is_held_until_a_person_confirms(states: Iterator[SupervisorState]):
+def test_robot_that_cannot_rest_holds_until_a_person_confirms(states: Iterator[SupervisorState]):
     for number, state in enumerate(states):
         known = Observation(energised=True, reached=True, idle=True, ended=True, release=True, raised=True)
         known = replace(known, alone=bool(number % 2))
         end = good_end(state, known)
-        assert end.stage is (Stage.CLOSED if state.stage in DECIDED else Stage.WAITING)
+        assert end.stage is (Stage.CLOSED if state.stage in RELEASE_STAGES else Stage.WAITING)
         if end.stage is Stage.WAITING:
-            assert awaited(end, well=True) == "confirmation"
+            assert awaited_input(end, well=True) == "confirmation"
             assert good_end(end, replace(known, confirmed=True)).stage is Stage.CLOSED
 
 
-def test_after_an_emergency_stop_a_dead_planner_means_hold_then_fold(states: Iterator[SupervisorState]):
+def test_dead_planner_after_an_emergency_stop_means_hold_then_fold(states: Iterator[SupervisorState]):
     known = Observation(energised=True, raised=True, ended=True, alone=True)
     for before in states:
         state, _ = step(before, "estop", known)
@@ -210,18 +218,18 @@ def test_after_an_emergency_stop_a_dead_planner_means_hold_then_fold(states: Ite
         assert actions == ("fold",)
 
 
-def test_every_state_leads_to_rest_or_to_a_hold_that_says_what_it_waits_for(states: Iterator[SupervisorState]):
+def test_every_state_reaches_rest_or_a_hold_with_a_stated_reason(states: Iterator[SupervisorState]):
     for state in states:
         end = good_end(state, Observation(energised=True, reached=True, idle=True))
         assert end.stage in (Stage.CLOSED, Stage.LIMP, Stage.STOPPED) or (end.stage is Stage.HOLD and end.folded)
-        assert (awaited(end, well=True) == "nothing") == (end.stage is Stage.CLOSED)
+        assert (awaited_input(end, well=True) == "nothing") == (end.stage is Stage.CLOSED)
 
 
-def test_a_lost_port_is_no_dead_end(states: Iterator[SupervisorState]):
+def test_supervisor_closes_if_a_lost_port_is_unrecoverable(states: Iterator[SupervisorState]):
     for state in states:
         assert step(replace(state, stage=Stage.LOST), "tick", Observation(hopeless=True))[0].stage is Stage.CLOSED
 
 
-def test_the_machine_is_a_function(steps: list[Taken]):
+def test_supervisor_state_machine_is_deterministic(steps: list[TakenStep]):
     for before, event, known, after, actions in steps:
         assert step(before, event, known) == (after, actions)

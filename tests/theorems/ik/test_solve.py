@@ -1,4 +1,4 @@
-"""What holds for every reach."""
+"""Properties of the arm solver over random targets."""
 
 import numpy as np
 from hypothesis import given
@@ -8,16 +8,16 @@ from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.scalar3 import distance
 from kinesic.ik.solve import solve
-from kinesic.ik.torso import LARGEST_TURN, lean_torso
+from kinesic.ik.torso import MAX_TURN, lean_torso
 
 from ...examples import examples
+from ...reference.ik.masses import settle_masses
 
-ROBOT = Robot.load()
-LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
-FLIP = np.array([1.0, -1.0, 1.0])
+DEFAULT_ROBOT = Robot.load()
+LEFT_ARM, RIGHT_ARM = DEFAULT_ROBOT.arms["l"], DEFAULT_ROBOT.arms["r"]
+MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])
 
 number = st.floats(-1.0, 1.0)
 positions = st.tuples(number, number, number).map(np.array)
@@ -27,47 +27,47 @@ reaches = st.builds(Reach, positions, directions, directions, st.none() | st.flo
 
 
 def _posture(share: Floats) -> Floats:
-    return LEFT.lower + share * (LEFT.upper - LEFT.lower)
+    return LEFT_ARM.lower + share * (LEFT_ARM.upper - LEFT_ARM.lower)
 
 
 def _mirrored(reach: Reach) -> Reach:
     def flipped(vector: Floats | None) -> Floats | None:
-        return None if vector is None else vector * FLIP
+        return None if vector is None else vector * MIRROR_SIGNS
 
-    return Reach(reach.position * FLIP, flipped(reach.pointing), flipped(reach.palm), reach.swivel)
+    return Reach(reach.position * MIRROR_SIGNS, flipped(reach.pointing), flipped(reach.palm), reach.swivel)
 
 
 @examples(150, derandomize=True)
 @given(reach=reaches, start=shares)
-def test_ranges_hold_and_the_residual_is_that_of_the_angles(reach: Reach, start: Floats) -> None:
-    solution = solve(LEFT, reach, start=_posture(start))
-    assert np.all(LEFT.lower <= solution.angles)
-    assert np.all(solution.angles <= LEFT.upper)
-    assert abs(solution.residual - np.linalg.norm(LEFT.hand(solution.angles) - reach.position)) < 1e-12
+def test_arm_solution_is_within_joint_ranges_and_its_residual_is_correct(reach: Reach, start: Floats) -> None:
+    solution = solve(LEFT_ARM, reach, start=_posture(start))
+    assert np.all(LEFT_ARM.lower <= solution.angles)
+    assert np.all(solution.angles <= LEFT_ARM.upper)
+    assert abs(solution.residual - np.linalg.norm(LEFT_ARM.hand(solution.angles) - reach.position)) < 1e-12
     assert (solution.pointing_error is None) == (reach.pointing is None)
     assert (solution.palm_error is None) == (reach.palm is None)
 
 
 @examples(80, derandomize=True)
 @given(reach=reaches, start=shares)
-def test_the_right_arm_mirrors_the_left_and_asking_twice_changes_nothing(reach: Reach, start: Floats) -> None:
-    left = solve(LEFT, reach, start=_posture(start))
-    right = solve(RIGHT, _mirrored(reach), start=_posture(start))
+def test_arms_are_mirror_images_and_solving_is_deterministic(reach: Reach, start: Floats) -> None:
+    left = solve(LEFT_ARM, reach, start=_posture(start))
+    right = solve(RIGHT_ARM, _mirrored(reach), start=_posture(start))
     assert np.abs(left.angles - right.angles).max() < 1e-9
-    assert solve(LEFT, reach, start=_posture(start)).angles.tobytes() == left.angles.tobytes()
+    assert solve(LEFT_ARM, reach, start=_posture(start)).angles.tobytes() == left.angles.tobytes()
 
 
 @examples(150, derandomize=True)
 @given(share=shares, start=shares)
-def test_what_a_posture_holds_is_reached(share: Floats, start: Floats) -> None:
-    solution = solve(LEFT, Reach(LEFT.hand(_posture(share))), start=_posture(start))
+def test_arm_solver_reaches_hand_positions_of_postures_in_range(share: Floats, start: Floats) -> None:
+    solution = solve(LEFT_ARM, Reach(LEFT_ARM.hand(_posture(share))), start=_posture(start))
     assert solution.residual < 2e-3
 
 
 @examples(80, derandomize=True)
 @given(start=shares, target=positions)
-def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floats, target: Floats) -> None:
-    linkage = linkage_of(LEFT)
+def test_reference_mass_chain_keeps_its_base_and_stays_within_the_arm_length(start: Floats, target: Floats) -> None:
+    linkage = linkage_of(LEFT_ARM)
     points = linkage.walk(_posture(start).tolist(), 3)[1]
     lengths = [link.length for link in linkage.links[:3]]
     settled = settle_masses(points, lengths, tuple(target.tolist()))
@@ -78,8 +78,8 @@ def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floa
 
 @examples(60, derandomize=True)
 @given(left=positions, right=positions)
-def test_the_torso_never_turns_further_than_allowed(left: Floats, right: Floats) -> None:
-    turn = np.array(lean_torso(ROBOT, {"l": left, "r": right}))
-    joints = list(ROBOT.joints("torso"))
-    assert np.all(np.abs(turn) <= LARGEST_TURN)
-    assert np.all((ROBOT.skeleton.lower[joints] <= turn) & (turn <= ROBOT.skeleton.upper[joints]))
+def test_torso_lean_stays_within_its_rotation_limit(left: Floats, right: Floats) -> None:
+    turn = np.array(lean_torso(DEFAULT_ROBOT, {"l": left, "r": right}))
+    joints = list(DEFAULT_ROBOT.joints("torso"))
+    assert np.all(np.abs(turn) <= MAX_TURN)
+    assert np.all((DEFAULT_ROBOT.skeleton.lower[joints] <= turn) & (turn <= DEFAULT_ROBOT.skeleton.upper[joints]))

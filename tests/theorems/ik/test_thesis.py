@@ -1,4 +1,4 @@
-"""What holds for every chain of ball joints and every target."""
+"""Properties of the thesis solvers over random ball chains and targets."""
 
 import numpy as np
 import pytest
@@ -16,12 +16,12 @@ lengths = st.lists(st.floats(0.05, 1.0), min_size=1, max_size=8)
 places = st.tuples(number, number, number).map(np.array)
 methods = st.sampled_from(["force", "position", "direct"])
 boxes = st.tuples(*[st.floats(0.05, 1.5)] * 3).map(np.array)
-MIRROR = np.array([1.0, -1.0, 1.0])
+MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])
 
 
 @examples(80, derandomize=True)
 @given(sizes=lengths, share=places, method=methods)
-def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], share: np.ndarray, method: Method):
+def test_bone_lengths_are_kept_and_the_residual_is_correct(sizes: list[float], share: np.ndarray, method: Method):
     chain = BallChain.curved(sizes)
     target = 1.3 * chain.size * share
     relaxed = solve_ball_chain(chain, target, method=method)
@@ -36,7 +36,7 @@ def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], s
 
 @examples(40, derandomize=True)
 @given(sizes=lengths, share=places, method=methods, box=boxes)
-def test_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray):
+def test_ball_chain_joint_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray):
     limits = EulerBoxes.of(-box, box, joints=len(sizes))
     rest = BallChain.curved(sizes)
     relaxed = solve_ball_chain(BallChain.of(rest.points, limits=limits), rest.size * share, method=method)
@@ -45,12 +45,10 @@ def test_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box:
 
 @examples(40, derandomize=True)
 @given(sizes=lengths, share=places, method=methods)
-def test_solving_twice_gives_the_same_and_left_is_the_mirror_of_right(
-    sizes: list[float], share: np.ndarray, method: Method
-):
+def test_solving_is_deterministic_and_arms_are_mirror_images(sizes: list[float], share: np.ndarray, method: Method):
     chain = BallChain.curved(sizes)
     target = chain.size * share
     first, again = (solve_ball_chain(chain, target, method=method) for _ in range(2))
     assert first.points.tobytes() == again.points.tobytes()
-    mirrored = solve_ball_chain(chain, target * MIRROR, method=method)
-    assert mirrored.points * MIRROR == pytest.approx(first.points, abs=1e-6 * chain.size)
+    mirrored = solve_ball_chain(chain, target * MIRROR_SIGNS, method=method)
+    assert mirrored.points * MIRROR_SIGNS == pytest.approx(first.points, abs=1e-6 * chain.size)

@@ -1,4 +1,4 @@
-"""Twice as much text, or twice as many intentions, take about twice as long to be given behaviours."""
+"""The time to choose behaviours grows linearly with the input."""
 
 import pytest
 
@@ -7,10 +7,10 @@ from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author
 from kinesic.intent.fml.author import author_fml
 
-from ...growth import STRAIGHT, growth
+from ...growth import LINEAR_GROWTH_LIMIT, growth
 
-SIZE = 160  # of pieces or intentions, to begin with
-TEXTS = (
+INITIAL_SIZE = 80  # Initial number of pieces or intents
+TEXT_PIECES = (
     "no ",
     "no, ",
     "you I ",
@@ -31,10 +31,13 @@ def lexicon() -> Lexicon:
     return Lexicon.load()
 
 
-@pytest.mark.parametrize("piece", TEXTS)
-def test_a_text_of_whatever_words(piece: str, lexicon: Lexicon) -> None:
+@pytest.mark.parametrize("piece", TEXT_PIECES)
+def test_authoring_time_grows_at_most_linearly_with_text_length(piece: str, lexicon: Lexicon) -> None:
     style = Style.load("neutral")
-    assert growth(lambda text: author(text, lexicon, style), lambda size: size * piece, size=SIZE) < STRAIGHT
+    assert (
+        growth(lambda text: author(text, lexicon, style), lambda size: size * piece, size=INITIAL_SIZE)
+        < LINEAR_GROWTH_LIMIT
+    )
 
 
 @pytest.mark.parametrize(
@@ -47,17 +50,17 @@ def test_a_text_of_whatever_words(piece: str, lexicon: Lexicon) -> None:
         ('performative type="agree"', "s:m{k}"),
     ],
 )
-def test_intentions_wherever_they_are(kind: str, time: str) -> None:
+def test_authoring_time_grows_at_most_linearly_with_the_number_of_intents(kind: str, time: str) -> None:
     def document(count: int) -> str:
         inside = "".join(f'word <tm id="m{k}"/><pitchaccent start="s:m{k}" end="s:m{k}+0.2"/>' for k in range(count))
         intentions = "".join(f'<{kind} start="{time.format(k=k)}" end="s:end"/>' for k in range(count))
         return f'<fml-apml><bml id="b"><speech id="s">{inside}</speech></bml><fml>{intentions}</fml></fml-apml>'
 
-    assert growth(author_fml, document, size=SIZE) < STRAIGHT
+    assert growth(author_fml, document, size=INITIAL_SIZE) < LINEAR_GROWTH_LIMIT
 
 
-def test_an_intention_of_a_long_name() -> None:
+def test_time_for_a_long_intent_name_is_linear() -> None:
     def document(size: int) -> str:
         return f'<fml-apml><bml id="b"/><fml><emotion type="{size * "a-"}" start="0"/></fml></fml-apml>'
 
-    assert growth(author_fml, document, most=2**17) < STRAIGHT
+    assert growth(author_fml, document, most=2**17) < LINEAR_GROWTH_LIMIT

@@ -1,4 +1,4 @@
-"""Whatever is wished for at whatever times: every limit holds, every key is met, and what moves is known."""
+"""Conditioned motion keeps every limit, passes every key and reports every change."""
 
 from dataclasses import dataclass
 
@@ -14,10 +14,10 @@ from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
-# of a trunk, a shoulder, an elbow and a wrist with common servos
-BOXES = ([-0.26, -0.87, 0.0, -1.05], [0.61, 2.97, 2.36, 1.05], [1.26, 4.44, 6.45, 5.95], [17.5, 58.9, 80.6, 350.0])
-DUTY = ([0.0323, 0.0103, 0.0081, 0.0021], [0.637, 0.18, 0.124, 0.1345], [0.615, 0.654, 0.703, 0.787])
-LIMITS = Limits(*(sealed(values) for values in (*BOXES, [437.0, 1472.0, 2016.0, 8752.0], *DUTY)))
+# Limits of trunk, shoulder, elbow and wrist with common servos
+BOX_LIMITS = ([-0.26, -0.87, 0.0, -1.05], [0.61, 2.97, 2.36, 1.05], [1.26, 4.44, 6.45, 5.95], [17.5, 58.9, 80.6, 350.0])
+DUTY_LIMITS = ([0.0323, 0.0103, 0.0081, 0.0021], [0.637, 0.18, 0.124, 0.1345], [0.615, 0.654, 0.703, 0.787])
+JOINT_LIMITS = Limits(*(sealed(values) for values in (*BOX_LIMITS, [437.0, 1472.0, 2016.0, 8752.0], *DUTY_LIMITS)))
 
 
 def out_back(x):
@@ -37,7 +37,7 @@ def out_quart(x):
 
 @dataclass(frozen=True)
 class Eased:
-    """From key to key by an easing."""
+    """Interpolation by an easing between keys."""
 
     easing: object
 
@@ -54,7 +54,7 @@ class Eased:
 
 @dataclass(frozen=True)
 class Tcb:
-    """Cubics with the tangents of Kochanek and Bartels, whose speed jumps where c is not 0."""
+    """Kochanek-Bartels spline, with discontinuous velocity if c is not 0."""
 
     t: float
     c: float
@@ -105,24 +105,24 @@ def check(rows, wishes):
     keys = tuple(
         KeyPosture(
             float(time),
-            sealed(LIMITS.lower + np.array(share) * (LIMITS.upper - LIMITS.lower)),
+            sealed(JOINT_LIMITS.lower + np.array(share) * (JOINT_LIMITS.upper - JOINT_LIMITS.lower)),
             tuple(k in (0, last) or bool(mask >> hinge & 1) for hinge in range(4)),
             ((f"b{k // 4}", sync),),
         )
         for k, (time, (_, share, mask, sync)) in enumerate(zip(times, rows, strict=True))
     )
-    motion = condition(keys, LIMITS, make_desired=wishes)
-    for name, peak in check_limits(motion.trajectory, LIMITS).shares.items():
+    motion = condition(keys, JOINT_LIMITS, make_desired=wishes)
+    for name, peak in check_limits(motion.trajectory, JOINT_LIMITS).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
     met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
     for k, key in enumerate(keys):
         for hinge in np.flatnonzero(key.keyed):
-            assert abs(met[k, hinge] - key.angles[hinge]) <= 1.01e-3  # a key at the end of a range keeps room to turn
+            assert abs(met[k, hinge] - key.angles[hinge]) <= 1.01e-3  # Keys at a range end keep a margin to turn back
     for hinge in range(4):
         own = [k for k, key in enumerate(keys) if key.keyed[hinge]]
         assert np.all(np.diff(motion.planned[own]) > 0)
     assert motion.planned.min() >= times[0] - LEAD_IN - 1e-6
-    shifted = np.abs(motion.planned - motion.asked).max()
+    shifted = np.abs(motion.planned - motion.requested_times).max()
     crowded = np.diff(times).min() < 0.02
     assert shifted <= SHIFT_TO_WARN or motion.bottlenecks or crowded
     assert not motion.bottlenecks or shifted > 0.0
@@ -130,12 +130,12 @@ def check(rows, wishes):
 
 @settings(max_examples=20, deadline=None)
 @given(rows, wished)
-def test_any_wish_is_made_one_that_servos_can_follow(rows, wishes):
+def test_any_motion_is_conditioned_to_the_limits(rows, wishes):
     check(rows, wishes)
 
 
 @pytest.mark.soak
 @settings(max_examples=1000, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(rows, wished)
-def test_a_thousand_wishes(rows, wishes):
+def test_1000_motions_are_conditioned_to_the_limits(rows, wishes):
     check(rows, wishes)

@@ -1,4 +1,4 @@
-"""Every sampled state of a conditioned motion obeys every limit, whatever is asked."""
+"""Every sample of a conditioned motion is within every limit."""
 
 from typing import get_args
 
@@ -13,9 +13,9 @@ from kinesic.motion.easing import Easing
 from kinesic.motion.keys import KeyPassage, KeyPosture
 from kinesic.motion.limit_check import check_limits
 
-BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
-DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
-LIMITS = Limits(*(sealed(values) for values in (*BOXES, *DUTY)))
+BOX_LIMITS = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
+DUTY_LIMITS = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
+JOINT_LIMITS = Limits(*(sealed(values) for values in (*BOX_LIMITS, *DUTY_LIMITS)))
 
 gaps = st.floats(0.021, 1.5)
 passages = st.builds(
@@ -28,7 +28,7 @@ rows = st.lists(st.tuples(gaps, angles, st.integers(0, 7), st.tuples(*[passages]
 
 @settings(max_examples=12, deadline=None)
 @given(rows)
-def test_limits_hold_and_keys_are_met(rows):
+def test_conditioned_motion_keeps_limits_and_passes_its_keys(rows):
     times = np.cumsum([gap for gap, *_ in rows])
     last = len(rows) - 1
     keys = tuple(
@@ -41,13 +41,13 @@ def test_limits_hold_and_keys_are_met(rows):
         )
         for k, (time, (_, angles, mask, passed)) in enumerate(zip(times, rows, strict=True))
     )
-    motion = condition(keys, LIMITS)
-    for peak in check_limits(motion.trajectory, LIMITS).shares.values():
+    motion = condition(keys, JOINT_LIMITS)
+    for peak in check_limits(motion.trajectory, JOINT_LIMITS).by_quantity.values():
         assert peak.ratios.max() <= 1.001
     met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
     for k, key in enumerate(keys):
         for hinge in np.flatnonzero(key.keyed):
-            assert abs(met[k, hinge] - key.angles[hinge]) <= 1.01e-3  # a key at the end of a range keeps room to turn
+            assert abs(met[k, hinge] - key.angles[hinge]) <= 1.01e-3  # Keys at a range end keep a margin to turn back
     for hinge in range(3):
         own = [k for k, key in enumerate(keys) if key.keyed[hinge]]
         assert np.all(np.diff(motion.planned[own]) > 0)

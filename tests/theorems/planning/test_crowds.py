@@ -1,14 +1,15 @@
-"""Blocks that ask for more than servos can: no limit is exceeded at 1 kHz, and every shift is said in advance."""
+"""Overloaded blocks exceed no limit, and every shift is reported."""
 
 import random
 from dataclasses import replace
 
 import pytest
 
-from kinesic.bench.blocks import crowd
-from kinesic.bench.plan import count_wrong_warnings, violations
-from kinesic.controller.perform import plan, set_up
-from kinesic.expressivity.style.style import RANGES, Expressivity, Style
+from kinesic.bench.blocks import write_overlapping_block
+from kinesic.bench.plan import count_violations, count_wrong_warnings
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, Expressivity, Style
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 
 @pytest.fixture(scope="module")
@@ -17,11 +18,11 @@ def known():
 
 
 @pytest.mark.parametrize("seed", [20, 25])
-def test_crowded_blocks_keep_limits_and_say_what_moves(seed, known):
+def test_overloaded_blocks_keep_limits_and_report_shifts(seed, known):
     chance = random.Random(seed)
-    manner = Expressivity(**{name: chance.choice(ends) for name, ends in RANGES.items()})
+    manner = Expressivity(**{name: chance.choice(ends) for name, ends in EXPRESSIVITY_RANGES.items()})
     lexemes = [form.id for form in known.lexicon.forms]
-    planned = plan(crowd(seed, lexemes), replace(known, style=Style.uniform(manner)))
-    assert violations(planned) == 0
+    planned = plan(write_overlapping_block(seed, lexemes), replace(known, style=Style.uniform(manner)))
+    assert count_violations(planned) == 0
     assert count_wrong_warnings(planned) == (0, 0)
-    assert any(abs(sync.planned - sync.asked) > 0.01 for sync in planned.syncs)
+    assert any(abs(sync.planned - sync.requested) > 0.01 for sync in planned.syncs)

@@ -1,4 +1,4 @@
-"""Idle motion changes nothing that is asked for, and passes the limits of every motion."""
+"""Idle motion changes no behaviour and keeps the limits of every motion."""
 
 from dataclasses import replace
 
@@ -7,24 +7,27 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kinesic.body.robot import LIFTING
-from kinesic.controller.perform import plan, set_up
+from kinesic.body.robot import SHOULDER_LIFT_SUFFIX
 from kinesic.expressivity.idle import Idling
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.stopping import stop
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-ASKED = (
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BEHAVIOUR_TEMPLATES = (
     '<gesture id="g{k}" lexeme="offer" stroke="{at}"/>',
     '<head id="h{k}" lexeme="NOD" stroke="{at}"/>',
     '<gazeShift id="z{k}" target="left" start="{at}"/>',
     '<gesture id="b{k}" lexeme="beat" mode="LEFT_HAND" stroke="{at}"/>',
 )
-CALM = 0.3  # [s] in which idle motion has come to rest after an emergency stop: a fraction of a breath
+SETTLING_TIME = 0.3  # [s] from an emergency stop until idle motion has ended, a fraction of a breath
 behaviours = st.lists(
-    st.tuples(st.sampled_from(ASKED), st.floats(0.0, 16.0).map(lambda at: round(at, 2))), min_size=1, max_size=4
+    st.tuples(st.sampled_from(BEHAVIOUR_TEMPLATES), st.floats(0.0, 16.0).map(lambda at: round(at, 2))),
+    min_size=1,
+    max_size=4,
 )
 
 
@@ -35,36 +38,38 @@ def known() -> Setup:
 
 @pytest.fixture(scope="module")
 def waiting(known: Setup) -> Plan:
-    return plan(ROOT.format('<wait id="w" duration="12"/>'), replace(known, idling=Idling(2.0, 3)))
+    return plan(BML_TEMPLATE.format('<wait id="w" duration="12"/>'), replace(known, idling=Idling(2.0, 3)))
 
 
 @settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(behaviours, st.integers(0, 9))
-def test_no_sync_point_moves_and_limits_and_distances_hold(known, asked, seed):
+def test_idle_motion_moves_no_sync_point_and_keeps_limits(known, asked, seed):
     lines = [line.format(k=k, at=at) for k, (line, at) in enumerate(asked)]
-    text = ROOT.format("".join((*lines, '<wait id="w" start="0" duration="20"/>')))
+    text = BML_TEMPLATE.format("".join((*lines, '<wait id="w" start="0" duration="20"/>')))
     still, moving = plan(text, known), plan(text, replace(known, idling=Idling(2.0, seed)))
     planned = {(sync.behaviour, sync.sync): sync.planned for sync in still.syncs}
     assert {(sync.behaviour, sync.sync): sync.planned for sync in moving.syncs} == pytest.approx(planned, abs=1e-6)
     assert {id: each.kind for id, each in moving.keyframes.outcomes.items()} == {
         id: each.kind for id, each in still.keyframes.outcomes.items()
     }
-    peaks = check_limits(moving.trajectory, known.limits).shares.values()
+    peaks = check_limits(moving.trajectory, known.limits).by_quantity.values()
     assert all(peak.ratios.max() <= 1.0 + 1e-6 for peak in peaks)
-    assert moving.clearance.distances.min() >= known.robot.least_clearance
+    assert moving.clearance.distances.min() >= known.robot.min_clearance
 
 
-def test_it_is_part_of_the_plan_and_begins_and_ends_at_rest(known, waiting):
+def test_idle_motion_is_planned_and_begins_and_ends_at_rest(known, waiting):
     angles = waiting.trajectory.sample(np.linspace(0.0, waiting.duration, 200))[0]
     away = np.degrees(np.abs(angles - known.robot.skeleton.rest).max(axis=0))
     still = [name for name, degrees in zip(known.robot.skeleton.names, away, strict=True) if degrees > 0.2]
     assert still
-    assert all(name.startswith(("v", "sk")) or name.endswith(LIFTING) for name in still), "trunk, neck and collar bones"
+    assert all(name.startswith(("v", "sk")) or name.endswith(SHOULDER_LIFT_SUFFIX) for name in still), (
+        "trunk, neck and collar bones"
+    )
     assert away.max() < 15.0
     np.testing.assert_allclose(angles[[0, -1]], np.tile(known.robot.skeleton.rest, (2, 1)), atol=1e-6)
 
 
 @pytest.mark.parametrize("time", [1.7, 3.1, 4.9, 7.3])
-def test_an_emergency_stop_ends_it_within_a_fraction_of_a_breath(known, waiting, time: float):
+def test_emergency_stop_ends_idle_motion_quickly(known, waiting, time: float):
     stopped = stop(waiting.trajectory, time, known.limits)
-    assert stopped.end <= time + CALM
+    assert stopped.end <= time + SETTLING_TIME

@@ -1,16 +1,17 @@
-"""Robots that lack neck, trunk or collar bones: what the others can do is done, and the rest is said."""
+"""Robots with missing parts perform the remaining motion and report omissions."""
 
 from collections.abc import Callable
 
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.gaze import from_eyes
 from kinesic.planning.plan import Plan
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from tests.reduced_robots import write_robot
 
-BLOCK = (
+BML_BLOCK = (
     '<bml id="b"><gesture id="both" lexeme="large" stroke="1.5"/><gesture id="there" lexeme="point_left" stroke="4"/>'
     '<pointing id="named" target="right" stroke="7"/><gaze id="look" target="left" start="9" end="10"/>'
     '<head id="nod" lexeme="NOD" stroke="10.5"/><torso id="lean" lexeme="LEAN_FORWARD" start="11" end="13"/>'
@@ -22,13 +23,13 @@ BLOCK = (
 
 @pytest.fixture
 def planned(tmp_path) -> Callable[..., Plan]:
-    return lambda *missing: plan(BLOCK, set_up(write_robot(tmp_path, *missing)), source="all.bml")
+    return lambda *missing: plan(BML_BLOCK, set_up(write_robot(tmp_path, *missing)), source="all.bml")
 
 
 @pytest.mark.parametrize(
     "missing", [("neck",), ("torso",), ("clavicles",), ("neck", "torso", "clavicles")], ids="-".join
 )
-def test_what_the_other_parts_can_do_is_done_and_the_rest_is_said(planned, missing):
+def test_robot_without_some_body_parts_drops_only_their_behaviours(planned, missing):
     found = planned(*missing)
     lacking = {id: each.why for id, each in found.keyframes.outcomes.items() if each.kind == "dropped"}
     expected = {"neck": ("look", "nod"), "torso": ("lean",), "clavicles": ()}
@@ -37,7 +38,7 @@ def test_what_the_other_parts_can_do_is_done_and_the_rest_is_said(planned, missi
     assert ("no neck" in found.keyframes.outcomes["bow"].why) == ("neck" in missing)
 
 
-def test_without_a_neck_one_looks_from_between_the_shoulders(tmp_path):
+def test_robot_without_neck_looks_from_shoulders(tmp_path):
     robot = Robot.load(write_robot(tmp_path, "neck"))
     x, y, z = from_eyes(robot.targets["audience"], robot)
     assert (x, y) == pytest.approx((2.0, 0.0))

@@ -1,4 +1,4 @@
-"""Plays chains of blocks that hold a posture, and finds where each of them ends alone."""
+"""Chains of blocks that hold a posture."""
 
 from dataclasses import replace
 from functools import cache
@@ -9,27 +9,27 @@ from kinesic.bml.block import Behaviour
 from kinesic.bml.composition import BlockState
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.behaviours import stays
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.plan import plan_block
 from kinesic.planning.setup import Setup
-from kinesic.realizer.ending import leave_out
+from kinesic.realizer.ending import end_behaviours
 from kinesic.realizer.realizer import (
     PreparedBlock,
     Scene,
     advance,
     begin,
-    change_manner,
+    change_style,
     improve_block,
     interrupt,
     prepare_block,
     take_replans,
 )
 from kinesic.realizer.request import Message, read_request
+from kinesic.session.setup import set_up
 
-TEXT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-LOOKS = (
+BLOCK_XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+GAZE_BLOCKS = (
     '<gazeShift id="l" target="left"/>',
     '<gazeShift id="l" target="right"/>',
     '<gazeShift id="l" target="audience"/>',
@@ -39,22 +39,22 @@ LOOKS = (
     '<headDirectionShift id="l" target="right"/>',
     '<headDirectionShift id="l" target="down"/>',
 )
-_POSTURE = '<postureShift id="p"><pose part="{}" lexeme="{}"/></postureShift>'
-STANCES = (
-    _POSTURE.format("WHOLEBODY", "LEANING_FORWARD"),
-    _POSTURE.format("BODY", "LEANING_BACKWARD"),
-    _POSTURE.format("BODY", "lean left"),
-    _POSTURE.format("BODY", "upright"),
-    _POSTURE.format("HEAD", "down"),
+_POSTURE_XML = '<postureShift id="p"><pose part="{}" lexeme="{}"/></postureShift>'
+STANCE_BLOCKS = (
+    _POSTURE_XML.format("WHOLEBODY", "LEANING_FORWARD"),
+    _POSTURE_XML.format("BODY", "LEANING_BACKWARD"),
+    _POSTURE_XML.format("BODY", "lean left"),
+    _POSTURE_XML.format("BODY", "upright"),
+    _POSTURE_XML.format("HEAD", "down"),
 )
-HOLDING = (
-    LOOKS[0] + STANCES[0],
-    LOOKS[1] + STANCES[3],
+HOLDING_BLOCKS = (
+    GAZE_BLOCKS[0] + STANCE_BLOCKS[0],
+    GAZE_BLOCKS[1] + STANCE_BLOCKS[3],
     '<gazeShift id="k" target="right" start="0"/><gazeShift id="l" target="left" start="1.6"/>',
-    LOOKS[0] + '<head id="n" lexeme="NOD" start="0.2"/><gesture id="g" lexeme="beat" start="2"/>',
-    '<wait id="w" duration="6"/>' + LOOKS[1],
+    GAZE_BLOCKS[0] + '<head id="n" lexeme="NOD" start="0.2"/><gesture id="g" lexeme="beat" start="2"/>',
+    '<wait id="w" duration="6"/>' + GAZE_BLOCKS[1],
 )
-PASSING = (
+PASSING_BLOCKS = (
     '<head id="n" lexeme="NOD" repetition="2"/>',
     '<head id="n" lexeme="SHAKE"/>',
     '<gaze id="z" target="right" start="0" end="2"/>',
@@ -64,10 +64,10 @@ PASSING = (
     '<torso id="t" lexeme="lean" amount="1" start="0" end="2"/>',
     '<posture id="t" start="0" end="3"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>',
 )
-STYLES = ("joyful", "sad", "neutral")
-STEP = 0.05  # [s] of the clock
-_ALONE: dict[str, Floats] = {}  # action -> held_alone
-END_WARNING = "where it would end alone"  # words of the warning about an end that cannot be reached
+STYLE_NAMES = ("joyful", "sad", "neutral")
+CLOCK_STEP = 0.05  # Clock step [s]
+_HELD_ALONE: dict[str, Floats] = {}  # Cache of held_alone by action
+END_WARNING = "where it would end alone"  # Part of the warning about an unreachable end
 
 
 @cache
@@ -80,7 +80,7 @@ def setup_once() -> Setup:
 def prepared(inside: str, id: str = "b") -> PreparedBlock:
     """Plan a block."""
     setup = setup_once()
-    return prepare_block(read_request(Message(TEXT.format(id, inside)), setup), setup)
+    return prepare_block(read_request(Message(BLOCK_XML.format(id, inside)), setup), setup)
 
 
 def trunk() -> list[int]:
@@ -91,27 +91,27 @@ def trunk() -> list[int]:
 
 @cache
 def held_alone(inside: str) -> Floats:
-    """Return how far torso and neck are from rest (k,) [rad] after a block alone."""
+    """Return the final offset (k,) [rad] from rest of a single block."""
     controls = prepared(inside).plan.trajectory.controls
     return (controls[-1] - setup_once().robot.skeleton.rest)[trunk()]
 
 
 class Chain:
-    """A scene to which block after block is sent, in virtual time."""
+    """A scene in virtual time that receives one block after another."""
 
     def __init__(self, *, ahead: float) -> None:
         self.scene, self.now = Scene.of(setup_once(), ahead=ahead), 0.0
         self.warnings: list[str] = []
-        self.limit_ratio = 0.0  # largest of any limit, of all motions
-        self._held: dict[tuple[str, str], tuple[str, float, Floats]] = {}  # block, behaviour -> kind, end [s], held
+        self.limit_ratio = 0.0  # Largest limit ratio of all motions
+        self._held: dict[tuple[str, str], tuple[str, float, Floats]] = {}  # Kind, end [s] and posture
         self._over: set[str] = set()
         self._sent = 0
 
     def wait(self, seconds: float) -> "Chain":
-        """Let time pass."""
+        """Advance the virtual clock by some seconds."""
         until = self.now + seconds
         while self.now < until - 1e-9:
-            self.now = min(until, self.now + STEP)
+            self.now = min(until, self.now + CLOCK_STEP)
             self._take(advance(self.scene, self.now))
         return self
 
@@ -121,7 +121,7 @@ class Chain:
         return self._take(begin(self.scene, prepared(inside, f"b{self._sent}"), self.now))
 
     def do(self, deed: str, choice: int) -> "Chain":
-        """Interrupt a block, one of its behaviours, or perform it in another style."""
+        """Interrupt a block or a behaviour, or change the style."""
         playing = [each for each in self.scene.playing if each.merged is not None and each.times]
         if not playing:
             return self
@@ -130,28 +130,31 @@ class Chain:
             return self._take(interrupt(self.scene, self.now, running.id))
         if deed == "leave out":
             gone = sorted(running.times)[choice % len(running.times)]
-            return self._take(leave_out(self.scene, running, frozenset({gone}), self.now))
-        style = STYLES[choice % len(STYLES)]
-        scene, replans = take_replans(change_manner(self.scene, self.now, style=style, block=running.id))
+            return self._take(end_behaviours(self.scene, running, frozenset({gone}), self.now))
+        style = STYLE_NAMES[choice % len(STYLE_NAMES)]
+        scene, replans = take_replans(change_style(self.scene, self.now, style=style, block=running.id))
         self._take(scene)
         for request in replans:
             better = prepare_block(request, scene.setup).plan
-            self._take(improve_block(replace(self.scene, said=()), request.block.id, better, self.now) or self.scene)
+            self._take(
+                improve_block(replace(self.scene, outgoing_feedback=()), request.block.id, better, self.now)
+                or self.scene
+            )
         return self
 
     def finish(self) -> None:
-        """Let everything end."""
+        """Play until every block has ended."""
         self.wait(40.0)
 
     @property
     def end(self) -> Floats:
-        """Angles of torso and neck (k,) [rad] from rest, at the end of the motion."""
+        """Return the final offset (k,) [rad] of torso and neck."""
         rest = setup_once().robot.skeleton.rest
         return np.asarray((self.scene.motion.controls[-1] - rest)[trunk()])
 
     @property
     def expected_end(self) -> Floats:
-        """Angles (k,) [rad] from rest that the last look and the last posture hold alone, within the limits."""
+        """Return the offset (k,) [rad] of the last gaze and posture."""
         last: dict[str, tuple[float, Floats]] = {}
         for kind, end, held in self._held.values():
             if end >= last.get(kind, (-np.inf, held))[0]:
@@ -163,14 +166,14 @@ class Chain:
 
     @property
     def is_warned_of_its_end(self) -> bool:
-        """Whether a warning says that something ends elsewhere."""
+        """Return whether a warning reports another end posture."""
         return any(END_WARNING in text for text in self.warnings)
 
     def _take(self, scene: Scene) -> "Chain":
         if scene.motion is not self.scene.motion:
-            peaks = check_limits(scene.motion, setup_once().limits).shares.values()
+            peaks = check_limits(scene.motion, setup_once().limits).by_quantity.values()
             self.limit_ratio = max(self.limit_ratio, *(float(peak.ratios.max()) for peak in peaks))
-        self.warnings += [message.xml for message in scene.said if "<warningFeedback" in message.xml]
+        self.warnings += [message.xml for message in scene.outgoing_feedback if "<warningFeedback" in message.xml]
         self.scene = scene
         ended = {past.id for past in scene.ended if past.state is not BlockState.DONE}
         self._held = {key: held for key, held in self._held.items() if key[0] not in ended}
@@ -186,11 +189,11 @@ class Chain:
 
 
 def _held_by(behaviour: Behaviour) -> Floats:
-    """Return how far torso and neck are from rest (k,) [rad] after one behaviour alone."""
+    """Return the final offset (k,) [rad] of a single behaviour."""
     key = repr(behaviour.action)
-    if key not in _ALONE:
-        block = parse(TEXT.format("b", ""))
+    if key not in _HELD_ALONE:
+        block = parse(BLOCK_XML.format("b", ""))
         alone = replace(block, behaviours=(replace(behaviour, syncs={}),))
         controls = plan_block(alone, setup_once()).trajectory.controls
-        _ALONE[key] = np.asarray((controls[-1] - setup_once().robot.skeleton.rest)[trunk()])
-    return _ALONE[key]
+        _HELD_ALONE[key] = np.asarray((controls[-1] - setup_once().robot.skeleton.rest)[trunk()])
+    return _HELD_ALONE[key]

@@ -1,4 +1,4 @@
-"""Whatever is laid over whatever, put in its place or taken back: every limit holds, nothing jumps, nothing touches."""
+"""Merged, replaced or appended blocks keep every limit, continuity and clearance."""
 
 from functools import cache, lru_cache
 
@@ -7,20 +7,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.trajectory import STEP, Trajectory, stay
-from kinesic.motion.transition import knot_at, lengthen
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory, stay
+from kinesic.motion.transition import extend_controls, knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
-from kinesic.realizer.occupancy import freed_hinges, still_occupied
+from kinesic.realizer.occupancy import freed_hinges, remaining_occupancy
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.replan import replan
+from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-BLOCKS = (
+BLOCK_XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BLOCK_CONTENTS = (
     '<head id="n" lexeme="NOD" repetition="2"/>',
     '<head id="s" lexeme="SHAKE"/>',
     '<gesture id="r" lexeme="beat" mode="RIGHT_HAND"/>',
@@ -34,9 +34,9 @@ BLOCKS = (
     '<gesture id="v" lexeme="beat" mode="RIGHT_HAND" stroke="0.9"/><gesture id="w" lexeme="offer" mode="RIGHT_HAND" '
     'stroke="2.2"/><head id="m" lexeme="NOD" start="1"/>',
 )
-DEEDS = st.tuples(
+SCENE_ACTIONS = st.tuples(
     st.sampled_from(["over", "over", "over", "instead", "back", "otherwise"]),
-    st.integers(0, len(BLOCKS) - 1),
+    st.integers(0, len(BLOCK_CONTENTS) - 1),
     st.floats(0.0, 1.2),
 )
 
@@ -48,24 +48,24 @@ def known():
 
 @cache
 def planned(index: int, *, quickly: bool) -> Plan:
-    block = parse(ROOT.format(BLOCKS[index]))
+    block = parse(BLOCK_XML.format(BLOCK_CONTENTS[index]))
     return plan_quickly(block, known()) if quickly else plan_block(block, known())
 
 
 def check(before: Trajectory, after: Trajectory, time: float) -> None:
     count = knot_at(time) + 3
-    same = [lengthen(each.controls, count)[:count] for each in (before, after)]
+    same = [extend_controls(each.controls, count)[:count] for each in (before, after)]
     np.testing.assert_allclose(*same, atol=1e-8)
-    for name, peak in check_limits(after, known().limits).shares.items():
+    for name, peak in check_limits(after, known().limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
-    least = known().robot.least_clearance + LAG_RESERVE
+    least = known().robot.min_clearance + LAG_RESERVE
     assert scan_clearance(after, known().distances)[1].distances.min() >= least - 1e-4
     np.testing.assert_allclose(after.controls[-3:], after.controls[[-1] * 3], atol=1e-8)
 
 
 @settings(max_examples=12, deadline=None)
-@given(st.lists(DEEDS, min_size=2, max_size=5), st.booleans())
-def test_whatever_comes_over_whatever(deeds, quickly):
+@given(st.lists(SCENE_ACTIONS, min_size=2, max_size=5), st.booleans())
+def test_any_merge_keeps_limits_continuity_and_clearance(deeds, quickly):
     motion, time, playing = stay(known().robot.skeleton.rest), 0.0, []
     for what, index, later in deeds:
         time += later
@@ -87,7 +87,7 @@ def test_whatever_comes_over_whatever(deeds, quickly):
             playing.append((own, found))
         else:
             found = merge(
-                motion, time, planned(index, quickly=quickly), begin=time, occupied=still_occupied(needs, time)
+                motion, time, planned(index, quickly=quickly), begin=time, occupied=remaining_occupancy(needs, time)
             )
             after = found.trajectory
             playing.append((index, found))
@@ -96,13 +96,18 @@ def test_whatever_comes_over_whatever(deeds, quickly):
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, len(BLOCKS) - 1), st.integers(0, len(BLOCKS) - 1), st.floats(0.0, 3.0), st.integers(0, 200))
-def test_the_past_that_is_forgotten_changes_nothing_to_come(first, second, time, pieces):
+@given(
+    st.integers(0, len(BLOCK_CONTENTS) - 1),
+    st.integers(0, len(BLOCK_CONTENTS) - 1),
+    st.floats(0.0, 3.0),
+    st.integers(0, 200),
+)
+def test_truncating_past_motion_does_not_change_a_later_merge(first, second, time, pieces):
     pieces = min(pieces, knot_at(time))
     one = merge(stay(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
-    other = one.since(pieces * STEP)
+    other = one.since(pieces * KNOT_INTERVAL)
     over = merge(one.trajectory, time, planned(second, quickly=True), begin=time, occupied=one.occupancy)
     again = merge(other.trajectory, time, planned(second, quickly=True), begin=time, occupied=other.occupancy)
     assert again.dropped == over.dropped
-    times = pieces * STEP + np.linspace(0.0, 6.0, 100)
+    times = pieces * KNOT_INTERVAL + np.linspace(0.0, 6.0, 100)
     np.testing.assert_allclose(again.trajectory.sample(times)[0], over.trajectory.sample(times)[0], atol=1e-6)

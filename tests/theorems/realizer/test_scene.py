@@ -1,4 +1,4 @@
-"""Whatever is sent, and whenever: limits hold, nothing jumps, and feedback is complete, in order and told once."""
+"""Any sequence of messages keeps limits, continuity and complete feedback."""
 
 import re
 from dataclasses import replace
@@ -10,17 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.bml.block import BlockOrder, Composition
-from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, prepare_block
 from kinesic.realizer.request import Message, read_request
+from kinesic.session.setup import set_up
 
-TEXT = (
+BLOCK_XML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
     'id="b">{}</bml>'
 )
-INSIDES = (
+BLOCK_CONTENTS = (
     "",
     '<head id="h" lexeme="NOD"/>',
     '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>',
@@ -32,11 +32,15 @@ INSIDES = (
     '<torso id="t" lexeme="lean" amount="1" start="0" end="1.6"/>',
     '<speech id="s"><text>Good <sync id="m"/>morning</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
-WIDE = '<gesture id="g" lexeme="large" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" repetition="3"/>'
-FULL = 1.0015  # of a limit
-ROUND = 1e-6  # [s] of times as they are written
-STILL = 2e-6  # [rad]
-ALIKE = (1e-8, 1e-6, 1e-4)  # [rad], [rad/s], [rad/s^2] before and after a change
+WIDE_MOTION = '<gesture id="g" lexeme="large" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" repetition="3"/>'
+MAX_LIMIT_RATIO = 1.0015  # Largest ratio to a limit
+TIME_RESOLUTION = 1e-6  # Resolution of written times [s]
+REST_TOLERANCE = 2e-6  # [rad]
+CHANGE_TOLERANCES = (
+    1e-8,
+    1e-6,
+    1e-4,
+)  # Tolerances of position, velocity and acceleration [rad, rad/s, rad/s^2] at a change
 
 
 @lru_cache(maxsize=1)
@@ -46,13 +50,13 @@ def known() -> Setup:
 
 @lru_cache(maxsize=16)
 def made(inside: str) -> PreparedBlock:
-    return prepare_block(read_request(Message(TEXT.format(inside)), known()), known())
+    return prepare_block(read_request(Message(BLOCK_XML.format(inside)), known()), known())
 
 
-def named(id: str, inside: str, composition: Composition, succession: BlockOrder) -> PreparedBlock:
-    """A plan under another name, which costs nothing."""
+def named(id: str, inside: str, composition: Composition, order: BlockOrder) -> PreparedBlock:
+    """Return a copy of a plan with another block id."""
     found = made(inside)
-    block = replace(found.plan.timeline.block, id=id, composition=composition, succession=succession)
+    block = replace(found.plan.timeline.block, id=id, composition=composition, order=order)
     plan = replace(found.plan, timeline=replace(found.plan.timeline, block=block))
     return replace(found, plan=plan, request=replace(found.request, block=block))
 
@@ -67,12 +71,12 @@ successions = st.one_of(
     st.builds(BlockOrder, activates=st.tuples(ids)),
     st.just(BlockOrder(preplanned=True)),
 )
-sent = st.tuples(st.sampled_from(INSIDES), st.sampled_from(Composition), successions)
+sent = st.tuples(st.sampled_from(BLOCK_CONTENTS), st.sampled_from(Composition), successions)
 events = st.lists(st.tuples(st.floats(0.0, 0.6), st.one_of(sent, sent, sent, ids, st.none())), min_size=1, max_size=9)
 
 
 class Watched:
-    """A scene whose every change is looked at."""
+    """Scene that checks limits and continuity after every change of its motion."""
 
     def __init__(self, ahead: float) -> None:
         self.scene = Scene.of(known(), ahead=ahead)
@@ -80,7 +84,7 @@ class Watched:
 
     def take(self, after: Scene, now: float) -> None:
         before, self.scene = self.scene, after
-        self.told += after.said
+        self.told += after.outgoing_feedback
         if self.scene.motion is not before.motion:
             self._look(before, now + before.ahead)
 
@@ -88,15 +92,17 @@ class Watched:
         scene = self.scene
         times = np.array([max(cut - 0.2, before.motion.start, scene.motion.start), cut])
         was, after = before.motion.sample(times), scene.motion.sample(times)
-        for one, other, alike in zip(was, after, ALIKE, strict=True):
+        for one, other, alike in zip(was, after, CHANGE_TOLERANCES, strict=True):
             np.testing.assert_allclose(other, one, rtol=0.0, atol=alike)
-        for name, peak in check_limits(scene.motion, known().limits).shares.items():
-            assert peak.ratios.max() <= FULL, name
+        for name, peak in check_limits(scene.motion, known().limits).by_quantity.items():
+            assert peak.ratios.max() <= MAX_LIMIT_RATIO, name
 
 
 @settings(max_examples=25, deadline=None)
 @given(events, st.sampled_from([0.0, 0.13]))
-def test_any_scene(script: list[tuple[float, tuple[str, Composition, BlockOrder] | str | None]], ahead: float) -> None:
+def test_any_sequence_of_blocks_keeps_limits_continuity_and_complete_feedback(
+    script: list[tuple[float, tuple[str, Composition, BlockOrder] | str | None]], ahead: float
+) -> None:
     watched, now = Watched(ahead), 0.0
     for number, (pause, event) in enumerate(script):
         now += pause
@@ -109,19 +115,22 @@ def test_any_scene(script: list[tuple[float, tuple[str, Composition, BlockOrder]
     for _ in range(12):
         now += 1.7
         watched.take(advance(watched.scene, now), now)
-    watched.take(interrupt(watched.scene, now), now)  # what nobody activated
+    watched.take(interrupt(watched.scene, now), now)  # Blocks that were never activated
     watched.take(advance(watched.scene, now + 30.0), now + 30.0)
     check(watched.told)
     assert watched.scene.blocks == watched.scene.agenda == ()
     rest = known().robot.skeleton.rest
-    assert watched.scene.motion.controls == pytest.approx(np.tile(rest, (4, 1)), abs=STILL)
+    assert watched.scene.motion.controls == pytest.approx(np.tile(rest, (4, 1)), abs=REST_TOLERANCE)
 
 
+@pytest.mark.soak
 @settings(max_examples=20, deadline=None)
-@given(st.floats(0.0, 2.2), st.floats(0.0, 0.5), st.sampled_from(INSIDES[1:5]), st.sampled_from(INSIDES[1:5]))
-def test_replacing_and_replacing_again_in_the_midst(first: float, second: float, one: str, other: str) -> None:
+@given(
+    st.floats(0.0, 2.2), st.floats(0.0, 0.5), st.sampled_from(BLOCK_CONTENTS[1:5]), st.sampled_from(BLOCK_CONTENTS[1:5])
+)
+def test_repeated_replacement_during_motion_keeps_limits(first: float, second: float, one: str, other: str) -> None:
     watched = Watched(0.0)
-    watched.take(begin(watched.scene, named("b0", WIDE, Composition.MERGE, BlockOrder()), 0.0), 0.0)
+    watched.take(begin(watched.scene, named("b0", WIDE_MOTION, Composition.MERGE, BlockOrder()), 0.0), 0.0)
     for time, id, inside in ((first, "b1", one), (first + second, "b2", other)):
         watched.take(begin(watched.scene, named(id, inside, Composition.REPLACE, BlockOrder()), time), time)
     watched.take(advance(watched.scene, 30.0), 30.0)
@@ -129,16 +138,16 @@ def test_replacing_and_replacing_again_in_the_midst(first: float, second: float,
 
 
 def check(told: list[ScheduledFeedback]) -> None:
-    """Feedback of every block is complete, in order, and told once."""
+    """Assert that the feedback of every block is complete and ordered."""
     progress = [due for due in told if "Progress " in due.xml]
     keys = [written(due.xml, "id") for due in progress]
     assert len(set(keys)) == len(keys)
     latest: dict[str, float] = {}
     for due, key in zip(progress, keys, strict=True):
         time, block = float(written(due.xml, "globalTime")), key.partition(":")[0]
-        assert time == pytest.approx(due.time, abs=ROUND)
+        assert time == pytest.approx(due.time, abs=TIME_RESOLUTION)
         assert (block in latest) != (key == f"{block}:start")
-        assert time >= latest.get(block, time) - ROUND
+        assert time >= latest.get(block, time) - TIME_RESOLUTION
         latest[block] = time
     ends = {key.partition(":")[0] for key in keys if re.fullmatch(r"b\d+:end", key)}
     assert ends == latest.keys()
@@ -156,10 +165,10 @@ def written(xml: str, attribute: str) -> str:
     return found[1]
 
 
-def test_the_same_script_gives_the_same_motion() -> None:
+def test_realizer_scene_is_deterministic() -> None:
     def played() -> np.ndarray:
         scene = Scene.of(known())
-        for number, inside in enumerate(INSIDES):
+        for number, inside in enumerate(BLOCK_CONTENTS):
             scene = begin(scene, named(f"b{number}", inside, Composition.MERGE, BlockOrder()), 0.3 * number)
         return scene.motion.controls
 

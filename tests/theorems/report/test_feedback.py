@@ -1,4 +1,4 @@
-"""Whatever is asked: each sync point that moves by more than 10 ms is warned of, and no other."""
+"""Warnings name exactly the sync points moved by over 10 ms."""
 
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -7,11 +7,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kinesic.controller.perform import plan, set_up
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.report import feedback
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BLOCK_XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 times = st.floats(0, 3).map(lambda time: round(time, 3))
 gestures = st.lists(
@@ -28,13 +29,13 @@ def known():
 
 @settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(gestures, times)
-def test_warned_if_and_only_if_moved(known, asked, nod):
+def test_warnings_name_exactly_the_moved_sync_points(known, asked, nod):
     lines = [
         f'<gesture id="g{k}" lexeme="{lexeme}" mode="{mode}" stroke="{time}"/>'
         for k, (lexeme, mode, time) in enumerate(asked)
     ]
-    planned = plan(ROOT.format("".join([*lines, f'<head id="h" lexeme="NOD" start="{nod}"/>'])), known)
+    planned = plan(BLOCK_XML.format("".join([*lines, f'<head id="h" lexeme="NOD" start="{nod}"/>'])), known)
     messages = [ElementTree.fromstring(message) for message in feedback(planned)]
     told = Counter((m.get("id"), m.text.split()[0]) for m in messages if m.text and " is planned at " in m.text)
-    moved = [sync for sync in planned.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN]
+    moved = [sync for sync in planned.syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN]
     assert told == Counter((f"b:{sync.behaviour}", sync.sync) for sync in moved)

@@ -1,4 +1,4 @@
-"""What holds for every script that the engine says."""
+"""Properties of every script spoken by eSpeak NG."""
 
 from xml.etree.ElementTree import fromstring
 
@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
-from kinesic.speech.ssml import ssml
+from kinesic.speech.ssml import write_ssml
 
-FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-WORDS = st.lists(
+FEW_EXAMPLES = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+WORD_TEXTS = st.lists(
     st.sampled_from(["one", "Banana,", "the.", "3.5", "naïve?", "(Hmm)", "don't", "Dr.", "—", "&", "<b>"])
 ).map(" ".join)
-TEXTS = WORDS | st.text(max_size=60)
+SAMPLE_TEXTS = WORD_TEXTS | st.text(max_size=60)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -25,7 +25,7 @@ def _engine():
 
 
 @st.composite
-def scripts(draw: st.DrawFn, texts: st.SearchStrategy[str] = TEXTS) -> Script:
+def scripts(draw: st.DrawFn, texts: st.SearchStrategy[str] = SAMPLE_TEXTS) -> Script:
     text = draw(texts)
     places = st.integers(0, len(text))
     positions = sorted(draw(st.lists(places, max_size=6)))
@@ -37,15 +37,15 @@ def scripts(draw: st.DrawFn, texts: st.SearchStrategy[str] = TEXTS) -> Script:
 
 
 @given(scripts())
-def test_every_script_is_well_formed_and_keeps_its_words(script: Script):
-    written = "".join(fromstring(ssml(script)).itertext())
+def test_ssml_is_well_formed_and_keeps_its_words(script: Script):
+    written = "".join(fromstring(write_ssml(script)).itertext())
     kept = "".join(character for character in script.text if character.isalnum())
     assert "".join(character for character in written if character.isalnum()) == kept
 
 
-@FEW
+@FEW_EXAMPLES
 @given(scripts())
-def test_marks_and_sounds_keep_their_order_and_stay_inside(script: Script):
+def test_marks_and_phonemes_are_ordered_and_within_the_speech(script: Script):
     said = Espeak().say(script)
     times = [said.marks[stop.name] for stop in script.stops() if isinstance(stop, Mark)]
     assert times == sorted(times)

@@ -1,4 +1,4 @@
-"""What holds for every gesture of the lexicon when it is played."""
+"""Properties of every gesture of the lexicon in motion."""
 
 from dataclasses import replace
 
@@ -7,48 +7,53 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import mirror_form
+from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
-KNOWN = set_up()
-MIRRORED = replace(KNOWN, lexicon=KNOWN.lexicon.changed(mirror_form))
-NAMES = list(KNOWN.robot.skeleton.names)
-ONE_HANDED = [form for form in KNOWN.lexicon.forms if len(form.sides) == 1]
-ALIKE = [
+PLAN_SETUP = set_up()
+MIRRORED_SETUP = replace(PLAN_SETUP, lexicon=PLAN_SETUP.lexicon.changed(mirror_form))
+HINGE_NAMES = list(PLAN_SETUP.robot.skeleton.names)
+ONE_HANDED_FORMS = [form for form in PLAN_SETUP.lexicon.forms if len(form.sides) == 1]
+SYMMETRIC_FORMS = [
     form
-    for form in KNOWN.lexicon.forms
+    for form in PLAN_SETUP.lexicon.forms
     if len(form.sides) == 2 and all(key.hands.get("l") is key.hands.get("r") for key in form.keys)
 ]
-SWAPPED = [NAMES.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in NAMES]
-SIGNS = np.array([-1.0 if name[:2] not in ("l_", "r_") and not name.endswith("tilt") else 1.0 for name in NAMES])
+MIRROR_HINGES = [HINGE_NAMES.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in HINGE_NAMES]
+MIRROR_SIGNS = np.array(
+    [-1.0 if name[:2] not in ("l_", "r_") and not name.endswith("tilt") else 1.0 for name in HINGE_NAMES]
+)
 
 
 def mirrored(angles):
-    """Postures (m, n) as a mirror shows them."""
-    return SIGNS * angles[:, SWAPPED]
+    """Return the mirror images of postures (m, n)."""
+    return MIRROR_SIGNS * angles[:, MIRROR_HINGES]
 
 
 def motion(planned):
-    """(m, n) [rad] every 10 ms."""
+    """Return the postures (m, n) [rad] every 10 ms."""
     return planned.trajectory.sample(np.arange(0.0, planned.trajectory.duration, 0.01))[0]
 
 
 @settings(max_examples=15, deadline=None)
-@given(st.sampled_from(ONE_HANDED))
-def test_a_gesture_of_the_left_hand_mirrors_that_of_the_right(form):
-    left, right = motion(plan_gesture(form, KNOWN, "left")), motion(plan_gesture(form, KNOWN, "right"))
+@given(st.sampled_from(ONE_HANDED_FORMS))
+def test_left_handed_gesture_mirrors_the_right_handed(form):
+    left, right = motion(plan_gesture(form, PLAN_SETUP, "left")), motion(plan_gesture(form, PLAN_SETUP, "right"))
     assert left == pytest.approx(mirrored(right), abs=1e-9)
 
 
 @settings(max_examples=8, deadline=None)
-@given(st.sampled_from(ALIKE))
-def test_hands_alike_are_their_own_mirror_image_where_they_move_alone(form):
-    both = motion(plan_gesture(form, replace(KNOWN, style=KNOWN.style.changed(["whole_body=0"]))))
+@given(st.sampled_from(SYMMETRIC_FORMS))
+def test_symmetric_gestures_are_their_own_mirror_image(form):
+    both = motion(plan_gesture(form, replace(PLAN_SETUP, style=PLAN_SETUP.style.changed(["whole_body=0"]))))
     assert both == pytest.approx(mirrored(both), abs=1e-9)
 
 
+@pytest.mark.soak
 @settings(max_examples=8, deadline=None)
-@given(st.sampled_from(KNOWN.lexicon.forms))
-def test_a_mirrored_gesture_moves_the_whole_body_as_a_mirror_shows_it(form):
-    assert motion(plan_gesture(form, MIRRORED)) == pytest.approx(mirrored(motion(plan_gesture(form, KNOWN))), abs=1e-9)
+@given(st.sampled_from(PLAN_SETUP.lexicon.forms))
+def test_mirrored_gesture_mirrors_the_whole_body(form):
+    assert motion(plan_gesture(form, MIRRORED_SETUP)) == pytest.approx(
+        mirrored(motion(plan_gesture(form, PLAN_SETUP))), abs=1e-9
+    )
