@@ -1,10 +1,10 @@
-"""Writes what `kinesic bench expressivity --json --plots docs --force` has printed into docs/expressivity.md."""
+"""Write the output of `kinesic bench expressivity --json --plots docs/pictures --force` into its page."""
 
 import json
 import sys
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "expressivity.md"
+PAGE = Path(__file__).parents[1] / "benchmarks/expressivity.md"
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKS = {True: "met", False: "missed", None: ""}
 

@@ -1,4 +1,4 @@
-"""Draws docs/face.png and docs/face-close.png: a smile and raised brows, and thirty stills of both heads."""
+"""Draw face.png and face-close.png in docs/pictures: a smile and raised brows, and thirty stills of both heads."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,12 +12,12 @@ from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.cli.face import read_emotion
 from kinesic.expressivity.face.visemes import viseme_of
-from kinesic.face.render.camera import CLOSE, FRONT, Camera
+from kinesic.face.render.camera import CLOSE_CAMERA, FRONT_CAMERA, Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL
+from kinesic.face.render.presets import NORMAL_PRESET
 
 SIDE, LABEL, COLUMNS = 170, 16, 8
-LARGE = 512  # pixels along a side of those two in docs/face.png
+LARGE = 512  # pixels along a side of those two in docs/pictures/face.png
 EMOTIONS = ("joy", "laugh", "surprise", "fear", "disgust")
 UNITS: Mapping[str, Mapping[str, float]] = {
     "rest": {},
@@ -32,7 +32,7 @@ DOCS = Path(__file__).parents[1]
 
 
 def labelled(pixels: Picture, text: str) -> Picture:
-    """A picture under its name."""
+    """Draw a picture with its name above."""
     paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 2), text, fill=(40, 40, 40))
     paper.paste(Image.fromarray(pixels), (0, LABEL))
@@ -40,20 +40,20 @@ def labelled(pixels: Picture, text: str) -> Picture:
 
 
 def stills(variant: Variant) -> list[Picture]:
-    """One head in every expression, and from the side."""
-    with Portrait(variant, preset=replace(NORMAL, samples=2), size=(SIDE, SIDE)) as portrait:
-        faces = [labelled(portrait.draw(units, CLOSE), name) for name, units in UNITS.items()]
-        return [*faces, labelled(portrait.draw({}, replace(FRONT, yaw_deg=-90.0)), ASIDE)]
+    """Draw one head in every expression, and from the side."""
+    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(SIDE, SIDE)) as portrait:
+        faces = [labelled(portrait.draw(units, CLOSE_CAMERA), name) for name, units in UNITS.items()]
+        return [*faces, labelled(portrait.draw({}, replace(FRONT_CAMERA, yaw_deg=-90.0)), ASIDE)]
 
 
 def one(variant: Variant, units: Mapping[str, float], camera: Camera) -> Picture:
-    """A large picture."""
-    with Portrait(variant, preset=replace(NORMAL, samples=2), size=(LARGE, LARGE)) as portrait:
+    """Draw a large picture."""
+    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(LARGE, LARGE)) as portrait:
         return portrait.draw(units, camera)
 
 
 def sheet(heads: list[list[Picture]]) -> Picture:
-    """Rows of stills, those of one head under those of the other."""
+    """Arrange stills in rows, one head below the other."""
     blank = np.full_like(heads[0][0], 250)
     rows = []
     for first in range(0, len(heads[0]), COLUMNS):
@@ -63,8 +63,8 @@ def sheet(heads: list[list[Picture]]) -> Picture:
     return np.concatenate(rows)
 
 
-smile = one("female", {"6": 0.8, "12": 0.9, "25": 0.6}, FRONT)
-brows = one("male", {"1": 1.0, "2": 1.0, "26": 0.4}, replace(FRONT, yaw_deg=45.0))
-Image.fromarray(np.concatenate([smile, brows], axis=1)).save(DOCS / "face.png", optimize=True)
+smile = one("female", {"6": 0.8, "12": 0.9, "25": 0.6}, FRONT_CAMERA)
+brows = one("male", {"1": 1.0, "2": 1.0, "26": 0.4}, replace(FRONT_CAMERA, yaw_deg=45.0))
+Image.fromarray(np.concatenate([smile, brows], axis=1)).save(DOCS / "pictures" / "face.png", optimize=True)
 both = sheet([stills(variant) for variant in get_args(Variant)])
-Image.fromarray(both).save(DOCS / "face-close.png", optimize=True)
+Image.fromarray(both).save(DOCS / "pictures" / "face-close.png", optimize=True)

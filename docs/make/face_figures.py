@@ -1,10 +1,10 @@
-"""Writes what `kinesic bench face --json` measured into docs/face.md; wants its output."""
+"""Write the results of `kinesic bench face --json FILE` into docs/benchmarks/face.md."""
 
 import json
 import sys
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "face.md"
+PAGE = Path(__file__).parents[1] / "benchmarks/face.md"
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKS = {True: "met", False: "missed", None: ""}
 ESTIMATORS = {"crytek": "Crytek", "obscurance": "vol. obscurance", "horizon": "horizon", "angular": "angular"}
@@ -17,19 +17,19 @@ notes = {figure["name"]: figure["why"].removeprefix("thesis, GTX 480: ") for fig
 
 
 def number(value: float) -> str:
-    """Three digits, or all before the point."""
+    """Format with three significant digits, or as an integer from 1000 on."""
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
-def told(name: str) -> str:
-    """A value to three digits, and what the thesis measured."""
+def format_value(name: str) -> str:
+    """Return a value with three digits, and the thesis's measurement in brackets."""
     if values[name] is None:
         return "-"
     return number(values[name]) + (f" ({notes[name].removeprefix('thesis: ')})" if notes[name] else "")
 
 
 rows = [
-    "Table 3.1 at 1024 x 768, 41 000 triangles: milliseconds here, and in brackets the thesis's on a GTX 480.",
+    "Table 3.1 at 1024 x 768, 41 000 triangles: milliseconds, and in brackets the thesis's on a GTX 480.",
     "",
     "| size | | " + " | ".join(ESTIMATORS.values()) + " |",
     "|---|---|" + "---|" * len(ESTIMATORS),
@@ -42,16 +42,16 @@ for size in (5, 11, 21):
         ("rmse", "error, RMS"),
         ("rmse_occluded", "where occluded"),
     ):
-        cells = [told(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
+        cells = [format_value(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
         rows.append(f"| {size} | {head} | " + " | ".join(cells) + " |")
 timed = [each.removeprefix(STAGE).rsplit("_", 1) for each in values if each.startswith(STAGE)]
 drawn, stages = (list(dict.fromkeys(part)) for part in zip(*timed, strict=True))
 stages = sorted(stages, key=[stage for stem, stage in timed if stem == drawn[-1]].index)  # the last preset has all
 heads = [stem.replace("_", ", ").replace("x", " x ") for stem in drawn]
-rows += ["", "Stages of a picture, and all of it without being read back: milliseconds here.", ""]
+rows += ["", "Stages of a picture, and the whole picture without read-back: milliseconds on this machine.", ""]
 rows += ["| | " + " | ".join(heads) + " |", "|---|" + "---|" * len(heads)]
 for stage in stages:
-    cells = [told(f"{STAGE}{stem}_{stage}") if f"{STAGE}{stem}_{stage}" in values else "" for stem in drawn]
+    cells = [format_value(f"{STAGE}{stem}_{stage}") if f"{STAGE}{stem}_{stage}" in values else "" for stem in drawn]
     rows.append(f"| {stage} | " + " | ".join(cells) + " |")
 rows += ["", "| figure | value | goal | |", "|---|---|---|---|"]
 for figure in figures:

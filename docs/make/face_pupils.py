@@ -1,4 +1,4 @@
-"""Draws docs/face-pupils.png: eyes in the dark, and for a second after the light goes on."""
+"""Draw docs/pictures/face-pupils.png: eyes in the dark, and for a second after the light goes on."""
 
 from pathlib import Path
 
@@ -7,10 +7,10 @@ from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
-from kinesic.face.render.camera import LIGHTS, Camera
+from kinesic.face.render.camera import STUDIO_LIGHTS, Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL
-from kinesic.face.render.pupils import Pupils, light_on_eyes
+from kinesic.face.render.presets import NORMAL_PRESET
+from kinesic.face.render.pupils import Pupils, compute_light_on_eyes
 
 SIDE, LABEL = 560, 18
 EYES = np.s_[105:255, 100:460]
@@ -21,13 +21,13 @@ VARIANTS: tuple[Variant, ...] = ("female", "male")
 
 
 def eyes(variant: Variant) -> list[Picture]:
-    """Pictures of one head, each under what it shows."""
+    """Draw pictures of one head, each with a label."""
     pupils, found = Pupils(), []
-    with Portrait(variant, preset=NORMAL, size=(SIDE, SIDE)) as portrait:
+    with Portrait(variant, preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
 
         def look(share: float, seconds: float, text: str) -> None:
-            portrait.light(LIGHTS.scaled(share))
-            wide = pupils.follow(light_on_eyes(portrait.lights, {}, NEAR), seconds)
+            portrait.light(STUDIO_LIGHTS.scaled(share))
+            wide = pupils.follow(compute_light_on_eyes(portrait.lights, {}, NEAR), seconds)
             pixels = portrait.draw({}, NEAR, pupil=wide)[EYES]
             paper = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + LABEL), (250, 250, 250))
             ImageDraw.Draw(paper).text((4, 3), f"{text}: {1e3 * wide:.1f} mm", fill=(40, 40, 40))
@@ -41,4 +41,4 @@ def eyes(variant: Variant) -> list[Picture]:
 
 
 rows = [np.hstack(eyes(variant)) for variant in VARIANTS]
-Image.fromarray(np.vstack(rows)).save(Path(__file__).parents[1] / "face-pupils.png", optimize=True)
+Image.fromarray(np.vstack(rows)).save(Path(__file__).parents[1] / "pictures" / "face-pupils.png", optimize=True)

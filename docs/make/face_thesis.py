@@ -1,4 +1,4 @@
-"""Draws docs/face-thesis.png: comparisons of the thesis's rendering chapters, each effect on and off."""
+"""Draw docs/pictures/face-thesis.png: comparisons of the thesis's rendering chapters, each effect on and off."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,30 +8,30 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Floats, Picture
-from kinesic.face.render.camera import FRONT, Camera
+from kinesic.face.render.camera import FRONT_CAMERA, Camera
 from kinesic.face.render.effects import Effects, Shading
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL, Focus, Occlusion, Preset
+from kinesic.face.render.presets import NORMAL_PRESET, Focus, Occlusion, Preset
 
 SIDE, LABEL = 194, 16
 SMILE = {"6": 0.8, "12": 0.9, "25": 0.6}
 NEAR = Camera(yaw_deg=-30.0, field_deg=12.0)
 ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
 LOUD, LOUDEST = 4.0, 8.0  # times that differences are shown
-WHOLE = replace(NORMAL, coarse=1)
+WHOLE = replace(NORMAL_PRESET, coarse=1)
 Tile = tuple[str, Picture]
 Corner = tuple[int, int]  # row and column, of a part of a picture
 EYE, MOUTH, BROW = (48, 70), (150, 120), (70, 97)
 
 
 def grey(shares: Floats) -> Picture:
-    """A picture of numbers 0..1."""
+    """Convert values 0..1 to a picture."""
     found = np.rint(255 * np.clip(shares, 0.0, 1.0)).astype(np.uint8)
     return np.repeat(found[..., None], 3, axis=2)
 
 
 def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
-    """(n, n) how open each pixel is, as found or before it is blurred."""
+    """Return the openness (n, n) of each pixel, final or before the blur."""
     with Portrait(preset=replace(WHOLE, occlusion=occlusion, hair=False), size=(SIDE, SIDE)) as portrait:
         portrait.draw(SMILE, NEAR)
         found = portrait.pipeline.occlusion
@@ -43,36 +43,36 @@ def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
 
 
 def zoomed(pixels: Picture, corner: Corner) -> Picture:
-    """A quarter of a picture, each pixel of it four."""
+    """Crop a quarter of a picture and enlarge it, each pixel to four."""
     row, column = corner
     return pixels[row : row + SIDE // 2, column : column + SIDE // 2].repeat(2, axis=0).repeat(2, axis=1)
 
 
 def seen(preset: Preset, effects: Effects, camera: Camera = ASIDE) -> Picture:
-    """A smile with effects."""
-    with Portrait(preset=effects.applied(preset), size=(SIDE, SIDE)) as portrait:
+    """Draw a smile with effects."""
+    with Portrait(preset=effects.apply_to(preset), size=(SIDE, SIDE)) as portrait:
         return portrait.draw(SMILE, camera)
 
 
 def seen_close(preset: Preset, effects: Effects, camera: Camera, corner: Corner) -> Picture:
-    """A quarter of one that is twice as large."""
-    with Portrait(preset=effects.applied(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
+    """Crop a quarter of a smile drawn twice as large."""
+    with Portrait(preset=effects.apply_to(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
         return close(portrait.draw(SMILE, camera), corner)
 
 
 def close(pixels: Picture, corner: Corner) -> Picture:
-    """A part as large as a tile."""
+    """Crop a part of the size of a tile."""
     row, column = corner
     return pixels[row : row + SIDE, column : column + SIDE]
 
 
 def apart(one: Picture, other: Picture, times: float) -> Picture:
-    """How far two pictures are apart: black is not at all."""
+    """Return the difference of two pictures; black where they are equal."""
     return grey(times * np.abs(one.astype(float) - other.astype(float)).max(axis=2) / 255.0)
 
 
 def axes() -> list[Tile]:
-    """Figure 3.9: one axis, one with as many samples as two, two, all; and what the first three miss."""
+    """Draw Figure 3.9: one axis, one with twice the samples, two axes, all; and the errors of the first three."""
     two = Occlusion(size=21)
     settings = (replace(two, axes=1), replace(two, axes=1, size=41), two, replace(two, exact=True))
     found = [openness(each) for each in settings]
@@ -83,7 +83,7 @@ def axes() -> list[Tile]:
 
 
 def patterns() -> list[Tile]:
-    """Figure 3.7, listing 11.1 and 3.3: patterns and noise before and after the blur, and a Gaussian."""
+    """Draw Figure 3.7, listing 11.1 and 3.3: patterns and noise before and after the blur, and a Gaussian."""
     usual = Occlusion(size=21)
     noise = replace(usual, pattern="noise")
     kinds: Sequence[tuple[str, Occlusion, bool]] = (
@@ -99,11 +99,11 @@ def patterns() -> list[Tile]:
 
 
 def levels() -> list[Tile]:
-    """Figures 5.2 and 5.3: no scattering, everywhere the same, in levels, the levels, and differences."""
+    """Draw Figures 5.2 and 5.3: no scattering, everywhere the same, in levels, the levels, and differences."""
     asked = (Effects(scattering="none"), Effects(scattering="everywhere"), Effects(scattering="levels"))
     preset = replace(WHOLE, scattering=replace(WHOLE.scattering, steps=5)) if WHOLE.scattering else WHOLE
     none, everywhere, in_levels = (seen_close(preset, each, NEAR, MOUTH) for each in asked)
-    with Portrait(preset=asked[2].applied(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
+    with Portrait(preset=asked[2].apply_to(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
         portrait.draw(SMILE, NEAR)
         scatter = portrait.pipeline.scatter
         if scatter is None:
@@ -122,16 +122,16 @@ def levels() -> list[Tile]:
 
 
 def planes() -> list[Tile]:
-    """12.1: what is in focus, and shadows."""
+    """Draw 12.1: depth of field, and shadows."""
 
     def at(plane: float | None, within: float = 0.0) -> Preset:
-        return replace(NORMAL, focus=Focus(circle=0.12, plane=plane, within=within))
+        return replace(NORMAL_PRESET, focus=Focus(circle=0.12, plane=plane, within=within))
 
     def shaded(shadow: Shading) -> Picture:
-        return seen_close(NORMAL, Effects(shadow=shadow, eyeshade=True), FRONT, BROW)
+        return seen_close(NORMAL_PRESET, Effects(shadow=shadow, eyeshade=True), FRONT_CAMERA, BROW)
 
     return [
-        ("all sharp", seen(NORMAL, Effects())),
+        ("all sharp", seen(NORMAL_PRESET, Effects())),
         ("sharp at the nearer eye", seen(at(None), Effects())),
         ("sharp at 0.88 m", seen(at(0.88), Effects())),
         ("sharp from 0.75 to 0.8 m", seen(at(0.775, 0.025), Effects())),
@@ -142,7 +142,7 @@ def planes() -> list[Tile]:
 
 
 def row(tiles: Sequence[Tile]) -> Picture:
-    """Pictures side by side, each under its name."""
+    """Arrange pictures side by side, each with its name above."""
     paper = Image.new("RGB", (SIDE * len(tiles), SIDE + LABEL), (250, 250, 250))
     pen = ImageDraw.Draw(paper)
     for k, (name, pixels) in enumerate(tiles):
@@ -152,4 +152,5 @@ def row(tiles: Sequence[Tile]) -> Picture:
 
 
 sheet = Image.fromarray(np.concatenate([row(make()) for make in (axes, patterns, levels, planes)]))
-sheet.quantize(192, dither=Image.Dither.NONE).save(Path(__file__).parents[1] / "face-thesis.png", optimize=True)
+picture = Path(__file__).parents[1] / "pictures" / "face-thesis.png"
+sheet.quantize(192, dither=Image.Dither.NONE).save(picture, optimize=True)

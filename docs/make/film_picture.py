@@ -1,4 +1,4 @@
-"""Draws docs/film.png: two moments of the film of welcome.bml, and two of one without the extra `face`."""
+"""Draw docs/pictures/film.png: two moments of the film of welcome.bml, and two of one without the extra `face`."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -35,4 +35,4 @@ if __name__ == "__main__":
             shown = [Image.fromarray(reader.at(time)).resize(SIZE, Image.Resampling.LANCZOS) for time in MOMENTS]
             rows.append(np.concatenate([np.asarray(picture) for picture in shown], axis=1))
     whole = Image.fromarray(np.concatenate(rows)).quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
-    whole.save(DOCS / "film.png", optimize=True)
+    whole.save(DOCS / "pictures" / "film.png", optimize=True)

@@ -1,4 +1,4 @@
-"""Draws docs/hands.png: every hand shape on upper36 and on the human, from the front and from the side."""
+"""Draw docs/pictures/hands.png: every hand shape on upper36 and on the human, from the front and from the side."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -12,19 +12,19 @@ from kinesic.expressivity.hands.fingers import finger_joints, shape_angles
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.figure import FigurePortrait
-from kinesic.sim.model import turn_order
+from kinesic.sim.model import find_turn_indices
 from kinesic.sim.scene_style import styled_model
 
-SIDE, LABEL, COLUMNS = 128, 14, 3  # [pixels] of a picture, of the line above it; shapes in a row
-VIEWS = (0.0, 90.0)  # [deg] round the hand: from the front, from the thumb's side
-AWAY = 1.6  # [m] of the camera
-SEEN = {"upper36": 0.155, "human": 0.205}  # [m] that a picture shows
+SIDE, LABEL, COLUMNS = 128, 14, 3  # [pixels] of a picture and of its label; shapes per row
+VIEWS = (0.0, 90.0)  # [deg] about the hand: front, thumb's side
+AWAY = 1.6  # [m] distance of the camera
+SEEN = {"upper36": 0.155, "human": 0.205}  # [m] height of the visible area
 RAISED = {"shoulder_abduct": 45, "shoulder_flexion": 20, "elbow_flexion": 110, "elbow_twisting": -85}  # [deg]
-Draw = Callable[[Floats, Floats, float, float], Picture]  # angles, middle, how much is seen, from where [deg]
+Draw = Callable[[Floats, Floats, float, float], Picture]  # angles, centre, visible height, camera yaw [deg]
 
 
 def raised(robot: Robot) -> Floats:
-    """(n,) [rad] at rest but for the left hand, which shows its palm."""
+    """Return the rest posture (n,) [rad] with the left hand raised to show its palm."""
     angles = robot.skeleton.rest.copy()
     for name, degrees in RAISED.items():
         angles[robot.skeleton.joint(f"l_{name}")] = np.radians(degrees)
@@ -34,14 +34,14 @@ def raised(robot: Robot) -> Floats:
 
 
 def of_capsules(robot: Robot) -> Draw:
-    """Draws a robot in MuJoCo."""
-    import mujoco  # noqa: PLC0415 - how it draws is settled when it is imported, after kinesic.sim
+    """Return a function that draws a robot in MuJoCo."""
+    import mujoco  # noqa: PLC0415 - MuJoCo chooses its renderer at import, after kinesic.sim
 
     model = styled_model(robot, width=SIDE, height=SIDE)
-    data, order, renderer = mujoco.MjData(model), turn_order(robot, model), mujoco.Renderer(model, SIDE, SIDE)
+    data, order, renderer = mujoco.MjData(model), find_turn_indices(robot, model), mujoco.Renderer(model, SIDE, SIDE)
 
     def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Picture:
-        data.qpos[order] = robot.skeleton.turns(angles)
+        data.qpos[order] = robot.skeleton.with_couplings(angles)
         mujoco.mj_forward(model, data)
         camera = mujoco.MjvCamera()
         camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = middle, AWAY, 180 + yaw, 0
@@ -53,7 +53,7 @@ def of_capsules(robot: Robot) -> Draw:
 
 
 def of_skin(portrait: FigurePortrait) -> Draw:
-    """Draws the human."""
+    """Return a function that draws the human."""
 
     def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Picture:
         field = 2 * np.degrees(np.arctan(seen / 2 / AWAY))
@@ -64,7 +64,7 @@ def of_skin(portrait: FigurePortrait) -> Draw:
 
 
 def row(robot: Robot, name: str, draw: Draw) -> list[Picture]:
-    """One shape, from each view."""
+    """Draw one shape from each view."""
     angles = raised(robot)
     angles[list(finger_joints(robot, "l"))] = shape_angles(hand_shapes()[name], robot, "l")
     frames, hand = robot.skeleton.frames(angles), robot.arm("l").wrist
@@ -84,4 +84,4 @@ for k, name in enumerate(names):
     for place, pixels in enumerate(rows[name]):
         sheet.paste(Image.fromarray(pixels), (x + place * SIDE, y + LABEL))
     ImageDraw.Draw(sheet).text((x + 3, y + 1), name, fill="black")
-sheet.quantize(160).save(Path(__file__).parents[1] / "hands.png", optimize=True)
+sheet.quantize(160).save(Path(__file__).parents[1] / "pictures" / "hands.png", optimize=True)

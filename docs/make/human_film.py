@@ -1,4 +1,4 @@
-"""Draws docs/human-film.png: six moments of the film of the human's welcome, framed as the whole film is."""
+"""Draw docs/pictures/human-film.png: six moments of the film of the human's welcome, in the frame of the whole film."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +8,7 @@ from PIL import Image
 
 from kinesic import Performer
 from kinesic.body.config import CONFIGS
-from kinesic.face.render.figure import FILMED, UPPER, FigurePortrait
+from kinesic.face.render.figure import FILM_PRESET, UPPER_BODY_CAMERA, FigurePortrait
 from kinesic.files.caption_band import write_caption
 from kinesic.report.figure_film import FigureFilm, frame_motion
 
@@ -21,13 +21,13 @@ if __name__ == "__main__":
     performer = Performer("human", voice="auto")
     run = performer.perform(performer.plan(CONFIGS / "bml" / "welcome.bml", source="welcome.bml"))
     film = FigureFilm.of(run.plan, run.measured.times, run.measured.angles)
-    middle, field = frame_motion(film.robot, film.angles, UPPER, aspect=film.size[0] / film.size[1])
-    camera, pictures = replace(UPPER, pivot=middle, field_deg=field), []
-    with FigurePortrait(film.robot.skeleton, preset=FILMED, size=film.size) as portrait:
+    middle, field = frame_motion(film.robot, film.angles, UPPER_BODY_CAMERA, aspect=film.size[0] / film.size[1])
+    camera, pictures = replace(UPPER_BODY_CAMERA, pivot=middle, field_deg=field), []
+    with FigurePortrait(film.robot.skeleton, preset=FILM_PRESET, size=film.size) as portrait:
         for k in (round(moment * film.rate) for moment in MOMENTS):
             picture = portrait.draw(film.angles[k], film.units[k], camera).copy()
             write_caption(picture, film.words[k])
             pictures.append(np.asarray(Image.fromarray(picture).resize(SHOWN, Image.Resampling.LANCZOS)))
     rows = [np.concatenate(pictures[k : k + ACROSS], axis=1) for k in range(0, len(pictures), ACROSS)]
     whole = Image.fromarray(np.concatenate(rows)).quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
-    whole.save(DOCS / "human-film.png", optimize=True)
+    whole.save(DOCS / "pictures" / "human-film.png", optimize=True)

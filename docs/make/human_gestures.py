@@ -1,4 +1,4 @@
-"""Draws docs/human-gestures.png, her strokes as `gestures render` shows them, and docs/human-page.png, the replay."""
+"""Draw human-gestures.png, her strokes by `gestures render`, and human-page.png, the replay."""
 
 import shutil
 import subprocess
@@ -11,10 +11,10 @@ from PIL import Image
 
 from kinesic import Performer
 from kinesic.body.config import CONFIGS
-from kinesic.controller.perform import set_up
+from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
-from kinesic.studies.gestures.portraits import ROUND, draw_round
-from kinesic.studies.gestures.sheet import MOST_POSTURES, draw_portraits
+from kinesic.studies.gestures.portraits import TURNTABLE_FRAMES, draw_turntable
+from kinesic.studies.gestures.sheet import MAX_POSTURES, draw_portraits
 
 DOCS = Path(__file__).resolve().parents[1]
 STRIP, TURNED, VIEWS = "greet_wave", "count_two", 6
@@ -24,23 +24,25 @@ HUMAN = set_up("human")
 
 
 def shown(name: str) -> Show:
-    """A gesture alone."""
+    """Plan a gesture alone and return its key postures."""
     form = next(form for form in HUMAN.lexicon.forms if form.id == name)
-    return key_postures(form, plan_gesture(form, HUMAN), MOST_POSTURES)
+    return key_postures(form, plan_gesture(form, HUMAN), MAX_POSTURES)
 
 
 def draw_gestures(folder: Path) -> Image.Image:
-    """A strip, and below it some views of a turntable."""
+    """Draw a strip, and some views of a turntable below it."""
     strip = Image.open(draw_portraits(shown(STRIP), HUMAN.robot, folder / "strip.png")).convert("RGB")
     turned = shown(TURNED)
-    views = draw_round(HUMAN.robot, turned.postures[turned.stroke], turned.faces[turned.stroke])[:: ROUND // VIEWS]
+    views = draw_turntable(HUMAN.robot, turned.postures[turned.stroke], turned.faces[turned.stroke])[
+        :: TURNTABLE_FRAMES // VIEWS
+    ]
     row = Image.fromarray(np.concatenate(views, axis=1))
     row = row.resize((strip.width, round(row.height * strip.width / row.width)), Image.Resampling.LANCZOS)
     return Image.fromarray(np.concatenate([np.asarray(strip), np.asarray(row)]))
 
 
 def draw_page(folder: Path) -> Image.Image:
-    """The replay of her welcome, at its first stroke."""
+    """Draw the replay of her welcome at its first stroke."""
     performer = Performer("human", voice="auto")
     run = performer.perform(performer.plan(CONFIGS / "bml" / "welcome.bml", source="welcome.bml"))
     page, shot = run.report(folder / "report").page, folder / "page.png"
@@ -51,5 +53,5 @@ def draw_page(folder: Path) -> Image.Image:
 
 
 with TemporaryDirectory() as place:
-    draw_gestures(Path(place)).quantize(200).save(DOCS / "human-gestures.png", optimize=True)
-    draw_page(Path(place)).quantize(200).save(DOCS / "human-page.png", optimize=True)
+    draw_gestures(Path(place)).quantize(200).save(DOCS / "pictures" / "human-gestures.png", optimize=True)
+    draw_page(Path(place)).quantize(200).save(DOCS / "pictures" / "human-page.png", optimize=True)

@@ -1,4 +1,4 @@
-"""Draws docs/human-skin.png: 21 extreme postures, blended linearly and, below each, by dual quaternions."""
+"""Draw docs/pictures/human-skin.png: 21 extreme postures, blended linearly and, below each, by dual quaternions."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -9,10 +9,10 @@ from PIL import Image, ImageDraw
 from kinesic.body.arrays import Picture
 from kinesic.body.robot import Robot
 from kinesic.face.assets.skinning import Blending
-from kinesic.face.render.figure import UPPER, FigurePortrait
+from kinesic.face.render.figure import UPPER_BODY_CAMERA, FigurePortrait
 
 SIDE, ACROSS = 200, 7  # pixels of a picture, and pictures in a row
-CLOSE = replace(UPPER, distance=1.9, pivot=(0.05, 0.0, 1.22))
+CLOSE = replace(UPPER_BODY_CAMERA, distance=1.9, pivot=(0.05, 0.0, 1.22))
 POSTURES: dict[str, tuple[float, dict[str, float]]] = {  # how the camera stands, degrees of the hinges of both arms
     "flexion 170": (30, {"shoulder_flexion": 170, "shoulder_abduct": 8, "sternoclavicular_abduct": 25}),
     "flexion 150": (60, {"shoulder_flexion": 150, "shoulder_abduct": 8}),
@@ -40,7 +40,7 @@ SKELETON = Robot.load("human").skeleton
 
 
 def drawn(blending: Blending) -> list[Picture]:
-    """All postures."""
+    """Return all postures."""
     pictures = []
     with FigurePortrait(SKELETON, size=(SIDE, SIDE), blending=blending) as portrait:
         for name, (yaw, degrees) in POSTURES.items():
@@ -61,4 +61,4 @@ rows = [
     for each in (linear, dual)
 ]
 sheet = Image.fromarray(np.concatenate(rows))
-sheet.quantize(200).save(Path(__file__).parents[1] / "human-skin.png", optimize=True)
+sheet.quantize(200).save(Path(__file__).parents[1] / "pictures" / "human-skin.png", optimize=True)

@@ -1,4 +1,4 @@
-"""Draws docs/ik-thesis.png: how the masses of the thesis come to rest, and two arms on one torso."""
+"""Draw docs/pictures/ik-thesis.png: relaxation of the masses of the thesis, and two arms on one torso."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.limbs import Limbs
 from kinesic.ik.thesis.several import solve_several
-from kinesic.ik.thesis.solve import RELAXATIONS
+from kinesic.ik.thesis.solve import RELAXATION_METHODS
 from kinesic.ik.thesis.task import Effort, Task
 
 mpl.use("Agg")
@@ -23,7 +23,7 @@ TITLES = {
 }
 
 figure, panels = plt.subplots(1, 4, figsize=(15, 4), layout="constrained")
-for panel, (method, relax) in zip(panels, RELAXATIONS.items(), strict=False):
+for panel, (method, relax) in zip(panels, RELAXATION_METHODS.items(), strict=False):
     last = relax(Task(CHAIN.points, TARGET, CHAIN.lengths, CHAIN.stiffness, CHAIN.masses, None, Effort())).iterations
     for step in sorted({0, 1, 2, 4, 8, last} & set(range(last + 1))):
         effort = Effort(iterations=step)
@@ -41,4 +41,4 @@ panels[3].plot([t[1] for t in targets.values()], [t[2] for t in targets.values()
 panels[3].set(title="both hands and the torso", aspect="equal", xlabel="left [m]", ylabel="up [m]")
 panels[3].invert_xaxis()
 panels[3].legend(fontsize="small")
-figure.savefig(Path(__file__).parents[1] / "ik-thesis.png", dpi=80)
+figure.savefig(Path(__file__).parents[1] / "pictures" / "ik-thesis.png", dpi=80)

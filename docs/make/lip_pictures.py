@@ -1,4 +1,4 @@
-"""Draws docs/face-lips.png: what the mouths of both heads do for eight kinds of sounds."""
+"""Draw docs/pictures/face-lips.png: the mouths of both heads at eight kinds of sounds."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +10,9 @@ from PIL import Image, ImageDraw
 from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
 from kinesic.expressivity.face.visemes import viseme_of
-from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.camera import CLOSE_CAMERA
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import NORMAL
+from kinesic.face.render.presets import NORMAL_PRESET
 
 SOUNDS = {"m": "m", "f": "f", "th": "θ", "w": "w", "sh": "ʃ", "see": "i", "palm": "ɑ", "you": "u"}  # noqa: RUF001
 SIDE, LABEL = 560, 16
@@ -20,8 +20,8 @@ MOUTH = (slice(330, 458), slice(195, 365))  # rows and columns
 
 
 def mouth(portrait: Portrait, word: str) -> Picture:
-    """The mouth that says a sound, under a word that has it."""
-    pixels = portrait.draw(viseme_of(SOUNDS[word]).units, CLOSE)[MOUTH]
+    """Draw the mouth at a sound, with an example word above."""
+    pixels = portrait.draw(viseme_of(SOUNDS[word]).units, CLOSE_CAMERA)[MOUTH]
     paper = Image.new("RGB", (pixels.shape[1], pixels.shape[0] + LABEL), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 2), word, fill=(40, 40, 40))
     paper.paste(Image.fromarray(pixels), (0, LABEL))
@@ -29,10 +29,10 @@ def mouth(portrait: Portrait, word: str) -> Picture:
 
 
 def row(variant: Variant) -> Picture:
-    """All sounds of one head."""
-    with Portrait(variant, preset=replace(NORMAL, samples=2), size=(SIDE, SIDE)) as portrait:
+    """Draw all sounds of one head."""
+    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(SIDE, SIDE)) as portrait:
         return np.concatenate([mouth(portrait, word) for word in SOUNDS], axis=1)
 
 
 sheet = Image.fromarray(np.concatenate([row(variant) for variant in get_args(Variant)]))
-sheet.save(Path(__file__).parents[1] / "face-lips.png", optimize=True)
+sheet.save(Path(__file__).parents[1] / "pictures" / "face-lips.png", optimize=True)

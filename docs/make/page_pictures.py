@@ -1,4 +1,4 @@
-"""Draws docs/welcome.png, three strokes of welcome.bml in the twin, and docs/report.png, its report in Chromium."""
+"""Draw welcome.png, three strokes of welcome.bml in the twin, and report.png, its report in Chromium."""
 
 import shutil
 import subprocess
@@ -30,11 +30,11 @@ if __name__ == "__main__":
         for stroke, still in zip(STROKES, stills, strict=True):
             write_still(performer.robot, run.at(stroke).angles, still)
         row = np.concatenate([np.asarray(Image.open(still)) for still in stills], axis=1)
-        Image.fromarray(row).save(DOCS / "welcome.png", optimize=True)
+        Image.fromarray(row).save(DOCS / "pictures" / "welcome.png", optimize=True)
         page = run.report(Path(folder) / "report").page
         shot = Path(folder) / "page.png"
         size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
         subprocess.run(
             [browser, *DRAWN, size, f"--timeout={SETTLED}", f"--screenshot={shot}", page.as_uri()], check=True
         )
-        Image.open(shot).convert("RGB").save(DOCS / "report.png", optimize=True)
+        Image.open(shot).convert("RGB").save(DOCS / "pictures" / "report.png", optimize=True)

@@ -1,15 +1,15 @@
-"""Writes what was measured into docs/servos.md; wants what `kinesic bench bus --json`, and with `--matrix`, printed."""
+"""Write the measurements of `kinesic bench bus --json` and `--matrix --json` into docs/benchmarks/servos.md."""
 
 import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "servos.md"
+PAGE = Path(__file__).parents[1] / "benchmarks/servos.md"
 COUNTS, BAUDS = (7, 14, 20, 26), {57_600: "57 600", 1_000_000: "1 M", 2_000_000: "2 M", 4_000_000: "4 M"}
-SERVOS, BAUD = 14, 1_000_000  # of the table that sets the drivers side by side
+SERVOS, BAUD = 14, 1_000_000  # of the table that compares the drivers
 DRIVERS = ("kinesic", "dynamixel-sdk")
-TELLING = ("alert", "overheat", "undervoltage")  # cases in which a servo reports a hardware error
+REPORTED_FAULTS = ("alert", "overheat", "undervoltage")  # cases in which a servo reports a hardware error
 
 Trial = dict[str, str | float | None]
 Trials = dict[str, list[Trial]]  # by case, in the order of the matrix
@@ -19,82 +19,82 @@ drivers = {each["driver"]: each["trials"] for each in json.loads(Path(sys.argv[2
 
 
 def table(*rows: Sequence[str]) -> list[str]:
-    """The first row heads the others."""
+    """Format rows as Markdown; the first row is the header."""
     lines = ["| " + " | ".join(row) + " |" for row in rows]
     return [lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]
 
 
 def by_case(trials: Sequence[Trial]) -> Trials:
-    """Trials of each case."""
-    found: Trials = {}
+    """Group trials by case."""
+    groups: Trials = {}
     for trial in trials:
-        found.setdefault(str(trial["case"]), []).append(trial)
-    return found
+        groups.setdefault(str(trial["case"]), []).append(trial)
+    return groups
 
 
-def rates() -> list[str]:
-    """Share of the wire's time, by number of servos and baud rate."""
+def format_rates() -> list[str]:
+    """Format the fraction of time in which the wire is busy, by number of servos and baud rate."""
     rows = [[f"{figures[f'bus.rate_{count}_servos_{baud}_baud']:.1f} %" for baud in BAUDS] for count in COUNTS]
     return table(("servos", *BAUDS.values()), *[(str(count), *row) for count, row in zip(COUNTS, rows, strict=True)])
 
 
-def fared(trials: Sequence[Trial]) -> tuple[str, str, str, str]:
-    """What a driver did under one fault, the seeds together."""
+def summarise(trials: Sequence[Trial]) -> tuple[str, str, str, str]:
+    """Summarise the results of a driver under one fault, with the seeds together."""
     refused = next((str(trial["refused"]) for trial in trials if trial["refused"]), "")
     if refused:
         return f"refused: {refused.partition(': ')[2].partition(';')[0]}", "", "", ""
     wrong = " / ".join(str(sum(trial[name] for trial in trials)) for name in ("exceptions", "wrong"))
     fresh = 100 * sum(trial["fresh"] for trial in trials) / len(trials)
-    told = [trial["told_s"] for trial in trials]
-    said = (
-        "" if not str(trials[0]["case"]).startswith(TELLING) else "never" if None in told else milliseconds(max(told))
-    )
-    return wrong, f"{fresh:.2f}", milliseconds(max(trial["p99_s"] for trial in trials)), said
+    delays = [trial["told_s"] for trial in trials]
+    reported = ""
+    if str(trials[0]["case"]).startswith(REPORTED_FAULTS):
+        reported = "never" if None in delays else milliseconds(max(delays))
+    return wrong, f"{fresh:.2f}", milliseconds(max(trial["p99_s"] for trial in trials)), reported
 
 
 def milliseconds(seconds: float) -> str:
-    """To a tenth."""
+    """Format a duration [ms] with one decimal."""
     return f"{1000 * seconds:.1f}"
 
 
-def side_by_side() -> list[str]:
-    """Drivers beside one another, at one number of servos and one rate."""
+def compare_drivers() -> list[str]:
+    """Compare the drivers at one number of servos and one baud rate."""
     cases = [
         by_case([trial for trial in drivers[name] if (trial["servos"], trial["baud"]) == (SERVOS, BAUD)])
         for name in DRIVERS
     ]
     head = ["fault"]
     for name in DRIVERS:
-        head += [f"{name}: exceptions / wrong", "fresh %", "p99 ms", "told ms"]
-    rows = {name: [cell for each in cases for cell in fared(each[name])] for name in cases[0]}
+        head += [f"{name}: exceptions / wrong", "fresh %", "p99 ms", "reported ms"]
+    rows = {name: [cell for each in cases for cell in summarise(each[name])] for name in cases[0]}
     return table(head, *[(name.replace("_", " "), *row) for name, row in rows.items()])
 
 
-def worst() -> list[str]:
-    """Each fault over all sizes, rates and seeds: the seeds' mean where it is least, and the longest cycle."""
+def format_worst() -> list[str]:
+    """Format the lowest mean freshness of each fault over all sizes and rates, and its longest cycle."""
     rows = []
     for name, trials in by_case(drivers["kinesic"]).items():
-        if any(trial["refused"] for trial in trials) or name.startswith(TELLING[0]):
+        if any(trial["refused"] for trial in trials) or name.startswith(REPORTED_FAULTS[0]):
             continue
         places: dict[tuple[float, float], list[Trial]] = {}
         for trial in trials:
             places.setdefault((trial["servos"], trial["baud"]), []).append(trial)
         least = min(places, key=lambda place: mean(places[place], "fresh"))
         fresh, prompt = (min(mean(each, what) for each in places.values()) for what in ("fresh", "prompt"))
-        share = max(trial["p99_s"] / trial["period_s"] for trial in trials)
+        fraction = max(trial["p99_s"] / trial["period_s"] for trial in trials)
         where = "all" if fresh == 1.0 else f"{least[0]}, {BAUDS[least[1]]}"
-        rows.append((name, f"{100 * fresh:.2f}", f"{100 * prompt:.2f}", where, f"{100 * share:.0f}"))
+        rows.append((name, f"{100 * fresh:.2f}", f"{100 * prompt:.2f}", where, f"{100 * fraction:.0f}"))
     return table(
         ("fault", "least fresh %", "of these in their own cycle", "at servos, baud", "p99, % of the period"), *rows
     )
 
 
 def mean(trials: Sequence[Trial], what: str) -> float:
-    """Of one figure."""
+    """Return the mean of one value of the trials."""
     return sum(trial[what] for trial in trials) / len(trials)
 
 
-TABLES: dict[str, Callable[[], list[str]]] = {"rates": rates, "drivers": side_by_side, "worst": worst}
+TABLES: dict[str, Callable[[], list[str]]] = {"rates": format_rates, "drivers": compare_drivers, "worst": format_worst}
 text = PAGE.read_text(encoding="utf-8")
 for mark, made in TABLES.items():
     before, rest = text.split(f"<!-- {mark} -->")

@@ -1,4 +1,4 @@
-"""Draws docs/shells.png: robots as their capsules and in their shells, and extreme postures."""
+"""Draw docs/pictures/shells.png: robots as their capsules and in their shells, and extreme postures."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ EXTREME = (  # degrees of the hinges of both arms
 
 
 def bent(robot: Robot, degrees: dict[str, float]) -> Floats:
-    """(n,) [rad] a posture, all other hinges at rest."""
+    """Return a posture (n,) [rad] with all other hinges at rest."""
     angles = robot.skeleton.rest.copy()
     for name, angle in degrees.items():
         for k, each in enumerate(robot.skeleton.names):
@@ -32,7 +32,7 @@ def bent(robot: Robot, degrees: dict[str, float]) -> Floats:
 
 
 def still(robot: Robot, degrees: dict[str, float], folder: Path) -> Image.Image:
-    """One picture."""
+    """Draw one picture."""
     write_still(robot, bent(robot, degrees), folder / "still.png", size=PICTURE)
     with Image.open(folder / "still.png") as picture:
         return picture.crop(CUT).resize((360, 390), Image.Resampling.LANCZOS)
@@ -46,4 +46,4 @@ if __name__ == "__main__":
         above = [still(robot, WAVING, folder) for pair in zip(bare, robots, strict=True) for robot in pair]
         below = [still(robots[1], degrees, folder) for degrees in EXTREME]
     sheet = np.concatenate([np.concatenate([np.asarray(one) for one in row], axis=1) for row in (above, below)])
-    Image.fromarray(sheet).quantize(200).save(Path(__file__).parents[1] / "shells.png", optimize=True)
+    Image.fromarray(sheet).quantize(200).save(Path(__file__).parents[1] / "pictures" / "shells.png", optimize=True)

@@ -1,4 +1,4 @@
-"""Films docs/studio_tour.webp, what a newcomer does; pictures the studio and its gesture editor, light and dark."""
+"""Film a newcomer's tour, studio_tour.webp, and draw the studio and its gesture editor, light and dark."""
 
 import base64
 import io
@@ -13,30 +13,30 @@ from PIL import Image, ImageDraw, ImageFont
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from tests import chromium  # noqa: E402 - what a test does is what is filmed
+from tests import chromium  # noqa: E402 - the film shows the actions of a test
 from tests.studio.newcomer import STATE, before_the_studio, make_and_perform  # noqa: E402
 
 DOCS = ROOT / "docs"
 WINDOW = (1280, 807)  # [pixels] with the browser's own 87
 SIZE = (960, 540)  # [pixels] of the film
-READ = 1600  # [ms] that one action is shown
+READ = 1600  # [ms] for which one action is shown
 STEP = 125  # [ms] between two frames of the performance
-STILL = 1500  # [ms] until all is drawn finely
-MOMENT = 2.2  # [s] of the greeting that is pictured
-PERFORMED = 9.0  # [s] of it
-PATIENCE = 240.0  # [s] with a busy machine
+STILL = 1500  # [ms] until the page is drawn in full quality
+MOMENT = 2.2  # [s] of the greeting in the picture
+PERFORMED = 9.0  # [s] of the performance
+MAX_WAIT = 240.0  # [s] for the browser on a busy machine
 INK, PAPER, POINTER = "#23262d", "#fbfaf7", "#b4430f"
 
 
 def picture(page: chromium.Page) -> Image.Image:
-    """What the page shows."""
+    """Return a picture of the page."""
     return Image.open(io.BytesIO(base64.b64decode(page.call("Page.captureScreenshot", format="png")["data"]))).convert(
         "RGB"
     )
 
 
 def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) -> Image.Image:
-    """A frame of the film: the page, where the pointer is, and what it does."""
+    """Draw a frame of the film: the page, the pointer and a caption."""
     frame = shown.copy()
     pen = ImageDraw.Draw(frame)
     if where is not None:
@@ -51,7 +51,7 @@ def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) ->
 
 
 def performance(page: chromium.Page) -> Iterator[Image.Image]:
-    """Frames of what servos do, about so many a second as they are shown."""
+    """Record frames of a performance, at about the frame rate of the film."""
     page.until(f"{STATE}.mode === 'robot'")
     begun, k = monotonic(), 0
     while (now := monotonic() - begun) < PERFORMED:
@@ -61,7 +61,7 @@ def performance(page: chromium.Page) -> Iterator[Image.Image]:
 
 
 def in_both_schemes(page: chromium.Page, name: str) -> None:
-    """Pictures of the page, light and dark."""
+    """Draw the page in light and dark."""
     for scheme, path in (("dark", f"{name}_dark.png"), ("light", f"{name}.png")):
         page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         page.value(f"new Promise(done => setTimeout(done, {STILL}))")
@@ -69,7 +69,7 @@ def in_both_schemes(page: chromium.Page, name: str) -> None:
 
 
 if __name__ == "__main__":
-    chromium.PATIENCE = PATIENCE
+    chromium.MAX_WAIT = MAX_WAIT
     frames, times = list[Image.Image](), list[int]()
     with (
         TemporaryDirectory() as folder,
@@ -77,7 +77,7 @@ if __name__ == "__main__":
     ):
 
         def film(what: str, where: tuple[float, float] | None) -> None:
-            """Keeps what the page shows before an action."""
+            """Store a frame of the page before an action."""
             frames.append(titled(picture(person.page), f"{len(frames) + 1}. {what}", where))
             times.append(READ)
             if what.startswith("Save as weigh"):
@@ -93,6 +93,5 @@ if __name__ == "__main__":
         for frame in performance(person.page):
             frames.append(frame)
             times.append(STEP)
-    frames[0].save(
-        DOCS / "studio_tour.webp", save_all=True, append_images=frames[1:], duration=times, loop=0, quality=45, method=6
-    )
+    film = DOCS / "pictures" / "studio_tour.webp"
+    frames[0].save(film, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=45, method=6)

@@ -1,26 +1,28 @@
-"""Writes docs/synonyms.md: every name that means a gesture, and the classes that one gesture stands for."""
+"""Write docs/reference/synonyms.md: all names of each gesture, and the classes with a default gesture."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
-PAGE = Path(__file__).parents[1] / "synonyms.md"
+PAGE = Path(__file__).parents[1] / "reference/synonyms.md"
 HEAD = """# Names of gestures
 
-Written by `docs/make/synonyms.py` from `kinesic/configs/gestures/synonyms.toml`: {count} names, beside their own, of
-{gestures} gestures: of the lexicons of Greta, SmartBody, EMBR, Asap, NAO and Reachy, of BML's gesture types and
-McNeill's classes, and of everyday English. A name stands with one gesture only, which everybody who speaks the language
-should accept. [my-gestures.md](my-gestures.md#how-a-lexeme-finds-a-gesture) says how a lexeme is looked up, and how to
-add names.
+`docs/make/synonyms.py` writes this page from `kinesic/configs/gestures/synonyms.toml`: {count} additional names of
+{gestures} gestures. The names come from the lexicons of Greta, SmartBody, EMBR, Asap, NAO and Reachy, from BML's
+gesture types and McNeill's classes, and from everyday English. A name belongs to one gesture only, on which all
+speakers of the language should agree.
+[Write a gesture](../how-to/write-a-gesture.md#how-a-lexeme-finds-a-gesture) explains the search for a lexeme, and
+how to add names.
 
-`kinesic gestures show LEXEME` says what any lexeme becomes.
+`kinesic gestures show LEXEME` prints the result for any lexeme.
 
 ## Classes
 
-A word of a class anywhere in a name finds the gesture of this class that the other words ask for (`point_left`:
-`left`), and else the one gesture that stands for all of the class; the behaviour is then `substituted`.
-A phrase in which the word says something else names no class, nor does a point behind an unknown word (`match_point`).
+A name may contain a word of a class at any place. The other words then select a gesture of this class (`point_left`:
+`left`). Without a match the default gesture of the class is used. The behaviour is then `substituted`.
+A phrase in which the word has another sense names no class (see "but not in"). Neither does a point behind an unknown
+word (`match_point`).
 
 | class | gesture | words | but not in |
 |---|---|---|---|
@@ -31,7 +33,7 @@ A phrase in which the word says something else names no class, nor does a point 
 
 
 def page(lexicon: Lexicon) -> str:
-    """The page, in Markdown."""
+    """Return the page in Markdown."""
     classes = "\n".join(
         f"| {each.name} | `{each.gesture}` | {_listed(each.words)} | {_listed(each.not_in)} |"
         for each in lexicon.classes
@@ -46,7 +48,7 @@ def _listed(phrases: tuple[tuple[str, ...], ...]) -> str:
 
 
 def _rows(lexicon: Lexicon) -> Iterator[str]:
-    yield "| gesture | what is done | names that mean it |\n|---|---|---|"
+    yield "| gesture | movement | names |\n|---|---|---|"
     for form in sorted(lexicon.forms, key=lambda form: form.id):
         if names := lexicon.names_of(form.id):
             yield f"| `{form.id}` | {lexicon.sense(form).says} | {', '.join(names)} |"

@@ -1,0 +1,52 @@
+"""The page of all messages that clients send to `kinesic serve`."""
+
+from typing import get_args
+
+import msgspec
+from struct_tables import key_table
+
+from kinesic.serve.messages import BodyReport, ServoPlace, ServoReport
+from kinesic.serve.wire.protocol import MAX_CONTROL_SIZE, Control
+from kinesic.serve.wire.questions import LONG_VERBS
+
+HEAD = f"""# Messages of the server
+
+`docs/make/reference` writes this page from the types that `kinesic serve` decodes and encodes. The
+[wire protocol](wire-protocol.md) explains their use, the answers and the order of messages.
+
+A message is a JSON object with the key `do`. It has at most {MAX_CONTROL_SIZE} bytes; {{long}} may be as
+long as a document. An unknown key or value is refused with its place.
+
+"""
+
+
+def list_messages() -> list[type[msgspec.Struct]]:
+    """Return the types of all messages from clients, in the order of their verbs."""
+    return sorted(get_args(Control), key=verb_of)
+
+
+def verb_of(message: type[msgspec.Struct]) -> str:
+    """Return the value of a message's key `do`."""
+    return str(message.__struct_config__.tag)
+
+
+def write_page() -> str:
+    """Return the page with the keys of all messages."""
+    long = ", ".join(f"`{verb}`" for verb in sorted(LONG_VERBS))
+    lines = [HEAD.format(long=long) + "| message | effect |", "|---|---|"]
+    for message in list_messages():
+        lines.append(f"| [`{verb_of(message)}`](#{verb_of(message)}) | {_about(message)} |")
+    for message in list_messages():
+        lines += ["", f"## {verb_of(message)}", "", _about(message), ""]
+        lines += (
+            key_table(message) if message.__struct_fields__ else [f'`{{"do": "{verb_of(message)}"}}` has no other key.']
+        )
+    lines += ["", "## Reports", "", "A client that sent `watch` receives `body` reports; `servos` answers with places."]
+    for report in (BodyReport, ServoReport, ServoPlace):
+        title = report.__name__.replace("Report", " report").replace("Place", " place").capitalize()
+        lines += ["", f"### {title}", "", _about(report), "", *key_table(report)]
+    return "\n".join(lines) + "\n"
+
+
+def _about(message: type[msgspec.Struct]) -> str:
+    return " ".join((message.__doc__ or "").split())

@@ -1,0 +1,110 @@
+"""The page of all TOML files that users write, from their schemas."""
+
+from dataclasses import dataclass
+
+import msgspec
+from struct_tables import describe_type, key_table, nested_tables, title_of
+
+from kinesic.body.calibration import Calibration
+from kinesic.body.robot_schema import RobotFile, ServoTable
+from kinesic.expressivity.lexicon.toml_file import GestureFile
+from kinesic.expressivity.style.style import StyleTable
+from kinesic.hardware.protocol.servo_map import BusTable
+from kinesic.hardware.virtual.faults import FaultFile
+from kinesic.sim.servo_factors import Factors
+
+HEAD = """# TOML files
+
+`docs/make/reference` writes this page from the schemas that kinesic reads. An unknown key, a wrong type or a number
+that is not finite is an error, which names the file, the place and a valid key. A key marked as required has no
+default.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """One kind of TOML file, with the structs of its tables."""
+
+    title: str
+    use: str
+    tables: tuple[type[msgspec.Struct], ...]
+
+
+DOCUMENTS = (
+    Document(
+        "Styles",
+        "Read by `--style FILE.toml`; the built-in ones are in `kinesic/configs/styles/`. `kinesic new style "
+        "NAME` writes one. Parameters are in [-1, 1], `openness` in [0, 1]; "
+        "[expressivity](../explanation/expressivity.md) shows the effect of each. A table of a modality holds"
+        " the parameters in which it differs.",
+        (StyleTable,),
+    ),
+    Document(
+        "Gestures",
+        "Read by `--lexicon FILE.toml`, and from `kinesic/configs/gestures/`. `kinesic new gesture NAME` "
+        "writes one. [Write a gesture](../how-to/write-a-gesture.md) explains sectors, direction words and "
+        "hand shapes.",
+        (GestureFile,),
+    ),
+    Document(
+        "Robots",
+        "Read by `--robot FILE.toml`; the built-in ones are in `kinesic/configs/robots/`. `kinesic robots "
+        "import` writes one from MJCF or URDF, `kinesic new robot NAME` one from a built-in robot, and "
+        "`kinesic robots check FILE` checks it. Frames: x forward, y left, z up; zero pose: arms hanging, "
+        "palms to the thighs.",
+        (RobotFile, BusTable),
+    ),
+    Document(
+        "Servo models",
+        "The file `kinesic/configs/servos.toml` has one table for each model, `[xm540_w270]`. A robot's "
+        "`[servos.NAME]` adds models with the same keys. Values are those of the output shaft at `volt`.",
+        (ServoTable,),
+    ),
+    Document(
+        "Calibrations",
+        "Written by `kinesic servos calibrate` beside the robot's file, as `NAME.calibration.toml`. For a "
+        "built-in robot it is in the user's configuration folder, `~/.config/kinesic`.",
+        (Calibration,),
+    ),
+    Document(
+        "Twin factors",
+        "Read by `--twin FILE.toml`, and written by `kinesic twin fit` and `--learn FILE`. All factors "
+        "multiply the values of the robot's file. A table `[servos.MODEL]` replaces the factors of one servo "
+        "model.",
+        (Factors,),
+    ),
+    Document(
+        "Fault plans",
+        "Read by `kinesic servos simulate --faults FILE.toml`. Each `[[fault]]` disturbs a virtual bus for a while.",
+        (FaultFile,),
+    ),
+)
+
+OTHER_KINDS = {RobotFile: {"bus": f"list of {describe_type(BusTable)}"}}  # the hardware package reads these
+
+
+def write_page() -> str:
+    """Return the page with the tables of all documents."""
+    lines = [HEAD, "| file | read or written by |", "|---|---|"]
+    for document in DOCUMENTS:
+        lines.append(f"| [{document.title}](#{_anchor(document.title)}) | {document.use.split('. ')[0].rstrip('.')} |")
+    lines.append("| Targets | Read by `--targets FILE.toml`: lines `name = [x, y, z]`, positions in the world [m] |")
+    for document in DOCUMENTS:
+        lines += ["", f"## {document.title}", "", document.use, ""]
+        for table in list_tables(document):
+            lines += [f"### {title_of(table)}", "", *_about(table), *key_table(table, OTHER_KINDS.get(table, {})), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def list_tables(document: Document) -> list[type[msgspec.Struct]]:
+    """Return all structs of a document; models of servos have a section of their own."""
+    found = dict.fromkeys(table for root in document.tables for table in nested_tables(root))
+    return [table for table in found if table is not ServoTable or document.tables == (ServoTable,)]
+
+
+def _about(table: type[msgspec.Struct]) -> list[str]:
+    return [line for paragraph in (table.__doc__ or "").split("\n\n") for line in (" ".join(paragraph.split()), "")]
+
+
+def _anchor(title: str) -> str:
+    return title.lower().replace(" ", "-")

@@ -1,0 +1,78 @@
+"""The page of the tools that `kinesic mcp` offers to language models."""
+
+import asyncio
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
+
+from mcp.types import Tool
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.mcp.robot_gate import RobotGate
+from kinesic.mcp.robot_line import RobotLine
+from kinesic.mcp.server import make_server
+from kinesic.planning.setup import Setup
+
+HEAD = """# MCP tools
+
+`docs/make/reference` writes this page from the tools of `kinesic mcp`, with the texts that a language model reads.
+[Connect a language model](../how-to/connect-a-language-model.md) shows how to use them.
+
+An error is an answer with `isError`. Its text names the parameter or the place in the document, such as
+`behaviours[1].stroke`, and a valid value.
+"""
+
+RESUME_NOTE = "Only in the twin: on servos, and with `--connect`, a person has to resume."
+PLAIN_KINDS = {"string": "text", "number": "number", "integer": "whole number", "object": "JSON object"}
+SCHEMA_LINK = "[document as JSON](bml.md#bml-as-json)"
+
+
+def write_page() -> str:
+    """Return the page with all tools and resources."""
+    server = make_server(RobotGate(Future[RobotLine](), Future[Setup]()), Lexicon.load(None), resumes=True)
+    tools, resources = asyncio.run(server.list_tools()), asyncio.run(server.list_resources())
+    prompts = asyncio.run(server.list_prompts())
+    lines = [HEAD, "| tool | effect |", "|---|---|"]
+    lines += [f"| [`{tool.name}`](#{tool.name}) | {_paragraphs(tool)[0]} |" for tool in tools]
+    for tool in tools:
+        lines += ["", *_section(tool)]
+    lines += ["", "## Resources and prompts", "", "| name | content |", "|---|---|"]
+    lines += [f"| `{resource.uri}` | {resource.description} |" for resource in resources]
+    lines += [f"| prompt `{prompt.name}` | {prompt.description} |" for prompt in prompts]
+    return "\n".join(lines) + "\n"
+
+
+def _section(tool: Tool) -> list[str]:
+    is_quiet = tool.annotations is not None and tool.annotations.read_only_hint
+    lines = [f"## {tool.name}", "", "*Moves nothing.*" if is_quiet else "*Changes what the robot does.*", ""]
+    for paragraph in [*_paragraphs(tool), *([RESUME_NOTE] if tool.name == "resume" else [])]:
+        lines += [paragraph, ""]
+    properties, required = tool.input_schema.get("properties", {}), tool.input_schema.get("required", [])
+    if not properties:
+        return [*lines, "It has no parameters."]
+    lines += ["| parameter | value | default | meaning |", "|---|---|---|---|"]
+    for name, schema in properties.items():
+        default = "required" if name in required else f"`{schema.get('default', '')}`".replace("``", "")
+        lines.append(f"| `{name}` | {_kind(schema)} | {default} | {_escape(schema.get('description', ''))} |")
+    return lines
+
+
+def _paragraphs(tool: Tool) -> list[str]:
+    return [" ".join(part.split()) for part in (tool.description or "").split("\n\n")]
+
+
+def _escape(text: str) -> str:
+    return text.replace("*", "\\*").replace("|", "\\|")
+
+
+def _kind(schema: Mapping[str, object]) -> str:
+    """Return the kind of a parameter's value in words."""
+    choices, kind, limits = schema.get("enum"), schema.get("type"), ""
+    if isinstance(choices, Sequence):
+        return ", ".join(f"`{choice}`" for choice in choices)
+    if "anyOf" in schema or not isinstance(kind, str):
+        return f"{SCHEMA_LINK}, or text"
+    if "maxLength" in schema:
+        limits = f", at most {schema['maxLength']} characters"
+    elif "minimum" in schema:
+        limits = f" in [{schema['minimum']}, {schema['maximum']}]"
+    return PLAIN_KINDS[kind] + limits
