@@ -1,4 +1,4 @@
-# make demo   performs a block of BML in the virtual robot; its film is smaller than others, to be there soon
+# make demo   performs the built-in greeting in the virtual robot, as `kinesic demo` does
 # make test   runs the tests
 # Both set up .venv first; nothing but python3 (with venv) and make is needed, and no root.
 
@@ -9,18 +9,23 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 TESTED = $(INSTALL) --require-hashes --requirement $(1) >$(2) 2>&1
 # Ends everything where a file is there but differs from the tested one: somebody may have exchanged it.
 UNCHANGED = { ! grep -q "DO NOT MATCH THE HASHES" $(1) || { cat $(1) >&2; exit 1; }; }
-SOURCES := pyproject.toml $(wildcard requirements*.lock setup.py kinesic/nanobind.cpp kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
+# Installs the compiler from PyPI if the machine has none.
+COMPILER = { ! $(BIN)/python -c 'import sys, build_backend; sys.exit(not build_backend.needs_zig())' || \
+	$(call TESTED,requirements-compiler.lock,.venv/compiler.log) || { $(call UNCHANGED,.venv/compiler.log); false; }; }
+SOURCES := pyproject.toml build_backend.py $(wildcard requirements*.lock setup.py kinesic/_kernel/*.cpp kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
 EXTRAS := speech face
 KEPT ?=
-SMALL := --film-size 854x480 --film-rate 15
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test test-rounding check soak mutants mutants-studio bench system-deps test-deps lock studio clean
+.PHONY: demo setup test test-rounding check soak notebooks mutants mutants-studio bench docs tutorials reference wheels wheels-smoke system-deps test-deps lock studio clean
+
+# Sets up .venv for tests, and does nothing else.
+setup: .venv/.stamp-test
 
 demo: .venv/.stamp-demo
-	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --robot upper36 --out out/demo --force $(SMALL)
+	@$(BIN)/kinesic demo --no-open
 
 # Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in an
 # order of their own, the longest first (tests/scheduling.py): sorted by their number of tests, they would come last.
@@ -36,14 +41,19 @@ test-rounding: .venv/.stamp-test
 check: .venv/.stamp-test
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
-	@$(BIN)/mypy
+	@printf '%s\n' linux win32 darwin | xargs -P 3 -I @ $(BIN)/mypy --platform @ --cache-dir .mypy_cache/@
 	@$(BIN)/lint-imports
+	@$(BIN)/python -m tests.language
 
 # Longer runs: a thousand random blocks in extreme styles, the whole corpus, the studio played for a minute, and theorems on
 # examples that nobody has seen.
 soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
+
+# The notebooks in examples/notebooks, executed from the first cell to the last.
+notebooks: .venv/.stamp-test
+	@$(BIN)/python -m pytest -m soak tests/test_notebooks.py
 
 # Wrong programs: ten small changes of each part that must not fail, and a list of those that no test notices.
 # `python tests/mutants -h` has options.
@@ -58,7 +68,28 @@ mutants-studio:
 studio:
 	@cd kinesic/studio/client && npm ci --no-audit --no-fund && npm run check && npm run build
 
-bench: .venv/.stamp-demo
+# The pages of docs/reference that are written from the code: after a change of options, keys, messages or public names.
+reference: .venv/.stamp-test
+	@$(BIN)/python docs/make/reference
+
+# The documentation site in build/site; a broken link or anchor ends it. SITES=FOLDER also adds this version to a folder
+# of all published versions, for a web server.
+docs: .venv/.stamp-docs
+	@$(BIN)/python docs/make/site.py $(if $(SITES),--publish $(SITES))
+
+# The tutorials of the site, block by block as their readers would; `make test` only reads them.
+tutorials: .venv/.stamp-test
+	@$(BIN)/python -m pytest -m tutorial tests/tutorials -n 2 --dist loadfile
+
+# The source archive and the wheels for Linux in dist, checked: CPython 3.11, and the stable ABI of 3.12 and later.
+wheels: .venv/.stamp-release
+	@$(BIN)/python release/wheels.py
+
+# The wheel for aarch64 under emulation, against this processor: ten minutes at most (Debian 12 or later).
+wheels-smoke: .venv/.stamp-release
+	@$(BIN)/python release/emulated.py dist/kinesic-*-cp311-cp311-manylinux*_aarch64.whl
+
+bench: .venv/.stamp-test
 	@$(BIN)/kinesic bench all
 
 # The core must install, in the files that were tested or, where these are not to be had, in newer ones; an extra that
@@ -66,7 +97,7 @@ bench: .venv/.stamp-demo
 .venv/.stamp-demo: $(SOURCES)
 	@echo "setting up .venv ..."
 	@test -x $(BIN)/pip || $(PYTHON) -m venv --clear .venv
-	@{ $(call TESTED,requirements.lock,.venv/tested.log) && \
+	@{ $(call TESTED,requirements.lock,.venv/tested.log) && $(COMPILER) && \
 		$(INSTALL) --no-deps --no-build-isolation --editable . 2>>.venv/tested.log; } || { $(call UNCHANGED,.venv/tested.log); \
 		echo "warn: not with the tested versions (why: .venv/tested.log); others are taken"; $(INSTALL) --editable .; }
 	@for extra in $(EXTRAS); do \
@@ -80,11 +111,25 @@ bench: .venv/.stamp-demo
 		echo "warn: not with the tested versions (why: .venv/dev.log); others are taken"; $(INSTALL) "kinesic[dev]"; }
 	@touch $@
 
+# What builds the documentation site, and nothing else needs.
+.venv/.stamp-docs: .venv/.stamp-demo requirements-docs.lock
+	@$(call TESTED,requirements-docs.lock,.venv/docs.log) || { $(call UNCHANGED,.venv/docs.log); \
+		echo "the tools of the documentation site are not installed (why: .venv/docs.log)"; exit 1; }
+	@touch $@
+
+# What builds and checks wheels, and nothing else needs.
+.venv/.stamp-release: .venv/.stamp-demo requirements-release.lock
+	@$(call TESTED,requirements-release.lock,.venv/release.log) || { $(call UNCHANGED,.venv/release.log); \
+		echo "the tools that build wheels are not installed (why: .venv/release.log)"; exit 1; }
+	@touch $@
+
 # The newest versions that the oldest Python takes, so that all take them; `make test` then says whether they are good.
 # One list for the core and what builds it, and one for each extra that make installs, in the same versions.
 RESOLVE := .venv/lock/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate \
 	--no-header --no-emit-index-url
 BUILD_TOOLS := import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")
+TOOLS := import sys, tomllib; \
+	print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"][sys.argv[1]], sep="\n")
 lock:
 	@$(PYTHON) -m venv --clear .venv/lock
 	@.venv/lock/bin/python -m pip install --quiet uv==0.13.9
@@ -93,6 +138,10 @@ lock:
 	@$(RESOLVE) --constraint .venv/lock/all pyproject.toml .venv/lock/build.in >.venv/lock/requirements.lock
 	@for extra in $(EXTRAS) dev; do \
 		$(RESOLVE) --constraint .venv/lock/all pyproject.toml --extra $$extra >.venv/lock/requirements-$$extra.lock || exit 1; \
+	done
+	@for extra in docs release compiler; do \
+		.venv/lock/bin/python -c '$(TOOLS)' $$extra >.venv/lock/$$extra.in; \
+		$(RESOLVE) --constraint .venv/lock/all .venv/lock/$$extra.in >.venv/lock/requirements-$$extra.lock || exit 1; \
 	done
 	@mv .venv/lock/requirements*.lock .
 	@rm -rf .venv/lock
@@ -107,6 +156,6 @@ system-deps test-deps:
 	else echo "as root: apt-get install -y $(INSTALLED)"; fi
 
 clean:
-	rm -rf .venv build dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
-	rm -f kinesic/*/*.so
+	rm -rf .venv .cache build dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -f kinesic/_kernel/*.so
 	find kinesic tests examples -type d -name __pycache__ -prune -exec rm -rf {} +

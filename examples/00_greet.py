@@ -1,4 +1,4 @@
-"""Performs a greeting in the twin and prints the verdicts."""
+"""Perform a greeting in the twin and print the checks."""
 
 import kinesic
 

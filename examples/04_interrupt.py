@@ -1,4 +1,4 @@
-"""Leaves a running motion for another one, and stops it: angles, speeds and accelerations go on without a step."""
+"""Stop a running motion, or replace it by another without a step."""
 
 import numpy as np
 
@@ -7,20 +7,20 @@ from kinesic.body.config import CONFIGS
 from kinesic.motion.stopping import stop
 from kinesic.realizer.merge import replace_motion
 
-CUT = 2.0  # [s]
+CUT_TIME = 2.0  # [s] time of the interruption
 
 performer = Performer()
 running = performer.plan(CONFIGS / "bml" / "welcome.bml")
 nod = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.6"/></bml>'
 other = performer.plan(nod)
 
-halted = stop(running.trajectory, CUT, performer.setup.limits)
-print(f"at rest {1000 * (halted.duration - CUT):.0f} ms after the cut")
+stopped = stop(running.trajectory, CUT_TIME, performer.setup.limits)
+print(f"at rest {1000 * (stopped.duration - CUT_TIME):.0f} ms after the interruption")
 
-over = replace_motion(running.trajectory, CUT, other)
-print(f"nods instead, {over.zero - CUT:.2f} s after the cut")
+merged = replace_motion(running.trajectory, CUT_TIME, other)
+print(f"nods instead, {merged.zero - CUT_TIME:.2f} s after the interruption")
 
-before, after = running.trajectory.at(CUT), over.trajectory.at(CUT)
-for quantity in ("angles", "speeds", "accelerations"):
+before, after = running.trajectory.at(CUT_TIME), merged.trajectory.at(CUT_TIME)
+for quantity in ("angles", "velocities", "accelerations"):
     step = np.abs(getattr(after, quantity) - getattr(before, quantity)).max()
-    print(f"largest step of {quantity} at the cut: {step:.1e}")
+    print(f"largest step of {quantity} at the interruption: {step:.1e}")

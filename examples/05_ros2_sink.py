@@ -1,4 +1,4 @@
-"""A ROS 2 topic as a sink: goals go out as sensor_msgs/JointState, and whatever listens there moves."""
+"""Publish setpoints to ROS 2 as sensor_msgs/JointState."""
 
 import time
 
@@ -14,16 +14,16 @@ except ImportError:
 
 
 class Topic:
-    """Publishes goals when they are due."""
+    """Sink that publishes setpoints in real time."""
 
     def __init__(self, names: tuple[str, ...]) -> None:
         rclpy.init()
-        self.names, self.node, self.began = names, rclpy.create_node("kinesic"), time.monotonic()
+        self.names, self.node, self.start = names, rclpy.create_node("kinesic"), time.monotonic()
         self.publisher = self.node.create_publisher(JointState, "joint_commands", 10)
 
     def write(self, command: Command, /) -> None:
-        time.sleep(max(0.0, self.began + command.time - time.monotonic()))  # whoever listens lives in real time
-        self.publisher.publish(JointState(name=self.names, position=command.goals.tolist()))
+        time.sleep(max(0.0, self.start + command.time - time.monotonic()))  # Subscribers need setpoints in real time.
+        self.publisher.publish(JointState(name=self.names, position=command.setpoints.tolist()))
 
     def close(self) -> None:
         rclpy.shutdown()

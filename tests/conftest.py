@@ -1,12 +1,11 @@
-"""What must be so before any test module is imported.
+"""Environment of all tests, set before any test module is imported.
 
-MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
-a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, and nohup a terminal that closes,
-which programs would inherit that tests start and interrupt. Machines are shared: an example may take as long as it
-likes; what needs real time looks first whether the machine keeps time, and is skipped where it does not (`machine too
-slow`). Where it fails, the machine is looked at again: the test is skipped as well if the machine is too slow, and else
-tried again once, which the summary tells. Examples of theorems are few and the same in every run; `make soak` has more,
-and new ones each time.
+MuJoCo reads MUJOCO_GL at its first import, so kinesic sets it before. Calibrations of the developer's robots are
+hidden. Signals that a background shell or nohup ignores are reset, because child processes of tests inherit them.
+Machines are shared, so examples have no deadline. Realtime tests first check whether the machine keeps time, and are
+skipped if not (`machine too slow`). After a failure the machine is checked again: the test is skipped if the machine is
+too slow, and otherwise repeated once, as the summary reports. Examples of theorems are few and fixed; `make soak` runs
+more and new ones each time.
 """
 
 import atexit
@@ -22,12 +21,12 @@ import pytest
 from hypothesis import HealthCheck, settings
 from xdist.remote import Producer
 
-from .machine import Watch
+from .machine import Watch, depends_on_time
 from .nudge import nudge_random_inputs
 from .scheduling import CLOCK_WORKERS, ClockBesideCalculation, begin_elsewhere, rank, step_back
 
 if "KINESIC_NUDGE" in os.environ:
-    nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
+    nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and packages draw random numbers
 
 from kinesic.sim import gl
 
@@ -36,10 +35,10 @@ from .performances import calm, hurried, known, through  # noqa: F401  # fixture
 gl.prepare()
 
 settings.register_profile("soak", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True, max_examples=24)
+settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True, max_examples=16)
 settings.load_profile("kinesic")
 
-_nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends
+_nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed at interpreter exit
 os.environ["XDG_CONFIG_HOME"] = _nobody.name
 
 for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
@@ -53,7 +52,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """What is collected lives to the end: the garbage collector need not look at it again and again, nor that often."""
+    """Freeze collected objects, so that the garbage collector does not scan them."""
     gc.disable()
     try:
         return (yield)
@@ -63,8 +62,8 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.set_threshold(20_000, 20, 20)
 
 
-atexit.register(gc.unfreeze)  # so that nothing seems to leak when the interpreter ends
-atexit.register(gc.disable)  # the interpreter collects twice more all the same
+atexit.register(gc.unfreeze)  # avoids leak reports at interpreter exit
+atexit.register(gc.disable)  # the interpreter still collects twice
 
 
 @pytest.hookimpl(wrapper=True)
@@ -79,12 +78,12 @@ def pytest_make_collect_report(
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leaves out what `make soak` runs, thousands of tests that would be collected only to be deselected."""
+    """Skip the files of `make soak`, whose thousands of tests would be deselected anyway."""
     return True if collection_path.name == "soak" and config.getoption("markexpr") == "not soak" else None
 
 
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:
-    """Leaves out in other folders what `make soak` runs: a function that is marked so, with all its parameters."""
+    """Skip functions marked for `make soak` in other folders, with all parameters."""
     marks = getattr(obj, "pytestmark", None) if name.startswith("test_") else None
     if marks and collector.config.getoption("markexpr") == "not soak" and any(mark.name == "soak" for mark in marks):
         return []
@@ -110,7 +109,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.fixture(scope="session")
 def trimesh() -> ModuleType:
-    """A library of meshes, which takes half a second to import: by whoever has tests that read them."""
+    """Mesh library, imported only by tests that need it (half a second)."""
     return pytest.importorskip("trimesh")
 
 
@@ -123,16 +122,19 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     report = yield
-    if report.failed and item.get_closest_marker("realtime") and (excuse := _watch.excuse()):
+    excusable = report.failed and item.get_closest_marker("realtime") and depends_on_time(call.excinfo)
+    if excusable and (excuse := _watch.excuse()):
         reason = f"Skipped: machine too slow: {excuse}; it failed: {str(report.longrepr).splitlines()[-1]}"
         report.outcome, report.longrepr = "skipped", (*item.location[:2], reason)
     return report
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Names tests that failed while the machine was too slow: nobody knows whether they would have passed."""
+    """List tests that failed while the machine was too slow."""
     skipped = terminalreporter.stats.get("skipped", [])
     unknown = [report for report in skipped if "; it failed: " in str(report.longrepr)]
     if unknown:

@@ -1,11 +1,11 @@
-"""How many examples of a theorem are tried: `make soak` tries all that are worth it, every other run some of them."""
+"""Number of examples per theorem: all in `make soak`, some in other runs."""
 
 from hypothesis import settings
 
-SHARE = 0.4  # of the examples, where nobody asks for the soak
+SAMPLE_FRACTION = 0.3  # fraction of the examples that runs outside the soak
 
 
 def examples(most: int, **others) -> settings:
-    """The settings of a theorem that the soak tries on so many examples; no example has a deadline."""
+    """Return hypothesis settings for a number of soak examples, without deadline."""
     soaked = settings.get_current_profile_name() == "soak"
-    return settings(max_examples=most if soaked else round(SHARE * most), deadline=None, **others)
+    return settings(max_examples=most if soaked else round(SAMPLE_FRACTION * most), deadline=None, **others)

@@ -1,4 +1,4 @@
-"""How the time of some work grows with what it is given."""
+"""Measurement of how run time grows with input size."""
 
 from collections.abc import Callable
 from math import inf, sqrt
@@ -7,35 +7,37 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-ENOUGH = 0.01  # [s] of processor time that can be compared
-MOST = 2**19  # of a size
-ROUNDS = 3
-STRAIGHT = 3.4  # times as long for twice as much: a straight line has 2, more where it leaves a cache; a square 4
-PLAIN = 2.7  # plainly a straight line
+MIN_MEASURED_TIME = 0.01  # [s] of processor time needed for a comparison
+MAX_INPUT_SIZE = 2**19  # largest input size
+MEASUREMENT_ROUNDS = 3
+LINEAR_GROWTH_LIMIT = 3.4  # time ratio for doubled input: 2 if linear, more beyond a cache, 4 if quadratic
+STRICT_GROWTH_LIMIT = 2.7  # time ratio for doubled input that is clearly linear
 
 
-def growth(work: Callable[[T], object], make: Callable[[int], T], *, size: int = 256, most: int = MOST) -> float:
-    """How many times longer the work takes for twice as much, the quickest of some rounds.
+def growth(
+    work: Callable[[T], object], make: Callable[[int], T], *, size: int = 256, most: int = MAX_INPUT_SIZE
+) -> float:
+    """Return the time ratio for doubled input, the minimum of several rounds.
 
-    Measured over two doublings: what no longer fits a cache makes one of them look like a square.
+    It is measured over two doublings, because a cache limit makes a single one look quadratic.
 
     Args:
-        work: that is measured.
-        make: what it is given, by its size.
-        size: to begin with; it grows until the work takes long enough to be compared.
-        most: to which it grows.
+        work: function to measure.
+        make: creates its input of a given size.
+        size: initial size; it grows until the run time is measurable.
+        most: maximum size.
     """
-    while (once := _seconds(work, make(size))) < ENOUGH and size < most:
+    while (once := _seconds(work, make(size))) < MIN_MEASURED_TIME and size < most:
         size *= 2
     small, large = make(size), make(4 * size)
-    times = 1 if once > ENOUGH else 1 + int(ENOUGH / max(once, ENOUGH / 100))
+    times = 1 if once > MIN_MEASURED_TIME else 1 + int(MIN_MEASURED_TIME / max(once, MIN_MEASURED_TIME / 100))
     rounds = [once] if times == 1 else []
-    rounds += [_seconds(work, small, times) for _ in range(ROUNDS - len(rounds))]
+    rounds += [_seconds(work, small, times) for _ in range(MEASUREMENT_ROUNDS - len(rounds))]
     least = min(rounds)
     found = inf
-    for _ in range(ROUNDS):
+    for _ in range(MEASUREMENT_ROUNDS):
         found = min(found, sqrt(_seconds(work, large, times) / least))
-        if found < PLAIN:  # further rounds could only find less
+        if found < STRICT_GROWTH_LIMIT:  # further rounds could only reduce it
             break
     return found
 

@@ -1,48 +1,53 @@
-"""Whether this machine keeps time at the moment: what a test in real time asks before it begins.
+"""Check whether this machine keeps time, before realtime tests.
 
-Such a test needs to be woken when it asked to be, a fair share of a core, and a core that is not far slower than those
-on which the limits of tests were found. Where one of these is missing for several seconds, the test says so and is
-skipped; a short disturbance is waited for, unless the last test was skipped as well. Where a test failed, a longer look
-says whether it lacked a core; after some such failures the machine is called too slow to the end, so that a run ends.
+Such a test needs timely wake-ups, a fair fraction of a core, and a core that is not much slower than those on which the
+limits were set. If one of these is missing for several seconds, the test is skipped with the reason. Short disturbances
+are waited for unless the previous test was skipped, too. After a failure, a longer check measures the fraction of a
+core; after some such failures, the machine counts as too slow for the rest of the run.
 """
 
 import time
 from dataclasses import dataclass
 
-WAKES, NAP = 12, 0.001  # sleeps of one look, [s] each
-LOOPS = 40_000  # of plain Python: a few milliseconds
-LATEST = 0.020  # [s] that a wake-up may come late
-LEAST_SHARE = 0.3  # of a core
-SLOWEST = 0.040  # [s] of processor for the loops
-GOOD_FOR = 1.0  # [s] that a good look counts
-PATIENCE, AGAIN = 6.0, 0.1  # [s] until the machine is called too slow, and where it was so before the last test
-LONGER = 20  # times the loops after a failure: more than a process may go on calculating while others wait
-FAIR_SHARE = 0.5  # of a core, without which a failure tells nothing
-FAILURES = 3  # without it, after which nobody tries again
+import pytest
+
+WAKES, NAP = 12, 0.001  # [s] sleeps of one check
+LOOP_COUNT = 40_000  # Python loop iterations, a few milliseconds
+MAX_WAKE_DELAY = 0.020  # [s] acceptable delay of a wake-up
+MIN_CORE_FRACTION = 0.3  # of a core during a check
+MAX_LOOP_TIME = 0.040  # [s] of processor time for the loops
+CHECK_VALIDITY = 1.0  # [s] for which a successful check is valid
+PATIENCE, AGAIN = 6.0, 0.1  # [s] before the machine counts as too slow, normally and after a slow check
+LONG_CHECK_FACTOR = 20  # loop count after a failure, longer than a scheduler time slice
+FAIR_CORE_FRACTION = 0.5  # of a core, below which a failure is inconclusive
+MAX_EXCUSED_FAILURES = 3  # inconclusive failures before the machine counts as too slow
+
+MISTAKES = (AttributeError, FileNotFoundError, ImportError, NameError, TypeError)  # errors on a fast machine, too
+WRONG_WORDS = "Regex pattern did not match"  # of pytest, where an error has another message
 
 
 @dataclass(frozen=True)
 class Look:
-    """What one look at the machine found."""
+    """Measurements of one check."""
 
-    lateness: float  # [s] of the second worst wake-up
-    share: float  # of a core that this process got while it calculated
-    loops: float  # [s] of processor that the loops took
+    lateness: float  # [s] delay of the second worst wake-up
+    share: float  # fraction of a core during the loops
+    loops: float  # [s] of processor time for the loops
 
     @property
     def complaint(self) -> str:
-        """What is missing; nothing where time can be kept."""
-        if self.lateness > LATEST:
-            return f"it wakes {1e3 * self.lateness:.0f} ms late (at most {1e3 * LATEST:.0f})"
-        if self.share < LEAST_SHARE:
-            return f"it gives {100 * self.share:.0f} % of a core (at least {100 * LEAST_SHARE:.0f})"
-        if self.loops > SLOWEST:
-            return f"a core needs {1e3 * self.loops:.0f} ms for what may take {1e3 * SLOWEST:.0f}"
+        """Reason that the machine does not keep time, or empty."""
+        if self.lateness > MAX_WAKE_DELAY:
+            return f"it wakes {1e3 * self.lateness:.0f} ms late (at most {1e3 * MAX_WAKE_DELAY:.0f})"
+        if self.share < MIN_CORE_FRACTION:
+            return f"it gives {100 * self.share:.0f} % of a core (at least {100 * MIN_CORE_FRACTION:.0f})"
+        if self.loops > MAX_LOOP_TIME:
+            return f"a core needs {1e3 * self.loops:.0f} ms for what may take {1e3 * MAX_LOOP_TIME:.0f}"
         return ""
 
 
-def look(loops: int = LOOPS) -> Look:
-    """Measures wake-ups and the processor, for some 20 ms or longer."""
+def look(loops: int = LOOP_COUNT) -> Look:
+    """Measure wake-ups and processor time, for about 20 ms or longer."""
     late = []
     for _ in range(WAKES):
         due = time.perf_counter() + NAP
@@ -52,21 +57,21 @@ def look(loops: int = LOOPS) -> Look:
     for _ in range(loops):
         pass
     wall, own = time.perf_counter() - wall, time.thread_time() - own
-    return Look(sorted(late)[-2], own / wall, own * LOOPS / loops)
+    return Look(sorted(late)[-2], own / wall, own * LOOP_COUNT / loops)
 
 
 class Watch:
-    """Looks at the machine before tests in real time, at most once a second while it keeps time, and after failures."""
+    """Periodic checks of the machine before realtime tests and after failures."""
 
     def __init__(self) -> None:
-        self._good, self._patience, self._failures = -GOOD_FOR, PATIENCE, 0
+        self._good, self._patience, self._failures = -CHECK_VALIDITY, PATIENCE, 0
 
     def complaint(self) -> str:
-        """Why time cannot be kept here, after some patience; nothing where it can."""
-        if self._failures == FAILURES:
-            return f"{FAILURES} tests had too little of a core"
+        """Return why the machine does not keep time, after some waiting, or empty."""
+        if self._failures == MAX_EXCUSED_FAILURES:
+            return f"{MAX_EXCUSED_FAILURES} tests had too little of a core"
         began = time.monotonic()
-        if began - self._good < GOOD_FOR:
+        if began - self._good < CHECK_VALIDITY:
             return ""
         while missing := look().complaint:
             if time.monotonic() - began > self._patience:
@@ -76,10 +81,15 @@ class Watch:
         return ""
 
     def excuse(self) -> str:
-        """Why a test that has just failed tells nothing; nothing where it had what it needs."""
-        self._good = -GOOD_FOR
-        share = look(LONGER * LOOPS).share
-        if share >= FAIR_SHARE:
+        """Return why a failure is inconclusive, or empty."""
+        self._good = -CHECK_VALIDITY
+        share = look(LONG_CHECK_FACTOR * LOOP_COUNT).share
+        if share >= FAIR_CORE_FRACTION:
             return ""
-        self._failures = min(self._failures + 1, FAILURES)
-        return f"it gives {100 * share:.0f} % of a core (at least {100 * FAIR_SHARE:.0f})"
+        self._failures = min(self._failures + 1, MAX_EXCUSED_FAILURES)
+        return f"it gives {100 * share:.0f} % of a core (at least {100 * FAIR_CORE_FRACTION:.0f})"
+
+
+def depends_on_time(failure: pytest.ExceptionInfo[BaseException] | None) -> bool:
+    """Tell whether a slow machine could have caused this failure."""
+    return failure is None or not (isinstance(failure.value, MISTAKES) or WRONG_WORDS in str(failure.value))

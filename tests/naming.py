@@ -1,10 +1,13 @@
-"""Names the case that fails where one test looks at many: a test for each would cost more than what it looks at."""
+"""Labels for failing cases in tests that check many cases.
+
+A separate test for each case would cost more than the check itself.
+"""
 
 from types import TracebackType
 
 
 class about:  # noqa: N801 - read as a word before a case, as pytest.raises is
-    """Whatever fails inside is shown with its case."""
+    """Add the case to any failure within the context."""
 
     def __init__(self, case: object) -> None:
         self._case = case

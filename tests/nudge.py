@@ -1,7 +1,7 @@
-"""Changes every random input of the tests by about one part in 1e15: `KINESIC_NUDGE=7 make test`.
+"""Change of all random test inputs by about one part in 1e15.
 
-A test that hangs on the last bits of what it is given fails on some other processor, whose kernels round otherwise;
-here it fails on this one. The number chooses which last bits are changed.
+`KINESIC_NUDGE=7 make test` finds tests that depend on the last bits of their input, and would fail on processors whose
+kernels round differently. The number selects the changed bits.
 """
 
 import random
@@ -10,22 +10,22 @@ from functools import wraps
 import numpy as np
 from hypothesis import strategies as st
 
-LAST_BITS = 2.2e-16
-MOST = 4.5  # of them, either way: one part in 1e15
-LARGE = 1e300  # what is larger stays, so that nothing overflows
+MACHINE_EPSILON = 2.2e-16
+MAX_NUDGE = 4.5  # largest change in units of `MACHINE_EPSILON`: one part in 1e15
+MAX_NUDGED_VALUE = 1e300  # larger values stay, to avoid overflow
 
 
 def nudge(values, seed: int):
-    """The same numbers some last bits away, each always by the same ones."""
-    exact = np.atleast_1d(np.asarray(values, dtype=np.float64))  # a scalar's overflow would warn
+    """Return the numbers with deterministic changes of some last bits."""
+    exact = np.atleast_1d(np.asarray(values, dtype=np.float64))  # overflow of a scalar would warn
     mixed = (exact.view(np.uint64) ^ np.uint64(seed)) * np.uint64(0x9E3779B97F4A7C15)
-    steps = np.rint(MOST * ((mixed >> np.uint64(40)) / 2.0**23 - 1.0))
-    away = exact + np.where(np.abs(exact) < LARGE, exact, 0.0) * (LAST_BITS * steps)
+    steps = np.rint(MAX_NUDGE * ((mixed >> np.uint64(40)) / 2.0**23 - 1.0))
+    away = exact + np.where(np.abs(exact) < MAX_NUDGED_VALUE, exact, 0.0) * (MACHINE_EPSILON * steps)
     return away if np.ndim(values) else float(away[0])
 
 
 def nudged_generator(seed: int) -> type[np.random.Generator]:
-    """A generator whose real numbers are some last bits away from those of NumPy's."""
+    """Return a generator whose real numbers differ from NumPy's in some last bits."""
 
     class Nudged(np.random.Generator):
         pass
@@ -41,7 +41,7 @@ def nudged_generator(seed: int) -> type[np.random.Generator]:
 
 
 def nudge_random_inputs(seed: int) -> None:
-    """Whoever draws random numbers from now on gets them some last bits away; to be called before any test is read."""
+    """Patch NumPy's random numbers; call it before tests are imported."""
     plain_rng, plain_floats, plain_uniform = np.random.default_rng, st.floats, random.Random.uniform
     generator = nudged_generator(seed)
 

@@ -1,9 +1,8 @@
-"""Finds every place in the package where a string becomes a path, or reaches the file system.
+"""Search for all places in the package where a string becomes a path.
 
-A place is an expression with a part that is not constant: `Path(text)`, `folder / name`, `with_name(name)` and the
-like, a call of `os`, `shutil`, `tempfile`, `open` or a library that takes a path, and a method of paths that writes.
-Types are estimated from annotations and assignments; `/` counts where its left side is a path, or its right side a
-string.
+A place is an expression with a variable part: `Path(text)`, `folder / name`, `with_name(name)` and similar, a call of
+`os`, `shutil`, `tempfile`, `open` or a library that takes a path, and a writing method of a path. Types are estimated
+from annotations and assignments; `/` counts if its left side is a path or its right side a string.
 """
 
 import ast
@@ -14,22 +13,23 @@ from pathlib import Path
 from typing import TypeVar
 
 JOINS = {"joinpath", "with_name", "with_suffix", "with_stem"}
+JOINS |= {"entry_path", "entry_status", "open_entry", "remove_entry", "rename_entry"}  # of a HeldFolder
 WRITES = {"write_text", "write_bytes", "symlink_to", "hardlink_to", "mkdir", "rmdir", "touch", "unlink", "chmod"}
 PATH_METHODS = {"resolve", "absolute", "expanduser", "with_name", "with_suffix", "with_stem", "joinpath", "relative_to"}
 PATH_LISTS = {"iterdir", "glob", "rglob"}
 PATH_ATTRIBUTES = {"parent", "parents"}
-SPEAKS_OF_PATHS = re.compile(  # files without any of these words have no place, and need not be parsed
+SPEAKS_OF_PATHS = re.compile(  # files without these words need not be parsed
     r"\b(pathlib|os|shutil|tempfile|open|CONFIGS|FOLDER|path|folder|with_(name|suffix|stem)|joinpath)\b"
 )
 BINDINGS = (ast.Assign, ast.NamedExpr, ast.For, ast.comprehension, ast.withitem)
 MODULES = {"os", "shutil", "tempfile"}
 PATH_ARGUMENTS = {"prefix", "suffix", "dir", "path", "src", "dst"}
-LIBRARY_CALLS = {  # of libraries that open a file by its path
+LIBRARY_CALLS = {  # library functions that open a file by its path
     *("np.load", "np.savez", "np.savez_compressed", "np.fromfile", "wave.open", "Image.open", "ZipFile"),
     *("mujoco.MjSpec.from_file", "mujoco.MjModel.from_xml_path", "mujoco.MjModel.from_binary_path"),
 }
 LAST_WORDS = {call.rpartition(".")[2] for call in LIBRARY_CALLS}
-HARMLESS_CALLS = {  # of those modules: they take no path
+HARMLESS_CALLS = {  # functions of these modules without path arguments
     *("getpid", "getppid", "getuid", "geteuid", "cpu_count", "nice", "dup", "dup2", "close", "fsync", "fstat", "read"),
     *("write", "pread", "pwrite", "ftruncate", "fchmod", "set_blocking", "openpty", "ttyname", "memfd_create", "kill"),
     *("fdopen", "strerror", "waitpid", "killpg", "getloadavg", "sched_getaffinity", "getenv", "urandom", "fsync"),
@@ -43,9 +43,9 @@ T = TypeVar("T", bound=ast.expr)
 
 @dataclass(frozen=True, order=True)
 class PathPlace:
-    """A place, and the function that holds it."""
+    """Place with the function that contains it."""
 
-    module: str  # path below the root of the project
+    module: str  # path relative to the project root
     function: str
     line: int
     text: str
@@ -87,7 +87,7 @@ class _PathNames:
             if isinstance(node, ast.FunctionDef) and node.returns and _is_path_type(node.returns)
         }
         known = cls(frozenset(fields), frozenset(functions), frozenset())
-        for _ in range(3):  # constants made of constants
+        for _ in range(3):  # constants derived from constants
             constants = {
                 target.id
                 for tree in trees
@@ -154,7 +154,7 @@ def _is_place(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
 
 
 def _calls_imported(node: ast.expr, imported: set[str], names: _PathNames) -> bool:
-    """Return whether a function of `os`, `shutil` or `tempfile` is called that was imported by its name."""
+    """Return whether a call uses an imported name of `os`, `shutil` or `tempfile`."""
     match node:
         case ast.Call(func=ast.Name(id=name)) if name in imported - HARMLESS_CALLS:
             return _varies(node, names)
@@ -162,7 +162,7 @@ def _calls_imported(node: ast.expr, imported: set[str], names: _PathNames) -> bo
 
 
 def _varies(call: ast.Call, names: _PathNames) -> bool:
-    """Return whether a call has a path, or a part of one, that is not constant."""
+    """Return whether a call has a path argument that is not constant."""
     named = [keyword.value for keyword in call.keywords if keyword.arg in PATH_ARGUMENTS]
     return not all(_is_constant(each, names) for each in (*call.args, *named))
 
@@ -182,7 +182,7 @@ def _is_constant(node: ast.expr, names: _PathNames) -> bool:
 
 
 def _is_text(node: ast.expr) -> bool:
-    """Return whether an expression is a string: no number is divided by one."""
+    """Return whether an expression is a string."""
     match node:
         case ast.JoinedStr() | ast.Constant(value=str()) | ast.Attribute(attr="name" | "stem" | "file"):
             return True
@@ -221,7 +221,7 @@ def _local_paths(function: ast.FunctionDef | ast.AsyncFunctionDef, names: _PathN
         else:
             found.discard(argument.arg)
     bindings = [node for node in ast.walk(function) if isinstance(node, BINDINGS)]
-    for _ in range(2):  # paths made of paths
+    for _ in range(2):  # paths derived from paths
         for node in bindings:
             match node:
                 case ast.Assign():
@@ -263,5 +263,8 @@ def _pairs(node: ast.Assign, kind: type[T]) -> Iterator[tuple[T, ast.expr]]:
 
 
 def _is_path_type(annotation: ast.expr) -> bool:
-    """Return whether an annotation speaks of paths: Path, Path | None, Sequence[Path], Iterator[Path]."""
+    """Return whether an annotation contains a path type.
+
+    Examples: Path, Path | None, Sequence[Path], Iterator[Path].
+    """
     return any(isinstance(node, ast.Name) and node.id == "Path" for node in ast.walk(annotation))

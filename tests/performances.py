@@ -1,4 +1,4 @@
-"""Facts, performances and motions that tests of several rooms share."""
+"""Setups, performances and motions for tests of several packages."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,56 +7,58 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import Measurements, TickRows
+from kinesic.body.command import Measurements, SetpointRows
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import perform, set_up
-from kinesic.controller.performance import Performance
+from kinesic.controller.dry_run import dry_run
+from kinesic.metrics.dry_run import DryRun
 from kinesic.motion.condition import condition
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()
 DYNAMICS = MujocoDynamics(ROBOT)
-LIMITS = Limits.of(ROBOT, DYNAMICS.load)  # once for all modules: worst postures take a while to be found
-BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
-HURRIED = BLOCK.format(
+LIMITS = Limits.of(ROBOT, DYNAMICS.load)  # computed once, because finding worst-case postures is slow
+BLOCK_BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
+HURRIED_BML = BLOCK_BML.format(
     '<speech id="s"><text><sync id="one"/>Hello there, <sync id="two"/>welcome</text></speech>'
     '<gesture id="rushed" lexeme="offer" mode="RIGHT_HAND" start="0" stroke="0.25" end="0.6"/>'
     '<gesture id="odd" lexeme="xyzzy" stroke="1"/>'
     '<head id="nod" lexeme="NOD" stroke="s:two"/>'
 )
-CALM = BLOCK.format('<gesture id="offering" lexeme="offer" mode="RIGHT_HAND" stroke="2"/>')
+CALM_BML = BLOCK_BML.format('<gesture id="offering" lexeme="offer" mode="RIGHT_HAND" stroke="2"/>')
 
 
 @pytest.fixture(scope="session")
 def known() -> Setup:
-    """The default robot and style."""
+    """Setup with the default robot and style."""
     return set_up()
 
 
 @pytest.fixture(scope="session")
-def hurried(known: Setup) -> Performance:
-    """A stroke that comes too soon, a nod in time, a gesture that nobody knows."""
-    return perform(HURRIED, known, source="hurried.bml")
+def hurried(known: Setup) -> DryRun:
+    """Performance with an early stroke, a timely nod and an unknown gesture."""
+    return dry_run(plan(HURRIED_BML, known, source="hurried.bml"))
 
 
 @pytest.fixture(scope="session")
-def calm(known: Setup) -> Performance:
-    """One gesture with all the time it wants."""
-    return perform(CALM, known, source="calm.bml")
+def calm(known: Setup) -> DryRun:
+    """Performance of one gesture with enough time."""
+    return dry_run(plan(CALM_BML, known, source="calm.bml"))
 
 
 def generous(count: int) -> Limits:
-    """Limits that nothing meets."""
+    """Return limits that are never reached."""
     return Limits(*(sealed(np.full(count, value)) for value in (-10, 10, 1e2, 1e4, 1e6, 1e-6, 1e-4, 1.0)))
 
 
 @pytest.fixture(scope="session")
 def through() -> Callable[[Floats, Floats], Trajectory]:
-    """A motion through (m, n) postures at (m,) times."""
+    """Return a motion through (m, n) postures at (m,) times."""
 
     def made(times: Floats, angles: Floats) -> Trajectory:
         whole = (True,) * angles.shape[1]
@@ -67,7 +69,10 @@ def through() -> Callable[[Floats, Floats], Trajectory]:
 
 
 def bearing(measured: Measurements, duties: Floats) -> Measurements:
-    """Measurements with other duties, of hinges that stand still: their torque is that share of the stall torque."""
+    """Return measurements with given duties of resting hinges.
+
+    Their torque is the same fraction of the stall torque.
+    """
     drives = measured.drives
-    goals = TickRows(sealed(measured.angles + duties / drives.gain), sealed(np.ones(len(drives))))
-    return replace(measured, speeds=sealed(np.zeros_like(duties)), in_force=goals)
+    goals = SetpointRows(sealed(measured.angles + duties / drives.gain), sealed(np.ones(len(drives))))
+    return replace(measured, velocities=sealed(np.zeros_like(duties)), in_force=goals)

@@ -1,23 +1,23 @@
-"""Robots that lack a part: the default one without the hinges and the chain of its neck, trunk or collar bones."""
+"""Default robot without neck, trunk or clavicles."""
 
 import re
 from pathlib import Path
 
 from kinesic.body.config import CONFIGS
 
-BODIES = {"neck": "skullbase", "torso": "vl5", "clavicles": "l_sternoclavicular"}
+REMOVABLE_BODIES = {"neck": "skullbase", "torso": "vl5", "clavicles": "l_sternoclavicular"}
 
 
 def write_robot(folder: Path, *missing: str) -> Path:
-    """Writes a robot that lacks parts.
+    """Write a robot file without some parts.
 
     Args:
-        folder: where its TOML goes.
-        missing: of `BODIES`.
+        folder: folder of the TOML file.
+        missing: parts to remove, from `BODIES`.
     """
     text = (CONFIGS / "robots" / "upper22.toml").read_text("utf-8")
     for part in missing:
-        body = BODIES[part]
+        body = REMOVABLE_BODIES[part]
         text = re.sub(rf'\[\[hinge\]\]\nname = "{body}_(?:.+\n)+\n', "", text)
         names = f"[lr]{body[1:]}" if body.startswith("l_") else body
         text = re.sub(rf"^{names}_\w+ = .*\n", "", text, flags=re.M)

@@ -1,4 +1,4 @@
-"""Child processes: begun, watched and ended."""
+"""Child processes: start, monitoring and end."""
 
 import gc
 import multiprocessing
@@ -14,28 +14,28 @@ from pathlib import Path
 import pytest
 
 from kinesic.child import Child, child_context
-from kinesic.expressivity.lexicon.entries import own_gestures
+from kinesic.expressivity.lexicon.entries import builtin_gestures
 
 pytestmark = pytest.mark.realtime
 
 CONTEXT = child_context()
-MAX_COPIED = 2000  # [kB] of what is preloaded
+MAX_COPIED = 2000  # [kB] of preloaded memory
 
 
 def answer(line: Connection, word: str) -> None:
-    """A child's work: says a word, and then waits for one."""
+    """Send a word and wait for one, as work of a child."""
     line.send(word)
     line.recv()
 
 
 def tell_group(line: Connection) -> None:
-    """A child's work: says in which group of processes it is."""
+    """Send the process group, as work of a child."""
     line.send(os.getpgrp())
 
 
 def tell_gestures(line: Connection) -> None:
-    """A child's work: says how many gestures have been read, and how many there are."""
-    entries = own_gestures().entries
+    """Send the numbers of loaded and of all gestures, as work of a child."""
+    entries = builtin_gestures().entries
     line.send((sum("_entry" in vars(entry) for entry in entries), len(entries)))
 
 
@@ -45,18 +45,18 @@ def private_memory() -> int:
 
 
 def tell_copied(line: Connection) -> None:
-    """Send how many kilobytes a full garbage collection copies."""
+    """Send the memory [kB] copied by a full garbage collection."""
     before = private_memory()
     gc.collect()
     line.send(private_memory() - before)
 
 
 def tell_name(line: Connection) -> None:
-    """Send the name that the system shows."""
+    """Send the process name shown by the system."""
     line.send(Path("/proc/self/comm").read_text())
 
 
-def test_a_child_ends_when_its_work_is_done():
+def test_child_process_ends_after_its_work():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready", name="answer")
     assert ours.recv() == "ready"
@@ -67,7 +67,7 @@ def test_a_child_ends_when_its_work_is_done():
     assert not child.is_alive
 
 
-def test_what_a_terminal_signals_is_for_whoever_began_a_child_alone():
+def test_terminal_signals_do_not_reach_children():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_group, theirs)
     assert ours.recv() not in (os.getpgrp(), 0)
@@ -75,7 +75,7 @@ def test_what_a_terminal_signals_is_for_whoever_began_a_child_alone():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells what forks share")
-def test_garbage_collection_copies_nothing_that_forks_share():
+def test_garbage_collection_does_not_copy_shared_pages():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_copied, theirs)
     assert ours.recv() < MAX_COPIED
@@ -83,15 +83,15 @@ def test_garbage_collection_copies_nothing_that_forks_share():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names of processes are for Linux only")
-def test_the_list_of_processes_shows_the_name_of_a_child():
+def test_process_list_shows_the_child_name():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_name, theirs, name="drafter of many words")
-    assert ours.recv() == "drafter of many\n"  # as much as the system shows
+    assert ours.recv() == "drafter of many\n"  # length shown by the system
     assert child.wait() == 0
 
 
 @pytest.mark.parametrize(("version", "method"), [((3, 11, 0), "spawn"), ((3, 11, 1), "forkserver")])
-def test_no_fork_begins_where_other_users_reach_the_server_of_forks(monkeypatch, version: tuple[int, ...], method: str):
+def test_fork_server_is_not_used_if_other_users_can_reach_it(monkeypatch, version: tuple[int, ...], method: str):
     if "forkserver" not in multiprocessing.get_all_start_methods():
         pytest.skip("children are no forks here")
     monkeypatch.setattr(sys, "version_info", version)
@@ -99,7 +99,7 @@ def test_no_fork_begins_where_other_users_reach_the_server_of_forks(monkeypatch,
 
 
 @pytest.mark.skipif(CONTEXT.get_start_method() != "forkserver", reason="children are no forks here")
-def test_a_child_begins_with_all_gestures_read():
+def test_child_starts_with_the_lexicon_loaded():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_gestures, theirs)
     read, there = ours.recv()
@@ -107,7 +107,7 @@ def test_a_child_begins_with_all_gestures_read():
     assert child.wait() == 0
 
 
-def test_a_child_that_is_killed_closes_its_end_of_the_pipe():
+def test_killed_child_closes_its_pipe_end():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready")
     assert theirs.closed
@@ -116,10 +116,10 @@ def test_a_child_that_is_killed_closes_its_end_of_the_pipe():
     with pytest.raises(EOFError):
         ours.recv()
     assert child.wait() == -signal.SIGKILL
-    child.kill()  # once more does no harm
+    child.kill()  # a second call has no effect
 
 
-ORPHAN = """
+ORPHAN_PROGRAM = """
 import os, time
 from kinesic.child import Child, child_context
 
@@ -137,9 +137,9 @@ if __name__ == "__main__":
 """
 
 
-def test_a_child_that_is_busy_ends_with_a_parent_that_is_killed(tmp_path):
+def test_busy_child_ends_with_a_killed_parent(tmp_path):
     script = tmp_path / "parent.py"
-    script.write_text(ORPHAN)
+    script.write_text(ORPHAN_PROGRAM)
     with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as parent:
         child = int(parent.stdout.readline())
         parent.kill()
@@ -153,7 +153,7 @@ def test_a_child_that_is_busy_ends_with_a_parent_that_is_killed(tmp_path):
     pytest.fail("it goes on alone")
 
 
-INTERRUPTED = """
+INTERRUPTED_PROGRAM = """
 import signal, sys, time
 from kinesic.child import Child, child_context
 
@@ -171,8 +171,8 @@ if __name__ == "__main__":
 """
 
 
-def test_ctrl_c_while_children_are_prepared_leaves_no_traceback(tmp_path):
-    (tmp_path / "program.py").write_text(INTERRUPTED)
+def test_ctrl_c_during_child_startup_prints_no_traceback(tmp_path):
+    (tmp_path / "program.py").write_text(INTERRUPTED_PROGRAM)
     (tmp_path / "slow_to_import.py").write_text("import pathlib, time\npathlib.Path('began').touch()\ntime.sleep(1)\n")
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     program = subprocess.Popen(

@@ -1,4 +1,4 @@
-"""What the user's guide shows works, and what it points at exists."""
+"""Documentation: shown code works and linked targets exist."""
 
 import ast
 import re
@@ -11,58 +11,92 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import perform, set_up
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import ServoMap
-from kinesic.report.checks import checks
-from kinesic.studies.gestures.vocabulary import vocabulary
+from kinesic.session.setup import set_up
+from kinesic.studies.gestures.vocabulary import list_vocabulary
 
 ROOT = Path(__file__).resolve().parent.parent
-CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+ARCHITECTURE = ROOT / "docs" / "explanation" / "architecture.md"
+GUIDES = ROOT / "docs" / "how-to"
+REFERENCE = ROOT / "docs" / "reference"
+THESIS_MAP = ROOT / "docs" / "explanation" / "thesis-map.md"
+SKILLS = sorted((ROOT / "skills").glob("*/SKILL.md"))
+MAPS = [ROOT / "CONTRIBUTING.md", ROOT / "AGENTS.md", ARCHITECTURE, THESIS_MAP, GUIDES / "run-the-tests.md"]
+PAGES = sorted([*ROOT.glob("*.md"), *SKILLS, *(ROOT / "docs").rglob("*.md")])
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_somewhere(page: Path):
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_documentation_links_have_targets(page: Path):
     links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
     local = [link for link in links if not link.startswith(("http://", "https://"))]
     assert [link for link in local if not (page.parent / link).exists()] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_what_a_page_imports_is_there(page: Path):
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_names_imported_in_documentation_examples_exist(page: Path):
     snippets = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     imports = [node for text in snippets for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     names = [(str(node.module), name.name) for node in imports for name in node.names]
+    names = [name for name in names if name[0].startswith("kinesic")]
     assert [name for name in names if not hasattr(import_module(name[0]), name[1])] == []
 
 
-def test_the_index_lists_every_page_once():
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    listed = re.findall(r"^\| \[([\w-]+\.md)\]\(\1\) \| \S.*\|$", index, re.MULTILINE)
-    assert sorted(listed) == sorted(page.name for page in (ROOT / "docs").glob("*.md") if page.name != "index.md")
+def test_site_navigation_lists_each_page_once():
+    _, navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").split("\nnav:\n")
+    listed = re.findall(r"^ *- (?:[^:\n]+: )?([\w./-]+\.md)$", navigation, re.MULTILINE)
+    pages = [page.relative_to(ROOT / "docs").as_posix() for page in (ROOT / "docs").rglob("*.md")]
+    assert sorted(listed) == sorted(pages), "edit nav in mkdocs.yml"
 
 
-def test_every_path_that_contributors_are_shown_exists():
-    """What stands in backticks and has a slash or ends as a file does; NAME stands for any name."""
-    prose = re.sub(r"```.*?```", "", CONTRIBUTING, flags=re.DOTALL)
+@pytest.mark.parametrize("section", ["how-to", "reference", "explanation", "tutorials", "benchmarks"])
+def test_index_of_each_documentation_section_links_each_page_once(section: str):
+    folder = ROOT / "docs" / section
+    links = re.findall(r"\]\(([\w/-]+\.md)\)", (folder / "index.md").read_text(encoding="utf-8"))
+    pages = [page.relative_to(folder).as_posix() for page in folder.rglob("*.md") if page.name != "index.md"]
+    assert sorted(links) == sorted(pages), f"edit docs/{section}/index.md"
+
+
+@pytest.mark.parametrize("page", MAPS, ids=lambda page: str(page.relative_to(ROOT)))
+def test_file_paths_in_contributor_pages_exist(page: Path):
+    """Paths in backticks contain a slash or a file suffix; NAME is a placeholder."""
+    prose = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     paths = re.findall(r"`([\w.*/-]+/[\w.*/-]*|[\w-]+\.(?:py|md|toml))`", prose)
-    assert len(paths) > 100
+    assert len(paths) > 5
     assert [path for path in paths if not any(ROOT.glob(path.replace("NAME", "*")))] == []
 
 
-def test_contributors_are_shown_the_layers_of_the_contract_and_the_duty_of_each_room():
+@pytest.mark.parametrize("page", SKILLS, ids=lambda page: page.parent.name)
+def test_project_files_named_in_skills_exist(page: Path):
+    """Files of the user, such as `mine.toml`, have no slash."""
+    prose = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    roots = "|".join(path.name for path in ROOT.iterdir() if path.is_dir() and not path.is_symlink())
+    paths = re.findall(rf"`(?:\.venv/bin/python )?((?:{roots})/[\w./-]*)`", prose)
+    assert [path for path in paths if not any(ROOT.glob(path.replace("NAME", "*")))] == []
+
+
+def test_architecture_page_lists_packages_in_layer_order():
     tools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
     contracts = tools["importlinter"]["contracts"]
     (layers,) = [contract["layers"] for contract in contracts if contract.get("containers") == ["kinesic"]]
-    (picture,) = [text for text in re.findall(r"```\n(.*?)```", CONTRIBUTING, re.DOTALL) if text.startswith("cli\n")]
-    assert picture.splitlines() == layers
-    duties = re.findall(r"^\| `kinesic/(\w+)(?:/|\.py)` \| [^|]+ \|$", CONTRIBUTING, re.MULTILINE)
-    assert duties == [room for layer in layers for room in layer.split(" | ")]
+    text = ARCHITECTURE.read_text(encoding="utf-8")
+    duties = re.findall(r"^\| `kinesic/(\w+)(?:/|\.py)` \| [^|]+ \|$", text, re.MULTILINE)
+    assert duties == [package for layer in layers for package in layer.split(" | ")], f"edit {ARCHITECTURE}"
 
 
-def test_an_entry_of_the_changelog_is_one_line():
+def test_layer_diagram_is_up_to_date(tmp_path: Path):
+    generator = runpy.run_path(str(ROOT / "docs" / "make" / "layers.py"))
+    generator["draw"](generator["read_layers"]())
+    drawn = [name for layer in generator["read_layers"]() for name in layer]
+    assert generator["names_in"](ROOT / "docs" / "pictures" / "layers.svg") == drawn, "run docs/make/layers.py"
+
+
+def test_contributing_guide_has_at_most_eighty_lines():
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 80
+
+
+def test_changelog_entries_have_one_line():
     _, *releases = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
     lines = [line for release in releases for line in release.splitlines()[1:] if line]
     assert [line for line in lines if not re.match(r"( *- |### )", line)] == []
@@ -70,8 +104,15 @@ def test_an_entry_of_the_changelog_is_one_line():
     assert releases[0].startswith("[Unreleased]")
 
 
-def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
-    page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
+def test_readme_is_at_most_one_and_a_half_screens_long_with_a_film():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(readme.splitlines()) <= 85
+    (film,) = re.findall(r"!\[[^]]+\]\((docs/pictures/[\w-]+\.webp)\)", readme)
+    assert (ROOT / film).stat().st_size < 3e5
+
+
+def test_gesture_page_example_is_a_valid_lexicon(tmp_path: Path):
+    page = (GUIDES / "write-a-gesture.md").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
     file.write_text(re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[0], encoding="utf-8")
     lexicon = Lexicon.load(file)
@@ -83,22 +124,22 @@ def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
     assert lift.form.keys[1].hands["l"].fixed == (True, False, False)
 
 
-def test_the_page_of_gestures_is_in_step_with_the_lexicon():
+def test_gesture_table_matches_the_lexicon():
     script = runpy.run_path(str(ROOT / "docs" / "make" / "gestures.py"))
     known = set_up()
-    written = (ROOT / "docs" / "gestures.md").read_text(encoding="utf-8")
-    assert written == script["page"](vocabulary(known.lexicon, known.pace)), "run docs/make/gestures.py"
-    assert (ROOT / "docs" / "gestures.png").stat().st_size < 1.5e6
+    written = (REFERENCE / "gestures.md").read_text(encoding="utf-8")
+    assert written == script["page"](list_vocabulary(known.lexicon, known.pace)), "run docs/make/gestures.py"
+    assert (ROOT / "docs" / "pictures" / "gestures.png").stat().st_size < 1.5e6
 
 
-def test_the_page_of_names_is_in_step_with_the_table():
+def test_docs_page_of_names_matches_the_synonym_table():
     script = runpy.run_path(str(ROOT / "docs" / "make" / "synonyms.py"))
-    written = (ROOT / "docs" / "synonyms.md").read_text(encoding="utf-8")
+    written = (REFERENCE / "synonyms.md").read_text(encoding="utf-8")
     assert written == script["page"](Lexicon.load()), "run docs/make/synonyms.py"
 
 
-def test_the_example_of_names_is_a_lexicon(tmp_path: Path):
-    page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
+def test_docs_example_of_synonyms_is_a_valid_lexicon(tmp_path: Path):
+    page = (GUIDES / "write-a-gesture.md").read_text(encoding="utf-8")
     gestures, names = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     (tmp_path / "gestures.toml").write_text(gestures, encoding="utf-8")
     (tmp_path / "names.toml").write_text(names, encoding="utf-8")
@@ -112,34 +153,27 @@ def test_the_example_of_names_is_a_lexicon(tmp_path: Path):
     }
 
 
-def test_the_gesture_page_describes_every_shape():
-    page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
+def test_gesture_page_describes_each_hand_shape():
+    page = (GUIDES / "write-a-gesture.md").read_text(encoding="utf-8")
     assert all(f"| `{name}` | {shape.says} |" in page for name, shape in hand_shapes().items())
 
 
-def test_the_page_of_hands_judges_every_gesture_that_needs_fingers():
-    page = (ROOT / "docs" / "hands.md").read_text(encoding="utf-8")
+def test_docs_page_of_hands_rates_only_gestures_with_fingers():
+    page = (REFERENCE / "hand-shapes.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (.*) \| (readable|partly|no) \| (readable|partly|no) \|$", page, re.MULTILINE)
     simple = {"relaxed", "open", "flat", "curved", "spread", "fist", "grip", "claw"}
     forms = [form for form in Lexicon.load().forms if set(form.shapes) - simple or form.fingers]
-    assert [id for id, *_ in rows] == sorted(form.id for form in forms)
-    assert f"All {len(rows)} gestures" in page
+    rated = [id for id, *_ in rows]
+    assert rated == sorted(set(rated)), "hand-shapes.md: rows must be sorted, one per gesture"
+    assert set(rated) - {form.id for form in forms} == set(), "hand-shapes.md: remove the rows of these gestures"
+    assert f"The {len(rows)} gestures in the table below need" in page
     for column, body in enumerate(("mittens, upper22", "fingers, upper36"), 2):
         counts = [sum(row[column] == word for row in rows) for word in ("readable", "partly", "no")]
         assert f"| {body} | {' | '.join(map(str, counts))} |" in page
 
 
-def test_the_report_page_names_every_check():
-    page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"`(\w+\.\w+)`", page[page.index("| check |") :]))
-    block = (
-        '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
-    )
-    assert {check.name for check in checks(perform(block))} <= named
-
-
-def test_the_robot_page_lists_the_servos_of_upper22_and_their_ids():
-    page = (ROOT / "docs" / "my-robot.md").read_text(encoding="utf-8")
+def test_robot_page_lists_upper22_servos_and_ids():
+    page = (GUIDES / "build-a-robot.md").read_text(encoding="utf-8")
     robot = Robot.load()
     pieces = Counter[str]()
     for drive in robot.drives:
@@ -154,8 +188,8 @@ def test_the_robot_page_lists_the_servos_of_upper22_and_their_ids():
         assert line
 
 
-def test_the_buses_of_the_robot_page_are_a_robots(tmp_path: Path):
-    page = (ROOT / "docs" / "my-robot.md").read_text(encoding="utf-8")
+def test_buses_on_the_robot_page_are_valid(tmp_path: Path):
+    page = (GUIDES / "build-a-robot.md").read_text(encoding="utf-8")
     (buses,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     text = Robot.load().path.read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"

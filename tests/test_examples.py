@@ -11,20 +11,20 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_runs_and_prints(path, capsys, monkeypatch):
+def test_each_example_program_runs_and_prints(path, capsys, monkeypatch):
     monkeypatch.setattr(sys, "argv", [str(path)])
     runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out.strip()
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_is_short_and_has_a_title(path):
+def test_each_example_program_is_short_and_has_a_title(path):
     lines = path.read_text().splitlines()
     assert len(lines) < 40
     assert lines[0].startswith('"""')
 
 
-def test_a_ros_topic_gets_every_goal(monkeypatch):
+def test_ros_example_publishes_each_setpoint_on_a_topic(monkeypatch):
     sent = []
     node = SimpleNamespace(create_publisher=lambda kind, topic, depth: SimpleNamespace(publish=sent.append))
     ros = SimpleNamespace(init=lambda: None, shutdown=lambda: sent.append("shutdown"), create_node=lambda name: node)

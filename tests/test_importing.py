@@ -5,7 +5,6 @@ import sys
 import pytest
 
 from kinesic.importing import import_at_once
-from kinesic.motion.trajectory import KERNEL
 
 
 @pytest.fixture
@@ -17,18 +16,18 @@ def watching(tmp_path, monkeypatch):
     sys.modules.pop("watching", None)
 
 
-def test_nobody_looks_for_garbage_meanwhile_and_then_again(watching):
+def test_garbage_collection_is_disabled_only_during_import(watching):
     assert import_at_once("watching").WATCHED is False
     assert gc.isenabled()
 
 
-def test_garbage_is_looked_for_again_where_an_import_fails(watching):
+def test_garbage_collection_is_reenabled_after_a_failed_import(watching):
     with pytest.raises(ModuleNotFoundError, match="what_nobody_has"):
         import_at_once("failing")
     assert gc.isenabled()
 
 
-def test_who_looks_for_no_garbage_goes_on_so(watching):
+def test_disabled_garbage_collection_stays_disabled(watching):
     gc.disable()
     try:
         import_at_once("watching")
@@ -37,7 +36,6 @@ def test_who_looks_for_no_garbage_goes_on_so(watching):
         gc.enable()
 
 
-OF_KERNELS = "scipy.sparse casadi" if KERNEL == "compiled" else ""  # what kernels spare
 BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
 
 
@@ -46,17 +44,19 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
     [
         (
             f"import kinesic; kinesic.Performer(idle=0.0, variation=0.0).plan({BLOCK!r})",
-            f"scipy.interpolate scipy.optimize {OF_KERNELS} urllib.request jinja2 PIL.Image",
+            "scipy.interpolate scipy.optimize scipy.sparse casadi urllib.request jinja2 PIL.Image",
         ),
         (
             "import kinesic.cli.live.serve",
             "scipy.interpolate scipy.optimize scipy.sparse jinja2 PIL.Image rich kinesic.face.render.portrait",
         ),
+        ("import kinesic.face.render.portrait", "scipy.sparse scipy.spatial scipy.optimize"),
+        ("import kinesic.cli.servos.simulate", "mujoco OpenGL kinesic.face.gl"),
     ],
-    ids=["a performer that plans", "a server that begins"],
+    ids=["a performer that plans", "a server that begins", "a portrait", "simulated servos"],
 )
-def test_what_only_some_need_is_not_there_before_them(code, late):
-    """Seen in a process of its own; each of these takes longer to import than a gesture to be planned."""
+def test_optional_modules_are_imported_only_when_they_are_used(code, late):
+    """Checked in a separate process; each import takes longer than planning a gesture."""
     code = f"{code}; import sys; print([name for name in {late.split()} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -1,9 +1,9 @@
-"""The look at the machine that comes before every test in real time."""
+"""Check of the machine before realtime tests."""
 
 import numpy as np
 import pytest
 
-from .machine import FAILURES, Look, Watch, look
+from .machine import MAX_EXCUSED_FAILURES, Look, Watch, depends_on_time, look
 from .nudge import nudge, nudged_generator
 
 
@@ -16,26 +16,26 @@ from .nudge import nudge, nudged_generator
         (Look(0.001, 0.9, 0.3), "a core needs 300 ms for what may take 40"),
     ],
 )
-def test_a_look_says_what_is_missing(seen: Look, missing: str):
+def test_machine_check_reports_missing_resources(seen: Look, missing: str):
     assert seen.complaint == missing
 
 
-def test_a_short_disturbance_is_waited_for_and_a_good_look_counts_for_a_while(monkeypatch: pytest.MonkeyPatch):
+def test_machine_check_waits_for_short_disturbances_and_caches_success(monkeypatch: pytest.MonkeyPatch):
     looks = [Look(0.1, 1.0, 0.002), Look(0.001, 1.0, 0.002)]
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: looks.pop(0))
     watch = Watch()
     assert watch.complaint() == ""
-    assert watch.complaint() == ""  # nobody looks again: nothing is left to be seen
+    assert watch.complaint() == ""  # no further check is made
     assert looks == []
 
 
-def test_a_machine_that_stays_slow_is_called_so(monkeypatch: pytest.MonkeyPatch):
+def test_persistently_slow_machine_is_reported(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.0)
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: Look(0.1, 1.0, 0.002))
     assert Watch().complaint() == "it wakes 100 ms late (at most 20)"
 
 
-def test_a_machine_that_was_too_slow_before_is_not_waited_for_again(monkeypatch: pytest.MonkeyPatch):
+def test_realtime_tests_wait_only_once_for_a_slow_machine(monkeypatch: pytest.MonkeyPatch):
     slow, looks = Look(0.1, 1.0, 0.002), []
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.1)
     monkeypatch.setattr(f"{Watch.__module__}.AGAIN", 0.0)
@@ -47,25 +47,25 @@ def test_a_machine_that_was_too_slow_before_is_not_waited_for_again(monkeypatch:
     assert len(looks) == 1
 
 
-def test_a_failure_is_excused_where_a_core_was_missing_and_some_end_all_tries(monkeypatch: pytest.MonkeyPatch):
-    shares = [0.9] + [0.2] * FAILURES
+def test_failure_without_a_free_core_is_excused_a_limited_number_of_times(monkeypatch: pytest.MonkeyPatch):
+    shares = [0.9] + [0.2] * MAX_EXCUSED_FAILURES
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda loops=0: Look(0.001, shares.pop(0) if loops else 1.0, 0.002))
     watch = Watch()
     assert watch.excuse() == ""
-    for _ in range(FAILURES):
+    for _ in range(MAX_EXCUSED_FAILURES):
         assert watch.complaint() == ""
         assert watch.excuse() == "it gives 20 % of a core (at least 50)"
-    assert watch.complaint() == f"{FAILURES} tests had too little of a core"
+    assert watch.complaint() == f"{MAX_EXCUSED_FAILURES} tests had too little of a core"
 
 
-def test_what_is_measured_is_finite_and_positive():
+def test_machine_measurements_are_finite_and_positive():
     seen = look()
     assert seen.lateness > 0.0
     assert 0.0 < seen.share <= 1.1
     assert 0.0 < seen.loops < 10.0
 
 
-def test_nudged_inputs_are_a_few_last_bits_away_and_always_the_same():
+def test_perturbed_test_inputs_differ_by_a_few_ulps_deterministically():
     values = np.random.Generator(np.random.PCG64(1)).uniform(1.0, 2.0, 100)
     away = nudge(values, 7)
     assert (away != values).any()
@@ -73,3 +73,22 @@ def test_nudged_inputs_are_a_few_last_bits_away_and_always_the_same():
     assert (nudge(values, 7) == away).all()
     drawn = nudged_generator(7)(np.random.PCG64(1)).uniform(1.0, 2.0, 100)
     assert (drawn == away).all()
+
+
+@pytest.mark.parametrize("wrong", [AttributeError, FileNotFoundError, NameError, TypeError])
+def test_programming_errors_never_count_as_timing_failures(wrong: type[Exception]):
+    with pytest.raises(wrong) as failure:
+        raise wrong("setpoints")
+    assert not depends_on_time(failure)
+
+
+def test_unexpected_error_messages_never_count_as_timing_failures():
+    with pytest.raises(AssertionError) as failure, pytest.raises(ValueError, match="token"):
+        raise ValueError("bytes")
+    assert not depends_on_time(failure)
+
+
+def test_timeouts_count_as_possible_timing_failures():
+    with pytest.raises(TimeoutError) as failure:
+        raise TimeoutError("no answer within 1 s")
+    assert depends_on_time(failure)

@@ -1,4 +1,4 @@
-"""Where strings become paths: every place is listed in `outside_paths.toml`, with the answer who chooses the string."""
+"""Conversions of strings to paths: `outside_paths.toml` lists each with its source."""
 
 import tomllib
 from collections import Counter
@@ -10,7 +10,7 @@ from .outside_paths import find_places
 
 TABLE = Path(__file__).with_name("outside_paths.toml")
 PACKAGE = Path(__file__).resolve().parent.parent / "kinesic"
-ORIGINS = ("own: ", "fixed: ", "number: ", "user: ", "checked: ", "no file: ")
+SOURCE_PREFIXES = ("own: ", "fixed: ", "number: ", "user: ", "checked: ", "no file: ")
 
 Function = tuple[str, str]  # module and name
 
@@ -27,7 +27,7 @@ def listed() -> Counter[Function]:
     )
 
 
-def test_every_place_where_a_string_becomes_a_path_is_listed_with_its_origin():
+def test_each_string_to_path_conversion_is_listed():
     found, known, wrong = find_places(PACKAGE), listed(), []
     counts = Counter((place.module, place.function) for place in found)
     for module, function in sorted(counts.keys() | known.keys()):
@@ -42,16 +42,16 @@ def test_every_place_where_a_string_becomes_a_path_is_listed_with_its_origin():
     assert not wrong, "\n".join((f"who chooses these strings? answer in {TABLE.name}:", *wrong))
 
 
-def test_every_row_says_who_chooses_the_string():
+def test_each_listed_path_names_the_source_of_its_string():
     for module, rows in tomllib.loads(TABLE.read_text(encoding="utf-8")).items():
         for row in rows:
-            assert row["why"].startswith(ORIGINS), (module, row["why"])
+            assert row["why"].startswith(SOURCE_PREFIXES), (module, row["why"])
             assert len(row["why"].partition(": ")[2]) > 5, (module, row["why"])
         names = [function for row in rows for function in row["places"]]
         assert len(names) == len(set(names)), (module, "a function is listed twice")
 
 
-SEEN = [
+DETECTED_PLACES = [
     "Path(block.id)",
     "Path(folder) / f'{block.id}.csv'",
     "folder / block.id",
@@ -75,7 +75,7 @@ SEEN = [
     "folder.open('wb')",
     "[each / name for each in sorted(folder.iterdir())]",
 ]
-UNSEEN = [
+IGNORED_PLACES = [
     "CONFIGS / 'robots' / 'upper22.toml'",
     "Path('out')",
     "1.0 / name",
@@ -103,8 +103,10 @@ def act(self, block, folder: Path, name: str, length: float, duration: float, te
 """
 
 
-@pytest.mark.parametrize(("line", "is_place"), [*((each, True) for each in SEEN), *((each, False) for each in UNSEEN)])
-def test_places_are_recognised(tmp_path: Path, line: str, is_place: bool):
+@pytest.mark.parametrize(
+    ("line", "is_place"), [*((each, True) for each in DETECTED_PLACES), *((each, False) for each in IGNORED_PLACES)]
+)
+def test_string_to_path_conversions_are_detected(tmp_path: Path, line: str, is_place: bool):
     (tmp_path / "kinesic").mkdir()
     (tmp_path / "kinesic" / "a.py").write_text(MODULE.format(line))
     found = [place for place in find_places(tmp_path / "kinesic") if place.function == "act"]

@@ -1,4 +1,4 @@
-"""The front door: what a user of `import kinesic` meets."""
+"""Performer: the main Python interface."""
 
 import json
 from dataclasses import replace
@@ -10,10 +10,9 @@ import pytest
 import kinesic
 from kinesic import performer as front_door
 from kinesic.body.command import Command
-from kinesic.controller.perform import dry_run
-from kinesic.controller.play import command_times
-from kinesic.planning.bap import read_bap
-from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.controller.dry_run import dry_run
+from kinesic.planning.files.bap import read_bap
+from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 NOD = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
@@ -22,7 +21,7 @@ NOD = (
 
 
 class Mine:
-    """A sink that keeps what it gets."""
+    """Sink that records its commands."""
 
     def __init__(self) -> None:
         self.commands: list[Command] = []
@@ -50,13 +49,13 @@ def run(performer, plan) -> kinesic.Performance:
     return performer.perform(plan)
 
 
-def test_a_plan_prints_in_a_line(plan):
+def test_plan_repr_is_one_line(plan):
     line = f"plan of block b on upper22 (joyful): {plan.duration:.2f} s, 2 behaviours, 1 dropped behaviour, 1 notice"
     assert str(plan) == line
     assert repr(plan) == f"<{line}>"
 
 
-def test_a_plan_answers_for_times_and_sync_points(plan):
+def test_plan_returns_times_and_sync_points(plan):
     sync = plan.syncs["nod:stroke"]
     assert (sync.behaviour, sync.sync, sync.name) == ("nod", "stroke", "nod:stroke")
     assert plan.syncs[plan.syncs.index(sync)] is sync
@@ -73,13 +72,13 @@ def test_a_plan_answers_for_times_and_sync_points(plan):
         ("nod", "behaviour nod has no sync point ; known: end, ready"),
     ],
 )
-def test_a_wrong_sync_point_is_told_those_near_to_it(plan, name, said):
+def test_unknown_sync_point_error_suggests_similar_names(plan, name, said):
     with pytest.raises(KeyError, match=said):
         plan.syncs[name]
 
 
 @pytest.mark.parametrize("which", ["plan", "run"])
-def test_a_motion_is_saved_in_three_formats(which, request, performer, tmp_path: Path):
+def test_motion_is_saved_in_three_formats(which, request, performer, tmp_path: Path):
     motion = request.getfixturevalue(which)
     with np.load(motion.save(tmp_path / "motion.npz")) as file:
         times, angles = file["times"], file["angles"]
@@ -94,27 +93,27 @@ def test_a_motion_is_saved_in_three_formats(which, request, performer, tmp_path:
         motion.save(tmp_path / "motion.txt")
 
 
-def test_a_saved_motion_is_performed(performer, plan, tmp_path: Path):
+def test_saved_motion_can_be_performed(performer, plan, tmp_path: Path):
     again = performer.plan(plan.save(tmp_path / "nod.bap"))
     assert again.timeline.block.source == str(tmp_path / "nod.bap")
     assert again.duration > 0.5 * plan.duration
 
 
-def test_a_run_tells_whether_all_is_well(run):
+def test_performance_is_ok_if_all_checks_passed(run):
     assert run.ok
     assert {check.name for check in run.checks if check.status not in ("pass", "warn")} == {"meaning.performed"}
     assert str(run).startswith("poor: <text> on upper22")
     assert repr(run) == f"<performance of {run.plan} in the nominal twin>"
 
 
-def test_a_run_that_fails_a_check_is_not_ok(run):
+def test_performance_with_a_failed_check_is_not_ok(run):
     touching = replace(run.measured.clearance, distances=np.full_like(run.measured.clearance.distances, -0.01))
     failed = replace(run, measured=replace(run.measured, clearance=touching))
     assert not failed.ok
     assert str(failed).startswith("fail: <text> on upper22")
 
 
-def test_a_run_says_when_sync_points_were_met(run):
+def test_performance_contains_measured_sync_times(run):
     met = run.syncs["nod:stroke"]
     assert met.planned == run.plan.syncs["nod:stroke"].planned
     assert abs(met.performed - met.planned) < 0.05
@@ -123,13 +122,13 @@ def test_a_run_says_when_sync_points_were_met(run):
         run.at("nodd:stroke")
 
 
-def test_it_performs_as_before(run, plan):
+def test_perform_equals_a_dry_run(run, plan):
     before = dry_run(plan)
     np.testing.assert_array_equal(run.measured.angles, before.measured.angles)
     assert run.reference.plan is plan
 
 
-def test_a_report_is_written_and_only_a_report_is_replaced(run, tmp_path: Path):
+def test_performance_report_is_written_and_replaces_only_reports(run, tmp_path: Path):
     folder = tmp_path / "nod"
     written = run.report(folder, film=False)
     assert written.page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
@@ -143,33 +142,33 @@ def test_a_report_is_written_and_only_a_report_is_replaced(run, tmp_path: Path):
     assert (folder / "mine.txt").exists()
 
 
-def test_a_document_is_reported_in_one_step(performer, tmp_path: Path):
+def test_performer_reports_a_document_in_one_call(performer, tmp_path: Path):
     run = performer.report(NOD, tmp_path / "nod", film=False)
     assert run.ok
     assert (tmp_path / "nod" / "report.html").exists()
 
 
-def test_sinks_get_every_command_and_are_closed(performer, plan):
+def test_user_sinks_get_each_command_and_are_closed(performer, plan):
     first, second = Mine(), Mine()
     run = performer.perform(plan, sinks=[first, second])
-    assert [command.time for command in first.commands] == command_times(plan.duration).tolist()
+    assert [command.time for command in first.commands] == plan.command_times.tolist()
     assert len(second.commands) == len(first.commands)
     assert (first.closed, second.closed) == (1, 1)
     np.testing.assert_array_equal([command.angles for command in first.commands], run.reference.angles)
-    assert any(command.face for command in first.commands)  # it blinks
+    assert any(command.face for command in first.commands)  # the face blinks
 
 
-def test_a_sink_that_cannot_close_is_refused_before_anything_is_planned(performer):
+def test_sink_without_close_is_refused_before_planning(performer):
     with pytest.raises(TypeError, match=r"a sink needs write\(command\) and close\(\); list lacks write"):
         performer.perform("nowhere.bml", sinks=[[]])
 
 
-def test_several_twins_are_told_side_by_side(performer, plan):
+def test_report_contains_the_results_of_all_requested_twins(performer, plan):
     run = performer.perform(plan, twin="both")
     assert {*run.data["twins"]} == {"nominal", "pessimistic"}
 
 
-def test_servos_without_ports_are_refused_before_anything_performs(performer, plan):
+def test_servos_without_ports_are_refused_before_performing(performer, plan):
     mine = Mine()
     with pytest.raises(kinesic.BusError, match=r"upper22 needs body=PATH"):
         performer.perform(plan, on="servos", sinks=[mine])
@@ -177,11 +176,11 @@ def test_servos_without_ports_are_refused_before_anything_performs(performer, pl
 
 
 @pytest.mark.parametrize("saved", ["plan", "run"])
-def test_saving_replaces_what_was_saved_nothing_of_somebody_and_through_no_link(saved: str, request, tmp_path: Path):
+def test_saved_motion_replaces_only_saved_files_and_follows_no_link(saved: str, request, tmp_path: Path):
     motion = request.getfixturevalue(saved)
     path, link = tmp_path / "motion.csv", tmp_path / "link.csv"
     path.write_text("dear")
-    with pytest.raises(kinesic.ConfigError, match=r"no motion that kinesic wrote; force=True replaces it"):
+    with pytest.raises(kinesic.ConfigError, match=r"is no motion written by kinesic; use force=True"):
         motion.save(path)
     assert path.read_text() == "dear"
     assert motion.save(path, force=True) == motion.save(path) == path
@@ -195,7 +194,7 @@ def test_saving_replaces_what_was_saved_nothing_of_somebody_and_through_no_link(
     assert path.read_text() == whole
 
 
-def test_a_report_replaces_no_folder_of_somebody(run, tmp_path: Path):
+def test_report_does_not_replace_foreign_folders(run, tmp_path: Path):
     (tmp_path / "report.json").write_text("dear")
     with pytest.raises(kinesic.ConfigError, match="not marked as kinesic's own"):
         run.report(tmp_path, film=False)
@@ -204,14 +203,14 @@ def test_a_report_replaces_no_folder_of_somebody(run, tmp_path: Path):
 
 @pytest.fixture
 def servo_runs(monkeypatch) -> list[kinesic.Performance]:
-    """What would have been performed on servos that are all there."""
+    """Runs that would have been performed on complete servos."""
     performed: list[kinesic.Performance] = []
     monkeypatch.setattr(front_door, "_check_ports", lambda robot, ports: None)
     monkeypatch.setattr(front_door, "_perform_on_servos", lambda run, ports: performed.append(run))
     return performed
 
 
-def test_servos_do_not_move_where_a_check_of_the_twin_fails(performer, servo_runs):
+def test_servos_do_not_move_after_a_failed_twin_check(performer, servo_runs):
     wave = '<bml id="b"><gesture id="g" lexeme="greet_wave" mode="RIGHT_HAND" stroke="1.5"/></bml>'
     failed = performer.perform(wave, on="servos", twin=Factors(stall=0.05, gain=0.05))
     assert not failed.ok
@@ -219,7 +218,7 @@ def test_servos_do_not_move_where_a_check_of_the_twin_fails(performer, servo_run
     assert failed.servos is None
 
 
-def test_servos_perform_once_what_the_twin_did_well(performer, plan, servo_runs):
+def test_servos_perform_once_after_a_successful_twin_run(performer, plan, servo_runs):
     run = performer.perform(plan, on="servos")
     assert run.ok
     assert [each.plan for each in servo_runs] == [plan]
@@ -228,29 +227,29 @@ def test_servos_perform_once_what_the_twin_did_well(performer, plan, servo_runs)
     assert servo_runs == []
 
 
-def test_goals_in_the_twin_lead_by_what_its_own_servos_are_believed_to_be(performer, plan):
+def test_twin_feedforward_uses_its_estimated_servo_parameters(performer, plan):
     late = Factors(latency=0.05)
-    own, usual = performer.perform(plan, twin=late), performer.perform(plan, twin=late, believed=NOMINAL)
+    own, usual = performer.perform(plan, twin=late), performer.perform(plan, twin=late, believed=NOMINAL_FACTORS)
     assert not np.array_equal(own.measured.angles, usual.measured.angles)
     np.testing.assert_array_equal(
         performer.perform(plan, twin=late, believed=late).measured.angles, own.measured.angles
     )
-    both = performer.perform(plan, twin="pessimistic", believed=NOMINAL)
+    both = performer.perform(plan, twin="pessimistic", believed=NOMINAL_FACTORS)
     np.testing.assert_array_equal(performer.perform(plan, twin="pessimistic").measured.angles, both.measured.angles)
 
 
-def test_goals_are_led_and_corrected_as_requested(performer, plan):
+def test_feedforward_and_correction_options_change_setpoints_and_motion(performer, plan):
     mine, plain = Mine(), Mine()
     performer.perform(plan, sinks=[mine])
     performer.perform(plan, sinks=[plain], feedforward="none")
-    setpoints = np.array([command.goals for command in plain.commands])
+    setpoints = np.array([command.setpoints for command in plain.commands])
     np.testing.assert_allclose(setpoints, [command.angles for command in plain.commands], atol=1e-12)
-    assert any(np.abs(command.goals - command.angles).max() > 1e-4 for command in mine.commands)
+    assert any(np.abs(command.setpoints - command.angles).max() > 1e-4 for command in mine.commands)
     runs = [performer.perform(plan, feedforward="none", correction=correction) for correction in (True, False)]
     assert not np.array_equal(runs[0].measured.angles, runs[1].measured.angles)
 
 
-def test_a_sink_without_close_is_refused(performer, plan):
+def test_sink_without_close_is_refused(performer, plan):
     class Half:
         def write(self, command: Command, /) -> None:
             raise AssertionError("it gets no command")

@@ -1,4 +1,4 @@
-"""What a performer is made with, and what it takes as a document."""
+"""Options and document sources of a performer."""
 
 import subprocess
 import sys
@@ -8,7 +8,6 @@ import pytest
 
 import kinesic
 from kinesic.body.config import CONFIGS
-from kinesic.controller.perform import facts
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.variation import Variation
 
@@ -28,7 +27,7 @@ def plan(performer) -> kinesic.Plan:
     return performer.plan(NOD)
 
 
-def test_everything_public_is_there_and_is_named():
+def test_public_names_of_the_package_exist_and_are_listed_by_dir():
     assert all(getattr(kinesic, name) is not None for name in kinesic.__all__)
     assert {"Performer", "Plan", "Performance", "Robot", "Style", "Client", "solve_ik", "track_ik"} <= {*dir(kinesic)}
     assert kinesic.solve_ik is kinesic.ik.solve
@@ -42,7 +41,7 @@ def test_importing_kinesic_imports_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
-def test_options_are_those_of_the_command_line(tmp_path: Path):
+def test_python_options_match_the_command_line(tmp_path: Path):
     performer = kinesic.Performer(
         style="calm",
         settings={"power": 0.5, "head.spatial": -0.5},
@@ -71,15 +70,15 @@ def test_options_are_those_of_the_command_line(tmp_path: Path):
         ({"gathr": "lazy"}, TypeError, "no option gathr; did you mean gather"),
         ({"xyz": 1}, TypeError, "no option xyz; known: settings, lexicon"),
         ({"gather": "complx"}, kinesic.ConfigError, "gather is 'complx'; did you mean complex"),
-        ({"idle": "calm"}, kinesic.ConfigError, "idle is 'calm'; it must be from 0 to 2"),
-        ({"variation": 2.1}, kinesic.ConfigError, r"variation is 2\.1; it must be from 0 to 2"),
-        ({"seed": -1}, kinesic.ConfigError, "seed is -1; it must be a whole number, 0 or more"),
-        ({"pause": -1.0}, kinesic.ConfigError, "pause is -1.0; it must be from 0 to 60 seconds"),
+        ({"idle": "calm"}, kinesic.ConfigError, "idle is 'calm'; use 0 to 2"),
+        ({"variation": 2.1}, kinesic.ConfigError, r"variation is 2\.1; use 0 to 2"),
+        ({"seed": -1}, kinesic.ConfigError, "seed is -1; use a whole number, 0 or more"),
+        ({"pause": -1.0}, kinesic.ConfigError, "pause is -1.0; use 0 to 60 seconds"),
         ({"settings": {"pwer": 1.0}}, kinesic.ConfigError, "no pwer; did you mean power"),
         ({"targets": {"door": [1.0]}}, kinesic.ConfigError, "target door is .* three finite numbers"),
     ],
 )
-def test_wrong_options_are_told_what_would_have_worked(wrong, error, said):
+def test_invalid_options_name_valid_ones(wrong, error, said):
     with pytest.raises(error, match=said):
         kinesic.Performer(**wrong)
 
@@ -92,12 +91,12 @@ def test_wrong_options_are_told_what_would_have_worked(wrong, error, said):
         ({"on": "servos", "feedforward": "none"}, "servos are led with 'full' alone"),
     ],
 )
-def test_wrong_ways_to_perform_are_told_what_would_have_worked(performer, plan, wrong, said):
+def test_invalid_perform_arguments_name_valid_ones(performer, plan, wrong, said):
     with pytest.raises(kinesic.ConfigError, match=said):
         performer.perform(plan, **wrong)
 
 
-def test_a_document_is_a_path_or_a_text(performer):
+def test_document_may_be_a_path_or_text(performer):
     path = CONFIGS / "bml" / "welcome.bml"
     assert str(performer.plan(str(path))).startswith(f"plan of {path} on upper22")
     with pytest.raises(kinesic.BmlError, match=r"nowhere.bml: No such file or directory; give a path, or BML text"):
@@ -108,19 +107,13 @@ def test_a_document_is_a_path_or_a_text(performer):
         performer.plan("<bml", source="greeting")
 
 
-def test_one_liners_stay():
+def test_module_level_functions_remain_available():
     run = kinesic.perform(NOD)
     assert isinstance(run, kinesic.Performance)
     assert str(kinesic.plan(NOD)).startswith("plan of block b on upper22 (neutral)")
 
 
-def test_facts_still_work_and_say_that_they_go():
-    with pytest.warns(DeprecationWarning, match=r"facts is deprecated: use kinesic\.Performer"):
-        known = facts("upper22", style="calm")
-    assert (known.robot.name, known.style.name) == ("upper22", "calm")
-
-
-def test_a_performer_may_be_one_of_several_characters():
+def test_performer_can_play_one_of_several_characters():
     text = (
         '<bml id="b" agent="Anna"><head id="h" lexeme="NOD"/><head id="i" lexeme="NOD" agent="Bert" start="1"/></bml>'
     )
@@ -132,7 +125,7 @@ def test_a_performer_may_be_one_of_several_characters():
     assert performed == {None: ["h"], "Anna": ["h"], "bert": ["i"], "Cleo": []}
 
 
-def test_what_others_say_is_neither_spoken_nor_remarked():
+def test_speech_of_other_characters_is_ignored_silently():
     text = '<bml agent="Anna"><speech id="s">one</speech><speech id="t" agent="Bert">two \u79c1</speech></bml>'
     plan = kinesic.Performer(voice="auto").plan(text)
     assert [timed.behaviour.id for timed in plan.timeline.timed] == ["s"]
@@ -143,7 +136,7 @@ def test_what_others_say_is_neither_spoken_nor_remarked():
     ]
 
 
-def test_text_that_begins_like_a_document_is_one(performer):
+def test_text_starting_like_a_document_is_parsed_as_one(performer):
     for text in (NOD, "\ufeff \n" + NOD, NOD.encode()):
         assert performer.plan(text).timeline.block.source == "<text>"
     with pytest.raises(kinesic.BmlError, match="give a path"):

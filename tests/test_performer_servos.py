@@ -1,4 +1,4 @@
-"""What a performer does on servos: once, with its voice, and only as long as nobody stops it."""
+"""Performer with servos: one run with voice, until stopped."""
 
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ PORTS = {"body": "/dev/nowhere"}
 
 @dataclass
 class Hardware:
-    """Servos that are all there, and what was done with them."""
+    """Complete stub servos with a record of their use."""
 
     checked: list = field(default_factory=list)
     performed: list = field(default_factory=list)
@@ -35,7 +35,7 @@ def servos(monkeypatch) -> Hardware:
         yield f"voice of {len(found.said)}"
 
     @contextmanager
-    def interrupted():
+    def catch_interrupts():
         yield lambda: found.stopped
 
     def perform_live(run, robot, *, requested, shown):
@@ -46,7 +46,7 @@ def servos(monkeypatch) -> Hardware:
 
     monkeypatch.setattr(hardware, "check_ports", lambda robot, manifest, ports: found.checked.append((robot, ports)))
     monkeypatch.setattr(hardware, "Servos", lambda robot, ports: (robot, ports))
-    monkeypatch.setattr(servo_performance, "interrupted", interrupted)
+    monkeypatch.setattr(servo_performance, "catch_interrupts", catch_interrupts)
     monkeypatch.setattr(servo_performance, "perform_live", perform_live)
     monkeypatch.setattr(soundtrack, "speak_along", speak_along)
     return found
@@ -57,7 +57,7 @@ def performer() -> kinesic.Performer:
     return kinesic.Performer("upper22")
 
 
-def test_servos_get_the_run_the_ports_and_the_voice_and_may_be_stopped(performer, servos, monkeypatch):
+def test_performer_on_servos_uses_ports_and_voice_and_can_be_stopped(performer, servos, monkeypatch):
     kept = []
     monkeypatch.setattr("kinesic.report.run.performance_of", _kept(kept))
     plan = performer.plan(NOD)
@@ -82,7 +82,7 @@ def _kept(kept: list):
     return of
 
 
-def test_ports_are_checked_before_anything_performs(performer, servos, monkeypatch):
+def test_serial_ports_are_checked_before_performing(performer, servos, monkeypatch):
     def refuse(robot, manifest, ports):
         raise kinesic.BusError("no such port")
 
@@ -94,7 +94,7 @@ def test_ports_are_checked_before_anything_performs(performer, servos, monkeypat
 
 
 @pytest.mark.parametrize("film", [True, False])
-def test_report_is_drawn_unless_told_otherwise(performer, monkeypatch, tmp_path, film: bool):
+def test_report_film_is_drawn_by_default(performer, monkeypatch, tmp_path, film: bool):
     asked = []
     monkeypatch.setattr(kinesic.Performance, "report", lambda run, folder, *, film: asked.append((folder, film)))
     run = performer.perform(NOD)

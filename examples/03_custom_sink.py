@@ -1,4 +1,4 @@
-"""A sink of one's own: anything with `write` and `close` follows the commands of the loop."""
+"""Write your own sink: a class with `write` and `close` receives all commands."""
 
 from kinesic import Performer
 from kinesic.body.command import Command
@@ -6,15 +6,15 @@ from kinesic.body.config import CONFIGS
 
 
 class Ticker:
-    """Prints where the right elbow is sent, four times a second."""
+    """Sink that prints angle and setpoint of the right elbow at 4 Hz."""
 
     def __init__(self, joint: int) -> None:
         self.joint = joint
 
     def write(self, command: Command, /) -> None:
         if round(100 * command.time) % 25 == 0:
-            angle, goal = command.angles[self.joint], command.goals[self.joint]
-            print(f"{command.time:5.2f} s  elbow {angle:5.2f} rad, goal {goal:5.2f}")
+            angle, setpoint = command.angles[self.joint], command.setpoints[self.joint]
+            print(f"{command.time:5.2f} s  elbow {angle:5.2f} rad, setpoint {setpoint:5.2f}")
 
     def close(self) -> None:
         print("done")

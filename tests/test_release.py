@@ -1,0 +1,53 @@
+"""Scripts that build wheels and try them on another processor."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def find_scripts(monkeypatch):
+    """Put the folder of the scripts on the search path of modules."""
+    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parent.parent / "release"))
+
+
+def test_building_wheels_requires_python_3_11_and_a_later_version(monkeypatch):
+    import wheels  # noqa: PLC0415 - no part of the package
+
+    versions = {"a": (3, 10), "b": (3, 13), "c": (3, 11), "d": (3, 12), "e": None}
+    monkeypatch.setattr(wheels, "read_version", versions.get)
+    assert [each.path for each in wheels.choose_interpreters([*versions])] == ["c", "d"]
+    with pytest.raises(SystemExit, match=r"a later version .* found: c \(3.11\)"):
+        wheels.choose_interpreters(["c", "e"])
+
+
+def test_python_interpreter_without_headers_is_not_used_for_wheels(tmp_path):
+    import wheels  # noqa: PLC0415 - no part of the package
+
+    liar = tmp_path / "python"
+    liar.write_text("#!/bin/sh\necho 3 11\necho False\n")
+    liar.chmod(0o755)
+    assert wheels.read_version(str(liar)) is None
+    assert wheels.read_version(sys.executable) in (sys.version_info[:2], None)  # Debian has headers apart
+
+
+def test_wheel_for_one_distribution_alone_is_refused():
+    import wheels  # noqa: PLC0415 - no part of the package
+
+    shown = 'x.whl is consistent with the\nfollowing platform tag: "manylinux_2_28_aarch64".\n'
+    assert wheels.read_platform(shown) == (28, "aarch64")
+    with pytest.raises(SystemExit, match="does not allow"):
+        wheels.read_platform(shown.replace("manylinux_2_28", "linux"))
+
+
+def test_difference_of_smoke_results_is_the_largest_number_difference():
+    import smoke  # noqa: PLC0415 - no part of the package
+
+    one = {"plan": {"postures": [[0.0, 1.0], [2.0, 3.0]]}, "ping": "ff"}
+    other = {"plan": {"postures": [[0.0, 1.0], [2.0, 3.5]]}, "ping": "ff"}
+    assert smoke.difference(one, one) == 0.0
+    assert smoke.difference(one, other) == 0.5
+    assert smoke.difference(one, other | {"ping": "fe"}) == float("inf")
+    assert smoke.difference(one, {"plan": one["plan"]}) == float("inf")
+    assert smoke.difference([1.0], [float("nan")]) == float("inf")

@@ -1,0 +1,16 @@
+"""Distances of a robot with one hinge from a wall."""
+
+from kinesic.body.dynamics import Clearance
+
+
+class Wall:
+    """One metre per radian from a wall at 0."""
+
+    def clearance(self, angles):
+        return Clearance(angles[:, 0], [("arm", "wall")] * len(angles))
+
+    def gaps(self, angles):
+        return angles
+
+    def bounds(self, angles, turns):
+        return (angles - turns)[:, 0]
