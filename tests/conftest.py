@@ -102,9 +102,6 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> ClockBe
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: rank(item.path, config.rootpath))
-    for item in items:
-        if item.get_closest_marker("realtime"):
-            item.add_marker(pytest.mark.flaky(reruns=1))
 
 
 @pytest.fixture(scope="session")
