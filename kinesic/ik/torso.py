@@ -28,7 +28,7 @@ BISECTION_STEPS = 10  # bisection steps for the factor on the torso's rotations
 
 @dataclass(frozen=True)
 class _Turn:
-    """Torso hinge as a world axis while the torso is upright."""
+    """Axis, centre and range of an upright torso's hinge, in world coordinates."""
 
     kind: int  # 0 torsion, 1 tilt, 2 roll
     axis: Vector

@@ -124,7 +124,7 @@ def solve_key_times(problem: KeyTimeProblem) -> Floats:
 
 
 def solve_exactly(problem: KeyTimeProblem) -> Floats:
-    """Find the nearest key times (m,) [s] by linear programming."""
+    """Find the key times (m,) [s] nearest to the requested ones."""
     times = _solve_small(problem)
     return _solve_large(problem) if times is None else times
 

@@ -115,7 +115,7 @@ class KeyPosture:
 
     @cached_property
     def passage_values(self) -> Floats:
-        """Tension and easing parameters of each hinge, (6, n), as from `_to_values`.
+        """Tension and easing parameters of each hinge, (6, n).
 
         Without passages, those of `PLAIN_PASSAGE`.
         """

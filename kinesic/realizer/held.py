@@ -264,7 +264,7 @@ class _Succession:
         return min(entry.begin for entry, source in self._behaviours if source != "running")
 
     def _least(self, change: Floats) -> float:
-        """Return the minimum duration [s] of a trunk step."""
+        """Return the minimum duration [s] of a transition between held postures."""
         return STEP_DURATION_FACTOR * max(
             compute_quintic_duration(float(angle), self.limits, hinge) for hinge, angle in enumerate(change)
         )

@@ -15,8 +15,8 @@ from kinesic.motion.trajectory import Trajectory
 
 ARRIVAL_WINDOW = 0.3  # [s] time before a sync point in which joints must approach their planned posture
 HISTORY_DURATION = 1.0  # [s] duration of stored measurements
-MIN_BALL_RADIUS = np.radians(0.5)  # [rad] smallest distance from the planned posture that counts as arrived
-BALL_RADIUS_RATIO = 0.05  # distance that counts as arrived / travel within the window
+MIN_BALL_RADIUS = np.radians(0.5)  # [rad] smallest radius around the planned posture within which a part has arrived
+BALL_RADIUS_RATIO = 0.05  # that radius / travel within the window
 MIN_TRAVEL = np.radians(2.0)  # [rad] smallest travel within the window for which arrival is measured
 
 

@@ -38,7 +38,7 @@ def elbow(angles, side="l"):
 
 
 @pytest.mark.parametrize("place", HAND_POSITIONS)
-def test_openness_moves_the_elbow_outwards_without_a_jump(place):
+def test_growing_openness_moves_the_elbow_outwards_without_a_jump(place):
     offsets = [elbow(solved(place, openness=share)) for share in np.linspace(0.0, 1.0, 21)]
     steps = np.diff(offsets)
     assert np.all(steps > 0.0)
@@ -54,7 +54,7 @@ def test_elbow_openness_has_priority_over_the_palm_direction(palm):
 
 
 @pytest.mark.parametrize("manner", [{}, {"openness": 0.6}, {"effort": 1.0}, {"openness": 1.0, "effort": 1.0}])
-def test_openness_keeps_hand_position_and_mirrors_sides(manner):
+def test_elbow_openness_keeps_the_hand_position_on_both_sides(manner):
     angles = [solved(HAND_POSITIONS[1], side=side, **manner) for side in SIDES]
     for side, found in zip(SIDES, angles, strict=True):
         wrist = ROBOT.skeleton.frames(found).origins[ROBOT.skeleton.segment(f"{side}_wrist")]

@@ -20,7 +20,7 @@ MEDIAN_GOALS: Mapping[str, float] = {  # goals for the medians of hand-motion me
 }
 MAX_RETURN_SPEED = 2.6  # [arm lengths/s] goal for the 95th percentile of the return speed
 MIN_FLOW = 0.3  # speed at strokeStart / largest speed from which a gesture counts as flowing
-EXPRESSIVE_CATEGORIES = frozenset(("beat", "deictic", "emblem"))  # gesture categories whose stroke should be fastest
+EXPRESSIVE_CATEGORIES = frozenset(("beat", "deictic", "emblem"))  # categories whose fastest phase is the stroke
 MIN_VARIETY = 4.0  # goal for the 95th / 5th percentile of gestures' largest speeds
 MAX_DISTANCE = 0.25  # goal for the Kolmogorov-Smirnov distance from captured distributions
 COMPARED_ROWS = (
@@ -33,7 +33,7 @@ COMPARED_ROWS = (
 
 
 def bar_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:
-    """Measure effort, variety and violations of hand motion against their goals.
+    """Return the metrics of hand motion: effort, variety, broken naturalness rules.
 
     Args:
         gestures: lexicon in one style, with at least one performed gesture.

@@ -24,9 +24,9 @@ BuildFaultKind = Literal["duplicate_id", "wrong_model", "old_firmware"]
 FaultKind = Literal[WireFaultKind, ServoFaultKind, BuildFaultKind, "unplug"]
 Direction = Literal["reply", "request"]
 
-WIRE_KINDS = frozenset(get_args(WireFaultKind))  # Fault kinds of bytes on the bus
-SERVO_KINDS = frozenset(get_args(ServoFaultKind))  # Fault kinds of a servo during operation
-BUILD_KINDS = frozenset(get_args(BuildFaultKind))  # Fault kinds of a servo from the start
+WIRE_KINDS = frozenset(get_args(WireFaultKind))  # Kinds of faults of bytes on the bus
+SERVO_KINDS = frozenset(get_args(ServoFaultKind))  # Kinds of faults that a servo develops during operation
+BUILD_KINDS = frozenset(get_args(BuildFaultKind))  # Kinds of faults that a servo has from its creation on
 FAULT_KINDS: tuple[str, ...] = get_args(FaultKind)
 XL430_NUMBER = 1060  # Model number of the XL430
 
@@ -160,7 +160,7 @@ class WireFaults:
     """Faults of one wire, repeatable for the same seed and traffic."""
 
     def __init__(self, plan: FaultPlan, *, since: float = 0.0) -> None:
-        """Start the faults of a plan.
+        """Select the wire faults of a plan, for requests and for replies.
 
         Args:
             plan: the faults.

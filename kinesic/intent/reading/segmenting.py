@@ -13,7 +13,7 @@ WritingSystem = Literal["hiragana", "katakana", "kanji", "other"]
 
 LONGEST_WORD = 12  # [letters] longest dictionary word
 _LETTER_GROUPS = (
-    re.compile(  # of scripts without spaces: Chinese in pairs, Thai and Lao before vowels that begin a syllable
+    re.compile(  # splits Chinese into pairs of letters, Thai and Lao before each vowel that begins a syllable
         rf"[{HAN_LETTERS}]{{2}}(?![{HAN_LETTERS}](?![{HAN_LETTERS}]))|[{HAN_LETTERS}]{{1,3}}"
         r"|[\u0e00-\u0eff]{4,}?(?=[\u0e40-\u0e44\u0ec0-\u0ec4][\u0e00-\u0eff]{3})|[\u0e00-\u0eff]+"
         rf"|[^{HAN_LETTERS}\u0e00-\u0eff]+"

@@ -56,7 +56,7 @@ def make_frame(content: FrameContent) -> str:
 
 
 def _render(content: FrameContent, voice: str | None) -> str:
-    """Return the page of a frame, escaped for an attribute."""
+    """Return the page of an iframe, escaped for its `srcdoc`."""
     player = read_scripts(FRAME_SCRIPTS)
     page = _template().render(
         content=content,

@@ -23,7 +23,7 @@ def test_projection_onto_a_line_and_nearest_point_to_another_line_are_correct():
     assert find_nearest_on_line(np.zeros(3), X_AXIS, np.array([0.7, 0.1, 5.0]), Z_AXIS) == pytest.approx([0.7, 0, 0])
 
 
-def test_rotated_hinge_row_equals_the_same_row_of_the_rotated_model(tee):
+def test_hinge_chain_at_given_angles_equals_the_chain_of_the_whole_model(tee):
     names = [joint.name for joint in tee.joints]
     row = [names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
     angles = np.linspace(-1, 1, 7)
