@@ -218,8 +218,11 @@ def _has_negative_time(chain: SyncChain, network: Network, times: Mapping[Point,
 
 
 def _shorten_preparation(chain: SyncChain, times: dict[Point, float], spans: Mapping[str, float]) -> None:
-    """Delay a start before 0 by at most half the preparation."""
+    """Delay a start before 0 by at most half the preparation.
+
+    A speech is never given, because distances constrain its start.
+    """
     start, after = chain.points[:2]
-    if times[start] < 0.0 and not chain.is_rigid:
+    if times[start] < 0.0:
         half = times[after] - 0.5 * spans.get(after.sync, 0.0)
         times[start] = max(times[start], min(0.0, half))
