@@ -33,13 +33,11 @@ pytestmark = [
 ]
 
 FEW_STOPS = 3
-MIN_PENDING_CALLS = PENDING_CALLS - 5  # calls still pending at a stop; a quick machine has answered the first
 
 
 def judge(timings: list[StopTiming]) -> None:
     for each in timings:
-        assert each.pending >= MIN_PENDING_CALLS
-        assert len(each.refusals) >= each.pending, "no call that was pending moves the robot"
+        assert min(each.pending, len(each.refusals)) >= PENDING_CALLS
         assert all("an emergency stop" in refusal for refusal in each.refusals), each.refusals
     latencies = sorted(each.latency for each in timings)
     assert latencies[len(latencies) // 2] <= MAX_STOP_LATENCY
