@@ -124,12 +124,16 @@ def test_after_and_before_constraints_hold(timed: Timing) -> None:
     assert at(previous, "g:stroke") + 2.0 == pytest.approx(at(previous, "s:m"))
     attribute = timed(gesture("g", 'stroke="after(3)"'))
     assert at(attribute, "g:stroke") == pytest.approx(3.0)
+    early = timed(SPEECH_XML + '<constraint><before ref="0.5"><sync ref="s:end"/></before></constraint>')
+    assert (at(early, "s:start"), at(early, "s:end")) == pytest.approx((-1.0, 0.5))
 
 
 def test_references_to_the_block_end_are_resolved(timed: Timing) -> None:
     timeline = timed(gesture("g", 'start="1"') + '<gaze id="z" target="t" start="0" end="bml:end"/>')
     assert at(timeline, "z:end") == pytest.approx(at(timeline, "g:end"))
     assert "leaves no time" in drop_reasons(timed(gesture("g", 'start="bml:end"')))["g"]
+    fixed = timed(gesture("a", 'start="0" end="1"') + gesture("g", 'end="bml:end"'))
+    assert at(fixed, "g:end") == pytest.approx(1.0)
 
 
 def test_repeated_strokes_can_be_referenced(timed: Timing) -> None:

@@ -57,7 +57,9 @@ def test_sparse_gltf_accessor_has_count_and_bounds(file: GltfFile, tmp_path: Pat
 
 
 def test_vertex_weights_are_normalised(file: GltfFile):
+    file.numbers(np.zeros(3), "f4")
     index = file.weights(np.array([[0.2, 0.8, 0.0, 0.0]]))
+    assert index == 1
     assert file.entry("accessors", index)["normalized"]
 
 

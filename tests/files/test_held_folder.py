@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.files import held_folder
 from kinesic.files.held_folder import check_above, find_place, hold_folder, name_beside, name_failures
 
 
@@ -49,6 +50,26 @@ def test_open_folder_refuses_symlinks_and_stays_open_after_renaming(tmp_path: Pa
         (tmp_path / "one").mkdir()
         os.close(os.open("mine", os.O_CREAT | os.O_WRONLY, dir_fd=held.descriptor))
     assert os.listdir(tmp_path / "other") == ["mine"]
+
+
+def test_folders_are_reached_by_their_path_on_systems_that_cannot_hold_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(held_folder, "HAS_FOLDER_DESCRIPTORS", False)
+    (tmp_path / "one").mkdir()
+    (tmp_path / "link").symlink_to("one")
+    with pytest.raises(NotADirectoryError, match="link"), hold_folder(tmp_path / "link"):
+        pass
+    with hold_folder(tmp_path) as outer, hold_folder("one", inside=outer) as held:
+        os.close(held.open_entry("a", os.O_CREAT | os.O_WRONLY))
+        held.rename_entry("a", "b")
+        assert held.names() == ["b"]
+        assert held.entry_status("b").st_size == 0
+        held.remove_entry("b")
+        os.mkdir(held.entry_path("old"))
+        os.mkdir(held.entry_path("new"))
+        held.rename_entry("old", "new")
+        assert os.listdir(tmp_path / "one") == ["new"]
 
 
 def test_temporary_file_name_is_hidden_and_unique_and_keeps_the_suffix():

@@ -9,6 +9,7 @@ from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
+from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory, stay
 from kinesic.planning import certify as certify_module
 from kinesic.planning.certify import (
@@ -133,6 +134,20 @@ def test_torque_certification_passes_its_options_on_to_conditioning(known: Setup
         same(certify(keys, setup, **asked), condition(keys, known.limits, **asked))
 
 
+def test_all_searches_of_one_certification_share_a_plane_memory(
+    known: Setup, first: Conditioned, monkeypatch: pytest.MonkeyPatch
+):
+    memories: list[PlaneMemory | None] = []
+    monkeypatch.setattr(certify_module, "condition", lambda *_, memory, **__: memories.append(memory) or first)
+    setup, given = under(known, pulling(known, first, 1.1)), PlaneMemory()
+    certify(keys_of(known), setup, memory=given)
+    assert memories == [given] * (MAX_TIGHTENINGS + 1)
+    memories.clear()
+    certify(keys_of(known), setup)
+    assert isinstance(memories[0], PlaneMemory)
+    assert memories == memories[:1] * (MAX_TIGHTENINGS + 1)
+
+
 def test_overload_tightens_only_the_limits_of_the_overloaded_drive(
     known: Setup, first: Conditioned, searched: list[Limits]
 ):
@@ -209,6 +224,46 @@ def test_long_motion_is_checked_to_its_end(known: Setup):
     heights[-5] = 0.1
     setup = under(known, lambda angles, speeds, accelerations: angles * known.robot.drives.stall)
     assert compute_peak_duties(Trajectory(sealed(heights), 0.0), setup).max() > 0.06
+
+
+def moving_slowly(known: Setup, knots: int, *, bump: int) -> Trajectory:
+    """Return a motion of one hinge that never repeats a state; the loaded hinge has a bump at one knot."""
+    heights = np.zeros((knots + 3, len(known.limits.lower)))
+    heights[:, MOVING_HINGE] = np.random.default_rng(8).uniform(0.0, 1e-3, knots + 3)
+    heights[bump + 1, LOADED_HINGE] = 1e-3
+    return Trajectory(sealed(heights), 0.0)
+
+
+def test_overload_between_low_duties_is_sought_only_at_long_intervals(known: Setup):
+    motion, stall = moving_slowly(known, 20, bump=7), known.robot.drives.stall[LOADED_HINGE]
+    peak = motion.sample(np.array([7 * KNOT_INTERVAL]))[0][0, LOADED_HINGE]
+    setup = under(
+        known,
+        lambda angles, *_: np.where(np.arange(angles.shape[1]) == LOADED_HINGE, 1.2, 0.0) * stall * (angles / peak),
+    )
+    at_rest = Trajectory(sealed(np.zeros_like(motion.controls)), 0.0)
+
+    def found(*knots: int) -> tuple[list[int], int]:
+        """Return the overloaded knots, and the number of states evaluated of the changed motion."""
+        setup.dynamics.asked.clear()
+        times = KNOT_INTERVAL * np.array(knots)
+        overloaded = np.rint(find_overloaded_times(at_rest, motion, times, setup) / KNOT_INTERVAL)
+        return sorted(overloaded.astype(int)), sum(map(len, setup.dynamics.asked[:2]))
+
+    assert found(0, 1, 2, 3, 4) == ([], 3)
+    assert found(0, 1, 2, 3) == ([], 3)  # the last time has no successor
+    assert found(1, 2, 3, 7, 9, 10) == ([7], 5)
+    assert found(10, 11, 12, 14, 15) == ([], 4)  # an interval of 3 knots
+    assert found(5, 6, 7, 8, 9) == ([7], 5)
+
+
+@pytest.mark.parametrize(("duty", "evaluated"), [(0.5, 3), (0.51, 5)])
+def test_times_between_duties_of_at_most_one_half_are_skipped(duty: float, evaluated: int, known: Setup):
+    motion, stall = moving_slowly(known, 20, bump=15), known.robot.drives.stall[LOADED_HINGE]
+    share = np.where(np.arange(len(known.limits.lower)) == LOADED_HINGE, duty * stall, 0.0)
+    setup = under(known, lambda angles, *_: share + np.zeros_like(angles))
+    assert find_overloaded_times(motion, motion, KNOT_INTERVAL * np.arange(5), setup).size == 0
+    assert sum(map(len, setup.dynamics.asked)) == evaluated
 
 
 def test_overloaded_times_are_found_with_fewer_torque_evaluations(known: Setup, first: Conditioned):

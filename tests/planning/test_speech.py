@@ -10,6 +10,7 @@ from kinesic.bml.block import Speech
 from kinesic.bml.parse import parse
 from kinesic.body.utterance import Mark, Pause, Script, Sound, Utterance
 from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.planning import plan as plan_module
 from kinesic.planning import speech
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
@@ -99,6 +100,19 @@ def test_speech_pause_never_exceeds_its_limit(known: Setup):
     said = planned.utterances["s"].marks
     assert said["b"] - usual["b"] <= 0.12 + 0.03  # what is said before a pause sounds otherwise
     assert said["c"] - usual["c"] <= 0.24 + 0.06
+
+
+@ONE_VOICE
+def test_voice_without_the_required_pauses_is_asked_three_times(known: Setup, monkeypatch: pytest.MonkeyPatch):
+    requested: list[tuple[SpeechPause, ...]] = []
+    usual = hurried(known).utterances
+    monkeypatch.setattr(
+        plan_module, "synthesise_block", lambda block, setup, pauses=(): requested.append(pauses) or usual
+    )
+    planned = plan(HURRIED.format(block="", speech='kinesic:pause="true"'), known)
+    assert requested[0] == ()
+    assert len(requested) == 4
+    assert pauses(planned) == []
 
 
 @pytest.mark.soak
