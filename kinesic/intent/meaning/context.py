@@ -85,7 +85,12 @@ class Context:
             idioms: words of idioms, in which negating words deny nothing.
         """
         first = max(self.clause_words(k).start, k - NEGATION_REACH)
-        return any(self.language.has("denial", self.plain[j]) and j not in idioms for j in range(first, k))
+        for j in reversed(range(first, k)):
+            if self.language.has("negation_end", self.plain[j]):
+                return False
+            if self.language.has("denial", self.plain[j]) and j not in idioms:
+                return True
+        return False
 
     def is_wished(self, k: int) -> bool:
         """Return whether a word names something wished for, supposed or in the future."""
@@ -106,12 +111,39 @@ class Context:
         """
         clause = self.clause_words(k)
         for j in reversed(range(clause.start, k)):
-            if self.language.has("speaker", self.plain[j]):
+            if self.language.has("speaker", self.plain[j]) and not self._owns_other(j, k):
                 return True
             if self.language.has("other", self.plain[j]):
                 return False
         leading = [j for j in range(clause.start, k) if self.passage.words[j].is_content]
         return not leading or k - clause.start <= 1
+
+    def _owns_other(self, j: int, k: int) -> bool:
+        """Return whether a possessive (`my sister`) makes somebody else the subject of a word."""
+        return j + 1 < k and self.language.has("possessive", self.plain[j]) and self._is_other_noun(j + 1)
+
+    def _is_other_noun(self, j: int) -> bool:
+        return self.passage.words[j].is_content and not self.language.has("own_body", self.plain[j])
+
+    def is_others(self, k: int) -> bool:
+        """Return whether a third person is the subject of a word's clause before the word."""
+        clause = self.clause_words(k)
+        for j in reversed(range(clause.start, k)):
+            if self.language.has("listener", self.plain[j]):
+                return False
+            if self.language.has("speaker", self.plain[j]):
+                return self._owns_other(j, k)
+            if self.language.has("other", self.plain[j]):
+                return True
+        return False
+
+    def is_asked_within(self, k: int) -> bool:
+        """Return whether a word stands within a question about facts, not at its start."""
+        if not self.is_question(k):
+            return False
+        clause = self.clause_words(k)
+        first = next((j for j in clause if not self.language.has("opener", self.plain[j])), clause.start)
+        return first < k and self.language.has("fact_auxiliary", self.plain[first])
 
     def is_talk(self, k: int) -> bool:
         """Return whether a sentence addresses the listener instead of reporting something."""

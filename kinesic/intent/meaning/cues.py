@@ -9,6 +9,7 @@ from typing import Literal
 import msgspec
 
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
+from kinesic.expressivity.lexicon.word_stems import word_stem
 from kinesic.intent.meaning.patterns import Pattern, read_pattern
 
 CueKind = Literal[
@@ -34,6 +35,8 @@ class _Cue(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     before: str = ""
     not_after: str = ""
     not_before: str = ""
+    near: str = ""
+    not_near: str = ""
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -51,10 +54,12 @@ class Cue:
     certainty: float  # 0..1
     intent: str  # behaviour set of face and head; `picture`: none
     where: CueContext
-    after: frozenset[str]  # words or @classes, one of which must precede; empty: any
-    before: frozenset[str]  # likewise, must follow
-    not_after: frozenset[str]
-    not_before: frozenset[str]
+    after: frozenset[str] = frozenset()  # words or @classes, one of which must precede; empty: any
+    before: frozenset[str] = frozenset()  # likewise, must follow
+    not_after: frozenset[str] = frozenset()
+    not_before: frozenset[str] = frozenset()
+    near: frozenset[str] = frozenset()  # stems of words, one of which must stand in the same sentence; empty: any
+    not_near: frozenset[str] = frozenset()  # stems of words that must not stand in the same sentence
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,4 +117,6 @@ def _read_cue(entry: _Cue, path: Path) -> Cue:
         before=frozenset(entry.before.split()),
         not_after=frozenset(entry.not_after.split()),
         not_before=frozenset(entry.not_before.split()),
+        near=frozenset(map(word_stem, entry.near.split())),
+        not_near=frozenset(map(word_stem, entry.not_near.split())),
     )

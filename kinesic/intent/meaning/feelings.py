@@ -21,7 +21,7 @@ FORMAL_INTENTS = frozenset(
 )  # intents whose head movements mislead more than they help
 
 
-def temper(context: Context, intent: Intent, idioms: Collection[int]) -> Intent | None:
+def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> Intent | None:
     """Return a rule's intent with the signals that face and head may show, or None.
 
     Idioms say something else than their words. A feeling is shown only by the speaker who has it, not in a question, a
@@ -31,6 +31,7 @@ def temper(context: Context, intent: Intent, idioms: Collection[int]) -> Intent 
         context: the text.
         intent: of a rule.
         idioms: words of idioms.
+        harmless: words of idioms that deny nothing.
     """
     if "emoticon" in intent.reason:
         return intent
@@ -38,28 +39,29 @@ def temper(context: Context, intent: Intent, idioms: Collection[int]) -> Intent 
         return replace(intent, muted=intent.muted | HEAD_CHANNEL)
     if intent.name in ASKING_INTENTS and not context.is_question(intent.word):
         return None
-    if intent.name.startswith(STRUCTURE_PREFIXES) or _holds(context, intent, idioms):
+    if intent.name.startswith(STRUCTURE_PREFIXES) or _holds(context, intent, idioms, harmless):
         return intent
     return None
 
 
-def _holds(context: Context, intent: Intent, idioms: Collection[int]) -> bool:
+def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> bool:
     at = intent.word
     if intent.name == "negation" and context.is_question(at):
         return False
     if (at in idioms and _first_word(intent) in idioms) or intent.name in FORMAL_INTENTS:
         return False
     if intent.name.startswith(EMOTION_PREFIX):
-        return context.is_felt(at) and not _is_unreal(context, at, idioms)
+        return context.is_felt(at) and not _is_unreal(context, at, harmless)
     if intent.name in KIND_INTENTS:
-        return context.is_talk(at) and not _is_unreal(context, at, idioms) and not _is_grave(context, at)
+        return context.is_talk(at) and not _is_unreal(context, at, harmless) and not _is_grave(context, at)
     if intent.name in NOD_INTENTS:
         return not _is_grave(context, at) and not (intent.name == "affirmation" and context.is_question(at))
     return True
 
 
-def _is_unreal(context: Context, at: int, idioms: Collection[int]) -> bool:
-    return context.is_question(at) or context.is_wished(at) or context.is_reported(at) or context.is_negated(at, idioms)
+def _is_unreal(context: Context, at: int, harmless: Collection[int]) -> bool:
+    is_spoken_of = context.is_question(at) or context.is_wished(at) or context.is_reported(at)
+    return is_spoken_of or context.is_negated(at, harmless)
 
 
 def _is_grave(context: Context, k: int) -> bool:

@@ -54,8 +54,7 @@ def _is_distinct(context: Context, first: int, stop: int) -> bool:
 
 def _candidate(context: Context, gesture: str, first: int, last: int) -> Candidate:
     content = [k for k in range(first, last + 1) if context.passage.words[k].is_content]
-    nothing = frozenset[str]()
     certainty = NAME_CERTAINTY + LONG_NAME_BONUS * (last - first + 1 - MIN_NAME_WORDS)
     says = f"is a name of the gesture {gesture}"
-    cue = Cue(says, (), (gesture,), "word", certainty, PICTURE_INTENT, "any", nothing, nothing, nothing, nothing)
+    cue = Cue(says, (), (gesture,), "word", certainty, PICTURE_INTENT, "any")
     return Candidate(cue, first, last, content[-1] if content else last)

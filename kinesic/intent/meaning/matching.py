@@ -71,8 +71,17 @@ def _holds(context: Context, cue: Cue, pattern: Pattern, span: Span) -> bool:
         return False
     if cue.not_before and _has_class(context, span.last + 1, span.last, cue.not_before, END_CLASS):
         return False
+    if (cue.near or cue.not_near) and not _holds_near(context, cue, span):
+        return False
     kind = context.passage.kinds[context.passage.words[span.first].sentence]
     return cue.where in ("any", kind) or (cue.where == "talk" and context.is_talk(span.first))
+
+
+def _holds_near(context: Context, cue: Cue, span: Span) -> bool:
+    """Return whether the other words of the sentence allow a cue."""
+    outside = (k for k in context.sentence(span.first) if not span.first <= k <= span.last)
+    stems = {word_stem(context.plain[k]) for k in outside}
+    return stems.isdisjoint(cue.not_near) and (not cue.near or not stems.isdisjoint(cue.near))
 
 
 def _has_class(context: Context, k: int, near: int, names: frozenset[str], border: str) -> bool:

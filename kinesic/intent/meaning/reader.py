@@ -30,6 +30,7 @@ FEELING_STYLES = {
     "emotion-relief": "calm",
     "emotion-embarrassment": "shy",
 }  # intent of a feeling -> style in which its sentence is performed
+NEGATION_INTENTS = frozenset({"negation", "performative-disagree"})  # intents of idioms that do deny
 ILLUSTRATION_INTENTS = frozenset({"iconic", "metaphoric"})  # intents of gestures that a single word names
 
 
@@ -61,8 +62,14 @@ def read_meanings(
     context = Context(passage, language)
     cues = match_cues(context, table)
     idioms = {k for each in cues if each.cue.kind != "word" for k in range(each.first, each.last + 1)}
-    pictures = _find_pictures(context, cues, idioms, lexicon)
-    tempered = (temper(context, intent, idioms) for intent in intents)
+    harmless = {
+        k
+        for each in cues
+        if each.cue.kind != "word" and each.cue.intent not in NEGATION_INTENTS
+        for k in range(each.first, each.last + 1)
+    }
+    pictures = _find_pictures(context, cues, idioms, harmless, lexicon)
+    tempered = (temper(context, intent, idioms, harmless) for intent in intents)
     kept = [_mute(intent, lexicon) for intent in tempered if intent is not None]
     silent = [each for each in cues if not each.cue.shows and each.cue.intent != "picture"]
     shown = [
@@ -74,19 +81,23 @@ def read_meanings(
 
 
 def _find_pictures(
-    context: Context, cues: Sequence[Candidate], idioms: Collection[int], lexicon: Lexicon
+    context: Context,
+    cues: Sequence[Candidate],
+    idioms: Collection[int],
+    harmless: Collection[int],
+    lexicon: Lexicon,
 ) -> list[Picture]:
     """Return the pictures of cues, names of gestures, questions and numbers."""
     categories = _categories(lexicon)
     taken = {k for each in cues for k in range(each.first, each.last + 1)}
     names = [each for each in find_names(context, lexicon) if taken.isdisjoint(range(each.first, each.last + 1))]
     candidates = [*cues, *names, *find_structures(context, taken)]
-    pictures = choose_pictures(context, candidates, idioms, categories)
+    pictures = choose_pictures(context, candidates, harmless, categories)
     sentences = {context.passage.words[each.candidate.stroke].sentence for each in pictures}
     persons = [
         each for each in find_persons(context, idioms) if context.passage.words[each.stroke].sentence not in sentences
     ]
-    return [*pictures, *choose_pictures(context, persons, idioms, categories)]
+    return [*pictures, *choose_pictures(context, persons, harmless, categories)]
 
 
 @lru_cache(maxsize=4)

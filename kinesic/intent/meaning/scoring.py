@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from kinesic.intent.meaning.context import Context
+from kinesic.intent.meaning.cues import PICTURE_INTENT
 from kinesic.intent.meaning.matching import Candidate
 
 MIN_DISTANCE = 3  # [words] smallest distance of two pictures
@@ -24,6 +25,9 @@ class Penalties:
     plain_word: float = 0.12  # pointing, metaphor or drawn shape in a plain report
     asked_emblem: float = 0.15  # emblem or feeling in a question
     told_idiom: float = 0.15  # idiom with an emblem or feeling in a report
+    denied_idiom: float = 0.35  # idiom with an emblem or feeling in the scope of a denial
+    asked_idiom: float = 0.35  # idiom with an emblem or feeling within a question about facts
+    others_idiom: float = 0.3  # idiom with a face, as a greeting has, in a sentence about a third person
     emphasis: float = -0.1  # word that the writer stresses
 
 
@@ -49,6 +53,7 @@ SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories th
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
 )  # gesture categories that a plain report needs less
+SENSITIVE_INTENTS = ("emotion", "performative")  # starts of the names of intents that address somebody
 SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})  # others that address somebody
 
 
@@ -66,12 +71,12 @@ def score(context: Context, candidate: Candidate, idioms: Collection[int], categ
     Args:
         context: the text.
         candidate: words with gestures.
-        idioms: words of idioms, which deny nothing.
+        idioms: words of idioms that deny nothing.
         categories: of all gestures.
     """
     cue, at = candidate.cue, candidate.first
     is_literal = cue.kind in ("word", "feeling")
-    is_sensitive = any(
+    is_sensitive = cue.intent.startswith(SENSITIVE_INTENTS) or any(
         categories.get(shown, "") in SENSITIVE_CATEGORIES or shown in SENSITIVE_GESTURES for shown in cue.shows
     )
     value = cue.certainty
@@ -92,7 +97,11 @@ def score(context: Context, candidate: Candidate, idioms: Collection[int], categ
         value -= PENALTIES.reported * (is_literal and context.is_reported(at))
         value -= PENALTIES.plain_emblem * (not context.is_talk(at))
         value -= PENALTIES.asked_emblem * (cue.kind == "idiom" and cue.where == "any" and context.is_question(at))
-        value -= PENALTIES.told_idiom * (cue.kind == "idiom" and context.is_reported(at))
+        if cue.kind == "idiom":
+            value -= PENALTIES.told_idiom * context.is_reported(at)
+            value -= PENALTIES.denied_idiom * context.is_negated(at, idioms)
+            value -= PENALTIES.asked_idiom * context.is_asked_within(at)
+            value -= PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))
     return min(max(value, 0.0), 1.0)
 
 

@@ -88,6 +88,5 @@ def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate
 
 
 def _candidate(gesture: str, k: int, says: str, kind: CueKind, certainty: float) -> Candidate:
-    nothing = frozenset[str]()
-    cue = Cue(says, (), (gesture,), kind, certainty, PICTURE_INTENT, "any", nothing, nothing, nothing, nothing)
+    cue = Cue(says, (), (gesture,), kind, certainty, PICTURE_INTENT, "any")
     return Candidate(cue, k, k, k)

@@ -1,0 +1,92 @@
+"""Tests of words in another sense than the one that a gesture shows."""
+
+import pytest
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import plan_behaviours
+
+LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
+
+
+def shown(text: str, channel: str = "gesture") -> set[str]:
+    """Return the lexemes of one channel for a text."""
+    _, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=0)
+    return {each.lexeme for each in selection.behaviours if each.channel == channel}
+
+
+def is_beat(lexemes: set[str]) -> bool:
+    return all(each.startswith("beat") for each in lexemes)
+
+
+@pytest.mark.parametrize(
+    ("literal", "other", "gesture"),
+    [
+        ("We climbed up the tower.", "Temperatures climbed up the scale.", "climb_ladder"),
+        ("This bag is so heavy.", "The traffic is so heavy.", "lift_weight"),
+        ("I opened the door.", "I opened the letter.", "open_door"),
+        ("Cut along the line.", "We were cut off.", "cut"),
+        ("It's the second door on the right.", "The right answer is no.", "right"),
+        ("I'm so hot today.", "The soup is so hot today.", "wipe_brow"),
+        ("Turn the radio down!", "Heat the oil and turn it down.", "quieter"),
+        ("The moon was shining overhead.", "Our overhead costs are huge.", "up"),
+        ("Sorry, I was miles away.", "The shop is ten miles away.", "dream_off"),
+        ("We ran down the hill.", "Tears ran down my face.", "run"),
+    ],
+)
+def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture: str):
+    assert gesture in shown(literal)
+    assert gesture not in shown(other)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["That question really threw me.", "My head was swimming.", "I had chicken wings for lunch.",
+     "You're on fire today!", "They fell out over money.", "I like it this way, but that way we save an hour.",
+     "She was up all night.", "I blew it.", "He drives a hard bargain.", "Go right ahead and ask."],
+)  # fmt: skip
+def test_figurative_words_draw_no_picture(text: str):
+    assert is_beat(shown(text))
+
+
+def test_denied_emblem_is_not_shown():
+    assert "thumb_up_low" in shown("I think that's a good idea.") | shown("That's a good idea!")
+    assert is_beat(shown("I don't think that's a good idea."))
+    assert "heart" not in shown("It wasn't my fault.")
+
+
+def test_denial_ends_at_a_conjunction():
+    assert "large" in shown("It was not expensive but it was a huge house.")
+    assert "large" not in shown("It was not a huge house.")
+
+
+def test_emblem_within_a_question_about_facts_is_not_shown():
+    assert shown("Have a good weekend!") & {"wave_low", "wave_small"}
+    assert not shown("Did you have a good weekend?") & {"wave_low", "wave_small"}
+    assert not shown("We always have a good time there.") & {"wave_low", "wave_small"}
+
+
+def test_feeling_of_somebody_else_is_not_shown():
+    assert "rub_hands" in shown("I can't wait to meet you.")
+    assert "rub_hands" not in shown("My sister can't wait to meet you.")
+    assert "joy" not in shown("My sister is so happy about it.", "face")
+    assert "joy" in shown("I'm so happy about it.", "face")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["You have no idea how happy I am.", "I wouldn't say no to a biscuit.", "Nothing could be easier.",
+     "I couldn't have done it without you.", "I've never been so happy."],
+)  # fmt: skip
+def test_head_does_not_shake_at_denials_that_mean_praise(text: str):
+    assert "SHAKE" not in shown(text, "head")
+
+
+def test_refusal_denies_the_feeling_it_names():
+    assert "worry" not in shown("No, that's not the problem.", "face")
+    assert "SHAKE" in shown("No, that's not the problem.", "head")
+
+
+@pytest.mark.parametrize("text", ["I nearly died laughing.", "This cake is to die for."])
+def test_exaggerations_show_no_sadness(text: str):
+    assert "sadness" not in shown(text, "face")
