@@ -6,7 +6,7 @@ from typing import get_args
 import click
 
 from kinesic.cli.options import Verb
-from kinesic.files.film_settings import DEFAULT_FILM, FilmFormat, FilmSettings
+from kinesic.files.film_settings import DEFAULT_FILM, FaceLook, FilmFormat, FilmSettings
 
 MIN_FILM_SIDE = 64  # [pixels] smallest width or height of a film
 MAX_FILM_SIDE = 2048  # [pixels] largest width or height of a film
@@ -41,11 +41,25 @@ def film_options(verb: Verb) -> Verb:
 
     @wraps(verb)
     def run(
-        *, film: bool, film_format: FilmFormat, film_size: tuple[int, int], film_rate: float, **arguments: object
+        *,
+        film: bool,
+        film_format: FilmFormat,
+        film_size: tuple[int, int],
+        film_rate: float,
+        film_face: FaceLook,
+        **arguments: object,
     ) -> int:
-        return verb(film=FilmSettings(film_size, film_rate, film_format) if film else None, **arguments)
+        settings = FilmSettings(film_size, film_rate, film_format, film_face)
+        return verb(film=settings if film else None, **arguments)
 
     for option in (
+        click.option(
+            "--film-face",
+            type=click.Choice(get_args(FaceLook)),
+            default=DEFAULT_FILM.face,
+            show_default=True,
+            help="Face on the screen of a robot: drawn, or the rendered head with its wrinkles.",
+        ),
         click.option(
             "--film-rate",
             type=click.FloatRange(1.0, MAX_FILM_RATE),

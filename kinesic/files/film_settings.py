@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 FilmFormat = Literal["webp", "mp4"]
+FaceLook = Literal["drawn", "rendered"]
 
 
 @dataclass(frozen=True)
@@ -13,6 +14,7 @@ class FilmSettings:
     size: tuple[int, int] = (1280, 720)  # width and height [pixels], both even
     rate: float = 30.0  # [Hz] picture rate
     format: FilmFormat = "webp"
+    face: FaceLook = "drawn"  # face on the screen of a robot's head, in film and page
 
     @property
     def name(self) -> str:

@@ -52,7 +52,7 @@ class FilmJob(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TwinFilm:
-    """Film of the twin, with its face on the head."""
+    """Film of the twin, with a drawn or a rendered face on the head."""
 
     kind: ClassVar[FilmKind] = "twin"
     robot: Robot
@@ -61,7 +61,7 @@ class TwinFilm:
     settings: FilmSettings = DEFAULT_FILM
     units: tuple[Mapping[str, float], ...] = ()  # action units of each picture; none: a face that does nothing
     spoken: tuple[Spoken, ...] = ()  # captions
-    after: Path | None = None  # the film of its face, while it is drawn; where it does not come, a plain face is drawn
+    after: Path | None = None  # rendered film of its face, which may still grow; None: the face is drawn
     sound: Path | None = None  # a WAV on the same clock
 
     @classmethod

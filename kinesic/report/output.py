@@ -118,7 +118,7 @@ def add_films(
             jobs[face] = portrait
         if robot.skin is None:
             twin = TwinFilm.of(plan, measured.times, measured.angles, settings)
-            jobs[film] = replace(twin, after=face, sound=written.voice)
+            jobs[film] = replace(twin, after=face if settings.face == "rendered" else None, sound=written.voice)
         else:
             figure = FigureFilm.of(plan, measured.times, measured.angles, settings)
             jobs[film] = replace(figure, sound=written.voice)
@@ -127,7 +127,14 @@ def add_films(
             with new_file(written.report.with_name(drawn.name), force=True) as fresh:
                 shutil.copyfile(drawn, fresh)
     kept = {path: None if why else written.report.with_name(path.name) for path, why in whys.items()}
-    whole = replace(written, film=kept[film], why_no_film=whys[film], face=kept[face], why_no_face=whys[face])
+    whole = replace(
+        written,
+        film=kept[film],
+        why_no_film=whys[film],
+        face=kept[face],
+        why_no_face=whys[face],
+        face_on_head=settings.face == "rendered",
+    )
     _write_page(whole, performance, data)
     return whole
 

@@ -66,8 +66,9 @@ class Recordings:
 
     film: Path | None = None  # film of the twin: .webp, .png, .gif or .mp4
     why_no_film: str = "not recorded"
-    face: Path | None = None  # animated picture of the face, .webp, which the replay shows on the head, in step
+    face: Path | None = None  # animated picture of the rendered face, .webp
     why_no_face: str = "not recorded"
+    face_on_head: bool = False  # whether the replay shows this picture on the head, instead of a drawn face
     voice: Path | None = None  # what is heard, .wav, whose clock the replay then follows
 
 
@@ -115,6 +116,7 @@ def write_page(
         no_film=recordings.why_no_film,
         face=_embedded(recordings.face, {".webp": FILM_TYPES[".webp"]}),
         no_face=recordings.why_no_face,
+        face_on_head=recordings.face_on_head,
         voice=_embedded(recordings.voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
         scores=scores(performance.plan, float(performance.measured.times[-1])),

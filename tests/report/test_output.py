@@ -120,7 +120,7 @@ def test_speech_sound_is_written_next_to_the_report(smiling, tmp_path: Path, mon
 def test_films_are_added_to_the_report_and_its_page(smiling, drawing, tmp_path: Path):
     said, shares, processes = report(smiling, source="smile.bml"), [], object()
     written = write_report(smiling, said, tmp_path / "smile")
-    settings = FilmSettings(rate=25.0)
+    settings = FilmSettings(rate=25.0, face="rendered")
     whole = add_films(written, smiling, said, processes, settings=settings, progress=shares.append)
     folder = tmp_path / "smile"
     assert (whole.film, whole.face) == (folder / settings.name, folder / "face.webp")
@@ -137,6 +137,16 @@ def test_films_are_added_to_the_report_and_its_page(smiling, drawing, tmp_path: 
     assert film.after == next(iter(drawing.jobs))
     assert film.sound == written.voice
     assert face.rate == min(25.0, FACE_RATE)
+    assert whole.face_on_head
+
+
+def test_face_on_the_head_is_drawn_and_filmed_apart_by_default(smiling, drawing, tmp_path: Path):
+    said = report(smiling, source="smile.bml")
+    whole = add_films(write_report(smiling, said, tmp_path / "smile"), smiling, said, object())
+    assert whole.face == tmp_path / "smile" / "face.webp"
+    assert not whole.face_on_head
+    assert [job.after for job in drawing.jobs.values()] == [None, None]
+    assert 'class="filmed"' in page(tmp_path / "smile")
 
 
 def test_undrawable_films_are_missing_with_a_reason(smiling, drawing, tmp_path: Path):

@@ -22,8 +22,8 @@
     weights: bytesOf(data.features.weights),
     gaze: new Int16Array(bytesOf(data.features.gaze).buffer),
   };
-  const filmed = document.querySelector("img.filmed"); // null: there is no film of the face
-  const painted = plainFace(); // what its screen shows without such a film
+  const filmed = document.querySelector("img.filmed.on-head"); // null: the face on the head is drawn
+  const painted = plainFace();
   const face = filmed ? part("face") : painted.paper;
   const showFace = filmed
     ? filmOf(face, bytesOf(filmed.src.split(",")[1]), () => redraw())

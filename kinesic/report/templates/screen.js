@@ -1,68 +1,102 @@
-// The screen on the robot's head: a plain face painted from action units, and any picture as it is seen there.
+// The screen on the robot's head: a face drawn from action units, and any picture as it is seen there.
 
-// ---- a face of two eyes, brows and a mouth, as kinesic/sim/filming/drawn_face.py paints it ------------------------
+// ---- a face of eyes, lids, brows and a mouth, as kinesic/sim/filming/drawn_face.py draws it -------------------------
 
 const FACE_SIZE = [320, 240];
+const FACE_COLOURS = { ground: "rgb(12, 18, 30)", line: "rgb(196, 240, 255)", pupil: "rgb(16, 34, 62)", glint: "#fff" };
+const STRIP = Array.from({ length: 25 }, (_, k) => k / 24);
 const paintFace = (pen, units) => {
   const shown = (number, side = "") => Math.max(units[number] ?? 0, side ? (units[side + number] ?? 0) : 0);
-  const [ground, light, dark] = ["rgb(20, 26, 38)", "rgb(214, 240, 250)", "rgb(14, 20, 32)"];
-  const line = (points, width, filled) => {
+  // Fills what is between two rows of points, at the same places across or each at its own.
+  const strip = (colour, across, above, below) => {
     pen.beginPath();
-    for (const [x, y] of points) pen.lineTo(x, y);
-    pen.lineWidth = width;
-    pen.strokeStyle = light;
-    pen.lineJoin = "round";
-    if (filled) {
-      pen.closePath();
-      pen.fillStyle = dark;
-      pen.fill();
-    }
-    pen.stroke();
-  };
-  const oval = (x, y, across, up, colour) => {
-    pen.beginPath();
-    pen.ellipse(x, y, across, up, 0, 0, 2 * Math.PI);
+    STRIP.forEach((_, k) => pen.lineTo(across[k], above[k]));
+    for (let k = STRIP.length - 1; k >= 0; k--) pen.lineTo(across[k], below[k]);
     pen.fillStyle = colour;
     pen.fill();
   };
-  pen.fillStyle = ground;
+  const along = STRIP.map((s) => 2 * s - 1);
+  const cosine = STRIP.map((s) => Math.cos(Math.PI * (1 - s)));
+  const sine = STRIP.map((s) => Math.sin(Math.PI * (1 - s)));
+  const ends = along.map((a) => Math.sqrt(1 - Math.abs(a) ** 8));
+  const oval = (colour, x, y, wide, tall) =>
+    strip(
+      colour,
+      cosine.map((c) => x + wide * c),
+      sine.map((s) => y - tall * s),
+      sine.map((s) => y + tall * s),
+    );
+  const mix = (share, one, other) => (1 - share) * one + share * other;
+  pen.fillStyle = FACE_COLOURS.ground;
   pen.fillRect(0, 0, ...FACE_SIZE);
-  for (const [side, sign] of [
+  const sides = [
     ["R", -1],
     ["L", 1],
-  ]) {
-    const closed = Math.max(shown(43, side), shown(45, side), shown(46, side));
-    const open = Math.max(1 - closed - 0.25 * shown(7, side) - 0.2 * shown(6, side), 0);
-    const tall = 38 * open * (1 + 0.2 * shown(5, side));
-    const [x, y] = [FACE_SIZE[0] / 2 + 68 * sign, 98];
-    if (tall < 3) line([[x - 30, y], [x + 30, y]], 5);
-    else {
-      oval(x, y, 30, tall, light);
-      const across = shown(61) - shown(62) - 0.4 * sign * shown(66);
-      oval(x + 12 * across, y + 15 * (shown(64) - shown(63)) * open, 16, Math.min(20, 0.9 * tall), dark);
-    }
-    const frown = 0.6 * shown(4, side);
-    const inner = 18 * (shown(1, side) - frown);
-    const outer = 18 * (shown(2, side) - 0.4 * frown);
-    line([[x - 30 * sign, y - 46 - inner], [x, y - 51 - (inner + outer) / 2], [x + 30 * sign, y - 46 - outer]], 7);
+  ];
+  for (const [side, sign] of sides) {
+    const unit = (number) => shown(number, side);
+    const closed = Math.max(unit(43), unit(45), unit(46));
+    const smile = Math.min(Math.max(unit(6), 0.45 * unit(12)), 1);
+    const frown = unit(4) * (1 - 0.7 * unit(1));
+    const sorrow = unit(1) * (1 - unit(2));
+    const height = 45 * (1 + 0.15 * unit(5));
+    const sag = 9 - 20 * smile;
+    const upper = mix(closed, (height + 3) * (1 - 0.25 * unit(7)) - 0.35 * 45 * frown, 4 - sag);
+    const lower = mix(closed, (height + 3) * (1 - 0.3 * unit(7) - 0.7 * smile), 4 + sag);
+    const tilt = (1 - closed) * 17 * (frown - 0.7 * sorrow);
+    const [x, y] = [FACE_SIZE[0] / 2 + 68 * sign, 106];
+    const px = x + 13 * (shown(61) - shown(62) - 0.4 * sign * shown(66));
+    const py = y - 15 * (shown(63) - shown(64)) * (1 - closed);
+    const tall = 23 * (1 - closed);
+    oval(FACE_COLOURS.line, x, y, 35, height);
+    oval(FACE_COLOURS.pupil, px, py, 18, tall);
+    oval(FACE_COLOURS.glint, px - 6, py - 0.42 * tall, 5.5, 0.28 * tall);
+    const lid = cosine.map((c) => x + 38 * c);
+    strip(
+      FACE_COLOURS.ground,
+      lid,
+      STRIP.map(() => y - 59),
+      sine.map((s, k) => y - upper * s - sign * tilt * cosine[k]),
+    );
+    strip(
+      FACE_COLOURS.ground,
+      lid,
+      sine.map((s) => y + lower * s),
+      STRIP.map(() => y + 59),
+    );
+    const inner = 19 * (unit(1) - 0.9 * unit(4) * (1 - 0.8 * unit(1)));
+    const outer = 19 * (unit(2) - 0.2 * unit(4) - 0.25 * sorrow);
+    const brow = along.map((a) => y - 62 - mix((1 + sign * a) / 2, inner, outer) - 6 * (1 - a * a));
+    strip(
+      FACE_COLOURS.line,
+      along.map((a) => x + 32 * a - 6 * sign * unit(4)),
+      brow.map((middle, k) => middle - 6 * ends[k]),
+      brow.map((middle, k) => middle + 6 * ends[k]),
+    );
   }
-  const narrow = Math.max(shown(18), 0.7 * shown(22), 0.4 * shown(23));
-  const parted = Math.max(0.35 * shown(25), shown(26), 1.3 * shown(27), 0.25 * shown(22));
-  const drop = 42 * parted * (1 - Math.max(shown(24), shown(28)));
-  const [a, b] = [
-    ["R", -1],
-    ["L", 1],
-  ].map(([side, sign]) => [
-    FACE_SIZE[0] / 2 + 46 * sign * (1 + 0.25 * shown(12, side) + 0.2 * shown(20, side) - 0.5 * narrow),
-    184 - 18 * shown(12, side) + 14 * shown(15, side),
+  const most = (number) => Math.max(shown(number, "R"), shown(number, "L"));
+  const narrow = Math.max(most(18), 0.7 * most(22), 0.4 * most(23), 0.25 * most(24));
+  const pressed = Math.max(most(24), most(28), 0.7 * most(23));
+  const parted = Math.max(0.3 * most(25), most(26), 1.3 * most(27), 0.3 * most(22)) * (1 - Math.max(most(24), most(28)));
+  const [[left, leftTop], [right, rightTop]] = sides.map(([side, sign]) => [
+    FACE_SIZE[0] / 2 +
+      46 * sign * (1 + 0.3 * shown(12, side) + 0.2 * shown(20, side) + 0.12 * shown(14, side) - 0.5 * narrow),
+    188 - 17 * shown(12, side) - 5 * shown(14, side) + 15 * shown(15, side),
   ]);
-  const middle = 188 - 4 * shown(17);
-  const arc = (height) =>
-    Array.from({ length: 17 }, (_, k) => k / 16).map((s) => [
-      (1 - s) ** 2 * a[0] + s * (1 - s) * (a[0] + b[0]) + s * s * b[0],
-      (1 - s) ** 2 * a[1] + 2 * s * (1 - s) * (2 * height - (a[1] + b[1]) / 2) + s * s * b[1],
-    ]);
-  line([...arc(middle - 0.2 * drop), ...arc(middle + 0.8 * drop).reverse()], 6, true);
+  const bend = 5 + 4 * most(12) - 9 * most(15) - 6 * most(17);
+  const high = 188 + bend - (0.22 + 0.2 * narrow) * 46 * parted - 7 * Math.max(most(10), 0.6 * most(9));
+  const low = 188 + bend + (0.78 - 0.1 * narrow) * 46 * parted + 6 * most(16) - 4 * most(10);
+  const thick = 6 * (1 - 0.35 * pressed);
+  const row = (middle, sign) =>
+    STRIP.map(
+      (s, k) => mix(s, leftTop, rightTop) + 4 * s * (1 - s) * (middle - (leftTop + rightTop) / 2) + sign * thick * ends[k],
+    );
+  strip(
+    FACE_COLOURS.line,
+    STRIP.map((s) => mix(s, left, right)),
+    row(high, -1),
+    row(low, 1),
+  );
 };
 const plainFace = () => {
   const paper = document.createElement("canvas");

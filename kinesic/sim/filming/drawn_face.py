@@ -1,30 +1,60 @@
-"""A plain face drawn from action units: eyes, brows and a mouth.
+"""Face drawn from action units: eyes with lids, brows and a mouth.
 
-For heads with a screen but without a rendered face.
+Each shape is a strip between two rows of points that depend linearly on a few controls, so that films, pages and glTF
+scenes show the same face: a film fills the strips, a glTF scene turns each control into a morph target.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from PIL import Image, ImageDraw
 
-from kinesic.body.arrays import Picture
+from kinesic.body.arrays import Floats, Picture, sealed
 
-BACKGROUND_COLOUR = (20, 26, 38)  # RGB colour behind the drawn face
-LINE_COLOUR = (214, 240, 250)  # RGB colour of eyes, brows and the mouth's outline
-PUPIL_COLOUR = (14, 20, 32)  # RGB colour of pupils and the open mouth
+Colour = tuple[int, int, int]
+
+BACKGROUND_COLOUR: Colour = (12, 18, 30)  # RGB colour behind the drawn face, and of the lids
+LINE_COLOUR: Colour = (196, 240, 255)  # RGB colour of eyes, brows and the mouth
+PUPIL_COLOUR: Colour = (16, 34, 62)  # RGB colour of pupils
+GLINT_COLOUR: Colour = (255, 255, 255)  # RGB colour of the reflection in a pupil
 SUPERSAMPLING_FACTOR = 2  # painted pixels per picture pixel along each side
 DESIGN_SIZE = (320, 240)  # [pixels] width and height to which the lengths below refer
-SCREEN_SIZE = (240, 180)  # [pixels] picture on a head's screen, which is about 100 pixels wide in a film
-EYE_HALF_AXES = (30.0, 38.0)  # [pixels] horizontal and vertical half axis of an open eye
-EYE_TOP_DISTANCE = 98.0  # [pixels] distance of the eyes' centres from the top of the picture
+SCREEN_SIZE = (240, 180)  # [pixels] picture on a head's screen, which is about 150 pixels wide in a film
+EYE_HALF_AXES = (35.0, 45.0)  # [pixels] horizontal and vertical half axis of an open eye
+EYE_TOP_DISTANCE = 106.0  # [pixels] distance of the eyes' centres from the top of the picture
 EYE_MIDLINE_DISTANCE = 68.0  # [pixels] distance of an eye's centre from the midline
-PUPIL_HALF_AXES = (16.0, 20.0)  # [pixels] horizontal and vertical half axis of a pupil
-PUPIL_TRAVEL = (12.0, 15.0)  # [pixels] largest horizontal and vertical motion of a pupil
-BROW_HEIGHT = 46.0  # [pixels] height of a relaxed brow above the eye's centre
-BROW_LIFT = 18.0  # [pixels] largest vertical motion of a brow
-MOUTH_TOP_DISTANCE = 184.0  # [pixels] distance of the mouth corners from the top of the picture
+PUPIL_HALF_AXES = (18.0, 23.0)  # [pixels] horizontal and vertical half axis of a pupil
+PUPIL_TRAVEL = (13.0, 15.0)  # [pixels] largest horizontal and vertical motion of a pupil
+GLINT_OFFSET = (-6.0, -0.42)  # position of the reflection: [pixels] to the right, and pupil heights down
+GLINT_HALF_AXES = (5.5, 0.28)  # half axes of the reflection: [pixels] horizontally, and pupil heights vertically
+LID_OVERLAP = 3.0  # [pixels] distance by which an open lid clears the eye on all sides
+LID_DEPTH = 14.0  # [pixels] extent of a lid beyond the open eye
+LID_TILT = 17.0  # [pixels] by which a frown lowers the inner end of the upper lid
+SLIT_HALF_HEIGHT = 4.0  # [pixels] half the thickness of a closed eye
+CLOSED_SAG = 9.0  # [pixels] by which the line of a closed eye sags in its middle
+SMILING_SAG = -20.0  # [pixels] change of this sag in a smile
+BROW_HEIGHT = 62.0  # [pixels] height of a relaxed brow above the eye's centre
+BROW_LIFT = 19.0  # [pixels] largest vertical motion of a brow
+BROW_HALF_LENGTH = 32.0  # [pixels] half the length of a brow
+BROW_HALF_WIDTH = 6.0  # [pixels] half the thickness of a brow
+BROW_ARCH = 6.0  # [pixels] height of a brow's middle above its ends
+BROW_FROWN_SHIFT = 6.0  # [pixels] by which a frown moves brows towards the midline
+MOUTH_TOP_DISTANCE = 188.0  # [pixels] distance of the mouth corners from the top of the picture
+MOUTH_SAG = 5.0  # [pixels] by which the relaxed mouth's middle is below its corners
 MOUTH_HALF_WIDTH = 46.0  # [pixels] distance of a relaxed mouth corner from the midline
+MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
+MOUTH_DROP = 46.0  # [pixels] height of a wide open mouth
+STRIP_POINTS = 25  # points of each row of a strip
+SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # the face's right side is left in the picture
+
+
+@dataclass(frozen=True, eq=False)
+class FaceStrip:
+    """Shape of one colour between two rows of points."""
+
+    colour: Colour
+    rows: Floats  # (2, k, 2) [pixels] to the right and down, in a picture of DESIGN_SIZE
 
 
 def paint_face(units: Mapping[str, float], *, size: tuple[int, int] = DESIGN_SIZE) -> Picture:
@@ -35,10 +65,11 @@ def paint_face(units: Mapping[str, float], *, size: tuple[int, int] = DESIGN_SIZ
         size: Width and height [pixels].
     """
     picture = Image.new("RGB", (SUPERSAMPLING_FACTOR * size[0], SUPERSAMPLING_FACTOR * size[1]), BACKGROUND_COLOUR)
-    pen, scale = ImageDraw.Draw(picture), SUPERSAMPLING_FACTOR * size[0] / DESIGN_SIZE[0]
-    for side, sign in (("R", -1.0), ("L", 1.0)):  # the face's right side is on the left of the picture
-        _paint_eye(pen, scale, units, side, sign)
-    _paint_mouth(pen, scale, units)
+    pen = ImageDraw.Draw(picture)
+    scale = SUPERSAMPLING_FACTOR * np.array(size) / DESIGN_SIZE
+    for strip in build_strips(read_controls(units)):
+        outline = np.concatenate([strip.rows[0], strip.rows[1, ::-1]]) * scale
+        pen.polygon(outline.ravel().tolist(), fill=strip.colour)
     return np.asarray(picture.reduce(SUPERSAMPLING_FACTOR))
 
 
@@ -47,73 +78,141 @@ def shown_intensity(units: Mapping[str, float], number: int, side: str = "") -> 
     return max(units.get(str(number), 0.0), units.get(f"{side}{number}", 0.0) if side else 0.0)
 
 
-def _paint_eye(pen: ImageDraw.ImageDraw, scale: float, units: Mapping[str, float], side: str, sign: float) -> None:
-    closed = max(shown_intensity(units, number, side) for number in (43, 45, 46))
-    openness = max(1.0 - closed - 0.25 * shown_intensity(units, 7, side) - 0.2 * shown_intensity(units, 6, side), 0.0)
-    half_height = EYE_HALF_AXES[1] * openness * (1.0 + 0.2 * shown_intensity(units, 5, side))
+def read_controls(units: Mapping[str, float]) -> dict[str, float]:
+    """Convert action units to the controls of `build_strips`, in pixels."""
+    controls: dict[str, float] = {}
+    for side, sign in SIDES:
+        controls |= {f"{side} {name}": value for name, value in _read_eye(units, side, sign).items()}
+    return controls | _read_mouth(units)
+
+
+def _read_eye(units: Mapping[str, float], side: str, sign: float) -> dict[str, float]:
+    def shown(number: int) -> float:
+        return shown_intensity(units, number, side)
+
+    closed = max(shown(number) for number in (43, 45, 46))
+    smile = min(max(shown(6), 0.45 * shown(12)), 1.0)
+    frown, sorrow = shown(4) * (1.0 - 0.7 * shown(1)), shown(1) * (1.0 - shown(2))
+    height = EYE_HALF_AXES[1] * (1.0 + 0.15 * shown(5))
+    upper = (height + LID_OVERLAP) * (1.0 - 0.25 * shown(7)) - 0.35 * EYE_HALF_AXES[1] * frown
+    lower = (height + LID_OVERLAP) * (1.0 - 0.3 * shown(7) - 0.7 * smile)
+    sag = CLOSED_SAG + SMILING_SAG * smile
+    gaze = shown_intensity(units, 61) - shown_intensity(units, 62) - sign * 0.4 * shown_intensity(units, 66)
+    rise = shown_intensity(units, 63) - shown_intensity(units, 64)
+    return {
+        "eye height": height,
+        "pupil right": PUPIL_TRAVEL[0] * gaze,
+        "pupil up": PUPIL_TRAVEL[1] * rise * (1.0 - closed),
+        "pupil height": PUPIL_HALF_AXES[1] * (1.0 - closed),
+        "upper lid": (1.0 - closed) * upper + closed * (SLIT_HALF_HEIGHT - sag),
+        "lower lid": (1.0 - closed) * lower + closed * (SLIT_HALF_HEIGHT + sag),
+        "lid tilt": (1.0 - closed) * LID_TILT * (frown - 0.7 * sorrow),
+        "brow inner": BROW_LIFT * (shown(1) - 0.9 * shown(4) * (1.0 - 0.8 * shown(1))),
+        "brow outer": BROW_LIFT * (shown(2) - 0.2 * shown(4) - 0.25 * sorrow),
+        "brow shift": BROW_FROWN_SHIFT * shown(4),
+    }
+
+
+def _read_mouth(units: Mapping[str, float]) -> dict[str, float]:
+    def shown(number: int) -> float:
+        return max(shown_intensity(units, number, side) for side, _ in SIDES)
+
+    narrow = max(shown(18), 0.7 * shown(22), 0.4 * shown(23), 0.25 * shown(24))
+    opening = max(0.3 * shown(25), shown(26), 1.3 * shown(27), 0.3 * shown(22))
+    pressed = max(shown(24), shown(28), 0.7 * shown(23))
+    opening *= 1.0 - max(shown(24), shown(28))
+    controls: dict[str, float] = {}
+    for side, _ in SIDES:
+        smile, depressed, stretch = (shown_intensity(units, number, side) for number in (12, 15, 20))
+        dimple = shown_intensity(units, 14, side)
+        controls[f"{side} corner out"] = MOUTH_HALF_WIDTH * (
+            1.0 + 0.3 * smile + 0.2 * stretch + 0.12 * dimple - 0.5 * narrow
+        )
+        controls[f"{side} corner up"] = 17.0 * smile + 5.0 * dimple - 15.0 * depressed
+    bend = MOUTH_SAG + 4.0 * shown(12) - 9.0 * shown(15) - 6.0 * shown(17)
+    return controls | {
+        "upper lip": -bend + (0.22 + 0.2 * narrow) * MOUTH_DROP * opening + 7.0 * max(shown(10), 0.6 * shown(9)),
+        "lower lip": bend + (0.78 - 0.1 * narrow) * MOUTH_DROP * opening + 6.0 * shown(16) - 4.0 * shown(10),
+        "lip thickness": MOUTH_HALF_THICKNESS * (1.0 - 0.35 * pressed),
+    }
+
+
+def build_strips(controls: Mapping[str, float]) -> tuple[FaceStrip, ...]:
+    """Return the shapes of a face, the hindmost first."""
+    strips: list[FaceStrip] = []
+    for side, sign in SIDES:
+        own = {name[2:]: value for name, value in controls.items() if name.startswith(f"{side} ")}
+        strips += _build_eye(own, sign)
+    return (*strips, _build_mouth(controls))
+
+
+def _build_eye(controls: Mapping[str, float], sign: float) -> list[FaceStrip]:
+    """Return pupil, lids and brow over the eye of one side."""
+    turn = np.linspace(np.pi, 0.0, STRIP_POINTS)
+    cosine, sine = np.cos(turn), np.sin(turn)
     x, y = DESIGN_SIZE[0] / 2 + sign * EYE_MIDLINE_DISTANCE, EYE_TOP_DISTANCE
-    if half_height < 3.0:
-        pen.line(
-            _scale([(x - EYE_HALF_AXES[0], y), (x + EYE_HALF_AXES[0], y)], scale),
-            fill=LINE_COLOUR,
-            width=round(5 * scale),
-        )
-    else:
-        pen.ellipse(
-            _scale([(x - EYE_HALF_AXES[0], y - half_height), (x + EYE_HALF_AXES[0], y + half_height)], scale),
-            fill=LINE_COLOUR,
-        )
-        gaze_x = shown_intensity(units, 61) - shown_intensity(units, 62) - sign * 0.4 * shown_intensity(units, 66)
-        px, py = (
-            x + PUPIL_TRAVEL[0] * gaze_x,
-            y + PUPIL_TRAVEL[1] * (shown_intensity(units, 64) - shown_intensity(units, 63)) * openness,
-        )
-        pupil_height = min(PUPIL_HALF_AXES[1], 0.9 * half_height)
-        pen.ellipse(
-            _scale([(px - PUPIL_HALF_AXES[0], py - pupil_height), (px + PUPIL_HALF_AXES[0], py + pupil_height)], scale),
-            fill=PUPIL_COLOUR,
-        )
-    frown = 0.6 * shown_intensity(units, 4, side)
-    inner, outer = (
-        BROW_LIFT * (shown_intensity(units, number, side) - frown * weight) for number, weight in ((1, 1.0), (2, 0.4))
-    )
-    ends = [(x - sign * EYE_HALF_AXES[0], y - BROW_HEIGHT - inner), (x, y - BROW_HEIGHT - 5 - (inner + outer) / 2)]
-    ends.append((x + sign * EYE_HALF_AXES[0], y - BROW_HEIGHT - outer))
-    pen.line(_scale(ends, scale), fill=LINE_COLOUR, width=round(7 * scale), joint="curve")
+    pupil_x, pupil_y, tall = x + controls["pupil right"], y - controls["pupil up"], controls["pupil height"]
 
+    def oval(colour: Colour, across: float, down: float, half_width: float, half_height: float) -> FaceStrip:
+        columns = across + half_width * cosine
+        return _make_strip(colour, columns, down - half_height * sine, columns, down + half_height * sine)
 
-def _paint_mouth(pen: ImageDraw.ImageDraw, scale: float, units: Mapping[str, float]) -> None:
-    narrow = max(shown_intensity(units, 18), 0.7 * shown_intensity(units, 22), 0.4 * shown_intensity(units, 23))
-    opening = max(
-        0.35 * shown_intensity(units, 25),
-        shown_intensity(units, 26),
-        1.3 * shown_intensity(units, 27),
-        0.25 * shown_intensity(units, 22),
-    )
-    opening *= 1.0 - max(shown_intensity(units, 24), shown_intensity(units, 28))
-    corners = {}
-    for side, sign in (("R", -1.0), ("L", 1.0)):
-        smile, frown_mouth, stretch = (shown_intensity(units, number, side) for number in (12, 15, 20))
-        half = MOUTH_HALF_WIDTH * (1.0 + 0.25 * smile + 0.2 * stretch - 0.5 * narrow)
-        corners[sign] = (DESIGN_SIZE[0] / 2 + sign * half, MOUTH_TOP_DISTANCE - 18.0 * smile + 14.0 * frown_mouth)
-    drop, middle = 42.0 * opening, MOUTH_TOP_DISTANCE + 4.0 - 4.0 * shown_intensity(units, 17)
-    upper, lower = _fit_arc(corners, middle - 0.2 * drop), _fit_arc(corners, middle + 0.8 * drop)
-    pen.polygon(_scale([*upper, *reversed(lower)], scale), fill=PUPIL_COLOUR)
-    pen.line(
-        _scale([*upper, *reversed(lower), upper[0]], scale), fill=LINE_COLOUR, width=round(6 * scale), joint="curve"
-    )
-
-
-def _fit_arc(corners: Mapping[float, tuple[float, float]], middle: float) -> list[tuple[float, float]]:
-    """Return points on a parabola through both mouth corners and the middle."""
-    (x0, y0), (x2, y2) = corners[-1.0], corners[1.0]
-    x1, y1 = (x0 + x2) / 2, 2 * middle - (y0 + y2) / 2
-    parameters = [k / 16 for k in range(17)]
+    lid_x = x + (EYE_HALF_AXES[0] + LID_OVERLAP) * cosine
+    beyond = EYE_HALF_AXES[1] + LID_DEPTH
+    upper = y - controls["upper lid"] * sine - sign * controls["lid tilt"] * cosine
+    lower = y + controls["lower lid"] * sine
+    along = np.linspace(-1.0, 1.0, STRIP_POINTS)  # from the outer to the inner end on the right side of the face
+    inward = -sign * along
+    lift = 0.5 * ((1.0 + inward) * controls["brow inner"] + (1.0 - inward) * controls["brow outer"])
+    middle = y - BROW_HEIGHT - lift - BROW_ARCH * (1.0 - along**2)
+    thick = BROW_HALF_WIDTH * _round_ends(along)
+    brow_x = x + BROW_HALF_LENGTH * along - sign * controls["brow shift"]
     return [
-        ((1 - s) ** 2 * x0 + 2 * s * (1 - s) * x1 + s * s * x2, (1 - s) ** 2 * y0 + 2 * s * (1 - s) * y1 + s * s * y2)
-        for s in parameters
+        oval(LINE_COLOUR, x, y, EYE_HALF_AXES[0], controls["eye height"]),
+        oval(PUPIL_COLOUR, pupil_x, pupil_y, PUPIL_HALF_AXES[0], tall),
+        oval(
+            GLINT_COLOUR,
+            pupil_x + GLINT_OFFSET[0],
+            pupil_y + GLINT_OFFSET[1] * tall,
+            GLINT_HALF_AXES[0],
+            GLINT_HALF_AXES[1] * tall,
+        ),
+        _make_strip(BACKGROUND_COLOUR, lid_x, np.full(STRIP_POINTS, y - beyond), lid_x, upper),
+        _make_strip(BACKGROUND_COLOUR, lid_x, lower, lid_x, np.full(STRIP_POINTS, y + beyond)),
+        _make_strip(LINE_COLOUR, brow_x, middle - thick, brow_x, middle + thick),
     ]
 
 
-def _scale(points: list[tuple[float, float]], scale: float) -> list[tuple[float, float]]:
-    return [(scale * x, scale * y) for x, y in points]
+def _build_mouth(controls: Mapping[str, float]) -> FaceStrip:
+    """Return the mouth: a line, which opens to an area."""
+    along = np.linspace(0.0, 1.0, STRIP_POINTS)
+    left, right = (
+        np.array(
+            [
+                DESIGN_SIZE[0] / 2 + sign * controls[f"{side} corner out"],
+                MOUTH_TOP_DISTANCE - controls[f"{side} corner up"],
+            ]
+        )
+        for side, sign in SIDES
+    )
+    columns = left[0] + along * (right[0] - left[0])
+    straight = left[1] + along * (right[1] - left[1])
+    bulge = 4.0 * along * (1.0 - along)  # of a parabola through both corners
+    level = 0.5 * (left[1] + right[1])
+    thick = controls["lip thickness"] * _round_ends(2.0 * along - 1.0)
+    upper, lower = (
+        straight + bulge * (MOUTH_TOP_DISTANCE + sign * controls[lip] - level)
+        for lip, sign in (("upper lip", -1.0), ("lower lip", 1.0))
+    )
+    return _make_strip(LINE_COLOUR, columns, upper - thick, columns, lower + thick)
+
+
+def _round_ends(along: Floats) -> Floats:
+    """Return relative widths of a line with round ends, for positions -1..1."""
+    return np.asarray(np.sqrt(1.0 - np.abs(along) ** 8))
+
+
+def _make_strip(colour: Colour, upper_x: Floats, upper_y: Floats, lower_x: Floats, lower_y: Floats) -> FaceStrip:
+    return FaceStrip(
+        colour, sealed(np.stack([np.stack([upper_x, upper_y], axis=1), np.stack([lower_x, lower_y], axis=1)]))
+    )

@@ -10,8 +10,9 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.shells.shell import SegmentShell, load_shell
 
-SCREEN_WIDTH = 0.238  # [arm lengths] width of the face screen; 100 mm on the default robot
-SCREEN_HEIGHT = 0.179  # [arm lengths] height of the face screen; 75 mm on the default robot
+SCREEN_WIDTHS = (0.238, 0.300)  # [arm lengths] smallest and largest width of the face screen, 126 mm on upper22
+SCREEN_TO_HEAD_WIDTH = 0.72  # width of the face screen / width of the head
+SCREEN_ASPECT = 4 / 3  # width / height of the face screen
 SCREEN_RADIUS = 0.26  # [arm lengths] radius of the face screen's cylinder around a vertical axis
 FRAME_RIM_WIDTH = 0.014  # [arm lengths] visible width of the face screen's frame
 FRAME_SET_BACK = 0.004  # [arm lengths] distance of the frame behind the picture, which avoids coplanar triangles
@@ -59,11 +60,13 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
     left /= np.linalg.norm(left)
     axes = np.stack([left, np.cross(eyes.facing, left), eyes.facing])
     size, middle = robot.arm_length, eyes.position - EYES_TO_SCREEN_DROP * robot.arm_length * axes[1]
-    picture = _make_sheet(middle, axes, size * np.array([SCREEN_WIDTH, SCREEN_HEIGHT]) / 2, size)
     shapes = robot.skeleton.segments[robot.skeleton.segment(eyes.segment)].capsules
-    half = size * np.array([SCREEN_WIDTH, SCREEN_HEIGHT]) / 2
     shell = load_shell(robot)
     head_shell = None if shell is None else shell.segments.get(eyes.segment)
+    width = SCREEN_TO_HEAD_WIDTH * _measure_head_width(head_shell, shapes, left)
+    width = min(max(width, SCREEN_WIDTHS[0] * size), SCREEN_WIDTHS[1] * size)
+    half = np.array([width, width / SCREEN_ASPECT]) / 2
+    picture = _make_sheet(middle, axes, half, size)
     shell_offset = (
         0.0 if head_shell is None else _find_forward_offset(_list_points(head_shell), middle, axes, half, size)
     )
@@ -73,12 +76,18 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
         * _count_steps(picture.places, shapes, FORWARD_STEP * size * eyes.facing, HEAD_CLEARANCE * size)
     )
     forward = max(forward, shell_offset)
-    picture = _make_sheet(
-        middle + forward * eyes.facing, axes, size * np.array([SCREEN_WIDTH, SCREEN_HEIGHT]) / 2, size
-    )
+    picture = _make_sheet(middle + forward * eyes.facing, axes, half, size)
     behind = middle + (forward - FRAME_SET_BACK * size) * eyes.facing
-    front = _make_sheet(behind, axes, size * (np.array([SCREEN_WIDTH, SCREEN_HEIGHT]) / 2 + FRAME_RIM_WIDTH), size)
+    front = _make_sheet(behind, axes, half + FRAME_RIM_WIDTH * size, size)
     return FaceScreen(eyes.segment, picture, _add_side_walls(front, FRAME_DEPTH * size * eyes.facing, middle))
+
+
+def _measure_head_width(shell: SegmentShell | None, shapes: tuple[Capsule, ...], left: Floats) -> float:
+    """Return the width [m] of a head's shell or shapes."""
+    if shell is not None:
+        return float(np.ptp(shell.vertices @ left))
+    ends = [(float(end @ left), shape.radius) for shape in shapes for end in (shape.start, shape.end)]
+    return max((y + r for y, r in ends), default=0.0) - min((y - r for y, r in ends), default=0.0)
 
 
 def _make_sheet(middle: Floats, axes: Floats, half: Floats, size: float) -> Sheet:

@@ -73,6 +73,34 @@ def loft(heights: Floats, widths: Floats, radii: Floats) -> DistanceField:
     return field
 
 
+def sleeve(
+    axes: Floats, along: Floats, half_widths: Floats, *, corner: float = 0.55, rounding: float = 0.01
+) -> DistanceField:
+    """Return the signed distance field of a limb whose cross-sections are rounded rectangles.
+
+    Args:
+        axes: (3, 3) unit vectors: two across the limb, and the one along it.
+        along: (k,) [m] increasing positions along the limb.
+        half_widths: (k, 2) [m] half the width along both axes across.
+        corner: radius of the section's corners, relative to the smaller half width.
+        rounding: [m] radius of the edges at both ends.
+    """
+    spline = PchipInterpolator(along, half_widths)
+    middle, half = (along[0] + along[-1]) / 2, (along[-1] - along[0]) / 2
+
+    def field(points: Floats) -> Floats:
+        local = points @ axes.T
+        widths = spline(np.clip(local[:, 2], along[0], along[-1]))
+        radius = corner * widths.min(axis=1)
+        excess = np.abs(local[:, :2]) - widths + radius[:, None]
+        across = np.linalg.norm(np.maximum(excess, 0.0), axis=1) + np.minimum(excess.max(axis=1), 0.0) - radius
+        both = np.stack([across + rounding, np.abs(local[:, 2] - middle) - half + rounding], axis=1)
+        outside = np.linalg.norm(np.maximum(both, 0.0), axis=1)
+        return np.asarray(outside + np.minimum(both.max(axis=1), 0.0) - rounding)
+
+    return field
+
+
 def blended_union(fields: Sequence[DistanceField], blend: float) -> DistanceField:
     """Return the union of solids with smooth transitions of radius `blend` [m]."""
 

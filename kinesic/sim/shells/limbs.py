@@ -1,60 +1,112 @@
-"""Shell design of arms: tapered limbs, servo drums, mittens, palms and fingers."""
+"""Shell design of arms: tapered limbs, mittens, palms and fingers."""
+
+from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
-from kinesic.body.arrays import Floats
-from kinesic.sim.shells.distance import DistanceField, ball, blended_union, box, cone, half_space
+from kinesic.body.arrays import Floats, sealed
+from kinesic.sim.shells.distance import DistanceField, ball, blended_union, box, cone, half_space, sleeve
 from kinesic.sim.shells.part import (
     BLEND_RADIUS,
-    CUFF_WIDTH,
     FINGER_BLEND_RADIUS,
     FINGER_SKIN_THICKNESS,
     SERVO_CLEARANCE,
     SKIN_THICKNESS,
     TRIANGLE_BUDGET,
     Housing,
+    ServoBox,
     ShellPart,
     enclose_capsule,
     enclose_in_box,
     enclose_in_drum,
 )
 
+HUB_DISTANCE = 0.01  # [m] distance from the joint within which a servo turns with it and is enclosed in a ball
+END_MARGIN = 0.008  # [m] length of a sleeve beyond the servos inside, as its edges are round
+JOINT_OVERLAP = 0.010  # [m] length by which a sleeve begins before its joint
+SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint
+LINE_POSITION = 0.62  # position of the panel line along a limb, 0..1
+MIN_LINED_LENGTH = 0.14  # [m] length of a limb from which it has a panel line
+TAPER_SLOPE = 0.30  # largest change of a limb's half width along it [m/m]
+CORNER_ALLOWANCE = 1.17  # half width of a section / half width of a rectangle inside its round corners
+TAPER_STEPS = 8  # steps in which a bar's half width decreases
+TIP_RATIO = 0.68  # half width of a sleeve at the end of a shape / at its start
+ENVELOPE_POINTS = 33  # positions at which the envelope of a limb is computed
+ENVELOPE_SMOOTHING = 0.010  # [m] standard deviation of the envelope's smoothing along the limb
+SIGNS = (-1.0, 1.0)
+
 
 def limb(part: ShellPart) -> Housing:
     """Design the housing of a clavicle, upper arm or forearm.
 
-    It is a tapered bar with drums around servos and a hub for the next hinge.
+    It is one tapered sleeve around servos and shapes, with a ball around servos at the joint.
     """
     end = part.find_next_joint()
     if end is None or np.linalg.norm(end) < 1e-6:
         solids = [*(enclose_capsule(c) for c in part.capsules), *(enclose_in_box(servo) for servo in part.servos)]
         return Housing(blended_union(solids, BLEND_RADIUS), None, (), part.extreme_points, TRIANGLE_BUDGET["limb"])
     length = float(np.linalg.norm(end))
-    axis, zero = end / length, np.zeros(3)
-    first, last = _find_girths(part, axis, length)
-    begin = max(0.08 * length, min((float(c.start @ axis) for c in part.capsules), default=0.0))
-    reach = [float(max(c.start @ axis, c.end @ axis)) + 0.4 * last for c in part.capsules]
-    stop = min(length - min(0.45 * last, 0.2 * length), max(reach, default=length))
-    solids = [cone(begin * axis, stop * axis, first, last)]
-    for servo in part.servos:
-        if len(part.servos) > 1 and np.linalg.norm(servo.centre) < 0.01:
-            girth = float(np.linalg.norm(servo.corners, axis=1).max()) + SERVO_CLEARANCE
-            solids.append(cone(servo.centre, servo.centre + 1e-4 * axis, girth, girth))
-        else:
-            solids.append(enclose_in_drum(servo, zero, axis)[0])
-    solids += [enclose_capsule(c) for c in part.capsules if np.linalg.norm(c.end - c.start) < 2 * c.radius]
-    dark = ball(end, 1.22 * last)
-    lines = (half_space(axis, 0.62 * length),) if length > 0.14 else ()
-    extreme_points = np.vstack([part.extreme_points, end + last * np.vstack([np.eye(3), -np.eye(3)])])
+    axis = end / length
+    axes = _choose_axes(axis)
+    hub = [s for s in part.servos if len(part.servos) > 1 and np.linalg.norm(s.centre) < HUB_DISTANCE]
+    along, widths = _envelop(part, axes, [servo for servo in part.servos if servo not in hub], length)
+    solids = [sleeve(axes, along, widths)]
+    for servo in hub:
+        girth = float(np.linalg.norm(servo.corners, axis=1).max()) + SERVO_CLEARANCE
+        solids.append(cone(servo.centre, servo.centre + 1e-4 * axis, girth, girth))
+    if hub:
+        solids += [enclose_capsule(c) for c in part.capsules if np.linalg.norm(c.end - c.start) < 2 * c.radius]
+    reach = max(float(along[-1]) - length, 0.0) + SLEEVE_CUFF
+    lines = (half_space(axis, LINE_POSITION * length),) if length > MIN_LINED_LENGTH else ()
+    corners = np.vstack([sign * widths.max(axis=0) @ axes[:2] + t * axis for t in along[[0, -1]] for sign in SIGNS])
+    extreme_points = np.vstack([part.extreme_points, corners])
+    dark = half_space(-axis, reach - length)
     return Housing(blended_union(solids, 1.7 * BLEND_RADIUS), dark, lines, extreme_points, TRIANGLE_BUDGET["limb"])
 
 
-def _find_girths(part: ShellPart, axis: Floats, length: float) -> tuple[float, float]:
-    """Return the radii [m] of a limb at its start and end."""
-    long_capsules = [c for c in part.capsules if np.linalg.norm(c.end - c.start) >= 2 * c.radius] or part.capsules
-    bar = min((c.radius for c in long_capsules), default=0.1 * length) + SKIN_THICKNESS
-    ends = [enclose_in_drum(servo, np.zeros(3), axis)[1] for servo in part.servos if servo.centre @ axis > 0.7 * length]
-    return bar + 0.002, min([bar, *ends]) + CUFF_WIDTH
+def _choose_axes(axis: Floats) -> Floats:
+    """Return rows of unit vectors: two across a limb, as parallel to the segment's as possible, and its axis."""
+    first = np.eye(3)[np.argmin(np.abs(axis))]
+    first = first - (first @ axis) * axis
+    first /= np.linalg.norm(first)
+    return sealed(np.stack([first, np.cross(axis, first), axis]))
+
+
+def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: float) -> tuple[Floats, Floats]:
+    """Return positions (k,) [m] along a limb, and half widths (k, 2) [m] of a smooth envelope.
+
+    The envelope changes by no more than `TAPER_SLOPE`, so that a limb tapers where a servo ends.
+    """
+    long_shapes = [c for c in part.capsules if np.linalg.norm(c.end - c.start) >= 2 * c.radius] or part.capsules
+    needs: list[tuple[float, float, Floats]] = []
+    for shape in long_shapes:
+        low, high = sorted(float(point @ axes[2]) for point in (shape.start, shape.end))
+        needs += _list_tapered_needs(low, high, shape.radius + SKIN_THICKNESS)
+    for servo in servos:
+        local = servo.corners @ axes.T
+        low, high = float(local[:, 2].min()), float(local[:, 2].max())
+        half = (np.abs(local[:, :2]).max(axis=0) + SERVO_CLEARANCE) * CORNER_ALLOWANCE
+        needs.append((low - SERVO_CLEARANCE, high + SERVO_CLEARANCE, half))
+    begin = min(low for low, _, _ in needs)
+    ends = [high for low, high, _ in needs]
+    along = np.linspace(min(begin, 0.08 * length) - JOINT_OVERLAP, max(ends) + END_MARGIN, ENVELOPE_POINTS)
+    widths = np.zeros((len(along), 2))
+    for low, high, half in needs:
+        away = np.maximum(np.maximum(low - along, along - high), 0.0)
+        widths = np.maximum(widths, half - TAPER_SLOPE * away[:, None])
+    smooth = gaussian_filter1d(widths, ENVELOPE_SMOOTHING / (along[1] - along[0]), axis=0, mode="nearest")
+    return sealed(along), sealed(smooth + np.maximum(widths - smooth, 0.0).max(axis=0))
+
+
+def _list_tapered_needs(low: float, high: float, radius: float) -> list[tuple[float, float, Floats]]:
+    """Return the half widths that a bar needs, which tapers to its end."""
+    edges = np.linspace(low, high, TAPER_STEPS + 1)
+    ratios = np.linspace(1.0, TIP_RATIO, TAPER_STEPS)
+    return [
+        (float(start), float(stop), np.full(2, ratio * radius))
+        for start, stop, ratio in zip(edges[:-1], edges[1:], ratios, strict=True)
+    ]
 
 
 def hand(part: ShellPart, facing: Floats) -> Housing:

@@ -17,10 +17,16 @@ FINGER_BLEND_RADIUS = 0.003  # [m] distance below which solids of a finger are b
 EDGE_ROUNDING = 0.007  # [m] edge radius of servo housings
 LINE_WIDTH = 0.0016  # [m] width of a dark line between two panels of the shell
 CUFF_WIDTH = 0.0025  # [m] extra radius at the end of a limb over the start of the next one
-FOOT_PLATE = (1.25, 0.010)  # base plate of a column: radius / column radius, and half height [m]
 FRONT_RADIUS = 0.26  # [arm lengths] curvature radius of the head's front around the vertical axis
-VISOR_HALF_SIZE = (0.137, 0.104)  # [arm lengths] half the width and half the height of the visor
-TRIANGLE_BUDGET = {"trunk": 2050, "head": 2000, "limb": 1350, "hand": 1000, "finger": 140}  # triangles by part
+VISOR_HALF_SIZE = (0.166, 0.128)  # [arm lengths] half the width and half the height of the visor
+TRIANGLE_BUDGET = {
+    "stand": 2300,
+    "trunk": 2050,
+    "head": 2000,
+    "limb": 1350,
+    "hand": 1000,
+    "finger": 140,
+}  # triangles by part
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +110,8 @@ def enclose_capsule(shape: Capsule) -> DistanceField:
     return cone(shape.start, shape.end, shape.radius + SKIN_THICKNESS, shape.radius + SKIN_THICKNESS)
 
 
-def enclose_in_box(servo: ServoBox, rounding: float = EDGE_ROUNDING) -> DistanceField:
+def enclose_in_box(
+    servo: ServoBox, rounding: float = EDGE_ROUNDING, clearance: float = SERVO_CLEARANCE
+) -> DistanceField:
     """Return the distance field of a rounded box around a servo."""
-    return box(servo.centre, servo.half + SERVO_CLEARANCE + 0.43 * rounding, rounding)
+    return box(servo.centre, servo.half + clearance + 0.43 * rounding, rounding)

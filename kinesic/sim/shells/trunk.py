@@ -25,7 +25,6 @@ from kinesic.sim.shells.distance import (
 from kinesic.sim.shells.part import (
     BLEND_RADIUS,
     EDGE_ROUNDING,
-    FOOT_PLATE,
     FRONT_RADIUS,
     SKIN_THICKNESS,
     TRIANGLE_BUDGET,
@@ -39,29 +38,51 @@ from kinesic.sim.shells.part import (
 MIDLINE_TOLERANCE = 0.004  # [m] largest distance of a point on the midline
 MIN_SHAPE_SPACING = 0.005  # [m] smallest height difference of two lateral shapes
 UP_AXIS = sealed([0.0, 0.0, 1.0])  # unit vector in the world and in trunk segments
+TRUNK_CLEARANCE = 0.0045  # [m] distance of a trunk from a servo's corners, as its triangles are large
+HEAD_HALF_SIZE = sealed([1.10, 1.20, 1.16])  # half depth, width and height of the head / its shape's half size
+HEAD_ROUNDING = 1.02  # [head radii] radius of the head's edges
+CHIN_DROP = 0.008  # [m] by which the head's centre is below that of its shape, so that it hides the neck
+EAR_SIZE = (0.36, 1.27)  # [head radii] radius of the ears, and their distance from the midline
+EAR_CENTRE = (-0.15, 0.0)  # [head radii] position of the ears ahead of and above the head's centre
+COLLAR_LEVELS = sealed(
+    [[0.55, 0.62], [1.0, 0.22], [1.45, 0.0]]
+)  # height above the girdle / its radius, width / its own
+COLLAR_RADII = sealed([0.92, 0.86, 0.78])  # depth of the collar at these levels / depth of the girdle
+COLLAR_TOP = 1.88  # height of the collar's rim above the girdle / the girdle's radius
+PEDESTAL_LEVELS = (0.0, 0.010, 0.030, 0.060, 0.110, 0.190)  # [m] heights above the floor
+PEDESTAL_RADII = (2.80, 2.78, 2.50, 1.55, 1.05, 0.82)  # radius of the pedestal at these heights / column radius
+PEDESTAL_RIM = 0.007  # [m] height of the pedestal's dark rim
+COLUMN_TOP = (0.06, 0.92)  # distance below the column's upper end [m] and radius / column radius
 
 
 def head(part: ShellPart) -> Housing:
     """Design the housing of the head.
 
-    It is a rounded block with a front bent around the vertical axis, and a visor around the eyes.
+    It is a round block with a front bent around the vertical axis, a visor around the eyes and flat ears.
     """
     largest, size = max(part.capsules, key=lambda c: c.radius), part.robot.arm_length
     middle, half_height_of_head = (largest.start + largest.end) / 2, abs(float((largest.end - largest.start)[2])) / 2
-    half = np.array([0.975 * largest.radius, 1.08 * largest.radius, half_height_of_head + 0.99 * largest.radius])
-    block = box(middle, half, 0.72 * largest.radius)
+    middle = middle - CHIN_DROP * UP_AXIS
+    extent = largest.radius * np.ones(3) + half_height_of_head * UP_AXIS
+    half = HEAD_HALF_SIZE * extent
+    block = box(middle, half, min(HEAD_ROUNDING * largest.radius, float(half.min())))
     eyes = part.robot.sites.get("eyes")
     bend = max(FRONT_RADIUS * size, 1.2 * largest.radius)
     front = middle + (half[0] - bend) * np.array([1.0, 0.0, 0.0])
     solids = [rounded_intersection(block, drum(front, UP_AXIS, bend, 4 * largest.radius, 0.01), 0.008)]
     solids += [enclose_in_box(servo, 2 * EDGE_ROUNDING) for servo in part.servos]
+    ear_at = middle + largest.radius * np.array([EAR_CENTRE[0], 0.0, EAR_CENTRE[1]])
+    ear_radius, ear_reach = (factor * largest.radius for factor in EAR_SIZE)
+    ears = drum(ear_at, np.array([0.0, 1.0, 0.0]), ear_radius, ear_reach, 0.006)
+    dark = [drum(ear_at, np.array([0.0, 1.0, 0.0]), ear_radius + 0.002, 2 * ear_reach, 0.0)]
     seam = half_space(np.array([1.0, 0.0, 0.0]), float(middle[0] - 0.3 * largest.radius))
-    dark = None
     if eyes is not None and eyes.segment == part.segment.name and eyes.facing[0] > 0.9:
-        dark = _make_visor(eyes.position, VISOR_HALF_SIZE[0] * size, VISOR_HALF_SIZE[1] * size)
-    return Housing(
-        blended_union(solids, 2.5 * BLEND_RADIUS), dark, (seam,), part.extreme_points, TRIANGLE_BUDGET["head"]
+        dark.append(_make_visor(eyes.position, VISOR_HALF_SIZE[0] * size, VISOR_HALF_SIZE[1] * size))
+    solid = blended_union([blended_union(solids, 2.5 * BLEND_RADIUS), ears], 0.004)
+    extreme_points = np.vstack(
+        [part.extreme_points, middle + half, middle - half, ear_at + ear_reach, ear_at - ear_reach]
     )
+    return Housing(solid, sharp_union(dark), (seam,), extreme_points, TRIANGLE_BUDGET["head"])
 
 
 def _make_visor(eyes: Floats, half_width: float, half_height: float) -> DistanceField:
@@ -86,19 +107,28 @@ def trunk(part: ShellPart, moving: set[str]) -> Housing:
     others = [c for c in capsules if c not in lateral]
     solids = [*_list_bars(others, standing=standing)]
     if lateral:
-        solids.insert(0, _loft_capsules(lateral, standing=standing))
+        solids.insert(0, _loft_capsules(lateral, standing=standing, necked=_has_neck(lateral, others)))
     for servo in (servo for member in parts for servo in member.servos):
         centred = np.linalg.norm(servo.centre[:2]) < MIDLINE_TOLERANCE
-        solids.append(enclose_in_drum(servo, servo.centre, UP_AXIS)[0] if centred else enclose_in_box(servo))
+        solids.append(
+            enclose_in_drum(servo, servo.centre, UP_AXIS)[0]
+            if centred
+            else enclose_in_box(servo, clearance=TRUNK_CLEARANCE)
+        )
     dark = [*_list_joint_balls(parts), *_list_waists(lateral, others, standing=standing)]
     lines = [half_space(UP_AXIS, (float(a.start[2]) + float(b.start[2])) / 2) for a, b in pairwise(lateral)]
     extreme_points = np.concatenate([member.extreme_points for member in parts])
+    for pedestal in filter(None, [_find_column(others)] if standing else []):
+        foot = np.array([*pedestal.start[:2], _find_foot(pedestal)])
+        plate = max(PEDESTAL_RADII) * pedestal.radius * np.array([[1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]])
+        extreme_points = np.concatenate([extreme_points, foot + plate])
+        dark.append(half_space_below(float(foot[2]) + PEDESTAL_RIM))
     return Housing(
         blended_union(solids, 1.5 * BLEND_RADIUS),
         sharp_union(dark),
         tuple(lines),
         extreme_points,
-        TRIANGLE_BUDGET["trunk"],
+        TRIANGLE_BUDGET["stand" if standing else "trunk"],
     )
 
 
@@ -120,10 +150,16 @@ def _select_lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
     return selected
 
 
-def _loft_capsules(lateral: Sequence[Capsule], *, standing: bool) -> DistanceField:
+def _has_neck(lateral: Sequence[Capsule], others: Sequence[Capsule]) -> bool:
+    """Return whether a bar rises out of the highest lateral capsule."""
+    return bool(lateral) and any(c.end[2] > lateral[-1].start[2] + lateral[-1].radius for c in others)
+
+
+def _loft_capsules(lateral: Sequence[Capsule], *, standing: bool, necked: bool) -> DistanceField:
     """Return the distance field of a loft through lateral capsules.
 
-    A single capsule gets some height. The loft of a moving part is extended down to the segment below.
+    A single capsule gets some height. The loft of a moving part is extended down to the segment below, and up to a
+    collar around a neck.
     """
     heights = np.array([float(c.start[2]) for c in lateral])
     widths = np.array([abs(float((c.end - c.start)[1])) / 2 for c in lateral])
@@ -133,24 +169,45 @@ def _loft_capsules(lateral: Sequence[Capsule], *, standing: bool) -> DistanceFie
     if not standing:
         heights = np.insert(heights, 0, heights[0] - 0.3 * radii[0])
         widths, radii = np.insert(widths, 0, widths[0]), np.insert(radii, 0, radii[0])
+    if necked:
+        rises, narrows = COLLAR_LEVELS.T
+        heights = np.append(heights, heights[-1] + rises * lateral[-1].radius)
+        widths, radii = np.append(widths, narrows * widths[-1]), np.append(radii, COLLAR_RADII * radii[-1])
     return loft(heights, widths, radii)
 
 
 def _list_bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yield bars along capsules, and a standing column's base plate."""
+    """Yield bars along capsules, and a pedestal in place of a standing column."""
+    column = _find_column(shapes) if standing else None
     for shape in shapes:
-        yield cone(shape.start, shape.end, 0.95 * shape.radius, 0.95 * shape.radius)
-    columns = [c for c in shapes if np.ptp([c.start[2], c.end[2]]) > 4 * c.radius]
-    if standing and columns:
-        radius = columns[0].radius
-        lowest = min(columns[0].start, columns[0].end, key=lambda end: float(end[2]))
-        yield drum(
-            lowest - (radius - 2 * FOOT_PLATE[1]) * UP_AXIS,
-            UP_AXIS,
-            FOOT_PLATE[0] * radius,
-            FOOT_PLATE[1],
-            0.8 * FOOT_PLATE[1],
-        )
+        if shape is column:
+            yield _make_pedestal(shape)
+        else:
+            yield cone(shape.start, shape.end, 0.95 * shape.radius, 0.95 * shape.radius)
+
+
+def _find_column(shapes: Sequence[Capsule]) -> Capsule | None:
+    """Return the first long vertical capsule, or None."""
+    return next((c for c in shapes if np.ptp([c.start[2], c.end[2]]) > 4 * c.radius), None)
+
+
+def _find_foot(column: Capsule) -> float:
+    """Return the height [m] of a column's lower end."""
+    return float(min(column.start[2], column.end[2])) - column.radius
+
+
+def _make_pedestal(column: Capsule) -> DistanceField:
+    """Return the distance field of a column that widens to a round, flat base."""
+    foot, top = _find_foot(column), float(max(column.start[2], column.end[2]))
+    levels = [foot + level for level in PEDESTAL_LEVELS]
+    heights = np.array([*levels, max(top - COLUMN_TOP[0], levels[-1] + COLUMN_TOP[0]), top + COLUMN_TOP[0]])
+    radii = column.radius * np.array([*PEDESTAL_RADII, COLUMN_TOP[1], COLUMN_TOP[1]])
+    body = loft(heights, np.zeros(len(heights)), radii)
+
+    def moved(points: Floats) -> Floats:
+        return body(points - np.array([*column.start[:2], 0.0]))
+
+    return rounded_intersection(moved, half_space_above(foot), 0.006)
 
 
 def _list_waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
@@ -161,8 +218,8 @@ def _list_waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, stand
     if not lateral:
         return
     lowest, half_height = lateral[0], lateral[-1]
-    if any(c.end[2] > half_height.start[2] + half_height.radius for c in others):
-        yield half_space_above(float(half_height.start[2]) + 0.93 * half_height.radius)
+    if _has_neck(lateral, others):
+        yield half_space_above(float(half_height.start[2]) + COLLAR_TOP * half_height.radius)
     yield (
         half_space_above(float(half_height.start[2]) + 0.85 * half_height.radius)
         if standing

@@ -20,7 +20,9 @@ from kinesic.sim.shells.shell import (
 )
 
 ROBOT_NAMES = ("upper22", "upper36")
-MAX_SHELL_DISTANCE = 0.020  # [m] from a shell to the shapes and servos of its segment
+MAX_SHELL_DISTANCE = 0.021  # [m] from a shell to the shapes and servos of its segment
+MAX_HEAD_DISTANCE = 0.030  # [m] likewise of the head, at its rounded corners
+PEDESTAL_HEIGHT = 0.23  # [m] of the base's foot, which is wider than its column and out of reach
 MAX_SEGMENT_TRIANGLES = 3000  # triangles of one segment
 MAX_FILE_SIZE = 300_000
 
@@ -53,7 +55,34 @@ def test_shell_stays_near_shapes_and_servos(robot: Robot, shell: Shell):
     for name, surface in shell.segments.items():
         parts = [(part, shift) for part, _, shift, drawn in _surfaces(robot, shell) if drawn == name]
         away = np.min([_distance(robot, part, surface.vertices - shift) for part, shift in parts], axis=0)
-        assert np.abs(away).max() < MAX_SHELL_DISTANCE, f"{name}: {1000 * np.abs(away).max():.1f} mm"
+        if name == robot.skeleton.segments[0].name:
+            away = away[surface.vertices[:, 2] > surface.vertices[:, 2].min() + PEDESTAL_HEIGHT]
+        limit = MAX_HEAD_DISTANCE if name == robot.chains["neck"][-1] else MAX_SHELL_DISTANCE
+        assert np.abs(away).max() < limit, f"{name}: {1000 * np.abs(away).max():.1f} mm"
+
+
+def test_robot_stands_on_a_broad_flat_base(shell: Shell):
+    points = shell.segments["humanoid_root"].vertices
+    foot = points[points[:, 2] < points[:, 2].min() + 0.01]
+    assert np.ptp(foot[:, 0]) > 0.2
+    assert np.ptp(foot[:, 1]) == pytest.approx(np.ptp(foot[:, 0]), abs=0.005)
+    column = points[np.abs(points[:, 2] + 0.2) < 0.05]
+    assert np.ptp(column[:, 0]) < 0.09
+
+
+def test_forearm_tapers_to_the_wrist(shell: Shell):
+    points = shell.segments["l_elbow"].vertices
+    widths = [np.ptp(points[np.abs(points[:, 2] - z) < 0.012][:, 0]) for z in (-0.11, -0.16, -0.188)]
+    assert widths[0] > widths[1] + 0.002
+    assert widths[1] > widths[2] + 0.002
+
+
+def test_head_is_wider_than_its_shape_and_hides_the_neck(robot: Robot, shell: Shell):
+    head, shape = shell.segments["skullbase"].vertices, robot.skeleton.segments[robot.skeleton.segment("skullbase")]
+    assert np.ptp(head[:, 1]) > 2.3 * shape.capsules[0].radius
+    assert np.ptp(head[:, 1]) > 0.8 * np.ptp(head[:, 2])
+    collar = shell.segments["vl5"].vertices[:, 2].max() - 0.29 - 0.07  # in the head's frame
+    assert head[:, 2].min() < collar
 
 
 def test_shell_is_closed_and_faces_outwards(shell: Shell):
