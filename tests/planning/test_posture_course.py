@@ -5,6 +5,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.motion.keys import KeyPassage
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.posture_course import MIN_KEY_INTERVAL
 
 from .courses import CROSSING, HIGHER, IN_FRONT, LEFT, REST, RIGHT, course, key
@@ -105,3 +106,13 @@ def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
         False,
     ]
     assert all(calm.postures[3].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)
+
+
+def test_course_follows_a_trajectory_whose_times_begin_elsewhere():
+    early = course(key(-0.4), key(0.6, left=IN_FRONT), key(1.6))
+    speed, zero = 0.2, 0.7  # [rad/s], [s]
+    block_times = KNOT_INTERVAL * np.arange(-1.0, 299.0) - zero  # a B-spline follows control points on a line
+    controls = sealed(np.repeat(speed * block_times[:, None], len(REST), axis=1))
+    followed = early.straying(Trajectory(controls, zero))
+    for time in (-0.4, 0.3, 1.5):
+        assert followed.at(time) == pytest.approx(np.full(len(REST), speed * time))
