@@ -121,15 +121,17 @@ CHANGE = (
 
 
 @pytest.mark.parametrize(
-    ("target", "parameter", "value"), [("a", "amount", "0.2"), ("a:h", "spatial", "-0.5"), ("a", "style", "neutral")]
+    ("target", "parameter", "value"), [("a", "amount", 0.2), ("a:h", "spatial", -0.5), ("a", "style", "neutral")]
 )
-def test_block_changes_a_parameter_of_another_block(nodding: Scene, target: str, parameter: str, value: str) -> None:
+def test_block_changes_a_parameter_of_another_block(
+    nodding: Scene, target: str, parameter: str, value: float | str
+) -> None:
     scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
     scene = advance(scene, 0.21)
     assert not [due for due in scene.outgoing_feedback if "<warning" in due.xml]
     (request,) = scene.replans
-    changed_ = request.block.behaviours[0]
-    assert changed_ != nodding.blocks[0].block.behaviours[0]
+    changed = request.block.behaviours[0]
+    assert getattr(changed.action if parameter == "amount" else changed.manner, parameter) == value
     assert improve_block(scene, "a", prepare_block(request, scene.setup).plan, 0.25) is not None
 
 

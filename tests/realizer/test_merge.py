@@ -142,6 +142,23 @@ def test_behaviour_of_a_busy_hand_is_dropped_and_named(planned, rest, known):
     np.testing.assert_allclose(after, before, atol=1e-12)
 
 
+def test_hand_returns_to_rest_if_its_next_gesture_is_dropped(planned, rest, known):
+    first = merge(rest, 0.0, planned(gesture("LEFT", 2.5, lexeme="offer")), begin=0.0)
+    plan = planned(SPOKEN + gesture("RIGHT") + gesture("BOTH", 2.0, id="k"))
+    found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
+    certified(found.trajectory, known, first.trajectory, 0.1)
+    assert list(found.dropped) == ["k"]
+    hand = list(arm_hinges("r_hand", known.robot))
+    strokes(plan, found, hand)
+    relax = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == ("g", "relax"))
+    times = np.linspace(0.0, relax + plan.trajectory.zero, 100)
+    same = (each.trajectory.sample(times + offset)[0][:, hand] for each, offset in ((plan, 0.0), (found, 0.1)))
+    np.testing.assert_allclose(*same, atol=1e-6)
+    resting = known.robot.skeleton.rest[hand]
+    np.testing.assert_allclose(found.trajectory.at(found.zero + 2.0).angles[hand], resting, atol=1e-3)
+    np.testing.assert_allclose(found.trajectory.controls[-1, hand], resting, atol=1e-9)
+
+
 def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)

@@ -20,6 +20,7 @@ from ..mcp.tool_servers import (
 
 pytestmark = [
     pytest.mark.soak,
+    pytest.mark.realtime,
     pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'"),
 ]
 
