@@ -68,6 +68,8 @@ def test_occupancy_of_a_gaze_shift_contains_its_final_joint_offset(planned, know
     np.testing.assert_allclose(need.offset, plan.trajectory.controls[-1] - known.robot.skeleton.rest, atol=1e-9)
     (passing,) = occupancy_of(planned('<gaze id="z" target="left" start="0" end="1"/>'))
     assert not passing.is_held
+    (turn,) = occupancy_of(planned('<headDirectionShift id="z" target="left" start="0" relax="1" end="2"/>'))
+    assert turn.ready < 1.0 < turn.relax == turn.end
 
 
 def test_behaviours_conflict_only_on_the_same_body_part_at_the_same_time():
