@@ -50,3 +50,13 @@ def test_block_ends_when_all_its_behaviours_were_interrupted(play: Play):
     play.take(end_behaviours(play.scene, running, frozenset({"g"}), play.now))
     assert play.scene.find("a") is None
     assert play.at("a:end") == pytest.approx(3.0, abs=0.02)
+
+
+def test_ending_a_speech_leaves_the_motion_unchanged(play: Play):
+    play.send("a", '<speech id="s"><text>One two three four</text></speech>' + NODS).until(0.5)
+    before, running = play.scene.motion, play.scene.find("a")
+    assert running is not None
+    play.take(end_behaviours(play.scene, running, frozenset({"s"}), play.now))
+    assert play.scene.motion is before
+    play.until(9.0)
+    assert play.was_told("a:h:end")
