@@ -52,7 +52,7 @@ def test_calibration_narrows_only_the_joint_range_that_it_contains(mine: Path):
         ('robot = "upper22"\n[zero_ticks]\nl_elbow = 5', "no hinge l_elbow; did you mean"),
         ('robot = "upper22"\n[range_deg]\nl_elbow_flexion = [-5, 100]', "outside [0.0, 135.0]"),
         ('robot = "upper22"\n[range_deg]\nl_elbow_flexion = [50, 50]', "range_deg of l_elbow_flexion is [50.0, 50.0]"),
-        ('robot = "upper22"\n[range_deg]\nl_elbow_flexion = [30, 100]', "[rest] l_elbow_flexion is 25.0 deg, outside"),
+        ('robot = "upper22"\n[range_deg]\nl_elbow_flexion = [30, 100]', "[rest] l_elbow_flexion is 18.0 deg, outside"),
         ('robot = "upper22"\nzero = 5', "unknown field `zero`"),
     ],
 )

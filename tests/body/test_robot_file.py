@@ -34,8 +34,8 @@ def changed(tmp_path: Path):
         ("range_deg = [0, 135]", "range_deg = [135, 0]", r"l_elbow_flexion: range_deg is \[135\.0, 0\.0\]"),
         ("range_deg = [0, 135]", "range_deg = [0, nan]", r"hinge\[10\]\.range_deg\[1\] is nan, must be a finite"),
         ("range_deg = [0, 135]", "range_deg = [0]", "length 2, got 1"),
-        ("l_elbow_flexion = 25", "l_elbow_flexion = 140", r"\[rest\] l_elbow_flexion is 140\.0 deg, outside \[0\.0"),
-        ("l_elbow_flexion = 25", "l_elbo_flexion = 25", r"\[rest\]: no l_elbo_flexion; did you mean l_elbow_flexion"),
+        ("l_elbow_flexion = 18", "l_elbow_flexion = 140", r"\[rest\] l_elbow_flexion is 140\.0 deg, outside \[0\.0"),
+        ("l_elbow_flexion = 18", "l_elbo_flexion = 18", r"\[rest\]: no l_elbo_flexion; did you mean l_elbow_flexion"),
         (
             'servo = "xm540_w150"\nmount = { body = "humanoid_root"',
             'servo = "xm540"\nmount = { body = "humanoid_root"',

@@ -45,7 +45,7 @@ def test_gesture_has_durations_of_all_phases(natural):
 def test_gesture_durations_depend_on_tempo_and_category(natural, lexicon):
     assert lexicon.find("stop").form.tempo == "sudden"
     assert lexicon.find("calm_down").form.tempo == "sustained"
-    sudden, neutral, sustained = (natural(Gesture(lexeme)) for lexeme in ("stop", "offer", "calm_down"))
+    sudden, neutral, sustained = (natural(Gesture(lexeme)) for lexeme in ("stop", "welcome", "calm_down"))
     assert sudden["ready"] < neutral["ready"] < sustained["ready"]
     assert natural(Pointing("left"))["relax"] > natural(Gesture("beat"))["relax"]
 

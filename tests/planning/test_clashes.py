@@ -10,8 +10,6 @@ from kinesic.planning.clashes import NEGLIGIBLE_CLASH, VISIBLE_CLASH, Neighbours
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
-from ..passage import passage_text
-
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 OTHERS = (
     '<speech id="s"><text>Let me <sync id="m"/>ask you about it.</text></speech>'
@@ -228,7 +226,10 @@ def test_finger_counts_that_still_conflict_are_dropped_with_their_names(planned)
 
 def test_timing_conflict_search_skips_the_linear_program_for_small_delays(known, monkeypatch):
     monkeypatch.setattr(clashes, "solve_key_times", lambda problem: pytest.fail("nothing can move so far apart"))
-    found = plan_quickly(parse(passage_text(1)), known)
+    block = parse(
+        '<bml id="b"><gesture id="g" lexeme="beat" stroke="1.5"/><gesture id="h" lexeme="beat" stroke="3"/></bml>'
+    )
+    found = plan_quickly(block, known)
     assert {outcome.kind for outcome in found.keyframes.outcomes.values()} == {"realised"}
 
 

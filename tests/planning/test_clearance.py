@@ -48,13 +48,13 @@ def at_sync(made, sync):
 
 @pytest.mark.parametrize("style", [Style(), WILD, TIGHT], ids=lambda style: style.name)
 @pytest.mark.parametrize("lexeme", TOUCHES)
-def test_hand_that_touches_the_body_hovers_10_to_25_mm_away(lexeme, style):
+def test_hand_that_touches_the_body_hovers_10_to_30_mm_away(lexeme, style):
     made = planned(f'<gesture id="g" lexeme="{lexeme}" start="0.5"/>', style=style)
     assert made.keyframes.outcomes["g"].kind == "realised"
     for sync in ("stroke", "relax"):
         posture = gaps(at_sync(made, sync))
         for pair in TOUCHES[lexeme]:
-            assert 0.010 <= posture[pair] <= 0.025
+            assert 0.010 <= posture[pair] <= 0.030
     assert made.clearance.distances.min() >= LEAST
 
 

@@ -72,7 +72,7 @@ def test_style_change_works_at_any_time(known, playing, others, time, style):
 
 def test_started_gesture_finishes_in_the_old_plan(known, playing, others):
     begun = next(need for need in playing.occupancy if need.behaviour == "g3")
-    time = begun.ready + 0.1
+    time = begun.ready + 0.25
     found = replan(playing.trajectory, time, playing, others["joyful"])
     kept = [sync for sync in playing.syncs if sync.behaviour == "g3"]
     assert [sync for sync in found.syncs if sync.behaviour == "g3"] == kept

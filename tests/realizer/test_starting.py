@@ -47,7 +47,7 @@ def test_gesture_of_a_new_block_uses_the_hand_left_free_by_others(play):
     play.send("a", HELD).until(0.5).send("b", OPEN).until(5.0)
     (text,) = play.warnings()
     assert 'id="b:g" type="CANNOT_CREATE_BEHAVIOR"' in text
-    assert "moved to the left hand: its stroke begins at 0.47 s, the right hand is busy with a:g until 0.90 s" in text
+    assert "moved to the left hand: its stroke begins at 0.49 s, the right hand is busy with a:g until 0.90 s" in text
     assert play.at("b:start") == pytest.approx(0.5, abs=KNOT_INTERVAL)
     late = play.at("b:g:stroke") - play.at("b:start")
     assert late == pytest.approx(next(s.planned for s in alone.syncs if s.sync == "stroke"), abs=0.01)

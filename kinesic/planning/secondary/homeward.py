@@ -19,7 +19,7 @@ from kinesic.planning.secondary.arm_times import ArmCourse, Gap
 from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 MAX_BOW = (radians(5.0), radians(6.0), radians(8.0))  # [rad] largest return path offsets of shoulder, elbow and wrist
-MAX_REST_OFFSET = (radians(1.5), radians(3.0), radians(4.0))  # [rad] largest rest offsets of shoulder, elbow, wrist
+MAX_REST_OFFSET = (radians(4.0), radians(8.0), radians(10.0))  # [rad] largest rest offsets of shoulder, elbow, wrist
 FULL_BOW_TIME = 0.8  # [s] duration from which a return path gets its full sideways offset
 MIN_RETURN_TIME = 0.3  # [s] shorter return paths are not varied
 MIN_REST_TIME = 0.2  # [s] shortest rest between gestures whose rest pose is varied

@@ -16,9 +16,9 @@ from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, hang_arm, mirror_angles
 from kinesic.sim.worst_postures import random_postures
 
-REST_TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] angles of the arms away from the body, tried in turn
-REST_ELBOW_ANGLE = 25.0  # [deg] flexion of the elbow at rest
-REST_FORWARD_ANGLE = 5.0  # [deg] forward angle of the resting upper arm from the vertical
+REST_TILTS = (6.0, 10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] angles of the arms away from the body, tried in turn
+REST_ELBOW_ANGLE = 18.0  # [deg] flexion of the elbow at rest
+REST_FORWARD_ANGLE = 0.0  # [deg] forward angle of the resting upper arm from the vertical
 MIN_ARM_GAP = 0.025  # [m] smallest distance of resting forearms and hands from other segments
 SAMPLED_POSTURES = 300  # number of random postures in which overlaps are counted
 MAX_OVERLAP_FRACTION = 0.9  # fraction of random postures with overlap, above which a pair is excluded

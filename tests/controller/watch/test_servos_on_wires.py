@@ -120,10 +120,10 @@ def performed(
 
 def test_clearance_watch_slows_servos_and_keeps_hands_from_touching(pleading, tmp_path):
     free, seen = (
-        performed(pleading, tmp_path / "log", gain=0.5, watched=watched, servos="kinesic", seconds=seconds)
+        performed(pleading, tmp_path / "log", gain=0.45, watched=watched, servos="kinesic", seconds=seconds)
         for watched, seconds in ((False, FOLDING_TIME), (True, np.inf))
     )
-    assert free.distances.min() < 0.0
+    assert free.distances.min() < 0.2 * pleading.setup.robot.min_clearance
     assert seen.distances.min() > 0.8 * pleading.setup.robot.min_clearance
     assert seen.min_pace < 0.5
     assert seen.performed == pytest.approx(1.0)
@@ -147,7 +147,7 @@ def test_clearance_watch_keeps_hands_apart_on_lagging_servos(pleading, tmp_path)
 @pytest.mark.parametrize("servos", ["kinesic", "manual"])
 def test_clearance_watch_keeps_hands_apart_despite_late_and_missing_readings(pleading, tmp_path, servos):
     log = tmp_path / "log"
-    seen = performed(pleading, log, gain=0.4, watched=True, servos=servos, faults=READING_FAULTS, seconds=FOLDING_TIME)
+    seen = performed(pleading, log, gain=0.45, watched=True, servos=servos, faults=READING_FAULTS, seconds=FOLDING_TIME)
     assert seen.distances.min() > MIN_REMAINING_FRACTION * pleading.setup.robot.min_clearance
     assert seen.min_pace < 0.5
 

@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.controller.watch.clearance import SLOWING_FRACTION
-from kinesic.metrics.dry_run import DryRun
+from kinesic.metrics.dry_run import COMMANDS_PER_LOOK, DryRun
 from kinesic.report.checks.watch import watch_checks
 
 
@@ -42,7 +42,7 @@ def test_performance_slowed_by_the_clearance_watch_is_reported(calm, pace, statu
 def test_performance_stopped_before_contact_fails_its_check(calm):
     half = len(calm.reference.times) // 2
     cut = replace(calm, reference=replace(calm.reference, times=calm.reference.times[:half]))
-    cut.__dict__["clearance_forecast"] = calm.clearance_forecast
+    cut.__dict__["clearance_forecast"] = calm.clearance_forecast[: half // COMMANDS_PER_LOOK]
     check = found(cut)["collision.performed"]
     assert check.status == "fail"
     assert check.value == pytest.approx(0.5, abs=0.01)
