@@ -55,6 +55,13 @@ def test_behaviour_type_of_a_smartbody_fragment_is_its_element_name() -> None:
     assert [block.type for block in parse('<gaze target="t"/><body posture="Idle"/>').behaviours] == ["gaze", "body"]
 
 
+def test_time_hint_of_a_smartbody_gaze_is_the_time_until_its_target() -> None:
+    gazes = '<gaze id="a" target="t" sbm:time-hint="0.7"/><gaze id="b" target="t" sbm:time-hint=" 0.5" end="3"/>'
+    shift, look = parse(gazes).behaviours
+    assert shift.syncs == {"end": SyncRef("block", "a", "start", offset=0.7)}
+    assert look.syncs["ready"] == SyncRef("block", "b", "start", offset=0.5)
+
+
 def test_hold_durations_become_sync_points() -> None:
     (behaviour,) = parse('<gesture id="g" type="BEAT" prestroke_hold="0.5" poststroke_hold="2"/>').behaviours
     assert behaviour.syncs == {

@@ -138,6 +138,8 @@ def test_gaze_turns_the_eyes():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
     found = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
     assert found.keys() == {"62"}
+    near = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0, 0.25)])
+    assert near.keys() == {"62", "66"}
     assert at(found["62"], 2.0) > 0.5
 
 
