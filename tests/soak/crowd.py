@@ -146,16 +146,18 @@ def crowd(server: Server, seconds: float) -> Report:
             each.start()
         hostile = Thread(target=_annoy, args=(server.port, done), daemon=True)
         hostile.start()
-        while (time := monotonic() - began) < seconds:
+        while (time := monotonic() - began) < seconds and server.process.poll() is None:
             memory.record(round(time, 2), server.process.pid)
             done.wait(max(0.0, min(LOOK, seconds - (monotonic() - began))))
     for each in members:
         each.join(LAST_BLOCKS + 10.0)
     hostile.join(20.0)
+    exit_code = server.process.poll()
+    ended = [] if exit_code is None else [f"lost, the server ended with exit code {exit_code}"]
     return Report(
         blocks=sum(len(each.journal.sent) for each in members),
         messages=sum(len(each.journal.arrivals) for each in members),
-        faults=[fault for each in members for fault in each.faults()],
+        faults=[*ended, *(fault for each in members for fault in each.faults())],
         memory=memory,
     )
 
