@@ -91,6 +91,11 @@ def test_high_fluidity_joins_successive_facial_expressions():
     assert at(flowing, 2.0) == at(plain, 2.0)
     far = show(*asked, SAMPLE_TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
     np.testing.assert_array_equal(far, plain)
+    longest = scheduled(
+        '<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.3" relax="1.5" end="2"/>'
+        '<faceLexeme id="g" lexeme="RAISE_BROWS" start="2.5" attackPeak="3" relax="4" end="4.4"/>'
+    )
+    assert at(show(*longest, SAMPLE_TIMES, style=Style(face=Expressivity(fluidity=0.5)))["L12"], 2.2) > 0.05
 
 
 def test_repeated_blink_lexeme_blinks_several_times():
