@@ -1,7 +1,8 @@
 """Child processes of the server for planning and refinement.
 
 The planner handles one request at a time. It is killed if it exceeds its time limit and replaced by a spare planner
-that is warmed up already. Both share imported modules; a spare planner costs 55 MB of additional memory.
+that is warmed up already. Both share imported modules; a spare planner costs 55 MB of additional memory. Its warm-up
+waits for a quiet time, because it would delay the first motion of a new server.
 """
 
 import sys
@@ -21,6 +22,8 @@ from kinesic.serve.wire.quotas import Quotas
 from kinesic.session import setup as session_setup
 
 PIPE_CAPACITY = 1 << 20  # [bytes] largest pipe buffer that Linux grants unprivileged processes
+SPARE_DELAY = 2.0  # [s] time without a request after which a spare planner starts to warm up
+MAX_SPARE_DELAY = 20.0  # [s] longest time from a warm planner to the start of its spare
 MAX_COLD_DEATHS = 2  # consecutive planner deaths before warm-up after which the server gives up
 
 
@@ -54,6 +57,7 @@ class Planner:
         rules: Quotas,
         idle: Callable[[], None],
         lost: Callable[[ClientRequest | None], None],
+        spare_delay: float = SPARE_DELAY,
     ) -> None:
         """Create a planner that is not started yet.
 
@@ -64,11 +68,14 @@ class Planner:
             idle: called whenever the planner can accept a request.
             lost: called with the current request after the planner has died; the planner is then restarted unless it
                 failed.
+            spare_delay: time without a request before a spare planner is started; 0: at once [s].
         """
         self._make_setup, self._loop, self._rules = make_setup, loop, rules
         self._idle, self._lost = idle, lost
         self._working: PlannerProcess | None = None
         self._spare: PlannerProcess | None = None  # warming up, or waiting for activation
+        self._spare_delay, self._spare_deadline = spare_delay, 0.0  # [s], and in the time of the asyncio loop [s]
+        self._spare_start: TimerHandle | None = None  # start of a spare planner
         self._refiner: Child | None = None
         self._watch: TimerHandle | None = None
         self._current_request: ClientRequest | None = None  # request in progress
@@ -113,6 +120,18 @@ class Planner:
         child = Child(context, planner.run_planner, *arguments, name="planner")
         return PlannerProcess(child, to_requests, to_planner, from_planner, self._renewals)
 
+    def _begin_spare(self) -> None:
+        if self._spare is None:
+            self._spare = self._begin()
+
+    def _schedule_spare(self) -> None:
+        """Start a spare planner after a quiet time, or at its deadline."""
+        if self._spare_start is not None:
+            self._spare_start.cancel()
+        clock = get_running_loop()
+        start = min(clock.time() + self._spare_delay, self._spare_deadline)
+        self._spare_start = clock.call_at(start, self._begin_spare)
+
     def _context(self) -> ProcessContext:
         """Return a multiprocessing context that inherits no threads of the server."""
         return child_context(planner.__name__, session_setup.__name__, self._make_setup.__module__)
@@ -131,6 +150,8 @@ class Planner:
         self._current_request = request
         end = partial(working.child.kill, wait=False)
         self._watch = get_running_loop().call_later(self._rules.planning, end)
+        if self._spare is None:
+            self._schedule_spare()
         _send(working.requests, request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
@@ -144,8 +165,11 @@ class Planner:
         match news:
             case PlannerReady():
                 self.is_warm, self._cold_deaths = True, 0
+                if not self._spare_delay:
+                    self._begin_spare()
+                self._spare_deadline = get_running_loop().time() + MAX_SPARE_DELAY
                 if self._spare is None:
-                    self._spare = self._begin()
+                    self._schedule_spare()
                 if self._working is not None and self._working.renewals < self._renewals:
                     self._give(self._working, Renewal())
                 self._idle()
@@ -163,6 +187,8 @@ class Planner:
 
     def close(self) -> None:
         """Kill all planner processes and wait for their end."""
+        if self._spare_start is not None:
+            self._spare_start.cancel()
         self._end_working()
         if self._spare is not None:
             self._spare.end()

@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.planning.setup import Setup
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import Clock, PlannerReady, RequestDone
+from kinesic.serve.messages import Clock, Interruption, PlannerReady, RequestDone
 from kinesic.serve.planner_process import MAX_COLD_DEATHS, Planner
 from kinesic.serve.tracks import Effects
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
@@ -21,7 +21,12 @@ MAX_WAIT = 60.0  # [s]
 News = PlannerReady | RequestDone | None
 
 
-async def plan_until(make_setup: Callable[[], Setup], known: Setup, done: Callable[[Planner, News], bool]) -> Planner:
+async def plan_until(
+    make_setup: Callable[[], Setup],
+    known: Setup,
+    done: Callable[[Planner, News], bool],
+    spare_delay: float = 0.0,
+) -> Planner:
     """Run a planner with a loop until a condition holds after a message."""
     tasks, enough = asyncio.get_running_loop(), asyncio.Event()
 
@@ -38,7 +43,14 @@ async def plan_until(make_setup: Callable[[], Setup], known: Setup, done: Callab
         send_feedback=lambda message, sender: None,
         notify_server=lambda news: tasks.call_soon_threadsafe(hear, news),
     )
-    planner = Planner(make_setup, loop, rules=DEFAULT_QUOTAS, idle=lambda: None, lost=lambda request: None)
+    planner = Planner(
+        make_setup,
+        loop,
+        rules=DEFAULT_QUOTAS,
+        idle=lambda: None,
+        lost=lambda request: None,
+        spare_delay=spare_delay,
+    )
     planner.start()
     loop.start()
     try:
@@ -78,6 +90,22 @@ def test_dead_spare_planner_is_restarted(known):
         return isinstance(news, PlannerReady) and planner.deaths == 1
 
     assert asyncio.run(plan_until(set_up, known, done)).is_warm
+
+
+def test_spare_planner_waits_for_a_quiet_time_after_the_first_requests(known):
+    starts = []
+
+    def done(planner: Planner, news: News) -> bool:
+        if isinstance(news, PlannerReady):
+            assert planner._spare is None
+            starts.append(planner._spare_start.when())
+            planner.send(Interruption(None))
+            starts.append(planner._spare_start.when())
+        return isinstance(news, RequestDone)
+
+    planner = asyncio.run(plan_until(set_up, known, done, spare_delay=30.0))
+    assert starts[0] <= starts[1] == planner._spare_deadline  # the deadline comes before the quiet time
+    assert planner._spare is None
 
 
 def test_planner_that_never_warms_up_fails(known):

@@ -44,7 +44,8 @@ class GestureUses:
     def select(self, candidate: Candidate, at: float) -> Sequence[Choice]:
         """Return the alternative gestures that repeat no recent one.
 
-        A beat, and a gesture for words that the text repeats, may use the one shown longest ago.
+        A beat may use the one shown longest ago. So may a gesture for words that the text repeats, unless it is one of
+        the last two.
         """
         choices = candidate.choices
         if not self.window:
@@ -54,7 +55,8 @@ class GestureUses:
             return fresh
         reason, name = candidate.intent.reason, candidate.intent.name
         is_repeated = name not in FUNCTION_INTENTS and name not in BEAT_INTENTS
-        again = [each for each in choices if is_repeated and (each.lexeme, reason) in self._reasons]
+        repeated = [each for each in choices if is_repeated and (each.lexeme, reason) in self._reasons]
+        again = [each for each in repeated if each.lexeme not in self._recent]
         return self.oldest(choices if name in BEAT_INTENTS else again, at)
 
     def oldest(self, choices: Sequence[Choice], at: float) -> Sequence[Choice]:
