@@ -7,7 +7,7 @@ BENCH_PARTS: Mapping[str, tuple[str, ...]] = {
     "ik": ("ik",),
     "expressivity": ("expressivity",),
     "naturalness": ("naturalness",),
-    "plan": ("plan.first_command", "plan"),
+    "plan": ("plan.first_command", "plan", "plan.styles"),
     "twin": ("twin",),
     "speed": ("speed",),
     "growth": ("growth",),

@@ -29,6 +29,7 @@ NOD_ANGLE = radians(20)  # [rad] peak of a nod of amount 1
 SHAKE_ANGLE = radians(25)  # [rad] peak of a shake of amount 1, to each side
 DIRECTION_ANGLE = radians(30)  # [rad] rotation about each named axis of a head direction of amount 1
 NOD_SWING_TIME = 0.17  # [s] shortest natural duration of one swing of a nod
+SHAKE_MARGIN = 1.1  # shortest swing of a shake / minimum duration of the neck, which also follows gaze and trunk
 MAX_ADDED_STROKES = 2  # nods or shakes added at full repetition
 
 _READY_FRACTION = 0.85  # fraction of a head direction that is reached at `ready`
@@ -95,8 +96,14 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None
 
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
-    """Return the natural duration of one head swing [s]."""
-    return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=NOD_SWING_TIME)
+    """Return the natural duration of one head swing [s].
+
+    A shake swings from side to side, which no tempo makes faster than the neck.
+    """
+    natural = pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=NOD_SWING_TIME)
+    if form.kind != "shake":
+        return natural
+    return max(natural, SHAKE_MARGIN * pace.least_turn_time("neck", scale_turn(form.peak, 2.0)))
 
 
 def direction(words: tuple[str, ...]) -> Turn:

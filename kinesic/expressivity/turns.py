@@ -28,7 +28,7 @@ class TurnKey:
     passage: KeyPassage = PLAIN_PASSAGE
 
 
-Layer = tuple[TurnKey, ...]  # in time order; linearly interpolated between its keys, constant outside them
+Layer = tuple[TurnKey, ...]  # in time order; monotone cubics between its keys, constant outside them
 
 
 @dataclass(frozen=True)
@@ -119,11 +119,32 @@ def sum_layers(layers: Iterable[Layer], times: Floats) -> Floats:
     """
     turns = np.zeros((len(times), 3))
     for layer in layers:
-        knots = [key.time for key in layer]
+        knots = np.array([key.time for key in layer])
         values = np.array([turn_angles(key.turn) for key in layer])
-        for axis in range(3):
-            turns[:, axis] += np.interp(times, knots, values[:, axis])
+        inside = np.clip(times, knots[0], knots[-1])
+        turns += _interpolate(knots, values, inside)
     return turns
+
+
+def _interpolate(knots: Floats, values: Floats, times: Floats) -> Floats:
+    """Interpolate values (k, 3) at knots (k,) by monotone cubics at times (m,).
+
+    The velocity is zero at both ends and where a value turns back, as in the motion itself (Fritsch and Butland, 1984).
+    """
+    gaps = np.diff(knots)[:, None]
+    chords = np.diff(values, axis=0) / gaps
+    before, after = chords[:-1], chords[1:]
+    is_passed = before * after > 0.0
+    harmonic = (gaps[:-1] + 2.0 * gaps[1:]) * after + (2.0 * gaps[:-1] + gaps[1:]) * before
+    slopes = np.zeros_like(values)
+    np.divide(3.0 * (gaps[:-1] + gaps[1:]) * before * after, harmonic, out=slopes[1:-1], where=is_passed)
+    k = np.searchsorted(knots, times, side="right") - 1
+    following = np.minimum(k + 1, len(knots) - 1)
+    gap = np.vstack([gaps, [[1.0]]])[k]
+    part = (times - knots[k])[:, None] / gap
+    rest = 1.0 - part
+    rise = (values[following] - values[k]) * (3.0 - 2.0 * part) * part**2
+    return np.asarray(values[k] + rise + gap * part * rest * (slopes[k] * rest - slopes[following] * part))
 
 
 def hold_layer(hold: Hold, base: Turn = UPRIGHT_TURN) -> Layer:

@@ -37,7 +37,7 @@ def test_every_key_frame_has_all_body_parts(robot):
 def test_body_parts_without_a_key_are_interpolated(robot):
     frames = {frame.time: frame for frame in gather_frames(Sequences(head=NOD_LAYERS, hands=HAND_KEYS), [], robot)}
     np.testing.assert_allclose(frames[1.5].hands["l"].reach.position, [0.3, 0.2, 0.8])
-    assert frames[2].head.tilt == pytest.approx(0.2 * 2 / 3)
+    assert frames[2].head.tilt == pytest.approx(0.2 * 20 / 27)
     assert frames[1.75].hands["r"] == REST_HAND
 
 

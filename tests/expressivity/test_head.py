@@ -5,7 +5,7 @@ import pytest
 from kinesic.bml.block import Head, HeadDirectionShift
 from kinesic.expressivity.head import MAX_ADDED_STROKES, NOD_SWING_TIME, HeadForm, head_form, head_layer, swing_time
 from kinesic.expressivity.style.style import Expressivity, passage_of
-from kinesic.expressivity.turns import UPRIGHT_TURN, rotation_range, turn_at
+from kinesic.expressivity.turns import UPRIGHT_TURN, rotation_range, scale_turn, turn_at
 
 
 def frame_at(frames, time):
@@ -264,3 +264,10 @@ def test_added_nods_are_proportional_to_repetition(robot):
 
 def test_head_direction_with_two_repetitions_peaks_twice(robot):
     assert head_form(Head("LEFT", repetition=2), robot, Expressivity()).swings == (1.0, 0.0, 1.0, 0.0)
+
+
+def test_no_tempo_swings_a_shake_faster_than_the_neck_from_side_to_side(pace, robot):
+    form = head_form(Head("SHAKE"), robot, Expressivity())
+    quick = swing_time(form, pace, Expressivity(temporal=1.0, power=1.0))
+    assert quick > pace.least_turn_time("neck", scale_turn(form.peak, 2.0))
+    assert quick < swing_time(form, pace, Expressivity(temporal=-1.0))

@@ -118,7 +118,21 @@ def test_rotation_layers_add_up_and_are_constant_outside_their_keys():
         [[0.1, 0.2, 0.0], [0.1, 0.2, 0.0], [0.2, 0.1, 0.0], [0.3, 0.0, 0.0], [0.3, 0.0, 0.0]],
         atol=1e-15,
     )
-    assert turn_angles(turn_at(one, 1.25)) == pytest.approx((0.15, 0.15, 0.3))
+    assert turn_angles(turn_at(one, 1.25)) == pytest.approx((0.13125, 0.16875, 0.3))
+
+
+def test_rotation_near_a_reversal_stays_near_its_peak():
+    shake = tuple(TurnKey(0.2 * k, Turn(torsion=angle)) for k, angle in enumerate((0.0, 0.2, -0.2, 0.2, 0.0)))
+    near = [turn_at(shake, 0.4 + offset).torsion for offset in (-0.02, 0.0, 0.02)]
+    assert near[1] == -0.2
+    assert max(near) < -0.94 * 0.2
+    assert max(abs(turn_at(shake, 0.01 * k).torsion) for k in range(81)) <= 0.2
+
+
+def test_rotation_passes_keys_on_its_way_without_stopping():
+    rising = tuple(TurnKey(0.2 * k, Turn(tilt=angle)) for k, angle in enumerate((0.0, 0.1, 0.2, 0.3)))
+    before, after = (turn_at(rising, 0.2 + offset).tilt for offset in (-0.01, 0.01))
+    assert (after - before) / 0.02 == pytest.approx(0.5, rel=0.1)
 
 
 @st.composite
