@@ -15,13 +15,16 @@ from kinesic.files.film_settings import DEFAULT_FILM, FilmSettings
 from kinesic.planning.face_track import compute_faces
 from kinesic.planning.plan import Plan
 from kinesic.report.films import FilmKind, captions_of
-from kinesic.sim.filming.framing import FRAME_MARGIN, find_capsule_balls, list_watched_segments
+from kinesic.sim.filming.framing import find_capsule_balls, list_watched_segments
 
 if TYPE_CHECKING:
     from kinesic.face.render.camera import Camera
 
 MAX_PICTURES = 3600  # largest number of pictures; longer films have a lower frame rate
 MIN_FIELD_OF_VIEW = 15.0  # [deg] smallest vertical field of view, which includes part of the body
+MAX_FIELD_OF_VIEW = 27.0  # [deg] largest vertical field of view, in which the face can be read
+FIGURE_MARGIN = 1.1  # picture size / size of hands and head
+LOWEST_VIEW = 0.70  # [m] height over the floor below which hands need not be seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +87,8 @@ def frame_motion(
 ) -> tuple[tuple[float, float, float], float]:
     """Aim a front camera so that it shows hands and head throughout.
 
+    The face stays large enough to be read: then the camera shows the head and what is below.
+
     Args:
         robot: robot that moves.
         postures: (m, n) [rad].
@@ -96,10 +101,15 @@ def frame_motion(
     places, radii = find_capsule_balls(robot, postures, list_watched_segments(robot))
     away = camera.distance + camera.pivot[0] - places[..., 0]
     middle, slopes = list(camera.pivot), []
+    places = np.maximum(places, np.array([-np.inf, -np.inf, LOWEST_VIEW]) + radii[:, None])
     for axis, wide in ((1, aspect), (2, 1.0)):
         high, low = (float((sign * places[..., axis] + radii).max()) for sign in (1.0, -1.0))
         middle[axis] = (high - low) / 2
         seen = (np.abs(places[..., axis] - middle[axis]) + radii) / away
-        slopes.append(FRAME_MARGIN * float(seen.max()) / wide)
+        slopes.append(FIGURE_MARGIN * float(seen.max()) / wide)
     field = 2 * float(np.degrees(np.arctan(max(slopes))))
-    return (middle[0], middle[1], middle[2]), max(field, MIN_FIELD_OF_VIEW)
+    largest = float(np.tan(np.radians(MAX_FIELD_OF_VIEW) / 2)) * camera.distance
+    if field > MAX_FIELD_OF_VIEW:
+        top = float((places[..., 2] + radii).max())
+        middle[2] = max(middle[2], top - (2 - FIGURE_MARGIN) * largest)
+    return (middle[0], middle[1], middle[2]), min(max(field, MIN_FIELD_OF_VIEW), MAX_FIELD_OF_VIEW)

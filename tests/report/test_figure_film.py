@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.face.display import find_display_problem
 from kinesic.face.render.figure import UPPER_BODY_CAMERA
 from kinesic.files.film_settings import DEFAULT_FILM
-from kinesic.report.figure_film import MIN_FIELD_OF_VIEW, FigureFilm, frame_motion
+from kinesic.report.figure_film import FIGURE_MARGIN, MAX_FIELD_OF_VIEW, MIN_FIELD_OF_VIEW, FigureFilm, frame_motion
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.filming.framing import find_capsule_balls, list_watched_segments
@@ -61,21 +61,41 @@ def test_figure_film_is_drawn_picture_by_picture(film: FigureFilm, tmp_path: Pat
 @pytest.mark.soak
 def test_camera_always_frames_hands_and_head():
     robot = Robot.load("human")
-    wide = robot.skeleton.rest.copy()
+    asking = robot.skeleton.rest.copy()
     for side in "lr":
-        wide[robot.skeleton.joint(f"{side}_shoulder_abduct")] = np.radians(100)
+        asking[robot.skeleton.joint(f"{side}_elbow_flexion")] = np.radians(95)
     found = {}
-    for name, postures in (("rest", [robot.skeleton.rest]), ("wide", [robot.skeleton.rest, wide])):
-        middle, field = frame_motion(robot, np.array(postures), UPPER_BODY_CAMERA, aspect=1.0)
-        camera = replace(UPPER_BODY_CAMERA, pivot=middle, field_deg=field)
-        places, _ = find_capsule_balls(robot, np.array(postures), list_watched_segments(robot))
-        seen = (camera.projection(1.0) @ camera.view()) @ np.append(
-            places.reshape(-1, 3), np.ones((places[..., 0].size, 1)), 1
-        ).T
-        found[name] = (float(np.abs(seen[:2] / seen[3]).max()), field)
-        assert found[name][0] < 1 / 1.2, "a margin is left on all sides"
-    assert MIN_FIELD_OF_VIEW < found["rest"][1] < found["wide"][1]
-    assert found["wide"][0] > 0.7, "no smaller than needed"
+    for name, postures in (("rest", [robot.skeleton.rest]), ("asking", [asking])):
+        middle, field = frame_motion(robot, np.array(postures), UPPER_BODY_CAMERA, aspect=16 / 9)
+        found[name] = seen_extent(robot, postures, middle, field, 16 / 9), field
+    (left, right, bottom, top), field = found["asking"]
+    assert -1 / FIGURE_MARGIN < min(left, bottom) < max(right, top) < 1 / FIGURE_MARGIN, "a margin is left on all sides"
+    assert max(right, top) > 0.85, "no smaller than needed"
+    assert MIN_FIELD_OF_VIEW <= field < found["rest"][1]
+    assert found["rest"][0][3] < 1.0
+
+
+def test_wide_motion_leaves_the_face_readable():
+    robot = Robot.load("human")
+    raised, wide = robot.skeleton.rest.copy(), robot.skeleton.rest.copy()
+    for side in "lr":
+        raised[robot.skeleton.joint(f"{side}_shoulder_flexion")] = np.radians(165)
+        wide[robot.skeleton.joint(f"{side}_shoulder_abduct")] = np.radians(90)
+    middle, field = frame_motion(robot, np.array([robot.skeleton.rest, raised, wide]), UPPER_BODY_CAMERA, aspect=1.0)
+    assert field == MAX_FIELD_OF_VIEW
+    assert 0.6 < seen_extent(robot, [raised], middle, field, 1.0)[3] < 1.0, "raised hands are seen"
+    head = 0.22 / (2 * UPPER_BODY_CAMERA.distance * np.tan(np.radians(field) / 2))
+    assert 720 * head > 105
+
+
+def seen_extent(robot, postures, middle, field, aspect) -> tuple[float, float, float, float]:
+    """Return left, right, lower and upper bound of hands and head in the picture, -1..1."""
+    camera = replace(UPPER_BODY_CAMERA, pivot=middle, field_deg=field)
+    places, radii = find_capsule_balls(robot, np.array(postures), list_watched_segments(robot))
+    points = np.concatenate([(places + radii[:, None] * way).reshape(-1, 3) for way in np.eye(3)[1:]])
+    points = np.concatenate([points, *((places - radii[:, None] * way).reshape(-1, 3) for way in np.eye(3)[1:])])
+    x, y, _, w = (camera.projection(aspect) @ camera.view()) @ np.append(points, np.ones((len(points), 1)), 1).T
+    return float((x / w).min()), float((x / w).max()), float((y / w).min()), float((y / w).max())
 
 
 def test_undrawable_figure_film_gives_a_reason(film: FigureFilm, tmp_path: Path):

@@ -17,16 +17,23 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import CONFIGS
-from kinesic.face.assets.chart import compute_vertex_chart
 from kinesic.face.assets.clothes import COVERED_DEPTH, cut_garments, measure_neckline_distance
+from kinesic.face.assets.hair import HAIR_STYLES, Locks, grow_locks, measure_painted_hair
 from kinesic.face.assets.mesh import MESH_PARTS, Indices, Mesh, build_subdivision, load_head, seal_integers
 from kinesic.face.assets.rig import FRAME_INDICES, SKINNING_FRAMES
 from kinesic.face.display import DisplayError
 
 BODY_FILE = CONFIGS / "faces" / "body.npz"
 POSITION_STEP = 5e-5  # [m] resolution of positions in the file
-HAIR_HEIGHT = 0.013  # [m] full distance of hair from the scalp
-HAIR_RAMP = 0.7  # [eye distances] height over the hairline at which hair reaches HAIR_HEIGHT
+FIGURE_HAIR = replace(HAIR_STYLES["female"], roots=460, steps=6, width=(0.20, 0.20))  # fewer locks than a portrait
+SHOULDER_PASSES = 16  # passes that smooth the suit's weights around the shoulders
+SHOULDER_REACH = 0.15  # [m] distance from a shoulder within which weights are smoothed
+SHOULDER_RAMP = 0.08  # [m] width of the transition to weights that stay
+TUCK_DEPTH = 0.009  # [m] by which covered skin is moved inward
+TUCK_RAMP = 0.014  # [m] distance below the neckline within which this depth is reached
+COLLAR_RAMP = 0.045  # [m] distance below the neckline within which the suit is drawn to the neck
+COLLAR_GAP = 0.0015  # [m] distance of the suit from the neck at the neckline; the shirt lies outside the suit
+COLLAR_NEIGHBOURS = 4  # points of skin averaged for the neck's surface
 MAX_FRAMES_PER_VERTEX = 8  # skinning frames per vertex
 
 
@@ -41,9 +48,13 @@ class DressedPerson:
 
     @cached_property
     def hair(self) -> Floats:
-        """(v,) distance of hair from the scalp [m]."""
-        over = np.clip(compute_vertex_chart(self.mesh)[:, 3] / HAIR_RAMP, 0.0, 1.0)
-        return sealed(HAIR_HEIGHT * np.sqrt(over) * (self.mesh.parts == MESH_PARTS.index("skin")))
+        """(v,) distance of the painted hair from the scalp [m]."""
+        return measure_painted_hair(self.mesh)
+
+    @property
+    def locks(self) -> Locks:
+        """Locks of hair in the head's frame of the bind pose."""
+        return _grow_locks()
 
     def subdivided(self) -> "DressedPerson":
         """Return the figure with each face divided into four."""
@@ -67,6 +78,11 @@ def load_figure(path: Path = BODY_FILE) -> DressedPerson:
         raise DisplayError(f"{path}: not a body that kinesic.face.assets.bake_body wrote: {error}") from None
 
 
+@cache
+def _grow_locks() -> Locks:
+    return grow_locks(load_head("female"), FIGURE_HAIR)
+
+
 def _assemble_figure(head: Mesh, data: Mapping[str, NDArray[Any]]) -> DressedPerson:
     """Attach the head to the body and add the clothes."""
     centres = dict(zip(map(str, data["segments"]), map(sealed, data["centres"]), strict=True))
@@ -84,21 +100,23 @@ def _assemble_figure(head: Mesh, data: Mapping[str, NDArray[Any]]) -> DressedPer
     skin = int((head.parts == MESH_PARTS.index("skin")).sum())
     weights = np.zeros((len(data["places"]), len(SKINNING_FRAMES)))
     np.put_along_axis(weights, data["places"].astype(np.intp), data["weights"] / 255.0, axis=1)
+    weights[skin:] = _smooth_shoulders(weights[skin:], data["suit"].astype(np.int32), below.positions, centres)
     stiff = np.zeros((len(head.positions) - skin, len(SKINNING_FRAMES)))
     stiff[:, FRAME_INDICES["skullbase"]] = 1.0
     seen = ~(measure_neckline_distance(head.positions, centres)[head.faces] < -COVERED_DEPTH).all(axis=1)
     top = replace(head, faces=seal_integers(head.faces[seen]), plain=sealed(np.zeros((len(head.positions), 4))))
-    pieces = [(top, np.concatenate([weights[:skin], stiff]))]
+    pieces = [(_tuck_skin(top, centres), np.concatenate([weights[:skin], stiff]))]
     pieces += [
-        (piece, weights[skin:]) for piece in (below, *_cut_clothes(below, data["suit"].astype(np.int32), centres))
+        (piece, weights[skin:]) for piece in (below, *_cut_clothes(below, data["suit"].astype(np.int32), centres, top))
     ]
     mesh, moved = _join_pieces([_drop_unused(*piece) for piece in pieces])
     angles = dict(zip(map(str, data["hinges"]), data["angles"].tolist(), strict=True))
     return DressedPerson(mesh, moved, centres, angles)
 
 
-def _cut_clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats]) -> Iterator[Mesh]:
+def _cut_clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats], top: Mesh) -> Iterator[Mesh]:
     """Yield the garments, each with all faces that touch its cloth."""
+    below = replace(below, positions=_fit_collar(below.positions, np.unique(suit), centres, top))
     normals = replace(below, faces=suit).normals(below.positions)
     for garment in cut_garments(below.positions, centres):
         look = [*np.sqrt(garment.colour), garment.gloss]
@@ -110,6 +128,54 @@ def _cut_clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats]) -> I
             tips=sealed(garment.beyond),
             plain=sealed(np.tile(look, (len(below.parts), 1))),
         )
+
+
+def _smooth_shoulders(weights: Floats, suit: Indices, points: Floats, centres: Mapping[str, Floats]) -> Floats:
+    """Return (v, frames) weights that change more gently in the suit's armpits and over its shoulders."""
+    ends = np.concatenate([np.stack([suit[:, k], suit[:, (k + 1) % 4]], axis=1) for k in range(4)])
+    both = np.concatenate([ends, ends[:, ::-1]])
+    joined = scipy.sparse.csr_array((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(len(points), len(points)))
+    valence = np.asarray(joined.sum(axis=1)).ravel()
+    away = np.min([np.linalg.norm(points - centres[f"{side}_shoulder"], axis=1) for side in "lr"], axis=0)
+    below_collar = np.clip(-measure_neckline_distance(points, centres) / COLLAR_RAMP, 0.0, 1.0)
+    amount = 0.5 * np.clip((SHOULDER_REACH - away) / SHOULDER_RAMP, 0.0, 1.0) * below_collar * (valence > 0)
+    smooth = weights.copy()
+    for _ in range(SHOULDER_PASSES):
+        smooth += amount[:, None] * ((joined @ smooth) / np.maximum(valence, 1.0)[:, None] - smooth)
+    weakest = np.argsort(-smooth, axis=1)[:, MAX_FRAMES_PER_VERTEX:]
+    np.put_along_axis(smooth, weakest, 0.0, axis=1)
+    return _round_weights(smooth / np.maximum(smooth.sum(axis=1, keepdims=True), 1e-9))
+
+
+def _round_weights(weights: Floats) -> Floats:
+    """Round weights (v, frames) to multiples of 1/255, as in the file, so that each row keeps its sum."""
+    whole = np.rint(255.0 * weights)
+    rows, strongest = np.arange(len(whole)), whole.argmax(axis=1)
+    whole[rows, strongest] += 255.0 * weights.sum(axis=1).round() - whole.sum(axis=1)
+    return np.asarray(whole / 255.0)
+
+
+def _fit_collar(points: Floats, suit: Indices, centres: Mapping[str, Floats], top: Mesh) -> Floats:
+    """Return (v, 3) positions in which the suit lies close to the neck at its neckline."""
+    skin = top.vertices("skin")
+    skin = skin[np.isin(skin, top.faces)]
+    near = suit[measure_neckline_distance(points[suit], centres) > -COLLAR_RAMP]
+    _, which = scipy.spatial.cKDTree(top.positions[skin]).query(points[near], COLLAR_NEIGHBOURS)
+    normals = top.normals(top.positions)[skin]
+    normals = normals[which].mean(axis=1)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    gap = ((points[near] - top.positions[skin][which].mean(axis=1)) * normals).sum(axis=1)
+    ramp = np.clip(1.0 + measure_neckline_distance(points[near], centres) / COLLAR_RAMP, 0.0, 1.0)
+    moved = points.copy()
+    moved[near] -= (ramp * np.maximum(gap - COLLAR_GAP, 0.0))[:, None] * normals
+    return sealed(moved)
+
+
+def _tuck_skin(top: Mesh, centres: Mapping[str, Floats]) -> Mesh:
+    """Return the head with the skin under the shirt moved inward, so that it does not show through."""
+    inside = np.clip(-measure_neckline_distance(top.positions, centres) / TUCK_RAMP, 0.0, 1.0)
+    inside *= top.parts == MESH_PARTS.index("skin")
+    return replace(top, positions=sealed(top.positions - TUCK_DEPTH * inside[:, None] * top.normals(top.positions)))
 
 
 def _drop_unused(mesh: Mesh, weights: Floats) -> tuple[Mesh, Floats]:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Variant
-from kinesic.face.assets.chart import measure_hairline_height
-from kinesic.face.assets.mesh import Mesh
+from kinesic.face.assets.chart import compute_vertex_chart, measure_hairline_height
+from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
 HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull, in distances between the eyes
 NEIGHBOUR_COUNT = 24  # number of skin vertices averaged for the skull radius in a direction
@@ -31,6 +31,7 @@ EAR_REGION = (
 NORMAL_LEAN = 0.35  # sideways component of the normals at the edges of a lock, relative to the outward one
 HAIR_SEED = 11  # seed of the random generator for hair
 SCALP_HEIGHT = 0.06  # [eye distances] distance of the painted hair from the scalp
+PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp at SCALP_RAMP
 SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which the painted hair reaches SCALP_HEIGHT
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 INSIDE_VISIBLE_HEIGHT = 0.1  # [eye distances] height below which the inside of hanging locks is visible
@@ -111,6 +112,12 @@ class Locks:
     places: Floats  # (n, 4) across -1..1, along 0..1, number of the lock 0..1, brightness
     triangles: NDArray[np.int32]  # (t, 3), anticlockwise from outside
     inside: NDArray[np.int32]  # (u, 3) back faces of hanging locks
+
+
+def measure_painted_hair(mesh: Mesh) -> Floats:
+    """Return the (v,) distance [m] of the painted hair from the scalp."""
+    over = np.clip(compute_vertex_chart(mesh)[:, 3] / SCALP_RAMP, 0.0, 1.0)
+    return sealed(PAINTED_HAIR_HEIGHT * over * (mesh.parts == MESH_PARTS.index("skin")))
 
 
 def grow_locks(mesh: Mesh, style: HairStyle) -> Locks:

@@ -25,7 +25,13 @@ STANDING_CAMERA = Camera(distance=4.2, field_deg=26.0, pivot=(0.05, 0.0, 0.83)) 
 UPPER_BODY_CAMERA = Camera(distance=2.9, field_deg=23.0, pivot=(0.05, 0.0, 1.24))  # view from the hips up
 FIGURE_SHADOW = Shadow(lamp=0.3, away=4.0, reach=1.0, deep=1.2, side=1024, sharpest=0.012)
 FILM_PRESET = replace(
-    DRAFT_PRESET, name="filmed", wrinkles=True, smooth=True, shadow=Shadow(blockers=3, taps=4), coarse=3
+    DRAFT_PRESET,
+    name="filmed",
+    subdivided=True,
+    wrinkles=True,
+    smooth=True,
+    shadow=Shadow(blockers=3, taps=4),
+    coarse=3,
 )
 OCCLUSION_RADIUS = 0.05  # [m] radius of ambient occlusion on figures
 
@@ -65,7 +71,7 @@ class FigurePortrait:
         self.shape = FigureShape(figure, skeleton, blending=blending)
         with ExitStack() as opened:
             self._context = opened.enter_context(open_offscreen_context())
-            drawn = DrawnHead(self.shape, figure.mesh, COMPLEXIONS["female"])
+            drawn = DrawnHead(self.shape, figure.mesh, COMPLEXIONS["female"], figure.locks if preset.hair else None)
             self.pipeline = Pipeline(
                 self._context, drawn, preset=scale_preset_to_figure(preset), size=size, lights=lights
             )

@@ -87,9 +87,10 @@ class Geometry:
             self._layers["cloth"] = (self._moving, still, self._buffer(triangles[cloth], "i4"))
         if shaded:
             self._layers["film"] = self._film(mesh)
-        self.haired, self._hair_at = locks is not None, np.zeros((0, 3))
+        self.haired, self._hair_at, self._hair = locks is not None, np.zeros((0, 3)), locks
         if locks is not None:
             self._hair_at = locks.positions
+            self._moving_hair = self._buffer(np.concatenate([locks.positions, locks.normals], axis=1))
             self._layers |= self._locks(locks)
         skins, organs = (compile_program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
         film = compile_program(context, "geometry", "form", "door", "film")
@@ -132,6 +133,7 @@ class Geometry:
         """Move the mesh vertices according to action units and camera."""
         vertices = self._shape.vertices(units, camera)
         self._moving.write(vertices[self._sources].astype("f4").tobytes())
+        self._move_hair()
         aspect = self.size[0] / self.size[1]
         view, projection, self.lens = camera.view(), camera.projection(aspect), camera.lens(aspect)
         self.on_screen = self._project(vertices[:, :3], projection @ view)
@@ -139,6 +141,16 @@ class Geometry:
         self.covered = self.rectangle(outline) if "film" not in self._layers else (0, 0, *self.size)
         balls = [self._estimate_eye_axes(ball, vertices) @ view[:3, :3].T for ball in self._balls]
         set_uniforms(self._shaders[1], {"balls": np.array(balls)})
+
+    def _move_hair(self) -> None:
+        """Move the locks rigidly with a head that moves."""
+        motion = self._shape.head_motion()
+        if motion is None or self._hair is None:
+            return
+        rotation, translation = motion
+        self._hair_at = self._hair.positions @ rotation.T + translation
+        rows = np.concatenate([self._hair_at, self._hair.normals @ rotation.T], axis=1)
+        self._moving_hair.write(rows.astype("f4").tobytes())
 
     def render(self, camera: Camera) -> Target:
         """Draw the mesh vertices at their last positions."""
@@ -209,7 +221,7 @@ class Geometry:
 
     def _locks(self, locks: Locks) -> dict[HeadLayer, tuple[Buffer, Buffer, Buffer]]:
         matter = np.tile((len(MESH_PARTS), 0.0), (len(locks.positions), 1))
-        moving = self._buffer(np.concatenate([locks.positions, locks.normals], axis=1))
+        moving = self._moving_hair
         still = self._buffer(np.concatenate([locks.places, matter], axis=1))
         return {
             "hair": (moving, still, self._buffer(locks.triangles, "i4")),

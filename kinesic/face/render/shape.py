@@ -9,14 +9,12 @@ from kinesic.body.arrays import Floats
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.body import DressedPerson
-from kinesic.face.assets.chart import compute_vertex_chart
-from kinesic.face.assets.hair import SCALP_RAMP
-from kinesic.face.assets.mesh import MESH_PARTS, Mesh
+from kinesic.face.assets.hair import measure_painted_hair
+from kinesic.face.assets.mesh import Mesh
+from kinesic.face.assets.rig import FRAME_INDICES
 from kinesic.face.assets.skinning import Blending, Skin
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.head_pose import keep_shoulders_still
-
-PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp at SCALP_RAMP
 
 
 class MovingMesh(Protocol):
@@ -27,22 +25,25 @@ class MovingMesh(Protocol):
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
         """Return (v, 6) mesh positions [m] and normals for action units."""
 
+    def head_motion(self) -> tuple[Floats, Floats] | None:
+        """Return rotation and translation of the head from the bind pose, or None if it is fixed."""
+
 
 class HeadShape:
     """Head that turns with `Camera.turn` on still shoulders."""
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        self._hair = (
-            PAINTED_HAIR_HEIGHT
-            * np.clip(compute_vertex_chart(mesh)[:, 3] / SCALP_RAMP, 0.0, 1.0)
-            * (mesh.parts == MESH_PARTS.index("skin"))
-        )
+        self._hair = measure_painted_hair(mesh)
 
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
         """Return (v, 6) positions [m] and normals of the turned head."""
         positions = keep_shoulders_still(self.mesh.positions, deform(self.mesh, units), camera.turn)
         return _add_normals(self.mesh, positions, self.mesh.eyes, self._hair)
+
+    def head_motion(self) -> tuple[Floats, Floats] | None:
+        """Return None, as the camera turns around the head."""
+        return None
 
 
 class FigureShape:
@@ -58,12 +59,17 @@ class FigureShape:
         """
         self.mesh, self.angles = figure.mesh, skeleton.rest
         self._skin = Skin(figure, skeleton, blending=blending)
-        self._hair = figure.hair
+        self._hair = measure_painted_hair(figure.mesh)
 
     def vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
         """Return (v, 6) positions [m] and normals of the posed figure."""
         positions = self._skin.move_skin(deform(self.mesh, units), self.angles)
         return _add_normals(self.mesh, positions, self._skin.move_with_head(self.mesh.eyes, self.angles), self._hair)
+
+    def head_motion(self) -> tuple[Floats, Floats] | None:
+        """Return rotation and translation [m] of the head from the bind pose."""
+        turns, translations = self._skin.compute_frame_motions(self.angles)
+        return turns[FRAME_INDICES["skullbase"]], translations[FRAME_INDICES["skullbase"]]
 
 
 def _add_normals(mesh: Mesh, positions: Floats, eyes: Floats, hair: Floats) -> Floats:

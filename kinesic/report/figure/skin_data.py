@@ -15,7 +15,7 @@ from kinesic.face.assets.mesh import MESH_PARTS, MeshPart
 from kinesic.face.assets.paint import COMPLEXIONS, SKIN_RESOLUTION, paint_skin
 from kinesic.face.assets.rig import FRAME_INDICES, SKINNING_FRAMES, SkinningFrame
 from kinesic.face.assets.skinning import TWIST_SUFFIX, Skin
-from kinesic.report.gltf.skin import HAIRLINE_RANGE, PLAIN_COLOURS, screen_colours
+from kinesic.report.gltf.skin import HAIRLINE_RANGE, PLAIN_COLOURS, screen_colours, shade_locks
 from kinesic.report.report import Json
 
 VERTEX_KINDS: dict[MeshPart, int] = {"cloth": 1, "eyes": 2}  # shader codes by mesh part; other parts have 0
@@ -101,8 +101,20 @@ def _packed() -> tuple[str, str]:
         rows["kind"][mesh.vertices(part)] = kind
     rows["mark"] = np.rint(np.iinfo(np.int16).max * _marks(figure).clip(-1.0, 1.0))
     rows["joints"], rows["weights"] = _influences(figure)
-    triangles = mesh.triangles.astype("<u2")
-    return b64encode(rows.tobytes()).decode(), b64encode(triangles.tobytes()).decode()
+    triangles = np.concatenate([mesh.triangles, len(rows) + figure.locks.triangles]).astype("<u2")
+    whole = np.concatenate([rows, _pack_locks(figure)])
+    return b64encode(whole.tobytes()).decode(), b64encode(triangles.tobytes()).decode()
+
+
+def _pack_locks(figure: DressedPerson) -> NDArray[np.void]:
+    """Return the vertices of the locks of hair, which follow the head."""
+    locks = figure.locks
+    rows = np.zeros(len(locks.positions), dtype=VERTEX_TYPE)
+    rows["place"][:, :3] = np.rint(locks.positions / POSITION_STEP)
+    rows["normal"] = np.rint(127 * locks.normals)
+    rows["colour"][:, :3] = np.rint(255 * screen_colours(shade_locks(locks)))
+    rows["joints"][:, 0], rows["weights"][:, 0] = FRAME_INDICES["skullbase"], 255
+    return rows
 
 
 def _colours(figure: DressedPerson) -> Floats:

@@ -14,6 +14,7 @@ from kinesic.body.robot import Robot
 from kinesic.face.assets.action_units import compute_gaze_rotation, compute_shape_weights, read_intensities
 from kinesic.face.assets.body import DressedPerson, load_figure
 from kinesic.face.assets.chart import compute_chart_window, compute_vertex_chart, unroll_mesh
+from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import MESH_PARTS
 from kinesic.face.assets.paint import COMPLEXIONS, EYE_HALF_WIDTH, paint_iris, paint_skin
 from kinesic.face.assets.rig import FRAME_INDICES
@@ -23,9 +24,11 @@ from kinesic.files.gltf import GltfFile
 Rows = NDArray[np.intp]
 
 PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # RGB
+MIN_NORMAL_CHANGE = 0.004  # smaller changes of a normal by a blend shape are left out
 HEM_HALF_WIDTH = 0.04  # [m] width of the clothes' texture on each side of a border
 PART_ROUGHNESS = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}  # glTF roughness (0 glossy, 1 matt) of each surface
 PAINTING_SIZE = 512  # [pixels] width and height of the skin texture
+LOCK_SHADES = (0.6, 1.25)  # brightness of a lock at its root and beyond a third of its length
 HAIRLINE_RANGE = (-0.06, 0.12)  # start and end of the transition from skin to hair, in chart units
 
 
@@ -79,7 +82,9 @@ def add_skin(file: GltfFile, nodes: Sequence[int], robot: Robot) -> AddedSkin:
     face = file.add("meshes", name="face", primitives=surface.face(), weights=[0.0] * len(figure.mesh.shapes))
     file.entry("meshes", face)["extras"] = {"targetNames": list(figure.mesh.shapes)}
     body = file.add("meshes", name="hands and clothes", primitives=surface.body())
-    shown = [file.add("nodes", name=name, mesh=mesh, skin=moved) for name, mesh in (("face", face), ("body", body))]
+    hair = file.add("meshes", name="hair", primitives=[surface.hair()])
+    meshes = (("face", face), ("body", body), ("hair", hair))
+    shown = [file.add("nodes", name=name, mesh=mesh, skin=moved) for name, mesh in meshes]
     for node in shown:
         file.show(node)
     return AddedSkin(shown[0], skin_of, figure, partial, eyes, robot)
@@ -134,6 +139,7 @@ class _Surface:
         self._normals = mesh.normals(mesh.positions)
         self._points = mesh.positions + self._normals * figure.hair[:, None]
         self._deltas = figure.mesh.deltas.tocsc()
+        self._turned: dict[int, Floats] = {}  # shape -> changes of the normals
         strongest = np.asarray(figure.weights.argmax(axis=1)).ravel()
         arms = [place for name, place in FRAME_INDICES.items() if name[:2] in ("l_", "r_") and "clavicular" not in name]
         skinned = mesh.parts == MESH_PARTS.index("skin")
@@ -156,6 +162,24 @@ class _Surface:
             of_part = triangles[mesh.parts[first] == MESH_PARTS.index(part)]
             primitives.append(self._primitive(everyone, of_part, self._material(part, colour), morphs=True))
         return primitives
+
+    def hair(self) -> dict[str, object]:
+        """Build the locks of hair, which follow the head."""
+        locks, file = self._figure.locks, self._file
+        count = len(locks.positions)
+        joints, weights = np.zeros((2, count, 4))
+        joints[:, 0], weights[:, 0] = list(FRAME_INDICES).index("skullbase"), 1.0
+        return {
+            "attributes": {
+                "POSITION": file.numbers(locks.positions, target="vertices", bounds=True),
+                "NORMAL": file.numbers(locks.normals, target="vertices"),
+                "COLOR_0": file.numbers(shade_locks(locks), target="vertices"),
+                "JOINTS_0": file.numbers(joints, "u1", "vertices"),
+                "WEIGHTS_0": file.weights(weights),
+            },
+            "indices": file.numbers(locks.triangles.ravel(), "u4", "indices"),
+            "material": self._material("hair", double_sided=True),
+        }
 
     def body(self) -> list[dict[str, object]]:
         """Build the hands and clothes."""
@@ -216,16 +240,28 @@ class _Surface:
         indices = file.numbers(placed.ravel(), "u4", "indices")
         primitive: dict[str, object] = {"attributes": attributes, "indices": indices, "material": material}
         if morphs:
-            primitive["targets"] = [
-                {"POSITION": self._morph(vertex_rows, shape)} for shape in range(self._deltas.shape[1])
-            ]
+            primitive["targets"] = [self._morph(vertex_rows, shape) for shape in range(self._deltas.shape[1])]
         return primitive
 
-    def _morph(self, vertex_rows: Rows, shape: int) -> int:
-        """Write a blend shape's displacements and return the accessor index."""
-        moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)[vertex_rows]
-        places = np.flatnonzero(np.abs(moves).max(axis=1) > 0.0)
-        return self._file.sparse(len(vertex_rows), places, moves[places])
+    def _morph(self, vertex_rows: Rows, shape: int) -> dict[str, int]:
+        """Write a blend shape's displacements and turned normals and return the accessor indices."""
+        moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)
+        turned = self._turn_normals(shape)
+        return {
+            name: self._file.sparse(len(vertex_rows), places, rows[vertex_rows][places])
+            for name, rows, least in (("POSITION", moves, 0.0), ("NORMAL", turned, MIN_NORMAL_CHANGE))
+            for places in [np.flatnonzero(np.abs(rows[vertex_rows]).max(axis=1) > least)]
+        }
+
+    def _turn_normals(self, shape: int) -> Floats:
+        """Return the (v, 3) changes of the normals by a blend shape; those of eyeballs stay."""
+        if shape not in self._turned:
+            mesh = self._figure.mesh
+            moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)
+            change = mesh.normals(mesh.positions + moves) - self._normals
+            change[mesh.parts == MESH_PARTS.index("eyes")] = 0.0
+            self._turned[shape] = change
+        return self._turned[shape]
 
     def _influences(self, vertex_rows: Rows) -> tuple[NDArray[np.intp], Floats]:
         """Return eight joints and weights per vertex, eyeballs included, (v, 8) each."""
@@ -238,7 +274,13 @@ class _Surface:
         return np.where(weights > 0.0, places, 0), weights
 
     def _material(
-        self, name: str, colour: tuple[float, ...] = (1.0, 1.0, 1.0), *, texture: bytes | None = None, cut: bool = False
+        self,
+        name: str,
+        colour: tuple[float, ...] = (1.0, 1.0, 1.0),
+        *,
+        texture: bytes | None = None,
+        cut: bool = False,
+        double_sided: bool = False,
     ) -> int:
         look: dict[str, object] = {
             "baseColorFactor": [*colour, 1.0],
@@ -248,8 +290,16 @@ class _Surface:
         if texture is not None:
             mime = "image/png" if texture.startswith(b"\x89PNG") else "image/jpeg"
             look["baseColorTexture"] = {"index": self._file.picture(texture, mime)}
-        mask = {"alphaMode": "MASK", "alphaCutoff": 0.5, "doubleSided": True} if cut else {}
+        mask: dict[str, object] = {"alphaMode": "MASK", "alphaCutoff": 0.5} if cut else {}
+        mask |= {"doubleSided": True} if cut or double_sided else {}
         return self._file.add("materials", name=name, pbrMetallicRoughness=look, **mask)
+
+
+def shade_locks(locks: Locks) -> Floats:
+    """Return the linear RGB colours (n, 3) of locks of hair, darker at their roots."""
+    along, bright = locks.places[:, 1], locks.places[:, 3]
+    shade = LOCK_SHADES[0] + (LOCK_SHADES[1] - LOCK_SHADES[0]) * np.clip(3.0 * along, 0.0, 1.0)
+    return np.asarray((shade * bright)[:, None] * np.asarray(COMPLEXIONS["female"].hair))
 
 
 @cache

@@ -45,7 +45,11 @@ def rows() -> np.ndarray:
 
 
 def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
-    packed = rows()
+    whole = rows()
+    packed, locks = whole[: len(FIGURE.mesh.positions)], whole[len(FIGURE.mesh.positions) :]
+    assert np.abs(locks["place"][:, :3] * POSITION_STEP - FIGURE.locks.positions).max() <= POSITION_STEP
+    assert (locks["joints"][:, 0] == FRAME_INDICES["skullbase"]).all()
+    assert (locks["weights"] == [255, 0, 0, 0, 0, 0, 0, 0]).all()
     hair = FIGURE.mesh.normals(FIGURE.mesh.positions) * FIGURE.hair[:, None]
     assert np.abs(packed["place"][:, :3] * POSITION_STEP - FIGURE.mesh.positions - hair).max() <= POSITION_STEP
     assert (packed["weights"].sum(axis=1, dtype=int) == 255).all()
@@ -62,7 +66,7 @@ def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
     near = cloth[np.abs(FIGURE.mesh.tips[cloth]) < 0.3]
     assert np.abs(packed["mark"][near, 0] / 32767 * MAX_BORDER_DISTANCE - FIGURE.mesh.tips[near]).max() < 1e-4
     triangles = np.frombuffer(b64decode(str(skin_data(HUMAN)["triangles"])), dtype="<u2").reshape(-1, 3)
-    assert np.array_equal(triangles, FIGURE.mesh.triangles)
+    assert np.array_equal(triangles, np.concatenate([FIGURE.mesh.triangles, len(packed) + FIGURE.locks.triangles]))
 
 
 def test_only_a_skin_enlarges_the_page_and_only_slightly():

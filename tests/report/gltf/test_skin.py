@@ -111,7 +111,7 @@ def test_linear_colours_become_screen_colours() -> None:
 
 def test_face_and_body_meshes_are_added_next_to_the_skeleton(scene: GltfScene) -> None:
     shown = [scene.tables["nodes"][node] for node in scene.tables["scenes"][0]["nodes"]]
-    assert [node["name"] for node in shown] == ["human", "face", "body"]
+    assert [node["name"] for node in shown] == ["human", "face", "body", "hair"]
     assert all("skin" in node for node in shown[1:])
 
 
@@ -175,6 +175,30 @@ def test_clothes_have_the_colours_of_the_figure(scene: GltfScene) -> None:
         colour = scene.material(primitive)["pbrMetallicRoughness"]["baseColorFactor"]
         np.testing.assert_allclose(MESH.plain[own[0]][:3] ** 2, colour[:3], atol=1e-6)
         assert colour[3] == 1.0
+
+
+def test_locks_of_hair_follow_the_head(scene: GltfScene) -> None:
+    (primitive,) = scene.primitives("hair", "hair")
+    np.testing.assert_allclose(scene.attribute(primitive, "POSITION"), FIGURE.locks.positions, atol=1e-6)
+    joints, weights = (scene.attribute(primitive, name) for name in ("JOINTS_0", "WEIGHTS_0"))
+    assert (joints[:, 0] == FRAME_INDICES["skullbase"]).all()
+    assert (weights == [255, 0, 0, 0]).all()
+    assert scene.material(primitive)["doubleSided"]
+    colours = scene.attribute(primitive, "COLOR_0")
+    roots = FIGURE.locks.places[:, 1] == 0.0
+    assert colours[roots].mean() < 0.7 * colours[~roots].mean()
+
+
+def test_blend_shapes_turn_the_normals_of_the_skin(scene: GltfScene) -> None:
+    (primitive,) = scene.primitives("face", "skin")
+    own, shape = vertices_of(scene, primitive, "skin"), MESH.shapes.index("jawOpen")
+    moves = MESH.deltas[:, [shape]].toarray().reshape(-1, 3)
+    turned = scene.attribute(primitive, "NORMAL") + scene.values(primitive["targets"][shape]["NORMAL"])
+    expected = MESH.normals(MESH.positions + moves)[own]
+    np.testing.assert_allclose(turned, expected, atol=0.005)
+    assert np.abs(expected - MESH.normals(MESH.positions)[own]).max() > 0.3
+    (eyes,) = scene.primitives("face", "eyes")
+    assert all(not scene.values(target["NORMAL"]).any() for target in eyes["targets"])
 
 
 def test_hair_begins_at_the_hairline(scene: GltfScene) -> None:
