@@ -10,23 +10,31 @@ from kinesic.bench.metric import Metric
 from kinesic.bench.naturalness import plots
 from kinesic.bench.naturalness.bars import MEDIAN_GOALS, METRIC_PREFIX, bar_metrics
 from kinesic.bench.naturalness.body import body_metrics
+from kinesic.bench.naturalness.captured import METRIC_PREFIX as CAPTURED_PREFIX
 from kinesic.bench.naturalness.captured import captured_metrics, measure_clips
 from kinesic.bench.naturalness.legibility import legibility_metrics, shoulder_metric
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, group_by_style, measure_lexicon, measure_varied
 from kinesic.bench.naturalness.rows import EFFORT_ROWS, row_metrics
 from kinesic.bench.naturalness.story import story_metrics
 from kinesic.bench.naturalness.synchrony import synchrony_metrics
+from kinesic.bench.naturalness.whole_body.clips import UnreadClip, read_clips
+from kinesic.bench.naturalness.whole_body.comparison import compare_body, compare_sets
+from kinesic.bench.naturalness.whole_body.features import measure_set, measure_sets
+from kinesic.bench.naturalness.whole_body.lexicon import list_gestures, perform_gestures
+from kinesic.bench.naturalness.whole_body.motion import BodyMotion
+from kinesic.bench.naturalness.whole_body.stored import read_captured_sets
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.legibility_table import legibility_table
 
 VARIATION_SEEDS = (1, 2)  # random seeds of varied gestures that must remain legible
+COMPARED_ROBOTS = ("human", "upper22", "upper36")  # bodies that are compared with people as a whole
 CAPTURE_FOLDER = "capture"  # corpus folder of captured gestures
 
 
 def bench() -> list[Metric]:
     """Measure the lexicon's gestures in every style, and captured gestures."""
-    return [*bench_styles(names_of("style")), *_corpus_metrics()]
+    return [*bench_styles(names_of("style")), *people_metrics(COMPARED_ROBOTS), *_corpus_metrics()]
 
 
 def bench_styles(styles: Sequence[str]) -> list[Metric]:
@@ -44,7 +52,14 @@ def bench_clips(folder: Path) -> list[Metric]:
     Raises:
         ConfigError: the folder does not exist.
     """
-    return captured_metrics(measure_clips(folder))
+    clips = list(read_clips(folder))
+    bodies = measure_sets(clip for clip in clips if isinstance(clip, BodyMotion))
+    unread = [f"{clip.name}: {clip.why}" for clip in clips if isinstance(clip, UnreadClip)]
+    return [
+        *captured_metrics(measure_clips(folder)),
+        Metric(f"{CAPTURED_PREFIX}.unread_bodies", float(len(unread)), "clips", None, "lower", "; ".join(unread[:3])),
+        *compare_sets(bodies, read_captured_sets()),
+    ]
 
 
 def draw(styles: Sequence[str], folder: Path) -> list[Path]:
@@ -101,6 +116,18 @@ def varied_metrics() -> list[Metric]:
     """Measure whether gestures remain legible with their default variation."""
     groups = (_legibility(f"{METRIC_PREFIX}.varied.{seed}", group) for seed, group in varied().items())
     return [metric for metrics in groups for metric in metrics]
+
+
+def people_metrics(robots: Sequence[str]) -> list[Metric]:
+    """Compare the whole body in all gestures with captured sets, robot by robot.
+
+    Gestures have the default amounts of idle motion and variation.
+    """
+    metrics: list[Metric] = []
+    for robot in robots:
+        ours = measure_set(robot, perform_gestures(robot, list_gestures()))
+        metrics += compare_body(ours, read_captured_sets())
+    return metrics
 
 
 def category_metrics(gestures: Sequence[MeasuredGesture]) -> list[Metric]:

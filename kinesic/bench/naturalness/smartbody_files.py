@@ -104,14 +104,27 @@ def read_motion(path: Path) -> CapturedMotion:
     return CapturedMotion(times, columns, sealed(rows), syncs)
 
 
+@dataclass(frozen=True, eq=False)
+class JointFrames:
+    """Positions and rotations of all joints in every captured frame, y up."""
+
+    positions: Mapping[str, Floats]  # (m, 3) in the unit of the skeleton
+    rotations: Mapping[str, Floats]  # (m, 3, 3) from joint axes to the world
+
+
 def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:
-    """Return joint positions (m, 3) [m] in every captured frame, y up.
+    """Return joint positions (m, 3) [m] in every captured frame, y up."""
+    return joint_frames(skeleton, motion).positions
+
+
+def joint_frames(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> JointFrames:
+    """Return positions and rotations of joints in every captured frame, y up.
 
     A joint rotates by its own rotation and then by the motion's; its child lies at an offset in the rotated axes.
     """
     zeros = np.zeros((len(motion.frames), 3))
     positions: dict[str, Floats] = {}
-    rotations: dict[str | None, Rotation] = {None: Rotation.identity()}
+    rotations: dict[str | None, Rotation] = {None: Rotation.from_rotvec(zeros)}
     for joint in skeleton:
         offset = zeros + joint.offset
         for axis, kind in enumerate(("XPos", "YPos", "ZPos")):
@@ -123,7 +136,8 @@ def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -
         base = positions[joint.parent] if joint.parent else zeros
         positions[joint.name] = sealed(base + rotations[joint.parent].apply(offset))
         rotations[joint.name] = rotations[joint.parent] * _make_rotation(joint.turn) * _make_rotation(vectors)
-    return positions
+    matrices = {name: sealed(rotation.as_matrix()) for name, rotation in rotations.items() if name}
+    return JointFrames(positions, matrices)
 
 
 def _make_rotation(vectors: Floats) -> Rotation:

@@ -26,10 +26,11 @@ def few_gestures(known):
 
 @pytest.fixture(autouse=True)
 def short_benchmark(few_gestures, monkeypatch):
-    """Skip the varied lexicon, and stories that other tests plan."""
+    """Skip the varied lexicon, other bodies, and stories that other tests plan."""
     monkeypatch.setattr(naturalness, "varied", lambda: {7: few_gestures[:2]})
     monkeypatch.setattr(synchrony, "STORY_STYLES", {})
     monkeypatch.setattr(story, "STORY_STYLES", story.STORY_STYLES[:1])
+    monkeypatch.setattr(naturalness, "COMPARED_ROBOTS", ())
 
 
 @pytest.fixture
@@ -48,6 +49,7 @@ def test_folder_of_clips_is_measured_instead_of_the_lexicon(folder, capsys):
     run("naturalness", "--capture", folder, "--json")
     metrics = {metric["name"]: metric for metric in json.loads(capsys.readouterr().out)}
     assert metrics["naturalness.captured.clips"]["value"] == 1
+    assert "known names of chest, head" in metrics["naturalness.captured.unread_bodies"]["why"]
     assert metrics["naturalness.captured.duration"]["value"] == pytest.approx(89 / 30, abs=1e-5)
     assert all(name.startswith("naturalness.captured.") for name in metrics)
 

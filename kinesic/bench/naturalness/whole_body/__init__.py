@@ -1,0 +1,1 @@
+"""Comparison of whole-body motion with people: measures, postures and classifiers."""

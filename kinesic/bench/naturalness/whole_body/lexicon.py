@@ -1,0 +1,64 @@
+"""Whole-body motion of the lexicon's gestures, with all default options of a performance."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
+from kinesic.bench.naturalness.measures import PROFILE_RATE
+from kinesic.bench.naturalness.whole_body.motion import BodyMotion, make_motion
+from kinesic.expressivity.idle import Idling
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.variation import Variation
+from kinesic.planning.setup import Setup
+from kinesic.session.setup import set_up
+from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
+from kinesic.tasks.engine import current_engine
+from kinesic.tasks.processes import WorkerCrash
+
+STROKE_TIME = 8.0  # [s] requested stroke time, late enough for the slowest natural preparation
+SEED_STEP = 1  # added to the random seed for every gesture, so that rests vary as between performances
+
+GestureTask = tuple[str, int]  # gesture id and seed
+
+
+def list_gestures() -> list[GestureTask]:
+    """List all gestures of the lexicon, each with a seed of its own."""
+    return [(form.id, SEED_STEP * k) for k, form in enumerate(Lexicon.load().forms)]
+
+
+def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:
+    """Plan gestures alone on a robot; dropped ones are left out.
+
+    Raises:
+        RuntimeError: a worker process crashed.
+    """
+    motions = []
+    for (gesture, _), motion in current_engine().run(tasks, partial(_prepare, robot, style), preload=__name__):
+        if isinstance(motion, WorkerCrash):
+            raise RuntimeError(f"{gesture} on {robot}: {motion.reason}")
+        if motion is not None:
+            motions.append(motion)
+    return sorted(motions, key=lambda motion: motion.name)
+
+
+def _prepare(robot: str, style: str) -> Callable[[GestureTask], BodyMotion | None]:
+    setup = set_up(robot, style=style, idle=1.0, variation=1.0)
+    return lambda task: _perform(setup, *task)
+
+
+def _perform(setup: Setup, gesture: str, seed: int) -> BodyMotion | None:
+    form = next(form for form in setup.lexicon.forms if form.id == gesture)
+    seeded = replace(setup, idling=Idling(setup.idling.amount, seed), variation=Variation(setup.variation.amount, seed))
+    planned = plan_gesture(form, seeded, stroke=STROKE_TIME)
+    if planned.keyframes.outcomes[BEHAVIOUR_ID].kind == "dropped":
+        return None
+    syncs = {
+        sync.sync: planned.trajectory.zero + sync.planned for sync in planned.syncs if sync.behaviour == BEHAVIOUR_ID
+    }
+    begin = syncs["start"]
+    times = begin + np.arange(0.0, syncs["end"] - begin + 1e-9, 1.0 / PROFILE_RATE)
+    syncs = {name: time - begin for name, time in syncs.items()}
+    return make_motion(setup.robot, planned.trajectory.sample(times)[0], syncs, gesture, form.category)

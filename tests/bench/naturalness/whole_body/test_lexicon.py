@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from kinesic.bench.naturalness.whole_body.lexicon import list_gestures, perform_gestures
+from kinesic.bench.naturalness.whole_body.measures import measure_whole_body
+from kinesic.bench.naturalness.whole_body.posture import measure_posture
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """Return the body motion of one gesture on the default robot."""
+    (motion,) = perform_gestures("upper22", [("large", 3)])
+    return motion
+
+
+def test_body_of_the_robot_moves_in_a_gesture(motion):
+    measures = measure_whole_body(motion)
+    assert measures.largest_speed > 0.5
+    assert measures.trunk > 0.5
+    assert measures.stroke_speed is not None
+    assert 0.0 < measures.flow <= 1.0
+
+
+def test_arm_of_the_robot_has_its_length_in_every_frame(motion):
+    upper = np.linalg.norm(motion.elbows - motion.shoulders, axis=-1)
+    fore = np.linalg.norm(motion.wrists - motion.elbows, axis=-1)
+    assert upper + fore == pytest.approx(np.full(upper.shape, motion.arm), rel=1e-3)
+
+
+def test_robot_looks_ahead_at_rest(motion):
+    posture = measure_posture(motion)
+    assert abs(posture.head_pitch) < 30.0
+    assert 0.7 < posture.down < 1.0
+
+
+def test_every_gesture_has_a_seed_of_its_own():
+    tasks = list_gestures()
+    assert len({seed for _, seed in tasks}) == len({gesture for gesture, _ in tasks}) == len(tasks)
