@@ -166,7 +166,7 @@ def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
     if load_acts().is_direction(words, begins=_begins(state), ends=_is_over(after), is_bracketed=True):
         return _directed(words, end + 2)
     if sign == "[" and words.startswith("^"):  # a footnote
-        return Step(end + 2)
+        return Step(end + 2 + after.startswith(":"))
     return Step(1, sign)
 
 

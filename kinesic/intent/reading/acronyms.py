@@ -38,6 +38,8 @@ def read_acronym(text: str, before: str, following: str, language: Language) -> 
 
 def _is_name(text: str, before: str, following: str, language: Language) -> bool:
     """Return whether an ambiguous acronym is used as a name in its context."""
+    if text in ("AM", "PM"):
+        return before[-1:].isdigit()
     after = following.lstrip()
     is_last = not after[:1].isalpha()
     if before in ("the", "a", "an"):

@@ -6,6 +6,7 @@ from functools import lru_cache
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.intent.intents import Intent, Moment
+from kinesic.intent.reading.denials import drop_harmless_denials, mute_statements
 from kinesic.intent.reading.language import ENGLISH_TAG, Language, Rule
 from kinesic.intent.reading.matching import Finding, find_rules
 from kinesic.intent.reading.passage import SPEECH_ID, Passage
@@ -56,7 +57,12 @@ def find_intents(
     is_parsed = grammar == "spacy" and passage.language == ENGLISH_TAG
     phrase_structure = parse_grammar(passage) if is_parsed else read_grammar(passage, language)
     clauses = phrase_structure.clauses
-    meant = [_rule_intent(passage, clauses, finding) for finding in find_rules(passage, language)]
+    findings = find_rules(passage, language)
+    if passage.language != ENGLISH_TAG:
+        findings = drop_harmless_denials(findings, passage)
+    meant = [_rule_intent(passage, clauses, finding) for finding in findings]
+    if passage.language != ENGLISH_TAG:
+        meant = [mute_statements(intent, passage, language) for intent in meant]
     asked = {passage.words[intent.word].sentence for intent in meant if intent.name == "question"}
     intents = [
         *meant,

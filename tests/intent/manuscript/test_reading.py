@@ -125,6 +125,7 @@ def test_text_reading_does_not_depend_on_the_chunk_boundaries(seed: int):
         ("(others disagree) Fine.", "others disagree Fine", []),
         ("Is 2 * 3 * 4 more?", "Is 2 3 4 more", []),
         ("A fact [1].", "A fact 1", []),
+        ("A cat.[^1]\n\n[^1]: A note.", "A cat A note", []),
         ("Hi ^run(a/b/Laugh_1) you", "Hi you", ["Laugh_1"]),
         ("<laugh> So.", "So", ["laugh"]),
         ("a < b and c > d", "a b and c d", []),

@@ -15,6 +15,7 @@ from kinesic.intent.reading.words import read_text
         ("I want it NOW and I MUST have PIZZA", "I want it now and I must have pizza", "now must pizza"),
         ("The HTML page and less CO2", "The H.T.M.L page and less C O 2", ""),
         ("My TV is OK", "My TV is OK", ""),
+        ("It is 5 PM and I AM tired", "It is 5 P.M and I am tired", "am"),
     ],
 )
 def test_word_in_capitals_is_an_acronym_or_stressed(text: str, words: str, stressed: str):
