@@ -18,9 +18,11 @@ def shown(text: str, language: str, channel: str) -> set[str]:
 
 @pytest.mark.parametrize(
     ("language", "text"),
-    [("de", "Warum nicht?"), ("de", "Ich habe keine Ahnung."), ("fr", "C'est pas mal du tout."), ("fr", "Pourquoi pas ?"),
-     ("es", "De nada, no hay problema."), ("es", "No tengo ni idea."), ("it", "Non vedo l'ora di partire."),
-     ("it", "Niente male davvero!"), ("pt", "Não faço ideia."), ("nl", "Waarom niet?"), ("nl", "Geen idee waar hij is."),
+    [("de", "Warum nicht?"), ("de", "Ich habe keine Ahnung."), ("fr", "C'est pas mal du tout."),
+     ("fr", "Pourquoi pas ?"), ("es", "De nada, no hay problema."), ("es", "No tengo ni idea."),
+     ("it", "Non vedo l'ora di partire."),
+     ("it", "Niente male davvero!"), ("pt", "Não faço ideia."), ("nl", "Waarom niet?"),
+     ("nl", "Geen idee waar hij is."),
      ("ja", "すみません、おくれました。"), ("ja", "もんだいありません。")],
 )  # fmt: skip
 def test_idioms_with_negative_words_are_not_refused(language: str, text: str):
