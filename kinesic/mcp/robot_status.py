@@ -24,8 +24,8 @@ def summarise(status: RobotAnswer, warnings: Sequence[str]) -> RobotAnswer:
     }
     if waiting := [block for block in blocks if block["starts_in"]]:
         answer["next"] = [{**_playing(block), "starts_in": _rounded(block["starts_in"])} for block in waiting]
-    if status.get("waiting"):
-        answer["documents_not_planned_yet"] = status["waiting"]
+    if unplanned := cast(int, status.get("waiting", 0)) + bool(status.get("planning")):
+        answer["documents_not_planned_yet"] = unplanned
     if status.get("servos") is not None:
         answer["servos"] = status["servos"]
     if warnings:

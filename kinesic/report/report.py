@@ -30,6 +30,7 @@ Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 
 SCHEMA_VERSION = 1  # version of the report.json format
 MIN_REPORTED_MISS = 0.02  # [m] smallest reported distance of a hand from its target
+HAND_NAMES = {"l": "left", "r": "right"}  # side -> name of a hand in report.json
 NO_LAGS: Mapping[SyncTime, float | None] = MappingProxyType(  # delays of sync points without measurements
     {}
 )  # sync point delays of a performance without measurements
@@ -123,12 +124,19 @@ def _behaviours(performance: DryRun) -> list[Json]:
                 "outcome": outcome.kind,
                 "why": "; ".join(reasons),
                 "reason": behaviour.reason,
+                "hands": _hands(plan, behaviour.id),
                 "manner": _manner(behaviour, plan),
                 "body": _body(plan.keyframes.bodies.get(behaviour.id)),
                 "shapes": _shapes(plan, behaviour.id),
             }
         )
     return rows
+
+
+def _hands(plan: Plan, behaviour: str) -> list[Json]:
+    """Return the names of the hands that perform a behaviour."""
+    uses = plan.keyframes.uses.get(behaviour, frozenset())
+    return [name for side, name in HAND_NAMES.items() if f"{side}_hand" in uses]
 
 
 def _shapes(plan: Plan, behaviour: str) -> dict[str, Json] | None:

@@ -91,6 +91,11 @@ class Planner:
         """Whether the planner is warm and has no request."""
         return self.is_warm and self._current_request is None
 
+    @property
+    def is_planning(self) -> bool:
+        """Whether the planner is planning a document."""
+        return isinstance(self._current_request, DocumentRequest)
+
     def serves(self, sender: int) -> bool:
         """Return whether the planner is planning a document of this client."""
         return isinstance(self._current_request, DocumentRequest) and self._current_request.message.sender == sender

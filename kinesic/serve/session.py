@@ -156,6 +156,7 @@ class Session:
             "servos": None if self.loop.servos is None else self.loop.servos.state,
             "time": round(self.clock.now(), 3),
             "waiting": len(self._documents),
+            "planning": self.planner.is_planning,
             "planner": "warm" if self.planner.is_warm else "starting",
             "late": self.loop.late_ticks,
             "deaths": self.planner.deaths,

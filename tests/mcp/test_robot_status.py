@@ -63,6 +63,11 @@ def test_status_names_playing_and_next_blocks_with_seconds():
     }
 
 
+def test_status_counts_the_document_that_the_planner_works_on():
+    told = {"robot": "upper22", "state": "resting", "waiting": 0, "planning": True, "blocks": []}
+    assert summarise(told, [])["documents_not_planned_yet"] == 1
+
+
 def test_status_tool_answer_of_a_resting_robot_is_short():
     resting = summarise({"robot": "upper22", "state": "resting", "servos": "armed", "waiting": 0, "blocks": []}, [])
     assert json.dumps(resting) == '{"robot": "upper22", "state": "resting", "playing": [], "servos": "armed"}'

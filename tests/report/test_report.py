@@ -144,4 +144,6 @@ def test_accompanying_body_motion_is_reported_per_gesture(known: Setup) -> None:
     assert 5 <= shrug["body"]["head_deg"] <= 8
     assert shrug["body"]["face"].keys() == {"raise_brows", "lower_mouth_corners"}
     assert crossed["body"] is head["body"] is None
+    assert shrug["hands"] == crossed["hands"] == ["left", "right"]
+    assert head["hands"] == []
     assert told["whole_body"] == {"weight": 1.0, "gestures": 1, "lacking": ""}

@@ -82,6 +82,10 @@ class Planner:
     def is_free(self) -> bool:
         return self.is_warm and not self.busy
 
+    @property
+    def is_planning(self) -> bool:
+        return self.busy
+
     def start(self) -> None: ...
 
     def send(self, request: object) -> None:

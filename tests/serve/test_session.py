@@ -27,7 +27,9 @@ def test_free_planner_gets_a_document_with_the_stop_count(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.is_warm = True
         stage.loop.stop_count = 3
+        assert not stage.session.status()["planning"]
         stage.session.perform(stage.document("a"))
+        assert stage.session.status()["planning"]
         (sent,) = stage.planner.sent
         assert sent == DocumentRequest(stage.document("a"), 3)
 
