@@ -20,6 +20,7 @@ from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.face_track import compute_faces
 from kinesic.planning.plan import Plan
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
+from kinesic.report.gltf.drawn_face import add_drawn_face
 from kinesic.report.gltf.skin import add_skin
 from kinesic.report.segment_motion import segment_motions, smooth_quaternions
 from kinesic.sim.shells.shell import SegmentShell, load_shell
@@ -93,6 +94,9 @@ def write_scene(robot: Robot, motion: SceneMotion, path: Path) -> None:
     _move_skeleton(channels, nodes, robot, motion.angles)
     if robot.skin is None:
         _add_surfaces(file, nodes, robot)
+        face = add_drawn_face(file, nodes, robot, motion.units)
+        if face is not None and face.weights.size:
+            channels.add(face.node, "weights", face.weights.ravel())
     else:
         skin = add_skin(file, nodes, robot)
         for node, rotations in skin.turns(motion.angles, motion.units):

@@ -46,6 +46,7 @@ MOUTH_HALF_WIDTH = 46.0  # [pixels] distance of a relaxed mouth corner from the 
 MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
 MOUTH_DROP = 46.0  # [pixels] height of a wide open mouth
 STRIP_POINTS = 25  # points of each row of a strip
+EYE_STRIPS = 6  # shapes of one eye with lids and brow, which lie over one another
 SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # the face's right side is left in the picture
 
 

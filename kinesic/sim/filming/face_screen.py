@@ -37,12 +37,36 @@ class Sheet:
 
 
 @dataclass(frozen=True, eq=False)
+class ScreenSurface:
+    """Curved surface on which a face is shown, in the segment's frame."""
+
+    middle: Floats  # (3,) [m]
+    axes: Floats  # (3, 3) rows: to the left of the robot, up and forward
+    half: Floats  # (2,) [m] half the width and half the height
+    bend: float  # [m] radius around the vertical axis
+
+    def place(self, shares: Floats, ahead: float = 0.0) -> tuple[Floats, Floats]:
+        """Return points (n, 3) [m] and normals (n, 3) at places of the picture.
+
+        Args:
+            shares: (n, 2) fraction of the picture's width from the left and of its height from the top.
+            ahead: [m] distance of the points in front of the surface.
+        """
+        angle = (2.0 * shares[:, 0] - 1.0) * self.half[0] / self.bend
+        normals = np.stack([np.sin(angle), np.zeros_like(angle), np.cos(angle)], axis=1)
+        local = (self.bend + ahead) * normals - [0.0, 0.0, self.bend]
+        local[:, 1] = (1.0 - 2.0 * shares[:, 1]) * self.half[1]
+        return self.middle + local @ self.axes, normals @ self.axes
+
+
+@dataclass(frozen=True, eq=False)
 class FaceScreen:
     """Meshes of a face screen: displayed picture and surrounding frame."""
 
     segment: str
     picture: Sheet
     frame: Sheet
+    surface: ScreenSurface
 
 
 def build_face_screen(robot: Robot) -> FaceScreen | None:
@@ -79,7 +103,9 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
     picture = _make_sheet(middle + forward * eyes.facing, axes, half, size)
     behind = middle + (forward - FRAME_SET_BACK * size) * eyes.facing
     front = _make_sheet(behind, axes, half + FRAME_RIM_WIDTH * size, size)
-    return FaceScreen(eyes.segment, picture, _add_side_walls(front, FRAME_DEPTH * size * eyes.facing, middle))
+    surface = ScreenSurface(sealed(middle + forward * eyes.facing), sealed(axes), sealed(half), SCREEN_RADIUS * size)
+    frame = _add_side_walls(front, FRAME_DEPTH * size * eyes.facing, middle)
+    return FaceScreen(eyes.segment, picture, frame, surface)
 
 
 def _measure_head_width(shell: SegmentShell | None, shapes: tuple[Capsule, ...], left: Floats) -> float:
