@@ -1,5 +1,7 @@
 """The model is exact to first order, wherever a gap lies; programs of it lead to times that suffice."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -59,6 +61,7 @@ def test_one_time_warp_step_reduces_the_deficit():
 def test_repeated_time_warp_steps_reach_feasible_key_times_at_low_cost():
     times = stretch_until_enough(PROBLEM, KEYS.requested_times, LIMITS, measure)
     assert measure(times)[0][1].amount <= -TIME_RESERVE / 4
+    assert shift_cost(KEYS, times) < 0.7
     late = KEYS.requested_times + 0.3 * np.maximum(KEYS.requested_times - 0.52, 0.0)
     begun_late = stretch_until_enough(PROBLEM, late, LIMITS, measure)
     assert shift_cost(KEYS, times) == pytest.approx(shift_cost(KEYS, begun_late), rel=0.25, abs=0.05)
@@ -72,6 +75,31 @@ def test_time_stretching_keeps_feasible_key_times():
 def test_stretching_an_unmeasurable_segment_returns_none():
     unknown = [(segment, None) for segment, _ in measure(KEYS.requested_times)]
     assert stretch_until_enough(PROBLEM, KEYS.requested_times, LIMITS, lambda times: unknown) is None
+
+
+def steps_of_search(deficits):
+    """Return the largest relative stretch of the key times of each step; `deficits` gets times and their number."""
+    tried = []
+    stretch_until_enough(
+        PROBLEM, KEYS.requested_times, LIMITS, lambda times: deficits(tried.append(times) or times, len(tried))
+    )
+    return [float(np.abs(np.diff(times) / np.diff(KEYS.requested_times) - 1.0).max()) for times in tried[1:]]
+
+
+def test_search_without_success_ends_after_ten_ever_smaller_steps():
+    lacks = measure(KEYS.requested_times)
+    steps = steps_of_search(lambda times, number: lacks)
+    assert len(steps) == 10
+    assert steps[0] > 0.3
+    assert all(after < before / 3 for before, after in pairwise(steps[:5]))
+
+
+def test_step_after_an_unmeasurable_one_is_smaller():
+    def deficits(times, number):
+        return [(segment, None if number == 2 else deficit) for segment, deficit in measure(times)]
+
+    first, second, *_ = steps_of_search(deficits)
+    assert second < first / 3
 
 
 @pytest.mark.parametrize("radius", [0.02, 0.1])
