@@ -10,8 +10,17 @@ Name = tuple[str, str, str]  # module, lines as they are, lines as they become
 
 
 def read_targets() -> dict[str, dict[str, list[str]]]:
-    """Return the modules of each part, with the tests that must notice their mutants."""
-    return {part: modules for room in _rooms("targets") for part, modules in room.items()}
+    """Return the modules of each part, with the tests that must notice their mutants.
+
+    Raises:
+        ValueError: two files list a part of the same name, and one would hide the other.
+    """
+    parts: dict[str, dict[str, list[str]]] = {}
+    for room in _rooms("targets"):
+        if twice := parts.keys() & room.keys():
+            raise ValueError(f"two files of targets/ list the part {', '.join(sorted(twice))}; rename one")
+        parts |= room
+    return parts
 
 
 def read_equivalent() -> dict[Name, str]:

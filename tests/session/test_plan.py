@@ -28,7 +28,11 @@ def test_document_is_a_path_or_its_text(known, tmp_path):
         planned = plan_document(document, known)
         assert planned.timeline.block.source == source
         assert [behaviour.id for behaviour in planned.timeline.block.behaviours] == ["nod"]
-    assert plan_document(file, known, source="mine").timeline.block.source == "mine"
+    text = tmp_path / "hello.txt"
+    text.write_text("Hello.", encoding="utf-8")
+    assert plan_document(text, known).timeline.block.source == str(text)
+    for document in (file, text):
+        assert plan_document(document, known, source="mine").timeline.block.source == "mine"
 
 
 def test_missing_document_names_the_remedy(known, tmp_path):
