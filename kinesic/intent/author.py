@@ -180,7 +180,9 @@ def merge_directed(
         since: time of the first word [s].
     """
     ordered = sorted([*chosen, *directed], key=lambda each: (each.intent.stroke.seconds, each.channel))
-    return tuple(hurry_first_gesture(each, since) if each.intent.word >= 0 else each for each in ordered)
+    first = next((each for each in ordered if each.channel == "gesture"), None)
+    is_on_word = first is not None and first.intent.word >= 0
+    return tuple(hurry_first_gesture(each, since) if is_on_word and each is first else each for each in ordered)
 
 
 def reachable(intent: Intent, since: float = 0.0) -> Intent:

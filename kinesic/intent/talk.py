@@ -73,8 +73,17 @@ class Part:
 
     @property
     def text(self) -> str:
-        """Text of the phrases to speak."""
+        """Spoken words of the phrases."""
         return " ".join(self.passage.words[k].text for k in self.words)
+
+    @property
+    def written(self) -> str:
+        """Text of the phrases with punctuation."""
+        words, stop = self.passage.words, self.words.stop
+        spoken = "".join(f"{words[k].before}{words[k].text}" for k in self.words)
+        opening = len(words[self.words.start].before.rpartition(" ")[0])  # ends the phrase before
+        after = words[stop].before if stop < len(words) else self.passage.tail
+        return " ".join(f"{spoken[opening:]}{after.partition(' ')[0]}".split())
 
     def write(self, block: str, start: str = "") -> str:
         """Write the phrases and their behaviours as BML.

@@ -6,6 +6,7 @@ from kinesic.report.checks.check import SEVERITY_RANKS
 from kinesic.report.report import Json
 
 STATUS_ORDER: list[str] = list(SEVERITY_RANKS)  # statuses of checks, the most severe first
+NEUTRAL_STYLE = "neutral"  # style that the verdict does not mention
 MAX_NAMED_DROPS = 3  # dropped behaviours listed by name in the verdict
 
 
@@ -26,9 +27,16 @@ def verdict(data: Mapping[str, Json]) -> str:
     )
     notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
     beyond = ", ".join([*(_beyond(row) for row in sorted(reported, key=gravity_of)), *_dropped(data)])
-    what = f"{data['input']} on {data['robot']}, {duration} s"
+    what = f"{data['input']} on {data['robot']}{_style_note(data)}, {duration} s"
     overall_grade = "fail" if any(row["status"] == "fail" for row in bad) else "poor" if bad else "ok"
     return f"{overall_grade}: {what}, {beyond or 'nothing fails'}{'; ' if notes else ''}{notes}"
+
+
+def _style_note(data: Mapping[str, Json]) -> str:
+    """Return the name of the style after a comma, unless it is neutral."""
+    style = data.get("style")
+    name = str(style.get("name", NEUTRAL_STYLE)) if isinstance(style, Mapping) else NEUTRAL_STYLE
+    return "" if name == NEUTRAL_STYLE else f", {name}"
 
 
 def _dropped(data: Mapping[str, Json]) -> list[str]:

@@ -1,8 +1,9 @@
 """Loop, planner and waiting documents of a server."""
 
-from asyncio import AbstractEventLoop, Event, Task, create_task, get_running_loop, shield, sleep
+from asyncio import AbstractEventLoop, Event, Task, create_task, get_running_loop, shield, sleep, timeout
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from typing import Literal
@@ -31,6 +32,7 @@ from kinesic.serve.tracks import NO_ACCOMPANIMENT, Effects, SoundAndFace
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 
+START_POLL_PERIOD = 0.1  # [s] between two checks of the loop thread while the planner starts
 SETTLE_POLL_PERIOD = 0.02  # [s] between two checks whether the robot is at rest
 RENEWAL_PERIOD = 1.0  # [s] minimum time between two lexicon reloads
 
@@ -83,12 +85,18 @@ class Session:
         """Start the loop and wait until the planner is warm.
 
         Raises:
+            BusError: the servos stopped meanwhile.
             RuntimeError: the planner does not start.
         """
         self.planner.start()
         self.loop.start()
-        await self._warm.wait()
-        if self.planner.has_failed:
+        while not self._warm.is_set() and self.loop.is_alive():
+            with suppress(TimeoutError):
+                async with timeout(START_POLL_PERIOD):
+                    await self._warm.wait()
+        if self.loop.error is not None:
+            raise self.loop.error
+        if self.planner.has_failed or not self._warm.is_set():
             raise RuntimeError("the planner does not start")
         self.loop.late_ticks = 0  # delays of the start do not count
 

@@ -146,7 +146,7 @@ class Talks:
         bml = part.write(block, start)
         if speech.style:
             bml = bml.replace(f'id="{block}"', f'id="{block}" kinesic:style="{speech.style}"', 1)
-        return Phrase(sender, block, bml, part.text, part.replaced, before, part.warnings, speech.waiting)
+        return Phrase(sender, block, bml, part.written, part.replaced, before, part.warnings, speech.waiting)
 
 
 def _next_part(speech: StreamedText, scene: Scene, now: float) -> Part | None:

@@ -15,6 +15,7 @@ from kinesic.intent.author import (
     MIN_WAVE_DELAY,
     author,
     hurry_first_gesture,
+    merge_directed,
     plan_behaviours,
 )
 from kinesic.intent.behaviour_sets import builtin_sets
@@ -150,6 +151,16 @@ def test_first_gesture_starts_just_before_the_first_word(lexicon):
     assert denial.intent.stroke.seconds >= MIN_STROKE_DELAY - 0.01
     late = replace(gesture, begin="", intent=replace(gesture.intent, stroke=Moment("s:w9", EARLY_STROKE_TIME + 1.0)))
     assert hurry_first_gesture(late) == late
+
+
+def test_only_the_first_of_two_early_gestures_starts_before_the_speech(lexicon):
+    first, second = (
+        replace(each, begin="")
+        for each in chosen("No, I did not say that. There were three boxes.", lexicon)
+        if each.channel == "gesture"
+    )
+    assert second.intent.stroke.seconds < EARLY_STROKE_TIME
+    assert [bool(each.begin) for each in merge_directed((second, first), ())] == [True, False]
 
 
 def test_equally_certain_gestures_are_spread_over_the_text(lexicon):

@@ -96,6 +96,7 @@ def test_streamed_phrase_keeps_its_punctuation_and_emphasis():
     spoken = [re.search(r"<text>(.*)</text>", part.write("b"), re.DOTALL)[1] for part in parts]
     plain = [re.sub(r"<[^>]*>", "", each) for each in spoken]
     assert plain == ["No, I did,", 'really, see "that" house.', "Ha"]
+    assert [part.written for part in parts] == plain
     assert '<emphasis level="strong">really</emphasis>' in spoken[1]
 
 

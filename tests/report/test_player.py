@@ -136,6 +136,16 @@ def look(page: Page, name: str, condition: str) -> None:
     page.call("Runtime.evaluate", expression=f"window.{name} = new Promise({watch}), 0")
 
 
+def test_space_key_plays_the_replay_without_a_click_on_it(plain: Page):
+    is_playing = "document.querySelector('#stage').classList.contains('playing')"
+    assert plain.value("document.activeElement === document.body")
+    with plain.undrawn():
+        for key_ends in (is_playing, f"!{is_playing}"):
+            for kind in ("keyDown", "keyUp"):
+                plain.call("Input.dispatchKeyEvent", type=kind, key=" ", code="Space", text=" " * (kind == "keyDown"))
+            plain.until(key_ends)
+
+
 def test_page_without_recordings_has_no_face_and_no_voice(plain: Page):
     assert plain.value("document.querySelector('[data-part=face]').hidden")
     assert plain.value("document.querySelector('audio') === null")

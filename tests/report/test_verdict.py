@@ -39,6 +39,11 @@ def test_verdict_names_three_of_many_dropped_behaviours(data: dict[str, Json]) -
     assert "1 of 10 dropped: x0" in verdict(data | {"checks": [], "behaviours": few})
 
 
+def test_verdict_names_every_style_but_the_neutral_one(data: dict[str, Json]) -> None:
+    assert re.search(r"on upper22, [\d.]+ s", verdict(data | {"style": {"name": "neutral"}}))
+    assert re.search(r"on upper22, joyful, [\d.]+ s", verdict(data | {"style": {"name": "joyful"}}))
+
+
 OFFER = '<gesture id="g" lexeme="offer" mode="BOTH_HANDS" stroke="1.0" end="2"/>'
 NODS = '<head id="h" lexeme="NOD" amount="1" repetition="6" start="0.5" end="1.2"/>'
 UNKNOWN = '<gesture id="x" lexeme="xyzzy" stroke="1"/>'

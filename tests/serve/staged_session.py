@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.realizer.request import Message
 from kinesic.serve import session as session_module
 from kinesic.serve.feedback_queue import PendingBlock
@@ -37,6 +38,7 @@ class Loop:
         self.alive, self.held, self.is_idling, self.rests, self.shutdowns, self.joined = True, False, False, True, 0, 0
         self.servos: SimpleNamespace | None = None
         self.unfinished_client = -1
+        self.error: BusError | None = None
 
     def start(self) -> None: ...
 

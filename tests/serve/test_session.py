@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.serve.messages import DocumentRequest, Interruption, Renewal, Restyling, Resumption
 from kinesic.serve.session import RENEWAL_PERIOD
 
@@ -201,6 +202,17 @@ def test_planner_start_failure_raises_and_ends_the_loop(on_stage: Callable):
         with pytest.raises(RuntimeError, match="the planner does not start"):
             await starting
         assert stage.loop.shutdowns == 1
+
+    on_stage(act)
+
+
+def test_servos_that_stop_while_the_planner_starts_end_the_start(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        starting = asyncio.create_task(stage.session.start())
+        await settle()
+        stage.loop.alive, stage.loop.error = False, BusError("the servos were stopped")
+        with pytest.raises(BusError, match="the servos were stopped"):
+            await starting
 
     on_stage(act)
 

@@ -54,7 +54,7 @@ def test_streamed_text_has_the_style_of_its_words(scene: Scene):
 def test_streamed_words_may_be_utf_8_bytes(scene: Scene):
     talks = Talks()
     talks.take(Words("Voil\u00e0 all. ".encode(), 1, ends=True), 0.0)
-    assert texts(talks, scene, 0.0) == [(1, "Voil\u00e0 all")]
+    assert texts(talks, scene, 0.0) == [(1, "Voil\u00e0 all.")]
 
 
 def test_no_phrase_is_planned_before_words_are_received(scene: Scene):

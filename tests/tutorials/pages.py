@@ -89,7 +89,7 @@ class Desk:
 
     def at_own_port(self, text: str) -> str:
         """Replace the server's default port, so that several servers run on one machine."""
-        text = re.sub(r"kinesic serve\b", f"kinesic serve --listen 127.0.0.1:{self._port}", text)
+        text = re.sub(r"kinesic (serve|studio)\b", rf"kinesic \1 --listen 127.0.0.1:{self._port}", text)
         return text.replace("Client()", f"Client(port={self._port})").replace(str(DEFAULT_PORT), str(self._port))
 
 

@@ -180,6 +180,8 @@ async def _serve(
 
     def end() -> None:
         detach_closed_terminal()
+        if not end_requested.is_set() and any(isinstance(each.sink, RealServos) for each in sinks):
+            click.echo("folding to rest, then the torque is switched off", err=True)
         end_requested.set()
 
     async with AsyncExitStack() as closing:

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import click
 import numpy as np
+from rich.console import Group
 from rich.live import Live
 from rich.table import Table
+from rich.text import Text
 
 from kinesic.body.calibration import Calibration, calibration_path, read_calibration
 from kinesic.body.config import ConfigError
@@ -38,6 +40,7 @@ from kinesic.hardware.tools.calibration import (
     measure_hinges,
 )
 
+PROMPT_LINES = 6  # lines of the terminal that the prompt and the heading take
 POLL_PERIOD = 0.05  # [s] between two snapshots of the servos
 FIRST_ANSWER_TIMEOUT = 2.0  # [s] time limit for the first answer of every servo
 ZERO_POSTURE_PROMPT = (
@@ -136,14 +139,17 @@ def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
 def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
     """Record hinge travel until Enter, a time limit or full coverage."""
     manifest = axes.manifest
-    click.echo(f"{TURN_HINGES_PROMPT} Enter ends.")
-    with Live(console=console(), refresh_per_second=8) as live:
+    output = console()
+    if not output.is_terminal:
+        click.echo(f"{TURN_HINGES_PROMPT} Enter ends.")
+    with Live(console=output, refresh_per_second=8) as live:
         for snapshot in _poll_servos(axes, seconds):
             travel = travel.with_positions(count_ticks(snapshot), manifest)
             hinges = measure_hinges(travel, manifest, robot)
-            live.update(_tabulate(hinges, robot))
+            live.update(show_progress(hinges, robot, height=output.height))
             if ENTER_KEYS & set(keys()) or all(hinge.is_whole for hinge in hinges):
                 break
+        live.update(_tabulate(hinges, robot))
     if not sys.stdout.isatty():
         click.echo()  # Live does not end its last line in a file.
     return travel
@@ -164,6 +170,30 @@ def _poll_servos(axes: Axes, seconds: float) -> Iterator[Snapshot]:
         snapshot = axes.cycle(None)
         yield snapshot
         axes.sleep(snapshot.time + POLL_PERIOD)
+
+
+def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height: int) -> Group:
+    """Return the table above its prompt, shortened on a low terminal."""
+    finished_count = sum(hinge.is_whole for hinge in hinges)
+    whole = f" {finished_count} of {len(hinges)} hinges are whole." if finished_count else ""
+    prompt = Text(f"{TURN_HINGES_PROMPT} Enter ends.{whole}", style="bold")
+    is_low = len(hinges) + PROMPT_LINES > height
+    return Group(
+        _tabulate_pending(hinges, robot, height - PROMPT_LINES) if is_low else _tabulate(hinges, robot), prompt
+    )
+
+
+def _tabulate_pending(hinges: tuple[HingeCalibration, ...], robot: Robot, count: int) -> Table:
+    """Return at most `count` rows of hinges that still have to be turned."""
+    titles = ("hinge", "first turn it so that", "moved/range deg")
+    table = Table(*titles, box=None, header_style="bold", padding=(0, 1, 0, 0), pad_edge=False)
+    pending = [(joint, mark) for joint, mark in enumerate(hinges) if not mark.is_whole]
+    for joint, mark in pending[: max(count, 1)]:
+        moved = f"{mark.lowest:.0f}..{mark.highest:.0f}/{mark.lower:.0f}..{mark.upper:.0f}"
+        table.add_row(
+            *(Text(text, no_wrap=True) for text in (mark.hinge, describe_positive_direction(robot, joint), moved))
+        )
+    return table
 
 
 def _tabulate(hinges: tuple[HingeCalibration, ...], robot: Robot) -> Table:

@@ -96,8 +96,8 @@ def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     if feasible.stroke_count < option.stroke_count:
         available = stroke.times["strokeEnd"] - stroke.times["stroke"]
         remarks.append(
-            f"its stroke is done {_count_words(feasible.stroke_count)}, not {option.stroke_count}: "
-            f"{available:.2f} s follow the first"
+            f"its stroke is done {_count_words(feasible.stroke_count)}, not {_count_words(option.stroke_count)}: "
+            f"only {available:.2f} s remain after the first one"
         )
     moments = stroke_key_times(feasible, stroke.times, pace)
     slowed, slowed_row = _slow_paths(feasible, moments, pace)
@@ -293,4 +293,4 @@ def _keys_apart(moments: Sequence[float], stroke: int) -> list[int]:
 
 
 def _count_words(times: int) -> str:
-    return "once" if times == 1 else f"{times} times"
+    return "once" if times == 1 else "twice" if times == 2 else f"{times} times"

@@ -213,8 +213,8 @@ def describe_positive_direction(robot: Robot, joint: int) -> str:
     if np.linalg.norm(moved) > MIN_MOTION_RATIO * np.linalg.norm(lever):
         return f"{hinge.segment} goes {_word(moved)}"
     if abs(axis @ FORWARD_AXIS) > MIN_MOTION_RATIO:
-        return f"the top of {hinge.segment} turns {_word(np.cross(axis, UP_AXIS))}"
-    return f"the front of {hinge.segment} turns {_word(np.cross(axis, FORWARD_AXIS))}"
+        return f"top of {hinge.segment} turns {_word(np.cross(axis, UP_AXIS))}"
+    return f"front of {hinge.segment} turns {_word(np.cross(axis, FORWARD_AXIS))}"
 
 
 def _tip(robot: Robot, name: str) -> Floats:

@@ -174,12 +174,11 @@
   ghostChoice.addEventListener("change", redraw);
   speedChoice.addEventListener("change", speak);
   if (voice) part("heard").addEventListener("change", (event) => (voice.muted = !event.target.checked));
-  stage.addEventListener("keydown", (event) => {
-    if (event.target.matches("select, button, input") && event.key === " " && event.target !== slider) return;
-    if (event.key === " ") {
-      event.preventDefault();
-      play(!playing);
-    }
+  document.addEventListener("keydown", (event) => {
+    const isControl = event.target.matches("select, button, input, textarea, summary") && event.target !== slider;
+    if (event.key !== " " || isControl) return;
+    event.preventDefault();
+    play(!playing);
   });
   const marks = part("marks");
   for (const mark of data.marks) {

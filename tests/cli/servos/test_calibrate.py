@@ -3,15 +3,19 @@
 import tomllib
 from collections.abc import Callable
 from contextlib import nullcontext
+from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from kinesic.body.robot import Robot
 from kinesic.cli.servos import calibrate
 from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.tools.calibration import Travel, measure_hinges
 
 HINGES = {hinge.name: np.degrees([hinge.lower, hinge.upper]) for hinge in Robot.load().skeleton.hinges}
 
@@ -156,6 +160,23 @@ def test_enter_ends_an_interactive_calibration(kinesic, table, mine, times, monk
     assert len(times) == 1 + 4
     assert f"{calibrate.ZERO_POSTURE_PROMPT}\nThen press Enter" in ended.out
     assert f"{calibrate.TURN_HINGES_PROMPT} Enter ends." in ended.out
+
+
+@pytest.mark.parametrize("height", [24, 12, 60])
+def test_progress_fits_the_terminal_with_prompt_and_whole_names(height: int):
+    robot = Robot.load()
+    manifest = Manifest.of(robot)
+    hinges = measure_hinges(Travel.begin(np.full(len(manifest.members), 2048)), manifest, robot)
+    terminal = Console(width=80 if height < 60 else 140, height=height, file=StringIO(), force_terminal=False)
+    terminal.print(calibrate.show_progress(hinges, robot, height=height))
+    lines = terminal.file.getvalue().splitlines()
+    assert len(lines) <= height
+    assert "Enter ends." in " ".join(line.strip() for line in lines[-3:])
+    assert not any("\u2026" in line for line in lines)
+    named = [hinge.hinge for hinge in hinges if any(line.strip().startswith(hinge.hinge) for line in lines)]
+    assert (
+        len(named) == len(hinges) if height == 60 else len(named) == min(height - calibrate.PROMPT_LINES, len(hinges))
+    )
 
 
 def test_calibrate_with_yes_does_not_ask_for_the_zero_posture(kinesic, table, mine):
