@@ -80,7 +80,9 @@ def test_calibrate_writes_zeros_directions_and_ranges_measured_by_hand(kinesic, 
     assert ended.out.splitlines()[-1] == f"calibration: {path}"
     assert "l_elbow_flexion moves only 0..110 deg" in ended.out
     written = tomllib.loads(path.read_text(encoding="utf-8"))
-    assert written["zero_ticks"]["l_elbow_flexion"] == 2332
+    skeleton = Robot.load().skeleton
+    rest = float(np.degrees(skeleton.rest[skeleton.joint("l_elbow_flexion")]))
+    assert written["zero_ticks"]["l_elbow_flexion"] == pytest.approx(2048 + rest * 4096 / 360, abs=1)
     assert [hinge for hinge, inverted in written["inverted"].items() if inverted] == ["vl5_roll"]
     assert written["range_deg"] == {"l_elbow_flexion": [0, 110]}
     assert np.degrees(Robot.load(mine).skeleton.upper[Robot.load().skeleton.joint("l_elbow_flexion")]) == 110
