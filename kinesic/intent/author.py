@@ -17,6 +17,7 @@ from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.accents import find_accents
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS
+from kinesic.intent.pacing.tempo import liveliness_of
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import SPEECH_ID, Passage
 from kinesic.intent.reading.words import read_text
@@ -138,7 +139,8 @@ def plan_behaviours(
     passage = read_text(spoken, rules)
     directed = find_directed(passage, lexicon)
     asked = tuple(map(reach_directed, directed.behaviours))
-    intents = add_accents(read_meanings(passage, rules, lexicon, grammar=grammar), passage)
+    meanings = read_meanings(passage, rules, lexicon, grammar=grammar, liveliness=liveliness_of(style))
+    intents = add_accents(meanings, passage)
     if style.name != PLAIN_STYLE:
         intents = tuple(replace(intent, style="") for intent in intents)
     budget = budget_of(passage.starts[-1], style)

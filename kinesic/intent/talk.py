@@ -20,6 +20,7 @@ from kinesic.intent.manuscript.reading import read_more
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory
 from kinesic.intent.pacing.progress import NO_PROGRESS, Progress
+from kinesic.intent.pacing.tempo import liveliness_of
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage, word_duration
 from kinesic.intent.reading.prosody import reopen
@@ -158,13 +159,11 @@ def next_part(
         talk.parts == 0,
         talk.is_over and words.stop == len(passage.words) and len(talk.text) < LETTERS_PER_WINDOW,
     )
-    intents = [
-        _clip_intent(intent, passage, words)
-        for intent in add_accents(
-            read_meanings(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends), passage
-        )
-        if intent.stroke.seconds < passage.starts[words.stop]
-    ]
+    meanings = read_meanings(
+        passage, language, lexicon, grammar=grammar, begins=begins, ends=ends, liveliness=liveliness_of(style)
+    )
+    accented, end = add_accents(meanings, passage), passage.starts[words.stop]
+    intents = [_clip_intent(intent, passage, words) for intent in accented if intent.stroke.seconds < end]
     if style.name != PLAIN_STYLE:
         intents = [replace(intent, style="") for intent in intents]
     directed = find_directed(passage, lexicon, words, is_last=ends)

@@ -42,6 +42,7 @@ def read_meanings(
     grammar: GrammarName = "rules",
     begins: bool = True,
     ends: bool = True,
+    liveliness: float = 0.0,
 ) -> tuple[Intent, ...]:
     """Return all intents of a text, with pictures chosen by their score.
 
@@ -54,6 +55,7 @@ def read_meanings(
         grammar: method that finds the phrase structure.
         begins: whether a turn begins with it.
         ends: whether a turn ends with it.
+        liveliness: 0..1 of the style; a lively speaker also draws what plain reports name.
     """
     intents = find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
     table = load_cues(language.tag)
@@ -68,7 +70,7 @@ def read_meanings(
         if each.cue.kind != "word" and each.cue.intent not in NEGATION_INTENTS
         for k in range(each.first, each.last + 1)
     }
-    pictures = _find_pictures(context, cues, idioms, harmless, lexicon)
+    pictures = _find_pictures(context, cues, idioms, harmless, lexicon, liveliness)
     tempered = (temper(context, intent, idioms, harmless) for intent in intents)
     kept = [_mute(intent, lexicon) for intent in tempered if intent is not None]
     silent = [each for each in cues if not each.cue.shows and each.cue.intent != "picture"]
@@ -86,13 +88,14 @@ def _find_pictures(
     idioms: Collection[int],
     harmless: Collection[int],
     lexicon: Lexicon,
+    liveliness: float,
 ) -> list[Picture]:
     """Return the pictures of cues, names of gestures, questions and numbers."""
     categories = _categories(lexicon)
     taken = {k for each in cues for k in range(each.first, each.last + 1)}
     names = [each for each in find_names(context, lexicon) if taken.isdisjoint(range(each.first, each.last + 1))]
     candidates = [*cues, *names, *find_structures(context, taken)]
-    pictures = choose_pictures(context, candidates, harmless, categories)
+    pictures = choose_pictures(context, candidates, harmless, categories, liveliness)
     sentences = {context.passage.words[each.candidate.stroke].sentence for each in pictures}
     persons = [
         each for each in find_persons(context, idioms) if context.passage.words[each.stroke].sentence not in sentences

@@ -7,6 +7,7 @@ from kinesic.intent.meaning.context import Context
 from kinesic.intent.meaning.cues import PICTURE_INTENT
 from kinesic.intent.meaning.matching import Candidate
 
+MIN_SECOND_LIVELINESS = 0.5  # liveliness from which a clause may have a second picture
 MIN_DISTANCE = 3  # [words] smallest distance of two pictures
 
 
@@ -65,7 +66,13 @@ class Picture:
     score: float
 
 
-def score(context: Context, candidate: Candidate, idioms: Collection[int], categories: Mapping[str, str]) -> float:
+def score(
+    context: Context,
+    candidate: Candidate,
+    idioms: Collection[int],
+    categories: Mapping[str, str],
+    liveliness: float = 0.0,
+) -> float:
     """Return the score of a candidate gesture, 0..1.
 
     Args:
@@ -73,6 +80,7 @@ def score(context: Context, candidate: Candidate, idioms: Collection[int], categ
         candidate: words with gestures.
         idioms: words of idioms that deny nothing.
         categories: of all gestures.
+        liveliness: 0..1 of the style.
     """
     cue, at = candidate.cue, candidate.first
     is_literal = cue.kind in ("word", "feeling")
@@ -92,7 +100,8 @@ def score(context: Context, candidate: Candidate, idioms: Collection[int], categ
         value -= PENALTIES.asked_word * context.is_question(at)
         value -= PENALTIES.wished_word * context.is_wished(at)
     if cue.kind == "word" and not is_sensitive and not context.is_talk(at):
-        value -= PENALTIES.plain_word * any(categories.get(shown, "") in REPORT_CATEGORIES for shown in cue.shows)
+        is_picture = any(categories.get(shown, "") in REPORT_CATEGORIES for shown in cue.shows)
+        value -= PENALTIES.plain_word * (1.0 - liveliness) * is_picture
     if is_sensitive and cue.kind != "question":
         value -= PENALTIES.reported * (is_literal and context.is_reported(at))
         value -= PENALTIES.plain_emblem * (not context.is_talk(at))
@@ -106,11 +115,15 @@ def score(context: Context, candidate: Candidate, idioms: Collection[int], categ
 
 
 def choose_pictures(
-    context: Context, candidates: Iterable[Candidate], idioms: Collection[int], categories: Mapping[str, str]
+    context: Context,
+    candidates: Iterable[Candidate],
+    idioms: Collection[int],
+    categories: Mapping[str, str],
+    liveliness: float = 0.0,
 ) -> list[Picture]:
     """Return the candidate gestures that are shown, at most one in a clause."""
     scored = [
-        Picture(candidate, score(context, candidate, idioms, categories))
+        Picture(candidate, score(context, candidate, idioms, categories, liveliness))
         for candidate in candidates
         if candidate.cue.shows
     ]
@@ -121,7 +134,8 @@ def choose_pictures(
     kept, clauses, near = list[Picture](), set[int](), set[int]()
     for picture in ranked:
         stroke = picture.candidate.stroke
-        if context.clauses[stroke] not in clauses and stroke not in near:
+        is_free = context.clauses[stroke] not in clauses or liveliness >= MIN_SECOND_LIVELINESS
+        if is_free and stroke not in near:
             kept.append(picture)
             clauses.add(context.clauses[stroke])
             near.update(range(stroke - MIN_DISTANCE + 1, stroke + MIN_DISTANCE))

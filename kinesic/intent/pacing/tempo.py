@@ -58,10 +58,19 @@ def beat_manner_of(style: Style) -> Mapping[str, float]:
     return {name: 0.0 for name in ("spatial", "repetition") if getattr(gesture, name) > 0.0}
 
 
+def liveliness_of(style: Style) -> float:
+    """Return how much livelier than neutral a style is, 0..1."""
+    return float(np.clip(_level_of(style) / LIVELINESS_LEVELS[-1], 0.0, 1.0))
+
+
+def _level_of(style: Style) -> float:
+    gesture = style.gesture
+    return (gesture.activation + gesture.spatial + gesture.power) / 3.0
+
+
 def tempo_of(style: Style) -> Tempo:
     """Return the tempo of a style, between people's 5th and 95th percentile."""
-    gesture = style.gesture
-    level = (gesture.activation + gesture.spatial + gesture.power) / 3.0
+    level = _level_of(style)
 
     def at_level(values: tuple[float, float, float]) -> float:
         return float(np.interp(level, LIVELINESS_LEVELS, values))

@@ -103,3 +103,30 @@ def test_beats_of_a_lively_style_are_not_enlarged_or_repeated_by_it() -> None:
             assert each.manner == {"spatial": 0.0, "repetition": 0.0}
         else:
             assert not each.manner
+
+
+@pytest.mark.parametrize(
+    ("text", "gesture"),
+    [("The waiter opened the door.", "open_door"), ("The village had a long wall.", "wall")],
+)
+def test_lively_style_draws_words_of_plain_reports(text: str, gesture: str) -> None:
+    shown = {
+        name: {each.lexeme for each in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours}
+        for name in ("neutral", "joyful")
+    }
+    assert gesture in shown["joyful"]
+    assert gesture not in shown["neutral"]
+
+
+def test_lively_clause_may_have_two_pictures() -> None:
+    text = "We walked slowly across the square into a tiny shop behind the old church of the village."
+    pictures = {
+        name: {
+            each.lexeme
+            for each in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours
+            if each.channel == "gesture" and not is_beat(each.lexeme)
+        }
+        for name in ("neutral", "joyful")
+    }
+    assert len(pictures["neutral"]) == 1
+    assert len(pictures["joyful"]) > 1
