@@ -43,7 +43,8 @@ def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture:
     "text",
     ["That question really threw me.", "My head was swimming.", "I had chicken wings for lunch.",
      "You're on fire today!", "They fell out over money.", "I like it this way, but that way we save an hour.",
-     "She was up all night.", "I blew it.", "He drives a hard bargain.", "Go right ahead and ask."],
+     "She was up all night.", "Give me a break!", "They pulled the plug on it.",
+     "I blew it.", "He drives a hard bargain.", "Go right ahead and ask."],
 )  # fmt: skip
 def test_figurative_words_draw_no_picture(text: str):
     assert is_beat(shown(text))
@@ -69,6 +70,9 @@ def test_emblem_within_a_question_about_facts_is_not_shown():
 def test_feeling_of_somebody_else_is_not_shown():
     assert "rub_hands" in shown("I can't wait to meet you.")
     assert "rub_hands" not in shown("My sister can't wait to meet you.")
+    assert "rub_hands" not in shown("I can't wait any longer.")
+    assert "thanks" not in shown("I owe you an apology.")
+    assert "embarrassed" not in shown("Shame on you!", "face")
     assert "joy" not in shown("My sister is so happy about it.", "face")
     assert "joy" in shown("I'm so happy about it.", "face")
 
