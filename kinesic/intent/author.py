@@ -23,7 +23,7 @@ from kinesic.intent.reading.passage import SPEECH_ID, Passage
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import write_block
 
-EARLY_STROKE_TIME = 2.5  # [s] time after the first word; gestures with earlier strokes start before the speech
+EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
 GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word, limited to keep the speech prompt
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
 MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the end of a wave

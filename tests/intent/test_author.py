@@ -149,6 +149,8 @@ def test_first_gesture_starts_just_before_the_first_word(lexicon):
     assert gesture.intent.stroke.seconds == pytest.approx(MIN_WAVE_DELAY)
     denial = next(each for each in chosen("No, I did not say it!", lexicon) if each.channel == "gesture")
     assert denial.intent.stroke.seconds >= MIN_STROKE_DELAY - 0.01
+    later = chosen("No, I did not say that. There were three boxes.", lexicon)
+    assert not next(each for each in later if each.lexeme == "count_three").begin  # it would show the number too soon
     late = replace(gesture, begin="", intent=replace(gesture.intent, stroke=Moment("s:w9", EARLY_STROKE_TIME + 1.0)))
     assert hurry_first_gesture(late) == late
 
