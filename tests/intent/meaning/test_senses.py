@@ -32,6 +32,7 @@ def is_beat(lexemes: set[str]) -> bool:
         ("The moon was shining overhead.", "Our overhead costs are huge.", "up"),
         ("Sorry, I was miles away.", "The shop is ten miles away.", "dream_off"),
         ("We ran down the hill.", "Tears ran down my face.", "run"),
+        ("Then I stretched it out.", "Then I stretched out my hand.", "pull_thread"),
     ],
 )
 def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture: str):
