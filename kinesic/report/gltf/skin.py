@@ -168,17 +168,19 @@ class _Surface:
         locks, file = self._figure.locks, self._file
         count = len(locks.positions)
         joints, weights = np.zeros((2, count, 4))
+        colours = shade_locks(locks)
+        brightest = colours.max(axis=0)  # a viewer that ignores colours of vertices shows this
         joints[:, 0], weights[:, 0] = list(FRAME_INDICES).index("skullbase"), 1.0
         return {
             "attributes": {
                 "POSITION": file.numbers(locks.positions, target="vertices", bounds=True),
                 "NORMAL": file.numbers(locks.normals, target="vertices"),
-                "COLOR_0": file.numbers(shade_locks(locks), target="vertices"),
+                "COLOR_0": file.numbers(colours / brightest, target="vertices"),
                 "JOINTS_0": file.numbers(joints, "u1", "vertices"),
                 "WEIGHTS_0": file.weights(weights),
             },
             "indices": file.numbers(locks.triangles.ravel(), "u4", "indices"),
-            "material": self._material("hair", double_sided=True),
+            "material": self._material("hair", tuple(brightest.tolist()), double_sided=True),
         }
 
     def body(self) -> list[dict[str, object]]:
