@@ -1,7 +1,7 @@
 """Metrics that compare whole-body motion with captured sets."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
 
@@ -155,6 +155,13 @@ def compare_sets(captured: Sequence[MeasuredSet], known: Sequence[MeasuredSet]) 
             metrics.append(Metric(f"{part}.{name}", value, summary.unit, None, summary.better, tag))
         others = [other for other in known if other.name != measured.name]
         tuned, unseen = split_sets(others)
+        both = merge_sets("tuned", tuned), merge_sets("unseen", unseen)
+        metrics += [
+            replace(_distance(part, name, measured, people), goal=None)
+            for people in both
+            for name in COMPARED_MEASURES
+            if measured.values(name).size and people.values(name).size
+        ]
         if tuned and unseen and len(set(measured.performances)) > 1 and len(set(measured.rests)) > 1:
             metrics += separation_metrics(part, measured, tuned, unseen, None, None)
     several = [measured for measured in captured if len(set(measured.performances)) > 1]

@@ -78,7 +78,9 @@ def test_captured_sets_are_compared_with_each_other(captured):
     assert metrics["PNGestures.gestures"].why == "unseen"
     assert metrics["Gestures.gestures"].why == "tuned on"
     assert metrics["Gestures.auc_from.MaleGestures"].value < 0.8
-    assert metrics["Gestures.motion_auc_unseen"].goal is None
+    assert metrics["Gestures.motion_auc_unseen"].goal is metrics["Gestures.ks_unseen_trunk"].goal is None
+    assert metrics["Gestures.ks_unseen_trunk"].value == pytest.approx(1 / 12)
+    assert "PNGestures.ks_unseen_trunk" not in metrics
     assert [[measured.name for measured in part] for part in split_sets(captured)] == [
         ["Gestures", "MaleGestures"],
         ["PNGestures"],
