@@ -29,7 +29,7 @@ SUFFIXES = {"": "logistic regression", "_neighbours": "nearest neighbours"}
 HEAD = """## How the whole body moves
 
 `docs/make/whole_body.py` writes this section. `kinesic bench naturalness` plans every gesture alone, in the neutral
-style with the default amounts of idle motion and variation, each with a seed of its own. Captured clips are measured
+style with the default amounts of idle motion and variation, in performances with 24 seeds. Captured clips are measured
 in the same way: from the start to a third of a second after `relax`, at 30 Hz, smoothed. Lengths are in arm lengths.
 
 Captured clips are of two kinds. Constants of kinesic were fitted on the **tuned** sets: Gestures and Gestures2 (one

@@ -1,7 +1,6 @@
 """Whole-body motion of the lexicon's gestures, with all default options of a performance."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,24 +8,21 @@ import numpy as np
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
 from kinesic.bench.naturalness.measures import PROFILE_RATE
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion, make_motion
-from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.variation import Variation
-from kinesic.planning.setup import Setup
 from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 from kinesic.tasks.engine import current_engine
 from kinesic.tasks.processes import WorkerCrash
 
 STROKE_TIME = 8.0  # [s] requested stroke time, late enough for the slowest natural preparation
-SEED_STEP = 1  # added to the random seed for every gesture, so that rests vary as between performances
+PERFORMANCE_COUNT = 24  # random seeds, each of which is one performance of several gestures
 
 GestureTask = tuple[str, int]  # gesture id and seed
 
 
 def list_gestures() -> list[GestureTask]:
-    """List all gestures of the lexicon, each with a seed of its own."""
-    return [(form.id, SEED_STEP * k) for k, form in enumerate(Lexicon.load().forms)]
+    """List all gestures of the lexicon, distributed over several seeds."""
+    return [(form.id, k % PERFORMANCE_COUNT) for k, form in enumerate(Lexicon.load().forms)]
 
 
 def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:
@@ -45,14 +41,14 @@ def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUT
 
 
 def _prepare(robot: str, style: str) -> Callable[[GestureTask], BodyMotion | None]:
-    setup = set_up(robot, style=style, idle=1.0, variation=1.0)
-    return lambda task: _perform(setup, *task)
+    return lambda task: _perform(robot, style, *task)
 
 
-def _perform(setup: Setup, gesture: str, seed: int) -> BodyMotion | None:
+def _perform(robot: str, style: str, gesture: str, seed: int) -> BodyMotion | None:
+    """Plan one gesture; the seed also varies the rest posture, so that each one needs its own setup."""
+    setup = set_up(robot, style=style, idle=1.0, variation=1.0, seed=seed)
     form = next(form for form in setup.lexicon.forms if form.id == gesture)
-    seeded = replace(setup, idling=Idling(setup.idling.amount, seed), variation=Variation(setup.variation.amount, seed))
-    planned = plan_gesture(form, seeded, stroke=STROKE_TIME)
+    planned = plan_gesture(form, setup, stroke=STROKE_TIME)
     if planned.keyframes.outcomes[BEHAVIOUR_ID].kind == "dropped":
         return None
     syncs = {
@@ -61,4 +57,4 @@ def _perform(setup: Setup, gesture: str, seed: int) -> BodyMotion | None:
     begin = syncs["start"]
     times = begin + np.arange(0.0, syncs["end"] - begin + 1e-9, 1.0 / PROFILE_RATE)
     syncs = {name: time - begin for name, time in syncs.items()}
-    return make_motion(setup.robot, planned.trajectory.sample(times)[0], syncs, gesture, form.category)
+    return make_motion(setup.robot, planned.trajectory.sample(times)[0], syncs, gesture, f"seed {seed}")

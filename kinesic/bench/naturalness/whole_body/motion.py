@@ -63,7 +63,7 @@ def smooth_frames(values: Floats) -> Floats:
     return smoothed
 
 
-def make_motion(robot: Robot, angles: Floats, syncs: Mapping[str, float], name: str, category: str) -> BodyMotion:
+def make_motion(robot: Robot, angles: Floats, syncs: Mapping[str, float], name: str, performance: str) -> BodyMotion:
     """Make the body motion of a robot.
 
     Args:
@@ -71,7 +71,7 @@ def make_motion(robot: Robot, angles: Floats, syncs: Mapping[str, float], name: 
         angles: joint angles (m, n) [rad] at `PROFILE_RATE` from time zero.
         syncs: times of sync points [s], with `start` and `end`.
         name: name of the gesture.
-        category: gestures of one category count as one performance.
+        performance: name of the performance; gestures of one share their rest posture.
     """
     skeleton = robot.skeleton
     frames, zero = skeleton.frames(angles), skeleton.zero_frames
@@ -84,7 +84,7 @@ def make_motion(robot: Robot, angles: Floats, syncs: Mapping[str, float], name: 
     return BodyMotion(
         name=name,
         set_name=robot.name,
-        performance=category,
+        performance=performance,
         times=sealed(np.arange(len(angles)) / PROFILE_RATE),
         syncs=dict(syncs),
         arm=robot.arm_length,
