@@ -118,14 +118,18 @@ def varied_metrics() -> list[Metric]:
     return [metric for metrics in groups for metric in metrics]
 
 
-def people_metrics(robots: Sequence[str]) -> list[Metric]:
+def people_metrics(robots: Sequence[str], every: int = 1) -> list[Metric]:
     """Compare the whole body in all gestures with captured sets, robot by robot.
 
     Gestures have the default amounts of idle motion and variation.
+
+    Args:
+        robots: names of the robots.
+        every: 1 for all gestures of the lexicon, 3 for every third one.
     """
     metrics: list[Metric] = []
     for robot in robots:
-        ours = measure_set(robot, perform_gestures(robot, list_gestures()))
+        ours = measure_set(robot, perform_gestures(robot, list_gestures(every)))
         metrics += compare_body(ours, read_captured_sets())
     return metrics
 

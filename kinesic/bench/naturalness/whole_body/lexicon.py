@@ -20,9 +20,13 @@ PERFORMANCE_COUNT = 24  # random seeds, each of which is one performance of seve
 GestureTask = tuple[str, int]  # gesture id and seed
 
 
-def list_gestures() -> list[GestureTask]:
-    """List all gestures of the lexicon, distributed over several seeds."""
-    return [(form.id, k % PERFORMANCE_COUNT) for k, form in enumerate(Lexicon.load().forms)]
+def list_gestures(every: int = 1) -> list[GestureTask]:
+    """List gestures of the lexicon, distributed over several seeds.
+
+    Args:
+        every: 1 for all gestures, 3 for every third one.
+    """
+    return [(form.id, k % PERFORMANCE_COUNT) for k, form in enumerate(Lexicon.load().forms[::every])]
 
 
 def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:

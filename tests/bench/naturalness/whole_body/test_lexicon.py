@@ -36,4 +36,5 @@ def test_robot_looks_ahead_at_rest(motion):
 def test_gestures_are_distributed_over_performances():
     tasks = list_gestures()
     assert len({gesture for gesture, _ in tasks}) == len(tasks)
-    assert {seed for _, seed in tasks} == set(range(PERFORMANCE_COUNT))
+    for every in (1, 3):
+        assert {seed for _, seed in list_gestures(every)} == set(range(PERFORMANCE_COUNT))
