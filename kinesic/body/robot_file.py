@@ -97,6 +97,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         sites={name: Site(site.body, sealed(site.at), sealed(site.facing)) for name, site in file.sites.items()},
         exclusions=tuple(Exclusion(frozenset(entry.pair), entry.why) for entry in file.collision.exclude),
         min_clearance=file.collision.clearance,
+        contact_distance=file.collision.contact,
         targets={name: sealed(position) for name, position in file.targets.items()},
         skin=file.robot.skin,
         supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),

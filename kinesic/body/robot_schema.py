@@ -122,6 +122,7 @@ class CollisionTable(Strict):
 
     clearance: float  # [m] smallest distance between bodies
     exclude: list[ExclusionTable] = []  # pairs without collision checks
+    contact: float = 0.015  # [m] distance of a hand from what it touches; at least clearance + 0.004
 
 
 class SupplyTable(Strict):

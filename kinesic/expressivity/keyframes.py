@@ -8,7 +8,7 @@ from kinesic.bml.block import Notice, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import PartName, Side
-from kinesic.expressivity.lexicon.hand_shapes import Finger
+from kinesic.expressivity.lexicon.hand_shapes import Surface
 from kinesic.motion.keys import KeyPassage
 
 Touch = Literal[
@@ -92,7 +92,7 @@ class Hand:
     passing: bool = False  # whether the key is on a path, where the elbow keeps its swivel
     lift: float = 0.0  # [rad] elevation of the shoulder, for any hand position
     shape: str | None = None  # name of a hand shape; None: relaxed
-    tip: Finger | None = None  # touching fingertip; None: palm or finger, the nearer one
+    tip: Surface | None = None  # touching surface; None: palm or finger, the nearer one
 
 
 @dataclass(frozen=True, eq=False)

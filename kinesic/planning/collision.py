@@ -5,15 +5,16 @@ The nearest posture is found by repeated least-squares steps with linear constra
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
-from kinesic.body.robot import OTHER_SIDE, SIDES, FingerTip, Robot, Side
-from kinesic.body.skeleton import Frames
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, Touch
+from kinesic.planning.contact import SurfaceTouch, touched_pairs
 
 MAX_STEPS = 12  # least-squares iterations per posture
 GAP_TOLERANCE = 2e-4  # [m] accepted shortfall of the required distance after the last iteration
@@ -24,7 +25,7 @@ MAX_HINGE_STEP = 0.15  # [rad] largest rotation of a hinge per iteration
 EQUIVALENT_DISPLACEMENT = 0.05  # [m] hand displacement that costs as much as 1 rad, so that elbows move first
 MIN_GAP_GRADIENT = 1e-6  # [m/rad] distance gradient below which a pair is ignored
 LENGTH_EPSILON = 1e-9  # smallest divisor, which avoids division by zero
-HOVER_DISTANCE = 0.015  # [m] distance that a touching hand keeps from the body
+HOVER_DISTANCE = 0.015  # [m] distance that a hand keeps from the body where it touches nothing
 MAX_TOUCH_DISTANCE = 0.12  # [m] a hand farther from the touched part does not approach it
 
 
@@ -32,55 +33,12 @@ MAX_TOUCH_DISTANCE = 0.12  # [m] a hand farther from the touched part does not a
 class Spacing:
     """Required and desired distances between pairs of body segments."""
 
-    least: float  # [m] required for every counted pair
+    least: float  # [m] required for every counted pair that is not in contact
     room: float | None = None  # [m] target of pairs below `least`; pairs within it come no nearer
-    touching: tuple[int, ...] = ()  # counted pairs that approach to `least`
-    tips: tuple["TipTouch", ...] = ()  # fingertips that approach to `least`
-
-
-@dataclass(frozen=True, eq=False)
-class TipTouch:
-    """Fingertip with the segment or opposite fingertip that it touches."""
-
-    robot: Robot
-    tip: FingerTip
-    other: FingerTip | int  # index of a segment, or another fingertip
-
-    @classmethod
-    def of(cls, side: Side, hand: Hand, robot: Robot) -> "TipTouch | None":
-        """Return the fingertip contact of a hand, if it has one."""
-        tip = robot.finger_tips(side).get(hand.tip or "")
-        if tip is None or hand.touch is None:
-            return None
-        part = _segment(side, hand.touch, robot)
-        other = robot.finger_tips(OTHER_SIDE[side]).get(hand.tip or "") if hand.touch == "hand" else None
-        if other is None and part is None:
-            return None
-        return cls(robot, tip, other or robot.skeleton.segment(part or ""))
-
-    def gaps(self, angles: Floats) -> Floats:
-        """Compute fingertip distances (m,) [m] to the touched part."""
-        frames = self.robot.skeleton.frames(angles)
-        here = _tip_place(frames, self.tip)
-        if isinstance(self.other, FingerTip):
-            apart = np.linalg.norm(here - _tip_place(frames, self.other), axis=1)
-            return np.asarray(apart - self.tip.radius - self.other.radius)
-        rotations, origins = frames.rotations[:, self.other], frames.origins[:, self.other]
-        rows = []
-        for capsule in self.robot.skeleton.segments[self.other].capsules:
-            start, direction = origins + rotations @ capsule.start, rotations @ (capsule.end - capsule.start)
-            fraction = np.einsum("mk,mk->m", here - start, direction) / max(
-                float(np.sum(direction[0] ** 2)), LENGTH_EPSILON
-            )
-            nearest = start + np.clip(fraction, 0.0, 1.0)[:, None] * direction
-            rows.append(np.linalg.norm(here - nearest, axis=1) - capsule.radius)
-        return np.asarray(np.min(rows, axis=0, initial=np.inf) - self.tip.radius)
-
-
-def _tip_place(frames: Frames, tip: FingerTip) -> Floats:
-    """Return the position of a fingertip in the world, (m, 3) [m]."""
-    place: Floats = frames.origins[:, tip.segment] + frames.rotations[:, tip.segment] @ tip.place
-    return place
+    contact: float = HOVER_DISTANCE  # [m] required for pairs in contact, which approach to it
+    contacting: tuple[int, ...] = ()  # counted pairs that are in contact
+    touching: tuple[int, ...] = ()  # counted pairs that approach to `contact`
+    surfaces: tuple[SurfaceTouch, ...] = ()  # surfaces of hands that approach to `contact`
 
 
 def separate(
@@ -106,22 +64,23 @@ def separate(
     least, room, touching = spacing.least, spacing.room or spacing.least, list(spacing.touching)
     initial_gaps = distances.gaps(posture[None])[0]
     required = np.where(initial_gaps < least, room, np.minimum(initial_gaps, room)) + GAP_TOLERANCE
+    required[list(spacing.contacting)] = spacing.contact + GAP_TOLERANCE
     for _ in range(MAX_STEPS):
         probes = np.repeat(posture[None, :], len(moving) + 1, axis=0)
         probes[np.arange(1, len(moving) + 1), moving] += DIFFERENCE_STEP
         gaps = distances.gaps(probes)
-        tips = np.array([touch.gaps(probes) for touch in spacing.tips]).reshape(-1, len(probes))
+        surfaces = np.concatenate([np.empty((0, len(probes))), *(touch.gaps(probes) for touch in spacing.surfaces)])
         slopes, missing = (gaps[1:] - gaps[0]).T / DIFFERENCE_STEP, required - gaps[0]
         missing[np.abs(slopes).max(axis=1, initial=0.0) < MIN_GAP_GRADIENT] = -np.inf
-        closest = max(gaps[0, touching].max(initial=0.0), tips[:, 0].max(initial=0.0))
-        if missing.max(initial=0.0) <= GAP_TOLERANCE and closest <= least + TOUCH_TOLERANCE:
+        farthest = max(gaps[0, touching].max(initial=-np.inf), surfaces[:, 0].max(initial=-np.inf))
+        if missing.max(initial=0.0) <= GAP_TOLERANCE and farthest <= spacing.contact + TOUCH_TOLERANCE:
             return posture
         is_near = missing > -CONSTRAINT_RANGE
         bounds = robot.skeleton.lower[moving] - posture[moving], posture[moving] - robot.skeleton.upper[moving]
         identity = np.eye(len(moving))
-        approach = (tips[:, 1:] - tips[:, :1]) / DIFFERENCE_STEP
+        approach = (surfaces[:, 1:] - surfaces[:, :1]) / DIFFERENCE_STEP
         rows = np.concatenate([slopes[is_near], -slopes[touching], -approach, identity, -identity])
-        nearer = np.concatenate([gaps[0, touching], tips[:, 0]]) - least - TOUCH_TOLERANCE / 2
+        nearer = np.concatenate([gaps[0, touching], surfaces[:, 0]]) - spacing.contact - TOUCH_TOLERANCE / 2
         step = _smallest(rows, np.concatenate([missing[is_near], nearer, *bounds]), _metric(probes, robot))
         if step is None:
             return None
@@ -193,16 +152,17 @@ def clear_hands(
     if not moving:
         return angles
     gaps = distances.gaps(angles[None])[0] if gaps is None else gaps
-    required = {touched_pair(side, hand.touch, robot, gaps) for side, hand in moving.items() if hand.touch is not None}
-    touching = tuple(sorted(pair for pair in required if pair is not None and gaps[pair] <= MAX_TOUCH_DISTANCE))
+    touches = {side: hand.touch for side, hand in moving.items() if hand.touch is not None}
+    nearest = {touched_pair(side, touch, robot, gaps) for side, touch in touches.items()}
+    touching = tuple(sorted(pair for pair in nearest if pair is not None and gaps[pair] <= MAX_TOUCH_DISTANCE))
     if gaps.min(initial=HOVER_DISTANCE) >= HOVER_DISTANCE and not touching:
         return angles
-    tips = {side: tip for side, hand in moving.items() if (tip := TipTouch.of(side, hand, robot)) is not None}
-    led = {touched_pair(side, moving[side].touch or "hand", robot, gaps) for side in tips}
-    meant = Spacing(
-        HOVER_DISTANCE, touching=tuple(pair for pair in touching if pair not in led), tips=tuple(tips.values())
-    )
-    attempts = [meant] * bool(tips and touching) + [Spacing(HOVER_DISTANCE, touching=touching)] * bool(touching)
+    surfaces = {side: touch for side, hand in moving.items() if (touch := SurfaceTouch.of(side, hand, robot))}
+    led = {touched_pair(side, touches[side], robot, gaps) for side in surfaces}
+    contacting = tuple(sorted({k for side, touch in touches.items() for k in touched_pairs(side, touch, robot)}))
+    contact = partial(Spacing, HOVER_DISTANCE, contact=robot.contact_distance, contacting=contacting)
+    meant = contact(touching=tuple(pair for pair in touching if pair not in led), surfaces=tuple(surfaces.values()))
+    attempts = [meant] * bool(surfaces and touching) + [contact(touching=touching)] * bool(touching)
     for spacing in [*attempts, Spacing(HOVER_DISTANCE)]:
         result = separate(angles, joints, robot, distances, spacing)
         if result is not None:
@@ -222,27 +182,4 @@ def touched_pair(side: Side, touch: Touch, robot: Robot, gaps: Floats) -> int | 
     Returns:
         Index of the nearest pair of fingers or palm; None if no such pair is counted.
     """
-    part, other = _segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
-    hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, other} if touch == "hand" else {part}
-    result = [
-        k for k, (a, b) in enumerate(robot.counted_pairs) if (a in hand and b in parts) or (b in hand and a in parts)
-    ]
-    return min(result, key=lambda k: float(gaps[k]), default=None)
-
-
-def _segment(side: Side, touch: Touch, robot: Robot) -> str | None:
-    """Return the segment of a touched body part, if any."""
-    arm, torso, neck = robot.arm(OTHER_SIDE[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
-    match touch:
-        case "hand":
-            return arm[-1]
-        case "forearm":
-            return arm[-2]
-        case "upper_arm":
-            return arm[-3]
-        case "head":
-            return neck[-1] if neck else None
-        case "chest":
-            return torso[-1] if torso else None
-        case "lap":
-            return robot.skeleton.segments[robot.skeleton.segment(torso[0])].parent if torso else None
+    return min(touched_pairs(side, touch, robot), key=lambda k: float(gaps[k]), default=None)

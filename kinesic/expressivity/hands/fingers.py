@@ -206,9 +206,14 @@ def _angles(straight: Sequence[float], apart: float, across: float, robot: Robot
         if axis.startswith("flexion"):
             drive_angles.append(zero + (1.0 - straight[FINGER_NAMES.index(finger)]) * (upper - zero))
         elif axis == "abduct" and finger == "thumb":
-            drive_angles.append(lower + across * (upper - lower))
+            drive_angles.append(_between(lower, zero, upper, across))
         elif axis == "abduct":
-            drive_angles.append(zero + (apart * (upper - zero) if apart > 0.0 else -apart * (lower - zero)))
+            drive_angles.append(_between(lower, zero, upper, apart))
         else:
             drive_angles.append(float(skeleton.rest[joint]))
     return sealed(drive_angles)
+
+
+def _between(lower: float, zero: float, upper: float, fraction: float) -> float:
+    """Return the angle at a fraction from -1, lower, over 0, zero, to 1, upper."""
+    return zero + (fraction * (upper - zero) if fraction > 0.0 else -fraction * (lower - zero))

@@ -9,7 +9,7 @@ from kinesic.body.html_view import NotebookView
 from kinesic.body.robot import SIDE_NAMES, Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
-from kinesic.expressivity.lexicon.hand_shapes import Finger, FingerMotion
+from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, Surface
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.style.effort import Tempo
 
@@ -34,7 +34,7 @@ class HandPose:
     openness: float = 0.0  # of the elbow, 0..1
     touch: Touch | None = None  # touched body part
     path: HandPath | None = None  # path from the previous key [arm lengths]; None: straight
-    tip: Finger | None = None  # touching fingertip, on hands with fingers; None: palm or finger, the nearer one
+    tip: Surface | None = None  # touching palm or, on hands with fingers, fingertip; None: the nearest part
 
     def __post_init__(self) -> None:
         """Make the arrays read-only."""

@@ -10,6 +10,7 @@ import msgspec
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 
 Finger = Literal["thumb", "index", "middle", "ring", "pinky"]
+Surface = Literal["palm", "thumb", "index", "middle", "ring", "pinky"]  # palm, or tip of a finger
 FINGER_NAMES: tuple[Finger, ...] = get_args(Finger)
 Five = tuple[float, float, float, float, float]  # thumb .. little finger
 NO_FINGERS: Five = (0.0, 0.0, 0.0, 0.0, 0.0)  # finger values of zero

@@ -125,7 +125,7 @@ def extend_position(position: Floats, spatial: float, fixed: tuple[bool, bool, b
 def widen_key(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
     """Scale a stroke key by spatial extent, within easy reach.
 
-    Two hands that would meet are moved apart, unless outward is fixed in both.
+    Two hands that would meet are moved apart, unless they touch or outward is fixed in both.
     """
     shoulder = _shoulder(robot)
     hands = {
@@ -169,8 +169,11 @@ def _limit_reach(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
 
 
 def spread_hands(key: StrokeKey) -> StrokeKey:
-    """Move both hands outward until wrists and fingertips are clear."""
-    if len(key.hands) < 2:
+    """Move both hands outward until wrists and fingertips are clear.
+
+    Hands that touch each other stay.
+    """
+    if len(key.hands) < 2 or any(pose.touch == "hand" for pose in key.hands.values()):
         return key
     left, right = (_ends(side, key.hands[side]) for side in SIDES)
     along, across, height = np.moveaxis(left[:, None] - right[None, :], -1, 0)

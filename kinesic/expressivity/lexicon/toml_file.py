@@ -15,7 +15,7 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyFormTable, body_form, overlay_table
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
-from kinesic.expressivity.lexicon.hand_shapes import Finger, FingerMotion, find_shape, finger_motions, hand_shapes
+from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, Surface, find_shape, finger_motions, hand_shapes
 from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, shape_path
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import position
@@ -66,7 +66,7 @@ class HandTable(StrictTable):
     openness: float = 0.0  # 0..1: elbow away from the body
     fixed: list[AxisName] = []  # axes that spatial extent does not scale
     touch: Touch | None = None  # touched body part
-    tip: Finger | None = None  # finger whose tip touches it
+    tip: Surface | None = None  # palm, or finger whose tip touches it
     path: PathTable | None = None  # overrides the path of the key
 
 

@@ -1,0 +1,144 @@
+"""Surfaces of a hand that meet the body or the other hand: fingertips and palms."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import OTHER_SIDE, FingerTip, Robot, Side
+from kinesic.body.skeleton import Frames
+from kinesic.expressivity.keyframes import Hand, Touch
+
+PALM_FRACTIONS = (0.75, 1.25)  # places of heel and finger roots / distance from wrist to palm
+PALM_EXCESS = 0.006  # [m] accepted additional distance of two palms
+HEEL_EXCESS_RATIO = 1.5  # further additional distance of their heels, as wrists are thicker / distance in contact
+MAX_HAND_DEPTH = 0.06  # [m] largest distance of the palm's surface from the plane of the hand
+DEPTH_STEP = 5e-4  # [m] resolution of the palm's surface
+LENGTH_EPSILON = 1e-9  # smallest divisor, which avoids division by zero
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceTouch:
+    """Balls of a hand's surface with the segments or balls that they meet."""
+
+    robot: Robot
+    meetings: tuple[tuple[FingerTip, FingerTip | int], ...]  # own ball, and other ball or index of a segment
+    excess: tuple[float, ...] = (0.0,)  # [m] accepted additional distance of each meeting
+
+    @classmethod
+    def of(cls, side: Side, hand: Hand, robot: Robot) -> "SurfaceTouch | None":
+        """Return the contact of the surface that a hand names, if it has one."""
+        if hand.touch is None or hand.tip is None:
+            return None
+        own, opposite = (find_surface(hand.tip, which, robot) for which in (side, OTHER_SIDE[side]))
+        part = touched_segment(side, hand.touch, robot)
+        if hand.touch == "hand" and opposite:
+            heel = PALM_EXCESS + HEEL_EXCESS_RATIO * robot.contact_distance
+            excess = (heel, PALM_EXCESS) if hand.tip == "palm" else (0.0,)
+            return cls(robot, tuple(zip(own, opposite, strict=True)), excess)
+        if not own or part is None:
+            return None
+        return cls(robot, ((own[len(own) // 2], robot.skeleton.segment(part)),))
+
+    def gaps(self, angles: Floats) -> Floats:
+        """Compute the distances (k, m) [m] of the balls to what they meet, less the accepted excess."""
+        frames = self.robot.skeleton.frames(angles)
+        rows = [self._gap(own, other, frames) for own, other in self.meetings]
+        return np.asarray(np.array(rows) - np.array(self.excess)[:, None])
+
+    def _gap(self, own: FingerTip, other: FingerTip | int, frames: Frames) -> Floats:
+        """Compute the distance (m,) [m] of one ball."""
+        here = _place(frames, own)
+        if isinstance(other, FingerTip):
+            apart = np.linalg.norm(here - _place(frames, other), axis=1)
+            return np.asarray(apart - own.radius - other.radius)
+        rotations, origins = frames.rotations[:, other], frames.origins[:, other]
+        rows = []
+        for capsule in self.robot.skeleton.segments[other].capsules:
+            start, direction = origins + rotations @ capsule.start, rotations @ (capsule.end - capsule.start)
+            fraction = np.einsum("mk,mk->m", here - start, direction) / max(
+                float(np.sum(direction[0] ** 2)), LENGTH_EPSILON
+            )
+            nearest = start + np.clip(fraction, 0.0, 1.0)[:, None] * direction
+            rows.append(np.linalg.norm(here - nearest, axis=1) - capsule.radius)
+        return np.asarray(np.min(rows, axis=0, initial=np.inf) - own.radius)
+
+
+def _place(frames: Frames, ball: FingerTip) -> Floats:
+    """Return the position of a ball's centre in the world, (m, 3) [m]."""
+    place: Floats = frames.origins[:, ball.segment] + frames.rotations[:, ball.segment] @ ball.place
+    return place
+
+
+def find_surface(name: str, side: Side, robot: Robot) -> tuple[FingerTip, ...]:
+    """Return the balls of a palm or fingertip; empty if the hand lacks it."""
+    if name == "palm":
+        return palm_balls(robot, side)
+    tip = robot.finger_tips(side).get(name)
+    return () if tip is None else (tip,)
+
+
+@lru_cache(maxsize=16)
+def palm_balls(robot: Robot, side: Side) -> tuple[FingerTip, ...]:
+    """Return balls in heel and finger roots that reach the palm's surface."""
+    arm = robot.arm(side)
+    palm, capsules = arm.palm, robot.skeleton.segments[arm.wrist].capsules
+    middle = palm.position - (palm.position @ palm.facing) * palm.facing
+    depths = np.arange(0.0, MAX_HAND_DEPTH, DEPTH_STEP)
+    balls = []
+    for fraction in PALM_FRACTIONS:
+        ray = fraction * middle + depths[:, None] * palm.facing
+        inside = [
+            depth
+            for capsule in capsules
+            for depth in depths[_distances(ray, capsule.start, capsule.end) <= capsule.radius]
+        ]
+        balls.append(FingerTip(arm.wrist, fraction * middle, max(inside, default=0.0)))
+    return tuple(balls)
+
+
+def _distances(points: Floats, start: Floats, end: Floats) -> Floats:
+    """Return the distances (m,) [m] of points (m, 3) from a line segment."""
+    along = end - start
+    fraction = np.clip((points - start) @ along / max(float(along @ along), LENGTH_EPSILON), 0.0, 1.0)
+    distances: Floats = np.linalg.norm(points - start - fraction[:, None] * along, axis=1)
+    return distances
+
+
+def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
+    """Return the segment of a touched body part, if any."""
+    arm, torso, neck = robot.arm(OTHER_SIDE[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
+    match touch:
+        case "hand":
+            return arm[-1]
+        case "forearm":
+            return arm[-2]
+        case "upper_arm":
+            return arm[-3]
+        case "head":
+            return neck[-1] if neck else None
+        case "chest":
+            return torso[-1] if torso else None
+        case "lap":
+            return robot.skeleton.segments[robot.skeleton.segment(torso[0])].parent if torso else None
+
+
+def touched_pairs(side: Side, touch: Touch, robot: Robot) -> Iterator[int]:
+    """Yield the counted pairs of a hand and the body part that it touches."""
+    part, other = touched_segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
+    hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, *_rigid_children(part, robot)}
+    if touch == "hand":
+        parts.add(other)
+    for k, (a, b) in enumerate(robot.counted_pairs):
+        if (a in hand and b in parts) or (b in hand and a in parts):
+            yield k
+
+
+def _rigid_children(part: str | None, robot: Robot) -> Iterator[str]:
+    """Yield the segments that are fixed to a segment without a hinge."""
+    turned = {hinge.segment for hinge in robot.skeleton.hinges} | {c.segment for c in robot.skeleton.couplings}
+    for segment in robot.skeleton.segments:
+        if segment.parent is not None and segment.parent == part and segment.name not in turned:
+            yield segment.name
