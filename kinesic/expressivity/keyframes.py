@@ -43,7 +43,8 @@ class BodyMove:
     head: Turn = Turn()  # rotation at the stroke
     nod: float = 0.0  # [rad] additional tilt down at each stroke
     shake: float = 0.0  # [rad] of the head to both sides, first to the left; below 0 first to the right
-    trunk: Turn = Turn()
+    trunk: Turn = Turn()  # rotation at the stroke
+    trunk_start: Turn | None = None  # rotation at the start of the stroke; None: without a key
     shoulders: float = 0.0  # [rad] elevation on the sides of the hands that take part
     eyes: Turn | None = None  # gaze direction in the world; None: unchanged
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)

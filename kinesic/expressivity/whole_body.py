@@ -7,7 +7,7 @@ the same time is excluded.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import copysign, radians
 
@@ -17,11 +17,13 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gaze import towards
 from kinesic.expressivity.hands.phases import NEIGHBOUR_INTERVAL
+from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke
 from kinesic.expressivity.keyframes import BodyMove, Turn
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm, LookAt
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
+from kinesic.expressivity.trunk_following import HEAD_NOD_GAIN, follow_hands, turn_head_along
 from kinesic.expressivity.turns import (
     MIN_KEY_SPACING,
     UPRIGHT_TURN,
@@ -154,11 +156,16 @@ def _body_move(work: HandStroke, span: Span, demands: BodyDemands, robot: Robot)
     place = _place(work, body)
     gaze = UPRIGHT_TURN if place is None else towards(place, robot)
     trunk_torsion = copysign(min(abs(gaze.torsion) * TRUNK_FRACTION, body.towards), gaze.torsion)
+    trunk, rest = add_turns(body.trunk, Turn(torsion=trunk_torsion)), resting_hands(robot)
+    following = [follow_hands(work.poses, key, rest, robot) for key in (0, work.poses.stroke)]
+    start, stroke = (add_turns(trunk, turn) for turn in following)
+    look = add_turns(_head_look(gaze, body), UPRIGHT_TURN if place is not None else turn_head_along(following[1]))
+    nod = body.nod * (1.0 + HEAD_NOD_GAIN if body.along > 0.0 else 1.0)
     requested = {
-        "head": clip_turn(add_turns(body.head, _head_look(gaze, body)), rotation_range(robot, "neck")),
-        "nod": clip_turn(Turn(tilt=body.nod), rotation_range(robot, "neck")),
+        "head": clip_turn(add_turns(body.head, look), rotation_range(robot, "neck")),
+        "nod": clip_turn(Turn(tilt=nod), rotation_range(robot, "neck")),
         "shake": clip_turn(Turn(torsion=body.shake), rotation_range(robot, "neck")),
-        "trunk": clip_turn(add_turns(body.trunk, Turn(torsion=trunk_torsion)), rotation_range(robot, "torso")),
+        "trunk": clip_turn(stroke, rotation_range(robot, "torso")),
     }
     used_axes = {part: demands.torso if part == "trunk" else demands.head for part in requested}
     unused = {part: _unused_axes(turn, used_axes[part], span) for part, turn in requested.items()}
@@ -170,6 +177,9 @@ def _body_move(work: HandStroke, span: Span, demands: BodyDemands, robot: Robot)
         nod=unused["nod"].tilt,
         shake=unused["shake"].torsion,
         trunk=unused["trunk"],
+        trunk_start=_unused_axes(clip_turn(start, rotation_range(robot, "torso")), demands.torso, span)
+        if body.along > 0.0 and work.poses.stroke > 0 and not work.poses.again
+        else None,
         shoulders=body.shoulders if any(robot.arm(side).shoulder_lift_joints for side in work.poses.hands) else 0.0,
         eyes=eyes if eyes_free else None,
         face=body.face if face_free else (),
@@ -220,7 +230,10 @@ def _overlap(spans: Sequence[Span], span: Span) -> bool:
 
 
 def _trunk_course(gesture: AccompaniedGesture, move: BodyMove) -> _Course:
-    return _course(gesture.work, [(gesture.work.at("stroke"), move.trunk)], gesture.torso)
+    keys = [(gesture.work.at("stroke"), move.trunk)]
+    if move.trunk_start is not None:
+        keys.insert(0, (gesture.work.at("strokeStart"), move.trunk_start))
+    return _course(gesture.work, keys, gesture.torso)
 
 
 def _head_course(gesture: AccompaniedGesture, move: BodyMove, pace: Pace) -> _Course:
@@ -280,7 +293,8 @@ def _join_courses(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
             return
         if keys:
             turn = pace.manageable_turn(chain, keys[-1].turn, turn, time - keys[-1].time, MAX_TIME_FRACTION)
-        keys.append(TurnKey(time, turn, passage_of(manner, phase)))
+        eased = replace(manner, tension=min(manner.tension, 0.0)) if chain == "torso" else manner
+        keys.append(TurnKey(time, turn, passage_of(eased, phase)))
 
     def return_upright(course: _Course) -> None:
         leave = max(course.leave, keys[-1].time)

@@ -57,7 +57,8 @@ def test_unknown_trunk_movement_is_dropped(perform, phases):
 
 
 def styled(**numbers) -> Style:
-    return Style.uniform(Expressivity(**numbers))
+    """Return a style in which only expressivity moves the trunk."""
+    return Style.uniform(Expressivity(**numbers)).changed(["whole_body=0"])
 
 
 @pytest.fixture

@@ -23,6 +23,7 @@ class BodyForm:
     shake: float = 0.0  # [rad] to both sides during the stroke, first to the left; below 0 first to the right
     trunk: Turn = UPRIGHT_TURN
     towards: float = 0.0  # [rad] largest trunk rotation towards the gaze target
+    along: float = 0.0  # weight of the trunk rotation that follows the hands, set by the style
     shoulders: float = 0.0  # [rad] elevation of the collar bones on the sides of the hands
     gaze: LookAt = "ahead"
     look: float = 0.0  # fraction of a gaze performed by the head; the eyes perform the rest
@@ -49,6 +50,7 @@ class BodyForm:
             shake=self.shake * head,
             trunk=scale_turn(self.trunk, trunk),
             towards=self.towards * trunk,
+            along=trunk,
             shoulders=self.shoulders * shoulders,
             gaze=self.gaze if head > 0.0 else "ahead",
             look=min(self.look * head, 1.0),

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from math import radians
 
 import pytest
@@ -90,7 +91,7 @@ def test_accompanying_body_motion_is_mirrored_with_the_hands():
 def test_body_motion_with_weight_zero_is_empty_and_with_one_unchanged():
     for form in Lexicon.load().forms:
         assert form.body.weighed(head=0.0, trunk=0.0, shoulders=0.0, face=0.0) == NO_BODY
-        assert form.body.weighed(head=1.0, trunk=1.0, shoulders=1.0, face=1.0) == form.body
+        assert form.body.weighed(head=1.0, trunk=1.0, shoulders=1.0, face=1.0) == replace(form.body, along=1.0)
 
 
 def test_text_of_a_body_motion_lists_angles_gaze_and_face():
