@@ -1,4 +1,4 @@
-"""Draw docs/pictures/film.png: two moments of the film of welcome.bml, and two of one without the extra `face`."""
+"""Draw docs/pictures/film.png: two moments of the film of welcome.bml, and the same with the rendered head."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,9 +15,9 @@ from kinesic.report.films import TwinFilm, draw_films, film_processes
 from kinesic.report.output import face_film
 
 DOCS = Path(__file__).resolve().parents[1]
-MOMENTS = (2.6, 9.2)  # [s]
+MOMENTS = (2.5, 9.0)  # [s]
 SIZE = (640, 360)  # [pixels] of each
-FEW = FilmSettings(rate=10.0)
+FEW = FilmSettings(rate=2.0)
 
 if __name__ == "__main__":
     performer = Performer("upper22", voice="auto")
@@ -26,11 +26,11 @@ if __name__ == "__main__":
     with TemporaryDirectory() as folder, film_processes() as processes:
         film, painted, face = (Path(folder) / f"{name}.webp" for name in ("film", "painted", "face"))
         job = replace(TwinFilm.of(run.plan, run.measured.times, run.measured.angles, FEW), after=face)
-        rendered = face_film(run.plan)
+        rendered = face_film(run.plan, FEW.rate)
         assert rendered is not None
         draw_films({film: job, face: rendered}, processes)
         assert not replace(job, after=None).draw(painted, lambda share: None)
-        for path in (film, painted):
+        for path in (painted, film):
             reader = FilmReader(path)
             shown = [Image.fromarray(reader.at(time)).resize(SIZE, Image.Resampling.LANCZOS) for time in MOMENTS]
             rows.append(np.concatenate([np.asarray(picture) for picture in shown], axis=1))

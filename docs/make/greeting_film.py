@@ -1,6 +1,5 @@
 """Film docs/pictures/greeting.webp: the built-in greeting on upper36, small enough for the README."""
 
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -10,7 +9,6 @@ from kinesic import Performer
 from kinesic.files.film_reader import FilmReader
 from kinesic.files.film_settings import FilmSettings
 from kinesic.report.films import TwinFilm, draw_films, film_processes
-from kinesic.report.output import face_film
 
 FILM_FILE = Path(__file__).resolve().parents[1] / "pictures" / "greeting.webp"
 FILM_RATE = 10.0  # [Hz]
@@ -20,12 +18,9 @@ if __name__ == "__main__":
     performer = Performer("upper36", voice="auto")
     run = performer.perform(performer.plan("welcome"))
     with TemporaryDirectory() as folder, film_processes() as processes:
-        film, face = Path(folder) / "film.webp", Path(folder) / "face.webp"
+        film = Path(folder) / "film.webp"
         settings = FilmSettings(rate=FILM_RATE)
-        rendered = face_film(run.plan)
-        assert rendered is not None
-        job = replace(TwinFilm.of(run.plan, run.measured.times, run.measured.angles, settings), after=face)
-        draw_films({film: job, face: rendered}, processes)
+        draw_films({film: TwinFilm.of(run.plan, run.measured.times, run.measured.angles, settings)}, processes)
         reader = FilmReader(film)
         times = [index / FILM_RATE for index in range(int(run.plan.duration * FILM_RATE))]
         frames = [Image.fromarray(reader.at(time)).resize(FILM_SIZE, Image.Resampling.LANCZOS) for time in times]

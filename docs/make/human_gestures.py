@@ -45,7 +45,7 @@ def draw_page(folder: Path) -> Image.Image:
     """Draw the replay of her welcome at its first stroke."""
     performer = Performer("human", voice="auto")
     run = performer.perform(performer.plan(CONFIGS / "bml" / "welcome.bml", source="welcome.bml"))
-    page, shot = run.report(folder / "report").page, folder / "page.png"
+    page, shot = run.report(folder / "report", film=False).page, folder / "page.png"
     browser = next(filter(None, map(shutil.which, BROWSERS)))
     size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
     subprocess.run([browser, *DRAWN, size, f"--timeout={SETTLED}", f"--screenshot={shot}", page.as_uri()], check=True)

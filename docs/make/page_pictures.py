@@ -31,7 +31,7 @@ if __name__ == "__main__":
             write_still(performer.robot, run.at(stroke).angles, still)
         row = np.concatenate([np.asarray(Image.open(still)) for still in stills], axis=1)
         Image.fromarray(row).save(DOCS / "pictures" / "welcome.png", optimize=True)
-        page = run.report(Path(folder) / "report").page
+        page = run.report(Path(folder) / "report", film=False).page
         shot = Path(folder) / "page.png"
         size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
         subprocess.run(
