@@ -65,7 +65,7 @@ def in_both_schemes(page: chromium.Page, name: str) -> None:
     for scheme, path in (("dark", f"{name}_dark.png"), ("light", f"{name}.png")):
         page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         page.value(f"new Promise(done => setTimeout(done, {STILL}))")
-        picture(page).quantize(256, kmeans=2).save(DOCS / path, optimize=True)
+        picture(page).quantize(256, kmeans=2).save(DOCS / "pictures" / path, optimize=True)
 
 
 if __name__ == "__main__":
