@@ -135,6 +135,16 @@ def test_failed_switch_on_leaves_no_servo_with_torque(bench: Bench):
     assert lit[-1] == [0] * COUNT
 
 
+def test_servos_whose_values_cannot_be_read_get_no_torque(bench: Bench, monkeypatch: pytest.MonkeyPatch):
+    def fail(place: int, registers: object) -> None:
+        raise BusError("no answer")
+
+    monkeypatch.setattr(bench.axes, "read", fail)
+    with pytest.raises(BusError, match="do not take their goals; torque stays off"):
+        bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
+    assert all(seen[Register.TORQUE_ENABLE] == [0] * COUNT for seen in bench.seen)
+
+
 @pytest.fixture
 def deaf_once(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> list[list[int]]:
     """Make the second servo miss the first torque command.
@@ -205,6 +215,17 @@ def test_stopped_servo_is_adopted_at_its_position(bench: Bench):
     earlier = here + np.array([50.0, 283.0, -283.0, 50.0])
     bench.run(adopt(bench.axes, stopped, earlier, bench.power, watchdog=WATCHDOG))
     assert bench.goals.tolist() == [*here[:3], here[3] + 50.0]
+
+
+def test_adoption_waits_for_recent_records_of_all_servos(bench: Bench):
+    bench.energised()
+    stale = replace(bench.last, recent=np.arange(COUNT) != 2)
+    procedure = adopt(bench.axes, stale, bench.last.positions, bench.power, watchdog=WATCHDOG)
+    assert next(procedure) is None
+    assert procedure.send(stale) is None
+    goals = procedure.send(bench.last)
+    assert goals is not None
+    assert goals.tolist() == bench.last.positions.tolist()
 
 
 def test_goals_of_adopted_servos_are_within_their_ranges(bench: Bench):
