@@ -30,7 +30,15 @@ from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.lexicon.shape_override import unknown_shape, with_shape
-from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, layers_of_holds, set_passages
+from kinesic.expressivity.turns import (
+    UPRIGHT_TURN,
+    Layer,
+    add_turns,
+    layers_of_holds,
+    rest_head_turn,
+    scale_turn,
+    set_passages,
+)
 
 REALISED_OUTCOME = Outcome("realised")  # outcome of a behaviour that is performed as requested
 POINTING_SHAPE = "index"  # hand shape of pointing hands
@@ -38,6 +46,7 @@ POINTING_CATEGORY = "deictic"  # category of gestures that point
 EXTENT_GAIN = 0.5  # relative change of the body motion at a spatial extent of 1 or -1
 HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
 SCALED_MODALITIES: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
+GAZE_HEAD_FRACTION = 0.5  # fraction of the standing head posture that a gaze behaviour straightens
 COUNTING_PREFIX = "count"  # name prefix of gestures that count on one hand
 
 
@@ -268,7 +277,13 @@ def stays(action: object) -> bool:
 def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], context: BlockContext) -> dict[str, Move]:
     head_holds, trunk_holds = (
         [
-            gaze.hold_gaze(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=context.pace)
+            gaze.hold_gaze(
+                _from_standing(aim, context),
+                timed.times,
+                part=part,
+                stays=stays(timed.behaviour.action),
+                pace=context.pace,
+            )
             for aim, timed in zip(aims, looks, strict=True)
         ]
         for part in gaze.GAZE_PARTS
@@ -287,6 +302,13 @@ def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], co
         )
         moves[timed.behaviour.id] = Move(outcome, head=(head_key_layer,), torso=torso_layers, warnings=warnings)
     return moves
+
+
+def _from_standing(aim: gaze.Aim, context: BlockContext) -> gaze.Aim:
+    """Return a gaze relative to the standing head, which turns part of the way; the eyes turn the rest."""
+    if aim.head == UPRIGHT_TURN:
+        return aim
+    return replace(aim, head=add_turns(aim.head, scale_turn(rest_head_turn(context.robot), -GAZE_HEAD_FRACTION)))
 
 
 def hanging_arms(sides: Sequence[Side]) -> Poses:

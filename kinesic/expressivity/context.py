@@ -10,7 +10,7 @@ from functools import cached_property
 from math import isfinite
 from pathlib import Path
 
-from kinesic.bml.block import Behaviour, Block, Gesture, HandMode, Modality, find_modality
+from kinesic.bml.block import Behaviour, Block, Gesture, HandMode, Manner, Modality, find_modality
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import KeyFrameFilling
 from kinesic.body.config import read_toml, suggestion
@@ -21,7 +21,7 @@ from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.resolve import resolve_styles
-from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.style.style import Expressivity, Style, style_preset
 from kinesic.expressivity.variation import NO_VARIATION, Deviation, Variation, deviations, needs_place
 
 
@@ -71,6 +71,14 @@ class BlockContext:
     def lexicon(self) -> Lexicon:
         """Gesture lexicon of the performance."""
         return self.shared.lexicon
+
+    @cached_property
+    def bearing(self) -> Style:
+        """Style whose standing posture, face and gaze the block shows."""
+        name = self.block.manners.get("gesture", Manner()).style
+        if not name or any(setting.parameter == "posture" for setting in self.shared.style.settings):
+            return self.shared.style
+        return style_preset(name)
 
     @cached_property
     def targets(self) -> Mapping[str, Floats]:

@@ -31,6 +31,7 @@ from kinesic.expressivity.turns import (
     add_turns,
     clip_turn,
     layers_of_holds,
+    rest_turn,
     rotation_range,
     scale_turn,
     set_passages,
@@ -220,7 +221,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
             ]
         )
         for chain, turns in (
-            ("torso", [(timed, posture_pose.lean.turn) for timed, posture_pose in performed]),
+            ("torso", [(timed, _from_standing(posture_pose, context.robot)) for timed, posture_pose in performed]),
             ("neck", [(timed, posture_pose.head) for timed, posture_pose in performed]),
         )
     )
@@ -238,6 +239,12 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
             warnings=warnings,
         )
     return moves
+
+
+def _from_standing(posture_pose: Pose, robot: Robot) -> Turn:
+    """Return the trunk rotation relative to standing, which an explicit trunk pose overrides."""
+    turn = posture_pose.lean.turn
+    return add_turns(turn, scale_turn(rest_turn(robot, "torso"), -1.0)) if posture_pose.names_trunk else turn
 
 
 def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:

@@ -89,6 +89,19 @@ def rotation_range(robot: Robot, chain: str) -> tuple[Turn, Turn]:
     return Turn(*lower), Turn(*upper)
 
 
+@lru_cache(maxsize=16)
+def rest_turn(robot: Robot, chain: str) -> Turn:
+    """Return the rotation of a kinematic chain in the robot's rest posture."""
+    hinges = [robot.skeleton.hinges[k] for k in robot.joints(chain)]
+    return Turn(*(sum(h.rest for h in hinges if h.name.endswith(axis)) for axis in TURN_AXES))
+
+
+@lru_cache(maxsize=16)
+def rest_head_turn(robot: Robot) -> Turn:
+    """Return the rotation of the resting head in the world."""
+    return add_turns(rest_turn(robot, "torso"), rest_turn(robot, "neck"))
+
+
 def clip_turn(turn: Turn, limits: tuple[Turn, Turn]) -> Turn:
     """Clip a rotation to a range, axis by axis."""
     lower, upper = limits

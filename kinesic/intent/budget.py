@@ -30,6 +30,7 @@ class MovementBudget:
     tempo: Tempo | None = None  # of beats on accents; None: beats compete with other gestures
     pictures: int = 0  # largest number of gestures other than beats, if there is a tempo
     beat_manner: Mapping[str, float] = field(default_factory=dict)  # expressivity of beats, -1..1
+    preferences: Mapping[str, float] = field(default_factory=dict)  # gesture -> factor on its probability
     repeat_window: float = 0.0  # [s] within which gestures differ; 0: the last two gestures count
 
 
@@ -53,5 +54,6 @@ def budget_of(seconds: float, style: Style) -> MovementBudget:
         tempo=tempo if seconds >= RHYTHM_DURATION else None,
         pictures=pictures,
         beat_manner=beat_manner_of(style),
+        preferences=dict(style.prefers),
         repeat_window=REPEAT_WINDOW,
     )

@@ -99,6 +99,7 @@ def choose_behaviours(
             offset=offset,
             beats=forms,
             beat_manner=budget.beat_manner,
+            preferences=budget.preferences,
         )
         drawn = list(draw(kept))
         if budget.tempo and beats:

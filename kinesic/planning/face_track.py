@@ -12,6 +12,7 @@ from kinesic.body.command import Command
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.face.eyes import Eyes, Habits, block_gazes, direction_angles, gesture_gazes
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track
+from kinesic.expressivity.style.standing import FRONTAL_GAZE
 from kinesic.planning.plan import Plan
 
 Shift = Mapping[tuple[str, str], float]  # behaviour and sync point -> [s] later than requested
@@ -32,10 +33,12 @@ def commands_with_face(plan: Plan, times: Floats) -> Iterator[Command]:
 
 
 def needs_face(plan: Plan) -> bool:
-    """Return whether an expression, speech or gaze moves the face."""
+    """Return whether an expression, speech, gaze or affect moves the face."""
     performed = (timed.behaviour for timed in plan.keyframes.timeline.timed)
     kinds = [behaviour.action for behaviour in performed if plan.keyframes.outcomes[behaviour.id].kind != "dropped"]
-    return any(isinstance(action, Face | Gaze | Speech) for action in kinds)
+    bearing = BlockContext(plan.timeline.block, plan.setup.context).bearing
+    shows_affect = bearing.posture > 0.0 and bool(bearing.standing.face)
+    return shows_affect or any(isinstance(action, Face | Gaze | Speech) for action in kinds)
 
 
 def compute_faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
@@ -58,9 +61,15 @@ def compute_action_units(plan: Plan, times: Floats) -> Channels:
     bodies = plan.keyframes.bodies
     looked = (*block_gazes(timeline, context), *gesture_gazes(timeline, bodies))
     idling = plan.setup.idling
-    eyes = Eyes(Habits(idling.seed) if idling.amount else None, looked, compute_head_directions(plan, times))
+    bearing = context.bearing
+    gaze = bearing.standing.gaze if bearing.posture > 0.0 else FRONTAL_GAZE
+    habits = Habits(idling.seed) if idling.amount else None
+    eyes = Eyes(habits, looked, compute_head_directions(plan, times), gaze)
     block_times = times - plan.trajectory.zero
-    return face_track(timeline, plan.utterances, block_times, styles=context.styles, eyes=eyes, bodies=bodies)
+    affect = bearing.standing.affect(bearing.posture)
+    return face_track(
+        timeline, plan.utterances, block_times, styles=context.styles, eyes=eyes, bodies=bodies, affect=affect
+    )
 
 
 def compute_head_directions(plan: Plan, times: Floats) -> Floats:

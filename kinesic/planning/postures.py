@@ -11,7 +11,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import PART_CHAINS, SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
-from kinesic.expressivity.turns import turn_angles
+from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import MIN_GAP, PLAIN_PASSAGE, KeyPassage, KeyPosture
 from kinesic.planning.arm_postures import ArmKey, ArmsTask, solve_arms
@@ -166,9 +166,10 @@ def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robo
 
     The neck turns back, so that the head stays level (thesis 8.6).
     """
-    torso = np.array(turn_angles(frame.torso)) + lean_angles
+    torso = np.array(turn_angles(frame.torso)) + turn_angles(rest_turn(robot, "torso")) + lean_angles
     set_turn(robot, "torso", torso, angles)
-    set_turn(robot, "neck", np.array(turn_angles(frame.head)) - compute_torso_turn(robot, "torso", angles), angles)
+    head = np.array(turn_angles(frame.head)) + turn_angles(rest_head_turn(robot))
+    set_turn(robot, "neck", head - compute_torso_turn(robot, "torso", angles), angles)
 
 
 def _in_world(hand: Hand, frame: KeyFrame, robot: Robot) -> Reach | None:

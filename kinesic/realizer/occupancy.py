@@ -11,7 +11,7 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.keyframes import HeldTurns
-from kinesic.expressivity.turns import turn_angles
+from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.motion.trajectory import KNOT_INTERVAL
 from kinesic.planning.plan import Plan
 from kinesic.planning.torso import compute_torso_turn, set_turn
@@ -93,7 +93,8 @@ def freed_hinges(
         ):
             hinges &= ~entry.hinges
     for role in ARM_ROLES:
-        if not any(role in entry.roles and entry.relax > time for entry in block_occupancy):
+        ends = [entry.relax for entry in block_occupancy if role in entry.roles]
+        if ends and max(ends) <= time:  # an arm without a behaviour has idle motion alone
             hinges[list(arm_hinges(role, robot))] = False
     return hinges
 
@@ -147,8 +148,9 @@ def _held(id: str, plan: Plan, there: Floats) -> Floats:
 def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
     """Return torso and neck offsets (n,) [rad] for torso and head rotations."""
     angles = np.array(robot.skeleton.rest)
-    set_turn(robot, "torso", np.array(turn_angles(turns.torso)), angles)
-    above = np.array(turn_angles(turns.head)) - compute_torso_turn(robot, "torso", angles)
+    set_turn(robot, "torso", np.array(turn_angles(turns.torso)) + turn_angles(rest_turn(robot, "torso")), angles)
+    head = np.array(turn_angles(turns.head)) + turn_angles(rest_head_turn(robot))
+    above = head - compute_torso_turn(robot, "torso", angles)
     set_turn(robot, "neck", above, angles)
     return np.asarray(angles - robot.skeleton.rest)
 

@@ -200,7 +200,14 @@ def overlay_motions(work: Overlay, setup: Setup, limits: Limits) -> Floats | Mer
         (k + 3, n) [rad] control points, equal to the running motion before the cut and at rest in the end; or the
         behaviour that cannot be merged.
     """
-    arms = {hinge: role for role in ARM_ROLES for hinge in arm_hinges(role, setup.robot)}
+    is_idle = not work.performed and not work.dropped  # idle motion is added to resting arms
+    held_roles = {role for entry in work.holding for role in entry.roles}
+    arms = {
+        hinge: role
+        for role in ARM_ROLES
+        if not is_idle or role in held_roles
+        for hinge in arm_hinges(role, setup.robot)
+    }
     names = setup.robot.skeleton.names
     controls = add_motions(work, np.isin(np.arange(len(names)), list(arms)), setup, limits)
     if isinstance(controls, MergeFailure):

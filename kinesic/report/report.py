@@ -93,7 +93,7 @@ def _style(style: Style, block: Block) -> dict[str, Json]:
         for modality, manner in block.manners.items()
     }
     tables |= {"settings": [str(setting) for setting in style.settings], "block": changes}
-    weights = {"whole_body": style.whole_body, "effort": style.effort}
+    weights = {"whole_body": style.whole_body, "posture": style.posture, "effort": style.effort}
     return {"name": style.name, **weights, **asdict(style.gesture), **tables}
 
 

@@ -16,6 +16,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.variation import Variation
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import IntentionFiles, Setup
+from kinesic.planning.standing import standing_robot, vary_standing
 from kinesic.session.options import PlanningOptions, check_options
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
@@ -42,11 +43,15 @@ def set_up(
     check_options(options)
     body = robot if isinstance(robot, Robot) else load_robot(robot)
     base_style = style if isinstance(style, Style) else Style.load(style)
-    lexicon, seed = options.get("lexicon"), options.get("seed", 0)
+    performed_style = base_style.changed(_format_settings(options.get("settings", ())))
+    lexicon, seed = Lexicon.load(_to_path(options.get("lexicon"))), options.get("seed", 0)
+    variation = Variation(options.get("variation", 0.0), seed)
+    body = standing_robot(body, performed_style, lexicon, CapsuleDistances(body))
+    body = vary_standing(body, variation, CapsuleDistances(body))
     return Setup(
         robot=body,
-        style=base_style.changed(_format_settings(options.get("settings", ()))),
-        lexicon=Lexicon.load(_to_path(lexicon)),
+        style=performed_style,
+        lexicon=lexicon,
         voice=make_voice(options.get("voice", "durations")),
         dynamics=MujocoDynamics(body),
         distances=CapsuleDistances(body),
@@ -54,7 +59,7 @@ def set_up(
         dialect=options.get("dialect", "auto"),
         gathering=options.get("gather", "complex"),
         idling=Idling(options.get("idle", 0.0), seed),
-        variation=Variation(options.get("variation", 0.0), seed),
+        variation=variation,
         pause=options.get("pause", 0.0),
         character=options.get("character"),
         language=options.get("language", "en"),

@@ -25,6 +25,7 @@ from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gaze import STRAIGHT_AIM, aim, from_eyes
 from kinesic.expressivity.keyframes import BodyMove
+from kinesic.expressivity.style.standing import FRONTAL_GAZE, GazeHabit
 from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, departure_time
 from kinesic.motion.easing import ease
 
@@ -39,6 +40,7 @@ GAZE_LEAD_TIME = 0.3  # [s] time from a gaze shift to its stroke, where the head
 HALF_EYE_DISTANCE = 0.03  # [m] distance from an eye to the midpoint of both
 VERGENCE_TIME = 0.16  # [s] duration of a change of vergence
 MIN_SACCADE_INTERVAL = 0.5  # [s] shortest time between two spontaneous saccades
+CONTACT_TIME = 0.8, 1.6  # [s] range of the glances at the listener of who averts the gaze
 MEAN_SACCADE_INTERVAL = 1.6  # [s] mean time between two spontaneous saccades
 
 
@@ -82,6 +84,7 @@ class Eyes:
     habits: Habits | None = None  # None: no spontaneous motion
     looks: Sequence[GazeDirection] = ()  # gaze directions
     head: Floats | None = None  # (m, 2) [rad] left and up, direction of the head in the world; None: straight ahead
+    gaze: GazeHabit = FRONTAL_GAZE  # where the eyes look without a gaze behaviour
 
 
 def block_gazes(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:
@@ -129,6 +132,26 @@ def gesture_gazes(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[G
             start = departure_time(max(times["start"], late), times["strokeStart"], GAZE_LEAD_TIME)
             result.append(GazeDirection(start, move.eyes.torsion, -move.eyes.tilt, times["relax"]))
     return tuple(result)
+
+
+def averted_gazes(times: Floats, habit: GazeHabit, seed: int) -> list[GazeDirection]:
+    """Return the averted gazes of a gaze habit, interrupted by glances at the listener.
+
+    Args:
+        times: (m,) [s] of the block.
+        habit: angles and fraction of the averted gaze.
+        seed: of the random generator.
+    """
+    if habit.averted <= 0.0 or not len(times):
+        return []
+    generator, directions = np.random.default_rng((seed, 3)), list[GazeDirection]()
+    start, side = float(times[0]) - CONTACT_TIME[1], 1.0 if generator.uniform() < 0.5 else -1.0
+    while start < times[-1]:
+        contact = float(generator.uniform(*CONTACT_TIME))
+        away = np.inf if habit.averted >= 1.0 else contact * habit.averted / (1.0 - habit.averted)
+        directions.append(GazeDirection(start, side * habit.aside, -habit.down, start + away))
+        start, side = start + away + contact, side if generator.uniform() < 0.5 else -side
+    return directions
 
 
 def direction_angles(directions: Floats) -> Floats:

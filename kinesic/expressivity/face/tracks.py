@@ -19,6 +19,7 @@ from kinesic.expressivity.face.expressions import MAX_BRIDGED_GAP, Envelope, Exp
 from kinesic.expressivity.face.eyes import (
     STRAIGHT_AHEAD,
     Eyes,
+    averted_gazes,
     blink_times,
     blink_units,
     eye_angles,
@@ -37,6 +38,7 @@ SPEAKING_INTENSITY = 0.3  # intensity of speech units at which expressions no lo
 CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
 BLINK_LEAD_TIME = 0.15  # [s] from the begin of a blink to the begin of a speech
 STILL_EYES = Eyes()  # eyes that look straight ahead, without spontaneous motion
+NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # face without a standing affect
 NO_BODY_MOVES: Mapping[str, BodyMove] = MappingProxyType({})  # gestures without accompanying body motion
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
@@ -50,6 +52,7 @@ def face_track(
     styles: Mapping[str, Style],
     eyes: Eyes = STILL_EYES,
     bodies: Mapping[str, BodyMove] = NO_BODY_MOVES,
+    affect: Mapping[str, float] = NO_AFFECT,
 ) -> Channels:
     """Compute the action units of a block.
 
@@ -64,6 +67,7 @@ def face_track(
         styles: behaviour id -> style, whose face expressivity applies to its expressions.
         eyes: inputs of the eye motion, at the same times.
         bodies: id of a gesture -> accompanying body motion.
+        affect: lexeme of an expression -> amount, shown where the document has no expression.
 
     Returns:
         Action units that are visible at some time.
@@ -74,7 +78,9 @@ def face_track(
         if isinstance(timed.behaviour.action, Speech) and timed.behaviour.id in utterances
     ]
     spoken = merge_tracks(visemes(utterance.phonemes, times, start=start) for start, utterance in speeches)
-    expressed = _open_lips(merge_tracks(_expressions(timeline, times, styles, bodies)), spoken)
+    expressed = _open_lips(
+        merge_tracks((*_expressions(timeline, times, styles, bodies), _affect(affect, timeline, times, styles))), spoken
+    )
     merged = merge_tracks(
         (expressed, spoken, merge_tracks(_eyes(times, eyes, [start - BLINK_LEAD_TIME for start, _ in speeches])))
     )
@@ -157,6 +163,19 @@ def _expressions(
         remaining = remaining * (1.0 - showing.envelope.at(times))
 
 
+def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Channels:
+    """Return the standing affect, which gives way to all expressions of the document."""
+    if not affect:
+        return {}
+    remaining = np.ones(len(times))
+    for showing in (showing for shift in (False, True) for showing in _showings(timeline, styles, shift=shift)):
+        remaining = remaining * (1.0 - np.clip(showing.envelope.at(times), 0.0, 1.0))
+    shown = [find_expression(Face((lexeme,), amount=amount)) for lexeme, amount in affect.items()]
+    return merge_tracks(
+        {channel: intensity * remaining for channel, intensity in expression.units.items()} for expression in shown
+    )
+
+
 def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -> list[_Showing]:
     """Return either the permanent or the temporary expressions, sorted by start."""
     merged = [
@@ -200,7 +219,9 @@ def _flutter(shown: Expression, since: Floats) -> Floats | float:
 
 
 def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channels]:
-    habits, ordered = eyes.habits, [STRAIGHT_AHEAD, *sorted(eyes.looks, key=lambda look: look.start)]
+    habits = eyes.habits
+    averted = averted_gazes(times, eyes.gaze, 0 if habits is None else habits.seed)
+    ordered = [STRAIGHT_AHEAD, *averted, *sorted(eyes.looks, key=lambda look: look.start)]
     angles = eye_angles(ordered, times, np.zeros((len(times), 2)) if eyes.head is None else eyes.head)
     if habits is not None and len(times):
         span = (float(times[0]), float(times[-1]))

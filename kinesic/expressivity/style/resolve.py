@@ -113,8 +113,17 @@ def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
         modality: fold_activation(resolve_numbers(style, modality, block, behaviour).expressivity)
         for modality in MODALITIES
     }
-    whole_body, effort = (_weight(name, style, block, behaviour) for name in WEIGHT_RANGES)
-    return Style(style.name, settings=(), whole_body=whole_body, effort=effort, **manners)
+    whole_body, posture, effort = (_weight(name, style, block, behaviour) for name in WEIGHT_RANGES)
+    return Style(
+        style.name,
+        **manners,
+        settings=(),
+        whole_body=whole_body,
+        effort=effort,
+        posture=posture,
+        standing=style.standing,
+        prefers=style.prefers,
+    )
 
 
 def _weight(name: str, style: Style, block: Block, behaviour: Behaviour) -> float:

@@ -11,6 +11,7 @@ import msgspec
 from kinesic.bml.block import EXPRESSIVITY_RANGES, Modality
 from kinesic.body.config import ConfigError, locate_config, names_of, read_toml, suggestion
 from kinesic.body.html_view import NotebookView
+from kinesic.expressivity.style.standing import NEUTRAL_STANDING, Standing, StandingTable
 from kinesic.motion.easing import Easing
 from kinesic.motion.keys import (
     ACCENT_EASING,
@@ -39,6 +40,7 @@ Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
 WEIGHT_RANGES: Mapping[str, tuple[float, float]] = {  # smallest and largest style weights for all modalities
     "whole_body": (0.0, 2.0),  # of body motion that accompanies the hands
+    "posture": (0.0, 2.0),  # of the standing posture, face and gaze
     "effort": (0.0, 1.0),  # of the effort profile that sets durations and accents by gesture category
 }
 
@@ -126,7 +128,10 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     torso: PartTable = PartTable()  # parameters in which the torso differs
     face: PartTable = PartTable()  # parameters in which the face differs
     whole_body: float = 1.0  # factor on accompanying motion of head, trunk, shoulders and face, 0 .. 2
+    posture: float = 1.0  # factor on standing posture, face and gaze, 0 .. 2
     effort: float = 1.0  # weight of the profile that gives each phase its duration and force, 0 .. 1
+    standing: StandingTable = StandingTable()  # posture, resting hands, facial affect and gaze habit
+    prefers: dict[str, float] = {}  # gesture of the lexicon -> factor on its probability among alternatives
 
     def expressivity(self, modality: Modality) -> Expressivity:
         """Return the expressivity of one modality."""
@@ -147,6 +152,9 @@ class Style(NotebookView):
     settings: tuple[Setting, ...] = ()  # already applied; applied again after the documents
     whole_body: float = 1.0  # factor on accompanying body motion: 0 hands only .. 2 twice the usual amount
     effort: float = 1.0  # weight of the effort profile: 0 durations by Fitts' law .. 1 durations of people
+    posture: float = 1.0  # factor on standing posture, face and gaze: 0 as neutral .. 2 twice as much
+    standing: Standing = NEUTRAL_STANDING  # posture, resting hands, facial affect and gaze habit
+    prefers: tuple[tuple[str, float], ...] = ()  # (gesture, factor on its probability among alternatives)
 
     @classmethod
     def load(cls, name: str | Path = "neutral") -> "Style":
@@ -168,7 +176,16 @@ class Style(NotebookView):
         for name, (least, most) in WEIGHT_RANGES.items():
             if not least <= (weight := getattr(table, name)) <= most:
                 raise ConfigError(f"{path}: {name} is {weight:g}, outside [{least:g}, {most:g}]")
-        return cls(path.stem, settings=(), whole_body=table.whole_body, effort=table.effort, **parameters)
+        return cls(
+            path.stem,
+            **parameters,
+            settings=(),
+            whole_body=table.whole_body,
+            effort=table.effort,
+            posture=table.posture,
+            standing=Standing.of(table.standing),
+            prefers=tuple(table.prefers.items()),
+        )
 
     @classmethod
     def uniform(cls, manner: Expressivity, name: str = "own") -> "Style":
@@ -199,12 +216,19 @@ class Style(NotebookView):
         for setting in map(_parse_setting, settings):
             concerned = [part for part in MODALITIES if setting.concerns(part)]
             parts = {part: replace(style.of(part), **{setting.parameter: setting.value}) for part in concerned}
-            whole_body, effort = (
+            whole_body, posture, effort = (
                 setting.value if setting.parameter == name else getattr(style, name) for name in WEIGHT_RANGES
             )
             all_settings = (*style.settings, setting)
             style = Style(
-                style.name, settings=all_settings, whole_body=whole_body, effort=effort, **(style._parts | parts)
+                style.name,
+                **(style._parts | parts),
+                settings=all_settings,
+                whole_body=whole_body,
+                effort=effort,
+                posture=posture,
+                standing=style.standing,
+                prefers=style.prefers,
             )
         return style
 

@@ -16,6 +16,7 @@ NO_REPEAT_WINDOW = 3  # successive gestures without a repetition, where no time 
 BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat instead of a repeated gesture
 FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})  # their words recur in any text
 EMPHATIC_CERTAINTY = 0.8  # certainty of an intent from which its beat is as large as the style makes it
+NO_PREFERENCES: Mapping[str, float] = {}  # equal preference for all gestures
 NEUTRAL_MANNER: Mapping[str, float] = {}  # no changes to the expressivity of the style
 MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all alternatives are used up
 
@@ -72,6 +73,23 @@ class GestureUses:
         return f"{lexeme} was among the last {NO_REPEAT_WINDOW - 1} gestures"
 
 
+def prefer(choices: Sequence[Choice], preferences: Mapping[str, float], intent: str) -> tuple[Choice, ...]:
+    """Weight alternative gestures by the preferences of a style.
+
+    Args:
+        choices: alternatives of one intent.
+        preferences: gesture -> factor on its probability.
+        intent: its name; preferred beats are further alternatives of intents that show beats.
+    """
+    weighted = [replace(each, probability=each.probability * preferences.get(each.lexeme, 1.0)) for each in choices]
+    if intent in BEAT_INTENTS and choices:
+        present = {each.lexeme for each in choices}
+        usual = sum(each.probability for each in choices) / len(choices)
+        added = ((name, factor) for name, factor in preferences.items() if factor > 1.0 and is_beat(name))
+        weighted += [Choice(name, factor * usual) for name, factor in added if name not in present]
+    return tuple(weighted)
+
+
 def draw_lexemes(
     kept: Sequence[Candidate],
     channel: Channel,
@@ -83,6 +101,7 @@ def draw_lexemes(
     offset: float = 0.0,
     beats: Sequence[Choice] = (),
     beat_manner: Mapping[str, float] = NEUTRAL_MANNER,
+    preferences: Mapping[str, float] = NO_PREFERENCES,
 ) -> Iterable[ChosenBehaviour]:
     """Choose randomly a lexeme for each candidate, without recently used gestures.
 
@@ -96,8 +115,12 @@ def draw_lexemes(
         offset: from times of intents to times of `uses` [s].
         beats: forms that replace a gesture without an unused alternative.
         beat_manner: expressivity of beats, where it differs from the style.
+        preferences: gesture -> factor on its probability; preferred beats are added to the alternatives of beats.
     """
-    for candidate in kept:
+    for kept_candidate in kept:
+        candidate = kept_candidate
+        if channel == "gesture" and preferences:
+            candidate = replace(candidate, choices=prefer(candidate.choices, preferences, candidate.intent.name))
         intent, at = candidate.intent, candidate.intent.stroke.seconds + offset
         if candidate.earlier is not None:
             if channel == "gesture":

@@ -7,7 +7,7 @@ from zlib import crc32
 
 import numpy as np
 
-from kinesic.bml.block import Head, Pointing, Timeline
+from kinesic.bml.block import Head, Pointing
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot
@@ -24,11 +24,13 @@ from kinesic.planning.secondary.changes import Changes, reduce_amounts
 from kinesic.planning.secondary.drift import make_drifts
 from kinesic.planning.secondary.homeward import vary_returns
 from kinesic.planning.secondary.offset_bumps import MotionChange, OffsetBump
+from kinesic.planning.secondary.rest_changes import make_rest_changes
 from kinesic.planning.secondary.succession import delay_hinges
 from kinesic.planning.secondary.talking import make_speech_motion
 from kinesic.planning.setup import Setup
 
 MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss where the clearance is already too small
+REST_STREAM = 5  # stream of the random generator of rest postures
 MAX_BODY_WEIGHT = 1.5  # largest whole-body weight of a style that scales secondary motion
 
 
@@ -138,7 +140,7 @@ def _changes(
     changed_clearance: tuple[MotionChange, ...] = (
         *delay_hinges(courses, trajectory, setup.robot),
         *vary_returns(courses, trajectory, setup.variation, timeline.block.id, setup.robot),
-        *_idle_offsets(trajectory, timeline, utterances, setup),
+        *_idle_offsets(trajectory, frames, utterances, setup),
     )
     aiming = [
         (zero + timed.times["start"], zero + timed.times["end"])
@@ -153,16 +155,26 @@ def _changes(
 
 
 def _idle_offsets(
-    motion: Trajectory, timeline: Timeline, utterances: Mapping[str, Utterance], setup: Setup
+    motion: Trajectory, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
 ) -> Iterator[OffsetBump]:
-    idling, robot, zero = setup.idling, setup.robot, motion.zero
+    idling, robot, zero, timeline = setup.idling, setup.robot, motion.zero, frames.timeline
     if idling.amount == 0.0:
         return
     chance = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode())))
     part = idling.amount * min(setup.style.whole_body, MAX_BODY_WEIGHT)
     whole = max(zero + timeline.start, motion.start), max(zero + timeline.end, motion.end)
     yield from make_breaths(whole, idling.amount, robot, chance)
-    yield from make_drifts(motion, idling.amount, robot, chance)
+    touching = {
+        side: [
+            zero + frame.time
+            for frame in frames.frames
+            if frame.hands[side].touch is not None or frame.hands[side].aim is not None
+        ]
+        for side in SIDES
+    }
+    changing = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode()), REST_STREAM))
+    yield from make_rest_changes(motion, whole, idling.amount, robot, changing)
+    yield from make_drifts(motion, idling.amount, robot, chance, touching)
     yield from (change.later(zero) for change in make_speech_motion(timeline, utterances, part, robot, chance))
     nods = [
         (zero + min(timed.times.values()), zero + max(timed.times.values()))

@@ -1,0 +1,86 @@
+"""Standing of a style: posture, resting hands, facial affect and gaze habit."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import radians
+
+import msgspec
+
+from kinesic.expressivity.keyframes import Turn
+
+UPRIGHT = Turn()  # rotation of zero of head and trunk
+
+
+class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """TOML table of a rotation of head or trunk."""
+
+    torsion: float = 0.0  # [deg] + left
+    tilt: float = 0.0  # [deg] + down, forward
+    roll: float = 0.0  # [deg] + to the right
+
+    @property
+    def turn(self) -> Turn:
+        """The rotation in radians."""
+        return Turn(radians(self.torsion), radians(self.tilt), radians(self.roll))
+
+
+class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """TOML table of how a style stands, rests, looks and gazes."""
+
+    head: TurnTable = TurnTable()  # rotation in the world
+    trunk: TurnTable = TurnTable()  # rotation from upright
+    arms: dict[str, float] = {}  # [deg] added to the hinges of both resting arms, by the hinge name without side
+    fist: float = 0.0  # 0 relaxed .. 1 closed fingers of the resting hands
+    rest: str = ""  # rest gesture of the lexicon that the hands take where the body can; empty: arms hang
+    mirrored: bool = False  # whether the other hand performs the rest gesture
+    face: dict[str, float] = {}  # lexeme of an expression -> amount, shown all the time
+    gaze_down: float = 0.0  # [deg] of an averted gaze
+    gaze_aside: float = 0.0  # [deg] of an averted gaze, to alternating sides
+    averted: float = 0.0  # fraction of the time in which the gaze is averted, 0 .. 1
+
+
+@dataclass(frozen=True)
+class GazeHabit:
+    """Where the eyes look without a gaze behaviour."""
+
+    down: float = 0.0  # [rad] of an averted gaze
+    aside: float = 0.0  # [rad] of an averted gaze
+    averted: float = 0.0  # fraction of the time in which the gaze is averted
+
+
+FRONTAL_GAZE = GazeHabit()  # gaze at the listener all the time
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Posture, resting hands, facial affect and gaze habit of a style."""
+
+    head: Turn = UPRIGHT  # in the world
+    trunk: Turn = UPRIGHT  # from upright
+    arms: tuple[tuple[str, float], ...] = ()  # (hinge name without side, offset from the robot's rest [rad])
+    fist: float = 0.0  # 0 relaxed .. 1 closed fingers
+    rest: str = ""  # rest gesture of the lexicon; empty: arms hang
+    mirrored: bool = False  # whether the other hand performs it
+    face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
+    gaze: GazeHabit = FRONTAL_GAZE
+
+    @classmethod
+    def of(cls, table: StandingTable) -> "Standing":
+        """Convert the table of a style file."""
+        return cls(
+            head=table.head.turn,
+            trunk=table.trunk.turn,
+            arms=tuple((hinge, radians(angle)) for hinge, angle in table.arms.items()),
+            fist=table.fist,
+            rest=table.rest,
+            mirrored=table.mirrored,
+            face=tuple(table.face.items()),
+            gaze=GazeHabit(radians(table.gaze_down), radians(table.gaze_aside), table.averted),
+        )
+
+    def affect(self, weight: float) -> Mapping[str, float]:
+        """Return the amount of each expression, at a style's posture weight."""
+        return {lexeme: min(weight * amount, 1.0) for lexeme, amount in self.face if weight > 0.0}
+
+
+NEUTRAL_STANDING = Standing()  # the robot's own rest posture, an unmoved face and a frontal gaze

@@ -1,0 +1,83 @@
+"""Changes of the rest posture in pauses: a shift of weight, and hands at other places."""
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from math import ceil, radians
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.idle import Span
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.planning.secondary.offset_bumps import OffsetBump, find_runs
+from kinesic.planning.torso import set_turn
+
+MIN_REST_SPAN = 6.0  # [s] shorter rests of both arms keep their posture
+REST_DURATION = 15.0  # [s] usual duration of one rest posture; people change it every 10 to 20 s
+CHANGE_DURATIONS = 1.2, 1.9  # [s] range of the durations of a change
+REST_MARGIN = 0.4  # [s] time at rest before the first and after the last change
+REST_TOLERANCE = 0.02  # [rad] largest distance of a resting arm from the rest posture
+WEIGHT_SHIFT = radians(2.6), radians(1.2)  # [rad] largest and smallest roll of the trunk with a shift of weight
+TRUNK_TORSION = radians(3.0)  # [rad] largest torsion of the trunk with a shift of weight
+ARM_RANGES: Mapping[str, tuple[float, float]] = {  # [deg] range of the offsets of a resting arm, by the end of the name
+    "shoulder_flexion": (-2.0, 9.0),
+    "shoulder_abduct": (0.0, 4.0),
+    "shoulder_twisting": (-10.0, 4.0),
+    "elbow_flexion": (-4.0, 22.0),
+    "elbow_twisting": (-8.0, 8.0),
+    "wrist_flexion": (-6.0, 8.0),
+}
+
+
+def make_rest_changes(
+    motion: Trajectory, span: Span, amount: float, robot: Robot, chance: np.random.Generator
+) -> Iterator[OffsetBump]:
+    """Yield offsets that change the rest posture where both arms rest for long.
+
+    Each is kept for 10 to 20 s and passes into the next.
+
+    Args:
+        motion: with the rests.
+        span: [s] begin and end of the motion.
+        amount: 0 none .. 1 like a person.
+        robot: of the motion.
+        chance: random generator of the postures.
+    """
+    for begin, end in _find_rests(motion, span, robot):
+        count = max(1, ceil((end - begin) / REST_DURATION - 0.5))
+        times = np.linspace(begin + REST_MARGIN, end - REST_MARGIN - CHANGE_DURATIONS[1], count + 1).tolist()
+        for start, stop in pairwise(times):
+            rise, fall = chance.uniform(*CHANGE_DURATIONS, 2).tolist()
+            offsets = amount * _draw_posture(robot, chance)
+            yield OffsetBump(start, start + rise, stop + fall, offsets, max(stop - start - rise, 0.0))
+
+
+def _find_rests(motion: Trajectory, span: Span, robot: Robot) -> Iterator[Span]:
+    """Yield the time spans in which both arms rest for at least `MIN_REST_SPAN` [s]."""
+    joints = [joint for side in SIDES for joint in robot.arm(side).joints]
+    first, last = (round((time - motion.start) / KNOT_INTERVAL) for time in span)
+    rows = np.clip(np.arange(first, last + 1), 0, len(motion.controls) - 1)
+    angles = motion.controls[rows][:, joints]
+    is_resting = np.abs(angles - robot.skeleton.rest[joints]).max(axis=1) < REST_TOLERANCE
+    for begin, end in find_runs(is_resting):
+        if (end - begin) * KNOT_INTERVAL >= MIN_REST_SPAN:
+            yield span[0] + begin * KNOT_INTERVAL, span[0] + end * KNOT_INTERVAL
+
+
+def _draw_posture(robot: Robot, chance: np.random.Generator) -> Floats:
+    """Return the random offset (n,) [rad] of one rest posture.
+
+    The head stays level over the shifted trunk.
+    """
+    offsets, names = np.zeros(len(robot.skeleton.hinges)), robot.skeleton.names
+    roll = float(chance.uniform(WEIGHT_SHIFT[1], WEIGHT_SHIFT[0])) * (1.0 if chance.uniform() < 0.5 else -1.0)
+    turn = np.array([chance.uniform(-1.0, 1.0) * TRUNK_TORSION, 0.0, roll])
+    if robot.joints("torso"):
+        set_turn(robot, "torso", turn, offsets)
+        set_turn(robot, "neck", np.array([0.0, 0.0, -roll]), offsets)
+    for side in SIDES:
+        for joint in robot.arm(side).joints:
+            bounds = next((bounds for end, bounds in ARM_RANGES.items() if names[joint].endswith(end)), (0.0, 0.0))
+            offsets[joint] = radians(float(chance.uniform(*bounds)))
+    return np.clip(robot.skeleton.rest + offsets, robot.skeleton.lower, robot.skeleton.upper) - robot.skeleton.rest

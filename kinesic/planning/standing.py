@@ -1,0 +1,162 @@
+"""Standing posture of a robot in a style, checked for clearance."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Distances
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
+from kinesic.expressivity.style.standing import Standing
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Style
+from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
+from kinesic.expressivity.variation import Variation
+from kinesic.planning.arm_postures import with_arms
+from kinesic.planning.clearance import LAG_RESERVE
+from kinesic.planning.collision import clear_hands
+from kinesic.planning.torso import compute_torso_turn, set_turn
+
+POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arms' offsets, tried until the body is clear
+RANGE_MARGIN = 0.01  # [rad] distance of a standing posture from the joint limits
+STANDING_STREAM = 7  # stream of the random generator of standing postures
+TRUNK_SPREAD = (3.5, 1.0, 2.2)  # [deg] largest random torsion, tilt and roll of the standing trunk
+HEAD_SPREAD = (6.0, 3.0, 3.5)  # [deg] largest random torsion, tilt and roll of the standing head
+ARM_SPREAD: Mapping[str, float] = {  # [deg] largest random offset of a resting arm's hinges, by the end of their name
+    "shoulder_flexion": 5.0,
+    "shoulder_abduct": 3.0,
+    "shoulder_twisting": 8.0,
+    "elbow_flexion": 8.0,
+    "elbow_twisting": 10.0,
+    "wrist_flexion": 8.0,
+    "wrist_pivot": 5.0,
+}
+FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
+
+
+def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Distances) -> Robot:
+    """Return the robot with the standing posture of a style as rest posture.
+
+    A body that cannot take the style's rest gesture lets the arms hang, and arms that come too close to the body go
+    only part of the way.
+
+    Args:
+        robot: with its own rest posture.
+        style: with a standing posture and its weight.
+        lexicon: with the rest gesture of the hands.
+        distances: self-distances of the robot.
+    """
+    standing, weight = style.standing, style.posture
+    if weight == 0.0 or standing == Standing(face=standing.face, gaze=standing.gaze):
+        return robot
+    rest = _close_hands(_turn_body(robot, standing, weight), robot, standing, weight)
+    arms = _take_rest_gesture(rest, robot, standing, lexicon, distances) if standing.rest else None
+    if arms is None:
+        candidates = (_offset_arms(rest, robot, standing, weight * amount) for amount in POSTURE_AMOUNTS)
+        arms = next((angles for angles in candidates if _is_clear(angles, robot, distances)), None)
+    if arms is None:
+        return robot
+    return _with_rest(robot, arms)
+
+
+def vary_standing(robot: Robot, variation: Variation, distances: Distances) -> Robot:
+    """Return the robot with a rest posture as asymmetric as a person's, by the seed.
+
+    People stand with their weight on one leg, turned a little, and no hand hangs as the other does.
+
+    Args:
+        robot: with the rest posture of a style.
+        variation: amount and seed; amount 0 leaves the robot unchanged.
+        distances: self-distances of the robot.
+    """
+    if variation.amount == 0.0:
+        return robot
+    chance = np.random.default_rng((variation.seed, STANDING_STREAM))
+    trunk, head = (np.radians(largest) * chance.uniform(-1.0, 1.0, 3) for largest in (TRUNK_SPREAD, HEAD_SPREAD))
+    arms = {joint: float(chance.uniform(-1.0, 1.0)) for side in SIDES for joint in robot.arm(side).joints}
+    for fraction in POSTURE_AMOUNTS:
+        amount, angles = fraction * variation.amount, np.array(robot.skeleton.rest)
+        torso_rest = np.array(turn_angles(rest_turn(robot, "torso")))
+        set_turn(robot, "torso", torso_rest + amount * trunk, angles)
+        head_rest = np.array(turn_angles(rest_head_turn(robot)))
+        set_turn(robot, "neck", head_rest + amount * head - compute_torso_turn(robot, "torso", angles), angles)
+        for joint, deviation in arms.items():
+            largest = next((v for k, v in ARM_SPREAD.items() if robot.skeleton.names[joint].endswith(k)), 0.0)
+            angles[joint] += amount * np.radians(largest) * deviation
+        angles = _inside(angles, robot)
+        if _is_clear(angles, robot, distances):
+            return _with_rest(robot, angles)
+    return robot
+
+
+def _with_rest(robot: Robot, angles: Floats) -> Robot:
+    hinges = zip(robot.skeleton.hinges, angles.tolist(), strict=True)
+    skeleton = replace(robot.skeleton, hinges=tuple(replace(hinge, rest=angle) for hinge, angle in hinges))
+    return replace(robot, skeleton=skeleton)
+
+
+def _turn_body(robot: Robot, standing: Standing, weight: float) -> Floats:
+    """Return the rest posture (n,) [rad] with turned trunk and head."""
+    angles = np.array(robot.skeleton.rest)
+    set_turn(robot, "torso", weight * np.array(turn_angles(standing.trunk)), angles)
+    head = weight * np.array(turn_angles(standing.head))
+    set_turn(robot, "neck", head - compute_torso_turn(robot, "torso", angles), angles)
+    return _inside(angles, robot)
+
+
+def _close_hands(angles: Floats, robot: Robot, standing: Standing, weight: float) -> Floats:
+    """Flex the fingers (n,) [rad] towards a fist."""
+    skeleton, closed = robot.skeleton, np.array(angles)
+    fraction = min(weight * standing.fist, 1.0)
+    for side in SIDES:
+        for joint in robot.arm(side).fingers:
+            if "_flexion" in skeleton.names[joint]:
+                full = FIST_FLEXION * skeleton.upper[joint]
+                closed[joint] += fraction * max(full - closed[joint], 0.0)
+    return closed
+
+
+def _offset_arms(rest: Floats, robot: Robot, standing: Standing, amount: float) -> Floats:
+    """Return a posture (n,) [rad] with the arms' offsets, for hinges that the robot has."""
+    angles, names = np.array(rest), robot.skeleton.names
+    for name, offset in standing.arms:
+        for side in SIDES:
+            if f"{side}_{name}" in names:
+                angles[robot.skeleton.joint(f"{side}_{name}")] += amount * offset
+    return _inside(angles, robot)
+
+
+def _take_rest_gesture(
+    rest: Floats, robot: Robot, standing: Standing, lexicon: Lexicon, distances: Distances
+) -> Floats | None:
+    """Return the posture (n,) [rad] with the hands in the style's rest gesture.
+
+    Returns:
+        None when the lexicon lacks the gesture, or the body cannot take it.
+    """
+    form = lexicon.forms_by_id.get(standing.rest)
+    if form is None or not form.keys:
+        return None
+    lifts = tuple((name, offset) for name, offset in standing.arms if name.startswith("sternoclavicular"))
+    start = _offset_arms(rest, robot, replace(standing, arms=lifts), 1.0)
+    form = mirror_form(form) if standing.mirrored else form
+    hands = {side: row[-1] for side, row in poses(form, robot, NEUTRAL_EXPRESSIVITY).hands.items()}
+    reached = with_arms(start, hands, {side: hand.reach for side, hand in hands.items()}, robot)
+    cleared = clear_hands(reached, hands, robot, distances, distances.gaps(reached[None])[0])
+    angles = _inside(cleared, robot)
+    return angles if _is_clear(angles, robot, distances) else None
+
+
+def _inside(angles: Floats, robot: Robot) -> Floats:
+    """Clip a posture to the joint ranges, with a margin where the robot's own rest leaves one."""
+    lower = np.minimum(robot.skeleton.lower + RANGE_MARGIN, robot.skeleton.rest)
+    upper = np.maximum(robot.skeleton.upper - RANGE_MARGIN, robot.skeleton.rest)
+    return np.asarray(np.clip(angles, lower, upper))
+
+
+def _is_clear(angles: Floats, robot: Robot, distances: Distances) -> bool:
+    """Return whether a posture is no closer to itself than required, or than at the robot's own rest."""
+    gaps, own_gaps = distances.gaps(np.stack([angles, robot.skeleton.rest]))
+    return bool(np.all(gaps >= np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps)))

@@ -1,0 +1,130 @@
+"""Standing postures of styles: where the body stands, what it keeps clear of, and what documents override."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.body.config import names_of
+from kinesic.body.robot import Robot
+from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.turns import rest_head_turn, rest_turn
+from kinesic.planning.clearance import LAG_RESERVE
+from kinesic.planning.face_track import compute_action_units
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.planning.standing import standing_robot
+from kinesic.session.setup import set_up
+from kinesic.sim.distances import CapsuleDistances
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+ROBOTS = {name: Robot.load(name) for name in ("human", "upper22", "upper36")}
+
+
+@pytest.fixture(scope="module")
+def lexicon():
+    return set_up().lexicon
+
+
+@pytest.fixture(scope="module")
+def sad():
+    return set_up(style="sad")
+
+
+def wrist(robot, side="l"):
+    return (robot.skeleton.rest_frames.origins[robot.arm(side).wrist] - robot.gesture_origin) / robot.arm_length
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("style", names_of("style"))
+def test_standing_posture_is_within_joint_ranges_and_clear(name, style, lexicon):
+    robot = ROBOTS[name]
+    standing = standing_robot(robot, Style.load(style), lexicon, CapsuleDistances(robot))
+    rest, skeleton = standing.skeleton.rest, standing.skeleton
+    gaps, own_gaps = CapsuleDistances(standing).gaps(np.stack([rest, robot.skeleton.rest]))
+    assert np.all((rest >= skeleton.lower) & (rest <= skeleton.upper))
+    assert np.all(gaps >= np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps) - 1e-9)
+    assert (standing is robot) == (style == "neutral")
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_styles_stand_as_people_in_their_emotion(name, lexicon):
+    robot = ROBOTS[name]
+    bodies = {s: standing_robot(robot, Style.load(s), lexicon, CapsuleDistances(robot)) for s in names_of("style")}
+    tilts = {style: np.degrees(rest_head_turn(body).tilt) for style, body in bodies.items()}
+    leans = {style: np.degrees(rest_turn(body, "torso").tilt) for style, body in bodies.items()}
+    lift = robot.skeleton.joint("l_sternoclavicular_abduct")
+    assert tilts["sad"] > 15.0 > tilts["neutral"] == 0.0 > tilts["joyful"] > tilts["proud"]
+    assert leans["proud"] < -5.0 < 5.0 < leans["angry"]
+    assert np.degrees(bodies["sad"].skeleton.rest[lift]) < -3.0 < 5.0 < np.degrees(bodies["shy"].skeleton.rest[lift])
+    assert abs(wrist(bodies["angry"])[1]) > abs(wrist(bodies["neutral"])[1]) + 0.05
+
+
+def test_angry_hands_rest_half_closed(lexicon):
+    robot = ROBOTS["upper36"]
+    angry = standing_robot(robot, Style.load("angry"), lexicon, CapsuleDistances(robot))
+    bend = robot.skeleton.joint("l_middle_flexion1")
+    assert np.degrees(angry.skeleton.rest[bend] - robot.skeleton.rest[bend]) > 20.0
+
+
+def test_posture_weight_of_zero_leaves_the_robot_and_its_face():
+    plain = set_up(style="sad", settings=["posture=0"])
+    assert np.array_equal(plain.robot.skeleton.rest, set_up().robot.skeleton.rest)
+    made = plan_quickly(parse(ROOT.format('<wait id="w" duration="2"/>')), plain)
+    assert "L15" not in compute_action_units(made, np.linspace(0.0, 1.5, 4))
+
+
+def test_standing_head_stays_sunk_through_a_gesture_and_nods_from_there(sad):
+    made = plan_quickly(parse(ROOT.format('<head id="h" lexeme="NOD" start="0.5"/>')), sad)
+    tilt = sad.robot.skeleton.joint("skullbase_tilt")
+    angles = made.trajectory.sample(np.linspace(0.0, made.trajectory.duration, 200))[0][:, tilt]
+    rest = sad.robot.skeleton.rest[tilt]
+    assert angles[0] == pytest.approx(rest, abs=1e-6) == angles[-1]
+    assert angles.max() > rest + np.radians(3.0)
+    assert angles.min() > rest - np.radians(8.0)
+
+
+def test_explicit_trunk_posture_overrides_the_standing_one(sad):
+    made = plan_quickly(
+        parse(
+            ROOT.format(
+                '<postureShift id="p" start="0" end="2"><stance type="STANDING"/>'
+                '<pose part="TRUNK" lexeme="upright"/></postureShift>'
+            )
+        ),
+        sad,
+    )
+    assert made.keyframes.outcomes["p"].kind == "realised"
+    tilt = sad.robot.skeleton.joint("vl5_tilt")
+    assert made.trajectory.controls[-1, tilt] == pytest.approx(0.0, abs=np.radians(0.5))
+
+
+def test_face_shows_the_affect_of_the_style_until_the_document_shows_another(sad):
+    face = '<faceLexeme id="f" lexeme="joy" amount="1" start="1" attackPeak="1.3" relax="3" end="3.3"/>'
+    made = plan_quickly(parse(ROOT.format(face)), sad)
+    units = compute_action_units(made, np.array([0.2, 2.0]) + made.trajectory.zero)
+    assert units["L15"][0] > 0.2
+    assert units["L15"][1] < 0.02 < units["L12"][1]
+
+
+def test_style_of_a_block_sets_its_facial_affect():
+    text = ROOT.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"')
+    made = plan_quickly(parse(text.format('<wait id="w" duration="2"/>')), set_up())
+    assert "L15" in compute_action_units(made, np.linspace(0.0, 1.5, 4))
+
+
+def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
+    bodies = [set_up(variation=1.0, seed=seed).robot.skeleton.rest for seed in (0, 0, 1)]
+    mirrored = [ROBOTS["upper22"].skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
+    assert np.array_equal(bodies[0], bodies[1])
+    assert np.degrees(np.abs(bodies[0] - bodies[2]).max()) > 3.0
+    assert abs(np.degrees(bodies[0][mirrored[0]] - bodies[0][mirrored[1]])) > 1.0
+    assert np.array_equal(set_up(seed=1).robot.skeleton.rest, ROBOTS["upper22"].skeleton.rest)
+
+
+def test_averted_eyes_return_to_the_listener_now_and_then(sad):
+    setup = replace(sad, idling=replace(sad.idling, amount=1.0))
+    made = plan_quickly(parse(ROOT.format('<wait id="w" duration="12"/>')), setup)
+    units = compute_action_units(made, np.arange(0.0, 11.0, 0.1))
+    down = units["64"] > 0.3
+    assert 0.4 < down.mean() < 0.95
