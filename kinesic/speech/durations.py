@@ -8,6 +8,7 @@ from itertools import accumulate
 
 from kinesic.body.scripts import COMBINING_MARKS, PHRASE_STOPS, SENTENCE_STOPS
 from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Utterance
+from kinesic.speech.prosody_rate import rate_at
 from kinesic.speech.spelling import VOWEL_SOUNDS, count_syllables, mora_sounds, number_sounds, word_sounds
 
 SYLLABLE_DURATION = 0.18  # [s] estimated duration of a syllable
@@ -47,7 +48,8 @@ class DurationModel:
         the start of a following pause, or at the end.
 
         Args:
-            script: text to say; of marks with the same name the first counts. Emphasis is ignored.
+            script: text to say; of marks with the same name the first counts. Of its markup, only the rate of
+                `prosody` counts.
             rate: 1 is normal, 2 is twice as fast; must be above 0.
             pitch: ignored.
 
@@ -77,8 +79,9 @@ class DurationModel:
                     marks.setdefault(name, now)
                 waiting = []
                 sounds, duration = _estimate_word(kind, piece.group(), script.language)
-                phonemes += _distribute(sounds, now, duration / rate)
-                now += duration / rate
+                duration /= rate * rate_at(script, piece.start())
+                phonemes += _distribute(sounds, now, duration)
+                now += duration
         now += between
         for name in waiting:
             marks.setdefault(name, now)

@@ -1,6 +1,6 @@
 import pytest
 
-from kinesic.body.utterance import Mark, Script
+from kinesic.body.utterance import Emphasis, Mark, Script
 from kinesic.speech.durations import (
     MORA_DURATION,
     PHRASE_PAUSE,
@@ -93,3 +93,18 @@ def test_estimated_phonemes_fill_the_duration_of_a_word():
 def test_invalid_speech_rate_is_rejected(rate: float):
     with pytest.raises(ValueError, match="rate is"):
         SILENT_VOICE.say(Script("one"), rate=rate)
+
+
+@pytest.mark.parametrize(
+    ("rate", "factor"), [("slow", 1 / 0.8), ("50%", 2.0), ("+25%", 0.8), ("2", 0.5), ("loud", 1.0), ("1%", 5.0)]
+)
+def test_silent_voice_follows_the_rate_of_prosody(rate: str, factor: float):
+    text = "one two three"
+    slowed = Emphasis(4, 7, "prosody", (("rate", rate),))
+    plain, spoken = (
+        SILENT_VOICE.say(Script(text, (Mark("two", 4), Mark("three", 8)), emphases=sections))
+        for sections in ((), (slowed,))
+    )
+    lengths = [each.marks["three"] - each.marks["two"] for each in (plain, spoken)]
+    assert lengths[1] == pytest.approx(factor * lengths[0])
+    assert spoken.duration - plain.duration == pytest.approx(lengths[1] - lengths[0])

@@ -1,0 +1,33 @@
+"""Speaking rate of a word by the SSML `prosody` around it."""
+
+import re
+
+from kinesic.body.utterance import Script
+
+RATE_WORDS = {
+    "x-slow": 0.6, "slow": 0.8, "medium": 1.0, "default": 1.0, "fast": 1.25, "x-fast": 1.6,
+}  # relative to normal speech, as in espeak-ng  # fmt: skip
+MIN_RATE, MAX_RATE = 0.2, 5.0  # limits of the rate of nested elements
+_NUMBER_PATTERN = re.compile(r"([+-]?)(\d+(?:\.\d+)?)(%?)")
+
+
+def rate_at(script: Script, position: int) -> float:
+    """Return the product of all `prosody` rates around a character."""
+    rate = 1.0
+    for section in script.emphases:
+        if section.element == "prosody" and section.begin <= position < section.end:
+            rate *= _read_rate(dict(section.attributes).get("rate", ""))
+    return min(max(rate, MIN_RATE), MAX_RATE)
+
+
+def _read_rate(text: str) -> float:
+    """Return a rate such as `slow`, `80%`, `+10%` or `1.2`; 1 for others."""
+    word = text.strip().lower()
+    if word in RATE_WORDS:
+        return RATE_WORDS[word]
+    found = _NUMBER_PATTERN.fullmatch(word)
+    if found is None:
+        return 1.0
+    sign, number, percent = found.groups()
+    value = float(number) / (100.0 if percent else 1.0)
+    return 1.0 + value * (-1.0 if sign == "-" else 1.0) if sign else value
