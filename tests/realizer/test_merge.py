@@ -152,10 +152,11 @@ def test_hand_returns_to_rest_if_its_next_gesture_is_dropped(planned, rest, know
     strokes(plan, found, hand)
     relax = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == ("g", "relax"))
     times = np.linspace(0.0, relax + plan.trajectory.zero, 100)
-    same = (each.trajectory.sample(times + offset)[0][:, hand] for each, offset in ((plan, 0.0), (found, 0.1)))
+    offset = found.zero - plan.trajectory.zero
+    same = (each.trajectory.sample(times + by)[0][:, hand] for each, by in ((plan, 0.0), (found, offset)))
     np.testing.assert_allclose(*same, atol=1e-6)
     resting = known.robot.skeleton.rest[hand]
-    np.testing.assert_allclose(found.trajectory.at(found.zero + 2.0).angles[hand], resting, atol=1e-3)
+    np.testing.assert_allclose(found.trajectory.at(found.zero + 3.0).angles[hand], resting, atol=1e-3)
     np.testing.assert_allclose(found.trajectory.controls[-1, hand], resting, atol=1e-9)
 
 
