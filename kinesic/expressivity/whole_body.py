@@ -47,6 +47,7 @@ LARGEST_LOOK: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(3
 NOD_PREPARATION = 0.3  # upward rotation before a nod / nod angle
 SHAKE_SWING_TIME = 0.30  # [s] natural duration of a shake to one side
 MAX_SHAKE_SWINGS = 4  # largest number of head shake swings in one gesture
+MIN_TRUNK_TIME = 0.3  # [s] time from the end of a hold to the next stroke for which the trunk waits for the hands
 TRUNK_FRACTION = 0.5  # largest fraction of the gaze torsion that the trunk performs
 AVERTED_EYE_RATIO = 2.0  # eye rotation / head rotation of an averted gaze
 NO_MOVE = BodyMove()  # body motion of gestures that move only the hands
@@ -315,7 +316,9 @@ def _join_courses(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
         if previous is None:
             add_key(course.start, UPRIGHT_TURN, course.manner, "retraction")
         else:
-            add_key(min(previous.leave, course.start), keys[-1].turn, previous.manner, "hold")
+            waits = chain == "torso" and previous.leave <= course.keys[0][0] - MIN_TRUNK_TIME  # for the held hands
+            leave = previous.leave if waits else min(previous.leave, course.start)
+            add_key(leave, keys[-1].turn, previous.manner, "hold")
             if chain == "neck" and course.start - keys[-1].time >= LONG_PAUSE:
                 add_key(
                     keys[-1].time + DEPARTURE_TIME,
