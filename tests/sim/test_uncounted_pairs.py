@@ -58,6 +58,7 @@ def test_excluded_segment_pairs_never_collide(name: str, postures: int) -> None:
         if {"l_fingers", "r_fingers"}.isdisjoint(
             exclusion.pair
         )  # fingers have no MuJoCo contacts: see test_finger_distances
+        and not exclusion.why.startswith("soft:")  # flesh and cloth give way
     }
     gaps = dict.fromkeys(reasons, MAX_MEASURED_DISTANCE)
     for pair, gap, _ in PairDistances(robot).nearest(list(gaps), postures):
