@@ -6,6 +6,7 @@ explains 44 % of the torsion of another one, who was left out; the lean is a rul
 """
 
 from collections.abc import Mapping
+from math import radians
 
 import numpy as np
 
@@ -16,11 +17,11 @@ from kinesic.expressivity.hands.poses import Poses
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import UPRIGHT_TURN, scale_turn, turn_angles
 
-TORSION_PER_FORWARD = np.radians(8.0)  # [rad] torsion per arm length by which one hand is farther forward
-TORSION_PER_LEFT = np.radians(13.0)  # [rad] torsion per arm length by which the hands go to the left
-TILT_PER_FORWARD = np.radians(7.0)  # [rad] lean per arm length by which the hands go forward on average
+TORSION_PER_FORWARD = radians(8.0)  # [rad] torsion per arm length by which one hand is farther forward
+TORSION_PER_LEFT = radians(13.0)  # [rad] torsion per arm length by which the hands go to the left
+TILT_PER_FORWARD = radians(7.0)  # [rad] lean per arm length by which the hands go forward on average
 ROLL_PER_TORSION = 0.1  # roll / torsion, of the same clips
-MAX_FOLLOWING = np.radians(6.0)  # [rad] largest rotation about each axis at weight 1
+MAX_FOLLOWING = radians(6.0)  # [rad] largest rotation about each axis at weight 1
 TOUCH_FRACTION = 0.3  # fraction of the rotation while a hand touches head or trunk
 HEAD_PER_TRUNK = 1.3  # torsion of the head / that of the trunk, both in the world
 HEAD_ROLL_PER_TORSION = 0.4  # roll of the head to the side / torsion of the trunk
