@@ -14,6 +14,7 @@ def raised(robot):
     for side in "lr":
         posture[robot.skeleton.names.index(f"{side}_elbow_flexion")] = 1.4
         posture[robot.skeleton.names.index(f"{side}_shoulder_flexion")] = 0.5
+        posture[robot.skeleton.names.index(f"{side}_shoulder_abduct")] = 0.2
     return robot.skeleton.clamp(posture)
 
 
