@@ -1,8 +1,7 @@
 """Conversion of each behaviour to head and torso layers and hand strokes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 
 from kinesic.bml.block import (
     Gaze,
@@ -17,9 +16,8 @@ from kinesic.bml.block import (
     Torso,
 )
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity import gaze, trunk
+from kinesic.expressivity import trunk
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.gather import SAME_FRAME
 from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.hands.poses import REST_HAND, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
@@ -30,15 +28,7 @@ from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.lexicon.shape_override import unknown_shape, with_shape
-from kinesic.expressivity.turns import (
-    UPRIGHT_TURN,
-    Layer,
-    add_turns,
-    layers_of_holds,
-    rest_head_turn,
-    scale_turn,
-    set_passages,
-)
+from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, layers_of_holds, set_passages
 
 REALISED_OUTCOME = Outcome("realised")  # outcome of a behaviour that is performed as requested
 POINTING_SHAPE = "index"  # hand shape of pointing hands
@@ -46,7 +36,6 @@ POINTING_CATEGORY = "deictic"  # category of gestures that point
 EXTENT_GAIN = 0.5  # relative change of the body motion at a spatial extent of 1 or -1
 HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
 SCALED_MODALITIES: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
-GAZE_HEAD_FRACTION = 0.5  # fraction of the standing head posture that a gaze behaviour straightens
 COUNTING_PREFIX = "count"  # name prefix of gestures that count on one hand
 
 
@@ -200,7 +189,7 @@ def _scale_body(body: BodyForm, timed: TimedBehaviour, context: BlockContext) ->
 def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Move:
     """Convert a nod, shake or head direction to a head layer."""
     if not context.robot.joints("neck"):
-        return _missing_part("neck", context)
+        return missing_part("neck", context)
     manner = context.manner(timed.behaviour)
     form = head_form(action, context.robot, manner)
     if form is None:
@@ -212,7 +201,7 @@ def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Mov
 def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> Move:
     """Convert a lean or rotation of the torso to a layer."""
     if not context.robot.joints("torso"):
-        return _missing_part("torso", context)
+        return missing_part("torso", context)
     lean = trunk.named_lean(action, context.robot, context.manner(timed.behaviour).spatial)
     if lean is None:
         return drop_behaviour(
@@ -224,91 +213,9 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
     return Move(torso=(set_passages(layer, context.manner(timed.behaviour)),), warnings=_clip_warning(lean.clipped))
 
 
-def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
-    """Convert gaze and head direction behaviours to head and torso layers.
-
-    Args:
-        looks: behaviours with a Gaze or HeadDirectionShift, in any order.
-        context: of their block.
-    """
-    if not context.robot.joints("neck"):
-        return {timed.behaviour.id: _missing_part("neck", context) for timed in looks}
-    moves: dict[str, Move] = {}
-    aims: list[gaze.Aim] = []
-    performed: list[TimedBehaviour] = []
-    base = gaze.STRAIGHT_AIM
-    for timed, other in _by_start(looks):
-        action = timed.behaviour.action
-        if other is not None:
-            why = f"{other.behaviour.id} starts another gaze at the same time"
-            moves[timed.behaviour.id] = drop_behaviour(why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
-            continue
-        if not isinstance(action, Gaze | HeadDirectionShift):
-            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, neither a gaze nor a head direction")
-        aim = gaze.aim(action, context, base)
-        if aim is None:
-            why = context.unknown_target(action.target or "")
-            moves[timed.behaviour.id] = drop_behaviour(why, NoticeType.NO_SUCH_TARGET)
-            continue
-        base = aim if stays(action) else base
-        aims.append(aim)
-        performed.append(timed)
-    return moves | _perform_looks(performed, aims, context)
-
-
-def _by_start(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, TimedBehaviour | None]]:
-    """Yield gazes sorted by start, each with a simultaneous gaze or None.
-
-    Only gazes of the same kind are paired.
-    """
-    ordered = sorted(looks, key=lambda timed: timed.times["start"])
-    for timed, other in zip_longest(ordered, ordered[1:]):
-        action = timed.behaviour.action
-        is_same_kind = other is not None and type(other.behaviour.action) is type(action) and not stays(action)
-        is_simultaneous = is_same_kind and other.times["start"] - timed.times["start"] < SAME_FRAME
-        yield timed, other if is_simultaneous else None
-
-
 def stays(action: object) -> bool:
     """Return whether a behaviour changes the base posture permanently."""
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
-
-
-def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], context: BlockContext) -> dict[str, Move]:
-    head_holds, trunk_holds = (
-        [
-            gaze.hold_gaze(
-                _from_standing(aim, context),
-                timed.times,
-                part=part,
-                stays=stays(timed.behaviour.action),
-                pace=context.pace,
-            )
-            for aim, timed in zip(aims, looks, strict=True)
-        ]
-        for part in gaze.GAZE_PARTS
-    )
-    head, lower_layers = layers_of_holds(head_holds), layers_of_holds(trunk_holds)
-    moves: dict[str, Move] = {}
-    for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
-        outcome, warnings = substitution_outcome(aim.substitute, aim.clipped, aim.missing)
-        if k + 1 < len(head_holds) and (leave := head_holds[k].leave) is not None and head_holds[k + 1].start < leave:
-            text = f"gives way to {looks[k + 1].behaviour.id} at {head_holds[k + 1].start:.2f} s"
-            warnings += (BehaviourWarning(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
-        manner = context.manner(timed.behaviour)
-        head_key_layer, torso_layers = (
-            set_passages(head[k], manner),
-            without_upright(set_passages(lower_layers[k], manner)),
-        )
-        moves[timed.behaviour.id] = Move(outcome, head=(head_key_layer,), torso=torso_layers, warnings=warnings)
-    return moves
-
-
-def _from_standing(aim: gaze.Aim, context: BlockContext) -> gaze.Aim:
-    """Return a gaze relative to the standing head, which turns part of the way; the eyes turn the rest."""
-    if aim.head == UPRIGHT_TURN:
-        return aim
-    return replace(aim, head=add_turns(aim.head, scale_turn(rest_head_turn(context.robot), -GAZE_HEAD_FRACTION)))
 
 
 def hanging_arms(sides: Sequence[Side]) -> Poses:
@@ -321,7 +228,8 @@ def without_upright(layer: Layer) -> tuple[Layer, ...]:
     return (layer,) if any(key.turn != UPRIGHT_TURN for key in layer) else ()
 
 
-def _missing_part(part: str, context: BlockContext) -> Move:
+def missing_part(part: str, context: BlockContext) -> Move:
+    """Create an empty motion for a body part that the robot lacks."""
     return drop_behaviour(f"robot {context.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 

@@ -11,7 +11,8 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.movement_words import HeadKind, amplitude_factor, read_head_name
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import Expressivity, passage_of
+from kinesic.expressivity.style.passage import passage_of
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import (
     MIN_KEY_SPACING,
     UPRIGHT_TURN,

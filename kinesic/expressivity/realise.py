@@ -30,13 +30,13 @@ from kinesic.bml.block import (
 from kinesic.bml.timing.constraints import find_constrained_points
 from kinesic.bml.timing.words import find_tied_words
 from kinesic.body.robot import PartName
+from kinesic.expressivity.axis_spans import axes_used
 from kinesic.expressivity.behaviours import (
     BehaviourWarning,
     Move,
     drop_behaviour,
     gesture_move,
     head_move,
-    look_moves,
     pointing_move,
     stays,
     torso_move,
@@ -52,10 +52,11 @@ from kinesic.expressivity.hands.phases import HandArrangement, arrange_hands
 from kinesic.expressivity.hands.succession import find_successions
 from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import HeldTurns, KeyFrames, Outcome
+from kinesic.expressivity.looks import look_moves
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.trunk import turn_trunk_along
 from kinesic.expressivity.turns import add_turns
-from kinesic.expressivity.whole_body import AccompaniedGesture, BodyDemands, WholeBody, accompany_gestures, axes_used
+from kinesic.expressivity.whole_body import AccompaniedGesture, BodyDemands, WholeBody, accompany_gestures
 
 NONE_DROPPED: Mapping[str, str] = MappingProxyType({})  # dropped behaviours of a block without any
 

@@ -11,7 +11,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
+from kinesic.expressivity.style.passage import Phase, passage_of
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
 TURN_AXES = ("torsion", "tilt", "roll")  # rotation axes in the order of Turn; suffixes of neck and torso joint names

@@ -6,15 +6,15 @@ limited to the available time, so that no stroke waits for it. An axis that anot
 the same time is excluded.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import copysign, radians
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
+from kinesic.expressivity.axis_spans import NO_SPANS, Span, Spans, overlap, unused_axes
 from kinesic.expressivity.gaze import towards
 from kinesic.expressivity.hands.phases import NEIGHBOUR_INTERVAL
 from kinesic.expressivity.hands.poses import resting_hands
@@ -22,7 +22,8 @@ from kinesic.expressivity.hands.strokes import HandStroke
 from kinesic.expressivity.keyframes import BodyMove, Turn
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm, LookAt
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
+from kinesic.expressivity.style.passage import Phase, passage_of
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.trunk_following import HEAD_NOD_GAIN, follow_hands, turn_head_along
 from kinesic.expressivity.turns import (
     MIN_KEY_SPACING,
@@ -51,10 +52,6 @@ MIN_TRUNK_TIME = 0.3  # [s] time from the end of a hold to the next stroke for w
 TRUNK_FRACTION = 0.5  # largest fraction of the gaze torsion that the trunk performs
 AVERTED_EYE_RATIO = 2.0  # eye rotation / head rotation of an averted gaze
 NO_MOVE = BodyMove()  # body motion of gestures that move only the hands
-
-Span = tuple[float, float]  # [s] begin and end
-Spans = tuple[Sequence[Span], Sequence[Span], Sequence[Span]]  # torsion, tilt, roll
-NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 @dataclass(frozen=True)
@@ -94,20 +91,6 @@ class _Course:
     leave: float  # [s] begin of the return
     back: float  # [s] end of the return
     manner: Expressivity
-
-
-def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Return the time spans in which the layers rotate each axis.
-
-    A layer that stays away from upright does not use its axis after the last key.
-    """
-    spans: tuple[list[Span], list[Span], list[Span]] = ([], [], [])
-    for layer in layers:
-        for a, b in pairwise(layer):
-            for axis, turns in enumerate(zip(turn_angles(a.turn), turn_angles(b.turn), strict=True)):
-                if any(turns):
-                    spans[axis].append((a.time, b.time))
-    return spans
 
 
 def accompany_gestures(gestures: Sequence[AccompaniedGesture], demands: BodyDemands, pace: Pace) -> WholeBody:
@@ -169,16 +152,16 @@ def _body_move(work: HandStroke, span: Span, demands: BodyDemands, robot: Robot)
         "trunk": clip_turn(stroke, rotation_range(robot, "torso")),
     }
     used_axes = {part: demands.torso if part == "trunk" else demands.head for part in requested}
-    unused = {part: _unused_axes(turn, used_axes[part], span) for part, turn in requested.items()}
+    unused = {part: unused_axes(turn, used_axes[part], span) for part, turn in requested.items()}
     eyes = scale_turn(unused["head"], AVERTED_EYE_RATIO) if body.gaze == "away" else None if place is None else gaze
-    eyes_free, face_free = not _overlap(demands.eyes, span), not _overlap(demands.face, span)
+    eyes_free, face_free = not overlap(demands.eyes, span), not overlap(demands.face, span)
     yielding = [part for part in requested if unused[part] != requested[part]]
     return BodyMove(
         head=unused["head"],
         nod=unused["nod"].tilt,
         shake=unused["shake"].torsion,
         trunk=unused["trunk"],
-        trunk_start=_unused_axes(clip_turn(start, rotation_range(robot, "torso")), demands.torso, span)
+        trunk_start=unused_axes(clip_turn(start, rotation_range(robot, "torso")), demands.torso, span)
         if body.along > 0.0 and work.poses.stroke > 0 and not work.poses.again
         else None,
         shoulders=body.shoulders if any(robot.arm(side).shoulder_lift_joints for side in work.poses.hands) else 0.0,
@@ -217,17 +200,6 @@ def _head_look(gaze: Turn, body: BodyForm) -> Turn:
     largest = LARGEST_LOOK.get(body.gaze, 0.0)
     torsion, tilt, _ = (min(max(body.look * angle, -largest), largest) for angle in turn_angles(gaze))
     return Turn(torsion, tilt)
-
-
-def _unused_axes(turn: Turn, used_axes: Spans, span: Span) -> Turn:
-    """Return the rotation without axes that other behaviours use."""
-    return Turn(
-        *(0.0 if _overlap(spans, span) else angle for angle, spans in zip(turn_angles(turn), used_axes, strict=True))
-    )
-
-
-def _overlap(spans: Sequence[Span], span: Span) -> bool:
-    return any(start < span[1] and span[0] < end for start, end in spans)
 
 
 def _trunk_course(gesture: AccompaniedGesture, move: BodyMove) -> _Course:

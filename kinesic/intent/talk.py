@@ -14,13 +14,14 @@ from kinesic.intent.behaviour_sets import BehaviourSets
 from kinesic.intent.behaviours import ChosenBehaviour, Earlier
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.directed import find_directed
-from kinesic.intent.intents import Intent, Moment
+from kinesic.intent.intents import Moment
 from kinesic.intent.manuscript.pieces import Manuscript
 from kinesic.intent.manuscript.reading import read_more
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory
 from kinesic.intent.pacing.progress import NO_PROGRESS, Progress
 from kinesic.intent.pacing.tempo import liveliness_of
+from kinesic.intent.part_words import clip_intent, select_words
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage, word_duration
 from kinesic.intent.reading.prosody import reopen
@@ -32,7 +33,6 @@ MAX_SILENCE = 2.0  # [s] silence of the sender after which an incomplete phrase 
 LETTERS_PER_WINDOW = 800  # number of letters of streamed text that are read at once
 LONGEST_PHRASE = 16  # [words] longest incomplete phrase that waits for its end
 SHORT_PHRASE = 3  # [words] complete phrases below this length wait briefly for more input
-MAX_PART_WORDS = 24  # [words] largest number of words spoken together
 PART_PAUSE = 0.3  # [s] silence assumed between two parts of a text
 CONTEXT_WORDS = 60  # [words] spoken part of a sentence that is kept as context
 _WORD_END = re.compile(rf"<[^<>]*>|\s|[{UNSPACED_STOPS}]")  # pattern of a tag or character that ends a word
@@ -154,7 +154,7 @@ def next_part(
     words = range(talk.said, _count_complete_words(passage, talk, quiet))
     if not words:
         return _perform_trailing(talk, passage, lexicon, quiet)
-    words = _select_words(passage, words)
+    words = select_words(passage, words)
     begins, ends = (
         talk.parts == 0,
         talk.is_over and words.stop == len(passage.words) and len(talk.text) < LETTERS_PER_WINDOW,
@@ -163,7 +163,7 @@ def next_part(
         passage, language, lexicon, grammar=grammar, begins=begins, ends=ends, liveliness=liveliness_of(style)
     )
     accented, end = add_accents(meanings, passage), passage.starts[words.stop]
-    intents = [_clip_intent(intent, passage, words) for intent in accented if intent.stroke.seconds < end]
+    intents = [clip_intent(intent, passage, words) for intent in accented if intent.stroke.seconds < end]
     if style.name != PLAIN_STYLE:
         intents = [replace(intent, style="") for intent in intents]
     directed = find_directed(passage, lexicon, words, is_last=ends)
@@ -306,21 +306,3 @@ def _count_complete_words(passage: Passage, talk: Talk, quiet: float) -> int:
     is_sentence = complete and passage.is_over and passage.tail[-1:] in SENTENCE_STOPS
     is_short = complete - talk.said < SHORT_PHRASE and complete == count and not is_sentence
     return talk.said if is_short and quiet < SETTLING_TIME else max(complete, talk.said)
-
-
-def _select_words(passage: Passage, words: range) -> range:
-    """Return the range of words to speak in the next part.
-
-    They are whole sentences, otherwise whole phrases, as many as the limit allows.
-    """
-    limit = min(words.stop, words.start + MAX_PART_WORDS)
-    sentences = [sentence[-1] + 1 for sentence in passage.sentences if words.start < sentence[-1] + 1 <= limit]
-    phrases = [phrase[-1] + 1 for phrase in passage.phrases if words.start < phrase[-1] + 1 <= limit]
-    return range(words.start, max(sentences or phrases, default=limit))
-
-
-def _clip_intent(intent: Intent, passage: Passage, words: range) -> Intent:
-    """Clip an intent to the time of some words."""
-    first, last = passage.onset(words.start), passage.close(words.stop - 1)
-    start = first if words.start and intent.start.seconds < first.seconds else intent.start
-    return replace(intent, start=start, end=last if intent.end.seconds > last.seconds else intent.end)

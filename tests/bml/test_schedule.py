@@ -311,13 +311,3 @@ def test_bml_draft_face_relaxes_at_its_stroke_end(stroke_end: str, other_syncs: 
     timeline = schedule(parse(DRAFT_FACE.format(stroke_end, other_syncs)), {}, {})
     assert not timeline.dropped
     assert (at(timeline, "f:relax"), at(timeline, "f:end")) == pytest.approx((relax, end))
-
-
-def test_many_infeasible_behaviours_are_dropped(timed: Timing) -> None:
-    timeline = timed("".join(gesture(f"g{i}", 'start="2" end="1"') for i in range(200)) + gesture("other"))
-    assert (len(timeline.dropped), [x.behaviour.id for x in timeline.timed]) == (200, ["other"])
-
-
-def test_long_chain_of_dependent_behaviours_is_dropped(timed: Timing) -> None:
-    chain = "".join(gesture(f"g{i}", f'start="g{i - 1}:start"') for i in range(600, 0, -1))
-    assert len(timed(chain + gesture("g0", 'start="2" end="1"')).dropped) == 601

@@ -5,7 +5,8 @@ import pytest
 from kinesic.bml.block import Head, Manner, Posture, Torso
 from kinesic.expressivity.behaviours import head_move, torso_move
 from kinesic.expressivity.posture import posture_moves
-from kinesic.expressivity.style.style import Expressivity, Style, passage_of
+from kinesic.expressivity.style.passage import passage_of
+from kinesic.expressivity.style.style import Expressivity, Style
 
 TEST_STYLE = Style("mine", Expressivity(power=0.1), Expressivity(power=0.2), Expressivity(power=0.3))
 

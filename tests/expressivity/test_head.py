@@ -4,7 +4,8 @@ import pytest
 
 from kinesic.bml.block import Head, HeadDirectionShift
 from kinesic.expressivity.head import MAX_ADDED_STROKES, NOD_SWING_TIME, HeadForm, head_form, head_layer, swing_time
-from kinesic.expressivity.style.style import Expressivity, passage_of
+from kinesic.expressivity.style.passage import passage_of
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import UPRIGHT_TURN, rotation_range, scale_turn, turn_at
 
 

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.style import Expressivity, passage_of
+from kinesic.expressivity.style.passage import passage_of
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import (
     MIN_KEY_SPACING,
     TURN_AXES,

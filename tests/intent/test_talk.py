@@ -15,12 +15,12 @@ from kinesic.intent.author import PLAIN_STYLE
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.budget import budget_of
 from kinesic.intent.pacing.progress import Progress
+from kinesic.intent.part_words import MAX_PART_WORDS
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.talk import (
     CONTEXT_WORDS,
     LETTERS_PER_WINDOW,
-    MAX_PART_WORDS,
     MAX_SILENCE,
     SETTLING_TIME,
     Talk,

@@ -77,7 +77,7 @@ def test_block_merged_at_rest_equals_its_plan(planned, running):
     assert (running.dropped, running.notices, running.syncs) == ((), (), plan.syncs)
 
 
-@pytest.mark.parametrize("time", [2.0, 3.7, 5.2, 9.0])
+@pytest.mark.parametrize("time", [3.7, 4.3, 5.2, 9.0])
 def test_nod_is_added_to_running_gestures(planned, running, known, time):
     found = merge(running.trajectory, time, planned(NOD), begin=time, occupied=running.occupancy)
     certified(found.trajectory, known, running.trajectory, time)

@@ -13,7 +13,8 @@ from math import log2
 from typing import Literal
 
 from kinesic.expressivity.style.pace import TEMPORAL_FACTOR, Pace, natural_time, scale_time
-from kinesic.expressivity.style.style import MIN_LATE_ACCENT, NEUTRAL_EXPRESSIVITY, Expressivity, Phase, passage_of
+from kinesic.expressivity.style.passage import MIN_LATE_ACCENT, Phase, passage_of
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.motion.keys import LINEAR_STEEPNESS, MAX_STEEPNESS, KeyPassage
 
 Tempo = Literal["sudden", "neutral", "sustained"]

@@ -15,7 +15,8 @@ from kinesic.face.assets.mesh import MESH_PARTS, MeshPart
 from kinesic.face.assets.paint import COMPLEXIONS, SKIN_RESOLUTION, paint_skin
 from kinesic.face.assets.rig import FRAME_INDICES, SKINNING_FRAMES, SkinningFrame
 from kinesic.face.assets.skinning import TWIST_SUFFIX, Skin
-from kinesic.report.gltf.skin import HAIRLINE_RANGE, PLAIN_COLOURS, screen_colours, shade_locks
+from kinesic.report.gltf.skin import HAIRLINE_RANGE, PLAIN_COLOURS
+from kinesic.report.gltf.skin_pictures import screen_colours, shade_locks
 from kinesic.report.report import Json
 
 VERTEX_KINDS: dict[MeshPart, int] = {"cloth": 1, "eyes": 2}  # shader codes by mesh part; other parts have 0

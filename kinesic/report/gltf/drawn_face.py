@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.files.gltf import GltfFile
-from kinesic.report.gltf.skin import screen_colours
+from kinesic.report.gltf.skin_pictures import screen_colours
 from kinesic.sim.filming.drawn_face import (
     BACKGROUND_COLOUR,
     DESIGN_SIZE,

@@ -1,34 +1,28 @@
 """Human figure as a glTF skin: joints, morph targets and clothes."""
 
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.face.assets.action_units import compute_gaze_rotation, compute_shape_weights, read_intensities
 from kinesic.face.assets.body import DressedPerson, load_figure
 from kinesic.face.assets.chart import compute_chart_window, compute_vertex_chart, unroll_mesh
-from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.mesh import MESH_PARTS
-from kinesic.face.assets.paint import COMPLEXIONS, EYE_HALF_WIDTH, paint_iris, paint_skin
+from kinesic.face.assets.paint import COMPLEXIONS, EYE_HALF_WIDTH, paint_iris
 from kinesic.face.assets.rig import FRAME_INDICES
 from kinesic.face.assets.skinning import Skin
 from kinesic.files.gltf import GltfFile
+from kinesic.report.gltf.skin_pictures import HEM_HALF_WIDTH, encode_jpeg, hem_texture, shade_locks, skin_painting
 
 Rows = NDArray[np.intp]
 
 PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # RGB
 MIN_NORMAL_CHANGE = 0.004  # smaller changes of a normal by a blend shape are left out
-HEM_HALF_WIDTH = 0.04  # [m] width of the clothes' texture on each side of a border
 PART_ROUGHNESS = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}  # glTF roughness (0 glossy, 1 matt) of each surface
-PAINTING_SIZE = 512  # [pixels] width and height of the skin texture
-LOCK_SHADES = (0.6, 1.25)  # brightness of a lock at its root and beyond a third of its length
 HAIRLINE_RANGE = (-0.06, 0.12)  # start and end of the transition from skin to hair, in chart units
 
 
@@ -153,7 +147,7 @@ class _Surface:
         sources, chart, corners = unroll_mesh(self._chart, triangles)
         primitives = [self._painted(sources, chart, corners[(mesh.parts[first] == 0) & self._face[first]], morphs=True)]
         eyes = triangles[mesh.parts[first] == MESH_PARTS.index("eyes")]
-        material = self._material("eyes", texture=_encoded(paint_iris(COMPLEXIONS["female"])))
+        material = self._material("eyes", texture=encode_jpeg(paint_iris(COMPLEXIONS["female"])))
         everyone = np.arange(len(mesh.positions))
         primitives.append(
             self._primitive(everyone, eyes, material, self._chart[:, :2] / EYE_HALF_WIDTH * 0.5 + 0.5, morphs=True)
@@ -193,7 +187,7 @@ class _Surface:
         cloth = mesh.parts == MESH_PARTS.index("cloth")
         for look in np.unique(mesh.plain[cloth], axis=0):
             worn = triangles[(cloth & (mesh.plain == look).all(axis=1))[first]]
-            material = self._material("cloth", tuple((look[:3] ** 2).tolist()), texture=_hem(), cut=True)
+            material = self._material("cloth", tuple((look[:3] ** 2).tolist()), texture=hem_texture(), cut=True)
             across = np.stack([0.5 + mesh.tips / (2 * HEM_HALF_WIDTH), np.full(len(mesh.tips), 0.5)], axis=1)
             primitives.append(self._primitive(everyone, worn, material, np.clip(across, 0.0, 1.0)))
         return primitives
@@ -206,7 +200,7 @@ class _Surface:
         t = np.clip((chart[:, 3] - HAIRLINE_RANGE[0]) / (HAIRLINE_RANGE[1] - HAIRLINE_RANGE[0]), 0.0, 1.0)
         hair = np.clip(np.asarray(complexion.hair) / complexion.skin, 0.0, 1.0)
         colours = 1.0 + (t * t * (3 - 2 * t))[:, None] * (hair - 1.0)
-        material = self._material("skin", texture=_painting())
+        material = self._material("skin", texture=skin_painting())
         return self._primitive(sources, corners, material, np.clip(across, 0.0, 1.0), colours, morphs=morphs)
 
     def _primitive(
@@ -295,43 +289,3 @@ class _Surface:
         mask: dict[str, object] = {"alphaMode": "MASK", "alphaCutoff": 0.5} if cut else {}
         mask |= {"doubleSided": True} if cut or double_sided else {}
         return self._file.add("materials", name=name, pbrMetallicRoughness=look, **mask)
-
-
-def shade_locks(locks: Locks) -> Floats:
-    """Return the linear RGB colours (n, 3) of locks of hair, darker at their roots."""
-    along, bright = locks.places[:, 1], locks.places[:, 3]
-    shade = LOCK_SHADES[0] + (LOCK_SHADES[1] - LOCK_SHADES[0]) * np.clip(3.0 * along, 0.0, 1.0)
-    return np.asarray((shade * bright)[:, None] * np.asarray(COMPLEXIONS["female"].hair))
-
-
-@cache
-def _painting() -> bytes:
-    """Return the painted skin texture as a JPEG."""
-    pixels = np.asarray(paint_skin(COMPLEXIONS["female"]))[:, :, :3]
-    side = len(pixels) // PAINTING_SIZE
-    return _encoded(pixels.reshape(PAINTING_SIZE, side, PAINTING_SIZE, side, 3).mean(axis=(1, 3)))
-
-
-def _encoded(linear: Floats) -> bytes:
-    """Encode linear colours (n, n, 3), bottom row first, as a JPEG."""
-    data = io.BytesIO()
-    Image.fromarray(np.rint(255 * screen_colours(linear)).astype(np.uint8)[::-1]).save(data, "JPEG", quality=88)
-    return data.getvalue()
-
-
-def screen_colours(linear: Floats) -> Floats:
-    """Convert linear colours to sRGB values in 0..1."""
-    low, high = linear * 12.92, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
-    return np.asarray(np.where(linear < 0.0031308, low, high).clip(0.0, 1.0))
-
-
-@cache
-def _hem() -> bytes:
-    """Return the texture of garment borders (cloth, seam, transparency) as a PNG."""
-    where = (np.arange(128) + 0.5) / 128 * 2 * HEM_HALF_WIDTH - HEM_HALF_WIDTH
-    shade = np.where(where > -0.007, 225, 255)
-    alpha = np.where(where < 0.0, 255, 0)
-    row = np.stack([shade, shade, shade, alpha], axis=1).astype(np.uint8)
-    data = io.BytesIO()
-    Image.fromarray(np.repeat(row[None], 2, axis=0)).save(data, "PNG")
-    return data.getvalue()

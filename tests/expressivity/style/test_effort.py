@@ -15,7 +15,8 @@ from kinesic.expressivity.style.effort import (
     GestureTraits,
 )
 from kinesic.expressivity.style.pace import TEMPORAL_FACTOR, Pace
-from kinesic.expressivity.style.style import MIN_LATE_ACCENT, NEUTRAL_EXPRESSIVITY, Expressivity, passage_of
+from kinesic.expressivity.style.passage import MIN_LATE_ACCENT, passage_of
+from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.motion.keys import (
     ACCENT_EASING,
     LATE_ACCENT_EASING,

@@ -6,6 +6,7 @@ import pytest
 from scipy.interpolate import BPoly
 
 from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import (
     EXPRESSIVITY_RANGES,
     MODALITIES,
@@ -13,7 +14,6 @@ from kinesic.expressivity.style.style import (
     Expressivity,
     Setting,
     Style,
-    passage_of,
     style_preset,
 )
 from kinesic.motion.easing import EASING_INTERVALS, soften_easing

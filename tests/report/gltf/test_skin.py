@@ -20,7 +20,7 @@ from kinesic.face.assets.mesh import MESH_PARTS
 from kinesic.face.assets.paint import COMPLEXIONS, EYE_HALF_WIDTH, paint_skin
 from kinesic.face.assets.rig import FRAME_INDICES
 from kinesic.report.gltf.scene import KEY_FRAME_RATE, SceneMotion, is_scene, save_performed, write_scene
-from kinesic.report.gltf.skin import screen_colours
+from kinesic.report.gltf.skin_pictures import screen_colours
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 

@@ -1,0 +1,84 @@
+"""Spline parameters of gesture phases, derived from expressivity (thesis 8.7)."""
+
+from dataclasses import replace
+from typing import Literal
+
+from kinesic.expressivity.style.style import Expressivity
+from kinesic.motion.easing import Easing
+from kinesic.motion.keys import (
+    ACCENT_EASING,
+    LATE_ACCENT_EASING,
+    LINEAR_STEEPNESS,
+    MAX_STEEPNESS,
+    MIN_STEEPNESS,
+    KeyPassage,
+)
+
+Phase = Literal["preparation", "stroke", "hold", "retraction"]
+
+POWER_STEEPNESS = 1.5  # extra steepness of a movement's easing curve at a power of 1, which short strokes can follow
+FORCE_EXPONENT = 3.0  # exponent of power and tension in the easing steepness, so that medium values add little
+OVERSHOOT_THRESHOLD = 0.5  # power above which a hand overshoots; with as much tension it bounces
+OVERSHOOT_ACCENT_FRACTION = 0.68  # fraction of an accent's steepness with which OutBack is as fast as the accent
+MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
+POWER_BIAS = 0.25  # spline bias at a power of 1: the hand continues a little in its direction of approach
+
+
+def passage_of(
+    manner: Expressivity, phase: Phase, *, accent: float = 0.0, late: bool = False, swing: float = 0.0
+) -> KeyPassage:
+    """Derive the spline parameters of a gesture phase from expressivity.
+
+    Tension is the spline's tension; fluidity f gives its continuity c = (f - 1) / 2. In preparation and stroke, power
+    and tension make the hand begin steeply, overshoot a little and return to its key in time; where both are high, it
+    bounces (thesis 8.7). Weakness first removes the accent, then keeps an even velocity. No duration changes. A late
+    accent keeps the steepness that a word needs, and only a bounce replaces it.
+
+    Args:
+        manner: expressivity of the behaviour.
+        phase: gesture phase of the movement that ends at the key.
+        accent: steepness of the stroke itself, beyond the softest easing.
+        late: whether the accent lies at the end of the movement instead of its beginning.
+        swing: of the key.
+    """
+    passed = KeyPassage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
+    if phase not in ("preparation", "stroke"):
+        return passed
+    power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
+    force, left = (
+        POWER_STEEPNESS * power**FORCE_EXPONENT + tension**FORCE_EXPONENT,
+        accent * (1.0 - weakness) - weakness,
+    )
+    if late and min(power, tension) < OVERSHOOT_THRESHOLD and accent > 0.0:
+        left = max(left, MIN_LATE_ACCENT * min(accent, 1.0)) + force
+        return replace(
+            passed,
+            bias=POWER_BIAS * power,
+            easing=LATE_ACCENT_EASING,
+            steepness=min(MIN_STEEPNESS + left, MAX_STEEPNESS),
+        )
+    if force > 0.0:
+        easing, kept = _forced(power, tension, accent)
+        steepness = MIN_STEEPNESS + kept * max(left, 0.0) + force
+        return replace(passed, bias=POWER_BIAS * power, easing=easing, steepness=min(steepness, MAX_STEEPNESS))
+    if left < 0.0:
+        return replace(passed, easing="linear", steepness=LINEAR_STEEPNESS - (MAX_STEEPNESS - LINEAR_STEEPNESS) * left)
+    return (
+        replace(passed, easing=ACCENT_EASING, steepness=min(MIN_STEEPNESS + left, MAX_STEEPNESS))
+        if left > 0.0
+        else passed
+    )
+
+
+def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]:
+    """Return the easing and accent fraction of a powerful or tense movement.
+
+    More power never lowers the peak velocity.
+    """
+    if min(power, tension) >= OVERSHOOT_THRESHOLD:
+        return "out_bounce", 1.0
+    if accent > 0.0 and tension <= 0.0 and power < OVERSHOOT_THRESHOLD:
+        return ACCENT_EASING, 1.0
+    return "out_back", OVERSHOOT_ACCENT_FRACTION + (1.0 - OVERSHOOT_ACCENT_FRACTION) * min(
+        max(power - OVERSHOOT_THRESHOLD, tension) / OVERSHOOT_THRESHOLD, 1.0
+    )

@@ -1,0 +1,19 @@
+"""Blocks of many behaviours that cannot be scheduled."""
+
+from collections.abc import Callable
+
+from kinesic.bml.block import Timeline
+
+from .conftest import gesture
+
+Timing = Callable[[str], Timeline]
+
+
+def test_many_infeasible_behaviours_are_dropped(timed: Timing) -> None:
+    timeline = timed("".join(gesture(f"g{i}", 'start="2" end="1"') for i in range(200)) + gesture("other"))
+    assert (len(timeline.dropped), [x.behaviour.id for x in timeline.timed]) == (200, ["other"])
+
+
+def test_long_chain_of_dependent_behaviours_is_dropped(timed: Timing) -> None:
+    chain = "".join(gesture(f"g{i}", f'start="g{i - 1}:start"') for i in range(600, 0, -1))
+    assert len(timed(chain + gesture("g0", 'start="2" end="1"')).dropped) == 601
