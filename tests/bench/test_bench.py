@@ -130,4 +130,5 @@ def test_benchmark_progress_names_each_measured_module(monkeypatch):
     assert results == [
         *("kinesic.bench.plan.first_command", "measuring plan.first_command"),
         *("kinesic.bench.plan", "measuring plan.first_command", "measuring plan"),
+        *("kinesic.bench.plan.styles", "measuring plan.first_command", "measuring plan", "measuring plan.styles"),
     ]

@@ -24,7 +24,7 @@ SLOW_MODULES = {
 
 
 def test_plan_command_writes_a_motion_file(kinesic, tmp_path):
-    ended = kinesic("plan", "-", "--out", "nod.npz", stdin=NOD)
+    ended = kinesic("plan", "-", "--variation", "0", "--out", "nod.npz", stdin=NOD)
     assert ended.code == 0
     assert ended.out.splitlines()[-1] == "motion: nod.npz"
     with np.load(tmp_path / "nod.npz") as data:
@@ -161,8 +161,8 @@ def test_unknown_verb_and_option_are_refused(kinesic):
 
 
 def test_bap_motion_is_planned_and_performed(kinesic, tmp_path):
-    assert kinesic("plan", "-", "--out", "nod.bap", stdin=NOD).code == 0
-    ended = kinesic("plan", "nod.bap", "--out", "again.npz")
+    assert kinesic("plan", "-", "--variation", "0", "--out", "nod.bap", stdin=NOD).code == 0
+    ended = kinesic("plan", "nod.bap", "--variation", "0", "--out", "again.npz")
     assert ended.code == 0
     with np.load(tmp_path / "again.npz") as data:
         tilt = data["angles"][:, list(data["names"]).index("skullbase_tilt")]

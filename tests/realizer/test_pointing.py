@@ -1,5 +1,7 @@
 """Pointing hands on a trunk moved by other blocks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,9 @@ from kinesic.realizer import pointing
 from kinesic.realizer.occupancy import occupancy_of
 from kinesic.realizer.pointing import PointingStroke, correct_pointing, pointing_hands
 from kinesic.realizer.realizer import begin, improve_block, interrupt, prepare_block, take_replans
+from kinesic.realizer.scene import Scene
+
+from .conftest import Play
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
@@ -156,7 +161,14 @@ def test_pointing_correction_does_not_change_a_later_beat_of_the_same_hand(play)
     np.testing.assert_allclose(play.scene.motion.sample(times)[0][:, arm], before.sample(times)[0][:, arm], atol=1e-6)
 
 
-def test_uncorrectable_pointing_error_is_warned(play, monkeypatch):
+@pytest.fixture
+def still_trunk(known) -> Play:
+    """Scene whose trunk does not follow the hands."""
+    return Play(Scene.of(replace(known, style=known.style.changed(["whole_body=0"]))))
+
+
+def test_uncorrectable_pointing_error_is_warned(still_trunk, monkeypatch):
+    play = still_trunk
     monkeypatch.setattr(pointing, "correct_pointing", lambda *_: None)
     play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE)
     (text,) = play.warnings()
@@ -175,7 +187,8 @@ def test_trunk_motion_just_before_a_pointing_stroke_causes_a_warning_if_the_hand
     check(play)
 
 
-def test_pointing_hand_next_to_the_other_arm_stays_as_planned(play):
+def test_pointing_hand_next_to_the_other_arm_stays_as_planned(still_trunk):
+    play = still_trunk
     play.send("a", LEFT).until(0.3).send("b", POINT_AUDIENCE)
     alone = play.ready("c", POINT_AUDIENCE).plan.trajectory.controls
     arm = list(play.scene.setup.robot.joints("r_arm"))

@@ -74,7 +74,7 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     planning.state.plan_phrases()
     proposals, notices = planning.said()
     (told,) = saying(notices)
-    assert (told["told"], told["text"], told["block"]) == ("saying", "Hello there", "said7-1")
+    assert (told["told"], told["text"], told["block"]) == ("saying", "Hello there.", "said7-1")
     assert {block for block, _ in proposals[-1].moving} <= {"said7-1"}
     assert {each.sender for each in notices} == {7}
     planning.state.plan_phrases()
@@ -86,7 +86,7 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     planning.state.plan_phrases()
     told = saying(planning.said()[1])
     assert [each["told"] for each in told] == ["saying", "all_said"]
-    assert told[0]["text"] == "And so on"
+    assert told[0]["text"] == "And so on."
     assert told[1]["block"] == told[0]["block"] == "said7-2"
 
 

@@ -58,8 +58,8 @@ def test_phrases_are_spoken_without_gap_or_overlap(server):
         end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
         messages += [] if any(end in each for each in messages) else told(client, end)
     saying = answers(messages, "saying")
-    assert " ".join(each["text"] for each in saying).split()[:4] == ["Hello", "my", "friend", "I"]
-    assert " ".join(each["text"] for each in saying).endswith("it was dark")
+    assert " ".join(each["text"] for each in saying).split()[:4] == ["Hello,", "my", "friend!", "I"]
+    assert " ".join(each["text"] for each in saying).endswith("it was dark.")
     assert len(saying) >= 2
     at = starts(messages)
     for one, other in pairwise(saying):
@@ -72,7 +72,7 @@ def test_first_phrase_is_spoken_while_the_next_is_awaited(server):
     with server.client() as client:
         client.do("words", text="Look at the old house on the hill, and ")
         messages = told(client, r'id="[^"]*:start"')
-        assert answers(messages, "saying")[0]["text"] == "Look at the old house on the hill"
+        assert answers(messages, "saying")[0]["text"] == "Look at the old house on the hill,"
         client.do("words", text="the tower", ends=True)
         assert answers(told(client, '"all_said"'), "saying")[0]["text"] == "and the tower"
 
@@ -84,7 +84,7 @@ def test_streamed_words_that_are_not_yet_spoken_can_be_replaced(server):
         client.do("words", text="It was wonderful!", instead=True, ends=True)
         saying = answers(told(client, '"all_said"'), "saying")
     assert "dull" not in json.dumps(saying) or "dull" in saying[0]["text"]
-    assert saying[-1]["text"].endswith("wonderful")
+    assert saying[-1]["text"].endswith("wonderful!")
 
 
 def test_silence_ends_an_unfinished_phrase(server):
@@ -106,7 +106,7 @@ def test_stop_and_interrupt_drop_unspoken_words(server, verb):
             client.do("resume")
         sleep(0.3)
         client.do("words", text="Back again. ", ends=True)
-        assert answers(told(client, '"all_said"'), "saying")[-1]["text"] == "Back again"
+        assert answers(told(client, '"all_said"'), "saying")[-1]["text"] == "Back again."
 
 
 def test_phrases_of_two_streamed_texts_alternate_without_overlap(server):
@@ -133,11 +133,11 @@ def talkative():
 def test_plain_text_over_websocket_and_tcp_is_spoken(talkative):
     with connect(f"ws://127.0.0.1:{talkative.port}") as web:
         web.send("Hello there, my \N{SNOWMAN} friend!")
-        assert json.loads(web.recv(MAX_WAIT))["text"] == "Hello there my friend"
+        assert json.loads(web.recv(MAX_WAIT))["text"] == "Hello there, my friend!"
     with talkative.client() as client:
         client.do("ping")
         client.send("Look over there!")
-        assert answers(told(client, '"all_said"'), "saying")[0]["text"] == "Look over there"
+        assert answers(told(client, '"all_said"'), "saying")[0]["text"] == "Look over there!"
         client.send("[1, 2]")
         told(client, "PARSING_FAILURE")
 

@@ -202,6 +202,7 @@ def pendulum(capsules):
     hinge = Hinge("swing", "link", sealed([0, 1, 0]), -3.0, 3.0, 0.0)
     return Robot(
         name="pendulum",
+        contact_distance=0.015,
         path=ROBOT.path,
         skeleton=Skeleton((Segment("base", None, sealed([0, 0, 0]), 1.0, ()), link), (hinge,)),
         mounts=(Mount(Drive(PENDULUM_SERVO, 1, 1.5), "base", sealed([0, 0, 0])),),

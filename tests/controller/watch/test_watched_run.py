@@ -23,21 +23,22 @@ SOFT_AND_LATE = Factors(gain=0.4, latency=0.02)
 
 
 @pytest.fixture(scope="module")
-def pleading(known) -> Plan:
-    return plan(BLOCK_BML.format('<gesture id="g" lexeme="plead" start="0.1" stroke="0.7" end="1.5"/>'), known)
+def praying(known) -> Plan:
+    return plan(BLOCK_BML.format('<gesture id="g" lexeme="prayer" start="0.1" stroke="0.7" end="1.5"/>'), known)
 
 
-def test_clearance_watch_slows_the_twin_before_the_hands_touch(pleading):
-    even, watched = (dry_run(pleading, twin=SOFT_AND_LATE, correction=False, watch=watch) for watch in (False, True))
-    assert even.measured.clearance.distances.min() < 0.0 < watched.measured.clearance.distances.min()
+def test_clearance_watch_slows_the_twin_before_the_hands_come_too_near(praying):
+    even, watched = (dry_run(praying, twin=SOFT_AND_LATE, correction=False, watch=watch) for watch in (False, True))
+    limit = 0.5 * praying.setup.robot.min_clearance
+    assert even.measured.clearance.distances.min() < limit < watched.measured.clearance.distances.min()
     assert watched.min_pace < 0.5 < even.min_pace == 1.0
     assert watched.performed == pytest.approx(1.0, abs=0.01)
     assert len(watched.reference.times) == len(watched.measured.times) > len(even.measured.times)
     assert np.all(np.diff(watched.reference.times) > 0.0)
 
 
-def test_clearance_watch_does_not_slow_the_nominal_twin(pleading):
-    performance = dry_run(pleading)
+def test_clearance_watch_does_not_slow_the_nominal_twin(praying):
+    performance = dry_run(praying)
     assert (performance.min_pace, performance.performed) == (1.0, 1.0)
 
 
@@ -56,11 +57,11 @@ def test_twin_run_with_clearance_watch_equals_plain_dry_run_at_ample_clearance(k
     np.testing.assert_allclose(run.duties[:count], calm.reference.duties, atol=1e-9)
 
 
-def test_twin_run_stops_after_the_maximum_time_at_minimum_speed(known, pleading):
+def test_twin_run_stops_after_the_maximum_time_at_minimum_speed(known, praying):
     """The robot requires more clearance than possible."""
-    start = pleading.trajectory.at(0.0).angles
+    start = praying.trajectory.at(0.0).angles
     least = float(known.distances.clearance(start[None]).distances[0]) / (RESERVE_FRACTION + 0.05)
-    cautious = replace(pleading, setup=replace(known, robot=replace(known.robot, min_clearance=least)))
+    cautious = replace(praying, setup=replace(known, robot=replace(known.robot, min_clearance=least)))
     twin = Twin(known.robot, factors=NOMINAL_FACTORS, start=start)
     run = perform_watched(cautious, twin, FeedForward(known.robot, known.dynamics), None)
     assert len(run.times) * COMMAND_PERIOD == pytest.approx(MAX_CREEP_TIME, abs=0.1)
@@ -68,11 +69,11 @@ def test_twin_run_stops_after_the_maximum_time_at_minimum_speed(known, pleading)
 
 
 @pytest.mark.filterwarnings("error")
-def test_dry_run_stopped_at_its_first_posture_is_reported_as_failed(known, pleading):
+def test_dry_run_stopped_at_its_first_posture_is_reported_as_failed(known, praying):
     """The robot requires four times the clearance of the first posture."""
-    start = pleading.trajectory.at(0.0).angles
+    start = praying.trajectory.at(0.0).angles
     least = float(known.distances.clearance(start[None]).distances[0]) / (RESERVE_FRACTION - 0.05)
-    cautious = replace(pleading, setup=replace(known, robot=replace(known.robot, min_clearance=least)))
+    cautious = replace(praying, setup=replace(known, robot=replace(known.robot, min_clearance=least)))
     stopped = dry_run(cautious)
     assert len(stopped.reference.times) == 2
     assert {check.name: check.status for check in checks(stopped)}["collision.performed"] == "fail"

@@ -107,7 +107,7 @@ def test_calibrated_range_that_excludes_the_rest_angle_is_refused():
     elbow = ROBOT.skeleton.joint("l_elbow_flexion")
     raised = np.where([m.joint == elbow for m in MANIFEST.members], 400, 0)
     travel = Travel(ZEROS - raised, travel.present, travel.lowest + raised, travel.highest + raised, travel.directions)
-    with pytest.raises(ConfigError, match="excludes its rest of 25 deg"):
+    with pytest.raises(ConfigError, match="excludes its rest of 18 deg"):
         found(travel)
 
 

@@ -59,7 +59,7 @@ def test_survey_reads_all_servos_at_rest(bench):
     assert [each.member.id for each in seen] == [member.id for member in table.manifest.members]
     assert all(each.right and not each.torque and not each.errors for each in seen)
     elbow = next(each for each in seen if each.member.hinge == "l_elbow_flexion")
-    assert elbow.degrees == pytest.approx(25.0, abs=0.1)
+    assert elbow.degrees == pytest.approx(18.0, abs=0.1)  # at rest
     assert (elbow.volts, elbow.celsius) == (12.0, 25)
     assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
 

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kinesic.body.robot import SHOULDER_LIFT_SUFFIX
 from kinesic.expressivity.idle import Idling
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.stopping import stop
@@ -60,12 +59,11 @@ def test_idle_motion_moves_no_sync_point_and_keeps_limits(known, asked, seed):
 def test_idle_motion_is_planned_and_begins_and_ends_at_rest(known, waiting):
     angles = waiting.trajectory.sample(np.linspace(0.0, waiting.duration, 200))[0]
     away = np.degrees(np.abs(angles - known.robot.skeleton.rest).max(axis=0))
-    still = [name for name, degrees in zip(known.robot.skeleton.names, away, strict=True) if degrees > 0.2]
-    assert still
-    assert all(name.startswith(("v", "sk")) or name.endswith(SHOULDER_LIFT_SUFFIX) for name in still), (
-        "trunk, neck and collar bones"
-    )
-    assert away.max() < 15.0
+    moving = {name for name, degrees in zip(known.robot.skeleton.names, away, strict=True) if degrees > 0.2}
+    assert any(name.startswith("v") for name in moving), "the trunk sways"
+    assert any(name.startswith("sk") for name in moving), "the head glances"
+    assert any("_shoulder_" in name for name in moving), "the arms change their rest"
+    assert away.max() < 60.0
     np.testing.assert_allclose(angles[[0, -1]], np.tile(known.robot.skeleton.rest, (2, 1)), atol=1e-6)
 
 
