@@ -105,7 +105,7 @@ def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], co
 
 
 def _from_standing(aim: gaze.Aim, context: BlockContext) -> gaze.Aim:
-    """Return a gaze relative to the standing head, which turns part of the way; the eyes turn the rest."""
+    """Return a gaze relative to the standing head posture."""
     if aim.head == UPRIGHT_TURN:
         return aim
     return replace(aim, head=add_turns(aim.head, scale_turn(rest_head_turn(context.robot), -GAZE_HEAD_FRACTION)))

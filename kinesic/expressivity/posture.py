@@ -242,7 +242,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
 
 
 def _from_standing(posture_pose: Pose, robot: Robot) -> Turn:
-    """Return the trunk rotation relative to standing, which an explicit trunk pose overrides."""
+    """Return the trunk rotation relative to the standing posture."""
     turn = posture_pose.lean.turn
     return add_turns(turn, scale_turn(rest_turn(robot, "torso"), -1.0)) if posture_pose.names_trunk else turn
 

@@ -158,14 +158,14 @@ def plan_behaviours(
 
 
 def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:
-    """Return all intents in time order, with an intent for each accent that has none."""
+    """Add an intent for each accent without one, in time order."""
     taken = frozenset(intent.word for intent in intents if intent.name in BEAT_INTENTS)
     ordered = sorted([*intents, *find_accents(passage, taken)], key=lambda intent: intent.stroke.seconds)
     return tuple(ordered)
 
 
 def reach_directed(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
-    """Delay a gesture from a stage direction until the hand can reach it."""
+    """Delay a directed gesture until the hand can reach it."""
     if behaviour.channel != "gesture":
         return behaviour
     return replace(behaviour, intent=reachable(behaviour.intent, since))

@@ -22,7 +22,7 @@ MIN_CERTAINTIES: Mapping[Channel, float] = {"gaze": 0.3}  # smallest certainty o
 
 @dataclass(frozen=True)
 class MovementBudget:
-    """Budget of a text: number of gestures, their smallest spacings, and tempo of beats."""
+    """Number, smallest spacings and tempo of a text's gestures."""
 
     gestures: int
     gaps: Mapping[Channel, float]  # [s] smallest spacing of strokes

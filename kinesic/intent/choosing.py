@@ -142,7 +142,7 @@ def _beat_forms(sets: BehaviourSets) -> Sequence[Choice]:
 def _recall(
     memory: ChoiceMemory, fixed: Sequence[ChosenBehaviour], budget: MovementBudget, since: float
 ) -> GestureUses:
-    """Return the gestures shown so far, in earlier texts and in this one."""
+    """Return the gestures shown in earlier texts and in this one."""
     uses = GestureUses(budget.repeat_window)
     for past in memory.gestures:
         uses.add(past)

@@ -83,7 +83,7 @@ def _names(direction: str) -> Iterator[str]:
 
 
 def _place(passage: Passage, index: int, direction: str, later: float) -> Intent:
-    """Create the intent of a stage direction, timed by its position in the text.
+    """Create the intent of a stage direction at its position.
 
     Args:
         passage: text.

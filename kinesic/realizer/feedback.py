@@ -34,7 +34,7 @@ class Progress:
         return self.behaviour, self.point
 
     def interrupted(self, time: float) -> "Progress":
-        """Return a copy of the point, marked as interrupted at a time."""
+        """Return a copy of the report, marked as interrupted at a time."""
         return replace(self, time=time, state=BlockState.INTERRUPTED)
 
 

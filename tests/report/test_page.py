@@ -294,7 +294,7 @@ def test_value_just_over_its_limit_has_enough_digits() -> None:
     assert (tile.value, tile.limit) == ("1.00123", "at most 1.00")
 
 
-def test_unknown_check_groups_and_zero_limits_have_tiles() -> None:
+def test_unknown_check_group_has_a_tile_also_with_a_zero_limit() -> None:
     found = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
     assert [(tile.title, tile.name, tile.limit) for tile in found] == [("Weather", "wind", "at most 5\u00b0")]
 

@@ -26,7 +26,7 @@ from kinesic.body.utterance import Utterance
 HOLD_SYNCS = frozenset({"strokeStart", "relax"})  # sync points at the end of a hold
 
 _SPEECH_START_SYNCS = GESTURE_SYNCS[:4]  # draft names of the start of a speech
-_SPEECH_END_SYNCS = GESTURE_SYNCS[4:]  # draft names of the end of a speech
+_SPEECH_END_SYNCS = GESTURE_SYNCS[4:]  # sync points of the BML draft that mean the end of a speech
 _DRAFT_FACE_SYNCS = (
     GESTURE_SYNCS[0],
     "attackPeak",

@@ -69,7 +69,7 @@ class InterruptionWatch:
             self._well_at = self._clock
 
     def note_commands(self, clock: float, *, stage: Stage, before: bool, left: bool, fresh: bool) -> None:
-        """Record the planner commands that arrived in a new cycle.
+        """Update the detection of missing planner commands in a new cycle.
 
         Args:
             clock: [s] current time.

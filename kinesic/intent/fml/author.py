@@ -25,7 +25,7 @@ ROOT_NAME = "fml-apml"  # root element of FML-APML documents
 
 
 def is_fml(text: str | bytes) -> bool:
-    """Return whether a text is an FML-APML document, with or without text around it."""
+    """Return whether a text contains an FML-APML document."""
     return find_root(text) == ROOT_NAME
 
 

@@ -1,4 +1,4 @@
-"""Addresses in a text: those with a scheme are not spoken, e-mail addresses are kept whole."""
+"""Web and e-mail addresses in a text."""
 
 import re
 
@@ -12,7 +12,7 @@ _CLOSING_SIGNS = ".,;:!?)'\"*_]"  # signs after an address that do not belong to
 
 
 def read_address(state: Manuscript, *, ends: bool) -> Step | None:
-    """Skip a web address, or the path after a host name, with a warning.
+    """Skip a web address or a path, with a warning.
 
     Returns:
         Length 0 without an address, None if it may be incomplete.

@@ -1,4 +1,4 @@
-"""Markup at the beginning of a line, and the pause at its end."""
+"""Markup and pauses at the beginning and end of lines."""
 
 import re
 
@@ -107,7 +107,7 @@ def _upper(name: str) -> str:
 
 
 def skip_other_speaker(state: Manuscript, *, ends: bool) -> Step | None:
-    """Skip one line of another speaker, or read the label of this robot's character."""
+    """Skip a line of another speaker, or read this speaker's label."""
     line, newline, _ = state.rest.partition("\n")
     if not newline and not ends and len(line) < MAX_SKIPPED_LENGTH:
         return None
@@ -122,7 +122,7 @@ def skip_other_speaker(state: Manuscript, *, ends: bool) -> Step | None:
 
 
 def find_speakers(text: str) -> frozenset[str]:
-    """Return the speaker names at the line beginnings of a dialogue, in capitals.
+    """Return the speakers' names of a dialogue, in capitals.
 
     A text is a dialogue if two names begin its lines, and no line has none.
     """

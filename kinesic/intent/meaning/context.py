@@ -61,7 +61,7 @@ class Context:
         return all(self.language.has("opener", self.plain[j]) for j in range(first, k))
 
     def is_clause_end(self, k: int) -> bool:
-        """Return whether a word is the last one of its clause, apart from closers (`then`)."""
+        """Return whether only closers (`then`) follow a word in its clause."""
         stop = self.clause_words(k).stop
         return all(self.language.has("closer", self.plain[j]) for j in range(k + 1, stop))
 
@@ -93,11 +93,11 @@ class Context:
         return False
 
     def is_wished(self, k: int) -> bool:
-        """Return whether a word names something wished for, supposed or in the future."""
+        """Return whether a word names something wished, supposed or future."""
         return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)
 
     def is_reported(self, k: int) -> bool:
-        """Return whether a report of another person's words or thoughts precedes a word."""
+        """Return whether reported speech precedes a word."""
         before = [j for j in self.sentence(k) if j < k]
         others = any(self.plain[j] in ("he", "she", "they") or self.passage.words[j].is_content for j in before)
         return others and any(
@@ -105,7 +105,7 @@ class Context:
         )
 
     def is_felt(self, k: int) -> bool:
-        """Return whether the speaker is the one who feels what a word names.
+        """Return whether the speaker feels the emotion that a word names.
 
         The last subject before it in its clause is the speaker, or there is none.
         """

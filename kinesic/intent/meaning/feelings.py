@@ -22,7 +22,7 @@ FORMAL_INTENTS = frozenset(
 
 
 def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> Intent | None:
-    """Return a rule's intent with the signals that face and head may show, or None.
+    """Restrict a rule's intent to suitable signals of face and head.
 
     Idioms say something else than their words. A feeling is shown only by the speaker who has it, not in a question, a
     wish, a denial or a report. The head does not nod where something is denied, sad or stern.

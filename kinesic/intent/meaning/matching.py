@@ -100,7 +100,7 @@ def _has_class(context: Context, k: int, near: int, names: frozenset[str], borde
 
 
 def _stroke_word(context: Context, span: Span) -> int:
-    """Return the stroke's word in a match: marked, else last content word, else last one."""
+    """Return the word of a match that carries the stroke."""
     if span.stroke >= 0:
         return span.stroke
     words = context.passage.words

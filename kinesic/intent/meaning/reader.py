@@ -1,4 +1,4 @@
-"""Intents of a text with the gestures that show them: pictures, beats, faces, heads."""
+"""Intents of a text, with the gestures that show them."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -114,7 +114,7 @@ def _builtin_names() -> frozenset[str]:
 
 
 def _mute(intent: Intent, lexicon: Lexicon) -> Intent:
-    """Remove the hand gesture from a rule's intent, because cues choose a better one."""
+    """Remove the hand gesture from a rule's intent."""
     if intent.name in HAND_INTENTS or intent.name == "accent" or "emoticon" in intent.reason:
         return intent
     if intent.name in ILLUSTRATION_INTENTS and not set(intent.lexemes) <= _builtin_names():

@@ -1,4 +1,4 @@
-"""Places of beats: on the last content word of a sentence, and away from pictures."""
+"""Places of beats in sentences without pictures."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -70,7 +70,7 @@ def _beat(context: Context, k: int) -> Intent:
 
 
 def place_stroke(passage: Passage, k: int) -> int:
-    """Return the word that carries a beat: the given one, or a content word next to it."""
+    """Return the content word at or next to a beat."""
     words = passage.words
     if words[k].is_content or words[k].emphatic:
         return k

@@ -211,7 +211,7 @@ def _make_pedestal(column: Capsule) -> DistanceField:
 
 
 def _list_waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yield the dark regions of a trunk part.
+    """Yield the regions of a trunk part in the colour of joints.
 
     These are the neck, the lower end of a moving part and the upper end of a standing part.
     """

@@ -29,7 +29,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Separation:
-    """How well a classifier tells two groups of clips apart."""
+    """Accuracy and AUC of a classifier of two groups of clips."""
 
     auc: float  # area under the curve, 0.5 (chance) to 1
     accuracy: float  # mean of both groups' fractions of right decisions
@@ -39,7 +39,7 @@ Scorer = Callable[[Floats, Flags, Floats], Floats]  # training features, their l
 
 
 def separate(ours: Sample, others: Sample, scorer: "Scorer | None" = None) -> Separation:
-    """Return how well clips of one sample are told from those of another.
+    """Return the accuracy of a classifier of two samples of clips.
 
     Scores of a fold come from a classifier that saw no performance of this fold. AUC and accuracy are means over folds.
 
@@ -56,7 +56,7 @@ def separate(ours: Sample, others: Sample, scorer: "Scorer | None" = None) -> Se
 
 
 def separate_unseen(ours: Sample, seen: Sample, unseen: Sample, scorer: "Scorer | None" = None) -> Separation:
-    """Return how well a classifier trained on some sets works on other ones.
+    """Return the accuracy of a trained classifier on other sets.
 
     Args:
         ours: clips labelled as positive, cross-validated by performance.
@@ -105,7 +105,7 @@ def fold_pairs(ours: Sequence[str], others: Sequence[str]) -> Iterator[tuple[Fla
 
 
 def assign_folds(performances: Sequence[str]) -> Indices:
-    """Return a fold (n,) for every clip; a performance lies in one fold.
+    """Assign each clip to a fold (n,), without dividing any performance.
 
     The largest performances are assigned first, each to the smallest fold.
 

@@ -139,7 +139,7 @@ def compare_body(ours: MeasuredSet, captured: Sequence[MeasuredSet]) -> list[Met
 
 
 def compare_sets(captured: Sequence[MeasuredSet], known: Sequence[MeasuredSet]) -> list[Metric]:
-    """Measure captured sets, and how well they are told apart from each other.
+    """Measure captured sets and the accuracy of their classification.
 
     Args:
         captured: measured sets.

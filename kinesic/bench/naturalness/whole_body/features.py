@@ -41,7 +41,7 @@ MOTION_FEATURES = (*SMALLEST_VALUES, *PLAIN_MEASURES)
 
 @dataclass(frozen=True, eq=False)
 class MeasuredSet:
-    """Measures of all clips of one captured set or one of our bodies."""
+    """Measures of the clips of a captured set or a robot."""
 
     name: str
     gestures: tuple[WholeBodyMeasures, ...]

@@ -1,4 +1,4 @@
-"""Whole-body motion of the lexicon's gestures, with all default options of a performance."""
+"""Whole-body motion of the lexicon's gestures with default options."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -30,7 +30,7 @@ def list_gestures(every: int = 1) -> list[GestureTask]:
 
 
 def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:
-    """Plan gestures alone on a robot; dropped ones are left out.
+    """Plan each gesture alone on a robot, omitting dropped ones.
 
     Raises:
         RuntimeError: a worker process crashed.
@@ -49,7 +49,7 @@ def _prepare(robot: str, style: str) -> Callable[[GestureTask], BodyMotion | Non
 
 
 def _perform(robot: str, style: str, gesture: str, seed: int) -> BodyMotion | None:
-    """Plan one gesture; the seed also varies the rest posture, so that each one needs its own setup."""
+    """Plan one gesture with a setup of its own, whose seed varies the rest."""
     setup = set_up(robot, style=style, idle=1.0, variation=1.0, seed=seed)
     form = next(form for form in setup.lexicon.forms if form.id == gesture)
     planned = plan_gesture(form, setup, stroke=STROKE_TIME)

@@ -28,7 +28,7 @@ STILL_RATIO = 0.1  # hand speed / its largest one, below which a hand counts as 
 
 @dataclass(frozen=True)
 class WholeBodyMeasures:
-    """Motion of hands, trunk, head and collar bones in one clip; angles in degrees."""
+    """Motion [deg] of hands, trunk, head and collar bones in a clip."""
 
     trunk: float  # [deg] largest rotation of the chest since the first frame
     trunk_speed: float  # [deg/s] largest
@@ -54,7 +54,7 @@ MEASURE_NAMES = tuple(field.name for field in fields(WholeBodyMeasures))
 
 
 def cut_clips(motion: BodyMotion) -> Iterator[BodyMotion]:
-    """Yield the gesture of a clip, or windows of a clip without sync points."""
+    """Yield a clip's gesture, or windows without sync points."""
     begin, end = motion.syncs["start"], motion.syncs["end"]
     if "relax" in motion.syncs:
         yield motion.clip(begin, min(end, motion.syncs["relax"] + RETURN_TIME))
@@ -101,7 +101,7 @@ def measure_whole_body(motion: BodyMotion) -> WholeBodyMeasures:
 
 
 def elbow_angles(motion: BodyMotion) -> Floats:
-    """Return the flexion (2, m) [deg] of both elbows, 0 for straight arms."""
+    """Return the flexion (2, m) [deg] of both elbows."""
     upper, fore = motion.elbows - motion.shoulders, motion.wrists - motion.elbows
     cosines = (upper * fore).sum(-1) / (np.linalg.norm(upper, axis=-1) * np.linalg.norm(fore, axis=-1))
     flexion: Floats = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))

@@ -1,4 +1,4 @@
-"""Motion of trunk, head and arms in a form that is independent of the skeleton."""
+"""Motion of trunk, head and arms, independent of the skeleton."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -53,7 +53,7 @@ class BodyMotion:
 
 
 def smooth_frames(values: Floats) -> Floats:
-    """Smooth values (m, ...) over neighbouring frames; ends are extended."""
+    """Smooth values (m, ...) over neighbouring frames."""
     margin = len(SMOOTHING_WEIGHTS) // 2
     padded = np.concatenate([values[:1].repeat(margin, axis=0), values, values[-1:].repeat(margin, axis=0)])
     count = len(values)

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 
 @dataclass(frozen=True)
 class StandingPosture:
-    """Posture of arms and head; pairs of arms as mean and difference, so that mirror images are equal."""
+    """Posture of arms and head, equal for mirror images."""
 
     out: float  # [arm lengths] wrist to the side of its shoulder
     forward: float  # [arm lengths] wrist in front of its shoulder
@@ -40,7 +40,7 @@ FIRST_FRAMES = 3  # frames over which this speed is measured
 
 
 def starts_at_rest(motion: BodyMotion) -> bool:
-    """Return whether both hands are still in the first frames of a clip."""
+    """Return whether both hands rest in a clip's first frames."""
     steps = (motion.wrists - motion.chest)[:, FIRST_FRAMES] - (motion.wrists - motion.chest)[:, 0]
     duration = float(motion.times[FIRST_FRAMES] - motion.times[0])
     return float(np.linalg.norm(steps, axis=1).max()) / motion.arm / duration < MAX_REST_SPEED
