@@ -79,7 +79,7 @@ def test_server_performs_blocks_from_standard_input_and_then_ends():
 def test_say_speaks_all_words_of_standard_input():
     say = [sys.executable, "-m", "kinesic", "say", "-", "--voice", "durations"]
     done = subprocess.run(say, input="Hello, my friend! Look", capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["Hello", "my", "friend", "Look"]
+    assert done.stdout.split() == ["Hello,", "my", "friend!", "Look"]
 
 
 def test_server_requires_the_token_and_ends_cleanly_on_ctrl_c():

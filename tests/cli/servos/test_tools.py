@@ -35,7 +35,7 @@ def test_show_prints_servo_states_and_registers_that_differ_from_defaults(kinesi
     ended = kinesic("servos", "show", "--port", table.port)
     assert ended.code == 0
     row = next(line for line in ended.out.splitlines() if "l_elbow_flexion" in line)
-    assert row.split()[:8] == ["l_elbow_flexion", "15", "xm430_w210", "52", "25.0", "25", "12.0", "off"]
+    assert row.split()[:8] == ["l_elbow_flexion", "15", "xm430_w210", "52", "18.0", "25", "12.0", "off"]
     assert "RETURN_DELAY_TIME 250 (-> 0)" in row
 
 
