@@ -79,7 +79,7 @@ docs: .venv/.stamp-docs
 
 # The tutorials of the site, block by block as their readers would; `make test` only reads them.
 tutorials: .venv/.stamp-test
-	@$(BIN)/python -m pytest -m tutorial tests/tutorials -n 2 --dist loadfile
+	@$(BIN)/python -m pytest -m tutorial tests/tutorials -n 2 --dist loadfile --reruns 1 -rR
 
 # The source archive and the wheels for Linux in dist, checked: CPython 3.11, and the stable ABI of 3.12 and later.
 wheels: .venv/.stamp-release
