@@ -20,8 +20,8 @@ from kinesic.body.config import ConfigError
 NO_ROTATION = sealed(np.zeros(3))  # (3,) [rad] rotation vector of a BVH joint before the motion
 MAX_FIRST_STEP = np.radians(30.0)  # [rad] larger rotations after the first frame mean that it is a T-pose
 
-_FRAMES = re.compile(r"MOTION\s+Frames:\s*\d+\s+Frame Time:\s*(\S+)\s*\n(.*)", re.DOTALL)
-_WORDS = re.compile(r"End\s+Site|[{}]|[^\s{}]+")
+_FRAME_BLOCK = re.compile(r"MOTION\s+Frames:\s*\d+\s+Frame Time:\s*(\S+)\s*\n(.*)", re.DOTALL)
+_HIERARCHY_WORD = re.compile(r"End\s+Site|[{}]|[^\s{}]+")
 
 Channels = tuple[tuple[str, str], ...]  # joint and channel of every column, as `Zrotation`
 
@@ -45,7 +45,7 @@ def read_bvh(path: Path) -> tuple[tuple[CapturedJoint, ...], CapturedMotion]:
     """
     text = _read_text(path)
     joints, channels = _parse_hierarchy(text, path)
-    match = _FRAMES.search(text)
+    match = _FRAME_BLOCK.search(text)
     if match is None:
         raise ConfigError(f"{path}: not a BVH file: it needs MOTION, Frames and Frame Time")
     try:
@@ -99,7 +99,7 @@ def _parse_hierarchy(text: str, path: Path) -> tuple[tuple[CapturedJoint, ...], 
     joints: list[CapturedJoint] = []
     channels: list[tuple[str, str]] = []
     ancestors: list[str | None] = []
-    words = list(_WORDS.findall(text.partition("MOTION")[0]))
+    words = list(_HIERARCHY_WORD.findall(text.partition("MOTION")[0]))
     name: str | None = None
     for k, word in _commands(words):
         if word in ("ROOT", "JOINT"):

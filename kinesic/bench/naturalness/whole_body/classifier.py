@@ -11,7 +11,7 @@ from scipy.stats import rankdata
 from kinesic.body.arrays import Flags, Floats, Indices
 
 RIDGE_WEIGHT = 1.0  # penalty of squared logistic weights, relative to the mean loss of one clip per weight
-NEIGHBOURS = 9  # clips that vote in the nearest-neighbour classifier
+NEIGHBOUR_COUNT = 9  # clips that vote in the nearest-neighbour classifier
 MAX_ITERATIONS = 200  # steps of the logistic regression
 MAX_FOLDS = 5  # folds of the cross-validation
 
@@ -156,7 +156,7 @@ def score_neighbours(train: Floats, labels: Flags, test: Floats) -> Floats:
     distances = np.linalg.norm(test[:, None] - train[None], axis=-1)
 
     def mean_distance(members: Flags) -> Floats:
-        count = min(NEIGHBOURS, int(members.sum()))
+        count = min(NEIGHBOUR_COUNT, int(members.sum()))
         nearest: Floats = np.sort(distances[:, members], axis=1)[:, :count].mean(axis=1)
         return nearest
 

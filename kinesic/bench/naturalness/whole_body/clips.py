@@ -29,7 +29,7 @@ GESTURE_SET = "bvh gestures"  # name of the set of all BVH files with gestures
 OTHER_SET = "bvh other"  # name of the set of all other BVH files
 SET_FOLDERS = ("motions",)  # folders within a set's folder that hold its clips
 MAX_ARM_LENGTH = 3.0  # [m] longer arms are given in centimetres
-CENTIMETRE = 0.01  # [m]
+METRES_PER_CENTIMETRE = 0.01
 STRAIGHT_RATIO = 0.95  # wrist distance from the shoulder / arm length, above which an arm counts as straight
 LEVEL_HEIGHT = 0.2  # [arm lengths] largest height of the wrists from the shoulders in a T-pose
 LOWERED_HEIGHT = 0.7  # [arm lengths] depth of both wrists below the shoulders after a T-pose
@@ -154,7 +154,7 @@ def _make_motion(path: Path, joints: Sequence[CapturedJoint], motion: CapturedMo
     times = _resample_times(motion.times)
     (left, right) = names.arms
     length = float(np.mean([_arm_length(neutral, chain) for chain in names.arms]))
-    unit = CENTIMETRE if length > MAX_ARM_LENGTH else 1.0
+    unit = METRES_PER_CENTIMETRE if length > MAX_ARM_LENGTH else 1.0
 
     def positions(joint: str) -> Floats:
         samples = unit * frames.positions[joint] @ TO_Z_UP.T

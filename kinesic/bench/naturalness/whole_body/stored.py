@@ -62,7 +62,7 @@ def format_sets(sets: Iterable[MeasuredSet]) -> str:
 
 
 def _to_set(name: str, columns: SetTable) -> MeasuredSet:
-    gestures = [
+    gestures = [  # the keys are the names of the fields, which the type checker cannot see
         WholeBodyMeasures(**{key: _to_value(key, columns.measures[key][k]) for key in MEASURE_NAMES})  # type: ignore[arg-type]
         for k in range(len(columns.performances))
     ]
