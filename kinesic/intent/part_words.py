@@ -1,4 +1,4 @@
-"""Words of the next part of a streamed text, and intents clipped to them."""
+"""Selection of the next words to speak, with intents clipped to them."""
 
 from dataclasses import replace
 

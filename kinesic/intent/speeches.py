@@ -1,4 +1,4 @@
-"""Division of a long text into successive speeches at ends of paragraphs and sentences."""
+"""Division of a long text into speeches at paragraph and sentence ends."""
 
 from kinesic.intent.reading.passage import PHRASE_PAUSE, SENTENCE_PAUSE, Passage, is_phrase_start
 
@@ -34,7 +34,7 @@ def divide_speech(passage: Passage) -> list[range]:
 
 
 def gap_before(passage: Passage, index: int) -> float:
-    """Return the silence before the first word of a later speech [s]."""
+    """Return the silence before a later speech begins [s]."""
     words = passage.words
     if words[index].sentence != words[index - 1].sentence:
         return SENTENCE_PAUSE + words[index].pause

@@ -56,7 +56,7 @@ class Talk:
 
     @property
     def length(self) -> int:
-        """Number of kept characters of the streamed text, read or not yet complete."""
+        """Number of stored characters of the streamed text, parsed or not."""
         return len(self.text) + len(self.manuscript.rest)
 
 
@@ -116,7 +116,7 @@ def add_words(talk: Talk, text: str, *, ends: bool = False, instead: bool = Fals
 
 
 def _settle(talk: Talk, quiet: float) -> Talk:
-    """Read incomplete markup as plain text after a long silence of the sender."""
+    """Read incomplete markup as plain text if the sender stays silent."""
     if not talk.manuscript.rest.strip() or quiet < MAX_SILENCE or talk.manuscript.mode != "text":
         return talk
     return add_words(talk, "", ends=True) if talk.is_over else replace(add_words(talk, "", ends=True), is_over=False)
@@ -238,7 +238,7 @@ def is_all_said(talk: Talk, language: Language) -> bool:
 
 
 def _read(talk: Talk, language: Language, quiet: float) -> Passage:
-    """Read the streamed text, without a last word that may be incomplete."""
+    """Read the streamed text up to its last complete word."""
     text = talk.text[:LETTERS_PER_WINDOW]
     is_cut = len(text) == LETTERS_PER_WINDOW
     if is_cut or not (talk.is_over or quiet >= SETTLING_TIME):

@@ -74,7 +74,7 @@ def write_block(
 
 
 def _refer(word: str, ids: Sequence[str]) -> str:
-    """Return a reference to a word's mark, in the speech that has the word."""
+    """Return a sync reference to the mark at a word."""
     return f'="{ids[int(word) - 1]}:w{word}'
 
 

@@ -142,7 +142,7 @@ def _merge(authored: _Authored) -> Element:
 
 
 def _without_intentions(content: Sequence[Element | str]) -> Iterator[Element | str]:
-    """Yield BML content without FML accents and boundaries, which behaviours show."""
+    """Yield BML content without FML's accents and boundaries."""
     for piece in content:
         if isinstance(piece, str):
             yield piece

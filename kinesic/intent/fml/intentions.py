@@ -74,7 +74,7 @@ def _intention(element: Element, marks: MarkTimes, accents: Sequence[Moment]) ->
 
 
 def describe_intention(element: Element) -> str:
-    """Return the name and place of an intention, given as the reason of its behaviours."""
+    """Return name and place of an intention, for messages about its behaviours."""
     return f"<{element.local}> at {element.place.line}:{element.place.column}"
 
 

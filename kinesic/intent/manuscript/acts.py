@@ -84,7 +84,7 @@ class Acts:
 
 
 def base_forms(verb: str) -> Iterator[str]:
-    """Yield a verb and its possible base forms, without endings such as "ing"."""
+    """Yield a verb and its possible base forms (`waving`: `wave`)."""
     yield verb
     for ending in _VERB_ENDINGS:
         stem = verb.removesuffix(ending)

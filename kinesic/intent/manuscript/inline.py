@@ -95,7 +95,7 @@ def _read_emphasis(state: Manuscript, *, ends: bool) -> Step | None:
 
 
 def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
-    """Find the position of the signs that close an emphasis.
+    """Find the asterisks or underscores that close an emphasis.
 
     Returns:
         -1 without closing signs, None if they may follow in text that has not arrived yet.
@@ -114,7 +114,7 @@ def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
 
 
 def _waits(after: str, *, ends: bool) -> bool:
-    """Return whether the character after a markup has not arrived yet."""
+    """Return whether the character after a markup has not been received yet."""
     return not ends and not after.lstrip(" \t")
 
 

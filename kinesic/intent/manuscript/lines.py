@@ -20,7 +20,7 @@ _OPEN_LABEL = re.compile(r"(\*\*|\*|__|_|\[)?([^\W\d_][\w .'\u2019()-]*)?(\*\*|\
 
 
 def read_line_start(state: Manuscript, *, ends: bool) -> Step | None:
-    """Read the marker at the beginning of a line, such as a heading's.
+    """Read the Markdown or speaker marker at the start of a line.
 
     Returns:
         Length 0 without a marker, None if the marker may be incomplete.

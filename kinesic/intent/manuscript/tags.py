@@ -25,7 +25,7 @@ _NUMBERED = re.compile(r"[-_.]?\d+$")
 
 
 def read_tag(rest: str, *, ends: bool) -> Step | None:
-    """Read an XML tag, or a plain sign, at the beginning of a text."""
+    """Read an XML tag or a literal `<` at the text's start."""
     for opening, closing in (("<!--", "-->"), ("<![CDATA[", ""), ("<?", "?>"), ("<!", ">")):
         if rest.startswith(opening):
             return Step(len(opening), "", mode="skipped", closing=closing) if closing else Step(len(opening))
@@ -54,7 +54,7 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
 
 
 def _read_token(rest: str, *, ends: bool) -> Step | None:
-    """Read a special token of a language model, with the role on its line."""
+    """Skip a special token such as <|im_start|>, with its role."""
     token = re.match(r"<\|[^|<>\n]*\|>(?:(?:assistant|user|system)\n)?", rest)
     is_open = re.fullmatch(r"<\|[^|<>\n]{0,40}(?:\|(?:>[a-z]{0,9})?)?", rest)
     return None if is_open and not ends else Step(token.end() if token else 1)
@@ -99,7 +99,7 @@ def _read_element(name: str, attributes: Mapping[str, str], length: int, *, is_e
 
 
 def _read_mark(name: str, length: int, *, is_bookmark: bool) -> Step:
-    """Read a mark tag as a stage direction, or warn that nothing happens."""
+    """Read a mark tag as a stage direction, or warn."""
     words = (
         _NUMBERED.sub("", name.removeprefix("gesture.").removeprefix("gesture:")).replace("-", " ").replace("_", " ")
     )

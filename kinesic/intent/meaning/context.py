@@ -93,7 +93,7 @@ class Context:
         return False
 
     def is_wished(self, k: int) -> bool:
-        """Return whether a word names something wished, supposed or future."""
+        """Return whether an earlier word expresses a wish, condition or future."""
         return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)
 
     def is_reported(self, k: int) -> bool:
@@ -119,14 +119,14 @@ class Context:
         return not leading or k - clause.start <= 1
 
     def _owns_other(self, j: int, k: int) -> bool:
-        """Return whether a possessive (`my sister`) makes somebody else the subject of a word."""
+        """Return whether a possessive as in `my sister` names another person."""
         return j + 1 < k and self.language.has("possessive", self.plain[j]) and self._is_other_noun(j + 1)
 
     def _is_other_noun(self, j: int) -> bool:
         return self.passage.words[j].is_content and not self.language.has("own_body", self.plain[j])
 
     def is_others(self, k: int) -> bool:
-        """Return whether a third person is the subject of a word's clause before the word."""
+        """Return whether the word's clause has an earlier third-person subject."""
         clause = self.clause_words(k)
         for j in reversed(range(clause.start, k)):
             if self.language.has("listener", self.plain[j]):
@@ -138,7 +138,7 @@ class Context:
         return False
 
     def is_asked_within(self, k: int) -> bool:
-        """Return whether a word stands within a question about facts, not at its start."""
+        """Return whether a word stands within a yes-no question, not first."""
         if not self.is_question(k):
             return False
         clause = self.clause_words(k)

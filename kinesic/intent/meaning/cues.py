@@ -45,7 +45,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 @dataclass(frozen=True, eq=False)
 class Cue:
-    """Words of a language that call for a gesture, or that forbid one."""
+    """Word patterns that call for a gesture, or that forbid one."""
 
     says: str  # meaning, for people
     patterns: tuple[Pattern, ...]
@@ -75,7 +75,7 @@ NO_CUES = CueTable((), {})  # cue table of a language without cue files
 
 @lru_cache(maxsize=16)
 def load_cues(language: str) -> CueTable:
-    """Return the cues of all cue files of a language; empty without any.
+    """Return all gesture cues of a language, possibly none.
 
     Raises:
         ConfigError: a file is invalid.

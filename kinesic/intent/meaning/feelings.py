@@ -22,7 +22,7 @@ FORMAL_INTENTS = frozenset(
 
 
 def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> Intent | None:
-    """Restrict a rule's intent to suitable signals of face and head.
+    """Remove the face and head signals of an intent where they mislead.
 
     Idioms say something else than their words. A feeling is shown only by the speaker who has it, not in a question, a
     wish, a denial or a report. The head does not nod where something is denied, sad or stern.
@@ -65,7 +65,7 @@ def _is_unreal(context: Context, at: int, harmless: Collection[int]) -> bool:
 
 
 def _is_grave(context: Context, k: int) -> bool:
-    """Return whether the text near a word denies something, or is sad or stern."""
+    """Return whether a nearby word denies something, or is sad or stern."""
     near = range(max(0, k - GRAVE_REACH), min(len(context.plain), k + GRAVE_REACH + 1))
     return any(context.language.has(name, context.plain[j]) for j in near for name in ("denial", "sad", "stern"))
 

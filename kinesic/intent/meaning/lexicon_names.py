@@ -1,4 +1,4 @@
-"""Names of gestures with several words, found in a text by their stems."""
+"""Recognition of gesture names of several words in a text."""
 
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
@@ -19,7 +19,7 @@ SILENT_CATEGORIES = frozenset({"beat", "rest"})  # gesture categories whose name
 
 @lru_cache(maxsize=4)
 def _names_by_stem(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...], str], ...]]:
-    """Return the gesture names of several words, grouped by the stem of the first word."""
+    """Return the multi-word gesture names by the stem of the first word."""
     categories = {entry.id: entry.category for entry in reversed(lexicon.entries)}
     names: dict[str, list[tuple[tuple[str, ...], str]]] = {}
     seen = set[tuple[str, ...]]()
@@ -33,7 +33,7 @@ def _names_by_stem(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...]
 
 
 def find_names(context: Context, lexicon: Lexicon) -> Iterator[Candidate]:
-    """Yield the words of a text that are the name of a gesture."""
+    """Yield the gesture names that occur in a text."""
     names = _names_by_stem(lexicon)
     stems = [word_stem(word.replace("'", "")) for word in context.plain]
     for first, stem in enumerate(stems):
@@ -47,7 +47,7 @@ def find_names(context: Context, lexicon: Lexicon) -> Iterator[Candidate]:
 
 
 def _is_distinct(context: Context, first: int, stop: int) -> bool:
-    """Return whether a gesture name in a text has enough content words to be meant."""
+    """Return whether a gesture name has enough content words to be meant."""
     content = sum(context.passage.words[k].is_content for k in range(first, stop))
     return content >= MIN_CONTENT_WORDS or stop - first >= LONG_NAME
 

@@ -29,7 +29,7 @@ class Candidate:
 
 
 def match_cues(context: Context, table: CueTable) -> tuple[Candidate, ...]:
-    """Return the cues of a text, the longest first claiming their words."""
+    """Return the cues in a text, the longest where they overlap."""
     ranked = sorted(_find_matches(context, table), key=lambda each: (-each.count, -each.cue.certainty, each.first))
     taken, kept = set[int](), list[Candidate]()
     for candidate in ranked:
@@ -85,7 +85,7 @@ def _holds_near(context: Context, cue: Cue, span: Span) -> bool:
 
 
 def _has_class(context: Context, k: int, near: int, names: frozenset[str], border: str) -> bool:
-    """Return whether the word next to a match is among given words or word classes."""
+    """Return whether a neighbouring word belongs to given words or word classes."""
     is_outside = not 0 <= k < len(context.plain) or context.clauses[k] != context.clauses[near]
     if is_outside:
         return border in names

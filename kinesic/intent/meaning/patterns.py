@@ -34,7 +34,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Pattern:
-    """Sequence of slots, possibly bound to the start or end of a clause."""
+    """Sequence of word slots, possibly tied to a clause's start or end."""
 
     slots: tuple[Slot, ...]
     at_start: bool = False
@@ -50,13 +50,13 @@ class Pattern:
 
     @cached_property
     def required(self) -> tuple[frozenset[str], ...]:
-        """Alternatives of each required slot without inflections, which a sentence must contain."""
+        """Words of each slot that every matching sentence must contain literally."""
         literal = (slot for slot in self.slots if not (slot.is_optional or slot.stems or slot.is_any or slot.is_number))
         return tuple(slot.words for slot in literal)
 
     @property
     def first_words(self) -> frozenset[str]:
-        """Words and stems (`wav~`) with which a match may begin; `_`: any."""
+        """Possible first words and stems (`wav~`) of a match, `_` for any."""
         keys = set[str]()
         for slot in self.slots:
             keys |= slot.words | {f"{stem}{STEM_SIGN}" for stem in slot.stems}
@@ -67,7 +67,7 @@ class Pattern:
         return frozenset(keys)
 
     def match(self, words: Sequence[str], first: int, stop: int, is_number: Callable[[str], bool]) -> "Span | None":
-        """Match the pattern with the words of a text from a first word on.
+        """Match the pattern with the words of a text, beginning at `first`.
 
         Args:
             words: plain words of the text.

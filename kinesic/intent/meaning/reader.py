@@ -44,7 +44,7 @@ def read_meanings(
     ends: bool = True,
     liveliness: float = 0.0,
 ) -> tuple[Intent, ...]:
-    """Return all intents of a text, with pictures chosen by their score.
+    """Return all intents of a text, with illustrating gestures chosen by score.
 
     A language without cues has the gestures of its rules.
 
@@ -90,7 +90,7 @@ def _find_pictures(
     lexicon: Lexicon,
     liveliness: float,
 ) -> list[Picture]:
-    """Return the pictures of cues, names of gestures, questions and numbers."""
+    """Return the candidate gestures of cues, gesture names, questions and numbers."""
     categories = _categories(lexicon)
     taken = {k for each in cues for k in range(each.first, each.last + 1)}
     names = [each for each in find_names(context, lexicon) if taken.isdisjoint(range(each.first, each.last + 1))]

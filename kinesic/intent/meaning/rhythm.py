@@ -1,4 +1,4 @@
-"""Places of beats in sentences without pictures."""
+"""Placement of beats in sentences without illustrating gestures."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -17,7 +17,7 @@ HAND_CHANNEL = frozenset({"gesture"})
 
 
 def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[int]) -> Iterator[Intent]:
-    """Yield intents with a beat in each sentence, and two beats in long sentences.
+    """Yield one beat per sentence, and two in long sentences.
 
     Args:
         context: the text.

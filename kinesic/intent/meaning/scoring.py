@@ -1,4 +1,4 @@
-"""Scores of candidate gestures, and the choice of those that are shown."""
+"""Scores of candidate gestures, and the choice of those to perform."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ MIN_DISTANCE = 3  # [words] smallest distance of two pictures
 
 @dataclass(frozen=True)
 class Penalties:
-    """Amounts by which circumstances lower the score of a candidate."""
+    """Score penalties for unsuitable contexts of a candidate gesture."""
 
     negated: float = 0.4  # denied literal word or feeling
     asked_word: float = 0.1  # literal word in a question
@@ -60,7 +60,7 @@ SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "betwee
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Candidate gesture whose score is high enough to be shown."""
+    """Candidate gesture whose score is high enough to be performed."""
 
     candidate: Candidate
     score: float
@@ -121,7 +121,7 @@ def choose_pictures(
     categories: Mapping[str, str],
     liveliness: float = 0.0,
 ) -> list[Picture]:
-    """Return the candidate gestures that are shown, at most one in a clause."""
+    """Choose the candidate gestures to perform, at most one per clause."""
     scored = [
         Picture(candidate, score(context, candidate, idioms, categories, liveliness))
         for candidate in candidates
@@ -143,7 +143,7 @@ def choose_pictures(
 
 
 def threshold(shows: Sequence[str], categories: Mapping[str, str]) -> float:
-    """Return the highest of the smallest scores that a cue's gestures require."""
+    """Return the largest score threshold of a cue's gestures."""
     return max(
         GESTURE_THRESHOLDS.get(shown, CATEGORY_THRESHOLDS.get(categories.get(shown, ""), UNKNOWN_THRESHOLD))
         for shown in shows

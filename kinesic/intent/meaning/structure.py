@@ -62,7 +62,7 @@ def _find_counts(context: Context, indices: Sequence[int], taken: Collection[int
 
 
 def _counted_thing(context: Context, k: int, indices: Sequence[int]) -> bool:
-    """Return whether a plural noun that is no unit of measurement follows a number."""
+    """Return whether a number counts things (`three ideas`) instead of units."""
     for j in range(k + 1, min(k + 4, indices[-1] + 1)):
         word = context.plain[j]
         if context.language.has("unit", word) or not context.passage.words[j].is_content:
@@ -73,7 +73,7 @@ def _counted_thing(context: Context, k: int, indices: Sequence[int]) -> bool:
 
 
 def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate]:
-    """Yield a gesture to the listener, else to the speaker, in sentences that name them."""
+    """Yield a gesture towards the listener or speaker that a sentence mentions."""
     for indices in context.passage.sentences:
         if len(indices) < MIN_PERSON_WORDS:
             continue

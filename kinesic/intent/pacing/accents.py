@@ -11,7 +11,7 @@ RHYTHM_INTENT = "rhythm"  # intent of a beat on an accent
 
 
 def find_accents(passage: Passage, taken: Collection[int] = ()) -> Iterator[Intent]:
-    """Yield the intents of accents on content words, in the order of the words.
+    """Yield an intent for each accented content word, in order.
 
     Args:
         passage: the text.

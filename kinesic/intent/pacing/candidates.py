@@ -1,4 +1,4 @@
-"""Candidates: signals of intents that may be chosen."""
+"""Signals of intents that may be chosen."""
 
 from dataclasses import dataclass
 

@@ -20,7 +20,7 @@ class PastGesture:
 
 @dataclass(frozen=True)
 class ChoiceMemory:
-    """Gestures of the last minute of speech, in the order of their choice.
+    """Gestures of the last minute of speech, in order of choice.
 
     Its clock counts speech, not the time between turns, so that the same texts give the same gestures.
     """
@@ -31,7 +31,7 @@ class ChoiceMemory:
 
     @property
     def times(self) -> tuple[float, ...]:
-        """Stroke times in the speech time that this memory counts [s]."""
+        """Stroke times of the remembered gestures, in total speaking time [s]."""
         return tuple(each.seconds for each in self.gestures)
 
     def extend(
@@ -43,7 +43,7 @@ class ChoiceMemory:
         replaced: Collection[ChosenBehaviour] = (),
         pause: float = TURN_PAUSE,
     ) -> "ChoiceMemory":
-        """Return the memory extended by the gestures of a text or a part of one.
+        """Return the memory extended by the gestures of further text.
 
         Args:
             behaviours: chosen for the text.
@@ -62,7 +62,7 @@ class ChoiceMemory:
         return ChoiceMemory(tuple(kept), now, self.parts + 1)
 
     def forget(self, replaced: Collection[ChosenBehaviour]) -> "ChoiceMemory":
-        """Return the memory without the gestures of behaviours that were not performed."""
+        """Return the memory without gestures that were not performed."""
         dropped = {(each.lexeme, each.intent.reason) for each in replaced}
         kept = tuple(each for each in self.gestures if (each.lexeme, each.reason) not in dropped)
         return replace(self, gestures=kept) if dropped else self

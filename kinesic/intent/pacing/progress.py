@@ -19,7 +19,7 @@ class Progress:
     pictures: int = 0  # gestures other than beats
 
     def budget(self, duration: float, style: Style, free: Iterable[ChosenBehaviour]) -> MovementBudget:
-        """Return the remaining budget of gestures for the next part of a text.
+        """Return the remaining gesture budget for the next part of a text.
 
         Args:
             duration: of the next part [s].
@@ -54,7 +54,7 @@ class Progress:
 
 
 def _count(behaviours: Iterable[ChosenBehaviour]) -> tuple[int, int]:
-    """Return the numbers of all chosen gestures and of those that are not beats."""
+    """Count all chosen gestures, and those that are not beats."""
     hands = [each for each in behaviours if each.channel == "gesture"]
     return len(hands), sum(not is_beat(each.lexeme) for each in hands)
 

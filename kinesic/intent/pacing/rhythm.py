@@ -32,7 +32,7 @@ def place_beats(
     earlier_strokes: int = 0,
     earlier_seconds: float = 0.0,
 ) -> list[Candidate]:
-    """Choose accents for beats, so that strokes come in runs at the rate of the tempo.
+    """Choose accents for beats, so that strokes come in runs.
 
     Args:
         accents: candidates on accented words.
@@ -59,7 +59,7 @@ def place_beats(
 
 
 class _Run:
-    """Strokes chosen so far: beats, and the gestures between which they are placed."""
+    """Beats already chosen, with the strokes of all other gestures."""
 
     def __init__(self, others: Sequence[float], tempo: Tempo, since: float, seconds: float, strokes: int) -> None:
         self._others, self._tempo, self._since = others, tempo, since
@@ -73,7 +73,7 @@ class _Run:
         return at - self._last(at) >= spacing and self._next(at) - at >= spacing
 
     def is_due(self, at: float, following: float) -> bool:
-        """Return whether a beat at a time begins or continues a run.
+        """Return whether a beat now would start or continue a run.
 
         Args:
             at: time of an accent [s].
@@ -97,7 +97,7 @@ class _Run:
         return max(last, self.beats[-1]) if self.beats else last
 
     def _next(self, at: float) -> float:
-        """Return the time of the next gesture that is not a beat [s], or infinity."""
+        """Return the time of the next other gesture [s], or infinity."""
         place = bisect_left(self._others, at)
         return self._others[place] if place < len(self._others) else float("inf")
 

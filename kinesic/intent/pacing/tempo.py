@@ -1,4 +1,4 @@
-"""Tempo of gestures by style: rate, fraction of beats and length of runs."""
+"""Gesture tempo by style: rate, fraction of beats, length of runs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ def limit_beats(tempo: Tempo, pictures: int, seconds: float) -> Tempo:
 
 
 def beat_manner_of(style: Style) -> Mapping[str, float]:
-    """Return the expressivity of beats where it differs from the style.
+    """Return the expressivity parameters in which beats differ from the style.
 
     Beats of a lively style are no larger than neutral ones and do not repeat within themselves.
     """
@@ -59,7 +59,7 @@ def beat_manner_of(style: Style) -> Mapping[str, float]:
 
 
 def liveliness_of(style: Style) -> float:
-    """Return how much livelier than neutral a style is, 0..1."""
+    """Return the liveliness of a style from 0 (neutral) to 1."""
     return float(np.clip(_level_of(style) / LIVELINESS_LEVELS[-1], 0.0, 1.0))
 
 
@@ -69,7 +69,7 @@ def _level_of(style: Style) -> float:
 
 
 def tempo_of(style: Style) -> Tempo:
-    """Return the tempo of a style, between people's 5th and 95th percentile."""
+    """Return the gesture tempo of a style, within the range of people."""
     level = _level_of(style)
 
     def at_level(values: tuple[float, float, float]) -> float:

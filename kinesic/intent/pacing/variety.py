@@ -23,7 +23,7 @@ MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all al
 
 @dataclass(eq=False)
 class GestureUses:
-    """Times at which gestures are shown, to avoid repetitions."""
+    """Stroke times of each gesture, to avoid repetitions."""
 
     window: float  # [s] within which gestures differ; 0: the last two gestures count
     _times: dict[str, list[float]] = field(default_factory=dict)  # lexeme -> sorted times of strokes [s]
@@ -37,7 +37,7 @@ class GestureUses:
         self._recent = [*self._recent, past.lexeme][-(NO_REPEAT_WINDOW - 1) :]
 
     def interval(self, lexeme: str, at: float) -> float:
-        """Return the time from a stroke to the nearest equal gesture [s], or infinity."""
+        """Return the time from a stroke to the nearest equal one [s]."""
         times = self._times.get(lexeme, [])
         place = bisect_left(times, at)
         return min((abs(at - time) for time in times[max(place - 1, 0) : place + 1]), default=float("inf"))
@@ -61,7 +61,7 @@ class GestureUses:
         return self.oldest(choices if name in BEAT_INTENTS else again, at)
 
     def oldest(self, choices: Sequence[Choice], at: float) -> Sequence[Choice]:
-        """Return the alternative gesture shown longest ago, unless too little time has passed."""
+        """Return the alternative shown longest ago, unless that is too recent."""
         free = [choice for choice in choices if self.interval(choice.lexeme, at) >= MIN_REPEAT_INTERVAL]
         return [max(free, key=lambda choice: self.interval(choice.lexeme, at))] if free else []
 

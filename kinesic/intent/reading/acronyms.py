@@ -1,4 +1,4 @@
-"""Acronyms among words in capitals: spelled or spoken, but not stressed."""
+"""Acronyms among capitalised words, and whether they are spelled or spoken."""
 
 import re
 
@@ -37,7 +37,7 @@ def read_acronym(text: str, before: str, following: str, language: Language) -> 
 
 
 def _is_name(text: str, before: str, following: str, language: Language) -> bool:
-    """Return whether an ambiguous acronym is used as a name in its context."""
+    """Return whether the context makes an ambiguous acronym a name."""
     if text in ("AM", "PM"):
         return before[-1:].isdigit()
     after = following.lstrip()

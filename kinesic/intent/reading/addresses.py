@@ -1,4 +1,4 @@
-"""E-mail addresses and host names without a scheme, as people say them."""
+"""Spoken form of e-mail addresses and host names."""
 
 import re
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ _SIGN_CLASSES = {".": ("dot_word", "dot"), "@": ("at_word", "at")}  # sign -> wo
 
 
 def split_address(address: str, language: Language) -> Iterator[str]:
-    """Yield the words by which people say an address."""
+    """Yield the spoken words of an address (`at`, `dot`)."""
     for part in _PARTS.findall(address):
         if part in _SIGN_CLASSES:
             name, word = _SIGN_CLASSES[part]
@@ -27,5 +27,5 @@ def split_address(address: str, language: Language) -> Iterator[str]:
 
 
 def ends_with_host(text: str) -> bool:
-    """Return whether a text ends with a host name, which a path may follow."""
+    """Return whether a text ends with a host name."""
     return _HOST_BEFORE.search(text) is not None

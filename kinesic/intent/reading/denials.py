@@ -1,4 +1,4 @@
-"""Denials in languages without cues: idioms that deny nothing, questions, refusals."""
+"""Filter for negation words that deny nothing, in languages without cues."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ HAND_CHANNEL = frozenset({"gesture"})  # channel of the gesture that refuses
 
 
 def drop_harmless_denials(findings: Sequence[Finding], passage: Passage) -> tuple[Finding, ...]:
-    """Drop denials in questions and in longer matches of another intent (`keine Ahnung`)."""
+    """Drop negations in questions and in idioms such as `keine Ahnung`."""
     return tuple(
         finding
         for finding in findings
@@ -23,7 +23,7 @@ def drop_harmless_denials(findings: Sequence[Finding], passage: Passage) -> tupl
 
 
 def mute_statements(intent: Intent, passage: Passage, language: Language) -> Intent:
-    """Return the intent without its gesture if it is a denial but no refusal at the start of a sentence."""
+    """Remove the gesture from a negation that is no refusal."""
     if intent.name != NEGATION_INTENT:
         return intent
     word = passage.words[intent.word]

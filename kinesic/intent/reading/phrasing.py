@@ -26,7 +26,7 @@ class PhrasePart:
 
 
 def accent_of(passage: Passage, phrase: int) -> int:
-    """Return the accented word of a phrase.
+    """Return the accented word of a phrase: its last content word.
 
     It is the last word that the writer emphasises, otherwise the last content word. A phrase without content words has
     its accent on the last word.

@@ -1,4 +1,4 @@
-"""Rate, pitch and volume of the voice that a text requests for its words."""
+"""Prosody tags in a text: rate, pitch and volume of the voice."""
 
 import re
 from collections.abc import Mapping
@@ -19,14 +19,14 @@ NO_LAYERS: Layers = ((),)  # prosody of text without prosody elements
 
 
 def write_tag(tag: str, attributes: Mapping[str, str], *, is_alone: bool = False) -> str:
-    """Write a tag with the attributes that the voice follows, or nothing without any."""
+    """Write a tag with its valid prosody attributes, or nothing without any."""
     valid = {name: attributes[name].strip() for name in PROSODY_ATTRIBUTES if name in attributes}
     written = "".join(f" {name}={quote(value)}" for name, value in valid.items() if _VALUE.fullmatch(value))
     return f"<{tag}{written}{'/' * is_alone}>" if written or is_alone else ""
 
 
 def take_tag(layers: Layers, name: str, tag: str, *, is_end: bool) -> Layers:
-    """Return the prosody after a tag."""
+    """Return the stack of open prosody elements after a tag."""
     attributes = tuple(_ATTRIBUTE.findall(tag))
     if name == VOICE_TAG:
         settings = dict(layers[0]) | dict(attributes) if attributes else {}
@@ -37,11 +37,11 @@ def take_tag(layers: Layers, name: str, tag: str, *, is_end: bool) -> Layers:
 
 
 def merge(layers: Layers) -> Prosody:
-    """Return the attributes of all open elements; the inner ones count."""
+    """Merge the attributes of all open elements, inner ones overriding outer."""
     return tuple({name: value for layer in layers for name, value in layer}.items())
 
 
 def reopen(layers: Layers) -> str:
-    """Return the tags by which a later text continues with a prosody."""
+    """Return the tags that reopen all open prosody elements."""
     settings = write_tag(VOICE_TAG, dict(layers[0]), is_alone=True) if layers[0] else ""
     return settings + "".join(write_tag(PROSODY_TAG, dict(layer)) or f"<{PROSODY_TAG}>" for layer in layers[1:])

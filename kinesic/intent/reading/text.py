@@ -127,7 +127,7 @@ def _find_illustration(lexicon: Lexicon, word: str) -> tuple[str, str] | None:
 
 
 def _find_questions(passage: Passage, asked: Collection[int]) -> Iterator[Intent]:
-    """Yield an intent for each question without a question word, at its last accent."""
+    """Yield an intent for each question marked by punctuation alone."""
     for sentence, kind in enumerate(passage.kinds):
         indices = passage.sentences[sentence]
         if kind == "question" and indices and sentence not in asked:

@@ -149,7 +149,7 @@ class _Reading:
         )
 
     def _take_tag(self, tag: str) -> None:
-        """Process the tag of a direction, of emphasis, of prosody or of a break.
+        """Process the tag of a stage direction, emphasis, prosody or break.
 
         Other tags are a space.
         """
