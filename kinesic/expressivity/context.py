@@ -51,7 +51,7 @@ class Context:
 
 @dataclass(frozen=True, eq=False)
 class BlockContext:
-    """Data for the behaviours of one block."""
+    """Setup of a performance together with one block and its styles."""
 
     block: Block
     shared: Context  # data of all blocks of the performance

@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the time nearest to the frame's own among those merged.
+        """Return the merged time nearest to the frame's time.
 
         Returns:
             None if no time belongs to the frame.

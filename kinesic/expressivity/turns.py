@@ -141,7 +141,7 @@ def sum_layers(layers: Iterable[Layer], times: Floats) -> Floats:
 
 
 def _interpolate(knots: Floats, values: Floats, times: Floats) -> Floats:
-    """Interpolate values (k, 3) at knots (k,) by monotone cubics at times (m,).
+    """Interpolate rotations (k, 3) by monotone cubics at times (m,).
 
     The velocity is zero at both ends and where a value turns back, as in the motion itself (Fritsch and Butland, 1984).
     """

@@ -176,7 +176,7 @@ def _body_move(work: HandStroke, span: Span, demands: BodyDemands, robot: Robot)
 
 
 def _place(work: HandStroke, body: BodyForm) -> Floats | None:
-    """Return the position (3,) [m] at which the eyes look during a gesture.
+    """Return the gaze target (3,) [m] during a gesture, if any.
 
     Returns:
         None when the gaze stays on the listener.

@@ -216,7 +216,7 @@ def solve_arms(
 
 
 def _ahead(tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
-    """Select the next arm tasks that need no later shoulder position.
+    """Select the arm tasks up to the next hand that must point.
 
     Args:
         tasks: of all keys.
@@ -277,7 +277,7 @@ def _carry(
     began: dict[Side, Floats],
     robot: Robot,
 ) -> None:
-    """Store the arm posture at the start of the current hand path."""
+    """Store the arm's posture at the start of the current hand path."""
     rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
     if rows_of_side:
         on_path = tasks[rows_of_side[-1]].hands[side].passing and (side in began or len(rows_of_side) > 1)

@@ -47,7 +47,7 @@ class Neighbours:
         return self.behaviours, self.hinges, self.brief
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
-        """Return the growth of the interval between both strokes [s]."""
+        """Return by how much the time between both strokes has grown [s]."""
         first, second = self.strokes
         return float((times - keys.requested_times)[second] - (times - keys.requested_times)[first])
 
@@ -253,7 +253,7 @@ def _search(
 
 
 def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
-    """Return the indices of the exact keys that enclose two gestures."""
+    """Return the nearest exactly passed keys before and after two gestures."""
     gesture_rows = [
         row
         for row, posture in enumerate(postures)

@@ -1,4 +1,4 @@
-"""Surfaces of a hand that meet the body or the other hand: fingertips and palms."""
+"""Contact of fingertips and palms with the body or the other hand."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ LENGTH_EPSILON = 1e-9  # smallest divisor, which avoids division by zero
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTouch:
-    """Balls of a hand's surface with the segments or balls that they meet."""
+    """Contact spheres of a hand, with the segments or spheres they touch."""
 
     robot: Robot
     meetings: tuple[tuple[FingerTip, FingerTip | int], ...]  # own ball, and other ball or index of a segment
@@ -29,7 +29,7 @@ class SurfaceTouch:
 
     @classmethod
     def of(cls, side: Side, hand: Hand, robot: Robot) -> "SurfaceTouch | None":
-        """Return the contact of the surface that a hand names, if it has one."""
+        """Return the contact of a hand that names a touching surface."""
         if hand.touch is None or hand.tip is None:
             return None
         own, opposite = (find_surface(hand.tip, which, robot) for which in (side, OTHER_SIDE[side]))
@@ -43,13 +43,13 @@ class SurfaceTouch:
         return cls(robot, ((own[len(own) // 2], robot.skeleton.segment(part)),))
 
     def gaps(self, angles: Floats) -> Floats:
-        """Compute the distances (k, m) [m] of the balls to what they meet, less the accepted excess."""
+        """Compute the contact gaps (k, m) [m], less the accepted excess."""
         frames = self.robot.skeleton.frames(angles)
         rows = [self._gap(own, other, frames) for own, other in self.meetings]
         return np.asarray(np.array(rows) - np.array(self.excess)[:, None])
 
     def _gap(self, own: FingerTip, other: FingerTip | int, frames: Frames) -> Floats:
-        """Compute the distance (m,) [m] of one ball."""
+        """Compute the distance (m,) [m] of one sphere from its counterpart."""
         here = _place(frames, own)
         if isinstance(other, FingerTip):
             apart = np.linalg.norm(here - _place(frames, other), axis=1)
@@ -67,13 +67,13 @@ class SurfaceTouch:
 
 
 def _place(frames: Frames, ball: FingerTip) -> Floats:
-    """Return the position of a ball's centre in the world, (m, 3) [m]."""
+    """Return a sphere's centre in the world, (m, 3) [m]."""
     place: Floats = frames.origins[:, ball.segment] + frames.rotations[:, ball.segment] @ ball.place
     return place
 
 
 def find_surface(name: str, side: Side, robot: Robot) -> tuple[FingerTip, ...]:
-    """Return the balls of a palm or fingertip; empty if the hand lacks it."""
+    """Return the contact spheres of a palm or fingertip, if it exists."""
     if name == "palm":
         return palm_balls(robot, side)
     tip = robot.finger_tips(side).get(name)
@@ -82,7 +82,7 @@ def find_surface(name: str, side: Side, robot: Robot) -> tuple[FingerTip, ...]:
 
 @lru_cache(maxsize=16)
 def palm_balls(robot: Robot, side: Side) -> tuple[FingerTip, ...]:
-    """Return balls in heel and finger roots that reach the palm's surface."""
+    """Return contact spheres in the heel and finger roots of a palm."""
     arm = robot.arm(side)
     palm, capsules = arm.palm, robot.skeleton.segments[arm.wrist].capsules
     middle = palm.position - (palm.position @ palm.facing) * palm.facing
@@ -100,7 +100,7 @@ def palm_balls(robot: Robot, side: Side) -> tuple[FingerTip, ...]:
 
 
 def _distances(points: Floats, start: Floats, end: Floats) -> Floats:
-    """Return the distances (m,) [m] of points (m, 3) from a line segment."""
+    """Compute the distances (m,) [m] of points from a line segment."""
     along = end - start
     fraction = np.clip((points - start) @ along / max(float(along @ along), LENGTH_EPSILON), 0.0, 1.0)
     distances: Floats = np.linalg.norm(points - start - fraction[:, None] * along, axis=1)
@@ -126,7 +126,7 @@ def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
 
 
 def touched_pairs(side: Side, touch: Touch, robot: Robot) -> Iterator[int]:
-    """Yield the counted pairs of a hand and the body part that it touches."""
+    """Yield the checked pairs of a hand and the touched body part."""
     part, other = touched_segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
     hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, *_rigid_children(part, robot)}
     if touch == "hand":

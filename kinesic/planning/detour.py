@@ -104,7 +104,7 @@ def add_detours(
 
 @dataclass(frozen=True, eq=False)
 class _Scan:
-    """Sampled postures with their missing clearance."""
+    """Sampled postures with the clearance that each one lacks [m]."""
 
     angles: Floats  # (m, n) [rad] of the samples
     lacking: Floats  # (m,) [m] missing clearance
@@ -123,7 +123,7 @@ class _Scan:
         return _Scan(angles, lacking)
 
     def same(self, samples: set[int], before: "_Scan") -> set[int]:
-        """Keep the sample indices whose missing clearance has not changed.
+        """Keep the samples that a detour elsewhere has not improved.
 
         No change helps there after changes elsewhere.
         """

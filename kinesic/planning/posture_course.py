@@ -48,7 +48,7 @@ class PostureCourse:
         return angles if self.stray is None else np.asarray(angles + self.stray)
 
     def straying(self, trajectory: Trajectory) -> "PostureCourse":
-        """Return the course offset by a trajectory's deviation from the requested motion.
+        """Return the course shifted by a trajectory's deviation from the requested motion.
 
         Detours then start from the actual motion.
         """

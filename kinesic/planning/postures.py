@@ -54,7 +54,7 @@ def solve_postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> 
 
 
 def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floats:
-    """Return the postures (m, n) [rad] of torso, head and fingers, arms at rest.
+    """Return the postures (m, n) [rad] with resting arms.
 
     Fingers, torso and head are in place.
     """
@@ -86,14 +86,14 @@ def _tasks(keyframes: KeyFrames, leans: Sequence[Floats], bodies: Floats, robot:
 
 
 def _beginning(solved: list[KeyPosture], start: float, robot: Robot) -> list[KeyPosture]:
-    """Return a rest key for the block start, unless a key is there."""
+    """Return a rest key at block start, unless a key exists there."""
     if not solved or solved[0].time <= start + MIN_GAP:
         return []
     return [KeyPosture(start, robot.skeleton.rest, (True,) * len(robot.skeleton.hinges))]
 
 
 def _lean(frame: KeyFrame, robot: Robot) -> Floats:
-    """Compute the torso lean (3,) [rad] that brings distant hand targets into reach."""
+    """Compute the torso lean (3,) [rad] that makes distant targets reachable."""
     targets = {
         side: hand.reach.position
         for side, hand in frame.hands.items()

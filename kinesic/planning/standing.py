@@ -37,7 +37,7 @@ FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
 
 
 def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Distances) -> Robot:
-    """Return the robot with the standing posture of a style as rest posture.
+    """Return the robot with a style's standing posture as rest posture.
 
     A body that cannot take the style's rest gesture lets the arms hang, and arms that come too close to the body go
     only part of the way.
@@ -62,7 +62,7 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
 
 
 def vary_standing(robot: Robot, variation: Variation, distances: Distances) -> Robot:
-    """Return the robot with a rest posture as asymmetric as a person's, by the seed.
+    """Return the robot with a random, slightly asymmetric rest posture.
 
     People stand with their weight on one leg, turned a little, and no hand hangs as the other does.
 
@@ -119,7 +119,7 @@ def _close_hands(angles: Floats, robot: Robot, standing: Standing, weight: float
 
 
 def _offset_arms(rest: Floats, robot: Robot, standing: Standing, amount: float) -> Floats:
-    """Return a posture (n,) [rad] with the arms' offsets, for hinges that the robot has."""
+    """Add the arm offsets of a style to a posture (n,) [rad]."""
     angles, names = np.array(rest), robot.skeleton.names
     for name, offset in standing.arms:
         for side in SIDES:
@@ -131,7 +131,7 @@ def _offset_arms(rest: Floats, robot: Robot, standing: Standing, amount: float) 
 def _take_rest_gesture(
     rest: Floats, robot: Robot, standing: Standing, lexicon: Lexicon, distances: Distances
 ) -> Floats | None:
-    """Return the posture (n,) [rad] with the hands in the style's rest gesture.
+    """Move the hands of a posture (n,) into the style's rest gesture.
 
     Returns:
         None when the lexicon lacks the gesture, or the body cannot take it.
@@ -150,13 +150,13 @@ def _take_rest_gesture(
 
 
 def _inside(angles: Floats, robot: Robot) -> Floats:
-    """Clip a posture to the joint ranges, with a margin where the robot's own rest leaves one."""
+    """Clip a posture to the joint ranges, with a margin where possible."""
     lower = np.minimum(robot.skeleton.lower + RANGE_MARGIN, robot.skeleton.rest)
     upper = np.maximum(robot.skeleton.upper - RANGE_MARGIN, robot.skeleton.rest)
     return np.asarray(np.clip(angles, lower, upper))
 
 
 def _is_clear(angles: Floats, robot: Robot, distances: Distances) -> bool:
-    """Return whether a posture is no closer to itself than required, or than at the robot's own rest."""
+    """Return whether a posture keeps the required clearance or that at rest."""
     gaps, own_gaps = distances.gaps(np.stack([angles, robot.skeleton.rest]))
     return bool(np.all(gaps >= np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps)))

@@ -130,7 +130,7 @@ def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, sca
 
 
 def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, shoulder: Floats, robot: Robot) -> Reach:
-    """Turn a pointing target of the resting shoulder to the actual shoulder.
+    """Move a pointing target from the resting shoulder to the actual one.
 
     Args:
         reach: for the resting shoulder, in the world.

@@ -135,7 +135,7 @@ def gesture_gazes(timeline: Timeline, bodies: Mapping[str, BodyMove]) -> tuple[G
 
 
 def averted_gazes(times: Floats, habit: GazeHabit, seed: int) -> list[GazeDirection]:
-    """Return the averted gazes of a gaze habit, interrupted by glances at the listener.
+    """Return gazes away from the listener, interrupted by glances at the listener.
 
     Args:
         times: (m,) [s] of the block.

@@ -145,7 +145,7 @@ class _Showing:
     manner: Expressivity
 
     def at(self, times: Floats) -> Floats:
-        """Return the expression's intensity (m,) at (m,) times [s], relative to the peak."""
+        """Return the intensity (m,) of the expression relative to its peak."""
         return self.envelope.at(times, self.manner)
 
 
@@ -164,7 +164,7 @@ def _expressions(
 
 
 def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Channels:
-    """Return the standing affect, which gives way to all expressions of the document."""
+    """Return a style's permanent expression, suppressed while the document shows others."""
     if not affect:
         return {}
     remaining = np.ones(len(times))

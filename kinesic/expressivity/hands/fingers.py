@@ -215,5 +215,5 @@ def _angles(straight: Sequence[float], apart: float, across: float, robot: Robot
 
 
 def _between(lower: float, zero: float, upper: float, fraction: float) -> float:
-    """Return the angle at a fraction from -1, lower, over 0, zero, to 1, upper."""
+    """Interpolate a finger angle: -1 lower limit, 0 zero, 1 upper limit."""
     return zero + (fraction * (upper - zero) if fraction > 0.0 else -fraction * (lower - zero))

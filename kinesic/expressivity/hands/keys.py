@@ -185,7 +185,7 @@ def _inverse_jacobians(rotations: Floats) -> Floats:
 
 
 def _time_fractions(parameters: Floats, swings: int, power: float, brake: float | None) -> Floats:
-    """Return the time fractions (m,) at which the hand reaches path parameters (m,).
+    """Return the time fractions (m,) at which the hand passes path parameters.
 
     The hand accelerates in half a swing and decelerates in the last half, later and more suddenly without power.
     Greta's t^2 has its peak velocity at the very end, where servos would have to stop at once. With a late peak the

@@ -196,7 +196,7 @@ def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -
 
 
 def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bool, bool, bool]] | None:
-    """Read a hand position, and the axes that spatial extent does not scale.
+    """Read a hand position and the axes exempt from spatial extent.
 
     The position is (3,) forward, outward, up [arm lengths].
     """

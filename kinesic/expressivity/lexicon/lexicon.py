@@ -175,7 +175,7 @@ class Lexicon:
         return tuple(name for name, meant in self.synonyms if meant == gesture)
 
     def named_hands(self, form: GestureForm) -> HandMode:
-        """Return the hands that a gesture name requests, if the gesture has other usual hands."""
+        """Return the hands that a name requests, if unusual for the gesture."""
         usual_form = self.forms_by_id.get(form.id)
         if usual_form is None or form.sides == usual_form.sides:
             return "unspecified"

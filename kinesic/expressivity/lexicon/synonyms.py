@@ -42,7 +42,7 @@ class GestureClass:
         return tuple(word for k, word in enumerate(words) if k not in named) if named else None
 
     def before(self, words: Sequence[str]) -> frozenset[str]:
-        """Return the words of a name before its first word that names a gesture class."""
+        """Return the words of a name before its first class word."""
         return frozenset(words[: min(self._named(words), default=0)])
 
     def _named(self, words: Sequence[str]) -> set[int]:

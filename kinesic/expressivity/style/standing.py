@@ -1,4 +1,4 @@
-"""Standing of a style: posture, resting hands, facial affect and gaze habit."""
+"""How a style stands: posture, resting hands, facial affect and gaze habit."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -79,7 +79,7 @@ class Standing:
         )
 
     def affect(self, weight: float) -> Mapping[str, float]:
-        """Return the amount of each expression, at a style's posture weight."""
+        """Return the intensity of each permanent expression, scaled by a style weight."""
         return {lexeme: min(weight * amount, 1.0) for lexeme, amount in self.face if weight > 0.0}
 
 

@@ -1,4 +1,4 @@
-"""Plan imported motions: samples become keys of a motion within the limits."""
+"""Plan imported motions: samples become keys, and limits are kept."""
 
 from time import perf_counter
 
@@ -66,7 +66,7 @@ def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
 
 
 def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
-    """Return key postures from the rest posture through the imported samples and back to rest.
+    """Return key postures from rest through the samples and back to rest.
 
     Each hinge has keys at its reversals, and evenly elsewhere.
     """
@@ -103,7 +103,7 @@ def _turns(column: Floats) -> NDArray[np.intp]:
 
 
 def _keyed(times: Floats, even_times: Floats, turns: Floats) -> Flags:
-    """Return flags (m,) of the sample times that become keys of a hinge.
+    """Flag the samples (m,) that become keys of a hinge.
 
     It has keys at its reversals, at even times away from these, and at both ends.
     """

@@ -52,7 +52,7 @@ def replace_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) ->
 
 
 def is_own_motion(path: Path) -> bool:
-    """Return whether a file looks like a motion written by kinesic."""
+    """Return whether a file looks like a motion file written by kinesic."""
     if not path.is_file():
         return False
     try:

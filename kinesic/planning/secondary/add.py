@@ -96,7 +96,7 @@ class _ChangeSpans:
         return np.stack([times.searchsorted(begins, side="right"), times.searchsorted(ends)], axis=1)
 
     def met(self, times: Floats, bad: Flags) -> Flags:
-        """Return flags (c,) of the offsets that are active at any flagged time.
+        """Flag the offsets (c,) that are active at any flagged time.
 
         Args:
             times: (m,) [s].
@@ -107,7 +107,7 @@ class _ChangeSpans:
         return np.asarray(before[np.maximum(first, last)] > before[first])
 
     def touched(self, times: Floats, chosen: Flags) -> Flags:
-        """Return flags (m,) of the times at which any chosen offset is active."""
+        """Flag the times (m,) at which any chosen offset is active."""
         changed_clearance: Flags = np.zeros(len(times), dtype=np.bool_)
         for first, last in self.under_way(times)[chosen].tolist():
             changed_clearance[first:last] = True

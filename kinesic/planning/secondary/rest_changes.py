@@ -1,4 +1,4 @@
-"""Changes of the rest posture in pauses: a shift of weight, and hands at other places."""
+"""Changes of the rest posture in long pauses, such as weight shifts."""
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
@@ -33,7 +33,7 @@ ARM_RANGES: Mapping[str, tuple[float, float]] = {  # [deg] range of the offsets 
 def make_rest_changes(
     motion: Trajectory, span: Span, amount: float, robot: Robot, chance: np.random.Generator
 ) -> Iterator[OffsetBump]:
-    """Yield offsets that change the rest posture where both arms rest for long.
+    """Yield offsets that change the rest posture in long rests.
 
     Each is kept for 10 to 20 s and passes into the next.
 
@@ -54,7 +54,7 @@ def make_rest_changes(
 
 
 def _find_rests(motion: Trajectory, span: Span, robot: Robot) -> Iterator[Span]:
-    """Yield the time spans in which both arms rest for at least `MIN_REST_SPAN` [s]."""
+    """Yield spans of at least `MIN_REST_SPAN` [s] with both arms resting."""
     joints = [joint for side in SIDES for joint in robot.arm(side).joints]
     first, last = (round((time - motion.start) / KNOT_INTERVAL) for time in span)
     rows = np.clip(np.arange(first, last + 1), 0, len(motion.controls) - 1)
