@@ -116,7 +116,7 @@ def _find_nearest_point(shapes: Sequence[Capsule], point: Floats) -> Floats:
 
 
 def stand(robot: Robot) -> Iterator[Rod]:
-    """Yield the stand, a rod from the robot's fixed base down to the floor."""
+    """Yield the stand: a rod from the fixed base to the floor."""
     floor = find_scene_view(robot).floor
     for segment, origin in zip(robot.skeleton.segments, robot.skeleton.zero_frames.origins, strict=True):
         if segment.parent is None:

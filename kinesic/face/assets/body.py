@@ -131,7 +131,7 @@ def _cut_clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats], top:
 
 
 def _smooth_shoulders(weights: Floats, suit: Indices, points: Floats, centres: Mapping[str, Floats]) -> Floats:
-    """Return (v, frames) weights that change more gently in the suit's armpits and over its shoulders."""
+    """Smooth the skinning weights around the suit's armpits and shoulders."""
     ends = np.concatenate([np.stack([suit[:, k], suit[:, (k + 1) % 4]], axis=1) for k in range(4)])
     both = np.concatenate([ends, ends[:, ::-1]])
     joined = scipy.sparse.csr_array((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(len(points), len(points)))
@@ -148,7 +148,7 @@ def _smooth_shoulders(weights: Floats, suit: Indices, points: Floats, centres: M
 
 
 def _round_weights(weights: Floats) -> Floats:
-    """Round weights (v, frames) to multiples of 1/255, as in the file, so that each row keeps its sum."""
+    """Round skinning weights to multiples of 1/255, keeping row sums."""
     whole = np.rint(255.0 * weights)
     rows, strongest = np.arange(len(whole)), whole.argmax(axis=1)
     whole[rows, strongest] += 255.0 * weights.sum(axis=1).round() - whole.sum(axis=1)
@@ -156,7 +156,7 @@ def _round_weights(weights: Floats) -> Floats:
 
 
 def _fit_collar(points: Floats, suit: Indices, centres: Mapping[str, Floats], top: Mesh) -> Floats:
-    """Return (v, 3) positions in which the suit lies close to the neck at its neckline."""
+    """Move the suit's neckline close to the neck, positions (v, 3) [m]."""
     skin = top.vertices("skin")
     skin = skin[np.isin(skin, top.faces)]
     near = suit[measure_neckline_distance(points[suit], centres) > -COLLAR_RAMP]
@@ -172,7 +172,7 @@ def _fit_collar(points: Floats, suit: Indices, centres: Mapping[str, Floats], to
 
 
 def _tuck_skin(top: Mesh, centres: Mapping[str, Floats]) -> Mesh:
-    """Return the head with the skin under the shirt moved inward, so that it does not show through."""
+    """Move the skin under the shirt inward, so that none shows through."""
     inside = np.clip(-measure_neckline_distance(top.positions, centres) / TUCK_RAMP, 0.0, 1.0)
     inside *= top.parts == MESH_PARTS.index("skin")
     return replace(top, positions=sealed(top.positions - TUCK_DEPTH * inside[:, None] * top.normals(top.positions)))

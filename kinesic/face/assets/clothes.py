@@ -1,4 +1,4 @@
-"""Shirt, trousers and shoes cut from one closed suit per pixel.
+"""Shirt, trousers and shoes, cut pixel by pixel from one closed suit.
 
 A garment is the suit moved outward, with the distance of each vertex beyond the nearest hem, cuff or neckline: drawing
 interpolates this distance and omits pixels beyond the border, so borders are smooth for any face layout.

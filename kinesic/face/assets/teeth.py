@@ -18,7 +18,7 @@ TONGUE_SIDE_DEPTH = 0.003  # [m] distance behind the cutting edge from which tee
 
 
 def compute_teeth_chart(mesh: Mesh) -> Floats:
-    """Return the (t, 4) position of each teeth vertex along its row of teeth.
+    """Return (t, 4) dental coordinates of the vertices: along, across, forward, jaw.
 
     To the left along the cutting edge from the middle [mm]; from there towards the gums [mm], below 0 on the side of
     the tongue; the forward position, in distances between the eyes; 1 in the upper row, -1 in the lower.

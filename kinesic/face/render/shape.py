@@ -26,7 +26,7 @@ class MovingMesh(Protocol):
         """Return (v, 6) mesh positions [m] and normals for action units."""
 
     def head_motion(self) -> tuple[Floats, Floats] | None:
-        """Return rotation and translation of the head from the bind pose, or None if it is fixed."""
+        """Return the head's rotation and translation, or None if it is fixed."""
 
 
 class HeadShape:
@@ -73,7 +73,7 @@ class FigureShape:
 
 
 def _add_normals(mesh: Mesh, positions: Floats, eyes: Floats, hair: Floats) -> Floats:
-    """Return (v, 6) vertex positions, moved outwards by the hair thickness (v,) [m], and normals.
+    """Return (v, 6) positions, moved outwards by the hair, and normals.
 
     Normals of eyeballs are those of spheres.
     """

@@ -32,7 +32,7 @@ UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0
 
 @dataclass(frozen=True, eq=False)
 class Mapped:
-    """Converted robot with the mapping of its hinges and a confidence."""
+    """Converted robot with its hinge mapping and the confidence in it."""
 
     file: RobotFile  # robot tables to be written
     figure: HumanoidGeometry  # geometry in the zero pose

@@ -140,7 +140,7 @@ def _find_thumb(tree: Tree, rows: Sequence[_Row]) -> _Row:
 
 
 def _score_apartness(row: _Row, rows: Sequence[_Row]) -> float:
-    """Score the difference of a finger from the other fingers.
+    """Rate how far a finger stands apart, as a thumb does.
 
     The score adds the angle between directions and the distance of the bases.
     """

@@ -110,7 +110,7 @@ def bodies(figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[Mapped
 def assign_parts(
     figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[MappedHinge, ...]
 ) -> dict[str, list[int]]:
-    """Return the indices of the tree's parts that belong to each segment.
+    """Return the indices of the tree's parts that each segment contains.
 
     Legs are left out. Parts between the first and last shoulder hinges belong to the shoulder's housing.
     """

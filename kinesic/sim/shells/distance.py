@@ -76,7 +76,7 @@ def loft(heights: Floats, widths: Floats, radii: Floats) -> DistanceField:
 def sleeve(
     axes: Floats, along: Floats, half_widths: Floats, *, corner: float = 0.55, rounding: float = 0.01
 ) -> DistanceField:
-    """Return the signed distance field of a limb whose cross-sections are rounded rectangles.
+    """Return the signed distance field of a limb with rounded rectangular cross-sections.
 
     Args:
         axes: (3, 3) unit vectors: two across the limb, and the one along it.

@@ -66,7 +66,7 @@ def limb(part: ShellPart) -> Housing:
 
 
 def _choose_axes(axis: Floats) -> Floats:
-    """Return rows of unit vectors: two across a limb, as parallel to the segment's as possible, and its axis."""
+    """Return a limb's axes (3, 3): two across and one along."""
     first = np.eye(3)[np.argmin(np.abs(axis))]
     first = first - (first @ axis) * axis
     first /= np.linalg.norm(first)
@@ -74,7 +74,7 @@ def _choose_axes(axis: Floats) -> Floats:
 
 
 def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: float) -> tuple[Floats, Floats]:
-    """Return positions (k,) [m] along a limb, and half widths (k, 2) [m] of a smooth envelope.
+    """Return positions along a limb with the enclosing half widths.
 
     The envelope changes by no more than `TAPER_SLOPE`, so that a limb tapers where a servo ends.
     """
@@ -100,7 +100,7 @@ def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: 
 
 
 def _list_tapered_needs(low: float, high: float, radius: float) -> list[tuple[float, float, Floats]]:
-    """Return the half widths that a bar needs, which tapers to its end."""
+    """Return the half widths that enclose a bar, narrower towards its end."""
     edges = np.linspace(low, high, TAPER_STEPS + 1)
     ratios = np.linspace(1.0, TIP_RATIO, TAPER_STEPS)
     return [

@@ -177,7 +177,7 @@ def _loft_capsules(lateral: Sequence[Capsule], *, standing: bool, necked: bool) 
 
 
 def _list_bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yield bars along capsules, and a pedestal in place of a standing column."""
+    """Yield bars along capsules, and a pedestal for a standing column."""
     column = _find_column(shapes) if standing else None
     for shape in shapes:
         if shape is column:
@@ -197,7 +197,7 @@ def _find_foot(column: Capsule) -> float:
 
 
 def _make_pedestal(column: Capsule) -> DistanceField:
-    """Return the distance field of a column that widens to a round, flat base."""
+    """Return the distance field of a column with a wide, round base."""
     foot, top = _find_foot(column), float(max(column.start[2], column.end[2]))
     levels = [foot + level for level in PEDESTAL_LEVELS]
     heights = np.array([*levels, max(top - COLUMN_TOP[0], levels[-1] + COLUMN_TOP[0]), top + COLUMN_TOP[0]])
