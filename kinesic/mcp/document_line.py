@@ -65,7 +65,7 @@ class DocumentLine:
 
     @property
     def is_playing(self) -> bool:
-        """Whether a block of this connection has not ended, or a streamed text."""
+        """Whether a block or streamed text of this connection has not ended."""
         return bool(self._playing) or self._is_talking
 
     @property
@@ -219,7 +219,7 @@ class DocumentLine:
                 self._is_talking = False
 
     def _judge(self, feedback: Feedback) -> None:
-        """Pass a document's acceptance or refusal to the call that waits for it."""
+        """Pass a document's acceptance or refusal to the waiting call."""
         if feedback.kind == "predictionFeedback":
             self._playing.add(feedback.subject)
         if feedback.kind == "warningFeedback":

@@ -12,7 +12,7 @@ MAX_PATH_LENGTH = 200  # [characters] longest JSON path in a message; deeper lev
 
 @dataclass(eq=False)
 class _Level:
-    """JSON object or list being read, with key or index of its value."""
+    """Open JSON object or list, with key or index of its value."""
 
     is_object: bool
     at: str | int | None  # None before the first key of an object

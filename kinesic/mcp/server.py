@@ -86,7 +86,7 @@ def _add_moving_tools(server: ToolServer, gate: RobotGate, *, resumes: bool) -> 
 
     @server.tool(annotations=MOVING_TOOL)
     async def perform(document: Document) -> str:
-        """Perform a document of speech, gestures, head, face and gaze on the robot.
+        """Perform a document of speech, gestures, head, face and gaze.
 
         Answers when the performance begins, with its block (for wait), its duration in seconds, and not_as_asked: each
         deviation from the document. A refused document moves nothing; the error has the path of the wrong value.
@@ -95,7 +95,7 @@ def _add_moving_tools(server: ToolServer, gate: RobotGate, *, resumes: bool) -> 
 
     @server.tool(annotations=MOVING_TOOL)
     async def say(text: Text, style: Style = "") -> str:
-        """Speak a text with gestures that fit it, after everything that plays.
+        """Speak a text with fitting gestures, after everything that plays.
 
         Use it for plain talk; use perform to decide gestures yourself. Directions such as (laughs) are performed.
         Answers when it begins, as perform does; not_spoken lists what is neither spoken nor performed. A long text is
@@ -105,14 +105,14 @@ def _add_moving_tools(server: ToolServer, gate: RobotGate, *, resumes: bool) -> 
 
     @server.tool(annotations=MOVING_TOOL)
     async def look(at: Direction) -> str:
-        """Turn eyes and head to the audience or to a side, and keep them there."""
+        """Turn eyes and head to the audience or a side, and stay."""
         away = "" if at == "AUDIENCE" else f' offsetDirection="{at}" offsetAngle="25"'
         gaze = f'<gazeShift id="gaze" target="AUDIENCE" start="0"{away}/>'
         return await _answer_json(performing.perform(partial(_block, gaze)))
 
     @server.tool(annotations=ToolAnnotations(read_only_hint=False, idempotent_hint=True))
     async def stop() -> str:
-        """Stop every motion and speech of the robot at once, and discard everything that waits.
+        """Stop all motion and speech at once, and discard everything that waits.
 
         Use it whenever a person asks for it or something seems wrong. Afterwards nothing moves until resume.
         """
@@ -129,7 +129,7 @@ def _add_moving_tools(server: ToolServer, gate: RobotGate, *, resumes: bool) -> 
 
         @server.tool(annotations=MOVING_TOOL)
         async def resume() -> str:
-            """Continue after stop: the robot moves to its rest position and accepts documents again."""
+            """Continue after stop: the robot returns to rest and accepts documents again."""
             try:
                 await (await gate.line()).resume()
             except RobotError as error:
@@ -149,7 +149,7 @@ def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") ->
 
     @server.tool(annotations=READ_ONLY_TOOL)
     async def find_gesture(query: Query, category: Category = "", count: Count = DEFAULT_RESULTS) -> str:
-        """Find gestures by what they mean; the best match comes first.
+        """Find gestures by meaning, the best match first.
 
         Use the `name` of a result as lexeme of a gesture in a document. Below a score of 0.5, read `says` first.
         """
@@ -157,7 +157,7 @@ def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") ->
 
     @server.tool(annotations=READ_ONLY_TOOL)
     async def preview(document: PreviewedDocument) -> list[str | Image]:
-        """Plan a document without moving, and show a picture of the robot at its strokes.
+        """Plan a document without moving, and show the robot at its strokes.
 
         Answers with the duration, the times of all behaviours in seconds, and not_as_asked: each deviation from the
         document. Use it to check timing and poses before perform.
@@ -170,7 +170,7 @@ def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") ->
 
     @server.tool(annotations=READ_ONLY_TOOL)
     async def status() -> str:
-        """Tell what the robot does now: playing blocks with the seconds left, next blocks, and last warnings.
+        """Report running and next blocks with seconds left, and the last warnings.
 
         `state` is resting, playing or stopped (by an emergency stop).
         """
@@ -231,7 +231,7 @@ def _as_text(document: str | dict[str, object]) -> str:
 
 @dataclass
 class SpokenTexts:
-    """Gestures of the texts spoken so far, which the next text does not repeat."""
+    """Gestures of the texts already spoken, to avoid repetitions."""
 
     memory: "ChoiceMemory | None" = None  # None: before the first text
 
@@ -239,7 +239,7 @@ class SpokenTexts:
 async def _say(
     performing: DocumentPerformer, gate: RobotGate, text: str, style: str, spoken: SpokenTexts
 ) -> RobotAnswer:
-    """Speak a text, and add what is neither spoken nor performed to the answer."""
+    """Speak a text, and list its omitted parts in the answer."""
     if len(text) > LONG_TEXT or (await gate.line()).documents.is_talking:  # a talk continues in order
         omitted = await to_thread(list_omissions, text)
         answer = await performing.speak(text, style)
@@ -264,7 +264,7 @@ async def _say(
 
 
 def list_omissions(text: str) -> tuple[str, ...]:
-    """Return a warning for each part of a text that is not spoken."""
+    """Return a warning for each unspoken part of a text."""
     from kinesic.intent.manuscript.reading import read_manuscript  # noqa: PLC0415 - slow to import
 
     return read_manuscript(text)[1]

@@ -82,7 +82,7 @@ def held_posture(occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
 
 
 def offset_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Return the offset (n,) [rad] from a motion's end to the held posture.
+    """Return the offset (n,) [rad] from motion end to held posture.
 
     Args:
         controls: (k + 3, n) [rad] control points of the motion.

@@ -75,7 +75,7 @@ class FeedbackQueue:
         ]
 
     def hand_over(self, agenda: Sequence[ScheduledFeedback]) -> None:
-        """Limit later feedback changes to the messages that a new planner knows."""
+        """Restrict later feedback changes to messages that a new planner knows of."""
         self._agenda = {message.key for message in agenda}
 
     def due(self, now: float) -> ScheduledFeedback | None:

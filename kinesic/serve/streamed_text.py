@@ -1,4 +1,4 @@
-"""Streamed text of one client: received pieces are read only shortly before they are spoken."""
+"""Streamed text of one client, parsed shortly before it is spoken."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ PIECE_LENGTH = 2000  # [characters] length of the pieces in which streamed text 
 
 @dataclass
 class StreamedText:
-    """Streamed text of one client, with the pieces that are not read yet."""
+    """Streamed text of one client, with its received but unparsed pieces."""
 
     talk: Talk
     heard: float  # [s] clock time of the last words
@@ -22,12 +22,12 @@ class StreamedText:
 
     @property
     def waiting(self) -> int:
-        """Number of received characters that are kept."""
+        """Number of received characters that are kept, parsed or not."""
         return self.talk.length + self._unread
 
     @property
     def is_read(self) -> bool:
-        """Whether all received text is read."""
+        """Whether all received text is parsed."""
         return not self._pieces
 
     def take(self, text: str, now: float, *, ends: bool, instead: bool) -> None:
@@ -49,7 +49,7 @@ class StreamedText:
         self.read_ahead()
 
     def read_ahead(self) -> None:
-        """Read received text until enough of it waits to be spoken.
+        """Parse received text until enough of it is ready to be spoken.
 
         A long text is not read at once, because that would delay its first phrase and other clients.
         """
@@ -62,5 +62,5 @@ class StreamedText:
             self.talk = add_words(self.talk, piece, ends=ends and not rest)
 
     def quiet(self, now: float) -> float:
-        """Return the time since the last words [s], zero while text is left to read."""
+        """Return the time since the last text [s], 0 while unparsed."""
         return now - self.heard if self.is_read else 0.0

@@ -20,7 +20,7 @@ UNKNOWN_LEXEME = "warming"  # gesture name that does not exist; its search build
 
 
 def warm_up(setup: Setup, accompaniment: SoundAndFace) -> None:
-    """Plan a block, a phrase of a streamed text and idle motion that are never performed."""
+    """Plan a block, a streamed phrase and idle motion without performing them."""
     setup.lexicon.find(UNKNOWN_LEXEME)  # builds the table of names
     warm_setup = replace(setup, lexicon=Lexicon.load())  # user gestures may lack the lexemes of the document
     scene = begin(

@@ -41,7 +41,7 @@ class DocumentFolder:
     """Folder with documents (.bml, .toml) of clients."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Use an existing folder.
+        """Open an existing folder for documents.
 
         With None, all requests are refused.
         """

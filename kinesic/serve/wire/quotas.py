@@ -82,7 +82,7 @@ class TokenBucket:
 def quota_feedback(
     rule: str, what: str, *, name: str = UNKNOWN_ID, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE
 ) -> str:
-    """Return a warningFeedback that names the rule of a refusal.
+    """Return a warningFeedback that names the violated limit.
 
     Args:
         rule: name of the rule.

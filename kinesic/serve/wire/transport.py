@@ -200,7 +200,7 @@ class Console:
         sys.stdout.flush()
 
     def _read(self) -> None:
-        """Pass on the input until it ends or the event loop is closed."""
+        """Pass the input on until it or the event loop ends."""
         with suppress(RuntimeError):  # raised by a closed event loop: the server has ended before its input
             while data := os.read(sys.stdin.fileno(), CHUNK_SIZE):
                 self._loop.call_soon_threadsafe(self._reader.feed_data, data)
