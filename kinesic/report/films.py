@@ -52,7 +52,7 @@ class FilmJob(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TwinFilm:
-    """Film of the twin, with a drawn or a rendered face on the head."""
+    """Film of the twin with a drawn or rendered face."""
 
     kind: ClassVar[FilmKind] = "twin"
     robot: Robot

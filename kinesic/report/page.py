@@ -252,7 +252,7 @@ def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
 
 
 def _nearness(row: Mapping[str, Json]) -> float:
-    """Return the ratio of a check's value to its limit.
+    """Return the ratio of a check's value to its limit, for ranking.
 
     Checks of complete quantities have 0 unless something is missing.
     """

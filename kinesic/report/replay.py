@@ -61,7 +61,7 @@ def _frame_times(end: float, max_frames: int) -> Floats:
 
 
 def _pack(plan: Plan, frame_times: Floats, motions: Mapping[str, Floats], duties: Floats) -> dict[str, Json]:
-    """Pack motions, loads, face and words; one row of motions per frame."""
+    """Pack motions, loads, face and words, with one row per frame."""
     robot = plan.setup.robot
     step = max(float(np.abs(angles).max()) for angles in motions.values()) / np.iinfo(np.int16).max or 1.0
     return {

@@ -80,7 +80,7 @@ class Performance(DryRun, NotebookView):
 
     @cached_property
     def syncs(self) -> Syncs[PerformedSync]:
-        """Sync points with performed times, accessed like `syncs["nod:stroke"].performed`."""
+        """Sync points with performed times, accessed as `syncs["nod:stroke"].performed`."""
         lags = self.lags if self.servos is None else self.servos.lags
         rows = ((sync, lags.get(sync, 0.0)) for sync in self.plan.syncs)
         return Syncs(

@@ -1,4 +1,4 @@
-"""Motion of each segment relative to its parent, for files of other programs."""
+"""Motion of each segment relative to its parent, for export files."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Servo parameters assumed by the feed-forward and identified from motion."""
+"""Report data on the servo parameters, as assumed and as identified."""
 
 from collections.abc import Mapping
 from math import degrees

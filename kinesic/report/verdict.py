@@ -33,7 +33,7 @@ def verdict(data: Mapping[str, Json]) -> str:
 
 
 def _style_note(data: Mapping[str, Json]) -> str:
-    """Return the name of the style after a comma, unless it is neutral."""
+    """Return a comma and the style's name, unless it is neutral."""
     style = data.get("style")
     name = str(style.get("name", NEUTRAL_STYLE)) if isinstance(style, Mapping) else NEUTRAL_STYLE
     return "" if name == NEUTRAL_STYLE else f", {name}"

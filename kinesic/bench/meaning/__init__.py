@@ -43,7 +43,7 @@ class AuthoredText:
 
     @property
     def gestures(self) -> Sequence[ChosenBehaviour]:
-        """The hand gestures among the chosen behaviours."""
+        """Hand gestures among the chosen behaviours."""
         return [behaviour for behaviour in self.behaviours if behaviour.channel == "gesture"]
 
 

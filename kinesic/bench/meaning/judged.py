@@ -26,7 +26,7 @@ MISSING_SET = "no judged utterances (KINESIC_CORPUS must name a folder with sent
 
 @dataclass(frozen=True)
 class Goal:
-    """Goal for one percentage that the benchmark of judged gestures measures."""
+    """Goal of one metric of the benchmark of judged gestures."""
 
     value: float | None
     better: Literal["lower", "higher"]
@@ -117,7 +117,7 @@ def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
 
 
 def summarise(results: Sequence[tuple[Utterance, Judgement]]) -> dict[str, float]:
-    """Return the results of one run in percent, and the merit."""
+    """Return the metrics of one run: percentages, and the mean merit."""
     plain = [result for utterance, result in results if "plain" in utterance.tags]
     trap = [result for utterance, result in results if "trap" in utterance.tags]
     calls = [result for utterance, result in results if utterance.needs_picture]

@@ -31,7 +31,7 @@ class Utterance:
 
     @property
     def is_odd(self) -> bool:
-        """Whether the utterance is odd and belongs to the tuning half."""
+        """Whether the utterance has an odd number, and so serves for tuning."""
         return int(self.id.lstrip("s")) % 2 == 1
 
     @property
@@ -60,7 +60,7 @@ class Judgement:
 
 @dataclass(frozen=True, eq=False)
 class JudgedSet:
-    """Judged utterances with the kinds of gestures."""
+    """Judged utterances, and the gestures of each kind."""
 
     utterances: tuple[Utterance, ...]
     kinds: Mapping[str, frozenset[str]]
@@ -169,7 +169,7 @@ def _is_near(token: int, places: frozenset[int]) -> bool:
 
 
 def _judge_gesture(utterance: Utterance, judged: JudgedSet, gesture: ShownGesture) -> Verdict | None:
-    """Return the verdict on a gesture, or None for an unlabelled rest pose."""
+    """Return the verdict on one gesture, None for an unlabelled rest pose."""
     if _is_accepted(utterance, gesture):
         return "right"
     here = [lexemes for lexemes, places in utterance.misleading if places and _is_near(gesture.token, places)]

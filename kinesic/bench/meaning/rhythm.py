@@ -96,7 +96,7 @@ def bench(robot: str = "human") -> Iterator[Metric]:
 
 
 def metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
-    """Yield the figures of several stories in one style.
+    """Yield the rhythm metrics of several stories in one style.
 
     Args:
         part: prefix of the names.

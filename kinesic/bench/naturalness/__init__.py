@@ -119,7 +119,7 @@ def varied_metrics() -> list[Metric]:
 
 
 def people_metrics(robots: Sequence[str], every: int = 1) -> list[Metric]:
-    """Compare the whole body in gestures of each robot with captured sets.
+    """Compare the whole-body gestures of each robot with captured sets.
 
     Gestures have the default amounts of idle motion and variation.
 

@@ -1,4 +1,4 @@
-"""Goals of human-like motion for the lexicon in the default style."""
+"""Goals for the hand motion of the lexicon in the default style."""
 
 from collections.abc import Iterable, Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""Reader of BVH motion files, as joints and motion of SmartBody's kind."""
+"""Reader of BVH motion files into the types of `smartbody_files`."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -122,7 +122,7 @@ def _parse_hierarchy(text: str, path: Path) -> tuple[tuple[CapturedJoint, ...], 
 
 
 def _commands(words: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield the words that are not a joint's name, with their indices."""
+    """Yield all words of a BVH file except joint names, with indices."""
     yield from ((0, word) for word in words[:1])
     for k, (before, word) in enumerate(pairwise(words), start=1):
         if before not in ("ROOT", "JOINT"):

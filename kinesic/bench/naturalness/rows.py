@@ -28,7 +28,7 @@ class Row:
 
 
 def has_complete_return(hand: GestureMeasures) -> bool:
-    """Return whether the hand's return lasts long enough to be complete."""
+    """Return whether the hand's return is long enough to be measured."""
     return hand.return_time is not None and hand.return_time > MIN_COMPLETE_RETURN
 
 

@@ -43,7 +43,7 @@ def _margin(performance: DryRun) -> Check:
 
 
 def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
-    """Find the largest magnitude in (m, n) values, with its joint and time.
+    """Find the largest magnitude in (m, n) values, with joint and time.
 
     The first of equal values is returned. Times are (m,) [s].
     """

@@ -1,4 +1,4 @@
-"""Recordings as MCAP files with the message types of Foxglove."""
+"""Export of recordings as MCAP files with the message types of Foxglove."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Content of an exported recording: joint angles, segment motions, surfaces, words and sync points."""
+"""Content of an exported recording: motion, surfaces, words and sync points."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -79,7 +79,7 @@ class ExportedMotion:
 
     @property
     def shown(self) -> JointTrack:
-        """Joint states that move the segments: measured if available, otherwise planned."""
+        """Joint states that move the segments, measured if available."""
         return self.measured or self.planned
 
     @property
@@ -89,7 +89,7 @@ class ExportedMotion:
 
 
 def surfaces(robot: Robot) -> Iterator[Surface]:
-    """Yield the surfaces of a robot: its shell, or its capsules without a shell."""
+    """Yield a robot's surfaces: its shell, or capsules if it has none."""
     shell = load_shell(robot)
     if shell is not None:
         for name, part in shell.segments.items():

@@ -44,7 +44,7 @@ def save_rerun(motion: ExportedMotion, path: Path, *, force: bool) -> Path:
 
 
 def _blueprint(robot: Robot) -> "Blueprint":
-    """Return the layout of the viewer: robot, joint angles, words and sync points."""
+    """Return the viewer layout: robot, joint angles, words and sync points."""
     from rerun import blueprint  # noqa: PLC0415 - an extra
 
     view = find_scene_view(robot)

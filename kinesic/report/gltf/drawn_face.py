@@ -1,4 +1,4 @@
-"""Drawn face of a robot in a glTF scene, moved by morph targets.
+"""Drawn robot face in a glTF scene, animated by morph targets.
 
 The shapes of the face depend linearly on its controls, so that one morph target per control shows every face exactly,
 apart from the curvature of the screen. All weights are in 0..1, as editors expect.
@@ -35,7 +35,7 @@ COLOUR_STEPS = 1024  # steps of the table that converts screen colours to linear
 
 @dataclass(frozen=True, eq=False)
 class AddedFace:
-    """Node of a face in a glTF scene, with its weights over time."""
+    """Face node of a glTF scene, with morph target weights over time."""
 
     node: int
     weights: Floats  # (m, s) in 0..1; s is 0 if nothing moves
@@ -106,7 +106,7 @@ class _Materials:
 def _add_strips(
     materials: _Materials, surface: ScreenSurface, strips: Sequence[tuple[FaceStrip, ...]]
 ) -> list[dict[str, object]]:
-    """Build a primitive per shape, whose targets are the differences to the first face."""
+    """Build a primitive per face part, with morph targets over time."""
     shapes = zip(*strips, strict=True)
     return [
         _add_strip(materials, surface, shape, (k % EYE_STRIPS + 1) * LAYER_DISTANCE) for k, shape in enumerate(shapes)

@@ -240,7 +240,7 @@ class _Surface:
         return primitive
 
     def _morph(self, vertex_rows: Rows, shape: int) -> dict[str, int]:
-        """Write a blend shape's displacements and turned normals and return the accessor indices."""
+        """Write a blend shape's displacements and normals, and return the accessor indices."""
         moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)
         turned = self._turn_normals(shape)
         return {
@@ -250,7 +250,7 @@ class _Surface:
         }
 
     def _turn_normals(self, shape: int) -> Floats:
-        """Return the (v, 3) changes of the normals by a blend shape; those of eyeballs stay."""
+        """Return the (v, 3) changes of all normals but those of eyeballs."""
         if shape not in self._turned:
             mesh = self._figure.mesh
             moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)
@@ -260,7 +260,7 @@ class _Surface:
         return self._turned[shape]
 
     def _influences(self, vertex_rows: Rows) -> tuple[NDArray[np.intp], Floats]:
-        """Return eight joints and weights per vertex, eyeballs included, (v, 8) each."""
+        """Return eight joints and their weights per vertex, (v, 8) each."""
         mesh = self._figure.mesh
         rows = self._figure.weights[vertex_rows].toarray()
         places = np.argsort(-rows, axis=1)[:, :8]

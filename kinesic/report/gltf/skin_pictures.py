@@ -16,7 +16,7 @@ LOCK_SHADES = (0.6, 1.25)  # brightness of a lock at its root and beyond a third
 
 
 def shade_locks(locks: Locks) -> Floats:
-    """Return the linear RGB colours (n, 3) of locks of hair, darker at their roots."""
+    """Return linear RGB colours (n, 3) of hair, darker at the roots."""
     along, bright = locks.places[:, 1], locks.places[:, 3]
     shade = LOCK_SHADES[0] + (LOCK_SHADES[1] - LOCK_SHADES[0]) * np.clip(3.0 * along, 0.0, 1.0)
     return np.asarray((shade * bright)[:, None] * np.asarray(COMPLEXIONS["female"].hair))

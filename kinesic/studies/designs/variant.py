@@ -32,7 +32,7 @@ class Variable:
 
     @classmethod
     def parse(cls, text: str) -> "Variable":
-        """Parse the command-line form WHAT.FEATURE=A,B,... of a varied feature.
+        """Parse the command-line form `WHAT.FEATURE=A,B` of a varied feature.
 
         Raises:
             ConfigError: the text has another form.

@@ -129,7 +129,7 @@ def analyse_preference(answers: Sequence[Preference]) -> PreferenceResult | None
 
 @dataclass(frozen=True)
 class MatchResult:
-    """Rate at which participants find the speech of a motion, by system."""
+    """Rate of participants who match a motion with its speech, by system."""
 
     systems: Mapping[str, Fraction]  # best matched first; chance is one half
     first: Fraction  # fraction of answers that choose the first speech
@@ -155,7 +155,7 @@ def analyse_matches(answers: Sequence[SpeechMatch]) -> MatchResult | None:
 
 
 def confusions(answers: Iterable[Recognition]) -> tuple[Confusion, ...]:
-    """Count how often each gesture was mistaken for another."""
+    """Count how often participants mistook each gesture for another."""
     taken, offered = Counter[tuple[str, str]](), Counter[tuple[str, str]]()
     for answer in answers:
         offered.update((answer.stimulus, option) for option in answer.options if option != answer.stimulus)

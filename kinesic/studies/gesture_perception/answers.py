@@ -103,7 +103,7 @@ class Answers:
 
     @property
     def pair_choices(self) -> tuple[PairChoice, ...]:
-        """Choices between two systems; a changed setting is a system."""
+        """Choices between two systems, where a changed setting counts as a system."""
         choices = []
         for answer in (*self.preferences, *self.realisms):
             options = answer.options

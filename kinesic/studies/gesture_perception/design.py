@@ -86,7 +86,7 @@ def draw_meanings(lexicon: Lexicon, count: int, seed: int, named: Sequence[str] 
 
 
 def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[StudyQuestion, ...]:
-    """Choose five wrong meanings for each gesture, all different from each other.
+    """Choose five distinct wrong meanings for each gesture.
 
     Args:
         meanings: meanings of the study's gestures.

@@ -85,12 +85,12 @@ def rate_systems(choices: Sequence[PairChoice], confidence: float, *, seed: int 
 
 
 def preference_probability(points: float) -> float:
-    """Return the probability that a system with a lead [points] is preferred."""
+    """Return the probability that a system is preferred, given its rating lead."""
     return float(1.0 / (1.0 + 10.0 ** (-points / 400.0)))
 
 
 def fit_strengths(wins: Floats) -> Floats:
-    """Return the maximum-likelihood strengths (..., k) of the Bradley-Terry model, with mean 0.
+    """Return maximum-likelihood strengths (..., k) of the Bradley-Terry model.
 
     A system that always won or lost has no finite strength: half an answer is then added to both sides of each pair.
 

@@ -1,4 +1,4 @@
-"""Power of a study: the effects that a number of answers can show."""
+"""Statistical power of a study with a given number of answers."""
 
 import math
 
@@ -8,7 +8,7 @@ SIGNIFICANCE_LEVEL = 0.05  # largest p-value of a detected effect
 
 
 def compute_power(rate: float, answers: int) -> float:
-    """Return the probability that answers show a rate other than one half.
+    """Return the probability that answers reveal a rate other than one half.
 
     The test is the exact two-sided binomial test at `SIGNIFICANCE_LEVEL`; answers count as independent.
 
@@ -23,7 +23,7 @@ def compute_power(rate: float, answers: int) -> float:
 
 
 def find_detectable_rate(answers: int, power: float = DEFAULT_POWER) -> float:
-    """Return the smallest rate above one half that answers show with a power, NaN if even 1 is not enough."""
+    """Return the smallest detectable rate above one half, NaN if none."""
     if answers < 1 or compute_power(1.0, answers) < power:
         return math.nan
     low, high = 0.5, 1.0
@@ -34,7 +34,7 @@ def find_detectable_rate(answers: int, power: float = DEFAULT_POWER) -> float:
 
 
 def find_needed_answers(rate: float, power: float = DEFAULT_POWER) -> int | None:
-    """Return the number of answers from which on a rate is shown with a power.
+    """Return the number of answers needed to detect a rate.
 
     Returns:
         None for a rate of one half, and beyond `MAX_PLANNED_ANSWERS`.
@@ -53,5 +53,5 @@ def find_needed_answers(rate: float, power: float = DEFAULT_POWER) -> int | None
 
 
 def convert_to_points(rate: float) -> float:
-    """Return the difference of two ratings [points of Elo] for a rate of preference."""
+    """Convert a preference rate to a rating difference [points of Elo]."""
     return math.inf if rate >= 1.0 else 400.0 * math.log10(rate / (1.0 - rate))

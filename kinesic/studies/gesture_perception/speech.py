@@ -1,4 +1,4 @@
-"""Motions with speech for the mismatching test and for the comparison of systems.
+"""Motions with speech for the mismatching test and system comparisons.
 
 In the mismatching test, a motion is shown with its own speech and with the speech of another text. Both begin at the
 same time and end with the shorter one, so that only the motion tells them apart.
@@ -68,7 +68,7 @@ def plan_spoken_motions(
 
 
 def choose_foils(durations: Mapping[str, float]) -> dict[str, str]:
-    """Choose the other speech of each text: of similar duration, each used once.
+    """Assign each text another text's speech of similar duration.
 
     Args:
         durations: duration of each text's speech [s].
@@ -82,7 +82,7 @@ def choose_foils(durations: Mapping[str, float]) -> dict[str, str]:
 
 
 def shown_duration(own: SpokenMotion, other: SpokenMotion) -> float:
-    """Return how long [s] a motion is shown with either speech."""
+    """Return the display time [s] of a motion, enough for either speech."""
     spoken = min(own.end - own.begin, other.end - other.begin)
     return min(own.begin + spoken + MAX_TAIL, own.motion.duration)
 

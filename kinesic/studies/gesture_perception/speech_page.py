@@ -103,7 +103,7 @@ def _trial(task: str, stimulus: str, condition: str, options: list[str], motions
 
 
 def _pack_sounds(spoken: Sequence[SpokenMotion]) -> tuple[list[Json], list[int]]:
-    """Return the different sounds, and the number of each motion's sound; -1: silent."""
+    """Return the distinct sounds and each motion's sound index, -1 if silent."""
     numbers: dict[tuple[int, bytes], int] = {}
     order = []
     for each in spoken:

@@ -65,7 +65,7 @@ def write_questionnaire(
 
 
 def find_origin(url: str) -> str:
-    """Return the origin of an http or https URL, such as `https://example.org:8080`.
+    """Return the origin of a URL, such as `https://example.org:8080`.
 
     An empty URL gives an empty text.
 

@@ -105,7 +105,7 @@ SUMMARIES: Mapping[str, Summary] = {
 
 
 def split_sets(captured: Sequence[MeasuredSet]) -> tuple[list[MeasuredSet], list[MeasuredSet]]:
-    """Split captured sets into those that constants were fitted on, and others."""
+    """Split captured sets into those used for fitting constants, and others."""
     tuned = [measured for measured in captured if measured.name in TUNED_SETS]
     return tuned, [measured for measured in captured if measured.name not in TUNED_SETS]
 

@@ -49,7 +49,7 @@ def _prepare(robot: str, style: str) -> Callable[[GestureTask], BodyMotion | Non
 
 
 def _perform(robot: str, style: str, gesture: str, seed: int) -> BodyMotion | None:
-    """Plan one gesture with a setup of its own, whose seed varies the rest."""
+    """Plan one gesture alone with its own random seed."""
     setup = set_up(robot, style=style, idle=1.0, variation=1.0, seed=seed)
     form = next(form for form in setup.lexicon.forms if form.id == gesture)
     planned = plan_gesture(form, setup, stroke=STROKE_TIME)

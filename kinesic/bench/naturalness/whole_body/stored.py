@@ -1,4 +1,4 @@
-"""Stored measures of captured clips in `configs/captured_bodies.toml`: statistics, no motion."""
+"""Reader and writer of the measured statistics in `configs/captured_bodies.toml`."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
