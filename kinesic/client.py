@@ -99,7 +99,7 @@ class Client:
         self._socket.sendall(message + _MESSAGE_END)
 
     def do(self, verb: str, **values: object) -> None:
-        """Send a control message: stop, resume, interrupt, style, status, ping (see docs/reference/wire-protocol.md).
+        """Send a control message such as stop, resume, style or ping.
 
         Raises:
             OSError: the connection is closed.
@@ -167,7 +167,7 @@ class Client:
         self._socket.close()
 
     def _is_heard(self, timeout: float | None) -> bool:
-        """Wait for data from the server and return False after a timeout.
+        """Wait for data from the server, and return False on timeout.
 
         The timeout of the socket itself applies to sending, possibly in another thread.
         """

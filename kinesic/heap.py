@@ -1,4 +1,4 @@
-"""Memory management of long-lived processes: return freed memory to the system.
+"""Return of freed memory to the system in long-lived processes.
 
 By default glibc raises its thresholds with the largest block that was ever freed, and gives every thread an arena. A
 server that has once read a document of 4 MB then never returns memory, and its heap grows by fragments.

@@ -170,7 +170,7 @@ class _ActiveSet:
         return True
 
     def _remove_from_constraint(self, constraint: Constraint, dropped_id: str) -> Iterable[Constraint]:
-        """Return a constraint without a dropped behaviour's sync points, if enough remain."""
+        """Return a constraint without a behaviour's sync points, if enough remain."""
         if not any(self._refers_to(ref, dropped_id) for ref in _list_refs(constraint)):
             return [constraint]
         if constraint.required:

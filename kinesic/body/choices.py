@@ -1,4 +1,4 @@
-"""Option types with a fixed set of names, such as `VoiceName`."""
+"""Literal types of options with fixed names, such as `VoiceName`."""
 
 from typing import Literal
 

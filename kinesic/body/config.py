@@ -221,7 +221,7 @@ def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
 
 
 def _suggest_key(message: str, schema: object) -> str:
-    """Suggest valid keys for an unknown field, or for a value that must be a table."""
+    """Suggest the valid keys for an unknown or malformed TOML field."""
     place = re.search(r" at `\$([^`]*)`", message)
     schemas = [schema]
     for part in re.findall(r"\.[^.\[]+|\[[^\]]*\]", place.group(1) if place else ""):
@@ -233,7 +233,7 @@ def _suggest_key(message: str, schema: object) -> str:
 
 
 def _enter(schema: object, part: str) -> Iterator[object]:
-    """Yield the types of a key (`.name`) or of the items (`[...]`) of a schema."""
+    """Yield the types of a schema's key (`.name`) or items (`[...]`)."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):
@@ -243,7 +243,7 @@ def _enter(schema: object, part: str) -> Iterator[object]:
 
 
 def _list_keys(schema: object) -> Iterator[str]:
-    """Yield the keys of a struct, or of all structs of a union."""
+    """Yield the keys of a struct type, or of a union's structs."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.encode_name for field in msgspec.structs.fields(schema))
     for inner in get_args(schema) if get_origin(schema) in (Union, UnionType, Annotated) else ():

@@ -36,7 +36,7 @@ def perform_document(
     output: Output,
     film: FilmSettings | None,
 ) -> int:
-    """Perform a document with one robot, or with several, separated by commas."""
+    """Perform a document with one robot, or several separated by commas."""
     perform = perform_with_several if "," in planning.robot else perform_file
     return perform(file, planning, performers, twin_options, output, film)
 

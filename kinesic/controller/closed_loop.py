@@ -51,7 +51,7 @@ def perform_in_twins(
     observers: Callable[[int], Observer] | None,
     progress: Callable[[float], None],
 ) -> Iterator[CommandWindow]:
-    """Perform a motion in new twins and yield each performed batch of commands.
+    """Perform a motion in new twins, yielding each batch of commands.
 
     To process measurements by windows, call the twin's `record` before taking the next window.
 

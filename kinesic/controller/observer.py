@@ -1,4 +1,4 @@
-"""Disturbance observer that corrects setpoints from measured positions and adapts to load.
+"""Disturbance observer that corrects setpoints from measured positions.
 
 Feed-forward sends each hinge u = q + lead, which is exact for servos that match their data sheets. Real servos deviate
 by e = measured - reference, and follow, linearised about the reference (I inertia, s stall torque, w no-load speed,

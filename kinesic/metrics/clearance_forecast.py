@@ -1,4 +1,4 @@
-"""Prediction of the clearance if recent tracking errors recur."""
+"""Forecast of the clearance if recent tracking errors recur."""
 
 import numpy as np
 

@@ -26,7 +26,7 @@ TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixe
 
 
 def is_spoken_file(name: str, content: str | bytes) -> bool:
-    """Return whether a file is text or SSML to be spoken, instead of BML."""
+    """Return whether a file contains text or SSML instead of BML."""
     return name.lower().endswith(TEXT_SUFFIXES) or is_ssml(content)
 
 
@@ -86,7 +86,7 @@ def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
 
 
 def _describe_length(text: str | bytes, words: int, source: str) -> str:
-    """Describe a text that is too long for one plan, with the line in which the plan would end."""
+    """Report that a text exceeds one plan, and where it is cut."""
     written = text if isinstance(text, str) else read_text_file(text)[0]
     counts = list(accumulate(len(_WORD.findall(line)) for line in written.splitlines()))
     line = bisect_left(counts, counts[-1] * MAX_TEXT_WORDS / words) + 1
@@ -114,7 +114,7 @@ def write_bml(text: str, setup: Setup) -> str:
 
 
 def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY) -> AuthoredText:
-    """Convert a text, or the content of its file, to BML with warnings.
+    """Convert a text or text file to BML, with warnings.
 
     Style, seed and language are those of the setup.
 

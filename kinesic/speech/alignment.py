@@ -1,4 +1,4 @@
-"""Alignment of estimated lip sounds and marks with the audible parts of a recording."""
+"""Alignment of estimated phonemes and marks with a recording's audible parts."""
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
@@ -18,7 +18,7 @@ Span = tuple[float, float]  # begin and end [s]
 
 
 def find_audible_spans(sound: Sound) -> tuple[Span, ...]:
-    """Return the audible spans [s] of a recording; short gaps are bridged."""
+    """Return the audible spans [s] of a recording, bridging short gaps."""
     size = max(round(WINDOW_DURATION * sound.rate), 1)
     count = len(sound.samples) // size
     if not count:
@@ -70,7 +70,7 @@ def align_phonemes(
 
 
 def order_anchors(times: Sequence[Span], estimated_end: float, actual_end: float) -> tuple[Span, ...]:
-    """Return pairs of estimated and actual time in order, without contradicting ones."""
+    """Return (estimated, actual) times in order, without contradictions."""
     anchors: list[Span] = [(0.0, 0.0)]
     for estimated, actual in sorted(times):
         if estimated > anchors[-1][0] and actual_end >= actual >= anchors[-1][1]:
@@ -94,7 +94,7 @@ def _clip(spans: Sequence[Span], begin: float, end: float) -> list[Span]:
 def _distribute(
     phonemes: Sequence[Phoneme], spans: Sequence[Span], total: float
 ) -> Iterator[tuple[Phoneme, float, float]]:
-    """Yield each sound with its start and duration [s] in the spans; total: duration of the sounds [s]."""
+    """Yield each sound with start and duration [s] in the audible spans."""
     ends = np.cumsum([stop - start for start, stop in spans])
     scale, spoken = float(ends[-1]) / total, 0.0
     for sound in phonemes:

@@ -21,7 +21,7 @@ def rate_at(script: Script, position: int) -> float:
 
 
 def _read_rate(text: str) -> float:
-    """Return a rate such as `slow`, `80%`, `+10%` or `1.2`; 1 for others."""
+    """Parse a rate such as `slow`, `80%` or `1.2`, by default 1."""
     word = text.strip().lower()
     if word in RATE_WORDS:
         return RATE_WORDS[word]

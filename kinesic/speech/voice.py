@@ -63,7 +63,7 @@ class RecordedVoice:
 
 
 def _keep_times(script: Script, utterance: Utterance) -> Utterance:
-    """Move speech marks to the times in the document, and remark large shifts."""
+    """Move speech marks to the document's times, and report large shifts."""
     given = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
     if not given:
         return utterance

@@ -48,7 +48,7 @@ class Cluster:
 
     @property
     def place(self) -> str:
-        """Number of workers, and the address of the scheduler's dashboard if available."""
+        """Description of the workers, with the scheduler's dashboard address if available."""
         link = (
             self._client.cluster is None and self._client.dashboard_link
         )  # local workers have no dashboard, because its HTTP has no TLS

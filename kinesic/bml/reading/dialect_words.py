@@ -29,7 +29,7 @@ _SMARTBODY_BEHAVIOURS = ("animation", "body")
 
 
 def fold_capitals(element: Element, folded: set[str]) -> Element:
-    """Convert names in capitals, such as <BML> or <SPEECH>, to BML's spelling.
+    """Convert capital names such as <BML> or <SPEECH> to BML's spelling.
 
     Args:
         element: element with its content.

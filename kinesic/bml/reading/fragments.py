@@ -119,7 +119,7 @@ def _translate_face(element: Element) -> Element:
 
 
 def _translate_gesture(element: Element) -> Element:
-    """Translate a SmartBody gesture with category and type, or animation name."""
+    """Translate a SmartBody gesture, given by category and type or animation."""
     attributes = dict(element.attributes)
     lexeme, kind, name = attributes.get("lexeme", ""), attributes.get("type", ""), attributes.get("name", "")
     side = infer_hands(name, of_animation=True)

@@ -1,4 +1,4 @@
-"""Opening of documents within a Markdown fence or prose, as language models write them.
+"""Extraction of documents from Markdown fences or prose of language models.
 
 Blanks replace the text around a document, so that all lines and columns stay.
 """
@@ -28,14 +28,14 @@ _BLANK_RUN = re.compile(r"[\s\ufeff]*")
 
 @dataclass(frozen=True)
 class OpenedDocument:
-    """Document that was taken out of the text of a language model."""
+    """Document extracted from the answer of a language model."""
 
     text: str | bytes  # with blanks in place of the text around the document
     surroundings: tuple[str, ...] = ()  # ignored parts, for notices; empty if the text is the document
 
 
 def open_document(text: str | bytes) -> OpenedDocument:
-    """Find the document in a text of a language model.
+    """Find the document in the answer of a language model.
 
     A Markdown fence, thoughts and prose may surround it. Other text is returned unchanged, and so is text that is too
     large, which the parser refuses quickly.
@@ -89,7 +89,7 @@ def _decode(text: str | bytes) -> str | None:
 
 
 def _find_document(text: str) -> tuple[int, int] | None:
-    """Return begin and end of the document in a text, or None without one."""
+    """Return begin and end of the document in a text, or None."""
     thought = _THOUGHT_ELEMENT.match(text)
     start = text[thought.end() if thought else 0 :].lstrip(_BLANK_CHARACTERS)
     begin = len(text) - len(start)
@@ -110,7 +110,7 @@ def _find_document(text: str) -> tuple[int, int] | None:
 
 
 def _is_answer(text: str) -> bool:
-    """Return whether a document stands in an unknown XML element, as in an answer of a language model."""
+    """Return whether an unknown XML element encloses the document."""
     inside = re.match(r"<[\w-]+>\s*(?:[{\[]|`{3}|<\?xml)", text)
     return inside is not None
 
@@ -148,7 +148,7 @@ def _json_end(text: str, begin: int) -> int:
 
 
 def _xml_end(text: str, begin: int, *, is_in_prose: bool = False) -> int:
-    """Return the end of the XML document whose prologue or root begins here.
+    """Return the end of the XML document that begins here.
 
     The end of the text if markup follows the root, so that the reader of XML reports it. End tags may follow in prose.
     """
@@ -186,6 +186,6 @@ def _describe(before: str, after: str) -> Iterator[str]:
 
 
 def _prose(part: str) -> str:
-    """Return the words of the text before or after a document, without fences."""
+    """Return the prose before or after a document, without code fences."""
     words = " ".join(_XML_DECLARATION.sub("", part.replace("\ufeff", "")).split())
     return re.sub(r"[`~]{3,} ?\w*$|[`~]{3,}", "", words).strip()

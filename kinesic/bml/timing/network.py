@@ -126,7 +126,7 @@ class Network:
         return edges
 
     def find_order_conflicts(self) -> list[list[Edge]]:
-        """Return loops in behaviours whose linked sync points are in wrong order."""
+        """Return contradicting constraints between sync points of single behaviours."""
         loops = []
         for chain in self.chains:
             last: dict[Point, tuple[Point, float]] = {}  # root -> last visited point of its set

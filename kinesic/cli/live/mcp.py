@@ -148,7 +148,7 @@ def _start_server(planning: Planning, performers: Performers, token: str | None)
 
 
 def _follow(server: "subprocess.Popen[str]", opened: "Future[RobotLine]", token: str | None) -> None:
-    """Open the connections once the server listens, then discard its further output."""
+    """Connect once the server listens, and discard its further output."""
     from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - slow to import
 
     assert server.stderr is not None  # It is a pipe.

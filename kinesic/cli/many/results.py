@@ -30,7 +30,7 @@ FROM sweep GROUP BY ALL ORDER BY parameter
 
 
 def ask_results(query: str, folder: Path, as_json: bool, out: Path | None, force: bool) -> int:
-    """Print or plot the result of a query (SQL) on stored results.
+    """Print or plot the result of an SQL query on stored results.
 
     The query is SQL, `summary` (a table per kind of result) or `plot` (a picture).
     """

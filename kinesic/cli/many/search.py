@@ -46,7 +46,7 @@ def search_designs(
     workers: Workers,
     output: Output,
 ) -> int:
-    """Evaluate robot variants, print the Pareto-optimal ones and write their robot files."""
+    """Evaluate robot variants, then print and write the Pareto-optimal ones."""
     planning = Planning(robot, style, {})
     planning.set_up()  # Report an invalid option once here, not in each process.
     variables = [Variable.parse(text) for text in varied]

@@ -137,7 +137,7 @@ def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
 
 
 def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
-    """Record hinge travel until Enter, a time limit or full coverage."""
+    """Record hinge motion until Enter, a time limit or full coverage."""
     manifest = axes.manifest
     output = console()
     if not output.is_terminal:
@@ -184,7 +184,7 @@ def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height:
 
 
 def _tabulate_pending(hinges: tuple[HingeCalibration, ...], robot: Robot, count: int) -> Table:
-    """Return at most `count` rows of hinges that still have to be turned."""
+    """Tabulate the first `count` hinges that are not turned through yet."""
     titles = ("hinge", "first turn it so that", "moved/range deg")
     table = Table(*titles, box=None, header_style="bold", padding=(0, 1, 0, 0), pad_edge=False)
     pending = [(joint, mark) for joint, mark in enumerate(hinges) if not mark.is_whole]

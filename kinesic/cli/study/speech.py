@@ -29,7 +29,7 @@ def make_speech_study(
     post_to: str,
     planning: Planning,
 ) -> int:
-    """Plan texts with several systems and write the page of a speech study."""
+    """Plan texts with several systems and write the speech study's page."""
     folder = out or default_folder("speech-study")
     check_folder(folder, force=force)
     find_origin(post_to)

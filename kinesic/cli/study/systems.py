@@ -13,7 +13,7 @@ from kinesic.studies.gesture_perception.elo import RatingResult
 
 
 def print_matches(result: MatchResult, screen: Console) -> None:
-    """Print how often the speech of a motion was found, by system."""
+    """Print how often participants matched a motion with its speech, by system."""
     screen.print("speech of the motion found (guessing: 0.50); detectable: smallest rate shown with a power of 80 %")
     table = Table("system", "answers", "found", "interval", "p", "detectable", box=None)
     for system, fraction in result.systems.items():

@@ -137,7 +137,7 @@ def _discard_output(file: int) -> None:
 
 
 def _lock_terminal(file: int) -> None:
-    """Lock a port; pseudo-terminals would stay locked for other users."""
+    """Lock a port exclusively, unless it is a pseudo-terminal."""
     if sys.platform != "win32" and not os.ttyname(file).startswith("/dev/pts/"):
         ioctl(file, termios.TIOCEXCL)
 

@@ -179,7 +179,7 @@ def _write(folder: HeldFolder, name: str, text: str) -> None:
 
 
 def _memory_identity(address: _Address) -> tuple[int, int]:
-    """Return the device and inode of a channel's memory, or (0, 0) if the process has ended."""
+    """Identify a channel's memory by device and inode, (0, 0) if gone."""
     with suppress(OSError):
         status = (PROCESS_FOLDER / str(address.process) / "fd" / str(address.memory)).stat()
         return status.st_dev, status.st_ino

@@ -85,7 +85,7 @@ class InterruptionWatch:
         self._starved = left and clock - self._dry_since > self._startle
 
     def note_resume(self) -> None:
-        """Record a person's consent to continue after any interruption."""
+        """Record a person's confirmation to continue after an interruption."""
         self._under_way = self._starved = False
 
     @property
@@ -95,7 +95,7 @@ class InterruptionWatch:
 
     @property
     def interrupted(self) -> bool:
-        """Whether the motion needs a person's consent to continue."""
+        """Whether a person must confirm before the motion continues."""
         return self._starved or self.fault_duration > self._startle
 
     def describe(self, trouble: str) -> str:

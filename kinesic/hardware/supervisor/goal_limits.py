@@ -76,7 +76,7 @@ def limit_goals(
 
 
 def _clip_to_bounds(course: GoalCourse, desired: Floats, present: Floats, bounds: GoalBounds) -> Floats:
-    """Limit goals (m,) [ticks] to the joint range and to the servo position."""
+    """Clip goals (m,) [ticks] to joint ranges and positions."""
     positions = np.where(np.isfinite(present), present, course.goals)
     low = np.maximum(bounds.lower, np.minimum(positions - bounds.lead, course.goals))
     high = np.minimum(bounds.upper, np.maximum(positions + bounds.lead, course.goals))

@@ -146,7 +146,7 @@ class GoalSteering:
         return np.rint(np.minimum(np.maximum(course.goals + ahead, bounds.lower), bounds.upper)).astype(np.int64)
 
     def follow_limp(self, limp: Flags, present: Floats) -> None:
-        """Set the goals of servos without torque to their positions.
+        """Set the goals of torque-free servos to their positions.
 
         Hence they do not jump when torque is switched on.
 

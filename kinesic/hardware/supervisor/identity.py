@@ -52,7 +52,7 @@ def identify(axes: Axes, tables: tuple[RegisterTable, ...], *, watchdog: int) ->
 
 
 def _refuse(axes: Axes, place: int, why: str) -> Procedure:
-    """Close the port of an unexpected servo for a while, with a report.
+    """Report an unexpected servo, and close its port for a while.
 
     Raises:
         BusError: always, after the next cycle.

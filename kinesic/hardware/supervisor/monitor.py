@@ -22,7 +22,7 @@ STALL_LOAD = 1000.0  # [0.1 %] PRESENT_CURRENT at stall of a servo without curre
 
 @dataclass(frozen=True)
 class LoadTuning:
-    """Assumed, unmeasured thresholds for load, heat and blockage of the servos."""
+    """Thresholds for load, heat and blockage, assumed without measurement."""
 
     time_constant: float = 10.0  # [s] time constant of the mean square current
     slowing_load: float = 0.5  # squared current / squared limit at which time begins to slow down

@@ -1,4 +1,4 @@
-"""Treatment of every register before a servo moves, with the reason.
+"""Rules for each register before torque is switched on, with the reason.
 
 docs/reference/servos.md shows the same table. Limits are narrowed, never widened. A limit that is too narrow for
 plans is refused, because it may be intended.

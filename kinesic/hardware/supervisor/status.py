@@ -23,7 +23,7 @@ TELEMETRY_INTERVAL = 0.05  # [s] between updates of temperatures, loads, voltage
 
 
 class EventLog:
-    """Event log of the supervisor as JSON lines, or none without a path.
+    """Event log of the supervisor as JSON lines, disabled without a path.
 
     A write error does not stop the robot.
     """

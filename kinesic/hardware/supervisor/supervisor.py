@@ -124,7 +124,7 @@ class Supervisor:
             self._axes.sleep(until)
 
     def now(self) -> float:
-        """Return the time [s] of the buses' clock, by default the monotonic clock."""
+        """Return the time [s] of the wires' clock, by default monotonic."""
         return self._axes.now() if self._axes is not None else monotonic()
 
     def _look(self, axes: Axes, goals: Ticks | None, seconds: float) -> None:

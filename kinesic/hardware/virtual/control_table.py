@@ -224,7 +224,7 @@ class Memory:
             self._forget_pointers()
 
     def _forget_pointers(self) -> None:
-        """Discard all that was derived from the indirect addresses."""
+        """Discard all values derived from the indirect addresses."""
         self._views.clear()
         self._splits.clear()
 

@@ -143,7 +143,7 @@ def _link_target(link: Path) -> str:
 
 
 def _open_terminal(baud: int) -> tuple[int, ...]:
-    """Open a pseudo-terminal and return the descriptors of both ends, that of the host second.
+    """Open a pseudo-terminal and return the descriptors of device and host.
 
     Empty on Windows, which has none; `VIRTUAL_PORTS` refuses it before.
     """

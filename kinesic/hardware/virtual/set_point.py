@@ -113,7 +113,7 @@ def time_profile(start: float, goal: float, *, duration: float, rise: float) -> 
 
 
 class Tuning(NamedTuple):
-    """Operating mode, rotation direction and limits that a servo reads from its EEPROM."""
+    """Settings of the set point that a servo reads from its EEPROM."""
 
     mode: int
     sign: int  # -1 with reversed rotation
@@ -124,7 +124,7 @@ class Tuning(NamedTuple):
 
 
 def read_tuning(memory: Memory) -> Tuning:
-    """Read the tuning from the EEPROM; position mode ignores a large homing offset."""
+    """Read the set point's settings from the EEPROM."""
     mode, drive, homing = (
         memory[register] for register in (Register.OPERATING_MODE, Register.DRIVE_MODE, Register.HOMING_OFFSET)
     )

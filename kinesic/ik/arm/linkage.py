@@ -98,7 +98,7 @@ class Linkage:
         return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
 
     def walk(self, angles: Sequence[float], links: int) -> tuple[Rotation, list[Vector]]:
-        """Compute the joint centres of the first links, and the last link's frame.
+        """Compute the first joint centres [m] and the last link's frame.
 
         Args:
             angles: [rad] of at least their hinges.
