@@ -33,11 +33,26 @@ def read_robot(path: Path, schema: type[T]) -> T:
     return fit_schema(_read(path, ()), schema, path)
 
 
-def _read(path: Path, below: tuple[Path, ...]) -> Tables:
-    tables = read_tables(path)
+def find_extended(path: Path) -> Path | None:
+    """Return the path of the file that a robot's file extends, if any.
+
+    Raises:
+        ConfigError: a file is missing or invalid.
+    """
+    extends = _get_extended(read_tables(path))
+    return None if extends is None else _find(extends, path)
+
+
+def _get_extended(tables: Tables) -> str | None:
     robot = tables.get("robot")
     extends = robot.get("extends") if isinstance(robot, Mapping) else None
-    if not isinstance(extends, str):
+    return extends if isinstance(extends, str) else None
+
+
+def _read(path: Path, below: tuple[Path, ...]) -> Tables:
+    tables = read_tables(path)
+    extends = _get_extended(tables)
+    if extends is None:
         return tables
     if path in below or len(below) >= MAX_EXTENSION_DEPTH:
         chain = ", which extends ".join(file.name for file in (*below, path))

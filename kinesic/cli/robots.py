@@ -14,6 +14,7 @@ from kinesic.files.output_file import check_file, new_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.sim.importer.apart.imported import ImportedRobot, import_apart
 from kinesic.sim.shells.shell import SHELL_SUFFIX, is_stale, load_shell
+from kinesic.sim.shells.variant import find_shell
 
 WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
 FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails
@@ -47,10 +48,14 @@ def _describe_surface(robot: Robot) -> str:
     """Describe the robot's surface, with the remedy for an outdated shell."""
     if robot.skin is not None:
         return "drawn with its skin"
+    if load_shell(robot):
+        return "drawn in its shell"
+    if find_shell(robot):
+        return "drawn in the shell of the robot that it extends"
     if is_stale(robot):
         problem = f"{robot.path.with_suffix(SHELL_SUFFIX).name} was made from another robot description"
         return f"drawn as capsules: {problem}; rebuild it: python -m kinesic.sim.shells.bake {robot.path.name}"
-    return "drawn in its shell" if load_shell(robot) else "drawn as capsules"
+    return f"drawn as capsules; build a shell: python -m kinesic.sim.shells.bake {robot.path.name}"
 
 
 def assess_robot(robot: str) -> int:

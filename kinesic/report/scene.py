@@ -14,7 +14,8 @@ from kinesic.report.report import Json
 from kinesic.sim.filming.face_screen import Sheet, build_face_screen
 from kinesic.sim.scene_layout import CAMERA_DIRECTION, Rod, find_scene_view
 from kinesic.sim.scene_style import SERVO_DRAWN_SCALE, eyeballs, list_drawn_rods, parts, shell_parts
-from kinesic.sim.shells.shell import Shell, load_shell
+from kinesic.sim.shells.shell import Shell
+from kinesic.sim.shells.variant import find_shell
 
 LENGTH_DIGITS = 4  # decimal places of lengths [m] in page data
 TEMPLATES_FOLDER = Path(__file__).parent / "templates"
@@ -24,7 +25,7 @@ SCENE_SCRIPTS = ("shapes.js", "motion.js", "skin.js", "screen.js", "scene.js")
 
 def scene_data(robot: Robot) -> dict[str, Json]:
     """Return a robot's geometry and camera for page scripts."""
-    shell = load_shell(robot)
+    shell = find_shell(robot)
     return {
         "segments": _segments(robot),
         "servos": _servos(robot),

@@ -26,7 +26,8 @@ from kinesic.sim.scene_layout import (
     stand,
 )
 from kinesic.sim.shells.geoms import add_shell
-from kinesic.sim.shells.shell import Shell, load_shell
+from kinesic.sim.shells.shell import Shell
+from kinesic.sim.shells.variant import find_shell
 
 CAMERA_NAME = "audience"  # name of the MuJoCo model's camera
 FLOOR_GROUP = 5  # MuJoCo geom group of the floor
@@ -63,7 +64,7 @@ def styled_model(robot: Robot, *, width: int, height: int, view: SceneView | Non
         view: View of the camera; None: a view that contains the hands in all postures.
     """
     spec = describe(robot)
-    shell = load_shell(robot)
+    shell = find_shell(robot)
     if shell is None:
         _paint(spec, robot)
     else:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.body.config import CONFIGS
 from kinesic.body.robot import Robot
 from kinesic.sim.importer.apart import imported
 from kinesic.sim.importer.apart.answer import answer_import
@@ -125,7 +126,10 @@ def test_robots_show_prints_how_the_robot_is_drawn(kinesic, tmp_path):
     path.write_text('[robot]\nname = "own"\nextends = "upper22"\n')
     assert kinesic("robots", "show", "upper22").out.splitlines()[-1] == "drawn in its shell"
     assert kinesic("robots", "show", "human").out.splitlines()[-1] == "drawn with its skin"
-    assert kinesic("robots", "show", path).out.splitlines()[-1] == "drawn as capsules"
+    assert kinesic("robots", "show", path).out.splitlines()[-1] == "drawn in the shell of the robot that it extends"
+    path.write_text((CONFIGS / "robots" / "upper22.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    remedy = "drawn as capsules; build a shell: python -m kinesic.sim.shells.bake own.toml"
+    assert kinesic("robots", "show", path).out.splitlines()[-1] == remedy
     shell = load_shell(Robot.load())
     assert shell is not None
     write_shell(replace(shell, made_from="another"), path.with_suffix(".npz"))

@@ -13,7 +13,8 @@ from kinesic.planning.captions import make_captions
 from kinesic.planning.plan import Plan
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 from kinesic.report.labels import label
-from kinesic.sim.shells.shell import SegmentShell, load_shell
+from kinesic.sim.shells.shell import SegmentShell
+from kinesic.sim.shells.variant import find_shell
 
 TRANSFORM_STEP = 2  # samples of joint angles per sample of segment motions
 WORLD_FRAME = "world"  # name of the coordinate frame in which the root segment stands
@@ -90,7 +91,7 @@ class ExportedMotion:
 
 def surfaces(robot: Robot) -> Iterator[Surface]:
     """Yield a robot's surfaces: its shell, or capsules if it has none."""
-    shell = load_shell(robot)
+    shell = find_shell(robot)
     if shell is not None:
         for name, part in shell.segments.items():
             for triangles, colour in ((part.shell, LIGHT_COLOUR), (part.joint, DARK_COLOUR)):

@@ -23,7 +23,8 @@ from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 from kinesic.report.gltf.drawn_face import add_drawn_face
 from kinesic.report.gltf.skin import add_skin
 from kinesic.report.segment_motion import segment_motions, smooth_quaternions
-from kinesic.sim.shells.shell import SegmentShell, load_shell
+from kinesic.sim.shells.shell import SegmentShell
+from kinesic.sim.shells.variant import find_shell
 from kinesic.version import __version__
 
 SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
@@ -65,7 +66,7 @@ def save_performed(performance: DryRun, path: Path, *, force: bool) -> Path:
         ConfigError: the path is a folder's, a link's or, unless forced, a file's.
     """
     measured = performance.measured
-    times = key_times(float(measured.times[-1]))
+    times = key_times(performance.duration)
     angles = np.stack([np.interp(times, measured.times, column) for column in measured.angles.T], axis=1)
     motion = SceneMotion(times, angles, compute_faces(performance.plan, times))
     with new_file(path, force=force) as fresh:
@@ -150,7 +151,7 @@ def _move_skeleton(channels: _Channels, nodes: list[int], robot: Robot, angles: 
 
 def _add_surfaces(file: GltfFile, nodes: list[int], robot: Robot) -> None:
     """Add shell or capsule meshes to the segments' nodes."""
-    shell = load_shell(robot)
+    shell = find_shell(robot)
     materials = [
         file.add("materials", pbrMetallicRoughness={"baseColorFactor": colour, "metallicFactor": 0.0})
         for colour in SURFACE_COLOURS

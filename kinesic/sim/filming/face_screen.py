@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule
-from kinesic.sim.shells.shell import SegmentShell, load_shell
+from kinesic.sim.shells.shell import SegmentShell
+from kinesic.sim.shells.variant import find_shell
 
 SCREEN_WIDTHS = (0.238, 0.300)  # [arm lengths] smallest and largest width of the face screen, 126 mm on upper22
 SCREEN_TO_HEAD_WIDTH = 0.72  # width of the face screen / width of the head
@@ -85,7 +86,7 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
     axes = np.stack([left, np.cross(eyes.facing, left), eyes.facing])
     size, middle = robot.arm_length, eyes.position - EYES_TO_SCREEN_DROP * robot.arm_length * axes[1]
     shapes = robot.skeleton.segments[robot.skeleton.segment(eyes.segment)].capsules
-    shell = load_shell(robot)
+    shell = find_shell(robot)
     head_shell = None if shell is None else shell.segments.get(eyes.segment)
     width = SCREEN_TO_HEAD_WIDTH * _measure_head_width(head_shell, shapes, left)
     width = min(max(width, SCREEN_WIDTHS[0] * size), SCREEN_WIDTHS[1] * size)

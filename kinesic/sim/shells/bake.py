@@ -1,8 +1,8 @@
 """Build the shell of a robot and write it to NAME.npz.
 
 The shell is built from the robot's TOML file and stored next to it. Run
-`python -m kinesic.sim.shells.bake upper22 my_robot.toml` after a change of a robot's shape. Nothing imports this module
-at run time. Without a current shell the robot is drawn with its capsules.
+`python -m kinesic.sim.shells.bake upper22 my_robot.toml` after a change of a robot's shape. Without a current shell the
+robot is drawn with its capsules, unless it extends a robot that has one.
 """
 
 import sys
@@ -21,15 +21,16 @@ from kinesic.sim.shells.surface import cut, triangulate
 
 def bake_shell(robot: Robot) -> Shell:
     """Build the shell of a robot."""
-    return Shell({name: _make_surface(housing) for name, housing in housings(robot)}, fingerprint(robot))
+    return Shell({name: make_surface(housing) for name, housing in housings(robot)}, fingerprint(robot))
 
 
 def bake_segment(robot: Robot, segment: Segment) -> SegmentShell:
     """Build the surface of one segment from its shapes and servos alone."""
-    return _make_surface(design_plain_housing(robot, segment))
+    return make_surface(design_plain_housing(robot, segment))
 
 
-def _make_surface(housing: Housing) -> SegmentShell:
+def make_surface(housing: Housing) -> SegmentShell:
+    """Triangulate a housing and separate its light and dark triangles."""
     lower, upper = housing.extreme_points.min(axis=0) - 0.02, housing.extreme_points.max(axis=0) + 0.02
     mesh = triangulate(housing.solid, lower, upper, most=housing.triangles)
     edges = [shifted for line in housing.lines for shifted in _list_edges(line)]

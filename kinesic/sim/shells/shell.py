@@ -4,7 +4,7 @@ It is stored next to the robot's TOML file. The shell has no mass and no contact
 file contains a fingerprint of the description from which it was built. A shell of a different description is not drawn.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -82,19 +82,35 @@ def fingerprint(robot: Robot) -> str:
 
     It covers segments with their shapes, hinges, servos and eyes.
     """
+    return sha256("\n".join(word for _, words in _describe(robot) for word in words).encode()).hexdigest()
+
+
+def describe_segments(robot: Robot) -> Mapping[str, str]:
+    """Return the part of the description that determines each segment's surface."""
+    described: dict[str, list[str]] = {segment.name: [] for segment in robot.skeleton.segments}
+    for names, words in _describe(robot):
+        for name in names:
+            described[name] += words
+    return {name: "\n".join(words) for name, words in described.items()}
+
+
+def _describe(robot: Robot) -> Iterator[tuple[Collection[str], list[str]]]:
+    """Yield the segments to which parts of the description belong, and these parts."""
     skeleton, eyes = robot.skeleton, robot.sites.get("eyes")
-    words: list[str] = []
     for segment in skeleton.segments:
-        words += [segment.name, str(segment.parent), _spell(segment.origin_in_parent)]
+        words = [segment.name, str(segment.parent), _spell(segment.origin_in_parent)]
         words += [_spell(np.array([*shape.start, *shape.end, shape.radius])) for shape in segment.capsules]
+        yield (segment.name,), words
     for hinge, mount in zip(skeleton.hinges, robot.mounts, strict=True):
         size = np.array([mount.drive.count, *mount.drive.servo.size])
-        words += [hinge.segment, _spell(hinge.axis), _spell(hinge.at), mount.segment, _spell(mount.position)]
-        words.append(_spell(size))
-    words += [f"{coupling.segment} {_spell(coupling.axis)}" for coupling in skeleton.couplings]
-    words += [f"{name}: {', '.join(members)}" for name, members in sorted(robot.chains.items())]
-    words += [] if eyes is None else [eyes.segment, _spell(eyes.position), _spell(eyes.facing)]
-    return sha256("\n".join(words).encode()).hexdigest()
+        words = [hinge.segment, _spell(hinge.axis), _spell(hinge.at), mount.segment, _spell(mount.position)]
+        yield {hinge.segment, mount.segment}, [*words, _spell(size)]
+    for coupling in skeleton.couplings:
+        yield (coupling.segment,), [f"{coupling.segment} {_spell(coupling.axis)}"]
+    for name, members in sorted(robot.chains.items()):
+        yield members, [f"{name}: {', '.join(members)}"]
+    if eyes is not None:
+        yield (eyes.segment,), [eyes.segment, _spell(eyes.position), _spell(eyes.facing)]
 
 
 def _spell(values: Floats) -> str:
