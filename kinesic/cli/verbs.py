@@ -80,7 +80,7 @@ def kinesic() -> None:
     "--capture",
     metavar="FOLDER",
     type=click.Path(path_type=Path),
-    help="For naturalness: measure a folder of captured gestures (.skm, .sk).",
+    help="For naturalness: measure a folder of captured gestures (.skm with .sk, .bvh).",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print a list of metrics as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Also write plots into this folder.")

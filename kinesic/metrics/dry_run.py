@@ -72,6 +72,11 @@ class DryRun:
         return float(self.reference.times[-1]) / end
 
     @property
+    def duration(self) -> float:
+        """Duration of the plan [s], or the time of a stop; the body settles afterwards."""
+        return min(self.plan.duration, float(self.measured.times[-1]))
+
+    @property
     def plan(self) -> Plan:
         """Plan that the twin performs in this run."""
         return self.reference.plan

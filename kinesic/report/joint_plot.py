@@ -78,7 +78,7 @@ def draw_joint_plot(run: "Performance", hinges: Sequence[str] | None) -> tuple["
             loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=len(LINE_STYLES), fontsize="small"
         )
     axes[-1].set_xlabel("performance time [s]")
-    axes[-1].set_xlim(0.0, float(times[-1]))
+    axes[-1].set_xlim(0.0, run.duration)
     return axes
 
 

@@ -110,6 +110,8 @@ def add_films(
     """
     plan, measured = performance.plan, performance.measured
     robot = plan.setup.robot
+    shown = measured.times <= performance.duration
+    times, angles = measured.times[shown], measured.angles[shown]
     with TemporaryDirectory() as place:
         film, face = (Path(place) / name for name in (settings.name, "face.webp"))
         jobs: dict[Path, FilmJob] = {}
@@ -117,10 +119,10 @@ def add_films(
         if portrait is not None:
             jobs[face] = portrait
         if robot.skin is None:
-            twin = TwinFilm.of(plan, measured.times, measured.angles, settings)
+            twin = TwinFilm.of(plan, times, angles, settings)
             jobs[film] = replace(twin, after=face if settings.face == "rendered" else None, sound=written.voice)
         else:
-            figure = FigureFilm.of(plan, measured.times, measured.angles, settings)
+            figure = FigureFilm.of(plan, times, angles, settings)
             jobs[film] = replace(figure, sound=written.voice)
         whys = {face: "nothing is asked of it"} | draw_films(jobs, processes, progress)
         for drawn in (path for path, why in whys.items() if not why):
@@ -147,7 +149,7 @@ def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
     screen = build_face_screen(plan.setup.robot) is not None
     if not screen and not needs_face(plan):
         return None
-    times = command_times(plan.duration, rate=rate)
+    times = command_times(plan.duration, rate=rate, settle=0.0)
     return FaceFilm.of(None if screen else plan.setup.robot, commands_with_face(plan, times), rate)
 
 

@@ -119,7 +119,7 @@ def write_page(
         face_on_head=recordings.face_on_head,
         voice=_embedded(recordings.voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
-        scores=scores(performance.plan, float(performance.measured.times[-1])),
+        scores=scores(performance.plan, performance.duration),
         joints=list(joints(performance, curves)),
         still=still_hinges(performance, curves),
         hands=hands(performance),

@@ -32,8 +32,7 @@ def replay_data(performance: DryRun, *, max_frames: int = MAX_FRAMES) -> dict[st
     """
     plan, measured = performance.plan, performance.measured
     desired = plan.desired
-    end = float(measured.times[-1])
-    frame_times = _frame_times(end, max_frames)
+    frame_times = _frame_times(performance.duration, max_frames)
     motions = {
         "twin": np.column_stack([np.interp(frame_times, measured.times, column) for column in measured.angles.T]),
         "plan": plan.trajectory.sample(frame_times)[0],
@@ -50,7 +49,7 @@ def planned_replay_data(plan: Plan, *, max_frames: int = MAX_FRAMES) -> dict[str
         plan: planned motion.
         max_frames: largest number of frames; longer motions have a lower rate.
     """
-    frame_times = _frame_times(float(plan.command_times[-1]), max_frames)
+    frame_times = _frame_times(plan.duration, max_frames)
     angles = plan.trajectory.sample(frame_times)[0]
     return _pack(plan, frame_times, {"twin": angles}, np.zeros_like(angles)) | {"marks": _marks(plan)}
 

@@ -11,7 +11,8 @@ import pytest
 from kinesic.body.rotation import rotation_about
 from kinesic.metrics.dry_run import DryRun
 from kinesic.report import replay as module
-from kinesic.report.replay import replay_data
+from kinesic.report.replay import planned_replay_data, replay_data
+from kinesic.report.report import report
 from kinesic.report.scene import scene_data
 from kinesic.sim.shells.shell import load_shell
 from tests.performances import bearing
@@ -103,3 +104,16 @@ def test_servo_duties_above_the_replay_maximum_are_clipped(hurried: DryRun) -> N
     measured = bearing(hurried.measured, np.full_like(hurried.measured.duties, 9.0))
     data = replay_data(replace(hurried, measured=measured))
     assert set(base64.b64decode(data["duties"])) == {255}
+
+
+def test_heading_player_and_plots_have_one_duration(hurried: DryRun) -> None:
+    reported = report(hurried, source="x.bml")["timing"]
+    assert isinstance(reported, dict)
+    end = replay_data(hurried)["end"]
+    assert end == reported["duration_s"] == planned_replay_data(hurried.plan)["end"] == hurried.duration
+    assert end < hurried.measured.times[-1], "the body settles afterwards"
+    stopped = replace(
+        hurried,
+        measured=replace(hurried.measured, times=hurried.measured.times * 0.5 * end / hurried.measured.times[-1]),
+    )
+    assert replay_data(stopped)["end"] == stopped.duration == pytest.approx(0.5 * end)

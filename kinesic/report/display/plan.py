@@ -26,7 +26,7 @@ def plan_frame(plan: Plan) -> str:
     content = FrameContent(
         title=str(plan),
         replay=planned_replay_data(plan, max_frames=MAX_DISPLAY_FRAMES),
-        scores=scores(plan, float(plan.command_times[-1])),
+        scores=scores(plan, plan.duration),
         rows=_rows(plan),
         zero=plan.trajectory.zero,
         voice=_voice(plan),
@@ -41,7 +41,7 @@ def performance_html(run: Performance) -> str:
     frame = FrameContent(
         title=verdict(data),
         replay=replay_data(run, max_frames=MAX_DISPLAY_FRAMES),
-        scores=scores(plan, float(run.measured.times[-1])),
+        scores=scores(plan, run.duration),
         rows=_rows(plan),
         zero=plan.trajectory.zero,
         compared=True,

@@ -99,7 +99,7 @@ def _panel(
     syncs: list[SyncTime],
 ) -> None:
     times, robot = performance.measured.times, performance.plan.setup.robot
-    axes.limit_x(0.0, float(times[-1]))
+    axes.limit_x(0.0, performance.duration)
     _mark(axes, performance, syncs)
     styles = ((ThemeColour.ASKED, 2.6, False), (ThemeColour.PLANNED, 1.2, False), (ThemeColour.PERFORMED, 1.0, True))
     for curve, (colour, width, dashed) in zip(curves, styles, strict=True):
@@ -146,7 +146,7 @@ def _label(axes: Axes, performance: DryRun, syncs: list[SyncTime], width: float)
     """Label strokes with behaviour names, without overlaps."""
     zero = performance.plan.trajectory.zero
     strokes = [sync for sync in syncs if sync.is_stroke]
-    per_second = width / float(performance.measured.times[-1])
+    per_second = width / performance.duration
     for k in spaced_indices([sync.planned for sync in strokes], LABEL_WIDTH / per_second):
         label = fit_text(strokes[k].behaviour, LABEL_WIDTH)
         axes.write((zero + strokes[k].planned, 1.3), label, colour=ThemeColour.FAINT, place="time", align="center")

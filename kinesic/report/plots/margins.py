@@ -24,7 +24,7 @@ def margins(performance: DryRun) -> Markup:
         axes = drawn.axes(
             LEFT_MARGIN, bottom, FIGURE_WIDTH - LEFT_MARGIN - RIGHT_MARGIN, PANEL_HEIGHT - 0.25, timed=True
         )
-        axes.limit_x(0.0, float(performance.measured.times[-1]))
+        axes.limit_x(0.0, performance.duration)
         axes.labelled = row == len(panels) - 1
         panel(axes, performance)
     return drawn.svg()

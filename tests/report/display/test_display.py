@@ -47,7 +47,7 @@ def with_voice(planned: Plan, seconds: float) -> Plan:
 def test_notebook_display_of_a_performance_shows_verdict_replay_and_timeline(run: Performance, run_html: str):
     assert str(run).split(": ", 1)[1] in run_html
     page, replay = the_frame(run_html)["srcdoc"], replay_of(run_html)
-    times = np.linspace(0.0, run.measured.times[-1], replay["frames"])
+    times = np.linspace(0.0, run.duration, replay["frames"])
     assert np.allclose(angles_of(replay, "plan"), run.plan.trajectory.sample(times)[0], atol=ANGLE_TOLERANCE)
     measured = np.stack([np.interp(times, run.measured.times, row) for row in run.measured.angles.T], axis=1)
     assert np.allclose(angles_of(replay, "twin"), measured, atol=ANGLE_TOLERANCE)
@@ -62,7 +62,7 @@ def test_notebook_display_of_a_plan_replays_the_planned_motion_without_loads(run
     html = run.plan._repr_html_()
     replay = replay_of(html)
     assert list(replay["motions"]) == ["twin"]
-    times = np.linspace(0.0, run.plan.command_times[-1], replay["frames"])
+    times = np.linspace(0.0, run.plan.duration, replay["frames"])
     assert np.allclose(angles_of(replay, "twin"), run.plan.trajectory.sample(times)[0], atol=ANGLE_TOLERANCE)
     page = the_frame(html)["srcdoc"]
     assert '<span data-part="load" hidden>' in page

@@ -287,7 +287,7 @@ def test_gltf_of_a_performance_shows_the_measured_motion(tmp_path: Path) -> None
     angles = np.repeat(skeleton.rest[None], len(times), axis=0)
     turned = skeleton.names.index("vc7_left_right") if "vc7_left_right" in skeleton.names else 0
     angles[:, turned] += 0.2 * times
-    performance = SimpleNamespace(measured=SimpleNamespace(times=times, angles=angles), plan=planned)
+    performance = SimpleNamespace(measured=SimpleNamespace(times=times, angles=angles), plan=planned, duration=1.0)
     path = save_performed(performance, tmp_path / "run.glb", force=False)
     assert is_scene(path)
     scene = GltfScene(path)
