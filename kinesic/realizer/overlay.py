@@ -168,10 +168,10 @@ def _return_to_rest(
 
     It stays if the block ends in another pose.
     """
-    base, coming = work.base[:, hinge], work.coming[:, hinge]
+    base, start = work.base[:, hinge], work.start[hinge]
     cleanly = not any(role in entry.roles and entry.ready >= done.ready for entry in work.dropped)
-    other_rest = abs(coming[-1] - work.start[hinge]) > SAME_ANGLE
-    if cleanly and (other_rest or abs(base[-1] - coming[-1]) <= SAME_ANGLE):
+    has_other_rest = abs(work.coming[-1, hinge] - start) > SAME_ANGLE
+    if cleanly and (has_other_rest or abs(base[-1] - start) <= SAME_ANGLE):
         return column
     rest = np.full(len(base), base[-1])
     leave = ceil(done.relax / KNOT_INTERVAL - KNOT_TOLERANCE)

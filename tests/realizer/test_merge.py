@@ -160,27 +160,6 @@ def test_hand_returns_to_rest_if_its_next_gesture_is_dropped(planned, rest, know
     np.testing.assert_allclose(found.trajectory.controls[-1, hand], resting, atol=1e-9)
 
 
-def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
-    first = merge(rest, 0.0, planned(NOD), begin=0.0)
-    found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, 0.1)
-    assert found.dropped == ()
-    assert 0.1 < found.zero - 0.1 <= 0.61
-    assert [notice.id for notice in found.notices] == ["b:m"]
-    assert f"{found.zero - 0.1:.3f} s later" in found.notices[0].text
-    (need,) = found.occupancy
-    assert need.ready >= first.occupancy[0].relax - 1e-9
-
-
-def test_block_with_speech_is_not_delayed(planned, rest):
-    first = merge(rest, 0.0, planned(NOD), begin=0.0)
-    plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
-    found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
-    assert found.dropped == ("m",)
-    assert found.zero == pytest.approx(0.1)
-    assert found.trajectory is first.trajectory
-
-
 def test_colliding_arms_do_not_move_at_the_same_time(planned, rest, known):
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
     first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
@@ -190,6 +169,18 @@ def test_colliding_arms_do_not_move_at_the_same_time(planned, rest, known):
     assert found.dropped == ("l",)
     assert "mm of" in found.notices[0].text
     assert found.trajectory is first.trajectory
+
+
+def test_dropped_gaze_leaves_the_trunk_to_the_running_gaze(planned, rest, known):
+    looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="{}"/>'
+    first = merge(rest, 0.0, planned(looks.format("z", "left", 6, 7)), begin=0.0)
+    plan = planned(SPOKEN + gesture("RIGHT") + looks.format("y", "right", 2, 3))
+    found = merge(first.trajectory, 1.0, plan, begin=1.0, occupied=first.occupancy)
+    assert found.dropped == ("y",)
+    trunk = [*known.robot.joints("torso"), *known.robot.joints("neck")]
+    times = np.linspace(0.0, 8.0, 80)
+    before, after = (each.trajectory.sample(times)[0][:, trunk] for each in (first, found))
+    np.testing.assert_allclose(after, before, atol=1e-9)
 
 
 def test_retraction_is_replaced_by_the_next_gesture(planned, rest, known):
@@ -291,13 +282,6 @@ def test_block_requested_in_the_past_begins_at_the_earliest_change(planned, rest
     assert 0.0 <= found.zero - plan.trajectory.zero - time < 0.01
     assert found.occupancy[0].begin >= time
     strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
-
-
-def test_behaviour_relaxed_before_the_splice_time_causes_no_conflict(planned, rest):
-    first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
-    over = first.occupancy[0].relax + 0.005
-    found = merge(first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy)
-    assert found.dropped == ()
 
 
 def test_block_far_after_the_motion_end_begins_on_time(planned, rest, known):

@@ -1,0 +1,75 @@
+"""Times at which a block begins when it is merged with a running motion."""
+
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.motion.trajectory import stay
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.merge import merge
+
+from .certified import certified
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = '<head id="n" lexeme="NOD"/>'
+SPOKEN = '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech>'
+
+
+@pytest.fixture(scope="module")
+def planned(known):
+    return lambda text: plan_quickly(parse(ROOT.format(text)), known)
+
+
+@pytest.fixture(scope="module")
+def rest(known):
+    return stay(known.robot.skeleton.rest)
+
+
+def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat") -> str:
+    return f'<gesture id="{id}" lexeme="{lexeme}" mode="{hand}_HAND" stroke="{stroke}"/>'
+
+
+def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
+    first = merge(rest, 0.0, planned(NOD), begin=0.0)
+    found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)
+    certified(found.trajectory, known, first.trajectory, 0.1)
+    assert found.dropped == ()
+    assert 0.1 < found.zero - 0.1 <= 0.61
+    assert [notice.id for notice in found.notices] == ["b:m"]
+    assert f"{found.zero - 0.1:.3f} s later" in found.notices[0].text
+    (need,) = found.occupancy
+    assert need.ready >= first.occupancy[0].relax - 1e-9
+
+
+def test_block_with_speech_is_not_delayed(planned, rest):
+    first = merge(rest, 0.0, planned(NOD), begin=0.0)
+    plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
+    found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
+    assert found.dropped == ("m",)
+    assert found.zero == pytest.approx(0.1)
+    assert found.trajectory is first.trajectory
+
+
+@pytest.mark.parametrize(("spare", "delay"), [(0.07, 0.4), (0.22, 0.2), (0.37, 0.1), (0.52, 0.0)])
+def test_block_waits_the_shortest_delay_without_colliding_arms(planned, rest, known, spare, delay):
+    """`spare` [s] after the first arm has relaxed, the second one is raised."""
+    point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
+    first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
+    plan, time = planned(point.format("l", "right", "LEFT")), first.occupancy[0].relax + spare
+    found = merge(first.trajectory, time, plan, begin=time, occupied=first.occupancy)
+    assert found.dropped == ()
+    assert found.zero - plan.trajectory.zero - time == pytest.approx(delay, abs=0.0101)
+
+
+def test_block_with_an_early_stroke_begins_before_its_zero(planned, rest):
+    plan = planned('<head id="n" lexeme="NOD" stroke="0"/>')
+    assert plan.trajectory.zero > 0.2
+    found = merge(rest, 0.0, plan, begin=3.0)
+    assert 0.0 <= found.zero - 3.0 < 0.01
+    assert found.occupancy[0].begin == pytest.approx(3.0 - plan.trajectory.zero, abs=0.01)
+
+
+def test_behaviour_relaxed_before_the_splice_time_causes_no_conflict(planned, rest):
+    first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
+    over = first.occupancy[0].relax + 0.005
+    found = merge(first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy)
+    assert found.dropped == ()
