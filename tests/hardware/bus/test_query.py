@@ -11,7 +11,7 @@ from kinesic.hardware.bus.cycle import (
     RECORD_SIZE,
     signature,
 )
-from kinesic.hardware.bus.query import HEADER_SIZE, FastQuery, PlainQuery
+from kinesic.hardware.bus.query import HEADER_SIZE, FastQuery, PlainQuery, make_query
 from kinesic.hardware.protocol.packet import BROADCAST_ID, PACKET_HEADER, Instruction, Reader, crc16, status
 
 SERVOS = tuple(range(1, 15))
@@ -72,6 +72,13 @@ def test_models_with_different_indirect_addresses_are_queried_in_one_packet():
 def test_plain_query_of_one_servo_is_a_read_instruction():
     (asked,) = Reader().feed(PlainQuery((5,), (224,)).data)
     assert (asked.id, asked.instruction, asked.parameters) == (5, Instruction.READ, bytes((224, 0, 18, 0)))
+
+
+def test_servos_are_read_fast_only_if_several_of_them_can():
+    servos, addresses = (1, 2), (224, 208)
+    assert make_query(servos, addresses, fast=True).data == FastQuery(servos, addresses).data
+    assert make_query(servos, addresses, fast=False).data == PlainQuery(servos, addresses).data
+    assert make_query((5,), (224,), fast=True).data == PlainQuery((5,), (224,)).data
 
 
 def test_intact_reply_is_parsed_completely():

@@ -167,6 +167,20 @@ def test_goals_follow_servos_without_torque(steering, manifest):
     assert steering.goals.tolist() == [1900.0, 1905.0, *before[2:]]
 
 
+def test_fold_command_does_not_wait_for_a_servo_without_torque(steering, manifest):
+    raised = manifest.scale.nearest((manifest.rest + 0.5)[manifest.joints])
+    steering.put(range(5), raised)
+    is_limp = np.arange(5) == 4
+    steering.fold(frozenset())
+    for _ in range(400):
+        present = np.where(is_limp, raised, steering.goals)
+        steering.follow_limp(is_limp, present)
+        steering.move(PERIOD, present, target=1.0, slow=DEFAULT_SETTINGS.slow)
+    lag = steering.goals - manifest.scale.nearest(manifest.rest[manifest.joints])
+    assert (np.abs(lag) > 100.0).tolist() == is_limp.tolist()
+    assert steering.arrived
+
+
 def test_servo_positions_do_not_create_goals_before_goals_are_set(manifest):
     steering = GoalSteering(manifest, DEFAULT_SETTINGS)
     steering.follow_limp(np.array([True, False, False, False, False]), np.full(5, 1900.0))

@@ -102,6 +102,22 @@ def test_reconnected_servo_with_torque_and_another_watchdog_is_rejected(bench: B
     assert "it has torque and a BUS_WATCHDOG of 0, must be 5 or tripped; another robot" in why
 
 
+def test_unidentified_servos_are_read_but_not_written(bench: Bench):
+    goals = bench.axes.manifest.scale.ticks(bench.axes.manifest.rest[bench.axes.manifest.joints]) + 5
+    before = [servo.memory[Register.GOAL_POSITION] for servo in bench.servos]
+    bench.axes.put_all(Register.PROFILE_ACCELERATION, bench.axes.all_places, 7)
+    snapshot = bench.axes.cycle(goals)
+    assert snapshot.recent.all()
+    written = [servo.memory[Register.PROFILE_ACCELERATION] == 7 for servo in bench.servos]
+    assert written == [False, False, False, False, True]
+    goals_now = [servo.memory[Register.GOAL_POSITION] for servo in bench.servos]
+    assert goals_now == [*before[:4], goals[4]]
+    bench.axes.accept_unidentified()
+    bench.axes.put_all(Register.PROFILE_ACCELERATION, bench.axes.all_places, 7)
+    bench.axes.cycle(goals)
+    assert all(servo.memory[Register.PROFILE_ACCELERATION] == 7 for servo in bench.servos)
+
+
 def changed(table: RegisterTable, **values: int) -> RegisterTable:
     data = bytearray(table.data)
     for name, value in values.items():

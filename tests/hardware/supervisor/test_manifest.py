@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,19 @@ def test_joint_angle_needs_the_position_of_at_least_one_tandem_servo(robot: Robo
 def test_joint_means_of_complete_values_equal_those_that_skip_nan(robot: Robot):
     manifest, values = Manifest.of(robot), np.array([3.0, 5.0, -1.0, 0.25, 7.0])
     np.testing.assert_allclose(manifest.means(values, whole=True), manifest.means(values), rtol=1e-12)
+
+
+def test_joint_without_a_servo_has_no_angle(robot: Robot):
+    whole = Manifest.of(robot)
+    manifest = replace(whole, members=whole.members[:4])
+    for is_whole in (False, True):
+        assert np.isnan(manifest.angles(np.full(4, 2048.0), whole=is_whole)).tolist() == [False, False, False, True]
+
+
+def test_servo_answers_to_one_id_only(robot: Robot):
+    """ROBOTIS: a secondary id above 252 is inactive."""
+    for member in Manifest.of(robot).members:
+        assert 252 < member.eeprom_values[Register.SECONDARY_ID] < 256
 
 
 def test_inverted_servo_has_mirrored_range(robot: Robot):

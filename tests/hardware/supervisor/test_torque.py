@@ -30,7 +30,7 @@ def bench() -> Iterator[Bench]:
     made.axes.close()
 
 
-@pytest.mark.parametrize(("seconds", "counts"), [(0.02, 1), (0.1, 5), (0.1001, 6), (0.2, 10), (0.0, 0)])
+@pytest.mark.parametrize(("seconds", "counts"), [(0.02, 1), (0.1, 5), (0.1001, 6), (0.14, 7), (0.2, 10), (0.0, 0)])
 def test_watchdog_time_is_rounded_up_to_register_counts(seconds: float, counts: int):
     assert watchdog_counts(seconds) == counts
 
