@@ -28,7 +28,7 @@ GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first w
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
 MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the end of a wave
 GREETING_INTENT = "performative-greet"  # intent of greetings, shown by waves
-PLAIN_STYLE = "neutral"  # style in which alone emotions set the style of their sentences
+PLAIN_STYLE = "neutral"  # only style in which emotions may set the style of their sentences
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from kinesic.intent.behaviour_sets import Channel
 from kinesic.intent.pacing.memory import REPEAT_WINDOW
 from kinesic.intent.pacing.tempo import RHYTHM_DURATION, Tempo, beat_manner_of, tempo_of
 
-FIRST_GESTURES = 1.0  # number of gestures that a text may have beyond those in proportion to its length
+BASE_GESTURE_COUNT = 1.0  # gestures allowed in addition to those in proportion to the text's length
 MIN_PICTURES = 2  # gestures other than beats that every text may have
 STROKE_SPACINGS: Mapping[Channel, float] = {
     "gesture": 1.3,
@@ -16,7 +16,7 @@ STROKE_SPACINGS: Mapping[Channel, float] = {
     "face": 1.0,
     "gaze": 1.2,
     "torso": 2.5,
-}  # [s] smallest
+}  # [s] smallest time between strokes, by channel
 MIN_CERTAINTIES: Mapping[Channel, float] = {"gaze": 0.3}  # smallest certainty of shown intents, by channel
 
 
@@ -44,7 +44,7 @@ def budget_of(seconds: float, style: Style) -> MovementBudget:
         style: of the performance.
     """
     tempo = tempo_of(style)
-    count = max(1, round(FIRST_GESTURES + tempo.rate * seconds / 60.0)) if seconds > 0.0 else 0
+    count = max(1, round(BASE_GESTURE_COUNT + tempo.rate * seconds / 60.0)) if seconds > 0.0 else 0
     pictures = max(min(count, MIN_PICTURES), round(count * (1.0 - tempo.beat_fraction)))
     spacing = tempo.picture_spacing
     return MovementBudget(

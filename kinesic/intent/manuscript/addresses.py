@@ -6,7 +6,7 @@ from kinesic.intent.manuscript.pieces import Manuscript, Step
 from kinesic.intent.reading.addresses import ends_with_host
 
 WEB_ADDRESS = re.compile(r"(?:https?|ftp)://[^\s<>]*|www\.[^\s<>]*", re.IGNORECASE)
-MAX_USER_LENGTH = 64  # [characters] longest part of an e-mail address between an underscore and `@`
+MAX_USER_LENGTH = 64  # [characters] longest end of a user name between `_` and `@`
 _ADDRESS_STARTS = ("http://", "https://", "ftp://", "www.")
 _CLOSING_SIGNS = ".,;:!?)'\"*_]"  # signs after an address that do not belong to it
 

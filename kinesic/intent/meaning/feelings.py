@@ -8,12 +8,21 @@ from kinesic.intent.meaning.context import Context
 
 HEAD_CHANNEL = frozenset({"head"})  # channel of head movements
 GRAVE_REACH = 12  # [words] distance from a word within which denials, sad and stern words count
-NOD_PREFIXES = ("accent", "noun", "first-noun", "emphasis")  # starts of the names of intents with a small nod
+NOD_PREFIXES = ("accent", "noun", "first-noun", "emphasis")  # prefixes of intents that cause a small nod
 STRUCTURE_PREFIXES = (
-    "turn", "boundary", "accent", "emphasis", "noun", "first", "listing", "compound", "deictic", "world",
-)  # starts of the names of intents without an attitude  # fmt: skip
-EMOTION_PREFIX = "emotion"  # start of the names of intents that need somebody who feels them
-KIND_INTENTS = frozenset({"positive", "negative"})  # intents of judgements, shown by a small smile or a sad mouth
+    "turn",
+    "boundary",
+    "accent",
+    "emphasis",
+    "noun",
+    "first",
+    "listing",
+    "compound",
+    "deictic",
+    "world",
+)  # prefixes of intents about structure, without an attitude
+EMOTION_PREFIX = "emotion"  # prefix of intents that show the emotion of a person
+JUDGEMENT_INTENTS = frozenset({"positive", "negative"})  # intents of judgements, shown by a small smile or a sad mouth
 ASKING_INTENTS = frozenset({"question", "rhetorical"})  # intents whose words also begin clauses of statements
 NOD_INTENTS = frozenset({"affirmation", "intensification", "obligation", "assumption"})  # intents shown by a nod
 FORMAL_INTENTS = frozenset(
@@ -52,7 +61,7 @@ def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: 
         return False
     if intent.name.startswith(EMOTION_PREFIX):
         return context.is_felt(at) and not _is_unreal(context, at, harmless)
-    if intent.name in KIND_INTENTS:
+    if intent.name in JUDGEMENT_INTENTS:
         return context.is_talk(at) and not _is_unreal(context, at, harmless) and not _is_grave(context, at)
     if intent.name in NOD_INTENTS:
         return not _is_grave(context, at) and not (intent.name == "affirmation" and context.is_question(at))

@@ -20,7 +20,7 @@ from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
 
-HAND_CHANNEL = frozenset({"gesture"})  # channel of signals that cues replace and rules lose
+HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures, which cues replace
 HAND_INTENTS = frozenset(
     {"emphasis-strong", "listing-left", "listing-right"}
 )  # intents whose hand gestures are kept in addition to those of cues
@@ -30,8 +30,8 @@ FEELING_STYLES = {
     "emotion-relief": "calm",
     "emotion-embarrassment": "shy",
 }  # intent of a feeling -> style in which its sentence is performed
-NEGATION_INTENTS = frozenset({"negation", "performative-disagree"})  # intents of idioms that do deny
-ILLUSTRATION_INTENTS = frozenset({"iconic", "metaphoric"})  # intents of gestures that a single word names
+NEGATION_INTENTS = frozenset({"negation", "performative-disagree"})  # intents of idioms that really negate
+ILLUSTRATION_INTENTS = frozenset({"iconic", "metaphoric"})  # intents of gestures that illustrate a single word
 
 
 def read_meanings(

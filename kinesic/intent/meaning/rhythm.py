@@ -11,9 +11,9 @@ MAIN_BEAT_CERTAINTY = 0.42  # certainty of a beat on the last content word of a 
 SECOND_BEAT_CERTAINTY = 0.36  # certainty of a beat on another content word of a long sentence
 LONG_SENTENCE = 6  # [words] length of a sentence from which it has a second beat
 SHORT_SENTENCE = 2  # [words] length of a sentence up to which it has no beat
-BEAT_DISTANCE = 3  # [words] smallest distance of a beat from a picture or another beat
+BEAT_DISTANCE = 3  # [words] smallest distance of a beat from an illustrating gesture or another beat
 BEAT_INTENT = "accent"  # intent of beats
-HAND_CHANNEL = frozenset({"gesture"})
+HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures
 
 
 def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[int]) -> Iterator[Intent]:

@@ -7,8 +7,8 @@ from kinesic.intent.meaning.context import Context
 from kinesic.intent.meaning.cues import PICTURE_INTENT
 from kinesic.intent.meaning.matching import Candidate
 
-MIN_SECOND_LIVELINESS = 0.5  # liveliness from which a clause may have a second picture
-MIN_DISTANCE = 3  # [words] smallest distance of two pictures
+MIN_SECOND_LIVELINESS = 0.5  # liveliness from which a clause may have a second illustrating gesture
+MIN_WORD_DISTANCE = 3  # [words] smallest distance of two illustrating gestures
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Penalties:
     emphasis: float = -0.1  # word that the writer stresses
 
 
-PENALTIES = Penalties()  # default amounts by which circumstances lower a score
+DEFAULT_PENALTIES = Penalties()  # default score penalties for unsuitable contexts
 # Smallest scores by gesture category: a wrong emblem misleads, a wrong open hand hardly does.
 CATEGORY_THRESHOLDS: Mapping[str, float] = {
     "emblem": 0.62,
@@ -44,18 +44,19 @@ CATEGORY_THRESHOLDS: Mapping[str, float] = {
     "beat": 0.3,
     "rest": 0.7,
 }
-GESTURE_THRESHOLDS: Mapping[str, float] = {
+GESTURE_THRESHOLDS: Mapping[str, float] = {  # smallest scores by gesture, where they differ from those of the category
     **dict.fromkeys(("open_low", "offer", "you_low", "me_low", "ask_open", "here_low", "present"), 0.42),
     **dict.fromkeys(("left", "right", "crossed_out", "cut_off", "thumb_down", "no_wag", "refuse_push"), 0.68),
     **dict.fromkeys(("gotcha", "watching_you", "shake_fist", "go_away", "contempt", "crazy"), 0.7),
 }
 UNKNOWN_THRESHOLD = 0.6  # smallest score of a gesture of an unknown category
-SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories that address somebody
+SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories that address the listener
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
-)  # gesture categories that a plain report needs less
-SENSITIVE_INTENTS = ("emotion", "performative")  # starts of the names of intents that address somebody
-SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})  # others that address somebody
+)  # gesture categories that plain reports rarely need
+SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents that address the listener
+# Further gestures that address the listener.
+SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,28 +90,30 @@ def score(
     )
     value = cue.certainty
     if any(context.passage.words[k].emphatic for k in range(candidate.first, candidate.last + 1)):
-        value -= PENALTIES.emphasis
+        value -= DEFAULT_PENALTIES.emphasis
     if is_literal and context.is_negated(at, idioms):
-        value -= PENALTIES.negated
+        value -= DEFAULT_PENALTIES.negated
     if cue.kind == "feeling":
-        value -= PENALTIES.asked_feeling * context.is_question(at)
-        value -= PENALTIES.wished * context.is_wished(at)
-        value -= PENALTIES.not_felt * (not context.is_felt(at))
+        value -= DEFAULT_PENALTIES.asked_feeling * context.is_question(at)
+        value -= DEFAULT_PENALTIES.wished * context.is_wished(at)
+        value -= DEFAULT_PENALTIES.not_felt * (not context.is_felt(at))
     elif cue.kind == "word":
-        value -= PENALTIES.asked_word * context.is_question(at)
-        value -= PENALTIES.wished_word * context.is_wished(at)
+        value -= DEFAULT_PENALTIES.asked_word * context.is_question(at)
+        value -= DEFAULT_PENALTIES.wished_word * context.is_wished(at)
     if cue.kind == "word" and not is_sensitive and not context.is_talk(at):
         is_picture = any(categories.get(shown, "") in REPORT_CATEGORIES for shown in cue.shows)
-        value -= PENALTIES.plain_word * (1.0 - liveliness) * is_picture
+        value -= DEFAULT_PENALTIES.plain_word * (1.0 - liveliness) * is_picture
     if is_sensitive and cue.kind != "question":
-        value -= PENALTIES.reported * (is_literal and context.is_reported(at))
-        value -= PENALTIES.plain_emblem * (not context.is_talk(at))
-        value -= PENALTIES.asked_emblem * (cue.kind == "idiom" and cue.where == "any" and context.is_question(at))
+        value -= DEFAULT_PENALTIES.reported * (is_literal and context.is_reported(at))
+        value -= DEFAULT_PENALTIES.plain_emblem * (not context.is_talk(at))
+        value -= DEFAULT_PENALTIES.asked_emblem * (
+            cue.kind == "idiom" and cue.where == "any" and context.is_question(at)
+        )
         if cue.kind == "idiom":
-            value -= PENALTIES.told_idiom * context.is_reported(at)
-            value -= PENALTIES.denied_idiom * context.is_negated(at, idioms)
-            value -= PENALTIES.asked_idiom * context.is_asked_within(at)
-            value -= PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))
+            value -= DEFAULT_PENALTIES.told_idiom * context.is_reported(at)
+            value -= DEFAULT_PENALTIES.denied_idiom * context.is_negated(at, idioms)
+            value -= DEFAULT_PENALTIES.asked_idiom * context.is_asked_within(at)
+            value -= DEFAULT_PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))
     return min(max(value, 0.0), 1.0)
 
 
@@ -138,7 +141,7 @@ def choose_pictures(
         if is_free and stroke not in near:
             kept.append(picture)
             clauses.add(context.clauses[stroke])
-            near.update(range(stroke - MIN_DISTANCE + 1, stroke + MIN_DISTANCE))
+            near.update(range(stroke - MIN_WORD_DISTANCE + 1, stroke + MIN_WORD_DISTANCE))
     return sorted(kept, key=lambda each: each.candidate.stroke)
 
 

@@ -11,11 +11,19 @@ ASK_CERTAINTY = 0.62  # certainty of the gesture for a question with a question 
 YES_NO_CERTAINTY = 0.5  # certainty of the gesture for a question that asks for yes or no
 CHOICE_CERTAINTY = 0.62  # certainty of the gesture for a question between two things
 COUNT_CERTAINTY = 0.68  # certainty of the gesture that counts things
-LISTED_COUNT_BONUS = 0.12  # added certainty where the number is announced (`there are three`)
+LISTED_COUNT_BONUS = 0.12  # added certainty if the number announces a list (`there are three`)
 PERSON_CERTAINTY = 0.46  # certainty of a gesture to speaker or listener, in sentences without another one
 MIN_PERSON_WORDS = 3  # words of the shortest sentence with a gesture to speaker or listener
-COUNTS = {"two": "count_two", "three": "count_three", "four": "count_four", "five": "count_five", "2": "count_two",
-          "3": "count_three", "4": "count_four", "5": "count_five"}  # number -> gesture  # fmt: skip
+COUNT_GESTURES = {  # gesture by number word or digit
+    "two": "count_two",
+    "three": "count_three",
+    "four": "count_four",
+    "five": "count_five",
+    "2": "count_two",
+    "3": "count_three",
+    "4": "count_four",
+    "5": "count_five",
+}
 
 
 def find_structures(context: Context, taken: Collection[int]) -> Iterator[Candidate]:
@@ -50,7 +58,7 @@ def _find_questions(context: Context, indices: Sequence[int], taken: Collection[
 
 def _find_counts(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
     for k in indices[:-1]:
-        gesture = COUNTS.get(context.plain[k])
+        gesture = COUNT_GESTURES.get(context.plain[k])
         if gesture is None or k in taken or context.clauses[k] != context.clauses[k + 1]:
             continue
         thing = _counted_thing(context, k, indices)

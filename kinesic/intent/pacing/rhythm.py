@@ -10,11 +10,11 @@ from kinesic.intent.pacing.tempo import RUN_SPACING, Tempo
 MAIN_BEAT_INTENT = "accent"  # intent of the main accent of a phrase
 BEAT_INTENTS = frozenset({MAIN_BEAT_INTENT, RHYTHM_INTENT})  # intents whose gestures are beats
 BEAT_PREFIX = "beat"  # start of the ids of all beats in the lexicon
-FIRST_DUE = 0.3  # strokes that are due at the first word of a text
-RUN_START = 0.3  # number of due strokes at which a run of beats begins
-RUN_SURPLUS = 0.7  # strokes ahead of the rate until which a run of beats goes on
-END_FRACTION = 0.5  # fraction of a mean interval after which a text without further accents counts as ended
-LOOK_AHEAD = 4.0  # [s] time within which coming gestures count as strokes that are not due
+INITIAL_DUE_STROKES = 0.3  # strokes that are already due at the first word of a text
+RUN_START_STROKES = 0.3  # number of due strokes at which a run of beats begins
+MAX_SURPLUS_STROKES = 0.7  # strokes ahead of the rate up to which a run of beats continues
+TEXT_END_FRACTION = 0.5  # fraction of the mean stroke interval without accents after which a text counts as ended
+LOOK_AHEAD_TIME = 4.0  # [s] time ahead in which coming gestures count as strokes already made
 CHOICE_WINDOW = 0.5  # [s] time after an accent within which a stronger one takes its beat
 
 
@@ -80,15 +80,15 @@ class _Run:
             following: time of the next accent [s], or infinity.
         """
         silence, tempo = at - self._last(at), self._tempo
-        ahead = bisect_left(self._others, at + LOOK_AHEAD) - self._first
+        ahead = bisect_left(self._others, at + LOOK_AHEAD_TIME) - self._first
         elapsed = self._seconds + at - self._since
-        due = FIRST_DUE + tempo.rate * elapsed / 60.0 - self._strokes - ahead - len(self.beats)
+        due = INITIAL_DUE_STROKES + tempo.rate * elapsed / 60.0 - self._strokes - ahead - len(self.beats)
         if silence <= RUN_SPACING:
-            return due > -RUN_SURPLUS and self._length(at) < tempo.run_length
+            return due > -MAX_SURPLUS_STROKES and self._length(at) < tempo.run_length
         upcoming = min(self._next(at), following)
-        if upcoming == float("inf") and due > -RUN_SURPLUS:
-            upcoming = at + END_FRACTION * 60.0 / tempo.rate
-        return due >= RUN_START or tempo.longest_silence < upcoming - self._last(at) < float("inf")
+        if upcoming == float("inf") and due > -MAX_SURPLUS_STROKES:
+            upcoming = at + TEXT_END_FRACTION * 60.0 / tempo.rate
+        return due >= RUN_START_STROKES or tempo.longest_silence < upcoming - self._last(at) < float("inf")
 
     def _last(self, at: float) -> float:
         """Return the time of the last stroke before a time [s]."""

@@ -9,14 +9,16 @@ from kinesic.expressivity.style.style import Style
 
 RHYTHM_DURATION = 5.0  # [s] shortest text whose accents have beats in runs
 LIVELINESS_LEVELS = (-0.45, 0.0, 0.45)  # mean of activation, extent and power: restrained, neutral, lively
-STROKE_RATES = (8.0, 19.5, 32.0)  # [1/min] strokes at these levels; 54 people: 7.7, 24, 34 (5, 50, 95 %)
-BEAT_FRACTIONS = (0.3, 0.45, 0.5)  # smallest fraction of beats among gestures
-PICTURE_SPACINGS = (1.8, 1.3, 1.1)  # [s] smallest spacing of two gestures other than beats
-BEAT_SPACINGS = (1.3, 1.05, 0.95)  # [s] smallest spacing from a beat to another stroke
-MAX_BEAT_FRACTION = 0.54  # largest fraction of beats, above which the rate falls
-MIN_STROKE_RATES = (8.0, 17.0, 18.0)  # [1/min] stroke rates below which the limit on beats does not lower them
-RUN_LENGTHS = (2.0, 3.0, 4.0)  # [strokes] length of the longest run of beats
-RUN_SPACING = 1.6  # [s] largest spacing of the strokes of a run, between which the hands do not return to rest
+# [1/min] stroke rates at LIVELINESS_LEVELS; people have 7.7, 24 and 34 (5, 50 and 95 %).
+STROKE_RATES = (8.0, 19.5, 32.0)
+BEAT_FRACTIONS = (0.3, 0.45, 0.5)  # smallest fraction of beats among gestures at LIVELINESS_LEVELS
+PICTURE_SPACINGS = (1.8, 1.3, 1.1)  # [s] smallest spacing of illustrating gestures at LIVELINESS_LEVELS
+BEAT_SPACINGS = (1.3, 1.05, 0.95)  # [s] smallest spacing of a beat from other strokes at LIVELINESS_LEVELS
+MAX_BEAT_FRACTION = 0.54  # fraction of beats above which the stroke rate is reduced
+# [1/min] lower bounds of the rate that MAX_BEAT_FRACTION reduces, at LIVELINESS_LEVELS.
+MIN_STROKE_RATES = (8.0, 17.0, 18.0)
+RUN_LENGTHS = (2.0, 3.0, 4.0)  # [strokes] longest run of beats at LIVELINESS_LEVELS
+RUN_SPACING = 1.6  # [s] largest spacing of strokes in a run, in which the hands do not return to rest
 SILENCE_RATIO = 1.7  # longest silence of the hands, in mean intervals between strokes
 
 

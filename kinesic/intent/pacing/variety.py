@@ -12,9 +12,10 @@ from kinesic.intent.pacing.candidates import Candidate
 from kinesic.intent.pacing.memory import PastGesture
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS, MAIN_BEAT_INTENT, is_beat
 
-NO_REPEAT_WINDOW = 3  # successive gestures without a repetition, where no time is given
+NO_REPEAT_WINDOW = 3  # [gestures] successive gestures that must differ if no time window is given
 BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat instead of a repeated gesture
-FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})  # their words recur in any text
+# Intents whose words recur in any text.
+FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})
 EMPHATIC_CERTAINTY = 0.8  # certainty of an intent from which its beat is as large as the style makes it
 NO_PREFERENCES: Mapping[str, float] = {}  # equal preference for all gestures
 NEUTRAL_MANNER: Mapping[str, float] = {}  # no changes to the expressivity of the style

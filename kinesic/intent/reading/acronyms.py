@@ -6,7 +6,7 @@ from kinesic.intent.reading.language import Language
 
 MAX_ACRONYM_LENGTH = 5  # [letters] longest unknown acronym without vowels
 MAX_WORDLIKE_LENGTH = 3  # [letters] longest unknown acronym with vowels
-VOWELS = frozenset("AEIOUYYÄÖÜÁÉÍÓÚÀÈÌÒÙÂÊÎÔÛ")
+VOWEL_CAPITALS = frozenset("AEIOUYYÄÖÜÁÉÍÓÚÀÈÌÒÙÂÊÎÔÛ")  # capital letters of vowels
 
 
 def read_acronym(text: str, before: str, following: str, language: Language) -> str:
@@ -28,7 +28,7 @@ def read_acronym(text: str, before: str, following: str, language: Language) -> 
             return ""
     elif not language.has("acronym", plain) and not language.has("spoken_acronym", plain):
         is_unknown = not language.has("shouted", plain) and not language.knows(plain)
-        limit = MAX_WORDLIKE_LENGTH if VOWELS & set(text) else MAX_ACRONYM_LENGTH
+        limit = MAX_WORDLIKE_LENGTH if VOWEL_CAPITALS & set(text) else MAX_ACRONYM_LENGTH
         if not (is_unknown and len(text) <= limit):
             return ""
     if language.has("spoken_acronym", plain):

@@ -8,8 +8,8 @@ from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.matching import Finding
 from kinesic.intent.reading.passage import Passage
 
-NEGATION_INTENT = "negation"
-HAND_CHANNEL = frozenset({"gesture"})  # channel of the gesture that refuses
+NEGATION_INTENT = "negation"  # name of the intent of negations
+HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures
 
 
 def drop_harmless_denials(findings: Sequence[Finding], passage: Passage) -> tuple[Finding, ...]:

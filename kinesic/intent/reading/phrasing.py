@@ -8,9 +8,9 @@ from kinesic.body.scripts import PHRASE_STOPS, SENTENCE_STOPS
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 
-LONGEST_ITEM = 5  # largest number of words in an item of a list
+MAX_ITEM_WORDS = 5  # [words] longest item of a list
 _CLAUSE_SIGNS = frozenset(PHRASE_STOPS + SENTENCE_STOPS)
-MIN_ITEMS = 3  # smallest number of items of a list
+MIN_ITEMS = 3  # smallest number of items that make a list
 STRESS_DISTANCE = 3  # largest distance [words] from a weak word to the content word that carries its stroke
 
 
@@ -152,10 +152,10 @@ def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iter
         joint |= joins and len(pieces) >= MIN_ITEMS
         if not joins:
             pieces[-1].append(k)
-    items = [piece for piece in pieces[1:-1] if 0 < len(piece) <= LONGEST_ITEM]
+    items = [piece for piece in pieces[1:-1] if 0 < len(piece) <= MAX_ITEM_WORDS]
     if not joint or len(items) != len(pieces) - 2 or not pieces[-1]:
         return
-    items = [pieces[0][-LONGEST_ITEM:], *items, pieces[-1][:LONGEST_ITEM]]
+    items = [pieces[0][-MAX_ITEM_WORDS:], *items, pieces[-1][:MAX_ITEM_WORDS]]
     for number, item in enumerate(items):
         content = [k for k in item if passage.words[k].is_content] or item
         k = content[0] if number == len(items) - 1 else content[-1]

@@ -95,7 +95,7 @@ def test_fml_without_bml_is_performed():
     assert len(block.behaviours) == 2
 
 
-def test_places_in_fml_are_those_of_the_file(greeting):
+def test_behaviours_and_errors_of_fml_name_the_line_of_the_file(greeting):
     places = {each.id: each.place.line for each in greeting.behaviours}
     assert (places["s1"], places["g1"]) == (2, 4)
     assert {each.place.line for each in of_intention(greeting, "emotion-joy")} == {7}

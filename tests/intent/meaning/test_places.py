@@ -29,7 +29,7 @@ def gestures(text: str) -> set[str]:
         ("It was gone in a flash.", "fast_off"),
     ],
 )
-def test_words_of_place_and_comparison_show_their_picture(text: str, gesture: str):
+def test_words_of_place_and_comparison_get_an_illustrating_gesture(text: str, gesture: str):
     assert gesture in gestures(text)
 
 
@@ -43,5 +43,5 @@ def test_words_of_place_and_comparison_show_their_picture(text: str, gesture: st
         ("Give me time.", "give_me"),
     ],
 )
-def test_other_senses_of_these_words_show_no_such_picture(text: str, gesture: str):
+def test_other_senses_of_place_words_get_no_illustrating_gesture(text: str, gesture: str):
     assert gesture not in gestures(text)

@@ -60,12 +60,12 @@ def test_plain_statements_get_only_beat_gestures(text: str):
     ["My jaw hit the floor at the price.", "They vanished into thin air.", "He is always up in arms.",
      "Tickets for it are a long shot."],
 )  # fmt: skip
-def test_words_of_idioms_draw_no_picture(text: str):
+def test_words_of_idioms_get_no_illustrating_gesture(text: str):
     for seed in range(2):
         assert is_beat(shown(text, seed=seed))
 
 
-def test_persons_in_two_clauses_are_not_shown_together():
+def test_pronouns_in_separate_clauses_do_not_trigger_the_we_gesture():
     assert "we" in shown("This is just between me and you.")
     assert "we" not in shown("You never praise me, and you never listen.")
 

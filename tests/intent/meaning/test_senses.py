@@ -47,7 +47,7 @@ def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture:
      "She was up all night.", "Give me a break!", "They pulled the plug on it.",
      "I blew it.", "He drives a hard bargain.", "Go right ahead and ask."],
 )  # fmt: skip
-def test_figurative_words_draw_no_picture(text: str):
+def test_figurative_words_get_no_illustrating_gesture(text: str):
     assert is_beat(shown(text))
 
 
@@ -62,7 +62,7 @@ def test_denial_ends_at_a_conjunction():
     assert "large" not in shown("It was not a huge house.")
 
 
-def test_emblem_within_a_question_about_facts_is_not_shown():
+def test_emblem_within_a_yes_no_question_is_not_shown():
     assert shown("Have a good weekend!") & {"wave_low", "wave_small"}
     assert not shown("Did you have a good weekend?") & {"wave_low", "wave_small"}
     assert not shown("We always have a good time there.") & {"wave_low", "wave_small"}
@@ -83,15 +83,15 @@ def test_feeling_of_somebody_else_is_not_shown():
     ["You have no idea how happy I am.", "I wouldn't say no to a biscuit.", "Nothing could be easier.",
      "I couldn't have done it without you.", "I've never been so happy."],
 )  # fmt: skip
-def test_head_does_not_shake_at_denials_that_mean_praise(text: str):
+def test_head_does_not_shake_at_negative_words_of_praise(text: str):
     assert "SHAKE" not in shown(text, "head")
 
 
-def test_refusal_denies_the_feeling_it_names():
+def test_denied_feeling_is_not_shown_on_the_face():
     assert "worry" not in shown("No, that's not the problem.", "face")
     assert "SHAKE" in shown("No, that's not the problem.", "head")
 
 
 @pytest.mark.parametrize("text", ["I nearly died laughing.", "This cake is to die for."])
-def test_exaggerations_show_no_sadness(text: str):
+def test_exaggerations_do_not_show_sadness(text: str):
     assert "sadness" not in shown(text, "face")

@@ -97,7 +97,7 @@ def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
     }
 
 
-def test_beats_of_a_lively_style_are_not_enlarged_or_repeated_by_it() -> None:
+def test_lively_style_neither_enlarges_nor_repeats_uncertain_beats() -> None:
     for each in gestures_of("journey", "joyful"):
         if is_beat(each.lexeme) and each.intent.certainty < EMPHATIC_CERTAINTY:
             assert each.manner == {"spatial": 0.0, "repetition": 0.0}
@@ -109,7 +109,7 @@ def test_beats_of_a_lively_style_are_not_enlarged_or_repeated_by_it() -> None:
     ("text", "gesture"),
     [("The waiter opened the door.", "open_door"), ("The village had a long wall.", "wall")],
 )
-def test_lively_style_draws_words_of_plain_reports(text: str, gesture: str) -> None:
+def test_lively_style_illustrates_words_of_plain_reports(text: str, gesture: str) -> None:
     shown = {
         name: {each.lexeme for each in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours}
         for name in ("neutral", "joyful")
@@ -118,7 +118,7 @@ def test_lively_style_draws_words_of_plain_reports(text: str, gesture: str) -> N
     assert gesture not in shown["neutral"]
 
 
-def test_lively_clause_may_have_two_pictures() -> None:
+def test_clause_in_a_lively_style_may_have_two_illustrating_gestures() -> None:
     text = "We walked slowly across the square into a tiny shop behind the old church of the village."
     pictures = {
         name: {

@@ -30,7 +30,7 @@ def test_angry_beats_are_chops_fists_and_points_and_sad_ones_small_and_low():
     assert sum(name in small for name in sad) > 0.4 * len(sad)
 
 
-def test_preference_weights_alternatives_and_adds_beats_to_beats_alone():
+def test_style_preferences_weight_alternatives_and_add_only_beats():
     choices = (Choice("beat", 0.5), Choice("beat_low", 0.5))
     preferences = {"beat_low": 0.5, "beat_edge": 3.0, "akimbo": 9.0}
     assert prefer(choices, preferences, RHYTHM_INTENT) == (
