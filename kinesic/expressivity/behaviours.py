@@ -35,6 +35,7 @@ POINTING_SHAPE = "index"  # hand shape of pointing hands
 POINTING_CATEGORY = "deictic"  # category of gestures that point
 EXTENT_GAIN = 0.5  # relative change of the body motion at a spatial extent of 1 or -1
 HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
+# Modalities whose style weights scale body motion.
 SCALED_MODALITIES: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
 COUNTING_PREFIX = "count"  # name prefix of gestures that count on one hand
 

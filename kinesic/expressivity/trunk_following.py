@@ -17,14 +17,14 @@ from kinesic.expressivity.hands.poses import Poses
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import UPRIGHT_TURN, scale_turn, turn_angles
 
-TORSION_PER_FORWARD = radians(8.0)  # [rad] torsion per arm length by which one hand is farther forward
-TORSION_PER_LEFT = radians(13.0)  # [rad] torsion per arm length by which the hands go to the left
-TILT_PER_FORWARD = radians(7.0)  # [rad] lean per arm length by which the hands go forward on average
-ROLL_PER_TORSION = 0.1  # roll / torsion, of the same clips
-MAX_FOLLOWING = radians(6.0)  # [rad] largest rotation about each axis at weight 1
-TOUCH_FRACTION = 0.3  # fraction of the rotation while a hand touches head or trunk
-HEAD_PER_TRUNK = 1.3  # torsion of the head / that of the trunk, both in the world
-HEAD_ROLL_PER_TORSION = 0.4  # roll of the head to the side / torsion of the trunk
+TORSION_PER_FORWARD = radians(8.0)  # [rad] trunk torsion per arm length by which one hand is ahead of the other
+TORSION_PER_LEFT = radians(13.0)  # [rad] trunk torsion per arm length that the hands move to the left
+TILT_PER_FORWARD = radians(7.0)  # [rad] trunk lean per arm length that the hands move forward on average
+ROLL_PER_TORSION = 0.1  # trunk roll / trunk torsion in captured gestures
+MAX_FOLLOWING_ANGLE = radians(6.0)  # [rad] largest trunk rotation about each axis at style weight 1
+TOUCH_FRACTION = 0.3  # fraction of the trunk rotation while a hand touches head or trunk
+HEAD_TO_TRUNK_TORSION = 1.3  # head torsion / trunk torsion, both in the world
+HEAD_ROLL_PER_TORSION = 0.4  # head roll to the side / trunk torsion
 HEAD_NOD_GAIN = 0.4  # relative increase of a nod while the trunk follows the hands
 
 
@@ -54,9 +54,9 @@ def follow_hands(poses: Poses, key: int, rest: Mapping[Side, Reach], robot: Robo
     touched = {row[poses.stroke].touch for row in poses.hands.values()} - {None}
     if touched:
         turn = scale_turn(turn, 0.0 if touched & ARM_PARTS else TOUCH_FRACTION)
-    return Turn(*(weight * min(max(angle, -MAX_FOLLOWING), MAX_FOLLOWING) for angle in turn_angles(turn)))
+    return Turn(*(weight * min(max(angle, -MAX_FOLLOWING_ANGLE), MAX_FOLLOWING_ANGLE) for angle in turn_angles(turn)))
 
 
 def turn_head_along(trunk: Turn) -> Turn:
     """Return the head rotation that goes with a following trunk."""
-    return Turn(torsion=HEAD_PER_TRUNK * trunk.torsion, roll=-HEAD_ROLL_PER_TORSION * trunk.torsion)
+    return Turn(torsion=HEAD_TO_TRUNK_TORSION * trunk.torsion, roll=-HEAD_ROLL_PER_TORSION * trunk.torsion)

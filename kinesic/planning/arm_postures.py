@@ -26,7 +26,8 @@ from kinesic.planning.torso import aim_from_shoulder, turn_reach
 MAX_SWIVEL_CHANGE = float(np.radians(25))  # [rad] largest swing of the elbow for better palm and pointing directions
 MAX_HINGE_STEP = float(np.radians(110))  # [rad] largest hinge rotation between keys; a flipping arm would be late
 OPEN_SWIVEL = float(np.radians(78))  # [rad] elbow swivel at openness 1; above this, elbows rise and palms turn
-REACH_SETTINGS = ReachManner(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)  # limits on the elbow between two keys
+# Limits on elbow and hinge changes between two keys.
+REACH_SETTINGS = ReachManner(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)
 MAX_KEYS_PER_CALL = 64  # keys solved together before collisions are checked
 
 

@@ -29,7 +29,7 @@ VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes above whic
 MAX_EXACT_SEARCHES = 12  # exact searches per block; remaining pairs are judged by an estimate
 MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # with more candidate pairs, only the estimate is used
 SEARCH_BUDGET = 100_000  # spline segments that all exact searches of a block may evaluate
-NEGLIGIBLE_CLASH = 0.02  # [s] time error between two strokes that never drops a gesture
+NEGLIGIBLE_CLASH = 0.02  # [s] timing error between two strokes that never drops a gesture
 
 
 @dataclass(frozen=True, eq=False)

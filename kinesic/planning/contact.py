@@ -11,11 +11,11 @@ from kinesic.body.robot import OTHER_SIDE, FingerTip, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, Touch
 
-PALM_FRACTIONS = (0.75, 1.25)  # places of heel and finger roots / distance from wrist to palm
-PALM_EXCESS = 0.006  # [m] accepted additional distance of two palms
-HEEL_EXCESS_RATIO = 1.5  # further additional distance of their heels, as wrists are thicker / distance in contact
-MAX_HAND_DEPTH = 0.06  # [m] largest distance of the palm's surface from the plane of the hand
-DEPTH_STEP = 5e-4  # [m] resolution of the palm's surface
+PALM_FRACTIONS = (0.75, 1.25)  # positions of heel and finger roots along the hand / wrist-to-palm distance
+PALM_EXCESS = 0.006  # [m] accepted gap between two palms in contact
+HEEL_EXCESS_RATIO = 1.5  # extra accepted gap between the heels of two hands / contact distance, as wrists are thick
+MAX_HAND_DEPTH = 0.06  # [m] largest searched distance from the middle plane of the hand to the palm's surface
+DEPTH_STEP = 5e-4  # [m] resolution of the search for the palm's surface
 LENGTH_EPSILON = 1e-9  # smallest divisor, which avoids division by zero
 
 

@@ -12,8 +12,8 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.planning.collision import Spacing, separate
 from kinesic.planning.posture_course import SCAN_RATE, ArmHinges, PostureCourse
 
-MIN_DETOURS = 16  # detours allowed in a motion of any length
-DETOUR_INTERVAL = 10.0  # [s] motion time for which `MIN_DETOURS` further detours are allowed
+MIN_DETOURS = 16  # number of detours allowed in a motion of any length
+DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` further detours
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
 DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one
 WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the way to the rest pose, tried in turn

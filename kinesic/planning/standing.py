@@ -19,12 +19,12 @@ from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
-POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arms' offsets, tried until the body is clear
+POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arm offsets, tried until no body parts are too close
 RANGE_MARGIN = 0.01  # [rad] distance of a standing posture from the joint limits
-STANDING_STREAM = 7  # stream of the random generator of standing postures
+STANDING_STREAM = 7  # index of the random stream for standing postures
 TRUNK_SPREAD = (3.5, 1.0, 2.2)  # [deg] largest random torsion, tilt and roll of the standing trunk
 HEAD_SPREAD = (6.0, 3.0, 3.5)  # [deg] largest random torsion, tilt and roll of the standing head
-ARM_SPREAD: Mapping[str, float] = {  # [deg] largest random offset of a resting arm's hinges, by the end of their name
+ARM_SPREAD: Mapping[str, float] = {  # [deg] largest random offset of a resting arm's hinges, by name suffix
     "shoulder_flexion": 5.0,
     "shoulder_abduct": 3.0,
     "shoulder_twisting": 8.0,

@@ -54,7 +54,7 @@ def test_gesture_planned_by_lexicon_entry_is_not_replaced_by_its_fallback():
 
 
 @pytest.mark.parametrize(("lexeme", "sides"), [("hook_left", {"l"}), ("hook_both", {"l", "r"}), ("hook", {"r"})])
-def test_fallback_gesture_is_done_by_the_hands_that_the_name_says(tmp_path: Path, lexeme: str, sides: set[str]):
+def test_fallback_gesture_uses_the_hands_in_the_requested_name(tmp_path: Path, lexeme: str, sides: set[str]):
     file = tmp_path / "mine.toml"
     file.write_text(LEXICON_TOML, encoding="utf-8")
     planned = plan(BML_BLOCK.replace("hook", lexeme), set_up("upper22", lexicon=file))

@@ -9,7 +9,7 @@ from kinesic.bml.block import Gesture, Pointing
 from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.lexicon.body_form import BodyForm
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Style
-from kinesic.expressivity.trunk_following import MAX_FOLLOWING, follow_hands
+from kinesic.expressivity.trunk_following import MAX_FOLLOWING_ANGLE, follow_hands
 from kinesic.expressivity.turns import UPRIGHT_TURN, turn_angles
 
 
@@ -23,7 +23,7 @@ def torsos(perform, action, times, weight=1.0):
     return {sync: frame.torso for frame in frames.frames for _, sync in frame.syncs}
 
 
-def test_trunk_brings_the_shoulder_of_the_gesturing_hand_forward(perform, times):
+def test_trunk_turns_the_shoulder_of_the_gesturing_hand_forward(perform, times):
     left, right = (torsos(perform, Gesture("beat", mode), times)["stroke"] for mode in ("left", "right"))
     assert degrees(right.torsion) > 1.0
     assert turn_angles(left) == pytest.approx((-right.torsion, right.tilt, -right.roll))
@@ -37,24 +37,24 @@ def test_trunk_follows_a_sweep_from_the_start_of_the_stroke_to_its_end(perform, 
     assert at["stroke"] == at["relax"]
 
 
-def test_weight_scales_the_following_trunk_and_zero_leaves_it_upright(perform, times):
+def test_style_weight_scales_the_trunk_rotation_that_follows_the_hands(perform, times):
     none, half, whole = (torsos(perform, Gesture("offer", "right"), times, weight) for weight in (0.0, 0.5, 1.0))
     assert not any(any(turn_angles(turn)) for turn in none.values())
     assert half["stroke"].torsion == pytest.approx(whole["stroke"].torsion / 2)
 
 
-def test_trunk_that_turns_to_a_target_follows_no_hand(perform, times):
+def test_trunk_turned_to_a_target_does_not_follow_the_hands(perform, times):
     frames = perform(("g", Pointing("left"), times))
     assert 5 <= degrees(frames.bodies["g"].trunk.torsion) <= 10
 
 
-def test_following_is_bounded_and_stays_still_while_a_hand_touches_the_other_arm(lexicon, robot):
+def test_trunk_rotation_with_the_hands_is_bounded_and_zero_while_arms_touch(lexicon, robot):
     form = replace(lexicon.forms_by_id["beat"], body=BodyForm(along=1.0))
     posed, rest = poses(form, robot, NEUTRAL_EXPRESSIVITY), resting_hands(robot)
     (side,) = posed.hands
     far = structs.replace(rest[side], position=rest[side].position + np.array([9.0, 9.0, 0.0]))
     reaching = [replace(hand, reach=far) for hand in posed.hands[side]]
     turn = follow_hands(replace(posed, hands={side: tuple(reaching)}), posed.stroke, rest, robot)
-    assert max(map(abs, turn_angles(turn))) == pytest.approx(MAX_FOLLOWING)
+    assert max(map(abs, turn_angles(turn))) == pytest.approx(MAX_FOLLOWING_ANGLE)
     touching = tuple(replace(hand, touch="forearm") for hand in reaching)
     assert follow_hands(replace(posed, hands={side: touching}), posed.stroke, rest, robot) == UPRIGHT_TURN

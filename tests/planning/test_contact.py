@@ -123,7 +123,7 @@ def test_chest_includes_segments_without_a_hinge():
     assert touched == {"vl5", "vt1", "r_wrist", "r_fingers"}
 
 
-def test_hands_that_touch_are_not_moved_apart_by_the_form(known):
+def test_touching_hands_are_not_spread_apart(known):
     form = known.lexicon.forms_by_id["prayer"]
     apart = [abs(pose.position[1]) for pose in widen_key(form.keys[-1], 0.0, known.robot).hands.values()]
     assert max(apart) <= 0.07  # [arm lengths]

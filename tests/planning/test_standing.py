@@ -67,14 +67,14 @@ def test_angry_hands_rest_half_closed(lexicon):
     assert np.degrees(angry.skeleton.rest[bend] - robot.skeleton.rest[bend]) > 20.0
 
 
-def test_posture_weight_of_zero_leaves_the_robot_and_its_face():
+def test_posture_weight_zero_keeps_the_rest_posture_and_a_neutral_face():
     plain = set_up(style="sad", settings=["posture=0"])
     assert np.array_equal(plain.robot.skeleton.rest, set_up().robot.skeleton.rest)
     made = plan_quickly(parse(ROOT.format('<wait id="w" duration="2"/>')), plain)
     assert "L15" not in compute_action_units(made, np.linspace(0.0, 1.5, 4))
 
 
-def test_standing_head_stays_sunk_through_a_gesture_and_nods_from_there(sad):
+def test_lowered_standing_head_nods_from_its_lowered_position(sad):
     made = plan_quickly(parse(ROOT.format('<head id="h" lexeme="NOD" start="0.5"/>')), sad)
     tilt = sad.robot.skeleton.joint("skullbase_tilt")
     angles = made.trajectory.sample(np.linspace(0.0, made.trajectory.duration, 200))[0][:, tilt]

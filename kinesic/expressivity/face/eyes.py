@@ -36,11 +36,11 @@ MIN_BLINK_INTERVAL = 1.2  # [s] shortest time between two blinks
 MEAN_BLINK_INTERVAL = 4.0  # [s] mean time between two blinks
 BLINK_ANGLE = radians(20)  # [rad] angle above which a gaze shift causes a blink
 SACCADE_SPREAD = radians(2.5)  # [rad] standard deviation of saccades around the gaze target
-GAZE_LEAD_TIME = 0.3  # [s] time from a gaze shift to its stroke, where the head does not turn
+GAZE_LEAD_TIME = 0.3  # [s] advance of a gesture's gaze shift before its stroke if the head does not turn
 HALF_EYE_DISTANCE = 0.03  # [m] distance from an eye to the midpoint of both
 VERGENCE_TIME = 0.16  # [s] duration of a change of vergence
 MIN_SACCADE_INTERVAL = 0.5  # [s] shortest time between two spontaneous saccades
-CONTACT_TIME = 0.8, 1.6  # [s] range of the glances at the listener of who averts the gaze
+CONTACT_TIME = 0.8, 1.6  # [s] shortest and longest glance at the listener between averted gazes
 MEAN_SACCADE_INTERVAL = 1.6  # [s] mean time between two spontaneous saccades
 
 

@@ -8,7 +8,7 @@ import msgspec
 
 from kinesic.expressivity.keyframes import Turn
 
-UPRIGHT = Turn()  # rotation of zero of head and trunk
+UPRIGHT_TURN = Turn()  # zero rotation of head and trunk
 
 
 class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -55,8 +55,8 @@ FRONTAL_GAZE = GazeHabit()  # gaze at the listener all the time
 class Standing:
     """Posture, resting hands, facial affect and gaze habit of a style."""
 
-    head: Turn = UPRIGHT  # in the world
-    trunk: Turn = UPRIGHT  # from upright
+    head: Turn = UPRIGHT_TURN  # in the world
+    trunk: Turn = UPRIGHT_TURN  # from upright
     arms: tuple[tuple[str, float], ...] = ()  # (hinge name without side, offset from the robot's rest [rad])
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers
     rest: str = ""  # rest gesture of the lexicon; empty: arms hang

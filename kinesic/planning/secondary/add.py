@@ -30,7 +30,7 @@ from kinesic.planning.secondary.talking import make_speech_motion
 from kinesic.planning.setup import Setup
 
 MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss where the clearance is already too small
-REST_STREAM = 5  # stream of the random generator of rest postures
+REST_STREAM = 5  # index of the random stream for changes of the rest posture
 MAX_BODY_WEIGHT = 1.5  # largest whole-body weight of a style that scales secondary motion
 
 

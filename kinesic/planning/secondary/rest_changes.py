@@ -15,12 +15,12 @@ from kinesic.planning.torso import set_turn
 
 MIN_REST_SPAN = 6.0  # [s] shorter rests of both arms keep their posture
 REST_DURATION = 15.0  # [s] usual duration of one rest posture; people change it every 10 to 20 s
-CHANGE_DURATIONS = 1.2, 1.9  # [s] range of the durations of a change
-REST_MARGIN = 0.4  # [s] time at rest before the first and after the last change
+CHANGE_DURATIONS = 1.2, 1.9  # [s] shortest and longest transition between two rest postures
+REST_MARGIN = 0.4  # [s] time at rest before the first and after the last transition
 REST_TOLERANCE = 0.02  # [rad] largest distance of a resting arm from the rest posture
-WEIGHT_SHIFT = radians(2.6), radians(1.2)  # [rad] largest and smallest roll of the trunk with a shift of weight
-TRUNK_TORSION = radians(3.0)  # [rad] largest torsion of the trunk with a shift of weight
-ARM_RANGES: Mapping[str, tuple[float, float]] = {  # [deg] range of the offsets of a resting arm, by the end of the name
+WEIGHT_SHIFT = radians(2.6), radians(1.2)  # [rad] largest and smallest trunk roll in a weight shift
+TRUNK_TORSION = radians(3.0)  # [rad] largest trunk torsion in a weight shift
+ARM_RANGES: Mapping[str, tuple[float, float]] = {  # [deg] random offsets of resting arm hinges, by name suffix
     "shoulder_flexion": (-2.0, 9.0),
     "shoulder_abduct": (0.0, 4.0),
     "shoulder_twisting": (-10.0, 4.0),
