@@ -28,12 +28,12 @@ POSITION_STEP = 5e-5  # [m] resolution of positions in the file
 FIGURE_HAIR = replace(HAIR_STYLES["female"], roots=460, steps=6, width=(0.20, 0.20))  # fewer locks than a portrait
 SHOULDER_PASSES = 16  # passes that smooth the suit's weights around the shoulders
 SHOULDER_REACH = 0.15  # [m] distance from a shoulder within which weights are smoothed
-SHOULDER_RAMP = 0.08  # [m] width of the transition to weights that stay
+SHOULDER_RAMP = 0.08  # [m] width of the transition from smoothed to unsmoothed weights
 TUCK_DEPTH = 0.009  # [m] by which covered skin is moved inward
-TUCK_RAMP = 0.014  # [m] distance below the neckline within which this depth is reached
+TUCK_RAMP = 0.014  # [m] distance below the neckline over which `TUCK_DEPTH` is reached
 COLLAR_RAMP = 0.045  # [m] distance below the neckline within which the suit is drawn to the neck
 COLLAR_GAP = 0.0015  # [m] distance of the suit from the neck at the neckline; the shirt lies outside the suit
-COLLAR_NEIGHBOURS = 4  # points of skin averaged for the neck's surface
+COLLAR_NEIGHBOURS = 4  # nearest skin points that are averaged for the neck's surface
 MAX_FRAMES_PER_VERTEX = 8  # skinning frames per vertex
 
 

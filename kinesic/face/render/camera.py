@@ -88,7 +88,7 @@ def compute_head_rotation(left: float, up: float, over: float) -> Floats:
     return np.asarray(rotation_about(z, left) @ rotation_about(y, -up) @ rotation_about(x, over))
 
 
-FRONT_CAMERA = Camera()
+FRONT_CAMERA = Camera()  # camera in front of the face at the default distance
 CLOSE_CAMERA = Camera(field_deg=15.0)  # camera for which the face fills the picture
 
 

@@ -36,8 +36,9 @@ ANATOMICAL_RANGES = {
     "wrist_pivot": (-30.0, 30.0),
     "wrist_twisting": (-90.0, 90.0),
 }
-_POSITIVE_AXES = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}  # left side
-_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # sign of the positive rotation axis of all other hinges, left side
+# Signs of a hinge's positive rotation axis x, y, z, by name suffix, left side.
+_POSITIVE_AXES = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}
+_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # signs of the positive rotation axis of all other hinges, left side
 
 
 @dataclass(frozen=True, eq=False)

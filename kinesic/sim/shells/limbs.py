@@ -29,12 +29,13 @@ SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint
 LINE_POSITION = 0.62  # position of the panel line along a limb, 0..1
 MIN_LINED_LENGTH = 0.14  # [m] length of a limb from which it has a panel line
 TAPER_SLOPE = 0.30  # largest change of a limb's half width along it [m/m]
-CORNER_ALLOWANCE = 1.17  # half width of a section / half width of a rectangle inside its round corners
+# Half width of a cross-section / half width of the rectangle that fits inside its round corners.
+CORNER_ALLOWANCE = 1.17
 TAPER_STEPS = 8  # steps in which a bar's half width decreases
 TIP_RATIO = 0.68  # half width of a sleeve at the end of a shape / at its start
 ENVELOPE_POINTS = 33  # positions at which the envelope of a limb is computed
 ENVELOPE_SMOOTHING = 0.010  # [m] standard deviation of the envelope's smoothing along the limb
-SIGNS = (-1.0, 1.0)
+SIDE_SIGNS = (-1.0, 1.0)  # coordinate signs of the two sides of an axis
 
 
 def limb(part: ShellPart) -> Housing:
@@ -59,7 +60,9 @@ def limb(part: ShellPart) -> Housing:
         solids += [enclose_capsule(c) for c in part.capsules if np.linalg.norm(c.end - c.start) < 2 * c.radius]
     reach = max(float(along[-1]) - length, 0.0) + SLEEVE_CUFF
     lines = (half_space(axis, LINE_POSITION * length),) if length > MIN_LINED_LENGTH else ()
-    corners = np.vstack([sign * widths.max(axis=0) @ axes[:2] + t * axis for t in along[[0, -1]] for sign in SIGNS])
+    corners = np.vstack(
+        [sign * widths.max(axis=0) @ axes[:2] + t * axis for t in along[[0, -1]] for sign in SIDE_SIGNS]
+    )
     extreme_points = np.vstack([part.extreme_points, corners])
     dark = half_space(-axis, reach - length)
     return Housing(blended_union(solids, 1.7 * BLEND_RADIUS), dark, lines, extreme_points, TRIANGLE_BUDGET["limb"])

@@ -46,13 +46,14 @@ EAR_SIZE = (0.36, 1.27)  # [head radii] radius of the ears, and their distance f
 EAR_CENTRE = (-0.15, 0.0)  # [head radii] position of the ears ahead of and above the head's centre
 COLLAR_LEVELS = sealed(
     [[0.55, 0.62], [1.0, 0.22], [1.45, 0.0]]
-)  # height above the girdle / its radius, width / its own
-COLLAR_RADII = sealed([0.92, 0.86, 0.78])  # depth of the collar at these levels / depth of the girdle
+)  # height above the girdle / girdle radius, and width / girdle width
+COLLAR_RADII = sealed([0.92, 0.86, 0.78])  # depth of the collar at `COLLAR_LEVELS` / depth of the girdle
 COLLAR_TOP = 1.88  # height of the collar's rim above the girdle / the girdle's radius
-PEDESTAL_LEVELS = (0.0, 0.010, 0.030, 0.060, 0.110, 0.190)  # [m] heights above the floor
-PEDESTAL_RADII = (2.80, 2.78, 2.50, 1.55, 1.05, 0.82)  # radius of the pedestal at these heights / column radius
+# [m] heights of the pedestal's cross-sections above the floor.
+PEDESTAL_LEVELS = (0.0, 0.010, 0.030, 0.060, 0.110, 0.190)
+PEDESTAL_RADII = (2.80, 2.78, 2.50, 1.55, 1.05, 0.82)  # radius of the pedestal at `PEDESTAL_LEVELS` / column radius
 PEDESTAL_RIM = 0.007  # [m] height of the pedestal's dark rim
-COLUMN_TOP = (0.06, 0.92)  # distance below the column's upper end [m] and radius / column radius
+COLUMN_TOP = (0.06, 0.92)  # upper edge of the column: [m] distance below its upper end, and radius / column radius
 
 
 def head(part: ShellPart) -> Housing:
