@@ -15,8 +15,8 @@ from kinesic.motion.trajectory import Trajectory
 
 ARRIVAL_WINDOW = 0.3  # [s] time before a sync point in which joints must approach their planned posture
 HISTORY_DURATION = 1.0  # [s] duration of stored measurements
-MIN_BALL_RADIUS = np.radians(0.5)  # [rad] smallest radius around the planned posture within which a part has arrived
-BALL_RADIUS_RATIO = 0.05  # that radius / travel within the window
+MIN_BALL_RADIUS = np.radians(0.5)  # [rad] smallest radius of the arrival region around the planned posture
+BALL_RADIUS_RATIO = 0.05  # radius of the arrival region / joint travel within `ARRIVAL_WINDOW`
 MIN_TRAVEL = np.radians(2.0)  # [rad] smallest travel within the window for which arrival is measured
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 from kinesic.intent.talk import Talk, add_words
 
-READ_AHEAD = 4000  # [characters] amount of decided text kept ready to be spoken
-PIECE_LENGTH = 2000  # [characters] length of the pieces in which streamed text is read
+MAX_PARSED_AHEAD = 4000  # [characters] parsed text kept ready to be spoken
+PIECE_LENGTH = 2000  # [characters] length of the pieces in which streamed text is parsed
 
 
 @dataclass
@@ -53,7 +53,7 @@ class StreamedText:
 
         A long text is not read at once, because that would delay its first phrase and other clients.
         """
-        while self._pieces and self.talk.length < READ_AHEAD:
+        while self._pieces and self.talk.length < MAX_PARSED_AHEAD:
             text, ends = self._pieces.popleft()
             piece, rest = text[:PIECE_LENGTH], text[PIECE_LENGTH:]
             if rest:

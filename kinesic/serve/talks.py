@@ -21,8 +21,8 @@ from kinesic.serve.streamed_text import StreamedText
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.session.documents import intention_sets
 
-PHRASE_PLANNING_TIME = 1.5  # [s] time before the end of a phrase at which the next one is planned and becomes fixed
-REPLACEMENT_MARGIN = 0.3  # [s] time before its start until which a behaviour may be replaced
+PHRASE_PLANNING_TIME = 1.5  # [s] time before the end of a phrase at which the next phrase is planned
+REPLACEMENT_MARGIN = 0.3  # [s] shortest time before its start at which a behaviour may still be replaced
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.talk import Talk, next_part
-from kinesic.serve.streamed_text import PIECE_LENGTH, READ_AHEAD, StreamedText
+from kinesic.serve.streamed_text import MAX_PARSED_AHEAD, PIECE_LENGTH, StreamedText
 
 SENTENCE = "We never saw the old house on the hill. "
 
@@ -25,14 +25,14 @@ def speak_all(speech):
 def test_long_streamed_text_is_read_only_shortly_before_it_is_spoken():
     speech = StreamedText(Talk(), 0.0)
     speech.take(SENTENCE * 120, 0.0, ends=False, instead=False)
-    assert READ_AHEAD <= speech.talk.length < READ_AHEAD + PIECE_LENGTH
+    assert MAX_PARSED_AHEAD <= speech.talk.length < MAX_PARSED_AHEAD + PIECE_LENGTH
     assert speech.waiting == 120 * len(SENTENCE)
     assert speech.quiet(99.0) == 0.0
     assert not speech.is_read
     speech.take("The end", 0.0, ends=True, instead=False)
     phrases, longest = speak_all(speech)
     assert " ".join(phrases).split() == (SENTENCE * 120 + "The end").replace(".", "").split()
-    assert longest < READ_AHEAD + 2 * PIECE_LENGTH
+    assert longest < MAX_PARSED_AHEAD + 2 * PIECE_LENGTH
     assert speech.is_read
     assert speech.quiet(99.0) == 99.0
     assert speech.talk.is_over
@@ -48,7 +48,7 @@ def test_replacing_a_streamed_text_drops_its_unread_pieces():
 
 def test_text_after_a_finished_text_begins_a_new_sentence():
     speech = StreamedText(Talk(), 0.0)
-    speech.take("We met. " * (READ_AHEAD // 8 + 1) + "We are here", 0.0, ends=True, instead=False)
+    speech.take("We met. " * (MAX_PARSED_AHEAD // 8 + 1) + "We are here", 0.0, ends=True, instead=False)
     speech.take("you are there", 0.0, ends=True, instead=False)
     assert not speech.is_read
     speech.talk = Talk()

@@ -158,7 +158,7 @@ def test_text_memory_per_client_is_limited():
     assert talks.senders == {1}
 
 
-def test_undecided_text_counts_towards_the_limit():
+def test_incomplete_streamed_text_counts_towards_the_length_limit():
     talks = Talks()
     assert talks.take(Words("-" * (MAX_TEXT_LENGTH - 1), 1), 0.0) == ""
     assert "already wait" in talks.take(Words("--", 1), 0.0)

@@ -9,7 +9,7 @@ from kinesic.serve.warm_up import warm_up
 from kinesic.session.setup import set_up
 
 
-def test_warm_up_reads_what_the_first_streamed_phrase_needs():
+def test_warm_up_loads_all_data_of_the_first_streamed_phrase():
     load_language.cache_clear()
     warm_up(set_up(language="nl"), NO_ACCOMPANIMENT)
     before = load_language.cache_info()
