@@ -30,13 +30,13 @@ from kinesic.sim.log import make_log
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors, join_factors
 
 CORPUS_BLOCKS = 50  # number of corpus documents to perform
-HALF_A_DEGREE = pi / 360  # [rad] joint play of a loose twin
+LOOSE_PLAY = pi / 360  # [rad] backlash of a loose twin: half a degree
 REFERENCE_TWINS: tuple[tuple[str, Factors], ...] = (("nominal", NOMINAL_FACTORS), ("pessimistic", PESSIMISTIC_FACTORS))
 DETUNED_TWINS: tuple[tuple[str, Factors], ...] = (  # twins that each differ from nominal in one factor
     ("gain_0.5", Factors(gain=0.5)),
     ("gain_2", Factors(gain=2.0)),
     ("latency_15_ms", Factors(latency=0.015)),
-    ("play_0.5_deg", Factors(play=HALF_A_DEGREE)),
+    ("play_0.5_deg", Factors(play=LOOSE_PLAY)),
     ("supply_0.8", Factors(supply=0.8)),
     ("stall_0.7", Factors(stall=0.7)),
     ("friction_2", Factors(friction=2.0)),
@@ -44,14 +44,15 @@ DETUNED_TWINS: tuple[tuple[str, Factors], ...] = (  # twins that each differ fro
     ("mass_1.25", Factors(mass=1.25)),
     ("sag_0.2_ohm", Factors(resistance=0.2)),
 )
-SOFT_LATE_LOOSE = Factors(gain=0.5, latency=0.015, play=HALF_A_DEGREE, resistance=0.2)
+# Twin with half the gain, latency, backlash and a weak supply.
+SOFT_LATE_LOOSE_FACTORS = Factors(gain=0.5, latency=0.015, play=LOOSE_PLAY, resistance=0.2)
 WORST_TWINS: tuple[
     tuple[str, Factors], ...
 ] = (  # several wrong factors at once; only freedom from collisions is required
     ("supply_3_a", Factors(resistance=0.1, amps=3.0)),
     ("weak_and_heavy", Factors(stall=0.7, friction=2.0, armature=1.5, mass=1.25)),
-    ("soft_late_and_loose", SOFT_LATE_LOOSE),
-    ("pessimistic_soft_late_and_loose", join_factors(PESSIMISTIC_FACTORS, SOFT_LATE_LOOSE)),
+    ("soft_late_and_loose", SOFT_LATE_LOOSE_FACTORS),
+    ("pessimistic_soft_late_and_loose", join_factors(PESSIMISTIC_FACTORS, SOFT_LATE_LOOSE_FACTORS)),
 )
 
 

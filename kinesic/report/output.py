@@ -32,7 +32,7 @@ from kinesic.sim.filming.face_screen import build_face_screen
 from kinesic.sim.log import write_log
 
 PAGE_FILE = "report.html"  # file name of the page
-NOT_ASKED = "not requested"  # reason in the report for a film that was not requested
+NOT_REQUESTED = "not requested"  # reason in the report for a film that was not requested
 NOT_YET = "not drawn yet, or stopped; this page is updated when it is"  # reason in the report for an unfinished film
 
 
@@ -80,7 +80,7 @@ def write_report(
         ConfigError: the folder must not be written.
     """
     with new_folder(folder, force=force) as fresh:
-        written = _write_files(performance, data, fresh, why_no_film=NOT_YET if film else NOT_ASKED)
+        written = _write_files(performance, data, fresh, why_no_film=NOT_YET if film else NOT_REQUESTED)
     return written.within(folder)
 
 

@@ -54,7 +54,7 @@ GROUP_TITLES = {
     "tracking": "Tracking",
     "measured": "On the robot",
     "servo": "Servos",
-}  # else the word itself
+}  # titles of check groups; other groups show their name
 SMALL_UNITS = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # smaller unit and factor for values below 1
 UNIT_SYMBOLS = {"deg": "\u00b0", "times": "\u00d7"}  # symbols shown for units
 UNSPACED_UNITS = {"\u00b0"}  # units written without a space after the number

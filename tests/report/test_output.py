@@ -14,7 +14,7 @@ from kinesic.files.film_settings import FilmSettings
 from kinesic.metrics.dry_run import DryRun
 from kinesic.report import output
 from kinesic.report.films import FACE_RATE
-from kinesic.report.output import NOT_ASKED, NOT_YET, add_films, default_folder, face_film, rewrite, write_report
+from kinesic.report.output import NOT_REQUESTED, NOT_YET, add_films, default_folder, face_film, rewrite, write_report
 from kinesic.report.report import Json, report
 from kinesic.session.plan import plan
 
@@ -78,7 +78,7 @@ def test_report_page_and_measurements_are_written_into_a_new_folder(calm, data, 
         folder / "measured.npz",
     )
     assert (written.film, written.face, written.voice) == (None, None, None)
-    assert written.why_no_film == written.why_no_face == (NOT_YET if film else NOT_ASKED)
+    assert written.why_no_film == written.why_no_face == (NOT_YET if film else NOT_REQUESTED)
     with np.load(written.measured) as log:
         assert len(log["times"]) == len(calm.measured.times)
 

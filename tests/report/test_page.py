@@ -289,12 +289,12 @@ def test_check_group_has_one_tile_with_its_most_severe_check() -> None:
     ]
 
 
-def test_value_just_over_its_limit_has_enough_digits() -> None:
+def test_value_just_over_its_limit_is_printed_with_enough_digits() -> None:
     (tile,) = tiles([row("limits.jerk", "fail", 1.00123, 1.0)])
     assert (tile.value, tile.limit) == ("1.00123", "at most 1.00")
 
 
-def test_unknown_check_group_has_a_tile_also_with_a_zero_limit() -> None:
+def test_unknown_check_group_with_a_zero_limit_has_a_tile() -> None:
     found = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
     assert [(tile.title, tile.name, tile.limit) for tile in found] == [("Weather", "wind", "at most 5\u00b0")]
 

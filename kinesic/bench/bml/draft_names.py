@@ -10,7 +10,7 @@ from kinesic.bench.bml.expectations import ExpectationVerdict
 from kinesic.bench.bml.virtual_realizer import Realizer
 from kinesic.planning.setup import Setup
 
-SUITE_NAME = "draft_names"
+SUITE_NAME = "draft_names"  # name of the suite in metrics
 TIME_TOLERANCE = 0.1  # [s] allowed deviation of a sync point, as in the third-party scenarios
 SCENARIO_TIMEOUT = 60.0  # [s] virtual time after which a scenario fails
 

@@ -29,12 +29,12 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-SERVO_COUNTS = (7, 14, 20, 26)
+SERVO_COUNTS = (7, 14, 20, 26)  # numbers of servos on the measured bus
 BAUD_RATES = (57_600, 1_000_000, 2_000_000, 4_000_000)  # [bit/s] measured baud rates of the bus
-SERVO_MODEL = "xm430_w350"
+SERVO_MODEL = "xm430_w350"  # model of all virtual servos
 CYCLE_COUNT = 200  # bus cycles per measurement
 REPLAY_COUNT = 5  # replays of one recording
-LOAD_UNIT = "% of a core"
+LOAD_UNIT = "% of a core"  # unit of CPU load metrics
 MIN_RATE = 95.0  # [%] smallest cycle rate / rate that the wire allows
 MIN_HEALTH_RATE = 100.0  # [Hz] smallest cycle rate with full records of 26 servos at 1 Mbaud
 MAX_CPU_LOAD = 10.0  # [% of a core] goal of the driver's CPU load

@@ -23,12 +23,12 @@ from kinesic.bench.bus.matrix import (
 )
 from kinesic.bench.metric import Metric
 
-SERVO_COUNT = 14
+SERVO_COUNT = 14  # servos on the bus with kinesic's driver
 BAUD_RATE = 1_000_000  # [bit/s] baud rate of the bus with kinesic's driver
-FAULT_SEEDS = (0, 1, 2)
-MATRIX_SERVO_COUNTS = (7, 14, 26)
+FAULT_SEEDS = (0, 1, 2)  # seeds of the random faults
+MATRIX_SERVO_COUNTS = (7, 14, 26)  # numbers of servos at which drivers are compared
 MATRIX_BAUD_RATES = (57_600, 1_000_000, 4_000_000)  # [bit/s] baud rates at which drivers are compared under faults
-MIN_FRESH = 99.9  # [%] goal of freshly read positions with 1 % random faults
+MIN_FRESH_PERCENTAGE = 99.9  # [%] goal for positions read in their own cycle, with 1 % random faults
 MAX_P99_DURATION = 1.0  # [periods] goal of the 99th percentile of bus cycle durations
 MAX_REPORT_DELAY = 1.0  # [periods] goal of the delay from a hardware error to its report
 MAX_WRONG_COUNT = 0.0  # goal of the number of exceptions and wrong positions
@@ -88,7 +88,7 @@ def _fault_metrics(case: FaultCase, results: Sequence[TrialResult]) -> Iterator[
         return
     if "1%" in case.name:
         fresh = 100 * float(np.mean([result.fresh for result in results]))
-        yield Metric(f"{name}.fresh", fresh, "%", MIN_FRESH, "higher")
+        yield Metric(f"{name}.fresh", fresh, "%", MIN_FRESH_PERCENTAGE, "higher")
     durations = np.concatenate([result.durations for result in results])
     yield Metric(f"{name}.p99", float(np.percentile(durations, 99)) / BUS_PERIOD, "periods", MAX_P99_DURATION, "lower")
     reported = [result.reported for result in results if result.reported is not None]

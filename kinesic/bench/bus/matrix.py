@@ -23,7 +23,7 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-SERVO_MODEL = "xm430_w350"
+SERVO_MODEL = "xm430_w350"  # model of all virtual servos
 BUS_PERIOD = 0.01  # [s] smallest cycle period of a trial
 MOTION_AMPLITUDE = 200  # [ticks] amplitude of the servos' sinusoidal motion
 MOTION_PERIOD = 2.0  # [s] period of the servos' sinusoidal motion

@@ -22,7 +22,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
 from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
 
-BUS_NAME = "bench"
+BUS_NAME = "bench"  # name of the only bus in the manifest
 JOINT_RANGE = 1.5  # [rad] range of each virtual servo's joint to either side
 MOTION_AMPLITUDE = 0.2  # [rad] amplitude of the joints' sinusoidal motion
 START_TIMEOUT = 10.0  # [s] time limit for the supervisor to begin the performance

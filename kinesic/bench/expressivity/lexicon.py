@@ -27,8 +27,8 @@ from kinesic.studies.gestures.isolated import plan_gesture
 from kinesic.tasks.engine import current_engine
 from kinesic.tasks.processes import WorkerCrash
 
-MIN_GESTURES = 150.0  # goal of the number of gestures in the lexicon
-MAX_MISS = 30.0  # [mm] goal of the wrist's largest distance from the gesture's position
+MIN_GESTURES = 150.0  # goal for the number of gestures in the lexicon
+MAX_POSITION_ERROR = 30.0  # [mm] goal for the largest distance of a wrist from its required position
 
 NEUTRAL_STYLE = "neutral"
 
@@ -151,7 +151,7 @@ def _summarise(part: str, results: Sequence[GestureResult], *, neutral: bool) ->
         Metric(f"{part}.unreported", _sum(not result.reported for result in results), "gestures", 0.0, "lower"),
         Metric(f"{part}.stroke_moved", float(len(late)), "strokes", 0.0 if neutral else None, "lower", ", ".join(late)),
         Metric(f"{part}.stroke_p95_ms", float(np.percentile(errors, 95)), "ms", 10.0 if neutral else None, "lower"),
-        Metric(f"{part}.miss", 1000 * miss, "mm", MAX_MISS if neutral else None, "lower"),
+        Metric(f"{part}.miss", 1000 * miss, "mm", MAX_POSITION_ERROR if neutral else None, "lower"),
     ]
 
 

@@ -16,11 +16,11 @@ from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT_PRESET
 
 PICTURE_SIDE = 512  # [pixels] width and height of the eye pictures
-CLOSE_CAMERA = Camera(field_deg=12.0)
+CLOSE_CAMERA = Camera(field_deg=12.0)  # camera with the eyes in full view
 CLOSING_STEPS = 10  # intensities from open to closed lids
 LID_LINE_WIDTH = 1.5  # [pixels] tolerance around the lids' outline for visible eye pixels
 ACTIVE_UNITS = 5  # mean number of active action units in a random expression
-EXPRESSION_SEED = 23
+EXPRESSION_SEED = 23  # seed of the random expressions
 
 
 def measure_eyes(expressions: int = 500) -> dict[str, float]:

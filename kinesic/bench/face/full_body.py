@@ -18,8 +18,8 @@ from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET, Preset
 
 WARM_UP_FRAMES = 3  # frames drawn before the measurement
 MEASURED_FRAMES = 24  # number of timed frames per picture size
-SQUARE_SIZE = (512, 512)
-WIDE_SIZE = (1280, 720)
+SQUARE_SIZE = (512, 512)  # [pixels] width and height of square pictures
+WIDE_SIZE = (1280, 720)  # [pixels] width and height of wide pictures
 TIMED_PICTURES: dict[str, tuple[Preset, Size]] = {
     "draft_512x512": (DRAFT_PRESET, SQUARE_SIZE),
     "normal_512x512": (NORMAL_PRESET, SQUARE_SIZE),

@@ -28,8 +28,8 @@ LIP_SENTENCES = (
     "Pretty blue umbrellas bob up and down in May.",
     "I am sorry about the broken cup, Emma.",
 )
-SPEECH_RATES = {"slow": 0.8, "quick": 1.25}
-BILABIAL_LETTERS = ("p", "b", "m")
+SPEECH_RATES = {"slow": 0.8, "quick": 1.25}  # speech rate factors by name of the metric
+BILABIAL_LETTERS = ("p", "b", "m")  # phonetic letters of sounds with closed lips
 OPEN_SOUNDS = VOWEL_LETTERS | frozenset("lɹrwj")  # letters of sounds that differ audibly from closed lips
 CONTROL_PERIOD = 0.01  # [s] period at which lip motion is sampled, as by servos and screens
 MIN_VISIBLE_GAP = 0.3  # [mm] smallest visible gap between the lips

@@ -28,8 +28,8 @@ from kinesic.face.render.presets import NORMAL_PRESET, TILE_SIZES, Estimator, Oc
 
 TABLE_SIZE = (1024, 768)  # [pixels]; the thesis draws 50 000 triangles, the finer head has 41 000
 TIMING_REPETITIONS = 5  # number of timed drawings per estimator
-SMILE_UNITS = {"12": 0.5, "26": 0.6}
-LARGEST_SETTINGS = Occlusion(size=21)
+SMILE_UNITS = {"12": 0.5, "26": 0.6}  # action units of the drawn smile, with intensities
+LARGEST_SETTINGS = Occlusion(size=21)  # occlusion with the largest filter
 MAX_OCCLUDED_OPENNESS = 0.9  # openness below which a pixel counts as occluded; open pixels would hide errors
 OTHER_SETTINGS = {  # further occlusion settings for the picture of boxes: Figures 3.9 and 3.3
     "one_axis": replace(LARGEST_SETTINGS, axes=1),
@@ -41,7 +41,7 @@ BOX_SCALE = 2000.0  # [pixels/m] scale of the picture of boxes
 RGB_TO_XYZ = np.array(  # linear sRGB to XYZ: IEC 61966-2-1, D65
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
 )
-WHITE_POINT = np.array([0.95047, 1.0, 1.08883])
+WHITE_POINT = np.array([0.95047, 1.0, 1.08883])  # XYZ coordinates of white D65
 LAB_EPSILON = 216 / 24389  # relative luminance below which CIE L*a*b* is linear
 LAB_KAPPA = 24389 / 27  # slope of the linear part of CIE L*a*b*
 

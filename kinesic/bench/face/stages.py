@@ -12,9 +12,9 @@ from kinesic.face.gl.textures import Size
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import QUALITY_PRESETS, Preset
 
-WARM_UP_PICTURES = 1
-MEASURED_PICTURES = 5
-STAGE_PREFIX = "face.stage."
+WARM_UP_PICTURES = 1  # pictures drawn before the measurement
+MEASURED_PICTURES = 5  # pictures timed per preset
+STAGE_PREFIX = "face.stage."  # prefix of the metric names
 MESH_STAGE = "mesh"  # stage computed by the CPU even if a graphics card draws
 
 

@@ -41,7 +41,7 @@ from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.scalar3 import IDENTITY_ROTATION, Vector, distance, minus, rotated, turned, unit, vector, within
 from kinesic.ik.solve import solve
 
-TARGET_COUNT = 2000
+TARGET_COUNT = 2000  # hand targets per ablation row
 STRICT_POSITION_ERROR = 1e-4  # [m] strict bound of the hand's position error
 LOOSE_POSITION_ERROR = 1e-3  # [m] loose bound of the hand's position error
 

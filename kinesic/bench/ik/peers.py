@@ -29,7 +29,7 @@ from kinesic.body.robot import Robot
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.solve import solve
 
-TARGET_COUNT = 200
+TARGET_COUNT = 200  # hand targets per library
 BLOCK_SIZE = 25  # successive targets that one library solves before the next library's turn
 MAX_ERROR = 1e-3  # [m] largest hand error of a reached target
 LIMIT_SLACK = 1e-6  # [rad] excess over a joint limit that counts as rounding

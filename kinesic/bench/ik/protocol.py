@@ -24,12 +24,12 @@ from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.solve import solve
 from kinesic.ik.track import Tracker
 
-TARGET_COUNT = 2000
+TARGET_COUNT = 2000  # hand targets per start posture
 RANDOM_STARTS = 60  # random start postures; the best result is the reference of travel
 TRAVEL_TARGETS = 100  # targets for which joint travel is measured
 STRICT_POSITION_ERROR = 1e-4  # [m] strict bound of the hand's position error
 TRACKING_RATES = (50, 200, 1000)  # [Hz] compared sample rates of a closed hand path
-DRAWN_TARGETS = 1500
+DRAWN_TARGETS = 1500  # hand targets whose errors are plotted
 ERROR_FLOOR = 1e-17  # [m] added to plotted errors, so that zero has a logarithm
 
 

@@ -16,9 +16,9 @@ from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.solve import Solution, solve
 
-TARGET_COUNT = 20_000
+TARGET_COUNT = 20_000  # random hand targets of upper22
 RANDOM_ARMS = 60  # arms with random joint orders and lengths
-TARGETS_PER_ARM = 200
+TARGETS_PER_ARM = 200  # hand targets of each random arm
 POSTURE_COUNT = 5_000  # random postures that are recovered from their bone ends
 MAX_P99_TIME = 20.0  # [us] goal for the 99th percentile of solve times
 REPEATED_TARGETS = 4_000  # targets that are timed repeatedly

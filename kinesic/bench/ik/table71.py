@@ -35,7 +35,7 @@ Quantity = Literal["iterations", "us", "ratio", "success", "unreachable"]
 
 CHAIN_SIZES = (6, 10)  # bones of the two measured chains
 REACHABLE_TARGETS = 2000  # number of reachable targets, uniform in volume
-UNREACHABLE_TARGETS = 500
+UNREACHABLE_TARGETS = 500  # number of unreachable targets
 MIN_DISTANCE = 0.1  # [chain lengths] smallest distance of a reachable target from the base
 MAX_DISTANCE = 0.97  # [chain lengths] largest distance of a reachable target from the base
 MIN_FAR_DISTANCE = 1.02  # [chain lengths] smallest distance of an unreachable target from the base
@@ -43,7 +43,7 @@ MAX_FAR_DISTANCE = 2.0  # [chain lengths] largest distance of an unreachable tar
 POINTING_RESIDUAL = 1e-2  # residual / chain length at which a chain points at an unreachable target
 BATCH_COUNT = 8  # batches in which the targets are solved
 TIMING_PASSES = 2  # number of timed passes over all targets
-REFERENCE_METHOD: Method = "pinned_verlet"
+REFERENCE_METHOD: Method = "pinned_verlet"  # method to whose time all other times refer
 QUANTITY_UNITS: dict[Quantity, str] = {
     "iterations": "mean",
     "us": "us",

@@ -25,7 +25,7 @@ DLS_TOLERANCE = 1e-4  # [m] position error at which its iteration stops
 
 TRACKING_RATE = 200  # [Hz] sample rate of the tracked path
 LAP_DURATION = 2.5  # [s] duration of one lap of the closed path
-LAP_COUNT = 3
+LAP_COUNT = 3  # laps of the closed path
 
 
 def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: int, laps: int) -> Floats:

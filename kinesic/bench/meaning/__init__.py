@@ -30,6 +30,7 @@ SENTENCE_COUNT = 1000  # generated sentences in all texts together
 SENTENCES_PER_TEXT = 5  # sentences per text
 PLANNED_TEXTS = 10  # number of texts that are also planned
 REPEAT_WINDOW = 3  # successive gestures that must all differ
+# Intents that the deictic sentences must give.
 DEICTIC_INTENTS = ("deictic-me", "deictic-you", "world-place-there", "world-place-here")
 
 

@@ -20,7 +20,9 @@ FACE_EMOTIONS = {
     "anger": "anger", "hate": "anger", "fear": "fear", "panic": "fear", "worry": "fear", "anxiety": "fear",
     "disgust": "disgust", "contempt": "disgust", "pride": "joy", "relief": "joy",
 }  # face lexeme -> emotion that a viewer reads in it  # fmt: skip
+# Head lexeme -> kind of head movement.
 HEAD_KINDS = {"NOD": "nod", "SHAKE": "shake", "ASIDE_LEFT": "tilt", "ASIDE_RIGHT": "tilt", "TILT": "tilt"}
+# Reason for missing metrics.
 MISSING_SET = "no judged utterances (KINESIC_CORPUS must name a folder with sentences/sentences.tsv)"
 
 
@@ -32,7 +34,7 @@ class Goal:
     better: Literal["lower", "higher"]
 
 
-FIGURE_GOALS = {
+METRIC_GOALS = {
     "right": Goal(None, "higher"),
     "neutral": Goal(None, "lower"),
     "wrong": Goal(3.0, "lower"),
@@ -41,7 +43,7 @@ FIGURE_GOALS = {
     "plain_wrong": Goal(3.0, "lower"),
     "trap_wrong": Goal(6.0, "lower"),
     "plain_precision": Goal(None, "higher"),
-}  # percent; merit: points
+}  # [%] goals by metric; merit in points
 HALF_PARITIES = {"even": False, "odd": True}  # half -> whether its ids are odd; the odd half serves for tuning
 
 
@@ -57,7 +59,7 @@ def bench(corpus: Path | None) -> Iterator[Metric]:
     for half, is_odd in HALF_PARITIES.items():
         chosen = [[(utterance, result) for utterance, result in run if utterance.is_odd is is_odd] for run in runs]
         figures = [summarise(run) for run in chosen]
-        for name, goal in FIGURE_GOALS.items():
+        for name, goal in METRIC_GOALS.items():
             worst = max if goal.better == "lower" else min
             value = worst((figure[name] for figure in figures), default=None)
             unit = "points" if name == "merit" else "%"

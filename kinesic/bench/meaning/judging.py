@@ -9,7 +9,7 @@ from typing import Literal
 
 Verdict = Literal["right", "neutral", "wrong"]
 
-NEAR_WORDS = 1  # largest number of words between a stroke and its word if the stroke counts as on the word
+MAX_WORD_DISTANCE = 1  # [words] largest distance of a stroke from its word that counts as on the word
 BEAT_KIND = "any beat"  # kind of all beats
 REST_KIND = "any rest"  # kind of rest poses, which count as no gesture
 
@@ -165,7 +165,7 @@ def _is_accepted(utterance: Utterance, gesture: ShownGesture) -> bool:
 
 
 def _is_near(token: int, places: frozenset[int]) -> bool:
-    return any(abs(token - place) <= NEAR_WORDS for place in places)
+    return any(abs(token - place) <= MAX_WORD_DISTANCE for place in places)
 
 
 def _judge_gesture(utterance: Utterance, judged: JudgedSet, gesture: ShownGesture) -> Verdict | None:

@@ -24,13 +24,13 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
 STORY_STYLES: Mapping[str, str] = {"restrained": "shy", "neutral": "neutral", "lively": "joyful"}  # level -> style
-LEAST_RATE = 7.7  # [1/min] gestures of people retelling a cartoon, 5th percentile
-MOST_RATE = 34.0  # [1/min] their 95th percentile
+MIN_HUMAN_RATE = 7.7  # [1/min] 5th percentile of the gesture rate of people who retell a cartoon
+MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people who retell a cartoon
 MAX_STROKE_DELAY = 0.1  # [s] delay above which a stroke counts as late
-RETURN_RATIO = 0.3  # distance from rest, relative to that at the strokes, below which a hand has returned
+RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
 SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
-MAX_LOSSES = 2.0  # largest number of dropped gestures, and of late strokes, in three stories
-MAX_SILENCE = 14.0  # [s] largest accepted silence of the hands, in the restrained style
+MAX_LOSSES = 2.0  # goal for dropped gestures, and for late strokes, in three stories
+MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes, in the restrained style
 
 
 @dataclass(frozen=True)
@@ -104,8 +104,8 @@ def metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
     """
     rates, beats = [story.rate for story in stories], [100.0 * story.beats for story in stories]
     returns = [each for story in stories for each in story.returns]
-    yield Metric(f"{part}.rate_least", min(rates), "per minute", LEAST_RATE, "higher")
-    yield Metric(f"{part}.rate_most", max(rates), "per minute", MOST_RATE, "lower")
+    yield Metric(f"{part}.rate_least", min(rates), "per minute", MIN_HUMAN_RATE, "higher")
+    yield Metric(f"{part}.rate_most", max(rates), "per minute", MAX_HUMAN_RATE, "lower")
     yield Metric(f"{part}.beats_least", min(beats), "%", None, "higher")
     yield Metric(f"{part}.beats_most", max(beats), "%", None, "lower")
     yield Metric(f"{part}.silence", max(story.silence for story in stories), "s", MAX_SILENCE, "lower")

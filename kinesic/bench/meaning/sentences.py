@@ -48,7 +48,7 @@ SHORT_ASIDES = (
     "Thank you very much!",
     "It was apples, bread, cheese and wine.", "Look over there!", "You must be very careful.", "I am so happy :)",
 )  # fmt: skip
-ASIDE_INTERVAL = 6  # an aside replaces every sixth sentence
+ASIDE_INTERVAL = 6  # [sentences] every sixth sentence is a short aside
 DEICTIC_TEMPLATES = (  # sentence template and its deictic intent, or none
     ("Put the {thing} over there.", "world-place-there"),
     ("There was a {thing} in the garden.", ""),

@@ -11,7 +11,7 @@ from kinesic.bench.naturalness.measures import GestureMeasures
 from kinesic.bench.naturalness.rows import SPEED_UNIT, has_complete_return, values
 from kinesic.body.arrays import Flags, Floats
 
-METRIC_PREFIX = "naturalness"
+METRIC_PREFIX = "naturalness"  # prefix of the metric names
 MEDIAN_GOALS: Mapping[str, float] = {  # goals for the medians of hand-motion measures
     "return_speed": 1.5,
     "return_speed_all": 1.5,

@@ -19,7 +19,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
 
 METRIC_PREFIX = "naturalness.captured"
-CHEST_JOINT = "JtSpineC"
+CHEST_JOINT = "JtSpineC"  # name of the chest joint in captured skeletons
 ARM_JOINTS = tuple(tuple(f"Jt{name}{side}" for name in ("Shoulder", "Elbow", "Wrist")) for side in ("Lf", "Rt"))
 SMOOTHING_WEIGHTS = (
     np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0

@@ -11,8 +11,9 @@ from kinesic.bench.naturalness.captured_table import read_captured_table
 from kinesic.bench.naturalness.measures import GestureMeasures
 from kinesic.body.arrays import Floats
 
-EFFORT_ROWS = ("preparation_speed", "stroke_speed", "return_speed_all", "flow")  # they distinguish gesture categories
-ROW_PERCENTILES = (5, 25, 50, 75, 95)
+# Measures that distinguish gesture categories.
+EFFORT_ROWS = ("preparation_speed", "stroke_speed", "return_speed_all", "flow")
+ROW_PERCENTILES = (5, 25, 50, 75, 95)  # [%] percentiles in the notes of a metric
 MIN_COMPLETE_RETURN = 0.7  # [s] shortest complete return; shorter ones may be cut in captured clips
 SPEED_UNIT = "arm lengths/s"
 

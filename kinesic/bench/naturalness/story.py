@@ -20,8 +20,8 @@ from kinesic.planning.secondary.drift import MIN_HOLD_TIME
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-STORY_STYLES = ("neutral", "calm", "joyful")
-STORY_SEED = 0
+STORY_STYLES = ("neutral", "calm", "joyful")  # styles in which the story is planned
+STORY_SEED = 0  # random seed of the story
 SAMPLE_STEP = 0.02  # [s] between samples of the story's motion
 STILL_TRUNK_SPEED = np.radians(0.1)  # [rad/s] speed below which the trunk counts as still
 STILL_HEAD_SPEED = np.radians(0.5)  # [rad/s] speed below which the head counts as still

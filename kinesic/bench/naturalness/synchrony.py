@@ -26,7 +26,7 @@ NODDED_TEXT = (
     "Well done, my friends, this is a wonderful afternoon, and everybody came to see our beautiful garden tonight."
 )
 NODDED_WORDS = (1, 3, 7, 8, 10, 15, 16)  # indices of words with a nod
-NOD_AMOUNT = 0.4
+NOD_AMOUNT = 0.4  # amount of each nod, 0..1
 MAX_LAG = 0.1  # [s] goal for the median stroke lag; human hands precede the accent slightly (Pouw and Dixon 2019)
 PASSAGE_PARTS = (  # words, and the gesture whose stroke coincides with the next word
     ("Well, good afternoon to all of you, and", "inform_raise"),

@@ -23,10 +23,10 @@ from kinesic.session.setup import set_up
 from kinesic.sim.servo_factors import PESSIMISTIC_FACTORS
 
 DOCUMENT_COUNT = 20  # number of texts for each style and body
-SENTENCES_PER_DOCUMENT = 4
+SENTENCES_PER_DOCUMENT = 4  # sentences in each text
 SENTENCE_STRIDE = 2  # sentences from the start of one text to that of the next
-MAX_MEDIAN_ERROR = 15.0  # [ms] goal of the median stroke error
-MAX_P95_ERROR = 60.0  # [ms] goal of its 95th percentile
+MAX_MEDIAN_ERROR = 15.0  # [ms] goal for the median stroke error
+MAX_P95_ERROR = 60.0  # [ms] goal for the 95th percentile of stroke errors
 
 
 @dataclass(frozen=True, eq=False)

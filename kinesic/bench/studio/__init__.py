@@ -22,14 +22,14 @@ from kinesic.body.robot import Robot
 from kinesic.client import Client
 from kinesic.studio.page import PAGE_FOLDER
 
-BENCH_ROBOT = "upper36"  # 36 joints, with fingers
+BENCH_ROBOT = "upper36"  # robot with 36 joints, fingers included
 EDITED_BLOCK = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="edited"><speech id="s"><text>Well, this one here is '
     'rather <sync id="a"/>small, light as a <sync id="b"/>feather, and the other one over there is <sync id="c"/>large.'
     '</text></speech><gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="s:a+{:.3f}"/>'
     '<gesture id="h" lexeme="GIVE" stroke="s:b"/><gesture id="i" lexeme="BEAT" mode="RIGHT_HAND" stroke="s:c"/>'
     '<head id="n" lexeme="NOD" stroke="s:c"/></bml>'
-)  # lasts about 5 s
+)  # BML block of about 5 s that the benchmark edits
 MAX_EDIT_TIME = 700.0  # [ms] goal for the 95th percentile of replanning after an edit
 MAX_REACH_TIME = 33.0  # [ms] goal for the 95th percentile of answers while a hand is dragged
 MAX_WATCH_LOAD = 5.0  # [% of a core] goal for the extra CPU load of a watching client

@@ -30,7 +30,8 @@ from kinesic.version import __version__
 SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
 KEY_FRAME_RATE = 30.0  # [Hz] key frames of the animation
 FRAME_QUATERNION = [-0.5, -0.5, -0.5, 0.5]  # rotation (x, y, z, w) from kinesic's axes x, y, z to glTF's z, x, y
-SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear RGBA of moving and of carrying parts
+# Linear RGBA colours of light housings and dark parts.
+SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])
 MIN_TRANSLATION = 1e-9  # [m] smaller translations of a segment are not animated
 MIN_END_GAP = 0.01  # smallest time between the last two key frames, in key frame intervals
 

@@ -19,9 +19,9 @@ MEAN_RATING = 1000.0  # [points] mean of all ratings
 POINTS_PER_UNIT = 400.0 / math.log(10.0)  # [points] Elo points per unit of the logistic scale
 BOOTSTRAP_COUNT = 1000  # number of resampled sets of participants
 MAX_ITERATIONS = 100  # largest number of iterations of Newton's method
-STEP_TOLERANCE = 1e-8  # [logistic units] largest last step of an accepted solution
-MAX_STEP = 2.0  # [logistic units] largest change in one iteration
-RIDGE = 1e-9  # [answers] added to the equations, so that systems never compared have a solution
+STEP_TOLERANCE = 1e-8  # [logistic units] step below which the iteration has converged
+MAX_STEP = 2.0  # [logistic units] largest change per iteration
+RIDGE_WEIGHT = 1e-9  # [answers] added to the diagonal, so that systems never compared have a solution
 PRIOR_ANSWERS = 0.5  # answers added for each side of a compared pair, if a rating would be infinite
 
 
@@ -107,7 +107,7 @@ def fit_strengths(wins: Floats) -> Floats:
         expected = 1.0 / (1.0 + np.exp(strengths[:, None, :] - strengths[:, :, None]))
         gradient = counts.sum(axis=2) - (pairs * expected).sum(axis=2)
         weights = pairs * expected * np.swapaxes(expected, 1, 2)
-        information = np.eye(size) * (weights.sum(axis=2)[:, :, None] + RIDGE) - weights + 1.0 / size
+        information = np.eye(size) * (weights.sum(axis=2)[:, :, None] + RIDGE_WEIGHT) - weights + 1.0 / size
         step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
         largest = np.abs(step).max(axis=1, keepdims=True, initial=0.0)
         strengths = strengths + step * np.minimum(1.0, MAX_STEP / np.maximum(largest, MAX_STEP))

@@ -2,7 +2,7 @@
 
 import math
 
-MAX_PLANNED_ANSWERS = 1_000_000  # largest number of answers that a plan considers
+MAX_PLANNED_ANSWERS = 1_000_000  # largest number of answers considered for a plan
 DEFAULT_POWER = 0.8  # probability with which a planned study detects the effect
 SIGNIFICANCE_LEVEL = 0.05  # largest p-value of a detected effect
 

@@ -19,7 +19,7 @@ from kinesic.studies.gesture_perception.design import OPTION_SEPARATOR, STANDARD
 from kinesic.studies.gesture_perception.stimuli import SampledMotion, changed_setup, sample_motion
 
 MIN_TEXTS = 2  # smallest number of texts of a mismatching test
-MAX_TAIL = 0.3  # [s] longest motion shown after the end of the speech
+MAX_TAIL_TIME = 0.3  # [s] longest motion shown after the end of the speech
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ def choose_foils(durations: Mapping[str, float]) -> dict[str, str]:
 def shown_duration(own: SpokenMotion, other: SpokenMotion) -> float:
     """Return the display time [s] of a motion, enough for either speech."""
     spoken = min(own.end - own.begin, other.end - other.begin)
-    return min(own.begin + spoken + MAX_TAIL, own.motion.duration)
+    return min(own.begin + spoken + MAX_TAIL_TIME, own.motion.duration)
 
 
 def _speak(name: str, system: str, planned: Plan) -> SpokenMotion:

@@ -18,7 +18,7 @@ STORY = StoryRhythm(
 )
 
 
-def test_figures_of_a_story_follow_from_its_strokes() -> None:
+def test_rhythm_metrics_of_a_story_are_computed_from_its_strokes() -> None:
     assert (STORY.rate, STORY.beats, STORY.silence) == (4.0, 0.75, 45.0)
     assert (STORY.repeats, STORY.late) == (2, 1)
     values = {metric.name.rpartition(".")[2]: metric.value for metric in rhythm.metrics("x", [STORY])}

@@ -44,7 +44,7 @@ def test_rotations_are_multiplied_in_the_order_of_their_channels(tmp_path):
     assert frames.rotations["Arm"][0] == pytest.approx((hips * arm).as_matrix())
 
 
-def test_rows_count_and_not_the_number_of_frames_in_the_header(tmp_path):
+def test_frame_count_is_the_number_of_rows_and_not_that_in_the_header(tmp_path):
     _, motion = read_bvh(write(tmp_path / "a.bvh"))
     assert motion.times == pytest.approx([0.0, 0.05, 0.1])
 

@@ -54,7 +54,7 @@ def test_folder_of_clips_is_measured_instead_of_the_lexicon(folder, capsys):
     assert all(name.startswith("naturalness.captured.") for name in metrics)
 
 
-def test_naturalness_of_styles_is_measured_beside_captured_motion(folder, few_gestures, capsys, monkeypatch):
+def test_naturalness_of_styles_and_captured_motion_is_measured(folder, few_gestures, capsys, monkeypatch):
     requested = []
     monkeypatch.setattr(naturalness, "measured", lambda styles: requested.append(styles) or few_gestures)
     run("naturalness", "--style", "neutral", "--style", "calm", "--capture", folder, "--json")

@@ -21,7 +21,7 @@ from kinesic.studies.gesture_perception.speech import (
 from kinesic.studies.gesture_perception.stimuli import SampledMotion
 
 
-def test_each_speech_is_the_foil_of_one_text_of_similar_length():
+def test_each_speech_is_the_wrong_option_of_one_text_of_similar_length():
     durations = {"a": 5.0, "b": 9.0, "c": 5.2, "d": 9.1, "e": 20.0}
     foils = choose_foils(durations)
     assert sorted(foils.values()) == sorted(durations)
@@ -31,7 +31,7 @@ def test_each_speech_is_the_foil_of_one_text_of_similar_length():
 
 
 @pytest.mark.parametrize(("own", "other", "expected"), [(2.0, 3.0, 2.8), (3.0, 2.0, 2.8), (3.8, 4.0, 4.5)])
-def test_both_speeches_of_a_motion_are_shown_equally_long(own: float, other: float, expected: float):
+def test_motion_is_shown_equally_long_with_either_speech(own: float, other: float, expected: float):
     one, two = (
         SpokenMotion("t", "s", SampledMotion(np.zeros((226, 3))), begin, begin + seconds, None)
         for begin, seconds in ((0.5, own), (1.0, other))

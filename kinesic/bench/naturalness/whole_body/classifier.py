@@ -10,7 +10,7 @@ from scipy.stats import rankdata
 
 from kinesic.body.arrays import Flags, Floats, Indices
 
-RIDGE_WEIGHT = 1.0  # penalty of squared logistic weights, relative to the mean loss of one clip per weight
+RIDGE_WEIGHT = 1.0  # penalty on squared logistic weights, relative to the mean loss per clip
 NEIGHBOUR_COUNT = 9  # clips that vote in the nearest-neighbour classifier
 MAX_ITERATIONS = 200  # steps of the logistic regression
 MAX_FOLDS = 5  # folds of the cross-validation

@@ -22,19 +22,20 @@ from kinesic.bench.naturalness.whole_body.features import MeasuredSet, motion_sa
 from kinesic.body.arrays import Floats
 
 METRIC_PREFIX = "naturalness.people"
-TUNED_SETS = frozenset(("Gestures", "Gestures2", "MaleGestures", "FemaleGestures"))  # sets that constants fit
+# Captured sets to which constants were fitted.
+TUNED_SETS = frozenset(("Gestures", "Gestures2", "MaleGestures", "FemaleGestures"))
 ADULT_ARM = 540.0  # [mm] arm length of the captured actors
-MIN_TRUNK_ROTATION = 0.5  # [deg] trunks that rotate less count as still
+MIN_TRUNK_ROTATION = 0.5  # [deg] trunk rotation below which a trunk counts as still
 BREATH_SPEED = 2.5  # [deg/s] largest rotation speed of the trunk from breath and sway alone
-MIN_FREE_ARM = 0.02  # free arms whose path is a smaller fraction of the main one count as still
+MIN_FREE_ARM_RATIO = 0.02  # path of the free arm / path of the main arm, below which the free arm counts as still
 MIN_DYNAMIC_PATH = 0.25  # [arm lengths] shortest path of a dynamic stroke
-MAX_DISTANCE = 0.3  # goal of Kolmogorov-Smirnov distances
-MAX_AUC = 0.85  # goal of the area under the curve of whole-body motion
-MAX_ACCURACY = 0.65  # goal of the accuracy in first frames
-COMPARED_MEASURES = ("trunk", "stroke_speed", "flow", "path")  # compared as distributions
+MAX_KS_DISTANCE = 0.3  # goal for Kolmogorov-Smirnov distances
+MAX_AUC = 0.85  # goal for the area under the ROC curve of whole-body motion
+MAX_ACCURACY = 0.65  # goal for the accuracy of classifying first frames
+COMPARED_MEASURES = ("trunk", "stroke_speed", "flow", "path")  # measures whose distributions are compared
 SCORERS: Mapping[str, Scorer] = {"": score_logistic, "_neighbours": score_neighbours}  # by suffix of the metric
 SPEED_UNIT = "arm lengths/s"
-REST_AXES = ("out", "forward", "down")  # posture features that are a place of the wrist
+REST_AXES = ("out", "forward", "down")  # posture features of the wrist position
 
 SampleOf = Callable[..., Sample]
 
@@ -90,7 +91,7 @@ SUMMARIES: Mapping[str, Summary] = {
     "collar": Summary("shoulder displacement, of an adult", "mm", None, "higher", _median("collar", ADULT_ARM)),
     "free_arm": Summary("path of the free arm / main arm", "", None, "higher", _median("free_arm")),
     "free_arm_still": Summary(
-        "gestures with a free arm under 2 %", "", 0.05, "lower", _fraction_below("free_arm", MIN_FREE_ARM)
+        "gestures with a free arm under 2 %", "", 0.05, "lower", _fraction_below("free_arm", MIN_FREE_ARM_RATIO)
     ),
     "hand_turning": Summary("largest rotation speed of the hand", "deg/s", None, "higher", _median("hand_turning")),
     "stroke_speed": Summary("largest speed of the stroke", SPEED_UNIT, None, "higher", _median("stroke_speed")),
@@ -218,7 +219,7 @@ def _summary_metric(title: str, summary: Summary, ours: MeasuredSet, tuned: Meas
 
 def _distance(part: str, name: str, ours: MeasuredSet, people: MeasuredSet) -> Metric:
     distance = kolmogorov_smirnov(ours.values(name), people.values(name))
-    goal = MAX_DISTANCE if people.name == "unseen" else None
+    goal = MAX_KS_DISTANCE if people.name == "unseen" else None
     return Metric(
         f"{part}.ks_{people.name}_{name}", distance, "", goal, "lower", f"{len(people.values(name))} captured"
     )

@@ -21,7 +21,7 @@ from kinesic.bench.naturalness.whole_body.posture import (
 )
 from kinesic.body.arrays import Floats
 
-SMALLEST_VALUES: Mapping[str, float] = {  # measures compared by their logarithm, with their smallest value
+SMALLEST_VALUES: Mapping[str, float] = {  # measures compared by their logarithm, with the smallest value before it
     "trunk": 0.1,
     "trunk_speed": 0.1,
     "head": 0.1,
@@ -35,7 +35,7 @@ SMALLEST_VALUES: Mapping[str, float] = {  # measures compared by their logarithm
     "path": 0.01,
     "units_per_second": 0.1,
 }
-PLAIN_MEASURES = ("sparc", "still")  # measures compared as they are; others need sync points
+PLAIN_MEASURES = ("sparc", "still")  # measures compared without logarithm
 MOTION_FEATURES = (*SMALLEST_VALUES, *PLAIN_MEASURES)
 
 

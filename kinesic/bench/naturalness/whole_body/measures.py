@@ -19,11 +19,11 @@ from kinesic.bench.naturalness.whole_body.motion import BodyMotion, smooth_frame
 from kinesic.body.arrays import Floats
 from kinesic.studies.sweep.geometry import length
 
-RETURN_TIME = 1 / 3  # [s] compared part of the return; most captured clips end there
-WINDOW_TIME = 2.7  # [s] pieces of clips without sync points, as long as the median gesture
+RETURN_TIME = 1 / 3  # [s] compared beginning of the return, as most captured clips end there
+WINDOW_TIME = 2.7  # [s] length of the windows of clips without sync points, that of the median gesture
 MIN_WINDOW_TIME = 1.4  # [s] shortest compared clip
 MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] slower windows hold no gesture
-STILL_RATIO = 0.1  # hand speed / its largest one, below which a hand counts as still
+STILL_RATIO = 0.1  # hand speed / largest hand speed, below which a hand counts as still
 
 
 @dataclass(frozen=True)

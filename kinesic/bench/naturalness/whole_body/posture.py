@@ -35,8 +35,8 @@ SKELETON_FEATURES = frozenset(("head_pitch", "breadth"))  # features that depend
 COMPARED_FEATURES = tuple(name for name in POSTURE_NAMES if name not in SKELETON_FEATURES)
 
 
-MAX_REST_SPEED = 0.5  # [arm lengths/s] faster hands in the first frames mean that a clip does not start at rest
-FIRST_FRAMES = 3  # frames over which this speed is measured
+MAX_REST_SPEED = 0.5  # [arm lengths/s] largest hand speed of a clip that starts at rest
+FIRST_FRAMES = 3  # number of first frames in which MAX_REST_SPEED must hold
 
 
 def starts_at_rest(motion: BodyMotion) -> bool:

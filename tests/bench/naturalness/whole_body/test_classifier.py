@@ -45,7 +45,7 @@ def test_shift_of_one_feature_gives_the_expected_separation(scorer):
 
 
 @pytest.mark.parametrize("scorer", SCORERS)
-def test_marks_of_single_performances_do_not_help(scorer):
+def test_features_of_single_performances_do_not_separate_the_classes(scorer):
     generator = np.random.default_rng(3)
 
     def marked(name):
@@ -60,7 +60,7 @@ def test_marks_of_single_performances_do_not_help(scorer):
     assert separate(ours, others, scorer).auc < 0.75
 
 
-def test_performance_lies_in_one_fold():
+def test_clips_of_a_performance_are_in_the_same_fold():
     performances = ["a"] * 5 + ["b"] * 3 + ["c", "d", "e", "f", "g"]
     folds = assign_folds(performances)
     assert len({tuple(set(folds[[k for k, p in enumerate(performances) if p == name]])) for name in "abcdefg"}) == 5

@@ -28,7 +28,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_clip_is_read_with_z_up_and_its_set(folder):
+def test_clip_is_read_with_z_upwards_and_the_name_of_its_set(folder):
     (motion,) = read_clips(folder)
     assert isinstance(motion, BodyMotion)
     assert (motion.set_name, motion.performance) == ("Some", "Idle01_Beat")
@@ -64,7 +64,7 @@ def test_missing_folder_is_rejected(tmp_path):
         ("Fluid_gesture", "Fluid_gesture"),
     ],
 )
-def test_versions_of_a_gesture_are_one_performance(tmp_path, name, performance):
+def test_clips_that_differ_only_in_their_number_are_one_performance(tmp_path, name, performance):
     assert performance_name(tmp_path / f"{name}.skm") == performance
 
 

@@ -59,7 +59,7 @@ def test_body_that_moves_like_people_meets_the_goals(captured):
     assert metrics["robot.first_frame_accuracy_unseen"].ok
 
 
-def test_single_rest_is_told_apart_from_many_rests(captured):
+def test_classifier_separates_a_constant_rest_posture_from_varied_ones(captured):
     ours = make_set("robot", trunks=np.linspace(2.2, 12.2, 12), bends=(60.0,))
     assert measure_rest_spread(ours) == pytest.approx(0.0, abs=1e-9)
     metrics = by_name(compare_body(ours, captured))
@@ -67,7 +67,7 @@ def test_single_rest_is_told_apart_from_many_rests(captured):
     assert metrics["robot.first_frame_accuracy_left_out"].value > 0.9
 
 
-def test_rest_spread_is_the_size_of_the_cloud_of_wrists():
+def test_rest_spread_is_the_standard_deviation_of_wrist_positions():
     measured = make_set("robot", trunks=[1.0] * 4, bends=(0.0, 90.0))
     forward, down = 0.25 / ARM / 2, 0.25 / ARM / 2
     assert measure_rest_spread(measured) == pytest.approx(np.hypot(forward, down))

@@ -14,7 +14,7 @@ from kinesic.bench.naturalness.whole_body.posture import (
 from .bodies import ARM, make_body, turn
 
 
-def test_hanging_arms_have_their_place_relative_to_the_shoulders():
+def test_wrists_of_hanging_arms_are_measured_relative_to_the_shoulders():
     posture = measure_posture(make_body(bend=(30.0, 30.0)))
     assert posture.forward == pytest.approx(0.25 * np.sin(np.radians(30)) / ARM)
     assert posture.down == pytest.approx(0.25 * (1 + np.cos(np.radians(30))) / ARM)

@@ -9,7 +9,7 @@ from kinesic.bench.naturalness.whole_body.stored import BodyTable, format_sets, 
 from .bodies import make_body
 
 
-def test_stored_sets_are_those_measured(monkeypatch, tmp_path):
+def test_stored_measures_equal_the_original_ones(monkeypatch, tmp_path):
     clips = [
         make_body(trunk=5.0, swing=(0.02, 0.3), set_name="One set", performance="x"),
         make_body(trunk=2.0, swing=(0.02, 0.3), set_name="Two", syncs={"start": 0.0, "end": 2.5}),
