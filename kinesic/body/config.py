@@ -24,8 +24,8 @@ MAX_NESTING = 32  # Largest depth of nested lists and tables in a TOML file
 
 _KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # part of a key, or a value
 _KEY_DOT = r"[ \t]*+\.[ \t]*+"  # separator of the parts of a dotted key
-_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # strings of several lines
-_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # literal strings of several lines
+_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # TOML strings of several lines
+_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # literal TOML strings of several lines
 _DEEP_KEY = rf"(?P<deep>{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART}){{{MAX_KEY_PARTS}}})"
 _OTHER_TEXT = r"""[^\w+"'#\[\]{}-]++|."""  # text without effect on nesting
 _TOKEN_PATTERN = re.compile(

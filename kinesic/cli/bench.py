@@ -21,7 +21,7 @@ from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.host import LIVE_SERVER, VIRTUAL_PORTS, HostFeature
-from kinesic.tasks.store import FIGURES_FILE
+from kinesic.tasks.store import METRICS_FILE
 
 PART_NEEDS: Mapping[str, HostFeature] = {"bus": VIRTUAL_PORTS, "bml": LIVE_SERVER, "studio": LIVE_SERVER}
 PROGRESS_RATE = 1.0  # [Hz] refresh rate of the progress bar, low so that it hardly affects timings
@@ -92,8 +92,8 @@ def print_metrics(
     text = json.dumps([asdict(metric) | {"ok": metric.ok} for metric in metrics], indent=1)
     if out is not None:
         with new_folder(out, force=force) as temporary:
-            (temporary / FIGURES_FILE).write_text(text, encoding="utf-8")
-        click.echo(f"json: {out / FIGURES_FILE}", err=as_json)
+            (temporary / METRICS_FILE).write_text(text, encoding="utf-8")
+        click.echo(f"json: {out / METRICS_FILE}", err=as_json)
     if as_json:
         click.echo(text)
         return 0

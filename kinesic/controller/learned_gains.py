@@ -19,7 +19,7 @@ from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, DriveFactors, Factors
 
 # A few seconds of motion determine these; the correction adapts to other deviations.
-FITTED_FIGURES: tuple[ServoParameter, ...] = ("latency", "gain")
+FITTED_PARAMETERS: tuple[ServoParameter, ...] = ("latency", "gain")
 # Bounds of an estimated P gain, as factors of the data sheet.
 GAIN_FACTOR_RANGE = (1.0 / (1.0 + LOAD_ERROR_RANGE[1]), 1.0 / (1.0 + LOAD_ERROR_RANGE[0]))
 MOVING_FRACTION = 0.05  # setpoint velocity, as a fraction of the no-load speed, that counts as motion
@@ -145,7 +145,7 @@ def identify_servos(log: Log, robot: Robot, believed: Factors = NOMINAL_FACTORS)
     begin = int(np.searchsorted(log.times, log.times[int(moving.argmax())] - INITIAL_REST))
     end = int(np.searchsorted(log.times, log.times[begin] + INITIAL_REST + IDENTIFICATION_TIME))
     part = Log(log.times[begin:end], log.setpoints[begin:end], log.angles[begin:end])
-    fit = fit_factors(part, believed.applied(robot), free=FITTED_FIGURES)
+    fit = fit_factors(part, believed.applied(robot), free=FITTED_PARAMETERS)
     if fit.error_after > MAX_RESIDUAL:
         left = f"{np.degrees(fit.error_after):.1f} deg of error are left"
         return Identification(

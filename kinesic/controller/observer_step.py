@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats, sealed
 
 RESTORING_GAINS = sealed([0.2, 0.02, 0.2])  # setpoint correction per deviation, velocity [s] and disturbance, per tick
 LOAD_ERROR_RANGE = (-0.5, 1.0)  # bounds of the relative load error: half or twice the modelled load
-PUSH_DECAY = 0.95  # decay of the estimated disturbance per tick without an answer of the servo
+PUSH_DECAY = 0.95  # factor per tick on the estimated disturbance of a servo that does not answer
 
 
 def pack_observer(

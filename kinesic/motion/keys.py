@@ -42,6 +42,7 @@ MIN_PATH_GAP = 0.002  # [s] smallest time between keys related only by another h
 RANGE_MARGIN = 1e-3  # [rad] margin between keys and joint limits, which control points may exceed
 HOLD_TOLERANCE = 1e-9  # [rad] successive keys that differ by less form a hold
 TIME_TOLERANCE = 1e-6  # [s] rounding tolerance of key times
+# Cost weights [1/s] of shifting keys, by sync point.
 SYNC_WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 0.5, "ready": 0.3, "relax": 0.3}
 REPEAT_WEIGHT = 0.3  # cost weight [1/s] of shifting a repeated stroke; the first stroke has priority
 DEFAULT_WEIGHT = 0.05  # cost weight [1/s] of shifting any other key

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 JOURNAL_FILE = "finished.jsonl"  # Name of the file with the journal of performed documents
 SWEEP_FILE = "sweep.json"  # Name of the file with the results of a sweep
-FIGURES_FILE = "bench.json"  # Name of the file with the results of a benchmark
+METRICS_FILE = "bench.json"  # name of the file with the results of a benchmark
 DESIGNS_FILE = "designs.json"  # Name of the file with the results of a design search
 
 ENTRY_TYPE = (
@@ -36,7 +36,7 @@ TABLE_QUERIES: Mapping[str, Mapping[str, str]] = {
         "sweep": "SELECT gesture, style, parameter, measure, p.* FROM (SELECT gesture, style, s.parameter, s.measure, "
         f"unnest(s.played) AS p FROM (SELECT gesture, style, unnest(series) AS s FROM {READ_JSON}))"
     },
-    FIGURES_FILE: {"figures": "SELECT * FROM read_json(?)"},
+    METRICS_FILE: {"figures": "SELECT * FROM read_json(?)"},
     DESIGNS_FILE: {
         "designs": f"SELECT d.* EXCLUDE (performed, changes) FROM (SELECT unnest(designs) AS d FROM {READ_JSON})"
     },

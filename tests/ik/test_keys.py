@@ -67,7 +67,7 @@ def test_arm_keeps_its_first_swivel_angle_along_a_hand_path():
     assert np.array_equal(found.angles[1], found.angles[3])
 
 
-def test_arm_keys_of_modes_rest_still_and_reach_get_arm_postures():
+def test_arm_keys_of_each_mode_get_arm_postures():
     reach = Reach(np.array([0.28, 0.10, -0.05]))
     keys = [
         Key(ArmMode.REACH, LEFT.rest, reach),

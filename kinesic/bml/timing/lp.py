@@ -40,7 +40,7 @@ class _CostWeights:
     negative_start: float = 0.6  # [1/s] of a start before 0 while the end of the block is free
 
 
-_WEIGHTS = _CostWeights()
+_COST_WEIGHTS = _CostWeights()  # cost weights of every linear program
 
 
 @dataclass
@@ -102,7 +102,7 @@ class TimingProgram:
     def _add(self, chain: SyncChain, spans: Mapping[str, float], all_shrink: int, early_cost: float) -> None:
         action = chain.behaviour.action
         moving = sum(span for name, span in spans.items() if name not in HOLD_SYNCS and not is_repeated(action, name))
-        shrink = self._rows.unknown(_WEIGHTS.behaviour_scaling * moving, 0.0)
+        shrink = self._rows.unknown(_COST_WEIGHTS.behaviour_scaling * moving, 0.0)
         self._rows.at_most(0.0, [(shrink, 1.0), (all_shrink, -1.0)])
         for tail, head in pairwise(chain.points):
             if self._potentials.find(tail)[0] == self._potentials.find(head)[0]:
@@ -111,12 +111,16 @@ class TimingProgram:
             natural = spans.get(name, 0.0)
             is_hold, is_repetition = name in HOLD_SYNCS, is_repeated(action, name)
             hold_cost = (
-                _WEIGHTS.hold_shortening if is_hold else _WEIGHTS.repetition_shortening if is_repetition else None
+                _COST_WEIGHTS.hold_shortening
+                if is_hold
+                else _COST_WEIGHTS.repetition_shortening
+                if is_repetition
+                else None
             )
             shorter_cost = hold_cost or (
-                _WEIGHTS.phase_shortening if name in _LENGTHENING_COSTS else _WEIGHTS.stroke_shortening
+                _COST_WEIGHTS.phase_shortening if name in _LENGTHENING_COSTS else _COST_WEIGHTS.stroke_shortening
             )
-            longer = self._rows.unknown(_LENGTHENING_COSTS.get(name, _WEIGHTS.stroke_lengthening), 0.0)
+            longer = self._rows.unknown(_LENGTHENING_COSTS.get(name, _COST_WEIGHTS.stroke_lengthening), 0.0)
             shorter = self._rows.unknown(shorter_cost, 0.0)
             self._at_least(tail, head, natural, [(shorter, -1.0)])
             self._at_least(head, tail, -natural, [(longer, -1.0)])
@@ -126,7 +130,7 @@ class TimingProgram:
         first, last = chain.points[0], chain.points[-1]
         if self._potentials.find(first)[0] != self._potentials.find(last)[0]:
             self._at_least(first, last, MIN_BEHAVIOUR_DURATION)
-        self._penalise_offset(first, _WEIGHTS.late_start, early_cost)
+        self._penalise_offset(first, _COST_WEIGHTS.late_start, early_cost)
 
     def _penalise_offset(self, point: Point, after_zero: float, before_zero: float) -> None:
         """Add costs per second for a sync point's distance from 0."""
@@ -147,20 +151,22 @@ class TimingProgram:
             orders: precedence constraints between points.
         """
         natural = sum(sum(spans[chain.behaviour.id].values()) for chain in chains)
-        all_shrink = self._rows.unknown(_WEIGHTS.overall_scaling * natural, 0.0)
+        all_shrink = self._rows.unknown(_COST_WEIGHTS.overall_scaling * natural, 0.0)
         ending = [order for order in orders if order.head.behaviour == "bml"]
         bound = not ending or any(self._potentials.find(order.tail)[0] in self._known for order in ending)
-        early_cost = _WEIGHTS.late_start * (len(chains) + 1) if bound else _WEIGHTS.negative_start
+        early_cost = _COST_WEIGHTS.late_start * (len(chains) + 1) if bound else _COST_WEIGHTS.negative_start
         for chain in chains:
             if chain.is_rigid:
-                self._penalise_offset(chain.points[0], _WEIGHTS.late_start, _WEIGHTS.late_start * (len(chains) + 1))
+                self._penalise_offset(
+                    chain.points[0], _COST_WEIGHTS.late_start, _COST_WEIGHTS.late_start * (len(chains) + 1)
+                )
             else:
                 self._add(chain, spans[chain.behaviour.id], all_shrink, early_cost)
         for order in orders:
             self._at_least(order.tail, order.head, order.gap)
         for end in dict.fromkeys(order.head for order in ending):
             self._penalise_offset(
-                end, _WEIGHTS.block_end, _WEIGHTS.block_end
+                end, _COST_WEIGHTS.block_end, _COST_WEIGHTS.block_end
             )  # from both sides, since the end may be unconstrained
         solution = self._rows.solve()
         return {root: solution[unknown] for root, unknown in self._root.items()}

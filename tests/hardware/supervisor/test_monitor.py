@@ -107,7 +107,7 @@ def test_load_ratings_come_from_the_servo_registers(manifest):
     assert ratings.full.tolist() == manifest.full.tolist()
 
 
-def test_monitor_knows_no_positions_before_the_first_cycle(room):
+def test_monitor_has_nan_positions_before_the_first_cycle(room):
     monitor = room.monitor
     assert np.isnan(monitor.present).all()
     assert not monitor.raised.any()
@@ -147,7 +147,7 @@ def test_lost_port_does_not_count_as_silent_servos(room):
     assert monitor.trouble() == "a port is gone"
 
 
-def test_servo_after_shutdown_is_reported_as_failed_not_limp(room):
+def test_servo_after_shutdown_is_reported_as_failed_and_not_as_torque_off(room):
     room.records["hardware_error"][2], room.records["torque"][2] = HardwareError.OVERLOAD.value, 0
     monitor = room.look()
     assert monitor.failed.tolist() == [False, False, True, False, False]
@@ -172,7 +172,7 @@ def test_low_voltage_alone_does_not_count_as_failure(room):
     assert (monitor.weak, monitor.well, monitor.failed.any()) == (True, True, False)
 
 
-def test_servo_without_torque_is_reported_as_limp(room):
+def test_servo_without_torque_is_reported_as_torque_off(room):
     room.records["torque"][1] = 0
     monitor = room.look()
     assert monitor.limp.tolist() == [False, True, False, False, False]

@@ -196,7 +196,9 @@ def test_register_tests_cover_every_register_that_can_be_wrong():
 
 
 @pytest.mark.parametrize(("hostile", "value"), (SET | NARROWED).items(), ids=str)
-def test_register_is_set_before_torque_and_motion_is_correct(tmp_path: Path, hostile: tuple[Register, int], value: int):
+def test_wrong_register_is_set_before_torque_and_motion_is_correct(
+    tmp_path: Path, hostile: tuple[Register, int], value: int
+):
     made = two_servos(tmp_path, model_with(hostile[0]))
     leave(made, *hostile)
     assert held_with_torque(made, hostile[0]) == (value,)

@@ -42,7 +42,7 @@ def test_arm_side_and_reach_are_derived_from_the_chain(arm: Chain) -> None:
     assert linkage_of(arm).farthest == pytest.approx(0.42)
 
 
-def test_reach_spans_the_extremes_of_all_elbow_hinges() -> None:
+def test_arm_reach_covers_the_extremes_of_all_elbow_hinges() -> None:
     random, kinds = default_rng(7), set()
     for _ in range(24):
         chain = random_arm(random)

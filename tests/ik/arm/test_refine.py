@@ -52,7 +52,7 @@ def test_arm_geometry_and_jacobians_with_axis_offsets_match_the_skeleton():
         assert (ahead[1] - directions) / 1e-6 == pytest.approx(moves[2:, :, k], abs=1e-5)
 
 
-def test_true_arm_reaches_targets_that_the_ideal_arm_misses():
+def test_arm_with_axis_offsets_reaches_targets_that_the_ideal_solution_misses():
     random = np.random.default_rng(3)
     joints, rest = list(ROBOT.joints("l_arm")), ROBOT.skeleton.rest
     chain = ROBOT.arms["l"]

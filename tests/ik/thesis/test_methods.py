@@ -85,7 +85,7 @@ def test_too_large_time_step_diverges_and_is_stopped():
     assert rest.energy > 1e6
 
 
-def test_springs_softer_than_the_tuned_ones_settle_slowly():
+def test_springs_softer_than_the_recommended_ones_settle_slowly():
     tuned = np.median([rest.iterations for _, rest in _rests("position", 10)])
     soft = np.median([rest.iterations for _, rest in _rests("position", 10, effort=Effort(step=np.sqrt(0.1)))])
     assert soft > 2.0 * tuned
@@ -108,7 +108,7 @@ def test_relaxed_springs_have_their_rest_lengths(way):
     assert points[-1] == pytest.approx(task.target, abs=1e-6)
 
 
-def test_equal_masses_settle_like_the_masses_of_the_production_solver():
+def test_equal_masses_relax_as_in_the_production_solver():
     lengths, target = (0.25, 0.35, 0.4), (0.5, 0.2, 0.3)
     chain = BallChain.curved(lengths)
     mine = swing_pinned(
