@@ -152,6 +152,7 @@ def test_saccades_go_in_all_directions_and_half_as_far_vertically():
     assert 0.3 < up / left < 0.7
     assert 0.4 * SACCADE_SPREAD < left < SACCADE_SPREAD
     assert len(np.unique(rests.round(9), axis=0)) > 50
+    np.testing.assert_allclose([rests[:, 0].min(), rests[:, 0].max()], [-2 * SACCADE_SPREAD, 2 * SACCADE_SPREAD])
 
 
 def test_blinks_caused_by_gaze_shifts_keep_the_minimum_interval():

@@ -55,6 +55,15 @@ def test_jaw_opens_for_a_vowel_between_two_closed_plosives():
     assert at(found, "24", 1.04) == at(found, "24", 1.45) == 1.0
 
 
+@pytest.mark.parametrize(("symbol", "is_firm"), [("i", False), ("u", False), ("s", True), ("f", True)])
+def test_only_firm_sounds_narrow_the_open_lips_of_the_sound_before(symbol: str, is_firm: bool):
+    found = visemes([Phoneme("a", 1.0, 0.15), Phoneme(symbol, 1.15, 0.15)], SAMPLE_TIMES)
+    openings = lip_opening(found)[(SAMPLE_TIMES > 1.16) & (SAMPLE_TIMES < 1.29)]
+    limit = float(lip_opening(viseme_of(symbol).units))
+    assert viseme_of(symbol).firm == is_firm
+    assert openings.max() <= limit + 1e-6 if is_firm else openings.max() > 1.1 * limit
+
+
 def test_lips_open_at_the_burst_of_a_plosive():
     late = [Phoneme("p", 1.0, 0.1), Phoneme("a", 1.1, 0.3)]
     bursting = [Phoneme("p", 1.0, 0.1, onset=0.95, release=1.0), Phoneme("a", 1.1, 0.3, onset=1.0)]
