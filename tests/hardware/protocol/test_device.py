@@ -85,3 +85,18 @@ def test_damaged_replies_are_queried_again(rig: Make):
     made.wire.sleep(0.3)
     for _ in range(30):
         assert cold.read(1, Register.MODEL_NUMBER) == 1020
+
+
+def test_shared_id_is_detected_by_three_damaged_reads(servos: str):
+    build, wire_of = BUILDERS[servos]
+    faults = FaultPlan((PlannedFault("duplicate_id", servos=(2,)),))
+    fitted = tuple(ServoFitting(id, model="xm430_w350") for id in (1, 2))
+    _, buses = build([Cable("body", fitted, faults=faults)])
+    wire, sent = wire_of(buses["body"]), list[bytes]()
+    write = wire.write
+    wire.write = lambda data: (sent.append(bytes(data)), write(data))[1]
+    access = ServoAccess(wire, tries=1)
+    assert not access.is_shared(1)
+    assert len(sent) == 1
+    assert access.is_shared(2)
+    assert len(sent) == 1 + 3
