@@ -149,6 +149,12 @@ def test_supervisor_without_a_writable_address_folder_is_refused(held: Held, mon
     assert not held.found()
 
 
+def test_systems_without_proc_publish_no_address(held: Held, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(address, "SHARED_MEMORY", held.folder / "missing")
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert publish([held.port], held.memory, JOINTS) == ()
+
+
 def squat(path: Path, kind: str) -> None:
     """Occupy the name of a folder, as another user can in a shared place."""
     match kind:

@@ -80,6 +80,10 @@ def test_written_calibration_is_read_back():
     assert msgspec.toml.decode(calibration_text(seen, ROBOT), type=Calibration) == seen
 
 
+def test_calibration_without_narrowed_ranges_has_no_table_of_ranges():
+    assert "range_deg" not in calibration_text(found(watched()), ROBOT)
+
+
 @pytest.mark.parametrize(
     ("hinge", "zero", "message"),
     [
@@ -93,6 +97,12 @@ def test_misaligned_horn_is_reported(hinge: str, zero: int, message: str):
         found(Travel.begin(zeros))
     assert message in str(refused.value)
     assert len(str(refused.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("offset", [-7, 7])
+def test_small_offset_of_tandem_servos_is_accepted(offset: int):
+    zeros = ZEROS + offset * np.array([m.id == 3 for m in MANIFEST.members])
+    assert found(Travel.begin(zeros)).zero_ticks["vl5_tilt"] in {int(zero) for zero in zeros[1:3]}
 
 
 def test_disagreeing_tandem_servos_are_refused():

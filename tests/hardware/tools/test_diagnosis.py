@@ -72,5 +72,5 @@ def test_diagnosis_reports_missing_or_closed_ports(bench):
     def shut(bus: str):
         raise BusError(f"{bus}: no permission")
 
-    assert [f.text for f in diagnose(table.manifest, {}, shut)] == ["missing; give --port body=PATH"]
-    assert [f.text for f in diagnose(table.manifest, {"body": Path("x")}, shut)] == ["body: no permission"]
+    for ports, text in (({}, "missing; give --port body=PATH"), ({"body": Path("x")}, "body: no permission")):
+        assert list(diagnose(table.manifest, ports, shut)) == [Finding("body", "port", False, text)]

@@ -56,6 +56,14 @@ def test_release_tool_reports_a_silent_servo(bench):
     assert table.energised == []
 
 
+def test_release_tool_reports_a_servo_that_keeps_its_torque(bench, monkeypatch: pytest.MonkeyPatch):
+    table = bench()
+    energise(table)
+    monkeypatch.setattr(table.servos[5], "write", lambda address, data: None)
+    assert released(table) == ("memory: servo 5: keeps its torque; switch the power off",)
+    assert table.energised == [5]
+
+
 def test_release_tool_also_switches_torque_off_on_unexpected_servos(bench):
     table = bench()
     energise(table)
