@@ -8,7 +8,13 @@ import pytest
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Clearance
 from kinesic.controller.watch.clearance import CREEP_PACE, MAX_CREEP_TIME
-from kinesic.controller.watch.servos import MAX_READING_AGE, ServoWatch, WrittenPostures
+from kinesic.controller.watch.servos import (
+    MAX_READING_AGE,
+    POSTURE_MEMORY,
+    TRIM_COUNT,
+    ServoWatch,
+    WrittenPostures,
+)
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.metrics.clearance_forecast import LOOK_PERIOD
@@ -138,8 +144,9 @@ def test_sent_postures_are_interpolated_from_the_latest_commands():
 
 
 def test_old_sent_postures_are_deleted_from_memory():
-    written = WrittenPostures()
+    written, counts = WrittenPostures(), list[int]()
     for k in range(3000):
         written.add(command(k * COMMAND_PERIOD, float(k)))
+        counts.append(len(written._times))
     assert written(np.array([29.9, 27.5])).ravel().tolist() == pytest.approx([2990.0, 2750.0])
-    assert len(written._times) < 500
+    assert max(counts) <= round(POSTURE_MEMORY / COMMAND_PERIOD) + TRIM_COUNT + 2 < 405
