@@ -7,9 +7,9 @@ block's `start` is reported, so this message's arrival is an upper bound of the 
 """
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf
-from time import monotonic, sleep
+from time import monotonic
 
 import numpy as np
 
@@ -44,21 +44,48 @@ def measure_first_command(client: Client, phrase: str) -> float:
     Returns:
         The time from the last word of the first block to its start [ms]; infinite if it does not start.
     """
-    sent = list[float]()
+    sent, messages = list[float](), list[tuple[str, float]]()
     for word in phrase.split():
         sent.append(monotonic())
         client.do("words", text=f"{word} ")
-        sleep(WORD_INTERVAL)
+        while (rest := sent[-1] + WORD_INTERVAL - monotonic()) > 0.0:  # messages are dated while words are sent
+            _receive(client, rest, messages)
     client.do("words", ends=True)
-    delay, first, last = inf, "", ""
-    while (message := client.receive(MESSAGE_TIMEOUT)) is not None:
-        reply = json.loads(message) if message.startswith("{") else {}
-        if reply.get("told") == "saying" and not first:
-            first, last_word = reply["block"], sent[len(reply["text"].split()) - 1]
-        elif reply.get("told") == "all_said":
-            last = reply["block"]
-        elif f' id="{first}:start"' in message and "<blockProgress" in message:
-            delay = 1000.0 * (monotonic() - last_word)
-        if f' id="{last}:end"' in message and "<blockProgress" in message:
+    last = ""
+    while not any(f' id="{last}:end"' in message and "<blockProgress" in message for message, _ in messages):
+        if not _receive(client, MESSAGE_TIMEOUT, messages):
             break
-    return delay
+        reply = _read_reply(messages[-1][0])
+        last = reply["block"] if reply.get("told") == "all_said" else last
+    return _compute_delay(sent, messages)
+
+
+def _receive(client: Client, timeout: float, messages: list[tuple[str, float]]) -> bool:
+    """Add the next message and its arrival time; return whether one came."""
+    message = client.receive(timeout)
+    if message is not None:
+        messages.append((message, monotonic()))
+    return message is not None
+
+
+def _compute_delay(sent: Sequence[float], messages: Iterable[tuple[str, float]]) -> float:
+    """Return the delay of the first block [ms], or infinity if it does not start.
+
+    Args:
+        sent: times of the words [s].
+        messages: of the server, with their arrival times [s].
+    """
+    first, completed = "", 0.0
+    for message, time in messages:
+        reply = _read_reply(message)
+        if reply.get("told") == "saying" and not first:
+            first, completed = reply["block"], sent[len(reply["text"].split()) - 1]
+        elif first and f' id="{first}:start"' in message and "<blockProgress" in message:
+            return 1000.0 * (time - completed)
+    return inf
+
+
+def _read_reply(message: str) -> dict[str, str]:
+    """Return the fields of a JSON message, or none of a BML message."""
+    reply: dict[str, str] = json.loads(message) if message.startswith("{") else {}
+    return reply

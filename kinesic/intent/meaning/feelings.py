@@ -21,6 +21,8 @@ STRUCTURE_PREFIXES = (
     "deictic",
     "world",
 )  # prefixes of intents about structure, without an attitude
+SOCIAL_PREFIX = "performative"  # prefix of intents that address the listener
+GREETING_INTENT = "performative-greet"  # intent of greetings, which begin a clause
 EMOTION_PREFIX = "emotion"  # prefix of intents that show the emotion of a person
 JUDGEMENT_INTENTS = frozenset({"positive", "negative"})  # intents of judgements, shown by a small smile or a sad mouth
 ASKING_INTENTS = frozenset({"question", "rhetorical"})  # intents whose words also begin clauses of statements
@@ -55,10 +57,13 @@ def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: 
 
 def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> bool:
     at = intent.word
-    if intent.name == "negation" and context.is_question(at):
+    if intent.name == "negation" and (context.is_question(at) or context.is_reported(at)):
         return False
     if (at in idioms and _first_word(intent) in idioms) or intent.name in FORMAL_INTENTS:
         return False
+    if intent.name.startswith(SOCIAL_PREFIX):
+        is_told = context.is_reported(at) or context.is_others(at)
+        return not is_told and (intent.name != GREETING_INTENT or context.is_clause_start(_first_word(intent)))
     if intent.name.startswith(EMOTION_PREFIX):
         return context.is_felt(at) and not _is_unreal(context, at, harmless)
     if intent.name in JUDGEMENT_INTENTS:

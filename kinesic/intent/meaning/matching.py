@@ -52,9 +52,31 @@ def _find_matches(context: Context, table: CueTable) -> Iterator[Candidate]:
                 for cue, pattern in table.starts.get(key, ()):
                     if any(present.isdisjoint(words) for words in pattern.required):
                         continue
-                    span = pattern.match(plain, first, indices[-1] + 1, context.is_number)
+                    span = _match(context, pattern, first)
                     if span is not None and _holds(context, cue, pattern, span):
                         yield Candidate(cue, span.first, span.last, _stroke_word(context, span))
+
+
+def _match(context: Context, pattern: Pattern, first: int) -> Span | None:
+    """Match a pattern from a word on, across punctuation only where that is usual."""
+    stop = context.sentence(first)[-1] + 1
+    span = pattern.match(context.plain, first, stop, context.is_number)
+    if span is None or pattern.at_start or not _crosses_punctuation(context, span):
+        return span
+    return pattern.match(context.plain, first, context.clause_words(first).stop, context.is_number)
+
+
+def _crosses_punctuation(context: Context, span: Span) -> bool:
+    """Return whether another clause begins in a match (`well, done`).
+
+    Closers (`please`), conjunctions and repeated words (`no, no`) begin none.
+    """
+    stop = context.clause_words(span.first).stop
+    if span.last < stop:
+        return False
+    after = context.plain[stop]
+    is_usual = any(context.language.has(name, after) for name in ("closer", "conjunction"))
+    return not is_usual and after not in context.plain[span.first : stop]
 
 
 def _holds(context: Context, cue: Cue, pattern: Pattern, span: Span) -> bool:

@@ -29,6 +29,7 @@ class Penalties:
     denied_idiom: float = 0.35  # idiom with an emblem or feeling in the scope of a denial
     asked_idiom: float = 0.35  # idiom with an emblem or feeling within a question about facts
     others_idiom: float = 0.3  # idiom with a face, as a greeting has, in a sentence about a third person
+    others_listener: float = 0.3  # gesture to the listener in a sentence about a third person
     emphasis: float = -0.1  # word that the writer stresses
 
 
@@ -57,6 +58,7 @@ REPORT_CATEGORIES = frozenset(
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents that address the listener
 # Further gestures that address the listener.
 SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})
+LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures to the listener
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +93,8 @@ def score(
     value = cue.certainty
     if any(context.passage.words[k].emphatic for k in range(candidate.first, candidate.last + 1)):
         value -= DEFAULT_PENALTIES.emphasis
+    if not LISTENER_GESTURES.isdisjoint(cue.shows):
+        value -= DEFAULT_PENALTIES.others_listener * context.is_others(at)
     if is_literal and context.is_negated(at, idioms):
         value -= DEFAULT_PENALTIES.negated
     if cue.kind == "feeling":

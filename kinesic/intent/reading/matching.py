@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from kinesic.intent.reading.language import Language, Rule
-from kinesic.intent.reading.passage import Passage
+from kinesic.intent.reading.passage import Passage, is_phrase_start
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,8 @@ def _matches(passage: Passage, language: Language) -> Iterator[Finding]:
     for first in range(len(words)):
         for count in range(1, min(language.longest, len(words) - first) + 1):
             last = first + count - 1
-            if words[last].sentence != words[first].sentence:
+            is_other = last > first and words[last].plain != words[last - 1].plain
+            if words[last].sentence != words[first].sentence or (is_other and is_phrase_start(words[last])):
                 break
             for rule in language.rules.get(tuple(word.plain for word in words[first : last + 1]), ()):
                 yield Finding(rule, first, last)

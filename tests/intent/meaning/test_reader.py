@@ -32,6 +32,39 @@ def test_negative_words_that_deny_nothing_get_no_refusal_gesture(text: str):
     assert "SHAKE" not in shown(text, "head") or "not only" in text
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["Nobody bakes a nicer pie than my aunt.", "Not a bad start for a small team.", "I'm not saying it's cheap.",
+     "The nurse says it won't take long.", "I haven't slept so well in months.", "It might never snow.",
+     "Thank goodness nobody was hurt."],
+)  # fmt: skip
+def test_head_is_not_shaken_where_the_speaker_denies_nothing(text: str):
+    assert "SHAKE" not in shown(text, "head")
+
+
+@pytest.mark.parametrize(
+    ("text", "face"),
+    [("What a way to spoil a perfectly good morning.", "smile"), ("He refused a very good job in York.", "smile"),
+     ("Sorry, is this chair free?", "sorry")],
+)  # fmt: skip
+def test_polite_words_in_other_senses_get_no_face(text: str, face: str):
+    assert face not in shown(text, "face")
+    assert shown("Good morning!", "face") == {"smile"}
+    assert shown("I'm so sorry!", "face") & {"sorry", "sadness", "LOWER_MOUTH_CORNERS"}
+
+
+def test_gestures_to_the_listener_need_no_third_person_as_subject():
+    assert "you_low" in shown("Oh, just admit it.")
+    assert "you_low" not in shown("He will admit it.")
+
+
+def test_fixed_words_are_not_matched_across_a_comma():
+    assert "thumb_up" in shown("It was well done.") | shown("Well done!") | shown("Well done!", seed=1)
+    assert is_beat(shown("Look, out there it rains.") - {"that_far", "rain", "that_low"})
+    assert "no_low" in shown("No, no, not now.")
+    assert not shown("The answer is right, now the next question.") & {"now_here", "here_down"}
+
+
 def test_denial_gets_a_head_shake_and_a_refusal_gesture():
     assert shown("No, I won't.") & {"no_low"}
     assert shown("No, I won't.", "head") == {"SHAKE"}
