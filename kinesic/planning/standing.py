@@ -1,6 +1,5 @@
 """Standing posture of a robot in a style, checked for clearance."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,22 +16,21 @@ from kinesic.expressivity.variation import Variation
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.collision import clear_hands
+from kinesic.planning.stance import (
+    StanceDeviation,
+    draw_deviation,
+    measure_arm,
+    read_stances,
+    set_arm,
+    spread_features,
+)
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
 POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arm offsets, tried until no body parts are too close
 RANGE_MARGIN = 0.01  # [rad] distance of a standing posture from the joint limits
 STANDING_STREAM = 7  # index of the random stream for standing postures
-TRUNK_SPREAD = (3.5, 1.0, 2.2)  # [deg] largest random torsion, tilt and roll of the standing trunk
-HEAD_SPREAD = (6.0, 3.0, 3.5)  # [deg] largest random torsion, tilt and roll of the standing head
-ARM_SPREAD: Mapping[str, float] = {  # [deg] largest random offset of a resting arm's hinges, by name suffix
-    "shoulder_flexion": 5.0,
-    "shoulder_abduct": 3.0,
-    "shoulder_twisting": 8.0,
-    "elbow_flexion": 8.0,
-    "elbow_twisting": 10.0,
-    "wrist_flexion": 8.0,
-    "wrist_pivot": 5.0,
-}
+MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk
+HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
 FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
 
 
@@ -61,34 +59,53 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
     return _with_rest(robot, arms)
 
 
-def vary_standing(robot: Robot, variation: Variation, distances: Distances) -> Robot:
-    """Return the robot with a random, slightly asymmetric rest posture.
+def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
+    """Return the robot with a random rest posture, distributed as in captured people.
 
-    People stand with their weight on one leg, turned a little, and no hand hangs as the other does.
+    People lean a little, stand with their weight on one leg, and no hand hangs as the other does. A style with a
+    posture of its own is the mean of its persons, otherwise captured people are.
 
     Args:
         robot: with the rest posture of a style.
+        style: of this posture.
         variation: amount and seed; amount 0 leaves the robot unchanged.
         distances: self-distances of the robot.
     """
     if variation.amount == 0.0:
         return robot
     chance = np.random.default_rng((variation.seed, STANDING_STREAM))
-    trunk, head = (np.radians(largest) * chance.uniform(-1.0, 1.0, 3) for largest in (TRUNK_SPREAD, HEAD_SPREAD))
-    arms = {joint: float(chance.uniform(-1.0, 1.0)) for side in SIDES for joint in robot.arm(side).joints}
+    table = read_stances().hanging
+    stance = StanceDeviation(draw_deviation(table, chance), MAX_TORSION * float(chance.uniform(-1.0, 1.0)))
+    mean = spread_features(table.mean) if _stands_upright(style) else None
     for fraction in POSTURE_AMOUNTS:
-        amount, angles = fraction * variation.amount, np.array(robot.skeleton.rest)
-        torso_rest = np.array(turn_angles(rest_turn(robot, "torso")))
-        set_turn(robot, "torso", torso_rest + amount * trunk, angles)
-        head_rest = np.array(turn_angles(rest_head_turn(robot)))
-        set_turn(robot, "neck", head_rest + amount * head - compute_torso_turn(robot, "torso", angles), angles)
-        for joint, deviation in arms.items():
-            largest = next((v for k, v in ARM_SPREAD.items() if robot.skeleton.names[joint].endswith(k)), 0.0)
-            angles[joint] += amount * np.radians(largest) * deviation
-        angles = _inside(angles, robot)
+        angles = _take_stance(robot, style, stance.scaled(fraction * variation.amount), mean)
         if _is_clear(angles, robot, distances):
             return _with_rest(robot, angles)
     return robot
+
+
+def _stands_upright(style: Style) -> bool:
+    """Return whether a style keeps the robot's own posture."""
+    standing = style.standing
+    return style.posture == 0.0 or standing == Standing(face=standing.face, gaze=standing.gaze)
+
+
+def _take_stance(robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None) -> Floats:
+    """Return the rest posture (n,) [rad] with a deviation from the mean stance, or from the robot's own."""
+    angles = np.array(robot.skeleton.rest)
+    torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
+    own = np.degrees([torso[1], torso[2], head[0] - torso[0], head[1], head[2]])
+    body = np.radians((own if mean is None else mean[: len(own)]) + stance.features[: len(own)])
+    torsion = torso[0] + stance.torsion
+    set_turn(robot, "torso", np.array([torsion, body[0], body[1]]), angles)
+    reached = compute_torso_turn(robot, "torso", angles)
+    set_turn(robot, "neck", np.array([torsion + body[2], body[3], body[4]]) - reached, angles)
+    fraction = HELD_ARM_FRACTION if mean is None and style.standing.rest else 1.0
+    start = np.array(robot.skeleton.rest)
+    for side, deviation in zip(SIDES, np.split(stance.features[len(own) :], len(SIDES)), strict=True):
+        hanging = measure_arm(robot, side, start) if mean is None else mean[-len(deviation) :]
+        angles = set_arm(robot, side, hanging + fraction * deviation, angles)
+    return _inside(angles, robot)
 
 
 def _with_rest(robot: Robot, angles: Floats) -> Robot:

@@ -47,7 +47,7 @@ def set_up(
     lexicon, seed = Lexicon.load(_to_path(options.get("lexicon"))), options.get("seed", 0)
     variation = Variation(options.get("variation", 0.0), seed)
     body = standing_robot(body, performed_style, lexicon, CapsuleDistances(body))
-    body = vary_standing(body, variation, CapsuleDistances(body))
+    body = vary_standing(body, performed_style, variation, CapsuleDistances(body))
     return Setup(
         robot=body,
         style=performed_style,

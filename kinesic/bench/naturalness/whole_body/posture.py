@@ -51,7 +51,7 @@ def measure_posture(motion: BodyMotion, frame: int = 0) -> StandingPosture:
 
     The axes are vertical, along the shoulders, and ahead.
     """
-    axes = _posture_axes(motion, frame)
+    axes = posture_axes(motion, frame)
     joints = (motion.shoulders, motion.elbows, motion.wrists)
     shoulders, elbows, wrists = (points[:, frame] @ axes.T for points in joints)
     hand, elbow = (wrists - shoulders) / motion.arm, (elbows - shoulders) / motion.arm
@@ -79,7 +79,7 @@ def measure_posture(motion: BodyMotion, frame: int = 0) -> StandingPosture:
     )
 
 
-def _posture_axes(motion: BodyMotion, frame: int) -> Floats:
+def posture_axes(motion: BodyMotion, frame: int) -> Floats:
     """Return the axes (3, 3) forward, left and up of the shoulders."""
     left = motion.shoulders[0, frame] - motion.shoulders[1, frame]
     left = left * [1.0, 1.0, 0.0]

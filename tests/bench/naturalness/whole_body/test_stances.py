@@ -1,0 +1,47 @@
+import numpy as np
+import pytest
+
+from kinesic.bench.naturalness.whole_body.stances import fit_stances, group_hanging, measure_stance
+from kinesic.planning.stance import ARM_FEATURES, STANCE_FEATURES, draw_deviation, spread_features
+
+from .bodies import make_body
+
+
+def name_features(stance):
+    return dict(zip(STANCE_FEATURES, stance, strict=True))
+
+
+def test_stance_has_the_directions_of_the_links():
+    stance = name_features(measure_stance(make_body(bend=(30.0, 10.0))))
+    assert (stance["l_upper_arm_forward"], stance["l_forearm_forward"]) == pytest.approx((0.0, 30.0))
+    assert stance["r_forearm_forward"] == pytest.approx(10.0)
+    assert stance["trunk_tilt"] == stance["head_turn"] == pytest.approx(0.0)
+
+
+def test_bent_arms_do_not_count_as_hanging():
+    clips = [
+        make_body(bend=bend, set_name="s", name=f"A@{pose}_{k}")
+        for pose, bend in (("Idle01", (20.0, 20.0)), ("Idle02", (90.0, 90.0)))
+        for k in range(3)
+    ]
+    groups = group_hanging(clips)
+    assert {name: len(rows) for name, rows in groups.items()} == {"s Idle01": 3}
+
+
+def test_fit_finds_mean_and_correlation_of_a_population():
+    chance = np.random.default_rng(4)
+    groups = {}
+    for person in range(60):
+        symmetric, turn = chance.normal(size=2)
+        features = {"trunk_tilt": 3.0 + 4.0 * symmetric, "upper_arm_outward": 10.0 + 2.0 * symmetric}
+        centre = spread_features(features)
+        centre[STANCE_FEATURES.index("head_turn")] = 5.0 * turn
+        groups[str(person)] = centre + chance.normal(size=(5, len(centre)))
+    table = fit_stances(groups)
+    assert table.mean["trunk_tilt"] == pytest.approx(3.0, abs=1.5)
+    draws = np.stack([draw_deviation(table, np.random.default_rng(seed)) for seed in range(300)])
+    columns = [STANCE_FEATURES.index(name) for name in ("trunk_tilt", "l_upper_arm_outward", "head_turn")]
+    assert draws[:, columns].std(axis=0) == pytest.approx([4.1, 2.3, 5.1], rel=0.25)
+    assert np.corrcoef(draws[:, columns].T)[0, 1] > 0.7
+    assert table.within["hand_forward"] == pytest.approx(1.0, rel=0.2)
+    assert set(table.mean) == {"trunk_tilt", "head_tilt", *ARM_FEATURES}
