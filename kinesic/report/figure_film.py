@@ -98,16 +98,20 @@ def frame_motion(
     Returns:
         The target point [m] and the vertical field of view [deg].
     """
-    places, radii = find_capsule_balls(robot, postures, list_watched_segments(robot))
+    hanging = np.zeros((1, len(robot.skeleton.hinges)))
+    places, radii = find_capsule_balls(robot, np.concatenate([postures, hanging]), list_watched_segments(robot))
     away = camera.distance + camera.pivot[0] - places[..., 0]
-    middle, slopes = list(camera.pivot), []
     places = np.maximum(places, np.array([-np.inf, -np.inf, LOWEST_VIEW]) + radii[:, None])
-    for axis, wide in ((1, aspect), (2, 1.0)):
-        high, low = (float((sign * places[..., axis] + radii).max()) for sign in (1.0, -1.0))
-        middle[axis] = (high - low) / 2
-        seen = (np.abs(places[..., axis] - middle[axis]) + radii) / away
-        slopes.append(FIGURE_MARGIN * float(seen.max()) / wide)
-    field = 2 * float(np.degrees(np.arctan(max(slopes))))
+    (left, right), (high, low) = (
+        tuple(float((sign * places[..., axis] + radii).max()) for sign in (1.0, -1.0)) for axis in (1, 2)
+    )
+    middle = [camera.pivot[0], camera.pivot[1], (high - low) / 2]
+    seen = [(np.abs(places[..., axis] - middle[axis]) + radii) / away for axis in (1, 2)]
+    slope = FIGURE_MARGIN * float(seen[1].max())
+    if float(seen[0].max()) * FIGURE_MARGIN > slope * aspect:
+        middle[1] = (left - right) / 2
+        seen[0] = (np.abs(places[..., 1] - middle[1]) + radii) / away
+    field = 2 * float(np.degrees(np.arctan(max(slope, FIGURE_MARGIN * float(seen[0].max()) / aspect))))
     largest = float(np.tan(np.radians(MAX_FIELD_OF_VIEW) / 2)) * camera.distance
     if field > MAX_FIELD_OF_VIEW:
         top = float((places[..., 2] + radii).max())

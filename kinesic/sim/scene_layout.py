@@ -128,12 +128,12 @@ def stand(robot: Robot) -> Iterator[Rod]:
 
 
 def _list_balls(robot: Robot) -> list[tuple[Floats, float, str]]:
-    """Return the ends of all shapes at rest.
+    """Return the ends of all shapes with hanging arms, the same in all styles.
 
     Returns:
         Centre (3,) [m] in the world, radius [m] and segment of each end.
     """
-    frames = robot.skeleton.frames(robot.skeleton.rest)
+    frames = robot.skeleton.zero_frames
     return [
         (sealed(origin + turn @ end), shape.radius, segment.name)
         for segment, turn, origin in zip(robot.skeleton.segments, frames.rotations, frames.origins, strict=True)

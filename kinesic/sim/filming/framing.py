@@ -11,6 +11,7 @@ from kinesic.sim.scene_layout import CAMERA_DIRECTION, VIEW_ANGLE, SceneView, fi
 
 FRAME_MARGIN = 1.2  # picture size / size of hands and head, which leaves 10 % free on each side
 SHADOW_MARGIN = 4.0  # [pixels] margin around the shadow's region, because shadows are drawn at low resolution
+FORWARD_HANDS = 0.35  # [arm lengths] distance of usual resting hands in front of hanging ones
 MIN_RISE = 1e-9  # [m] smallest height difference of a capsule's ends used as a divisor
 SHADOW_BLUR_REACH = 0.04  # [picture heights] extent of the blurred edge of a shadow
 
@@ -29,6 +30,8 @@ def compute_camera_axes() -> Floats:
 def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneView:
     """Find the view that contains hands and head during a motion.
 
+    It is the same for all motions of a robot, in all styles, that stay in the picture around its hanging arms.
+
     Args:
         robot: Robot that moves.
         postures: (m, n) [rad].
@@ -37,19 +40,43 @@ def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneV
     places, radii = find_capsule_balls(robot, postures, list_watched_segments(robot))
     if not len(radii):
         return find_scene_view(robot)
-    turned = (places @ compute_camera_axes().T).reshape(-1, 3)
-    grown = np.broadcast_to(radii, places.shape[:2]).ravel()
+    usual_places, usual_radii = _find_usual_balls(robot)
     half = np.tan(np.radians(VIEW_ANGLE) / 2) / FRAME_MARGIN
+    slopes = np.array([half * aspect, half])
+    usual = _find_extents(usual_places, usual_radii, slopes)
+    moved = _find_extents(places, radii, slopes)
+    high, low = np.maximum(usual, moved)
+    away = float(np.max((high + low) / (2 * slopes)))
+    centre = np.clip((usual[0] - usual[1]) / 2, high - slopes * away, slopes * away - low)
     towards = float(compute_camera_axes()[2] @ robot.gesture_origin)
-    centre, away = [0.0, 0.0], 0.0
-    for k, slope in enumerate((half * aspect, half)):
-        slack = grown * np.sqrt(1 + slope**2) + slope * turned[:, 2]
-        high, is_below = float(np.max(turned[:, k] + slack)), float(np.max(-turned[:, k] + slack))
-        centre[k], away = (high - is_below) / 2, max(away, (high + is_below) / (2 * slope))
     height = 2 * FRAME_MARGIN * half * (away - towards)
     return SceneView(
         find_scene_view(robot).floor, sealed(np.array([*centre, towards]) @ compute_camera_axes()), float(height)
     )
+
+
+def _find_usual_balls(robot: Robot) -> tuple[Floats, Floats]:
+    """Return the balls that every film contains: the head, and hands that hang or are held in front of the thighs."""
+    places, radii = find_capsule_balls(robot, np.zeros((1, len(robot.skeleton.hinges))), list_watched_segments(robot))
+    forward = np.array([FORWARD_HANDS * robot.arm_length, 0.0, 0.0])
+    return sealed(np.concatenate([places, places + forward])), radii
+
+
+def _find_extents(places: Floats, radii: Floats, slopes: Floats) -> Floats:
+    """Return how far balls extend in the picture, projected to the camera's plane.
+
+    Args:
+        places: (m, k, 3) [m] centres in the world.
+        radii: (k,) [m] radii.
+        slopes: (2,) tangents of half the width and half the height of the picture without its margin.
+
+    Returns:
+        (2, 2) [m] to the right and upwards, to the left and downwards.
+    """
+    turned = (places @ compute_camera_axes().T).reshape(-1, 3)
+    grown = np.broadcast_to(radii, places.shape[:2]).reshape(-1, 1)
+    slack = grown * np.sqrt(1 + slopes**2) + slopes * turned[:, 2:]
+    return sealed(np.stack([(turned[:, :2] + slack).max(axis=0), (slack - turned[:, :2]).max(axis=0)]))
 
 
 def list_watched_segments(robot: Robot) -> list[str]:
