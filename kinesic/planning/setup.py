@@ -50,6 +50,8 @@ class Setup:
     language: str = "en"  # language of plain text
     grammar: GrammarName = "rules"  # parser of phrases and clauses of plain text
     intentions: IntentionFiles = IntentionFiles()  # behaviours of intentions
+    unstyled: Robot | None = None  # the robot with its own rest posture; None: documents cannot change the posture
+    shared_limits: Limits | None = None  # limits of the same body in another rest posture; None: computed
 
     def __repr__(self) -> str:
         return f"<setup: {self.robot}, {self.style}, {self.lexicon!r}>"
@@ -57,7 +59,7 @@ class Setup:
     @cached_property
     def limits(self) -> Limits:
         """Motion limits of every hinge."""
-        return _limits(self.robot, self.dynamics.load)
+        return self.shared_limits or _limits(self.robot, self.dynamics.load)
 
     @cached_property
     def pace(self) -> Pace:

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
 from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
 from kinesic.expressivity.style.standing import Standing
@@ -16,6 +18,7 @@ from kinesic.expressivity.variation import Variation
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.collision import clear_hands
+from kinesic.planning.setup import Setup
 from kinesic.planning.stance import (
     StanceDeviation,
     draw_deviation,
@@ -57,6 +60,21 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
     if arms is None:
         return robot
     return _with_rest(robot, arms)
+
+
+def take_block_posture(block: Block, setup: Setup) -> Setup:
+    """Return the setup with the standing posture of the style that a block names.
+
+    Args:
+        block: whose style replaces the posture of the performance's style, unless a setting fixes the posture.
+        setup: of the performance.
+    """
+    style = BlockContext(block, setup.context).bearing
+    if setup.unstyled is None or style is setup.style:
+        return setup
+    robot = standing_robot(setup.unstyled, style, setup.lexicon, setup.distances)
+    robot = vary_standing(robot, style, setup.variation, setup.distances)
+    return replace(setup, robot=robot, shared_limits=setup.limits)
 
 
 def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:

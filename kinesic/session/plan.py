@@ -13,6 +13,7 @@ from kinesic.planning.files.bap import BAP_SUFFIX, read_bap
 from kinesic.planning.files.imported_motion import plan_imported
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
+from kinesic.planning.standing import take_block_posture
 from kinesic.session.builtin_documents import locate_document, suggest_document
 from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
 from kinesic.session.setup import set_up
@@ -96,7 +97,9 @@ def _plan_read(read: Callable[[], Block], setup: Setup, conditioned: Conditioner
     began = perf_counter()
     block = read()
     parse_seconds = perf_counter() - began
-    return replace(plan_block(block, setup, conditioned=conditioned), parse_seconds=parse_seconds)
+    return replace(
+        plan_block(block, take_block_posture(block, setup), conditioned=conditioned), parse_seconds=parse_seconds
+    )
 
 
 def _read_bytes(path: Path) -> bytes:

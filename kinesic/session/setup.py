@@ -46,15 +46,16 @@ def set_up(
     performed_style = base_style.changed(_format_settings(options.get("settings", ())))
     lexicon, seed = Lexicon.load(_to_path(options.get("lexicon"))), options.get("seed", 0)
     variation = Variation(options.get("variation", 0.0), seed)
-    body = standing_robot(body, performed_style, lexicon, CapsuleDistances(body))
-    body = vary_standing(body, performed_style, variation, CapsuleDistances(body))
+    unstyled, distances = body, CapsuleDistances(body)
+    body = standing_robot(unstyled, performed_style, lexicon, distances)
+    body = vary_standing(body, performed_style, variation, distances)
     return Setup(
         robot=body,
         style=performed_style,
         lexicon=lexicon,
         voice=make_voice(options.get("voice", "durations")),
         dynamics=MujocoDynamics(body),
-        distances=CapsuleDistances(body),
+        distances=distances,
         targets=_read_targets(options.get("targets")),
         dialect=options.get("dialect", "auto"),
         gathering=options.get("gather", "complex"),
@@ -67,6 +68,7 @@ def set_up(
         intentions=IntentionFiles(
             _to_path(options.get("intentions")), _to_path(options.get("baseline")), _to_path(options.get("qualifiers"))
         ),
+        unstyled=unstyled,
     )
 
 

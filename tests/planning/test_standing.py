@@ -14,6 +14,7 @@ from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.face_track import compute_action_units
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.standing import standing_robot
+from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.distances import CapsuleDistances
 
@@ -128,3 +129,19 @@ def test_averted_eyes_return_to_the_listener_now_and_then(sad):
     units = compute_action_units(made, np.arange(0.0, 11.0, 0.1))
     down = units["64"] > 0.3
     assert 0.4 < down.mean() < 0.95
+
+
+def test_body_of_a_document_stands_in_the_style_that_its_block_names(sad):
+    text = ROOT.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"').format('<wait id="w" duration="1"/>')
+    setup = set_up()
+    made = plan(text, setup)
+    assert made.trajectory.controls[0] == pytest.approx(sad.robot.skeleton.rest, abs=1e-9)
+    assert made.trajectory.controls[-1] == pytest.approx(sad.robot.skeleton.rest, abs=1e-9)
+    assert made.setup.limits is setup.limits
+    kept = plan(text, set_up(settings=["posture=0"]))
+    assert kept.trajectory.controls[0] == pytest.approx(setup.robot.skeleton.rest, abs=1e-9)
+
+
+def test_document_without_a_style_keeps_the_posture_of_the_performance(sad):
+    made = plan(ROOT.format('<wait id="w" duration="1"/>'), sad)
+    assert made.setup is sad
