@@ -56,6 +56,19 @@ def test_dragged_elbow_reaches_its_position_in_another_posture(upper22_setup):
         assert np.linalg.norm(robot.skeleton.frames(found.angles).origins[arm.elbow] - place) < 0.003
 
 
+def test_residual_of_an_unreached_elbow_is_its_distance_from_the_target(upper22_setup):
+    robot, start = upper22_setup.robot, raised(upper22_setup.robot)
+    arm, frames = robot.arm("l"), robot.skeleton.frames(start)
+    shoulder, elbow, hand = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
+    axis = (hand - shoulder) / np.linalg.norm(hand - shoulder)
+    centre = shoulder + axis * (axis @ (elbow - shoulder))
+    opposite = 2.0 * centre - elbow
+    found = drag_part(robot, upper22_setup.distances, "elbow", "l", opposite, start)
+    assert not found.reached
+    reached = robot.skeleton.frames(found.angles).origins[arm.elbow]
+    assert found.residual == pytest.approx(np.linalg.norm(reached - opposite), abs=1e-9)
+
+
 def test_dragged_gaze_reaches_the_target_unless_the_neck_is_at_its_limit(upper22_setup):
     robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
     head, eyes = robot.skeleton.segment("skullbase"), robot.sites["eyes"]

@@ -85,6 +85,20 @@ def test_subscriptions_with_different_rates_read_the_body_state_only_once_per_pe
     play(act)
 
 
+def test_reports_of_different_rates_are_at_most_5_ms_late(play: Callable):
+    rates = {1: 50.0, 2: 40.0, 3: 27.0}
+
+    async def act(room: Room) -> None:
+        for number, rate in rates.items():
+            room.watch(number, rate)
+        await room.until(2.0)
+        for number, rate in rates.items():
+            delays = [time - k / rate for k, time in enumerate(room.told[number])]
+            assert -1e-9 <= min(delays) <= max(delays) <= 0.005 + 1e-9
+
+    play(act)
+
+
 def test_many_telemetry_subscriptions_divide_the_total_rate(play: Callable):
     async def act(room: Room) -> None:
         for number in range(200):
