@@ -2,10 +2,12 @@
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from kinesic.controller import dry_run as module
 from kinesic.controller.dry_run import dry_runs
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors
 
@@ -71,3 +73,17 @@ def test_later_dry_runs_do_not_change_results_of_earlier_ones(calm):
         (other,) = dry_runs(calm.plan, (factors,), watch=False)
         assert not np.array_equal(other.measured.angles, kept.measured.angles)
     assert all(np.array_equal(now, then) for now, then in zip(arrays(kept), before, strict=True))
+
+
+@pytest.mark.parametrize(("min_clearance", "simulated"), [(0.001, [False]), (0.5, [False, True])])
+def test_contacts_are_simulated_only_if_segments_come_too_near(calm, monkeypatch, min_clearance, simulated):
+    setup = calm.plan.setup
+    plan = replace(calm.plan, setup=replace(setup, robot=replace(setup.robot, min_clearance=min_clearance)))
+    touching, borrow = list[bool](), module.borrow_simulations
+    monkeypatch.setattr(
+        module,
+        "borrow_simulations",
+        lambda robot, twins, *, touches: (touching.append(touches), borrow(robot, twins, touches=touches))[1],
+    )
+    dry_runs(plan, (NOMINAL_FACTORS,), watch=False, correction=False)
+    assert touching == simulated

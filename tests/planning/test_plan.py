@@ -227,6 +227,16 @@ def test_empty_block_is_planned_as_rest(planned):
     np.testing.assert_allclose(motion.angles(np.array([0.0]))[0], planned("").setup.robot.skeleton.rest, atol=1e-12)
 
 
+def test_performance_lasts_until_both_motion_and_speech_have_ended(planned):
+    nod, speech = (
+        '<head id="h" lexeme="NOD" start="{}"/>',
+        '<speech id="s"><text>One, two, three and four.</text></speech>',
+    )
+    spoken, nodded = planned(speech + nod.format(0)), planned(speech + nod.format(5))
+    assert spoken.duration == spoken.trajectory.zero + spoken.utterances["s"].duration > spoken.trajectory.duration
+    assert nodded.duration == nodded.trajectory.duration > nodded.trajectory.zero + nodded.utterances["s"].duration
+
+
 def test_long_speech_has_more_planning_work_in_proportion(planned):
     words = "and so we went along the river " * 20
     utterances = planned(f'<speech id="s"><text>{words}</text></speech>').utterances
