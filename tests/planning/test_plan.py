@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -189,6 +190,19 @@ def test_speech_pauses_are_inserted_before_timing_conflicts_are_resolved(planned
     assert any(notice.text.startswith("a pause of") for notice in made.notices)
     assert len(rounds) >= 3
     assert rounds == [False] * (len(rounds) - 1) + [True]
+
+
+def test_speech_pauses_are_adapted_in_at_most_three_rounds(planned, rounds, monkeypatch):
+    find_pauses, errors = plan_module.find_required_pauses, count()
+
+    def find_longer_pauses(timeline, syncs, max_pauses, pauses):
+        found = pauses or find_pauses(timeline, syncs, max_pauses, pauses)
+        return tuple(replace(pause, until=pause.until + 0.1) for pause in found)
+
+    monkeypatch.setattr(plan_module, "find_required_pauses", find_longer_pauses)
+    monkeypatch.setattr(plan_module, "_max_sync_error", lambda plan: next(errors))  # the new plan is asked first
+    planned(SPOKEN)
+    assert rounds == [False] * (1 + 3) + [True]
 
 
 def test_speech_pause_is_not_inserted_after_the_planning_budget_is_spent(planned, rounds, monkeypatch):

@@ -129,6 +129,8 @@ def test_unknown_sync_point_error_suggests_points_of_its_behaviour(known) -> Non
         syncs["h:xyzzy"]
     assert "stroke" in str(refused.value)
     assert "attackPeak" not in str(refused.value)
+    with pytest.raises(KeyError, match="no behaviour x has sync points"):
+        syncs["x:stroke"]
 
 
 def test_sync_points_of_one_behaviour_have_no_precedence_constraint():
