@@ -52,8 +52,12 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
         ),
         ("import kinesic.face.render.portrait", "scipy.sparse scipy.spatial scipy.optimize"),
         ("import kinesic.cli.servos.simulate", "mujoco OpenGL kinesic.face.gl"),
+        (
+            "import kinesic.cli.live.mcp, kinesic.mcp.server",
+            "scipy PIL kinesic.motion kinesic.bml.parse kinesic.expressivity.lexicon.lexicon kinesic.report",
+        ),
     ],
-    ids=["a performer that plans", "a server that begins", "a portrait", "simulated servos"],
+    ids=["a performer that plans", "a server that begins", "a portrait", "simulated servos", "tools of a model"],
 )
 def test_optional_modules_are_imported_only_when_they_are_used(code, late):
     """Checked in a separate process; each import takes longer than planning a gesture."""

@@ -29,6 +29,7 @@ from kinesic.bml.actions import (
 )
 
 __all__ = [
+    "DEFAULT_BLOCK_ID",
     "DEFAULT_BOUNDS",
     "EXPRESSIVITY_RANGES",
     "FACE_SYNCS",
@@ -74,6 +75,8 @@ __all__ = [
     "document_error",
     "find_modality",
 ]
+
+DEFAULT_BLOCK_ID = "block"  # id of a block without one
 
 Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 

@@ -9,6 +9,7 @@ from typing import Literal
 
 from kinesic.bml.agents import assign_agents
 from kinesic.bml.block import (
+    DEFAULT_BLOCK_ID,
     DEFAULT_BOUNDS,
     Action,
     Behaviour,
@@ -31,8 +32,6 @@ from kinesic.bml.reading.script import read_pause
 from kinesic.bml.reading.tree import Element
 from kinesic.bml.reading.unread import INEFFECTIVE_ELEMENTS, note_unread
 from kinesic.bml.reading.vocabulary import AGENT_ATTRIBUTES
-
-DEFAULT_BLOCK_ID = "block"  # id of a block without one
 
 _NON_BEHAVIOUR_ELEMENTS = INEFFECTIVE_ELEMENTS | {"constraint"}
 

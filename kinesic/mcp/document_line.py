@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from threading import Thread
 from typing import TypeVar
 
-from kinesic.bml.parse import DEFAULT_BLOCK_ID
+from kinesic.bml.block import DEFAULT_BLOCK_ID
 from kinesic.client import Client
 from kinesic.mcp.document_schema import Json
 from kinesic.mcp.errors import RefusedError, RobotError

@@ -8,7 +8,7 @@ from asyncio import to_thread
 from collections.abc import Callable
 from functools import partial
 
-from kinesic.bml.parse import DEFAULT_BLOCK_ID
+from kinesic.bml.block import DEFAULT_BLOCK_ID
 from kinesic.mcp.call_queue import CallQueue
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import Json

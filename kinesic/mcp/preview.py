@@ -5,7 +5,7 @@ from base64 import b64decode
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import Json
 from kinesic.mcp.performing import check_document, list_deviations, refuse_errors
 from kinesic.mcp.robot_gate import RobotGate
-from kinesic.mcp.stroke_picture import StrokeFigure, draw_strokes
+
+if TYPE_CHECKING:
+    from kinesic.mcp.stroke_picture import StrokeFigure
 
 MAX_PREVIEWS = 8  # largest number of pending previews
 MAX_FIGURES = 8  # largest number of strokes in one picture
@@ -61,6 +63,8 @@ class Previewer:
             return await to_thread(self._make, planned, status)
 
     def _make(self, planned: RobotAnswer, status: RobotAnswer) -> Preview:
+        from kinesic.mcp.stroke_picture import draw_strokes  # noqa: PLC0415 - slow to import, and not needed to start
+
         answer, robot = summarise_plan(planned), self._gate.setup.result().robot
         if status.get("robot") != robot.name:
             return Preview({**answer, "picture": "no picture: the server performs with another robot"}, None)
@@ -87,13 +91,15 @@ def summarise_plan(planned: RobotAnswer) -> RobotAnswer:
     return {**answer, "not_as_asked": list_deviations(planned)}
 
 
-def choose_figures(planned: RobotAnswer, hinges: int) -> tuple[list[StrokeFigure], int]:
+def choose_figures(planned: RobotAnswer, hinges: int) -> "tuple[list[StrokeFigure], int]":
     """Return the stroke postures to draw, and the number of strokes.
 
     Args:
         planned: the server's answer to `plan`.
         hinges: number of hinges of the robot.
     """
+    from kinesic.mcp.stroke_picture import StrokeFigure  # noqa: PLC0415 - slow to import, and not needed to start
+
     types = {str(each["id"]): str(each["type"]) for each in _dicts(planned, "behaviours")}
     strokes = [
         sync for sync in _syncs(planned) if sync["sync"] == "stroke" and types[str(sync["behaviour"])] != "speech"

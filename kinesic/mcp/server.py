@@ -2,7 +2,7 @@
 
 import json
 from asyncio import to_thread
-from collections.abc import Awaitable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from secrets import token_hex
@@ -15,6 +15,8 @@ from mcp.types import ToolAnnotations
 from pydantic import AfterValidator
 
 from kinesic.bml.reading.namespaces import BML_1_0
+from kinesic.expressivity.lexicon.categories import GESTURE_CATEGORIES
+from kinesic.importing import import_at_once
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import BML_SCHEMA
 from kinesic.mcp.errors import RefusedError, RobotError
@@ -55,26 +57,34 @@ READ_ONLY_TOOL = ToolAnnotations(read_only_hint=True)  # annotations of tools th
 MOVING_TOOL = ToolAnnotations(read_only_hint=False, destructive_hint=False)  # annotations of tools that move the robot
 
 
-def make_server(gate: RobotGate, lexicon: "Lexicon", *, resumes: bool) -> ToolServer:
+def make_server(
+    gate: RobotGate,
+    load_lexicon: Callable[[], "Lexicon"],
+    *,
+    resumes: bool,
+    categories: Sequence[str] = GESTURE_CATEGORIES,
+) -> ToolServer:
     """Create the tool server.
 
     Args:
         gate: access to the server that performs, which may still be starting.
-        lexicon: gestures to find.
+        load_lexicon: returns the gestures to find; called in other threads, because its first call is slow.
         resumes: whether a model may resume after a stop; on servos only a person may.
+        categories: of these gestures, in alphabetical order.
     """
     server = ToolServer("kinesic", instructions=MODEL_INSTRUCTIONS, version=__version__, log_level="WARNING")
     _add_moving_tools(server, gate, resumes=resumes)
-    _add_quiet_tools(server, gate, lexicon)
-    _add_resources(server, lexicon)
+    _add_quiet_tools(server, gate, load_lexicon, categories)
+    _add_resources(server, load_lexicon)
     return server
 
 
 def warm_up(setup: "Setup") -> "Setup":
-    """Run gesture search and document check once, to make later calls fast.
+    """Run gesture search and document check once, to make later calls fast, and import what previews need.
 
     A slow first call would delay a stop.
     """
+    import_at_once("kinesic.mcp.stroke_picture")
     search_gestures(setup.lexicon, "large", "", DEFAULT_RESULTS)
     check_document(lambda: write_speech("Hello.", "", setup).bml)
     return setup
@@ -137,10 +147,11 @@ def _add_moving_tools(server: ToolServer, gate: RobotGate, *, resumes: bool) -> 
             return "resumed"
 
 
-def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") -> None:
+def _add_quiet_tools(
+    server: ToolServer, gate: RobotGate, load_lexicon: Callable[[], "Lexicon"], categories: Sequence[str]
+) -> None:
     """Add the tools that do not move the robot."""
     previewing = Previewer(gate)
-    categories = sorted({form.category for form in lexicon.forms})
     Category = Annotated[  # noqa: N806 - a type
         str,
         AfterValidator(check_choice(categories)),
@@ -153,7 +164,8 @@ def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") ->
 
         Use the `name` of a result as lexeme of a gesture in a document. Below a score of 0.5, read `says` first.
         """
-        return json.dumps(search_gestures(lexicon, query, category, count), ensure_ascii=False)
+        hits = await to_thread(lambda: search_gestures(load_lexicon(), query, category, count))
+        return json.dumps(hits, ensure_ascii=False)
 
     @server.tool(annotations=READ_ONLY_TOOL)
     async def preview(document: PreviewedDocument) -> list[str | Image]:
@@ -190,16 +202,16 @@ def _add_quiet_tools(server: ToolServer, gate: RobotGate, lexicon: "Lexicon") ->
         return await _answer_json(wait_for_end(gate, block, seconds))
 
 
-def _add_resources(server: ToolServer, lexicon: "Lexicon") -> None:
+def _add_resources(server: ToolServer, load_lexicon: Callable[[], "Lexicon"]) -> None:
     """Add the resources and the prompt."""
 
     @server.resource("kinesic://usual", description="The 40 most common gestures.", mime_type="text/plain")
     def usual() -> str:
-        return common_gestures(lexicon)
+        return common_gestures(load_lexicon())
 
     @server.resource("kinesic://gestures", description="The names of all gestures.", mime_type="text/plain")
     def gestures() -> str:
-        return all_names(lexicon)
+        return all_names(load_lexicon())
 
     @server.resource("kinesic://schema", description="JSON schema of documents.", mime_type="application/schema+json")
     def schema() -> str:
@@ -207,7 +219,7 @@ def _add_resources(server: ToolServer, lexicon: "Lexicon") -> None:
 
     @server.prompt(description="Perform a story with speech and gestures.")
     def perform_story(story: str) -> str:
-        common = common_gestures(lexicon)
+        common = common_gestures(load_lexicon())
         task = "Perform this story, a few sentences a call:"
         return f"{MODEL_INSTRUCTIONS}\nMost common gestures: {common}.\n\n{task}\n\n{story}"
 

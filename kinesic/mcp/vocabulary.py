@@ -1,8 +1,11 @@
 """Compact gesture vocabulary for language models: common gestures, names and ranked search."""
 
-from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.lexicon.search import find_gestures
+from typing import TYPE_CHECKING
+
 from kinesic.mcp.document_schema import Json
+
+if TYPE_CHECKING:
+    from kinesic.expressivity.lexicon.lexicon import Lexicon
 
 SCORE_DIGITS = 2  # decimal places of a gesture's relevance
 
@@ -26,18 +29,20 @@ COMMON_GESTURES = (
 )
 
 
-def common_gestures(lexicon: Lexicon) -> str:
+def common_gestures(lexicon: "Lexicon") -> str:
     """Return the names of the most common gestures, less than 1 kB."""
     return ", ".join(name for name in COMMON_GESTURES if name in lexicon.forms_by_id)
 
 
-def all_names(lexicon: Lexicon) -> str:
+def all_names(lexicon: "Lexicon") -> str:
     """Return the names of all gestures, less than 4 kB."""
     return " ".join(form.id for form in lexicon.forms)
 
 
-def search_gestures(lexicon: Lexicon, query: str, category: str, count: int) -> list[dict[str, Json]]:
+def search_gestures(lexicon: "Lexicon", query: str, category: str, count: int) -> list[dict[str, Json]]:
     """Return the gestures that match a query, best first, for JSON."""
+    from kinesic.expressivity.lexicon.search import find_gestures  # noqa: PLC0415 - slow to import
+
     hits = find_gestures(lexicon, query, category=category, count=count)
     return [
         {"name": hit.id, "category": hit.category, "says": hit.says, "score": round(hit.score, SCORE_DIGITS)}

@@ -11,6 +11,7 @@ from html import unescape
 import msgspec
 
 from kinesic.bml.block import (
+    DEFAULT_BLOCK_ID,
     DEFAULT_BOUNDS,
     Behaviour,
     Block,
@@ -25,7 +26,7 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.composition import BlockState, find_prerequisites
 from kinesic.bml.feedback import write_prediction, write_warning
-from kinesic.bml.parse import DEFAULT_BLOCK_ID, parse
+from kinesic.bml.parse import parse
 from kinesic.bml.reading.wrapping import open_document
 from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import Point, get_point

@@ -57,7 +57,7 @@ def within(server: Running, act: Act, *, resumes: bool = True) -> object:
     async def run() -> object:
         with closing(RobotLine("127.0.0.1", server.port)) as robot:
             setup = warm_setup()
-            server_of_tools = made.make_server(RobotGate.of(robot, setup), setup.lexicon, resumes=resumes)
+            server_of_tools = made.make_server(RobotGate.of(robot, setup), lambda: setup.lexicon, resumes=resumes)
             async with mcp.Client(server_of_tools) as client:
                 return await act(client)
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bml.block import BlockOrder, BmlError, Composition
+from kinesic.bml.block import DEFAULT_BLOCK_ID, BlockOrder, BmlError, Composition
 from kinesic.bml.composition import BlockState
-from kinesic.bml.parse import DEFAULT_BLOCK_ID, parse
+from kinesic.bml.parse import parse
 from kinesic.bml.timing.constraints import Point
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import (

@@ -28,7 +28,7 @@ SCHEMA_LINK = "[document as JSON](bml.md#bml-as-json)"
 
 def write_page() -> str:
     """Return the page with all tools and resources."""
-    server = make_server(RobotGate(Future[RobotLine](), Future[Setup]()), Lexicon.load(None), resumes=True)
+    server = make_server(RobotGate(Future[RobotLine](), Future[Setup]()), Lexicon.load, resumes=True)
     tools, resources = asyncio.run(server.list_tools()), asyncio.run(server.list_resources())
     prompts = asyncio.run(server.list_prompts())
     lines = [HEAD, "| tool | effect |", "|---|---|"]

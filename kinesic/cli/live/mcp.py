@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING
@@ -20,6 +21,7 @@ import click
 from kinesic.body.config import ConfigError
 from kinesic.cli.live.addresses import read_address
 from kinesic.cli.options import Performers, Planning
+from kinesic.expressivity.lexicon.categories import GESTURE_CATEGORIES
 from kinesic.importing import import_at_once
 from kinesic.mcp.errors import RobotError
 from kinesic.serve.address import Address
@@ -27,6 +29,7 @@ from kinesic.serve.priority import raise_priority
 from kinesic.session.options import list_cli_options
 
 if TYPE_CHECKING:
+    from kinesic.expressivity.lexicon.lexicon import Lexicon
     from kinesic.mcp.robot_line import RobotLine
     from kinesic.planning.setup import Setup
 
@@ -47,26 +50,36 @@ def serve_tools(
             import_at_once("kinesic.mcp.server")
         except ModuleNotFoundError as error:
             raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
-        from kinesic.expressivity.lexicon.lexicon import Lexicon  # noqa: PLC0415 - slow to import
         from kinesic.mcp.robot_gate import RobotGate  # noqa: PLC0415 - optional dependency
         from kinesic.mcp.server import make_server  # noqa: PLC0415 - as above
 
-        path = planning.options.get("lexicon")
-        lexicon = Lexicon.load(None if path is None else Path(path))
+        @cache
+        def load_lexicon() -> "Lexicon":
+            return _load_lexicon(planning)
+
+        has_own_gestures = planning.options.get("lexicon") is not None
+        categories = load_lexicon().categories if has_own_gestures else GESTURE_CATEGORIES
         setup = ThreadPoolExecutor(1, thread_name_prefix="setup").submit(_load_setup, planning, opened)
         sys.setswitchinterval(SWITCH_INTERVAL)
         resumes = "servos" not in performers.sinks and connect is None
-        server = make_server(RobotGate(opened, setup), lexicon, resumes=resumes)
-        if address is not None or connect is not None:
-            setup.result()
+        server = make_server(RobotGate(opened, setup), load_lexicon, resumes=resumes, categories=categories)
         if address is None:
+            setup.add_done_callback(_report_invalid)
             server.run("stdio")
         else:
+            setup.result()
             from kinesic.mcp.web import serve_web  # noqa: PLC0415 - as above
 
             click.echo(f"tools at http://{address}/mcp", err=True)
             serve_web(server, address.host, address.port, token=token)
         return START_EXIT_CODE if opened.done() and opened.exception() is not None else 0
+
+
+def _load_lexicon(planning: Planning) -> "Lexicon":
+    from kinesic.expressivity.lexicon.lexicon import Lexicon  # noqa: PLC0415 - slow to import
+
+    path = planning.options.get("lexicon")
+    return Lexicon.load(None if path is None else Path(path))
 
 
 def _load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
@@ -82,6 +95,12 @@ def _load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
     if (error := opened.exception()) is not None:
         raise ConfigError(str(error))
     return warm_up(planning.set_up())
+
+
+def _report_invalid(setup: "Future[Setup]") -> None:
+    """Print why no tool can move the robot, which a model alone would learn."""
+    if isinstance(error := setup.exception(), ConfigError):
+        click.echo(f"kinesic: {error}", err=True)
 
 
 @contextmanager
@@ -135,7 +154,8 @@ def _start_server(planning: Planning, performers: Performers, token: str | None)
         assert server.stdin is not None  # Both streams are pipes.
         opened: Future[RobotLine] = Future()
         reader = Thread(target=_follow, args=(server, opened, token), daemon=True, name="server")
-        reader.start()
+        with raise_priority():  # otherwise its imports would hold back those of this thread
+            reader.start()
         try:
             yield opened
         finally:
@@ -149,13 +169,13 @@ def _start_server(planning: Planning, performers: Performers, token: str | None)
 
 def _follow(server: "subprocess.Popen[str]", opened: "Future[RobotLine]", token: str | None) -> None:
     """Connect once the server listens, and discard its further output."""
-    from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - slow to import
-
     assert server.stderr is not None  # It is a pipe.
     lines = []
     for line in server.stderr:
         lines.append(line.strip())
         if not opened.done() and (match := LISTENING_PATTERN.search(line)):
+            from kinesic.mcp.robot_line import RobotLine  # noqa: PLC0415 - slow to import
+
             try:
                 robot = RobotLine(match[1], int(match[2]), token=token)
             except OSError as error:
@@ -173,7 +193,6 @@ def _fail(opened: "Future[RobotLine]", why: str) -> None:
     if opened.cancelled():
         return
     text = f"the server of the robot does not start: {why}"
-    click.echo(f"kinesic: {text}", err=True)
     opened.set_exception(RobotError(f"{text}. Nothing can move until kinesic mcp is started again"))
 
 

@@ -65,8 +65,12 @@ class Lexicon:
         return lexicon
 
     def __repr__(self) -> str:
-        categories = {entry.category for entry in self.entries}
-        return f"<lexicon of {len(self.entries)} gestures in {len(categories)} categories>"
+        return f"<lexicon of {len(self.entries)} gestures in {len(self.categories)} categories>"
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Categories of all gestures, in alphabetical order."""
+        return tuple(sorted({entry.category for entry in self.entries}))
 
     @cached_property
     def forms(self) -> tuple[GestureForm, ...]:

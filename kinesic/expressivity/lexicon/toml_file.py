@@ -14,6 +14,7 @@ from kinesic.body.config import ConfigError, check_inside, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyFormTable, body_form, overlay_table
+from kinesic.expressivity.lexicon.categories import Category
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, Surface, find_shape, finger_motions, hand_shapes
 from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, shape_path
@@ -22,7 +23,6 @@ from kinesic.expressivity.lexicon.space import position
 from kinesic.expressivity.lexicon.synonyms import GestureClass, class_of
 from kinesic.expressivity.style.effort import Tempo
 
-Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
 AxisName = Literal["forward", "outward", "up"]
 
 NO_BODIES: Bodies = MappingProxyType({})  # no default body motion for any gesture category

@@ -1,0 +1,42 @@
+"""Start of `kinesic mcp`: answers before the robot's server, and an error line if that does not start."""
+
+import json
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+pytestmark = [
+    pytest.mark.soak,
+    pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'"),
+]
+
+CLIENT = {"name": "test", "version": "1"}
+INITIALISE = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": CLIENT}
+
+
+def test_tools_answer_without_a_robot_and_one_line_reports_why(tmp_path: Path):
+    (tmp_path / "wrong.toml").write_text("targets = 7")
+    command = [sys.executable, "-m", "kinesic", "mcp", "--targets", "wrong.toml"]
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen(command, cwd=tmp_path, text=True, **pipes) as tools:
+
+        def ask(number: int, method: str, **parameters: object) -> dict:
+            question = {"jsonrpc": "2.0", "id": number, "method": method, "params": parameters}
+            print(json.dumps(question), file=tools.stdin, flush=True)
+            return json.loads(tools.stdout.readline())["result"]
+
+        assert ask(1, "initialize", **INITIALISE)["serverInfo"]["name"] == "kinesic"
+        print('{"jsonrpc": "2.0", "method": "notifications/initialized"}', file=tools.stdin, flush=True)
+        assert "stop" in {tool["name"] for tool in ask(2, "tools/list")["tools"]}
+        stopped = ask(3, "tools/call", name="stop", arguments={})
+        assert stopped["isError"]
+        tools.stdin.close()
+        lines = tools.stderr.read().splitlines()
+    assert tools.returncode == 2
+    assert len(lines) == 1, lines
+    assert lines[0].startswith("kinesic: the server of the robot does not start: ")
+    assert "wrong.toml" in lines[0]
+    assert lines[0].removeprefix("kinesic: ") in stopped["content"][0]["text"]
