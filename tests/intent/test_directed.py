@@ -17,7 +17,7 @@ ASKED = re.compile(r'<(\w+) id="\w+" lexeme="(\w+)"[^>]*? (?:stroke|start)="([^"
 
 
 def asked(bml: str) -> list[tuple[str, ...]]:
-    return [found.groups() for found in ASKED.finditer(bml)]
+    return [item.groups() for item in ASKED.finditer(bml)]
 
 
 def stream(parts: list[str], *, ends: bool = True, quiet: float = 0.0) -> tuple[list[Part], Talk]:

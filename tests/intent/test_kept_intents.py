@@ -41,7 +41,7 @@ def test_long_emotion_conflicts_with_overlapping_intents_on_the_face(start: floa
 def test_earliest_kept_intent_that_conflicts_with_a_new_one_is_returned() -> None:
     def told(one: Intent, other: Intent) -> bool:
         near = abs(one.stroke.seconds - other.stroke.seconds) < STROKE_GAP
-        feels = any(each.name.startswith("emotion-") for each in (one, other))
+        feels = any(item.name.startswith("emotion-") for item in (one, other))
         return near or (feels and one.start.seconds < other.end.seconds and other.start.seconds < one.end.seconds)
 
     chance = random.Random(3)
@@ -51,11 +51,11 @@ def test_earliest_kept_intent_that_conflicts_with_a_new_one_is_returned() -> Non
         lasts = chance.choice((0.3, 4.0))
         some.append(intent(chance.choice(("emotion-joy", "accent")), start, start + lasts / 2, start + lasts))
     kept = KeptIntents()
-    for count, each in enumerate(some):
+    for count, entry in enumerate(some):
         assert len(kept) == count
-        expected = next((other for other in some[:count] if told(other, each)), None)
-        assert kept.first_conflict(each, STROKE_GAP, covering=True) is expected
-        kept.add(each)
+        expected = next((other for other in some[:count] if told(other, entry)), None)
+        assert kept.first_conflict(entry, STROKE_GAP, covering=True) is expected
+        kept.add(entry)
 
 
 @pytest.mark.parametrize(

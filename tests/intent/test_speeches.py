@@ -27,11 +27,11 @@ def long_bml():
 
 def test_long_text_is_spoken_once_by_speeches_that_follow_one_another(long_bml):
     block = parse(long_bml)
-    speeches = [each for each in block.behaviours if isinstance(each.action, Speech)]
-    spoken = " ".join(each.action.script.text for each in speeches)
+    speeches = [behaviour for behaviour in block.behaviours if isinstance(behaviour.action, Speech)]
+    spoken = " ".join(speech.action.script.text for speech in speeches)
     assert spoken.split() == LONG_TEXT.split()
     assert len(speeches) > 4
-    assert all(each.action.script.text.rstrip().endswith("dark.") for each in speeches)
+    assert all(speech.action.script.text.rstrip().endswith("dark.") for speech in speeches)
     starts = re.findall(r'<speech id="(\w+)" language="en"(?: start="(\w+):end\+([\d.]+)")?>', long_bml)
     assert [(before, after) for (before, _, _), (_, after, _) in pairwise(starts)] == [
         (before, before) for (before, _, _) in starts[:-1]

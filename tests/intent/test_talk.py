@@ -38,15 +38,15 @@ STORY_TEXT = (
 
 def parts_of(pieces, *, ends=True, **more):
     """Return all parts of a streamed text, and its final state."""
-    talk, found = Talk(), []
-    for text, is_last in [(each, False) for each in pieces] + [("", True)] * ends:
+    talk, results = Talk(), []
+    for text, is_last in [(piece, False) for piece in pieces] + [("", True)] * ends:
         talk = add_words(talk, text, ends=is_last)
         while (
             part := next_part(talk, BUILTIN_LEXICON, NEUTRAL_STYLE, ENGLISH_RULES, builtin_sets(), **more)
         ) is not None:
             talk = part.talk
-            found.append(part)
-    return found, talk
+            results.append(part)
+    return results, talk
 
 
 def words_of(parts):
@@ -94,7 +94,7 @@ def test_streamed_phrase_is_spoken_as_soon_as_it_is_complete(text, quiet, said):
 def test_streamed_phrase_keeps_its_punctuation_and_emphasis():
     parts, _ = parts_of(["No, I did, ", '*really*, see "that" house. ', "Ha"])
     spoken = [re.search(r"<text>(.*)</text>", part.write("b"), re.DOTALL)[1] for part in parts]
-    plain = [re.sub(r"<[^>]*>", "", each) for each in spoken]
+    plain = [re.sub(r"<[^>]*>", "", item) for item in spoken]
     assert plain == ["No, I did,", 'really, see "that" house.', "Ha"]
     assert [part.written for part in parts] == plain
     assert '<emphasis level="strong">really</emphasis>' in spoken[1]
@@ -109,13 +109,13 @@ def test_streamed_speech_starts_after_the_previous_one_with_an_early_gesture():
 
 def test_streamed_text_keeps_gesture_budget_and_variety():
     parts, talk = parts_of(re.findall(r"\s*\S+", STORY_TEXT * 4))
-    gestures = [each for part in parts for each in part.behaviours if each.channel == "gesture"]
+    gestures = [behaviour for part in parts for behaviour in part.behaviours if behaviour.channel == "gesture"]
     assert len(parts) > 20
     assert (
         len(gestures) == talk.progress.gestures <= budget_of(talk.progress.seconds, NEUTRAL_STYLE).gestures + 1
     )  # a run may end after its budget
     assert len(gestures) > 4
-    names = [each.lexeme for each in gestures]
+    names = [gesture.lexeme for gesture in gestures]
     pictures = [k for k, name in enumerate(names) if not name.startswith("beat")]
     assert not [names[k] for k in pictures if names[k] in names[max(0, k - 2) : k]]
 
@@ -135,9 +135,9 @@ def test_certain_gesture_replaces_an_uncertain_one_not_yet_begun_in_streamed_tex
     fixed = next_part(talk, BUILTIN_LEXICON, NEUTRAL_STYLE, ENGLISH_RULES, builtin_sets())
     free = next_part(talk, BUILTIN_LEXICON, NEUTRAL_STYLE, ENGLISH_RULES, builtin_sets(), free=("g1",))
     assert fixed.replaced == frozenset()
-    assert "gesture" not in {each.channel for each in fixed.behaviours}
+    assert "gesture" not in {behaviour.channel for behaviour in fixed.behaviours}
     assert free.replaced == {"g1"}
-    assert "gesture" in {each.channel for each in free.behaviours}
+    assert "gesture" in {behaviour.channel for behaviour in free.behaviours}
     assert free.talk.progress.gestures == 1
 
 
@@ -197,7 +197,7 @@ def test_new_sentence_of_streamed_text_removes_spoken_sentences_from_memory():
 def test_only_the_first_phrase_of_streamed_text_begins_a_speaking_turn():
     long = "we went on and on along the road to the sea, "
     parts = parts_of([long, long, long])[0]
-    glances = [[each for each in part.behaviours if each.intent.name == "turn-begin"] for part in parts]
+    glances = [[behaviour for behaviour in part.behaviours if behaviour.intent.name == "turn-begin"] for part in parts]
     assert glances[0]
     assert not any(glances[1:])
 
@@ -205,7 +205,7 @@ def test_only_the_first_phrase_of_streamed_text_begins_a_speaking_turn():
 def test_chosen_style_overrides_emotional_styles_of_words_in_streamed_text():
     text = "I am so happy that you came! :-) "
     named = parts_of([text])[0][0]
-    assert any(each.intent.style for each in named.behaviours) == (NEUTRAL_STYLE.name == PLAIN_STYLE)
+    assert any(behaviour.intent.style for behaviour in named.behaviours) == (NEUTRAL_STYLE.name == PLAIN_STYLE)
     other = next_part(
         add_words(Talk(), text),
         BUILTIN_LEXICON,
@@ -213,4 +213,4 @@ def test_chosen_style_overrides_emotional_styles_of_words_in_streamed_text():
         ENGLISH_RULES,
         builtin_sets(),
     )
-    assert not any(each.intent.style for each in other.behaviours)
+    assert not any(behaviour.intent.style for behaviour in other.behaviours)

@@ -32,41 +32,41 @@ def greeting():
 
 
 def of_intention(block, name):
-    return [each for each in block.behaviours if f"({name}," in each.reason]
+    return [behaviour for behaviour in block.behaviours if f"({name}," in behaviour.reason]
 
 
 def test_every_fml_intention_is_shown_or_reported_with_a_reason(greeting):
     for name in ("performative-greet", "emotion-joy", "deictic-any"):
         assert of_intention(greeting, name)
-    unshown = [each.text for each in greeting.notices if each.text.startswith("not shown")]
-    assert any("intent nothing-known has no behaviour set" in each for each in unshown)
-    assert any("emotion-anger" in each and "'s7:tm1' is not a time of a speech" in each for each in unshown)
+    unshown = [notice.text for notice in greeting.notices if notice.text.startswith("not shown")]
+    assert any("intent nothing-known has no behaviour set" in item for item in unshown)
+    assert any("emotion-anger" in item and "'s7:tm1' is not a time of a speech" in item for item in unshown)
 
 
 def test_bml_generated_from_fml_keeps_the_behaviours_of_the_document(greeting):
-    speech, own = greeting.behaviours[0], next(each for each in greeting.behaviours if each.id == "g1")
+    speech, own = greeting.behaviours[0], next(behaviour for behaviour in greeting.behaviours if behaviour.id == "g1")
     assert "Hello & welcome" in speech.action.script.text
     assert not own.reason
     assert (greeting.dialect, greeting.composition) == ("fml-apml", Composition.APPEND)
-    assert len({each.id for each in greeting.behaviours}) == len(greeting.behaviours)
+    assert len({behaviour.id for behaviour in greeting.behaviours}) == len(greeting.behaviours)
 
 
 def test_stroke_is_on_the_pitch_accent_of_its_intention():
     tree = ElementTree.fromstring(author_fml(GREETING_DOCUMENT)[0])
-    strokes = {each.get("stroke") for each in tree if "(performative-greet," in str(each.attrib) and each.get("stroke")}
+    strokes = {item.get("stroke") for item in tree if "(performative-greet," in str(item.attrib) and item.get("stroke")}
     assert strokes == {"s1:tm2+0.20"}
 
 
 def test_fml_intention_with_unknown_end_mark_ends_with_the_speech():
     tree = ElementTree.fromstring(author_fml(GREETING_DOCUMENT)[0])
-    face = next(each for each in tree if each.tag == "faceLexeme" and "(emotion-joy," in str(each.attrib))
+    face = next(item for item in tree if item.tag == "faceLexeme" and "(emotion-joy," in str(item.attrib))
     assert face.get("start") == "s1:tm3-0.10"
     assert float(face.get("amount")) <= 0.5  # Limited by the intensity of the intent
 
 
 def test_intention_with_target_points_at_it(greeting):
     pointing = of_intention(greeting, "deictic-any")
-    assert [(each.type, each.action.target) for each in pointing if each.type == "pointing"] == [("pointing", "door")]
+    assert [(item.type, item.action.target) for item in pointing if item.type == "pointing"] == [("pointing", "door")]
 
 
 def test_same_document_and_seed_give_the_same_bml():
@@ -91,14 +91,14 @@ def test_fml_is_recognised_by_its_root_element(text, expected):
 def test_fml_without_bml_is_performed():
     text = '<fml-apml><fml><emotion id="e" type="joy" start="0" end="3" importance="1"/></fml></fml-apml>'
     block = parse_fml(text)
-    assert [each.type for each in of_intention(block, "emotion-joy")] == ["faceLexeme", "gesture"]
+    assert [item.type for item in of_intention(block, "emotion-joy")] == ["faceLexeme", "gesture"]
     assert len(block.behaviours) == 2
 
 
 def test_behaviours_and_errors_of_fml_name_the_line_of_the_file(greeting):
-    places = {each.id: each.place.line for each in greeting.behaviours}
+    places = {behaviour.id: behaviour.place.line for behaviour in greeting.behaviours}
     assert (places["s1"], places["g1"]) == (2, 4)
-    assert {each.place.line for each in of_intention(greeting, "emotion-joy")} == {7}
+    assert {item.place.line for item in of_intention(greeting, "emotion-joy")} == {7}
     wrong = GREETING_DOCUMENT.replace('start="9"', 'start="1e9"')
     with pytest.raises(BmlError, match=r"^my\.xml:4:65: .*1e9"):
         parse_fml(wrong, source="my.xml")
@@ -111,12 +111,12 @@ def test_fml_documents_of_the_corpus_become_bml_with_known_intentions():
     for path in documents:
         bml, unshown = author_fml(path.read_bytes(), source=path.name)
         assert parse(bml).behaviours or "<speech" not in bml
-        assert not [each for each in unshown if "no behaviour set" in each]
+        assert not [item for item in unshown if "no behaviour set" in item]
 
 
 @needs_corpus
 def test_builtin_behaviour_sets_cover_all_intentions_of_the_greta_lexicon():
     lexicon = ElementTree.parse(CORPUS_FOLDER / "greta/behaviorplanner/IntentionLexicon/lexicon.xml")
-    names = [each.get("name") for each in lexicon.getroot()]
+    names = [item.get("name") for item in lexicon.getroot()]
     assert len(names) == 115
     assert [name for name in names if builtin_sets().find(name) is None] == []

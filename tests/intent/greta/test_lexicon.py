@@ -49,25 +49,25 @@ def sets(tmp_path_factory):
 def shown(sets, seed):
     budget = MovementBudget(10, STROKE_SPACINGS, {})
     chosen = choose_behaviours([intent("emotion-odd")], sets, budget, seed=seed).behaviours
-    return {each.channel: each for each in chosen}
+    return {item.channel: item for item in chosen}
 
 
 def test_random_greta_signals_obey_the_constraints_of_their_behaviour_set(sets):
     all_of_them = [shown(sets, seed) for seed in range(40)]
-    with_face = [each for each in all_of_them if "face" in each]
+    with_face = [item for item in all_of_them if "face" in item]
     assert 8 < len(with_face) < 32, "half of them show nothing"
-    assert all(("gaze" in each) is ("face" not in each) for each in all_of_them), "the face forbids the gaze"
-    assert {each["gesture"].lexeme for each in all_of_them} == {"me"}, "the core demands the gesture"
+    assert all(("gaze" in item) is ("face" not in item) for item in all_of_them), "the face forbids the gaze"
+    assert {item["gesture"].lexeme for item in all_of_them} == {"me"}, "the core demands the gesture"
     head = all_of_them[0]["head"]
     assert (head.lexeme, head.amount) == ("NOD", 0.9)
     assert with_face[0]["face"].lexeme == "joy", "a part of an expression is the whole"
-    assert {each["gaze"].lexeme for each in all_of_them if "gaze" in each} == {"DOWNLEFT"}
+    assert {item["gaze"].lexeme for item in all_of_them if "gaze" in item} == {"DOWNLEFT"}
 
 
 def test_sequence_of_greta_signals_fills_the_duration_of_the_intention(sets):
-    found = sets.find("emotion-long")
+    result = sets.find("emotion-long")
     for seed in range(20):
-        drawn = list(draw_sequence(intent("emotion-long"), found, random.Random(seed)))
+        drawn = list(draw_sequence(intent("emotion-long"), result, random.Random(seed)))
         faces = [(part, signal) for part, signal in drawn if signal.channel == "face"]
         ids = [signal.id for _, signal in faces]
         assert ids.count("1") <= 1
@@ -83,9 +83,9 @@ def test_sequence_of_greta_signals_fills_the_duration_of_the_intention(sets):
 
 def test_greta_signals_marked_unrepeatable_are_shown_once(sets):
     """Expect fear and anger once, and joy several times, unless fear excludes it."""
-    found, seen = sets.find("emotion-long"), []
+    result, seen = sets.find("emotion-long"), []
     for seed in range(20):
-        drawn = draw_sequence(intent("emotion-long"), found, random.Random(seed))
+        drawn = draw_sequence(intent("emotion-long"), result, random.Random(seed))
         ids = [signal.id for _, signal in drawn if signal.channel == "face"]
         if "3" not in ids:
             seen.append(ids)
@@ -109,7 +109,7 @@ def test_head_movements_without_size_have_middle_size(tmp_path, move):
 
 def test_probabilities_of_a_greta_lexicon_are_kept(sets):
     face = sets.sets["emotion-Odd"].signals[0]
-    assert [(each.lexeme, each.probability) for each in face.choices] == [("joy", 0.5), ("none", 0.5)]
+    assert [(choice.lexeme, choice.probability) for choice in face.choices] == [("joy", 0.5), ("none", 0.5)]
     first, _, third, _ = (signal.spell for signal in sets.sets["emotion-long"].signals)
     assert (first.least, first.most, first.early, first.late, first.repeats) == (1.0, 2.0, 1.0, 0.0, False)
     assert (third.early, third.late, third.repeats, third.excludes) == (0.5, 0.5, True, {"fear"})
@@ -117,7 +117,7 @@ def test_probabilities_of_a_greta_lexicon_are_kept(sets):
 
 def test_empty_greta_behaviour_set_is_reported_as_reason_of_omission(sets):
     omitted = choose_behaviours([intent("theme-x")], sets, MovementBudget(10, STROKE_SPACINGS, {})).omissions
-    assert [each.why for each in omitted] == ["the set of theme-x is empty"]
+    assert [item.why for item in omitted] == ["the set of theme-x is empty"]
 
 
 def test_signal_without_lexeme_is_not_shown(sets):
@@ -151,8 +151,8 @@ def test_every_behaviour_set_of_the_greta_lexicons_gives_behaviours_or_a_reason(
     assert len(paths) == 4
     for path in paths:
         sets = read_lexicon(path)
-        for name, found in sets.sets.items():
+        for name, result in sets.sets.items():
             chosen = choose_behaviours([intent(name)], sets, MovementBudget(10, STROKE_SPACINGS, {}))
-            lexemes = {choice.lexeme for signal in found.signals for choice in signal.choices}
+            lexemes = {choice.lexeme for signal in result.signals for choice in signal.choices}
             assert chosen.behaviours or chosen.omissions, name
-            assert {each.lexeme for each in chosen.behaviours} <= lexemes
+            assert {behaviour.lexeme for behaviour in chosen.behaviours} <= lexemes

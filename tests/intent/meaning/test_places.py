@@ -12,7 +12,7 @@ LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
 def gestures(text: str) -> set[str]:
     """Return the gestures for a text."""
     _, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=0)
-    return {each.lexeme for each in selection.behaviours if each.channel == "gesture"}
+    return {behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == "gesture"}
 
 
 @pytest.mark.parametrize(

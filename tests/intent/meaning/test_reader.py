@@ -14,11 +14,11 @@ REFUSALS = {"no_low", "no_wag", "refuse_sweep", "refuse_push", "crossed_out", "s
 def shown(text: str, channel: str = "gesture", seed: int = 0) -> set[str]:
     """Return the lexemes of one channel for a text."""
     _, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=seed)
-    return {each.lexeme for each in selection.behaviours if each.channel == channel}
+    return {behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == channel}
 
 
 def is_beat(lexemes: set[str]) -> bool:
-    return all(each.startswith("beat") for each in lexemes)
+    return all(lexeme.startswith("beat") for lexeme in lexemes)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_counted_things_get_a_number_gesture_but_units_of_measurement_do_not():
 def test_random_seed_chooses_only_among_the_gestures_of_one_cue():
     cues = load_cues("en").cues
     (unsure,) = (set(cue.shows) for cue in cues if cue.says == "does not know")
-    assert {each for seed in range(6) for each in shown("I have no idea.", seed=seed)} <= unsure
+    assert {item for seed in range(6) for item in shown("I have no idea.", seed=seed)} <= unsure
 
 
 def test_gestures_named_by_cues_exist_in_the_lexicon():
@@ -127,10 +127,13 @@ def test_gestures_named_by_cues_exist_in_the_lexicon():
 def test_language_without_cues_keeps_the_gestures_of_its_rules():
     assert not load_cues("de").cues
     _, selection = plan_behaviours("Hallo!", LEXICON, NEUTRAL, language="de")
-    assert {each.lexeme for each in selection.behaviours if each.channel == "gesture"} & {"greet_wave", "wave_small"}
+    assert {behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == "gesture"} & {
+        "greet_wave",
+        "wave_small",
+    }
 
 
 def test_beat_replaces_a_repeated_pictorial_gesture():
     _, selection = plan_behaviours("I have no idea. I have no clue. Who knows. I don't know why.", LEXICON, NEUTRAL)
-    gestures = [each.lexeme for each in selection.behaviours if each.channel == "gesture"]
+    gestures = [behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == "gesture"]
     assert len(gestures) == len(set(gestures)) > 1

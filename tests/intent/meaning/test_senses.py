@@ -12,11 +12,11 @@ LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
 def shown(text: str, channel: str = "gesture") -> set[str]:
     """Return the lexemes of one channel for a text."""
     _, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=0)
-    return {each.lexeme for each in selection.behaviours if each.channel == channel}
+    return {behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == channel}
 
 
 def is_beat(lexemes: set[str]) -> bool:
-    return all(each.startswith("beat") for each in lexemes)
+    return all(lexeme.startswith("beat") for lexeme in lexemes)
 
 
 @pytest.mark.parametrize(

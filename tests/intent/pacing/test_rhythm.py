@@ -29,12 +29,12 @@ def make_accent(at: float, weight: float = 0.1) -> Candidate:
 
 
 def times_of(kept: Sequence[Candidate]) -> list[float]:
-    return [each.intent.stroke.seconds for each in kept]
+    return [item.intent.stroke.seconds for item in kept]
 
 
 def gestures_of(story: str, style: str) -> Sequence[ChosenBehaviour]:
     selection = plan_behaviours(STORIES[story], Lexicon.load(), Style.load(style))[1]
-    return [each for each in selection.behaviours if each.channel == "gesture"]
+    return [behaviour for behaviour in selection.behaviours if behaviour.channel == "gesture"]
 
 
 def test_beats_come_in_runs_at_the_rate_of_the_tempo() -> None:
@@ -77,18 +77,18 @@ def test_stroke_rate_depends_on_style_within_the_measured_human_range() -> None:
 
 def test_lively_story_has_beats_in_different_forms_without_repeated_gestures() -> None:
     gestures = gestures_of("journey", "joyful")
-    beats = [each.lexeme for each in gestures if is_beat(each.lexeme)]
+    beats = [gesture.lexeme for gesture in gestures if is_beat(gesture.lexeme)]
     assert 0.4 <= len(beats) / len(gestures) <= 0.62
     assert len(set(beats)) >= len(beats) - 2
-    names = [each.lexeme for each in gestures]
+    names = [gesture.lexeme for gesture in gestures]
     assert not any(name in names[max(k - 4, 0) : k] for k, name in enumerate(names))
 
 
 def test_rhythm_adds_no_gestures_to_a_short_sentence() -> None:
     for text in ("The weather is nice today.", "I bought a big red box of apples."):
         selection = plan_behaviours(text, Lexicon.load(), Style.load("neutral"))[1]
-        assert sum(each.channel == "gesture" for each in selection.behaviours) <= 2
-        assert not any(each.intent.name == "rhythm" for each in selection.behaviours)
+        assert sum(behaviour.channel == "gesture" for behaviour in selection.behaviours) <= 2
+        assert not any(behaviour.intent.name == "rhythm" for behaviour in selection.behaviours)
 
 
 def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
@@ -98,11 +98,11 @@ def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
 
 
 def test_lively_style_neither_enlarges_nor_repeats_uncertain_beats() -> None:
-    for each in gestures_of("journey", "joyful"):
-        if is_beat(each.lexeme) and each.intent.certainty < EMPHATIC_CERTAINTY:
-            assert each.manner == {"spatial": 0.0, "repetition": 0.0}
+    for behaviour in gestures_of("journey", "joyful"):
+        if is_beat(behaviour.lexeme) and behaviour.intent.certainty < EMPHATIC_CERTAINTY:
+            assert behaviour.manner == {"spatial": 0.0, "repetition": 0.0}
         else:
-            assert not each.manner
+            assert not behaviour.manner
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_lively_style_neither_enlarges_nor_repeats_uncertain_beats() -> None:
 )
 def test_lively_style_illustrates_words_of_plain_reports(text: str, gesture: str) -> None:
     shown = {
-        name: {each.lexeme for each in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours}
+        name: {behaviour.lexeme for behaviour in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours}
         for name in ("neutral", "joyful")
     }
     assert gesture in shown["joyful"]
@@ -122,9 +122,9 @@ def test_clause_in_a_lively_style_may_have_two_illustrating_gestures() -> None:
     text = "We walked slowly across the square into a tiny shop behind the old church of the village."
     pictures = {
         name: {
-            each.lexeme
-            for each in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours
-            if each.channel == "gesture" and not is_beat(each.lexeme)
+            behaviour.lexeme
+            for behaviour in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours
+            if behaviour.channel == "gesture" and not is_beat(behaviour.lexeme)
         }
         for name in ("neutral", "joyful")
     }

@@ -19,9 +19,9 @@ from kinesic.intent.reading.words import read_text
     ],
 )
 def test_word_in_capitals_is_an_acronym_or_stressed(text: str, words: str, stressed: str):
-    found = read_text(text, load_language()).words
-    assert " ".join(word.text for word in found) == words
-    assert " ".join(word.text for word in found if word.emphatic) == stressed
+    result = read_text(text, load_language()).words
+    assert " ".join(word.text for word in result) == words
+    assert " ".join(word.text for word in result if word.emphatic) == stressed
 
 
 def test_acronyms_and_abbreviations_of_other_languages_are_recognised():

@@ -13,7 +13,7 @@ REFUSALS = {"set_aside", "no_low", "no_wag", "refuse_sweep", "refuse_push", "cro
 def shown(text: str, language: str, channel: str) -> set[str]:
     """Return the lexemes of one channel for a text."""
     _, selection = plan_behaviours(text, LEXICON, NEUTRAL, language=language, seed=0)
-    return {each.lexeme for each in selection.behaviours if each.channel == channel}
+    return {behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == channel}
 
 
 @pytest.mark.parametrize(

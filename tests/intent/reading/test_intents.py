@@ -27,10 +27,10 @@ def language_with(rules: Mapping[str, Rule], tag: str = "en") -> Language:
 
 
 def intents(text: str, language: Language = ENGLISH, **options: bool) -> dict[str, list[Intent]]:
-    found: dict[str, list[Intent]] = {}
+    results: dict[str, list[Intent]] = {}
     for intent in find_intents(read_text(text, language), language, LEXICON, **options):
-        found.setdefault(intent.name, []).append(intent)
-    return found
+        results.setdefault(intent.name, []).append(intent)
+    return results
 
 
 def meaning(text: str, **rules: Rule) -> tuple[Intent, Passage]:
@@ -85,8 +85,8 @@ def test_certainty_of_an_intent_is_at_most_one() -> None:
 
 
 def test_word_with_a_gesture_in_the_lexicon_gives_an_illustrating_intent() -> None:
-    found = intents("They write in the rain")
-    shown = {each.lexemes: each for name in CATEGORY_CERTAINTIES for each in found.get(name, [])}
+    result = intents("They write in the rain")
+    shown = {item.lexemes: item for name in CATEGORY_CERTAINTIES for item in result.get(name, [])}
     assert shown
     for (lexeme,), intent in shown.items():
         form = LEXICON.forms_by_id[lexeme]
@@ -95,7 +95,7 @@ def test_word_with_a_gesture_in_the_lexicon_gives_an_illustrating_intent() -> No
         assert f"{form.category} gesture" in intent.reason
         assert intent.word in (1, 4)
     emphatic = intents("They *write* in the rain")
-    assert max(each.certainty for name in CATEGORY_CERTAINTIES for each in emphatic.get(name, [])) == pytest.approx(
+    assert max(item.certainty for name in CATEGORY_CERTAINTIES for item in emphatic.get(name, [])) == pytest.approx(
         CATEGORY_CERTAINTIES[next(iter(shown.values())).name] + EMPHASIS_BONUS
     )
 
@@ -103,8 +103,8 @@ def test_word_with_a_gesture_in_the_lexicon_gives_an_illustrating_intent() -> No
 def test_only_english_content_words_of_sufficient_length_are_illustrated() -> None:
     def illustrated(words: tuple[Word, ...], language: str) -> list[str]:
         passage = Passage(words, ("statement",), language=language)
-        found = find_intents(passage, language_with({}, language), LEXICON, begins=False, ends=False)
-        return [intent.name for intent in found if intent.name in CATEGORY_CERTAINTIES]
+        result = find_intents(passage, language_with({}, language), LEXICON, begins=False, ends=False)
+        return [intent.name for intent in result if intent.name in CATEGORY_CERTAINTIES]
 
     def word(plain: str, *, is_content: bool = True) -> tuple[Word, ...]:
         return (Word(plain, plain, "", 0, 0, is_content),)
@@ -120,7 +120,7 @@ def test_only_english_content_words_of_sufficient_length_are_illustrated() -> No
     [("I like it :-)", "emotion-joy", "joyful"), ("I lost it :-(", "emotion-sadness", "sad")],
 )
 def test_emoticon_gives_an_emotion_to_its_whole_sentence(text: str, name: str, style: str) -> None:
-    shown = [each for each in intents(text)[name] if each.certainty == EMOTICON_CERTAINTY]
+    shown = [intent for intent in intents(text)[name] if intent.certainty == EMOTICON_CERTAINTY]
     (intent,) = shown
     passage = read_text(text, ENGLISH)
     assert intent.style == style
@@ -134,10 +134,10 @@ def test_emoticon_gives_an_emotion_to_its_whole_sentence(text: str, name: str, s
 )
 def test_long_speaking_turn_begins_with_averted_gaze(count: int, begins: bool, looks: bool) -> None:
     text = " ".join(["word"] * count)
-    found = intents(text, begins=begins)
-    assert ("turn-begin" in found) == looks
+    result = intents(text, begins=begins)
+    assert ("turn-begin" in result) == looks
     if looks:
-        (intent,) = found["turn-begin"]
+        (intent,) = result["turn-begin"]
         passage = read_text(text, ENGLISH)
         assert intent.start.seconds == 0.0
         assert intent.stroke == intent.end == passage.close(2)
@@ -151,10 +151,10 @@ def test_text_has_intents_for_turn_begin_and_turn_end_by_default() -> None:
 
 def test_reason_of_an_intent_quotes_words_of_the_text() -> None:
     passage = read_text("We saw apples, bread, cheese and wine yesterday", ENGLISH)
-    for each in find_intents(passage, ENGLISH, LEXICON):
-        if quoted := re.match(r"'([^']*)'", each.reason):
+    for intent in find_intents(passage, ENGLISH, LEXICON):
+        if quoted := re.match(r"'([^']*)'", intent.reason):
             assert quoted[1] in "We saw apples bread cheese and wine yesterday"
-            last = each.word
+            last = intent.word
             assert quoted[1].split()[-1] == passage.words[last].text
 
 
@@ -162,8 +162,8 @@ def test_emoticon_in_a_sentence_without_words_has_no_emotion() -> None:
     passage = Passage(
         (Word("yes", "yes", "", 1, 0, is_content=True),), ("statement", "statement"), feelings=((0, "emotion-joy"),)
     )
-    found = find_intents(passage, language_with({}), LEXICON)
-    assert "emotion-joy" not in {each.name for each in found}
+    result = find_intents(passage, language_with({}), LEXICON)
+    assert "emotion-joy" not in {item.name for item in result}
 
 
 def test_turn_end_intent_is_on_the_last_word_of_the_text() -> None:
@@ -185,22 +185,22 @@ def test_turn_end_intent_is_on_the_last_word_of_the_text() -> None:
 def test_phrases_and_sentences_have_boundary_intents_at_their_ends(
     text: str, ends: bool, phrases: list[int], sentences: list[int]
 ) -> None:
-    found = intents(text, ends=ends)
-    assert [each.word for each in found.get("boundary-phrase", [])] == phrases
-    assert [each.word for each in found.get("boundary-sentence", [])] == sentences
-    assert all(each.certainty > found["boundary-phrase"][0].certainty for each in found.get("boundary-sentence", []))
+    result = intents(text, ends=ends)
+    assert [item.word for item in result.get("boundary-phrase", [])] == phrases
+    assert [item.word for item in result.get("boundary-sentence", [])] == sentences
+    assert all(item.certainty > result["boundary-phrase"][0].certainty for item in result.get("boundary-sentence", []))
 
 
 def test_intents_are_in_the_order_of_their_strokes() -> None:
     passage = read_text("No, he did *not* say that there were three boxes, because it rained. :-)", ENGLISH)
-    found = find_intents(passage, ENGLISH, LEXICON)
-    keys = [(each.stroke.seconds, -each.certainty) for each in found]
+    result = find_intents(passage, ENGLISH, LEXICON)
+    keys = [(item.stroke.seconds, -item.certainty) for item in result]
     assert keys == sorted(keys)
-    assert len(found) > 5
+    assert len(result) > 5
 
 
 def test_stroke_of_an_intent_is_within_its_duration_and_phrase() -> None:
-    for each in find_intents(read_text("the house, which he built, is red", ENGLISH), ENGLISH, LEXICON):
-        if each.word >= 0:
-            assert each.start.seconds <= each.stroke.seconds <= each.end.seconds
-            assert each.phrase == read_text("the house, which he built, is red", ENGLISH).words[each.word].phrase
+    for intent in find_intents(read_text("the house, which he built, is red", ENGLISH), ENGLISH, LEXICON):
+        if intent.word >= 0:
+            assert intent.start.seconds <= intent.stroke.seconds <= intent.end.seconds
+            assert intent.phrase == read_text("the house, which he built, is red", ENGLISH).words[intent.word].phrase

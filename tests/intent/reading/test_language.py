@@ -36,10 +36,10 @@ def test_language_rules_find_greeting_negation_and_question(lexicon, language):
     style = Style.load("neutral")
     for text, meant in zip(SAMPLE_SENTENCES[language], EXPECTED_INTENTS, strict=True):
         chosen = plan_behaviours(text, lexicon, style, language=language)[1].behaviours
-        names = {each.intent.name for each in chosen}
+        names = {item.intent.name for item in chosen}
         assert meant in names, text
         assert meant == "negation" or "negation" not in names
-        assert meant != "negation" or "NOD" not in {each.lexeme for each in chosen}
+        assert meant != "negation" or "NOD" not in {item.lexeme for item in chosen}
     block = parse(author(" ".join(SAMPLE_SENTENCES[language]), lexicon, style, language=language))
     assert block.notices == ()
     assert block.behaviours[0].action.script.language == language
@@ -48,12 +48,14 @@ def test_language_rules_find_greeting_negation_and_question(lexicon, language):
 @pytest.mark.parametrize("language", SAMPLE_SENTENCES)
 def test_text_without_matching_rules_has_only_beats(lexicon, language):
     behaviours = plan_behaviours("Xaluno venda mirolo kestan.", lexicon, Style.load("neutral"), language=language)[1]
-    assert {each.intent.name for each in behaviours.behaviours if each.channel == "gesture"} == {"accent"}
+    assert {behaviour.intent.name for behaviour in behaviours.behaviours if behaviour.channel == "gesture"} == {
+        "accent"
+    }
 
 
 @pytest.mark.parametrize("language", SAMPLE_SENTENCES)
 def test_intent_of_every_language_rule_has_a_behaviour_set(language):
-    rules = [rule for found in load_language(language).rules.values() for rule in found]
+    rules = [rule for item in load_language(language).rules.values() for rule in item]
     assert [rule.intent for rule in rules if builtin_sets().find(rule.intent) is None] == []
 
 
@@ -76,7 +78,7 @@ def test_regional_tag_has_the_rules_of_its_language_and_its_own_voice(lexicon):
 )
 def test_question_without_question_word_is_shown(lexicon, language, text):
     behaviours = plan_behaviours(text, lexicon, Style.load("neutral"), language=language)[1].behaviours
-    assert [each.lexeme for each in behaviours if each.channel == "face"] == ["question"]
+    assert [behaviour.lexeme for behaviour in behaviours if behaviour.channel == "face"] == ["question"]
 
 
 @pytest.mark.parametrize(
@@ -91,7 +93,7 @@ def test_question_without_question_word_is_shown(lexicon, language, text):
 )
 def test_negative_word_that_denies_nothing_shakes_no_head(lexicon, language, text):
     behaviours = plan_behaviours(text, lexicon, Style.load("neutral"), language=language)[1].behaviours
-    assert "SHAKE" not in {each.lexeme for each in behaviours}
+    assert "SHAKE" not in {behaviour.lexeme for behaviour in behaviours}
 
 
 def test_sentence_ends_after_a_word_of_one_letter(lexicon):
@@ -112,10 +114,13 @@ def test_language_without_rules_has_beats_pauses_and_questions(lexicon, language
     assert "".join(words) == "".join(
         letter for letter in sample["text"] if letter not in SENTENCE_STOPS + PHRASE_STOPS + " "
     )
-    questions = {each.intent.word for each in selection.behaviours if each.intent.name == "question"}
+    questions = {behaviour.intent.word for behaviour in selection.behaviours if behaviour.intent.name == "question"}
     assert [words[index] for index in questions] == [sample["asked"]]
-    assert {each.intent.name for each in selection.behaviours if each.channel == "gesture"} <= {"accent", "question"}
-    assert any(each.intent.name == "accent" for each in selection.behaviours)
+    assert {behaviour.intent.name for behaviour in selection.behaviours if behaviour.channel == "gesture"} <= {
+        "accent",
+        "question",
+    }
+    assert any(behaviour.intent.name == "accent" for behaviour in selection.behaviours)
     (warning,) = selection.warnings
     assert "only voice, beats, pauses and questions" in warning
     assert f"{language}" in warning

@@ -11,16 +11,16 @@ def test_outermost_of_nested_rule_matches_is_kept() -> None:
     rules = [" ".join(words) for words in language.rules]
     for _ in range(200):
         passage = read_text(" ".join(chance.choices(rules, k=12)), language)
-        found = find_rules(passage, language)
-        assert list(found) == sorted(found, key=lambda each: (each.first, each.last))
-        spans = {(each.rule.intent, each.first, each.last) for each in found}
+        matches = find_rules(passage, language)
+        assert list(matches) == sorted(matches, key=lambda each: (each.first, each.last))
+        spans = {(item.rule.intent, item.first, item.last) for item in matches}
         for intent, first, last in spans:
-            around = [each for each in spans - {(intent, first, last)} if each[0] == intent]
-            assert not [each for each in around if each[1] <= first and last <= each[2]]
+            around = [span for span in spans - {(intent, first, last)} if span[0] == intent]
+            assert not [item for item in around if item[1] <= first and last <= item[2]]
 
 
 def test_nested_rule_matches_of_different_intents_are_kept() -> None:
     language = load_language()
     passage = read_text("Thank you so much, my friend.", language)
-    spans = {(each.first, each.last) for each in find_rules(passage, language)}
+    spans = {(rule.first, rule.last) for rule in find_rules(passage, language)}
     assert len(spans) > 1

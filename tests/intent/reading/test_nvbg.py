@@ -93,7 +93,7 @@ def oracle():
         pytest.skip(f"no rules at {NVBG_RULES}")
     rules = ElementTree.parse(NVBG_RULES).getroot().iter("rule")
     return {
-        name: {(each.text or "").strip().rstrip(",").lower() for each in rule.iter("pattern")}
+        name: {(item.text or "").strip().rstrip(",").lower() for item in rule.iter("pattern")}
         for rule in rules
         if (name := rule.get("keyword")) not in GRAMMAR_FUNCTIONS
     }
@@ -104,9 +104,9 @@ def disagreements(oracle, texts) -> Iterator[tuple[str, str, str, bool]]:
     language = load_language()
     for text in texts:
         passage = read_text(text, language)
-        found = find_rules(passage, language)
+        matches = find_rules(passage, language)
         for k, word in enumerate(passage.words):
-            ours = {each.rule.intent for each in found if each.first <= k <= each.last}
+            ours = {item.rule.intent for item in matches if item.first <= k <= item.last}
             for function, words in oracle.items():
                 if word.plain in words:
                     yield text, word.plain, function, not ours & EQUIVALENT_INTENTS[function]
@@ -118,11 +118,11 @@ def test_table_of_nvbg_functions_is_complete(oracle):
 
 
 def test_english_rules_agree_with_nvbg_in_95_percent_of_sentences(oracle):
-    found = list(disagreements(oracle, sentences()))
-    assert {function for _, _, function, _ in found} == set(EQUIVALENT_INTENTS), "every function is tried"
-    wrong = [f"{word} ({function}): {text}" for text, word, function, differs in found if differs]
-    assert len(found) > 400
-    assert len(wrong) <= 0.05 * len(found), wrong
+    results = list(disagreements(oracle, sentences()))
+    assert {function for _, _, function, _ in results} == set(EQUIVALENT_INTENTS), "every function is tried"
+    wrong = [f"{word} ({function}): {text}" for text, word, function, differs in results if differs]
+    assert len(results) > 400
+    assert len(wrong) <= 0.05 * len(results), wrong
 
 
 def test_negations_contain_an_nvbg_negation_word(oracle):
@@ -130,6 +130,6 @@ def test_negations_contain_an_nvbg_negation_word(oracle):
     denials = oracle["negation_animation"] | {"nobody", "never", "neither", "nor", "none", "nowhere", "cannot"}
     for text in sentences():
         passage = read_text(text, language)
-        for each in find_rules(passage, language):
-            if each.rule.intent == "negation":
-                assert {passage.words[k].plain for k in range(each.first, each.last + 1)} & denials, text
+        for rule in find_rules(passage, language):
+            if rule.rule.intent == "negation":
+                assert {passage.words[k].plain for k in range(rule.first, rule.last + 1)} & denials, text

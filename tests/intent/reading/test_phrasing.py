@@ -9,12 +9,14 @@ def parts(text, kind):
     """Return the words of all parts with an intent prefix, in order."""
     language = load_language()
     passage = read_text(text, language)
-    found = [
-        each
-        for each in find_phrases(passage, language, read_grammar(passage, language))
-        if each.intent.startswith(kind)
+    phrases = [
+        phrase
+        for phrase in find_phrases(passage, language, read_grammar(passage, language))
+        if phrase.intent.startswith(kind)
     ]
-    return [(each.intent, " ".join(word.plain for word in passage.words[each.first : each.last + 1])) for each in found]
+    return [
+        (item.intent, " ".join(word.plain for word in passage.words[item.first : item.last + 1])) for item in phrases
+    ]
 
 
 @pytest.mark.parametrize(
@@ -29,9 +31,9 @@ def parts(text, kind):
     ],
 )
 def test_gestures_for_list_items_alternate_left_and_right(text, items):
-    found = parts(text, "listing")
-    assert [words for _, words in found] == items
-    assert [side for side, _ in found] == [f"listing-{('left', 'right')[k % 2]}" for k in range(len(items))]
+    result = parts(text, "listing")
+    assert [words for _, words in result] == items
+    assert [side for side, _ in result] == [f"listing-{('left', 'right')[k % 2]}" for k in range(len(items))]
 
 
 @pytest.mark.parametrize(
@@ -44,7 +46,7 @@ def test_gestures_for_list_items_alternate_left_and_right(text, items):
     ],
 )
 def test_noun_phrase_spans_determiner_to_noun(text, phrases):
-    assert [each for each in parts(text, "") if "noun-phrase" in each[0]] == phrases
+    assert [part for part in parts(text, "") if "noun-phrase" in part[0]] == phrases
 
 
 def test_first_verb_of_a_sentence_gives_an_intent():

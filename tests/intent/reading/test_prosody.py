@@ -28,14 +28,16 @@ EXPECTED = [
 
 def spoken_prosody(bml: str) -> list[tuple[str, tuple[tuple[str, str], ...]]]:
     """Return each spoken word with its prosody."""
-    [action] = [each.action for each in parse(bml).behaviours if isinstance(each.action, Speech)]
-    script, found, at = action.script, [], 0
+    [action] = [behaviour.action for behaviour in parse(bml).behaviours if isinstance(behaviour.action, Speech)]
+    script, word_attributes, at = action.script, [], 0
     for word in script.text.split():
         at = script.text.index(word, at)
         inside = {name: value for e in script.emphases if e.begin <= at < e.end for name, value in e.attributes}
-        found.append((word, tuple(sorted((name, value) for name, value in inside.items() if name != "level"))))
+        word_attributes.append(
+            (word, tuple(sorted((name, value) for name, value in inside.items() if name != "level")))
+        )
         at += len(word)
-    return found
+    return word_attributes
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,7 @@ def lexicon() -> Lexicon:
 def expected_prosody() -> list[tuple[str, tuple[tuple[str, str], ...]]]:
     words = re.sub(r"<[^<>]*>|\\\\[^\\]*\\\\", " ", MIXED).split()
     spoken = " ".join(words)
-    found = []
+    results = []
     for k, word in enumerate(words):
         at = len(" ".join(words[:k])) + bool(k)
         values = {
@@ -55,8 +57,8 @@ def expected_prosody() -> list[tuple[str, tuple[tuple[str, str], ...]]]:
             if spoken.index(part) <= at < spoken.index(part) + len(part)
             for name, value in attributes.items()
         }
-        found.append((word, tuple(sorted(values.items()))))
-    return found
+        results.append((word, tuple(sorted(values.items()))))
+    return results
 
 
 def test_prosody_tags_of_a_text_reach_the_voice_for_their_words(lexicon: Lexicon):
@@ -66,17 +68,17 @@ def test_prosody_tags_of_a_text_reach_the_voice_for_their_words(lexicon: Lexicon
 
 
 def test_prosody_continues_across_the_parts_of_a_streamed_text(lexicon: Lexicon):
-    generator, talk, rest, found = random.Random(3), Talk(), MIXED, []
+    generator, talk, rest, results = random.Random(3), Talk(), MIXED, []
     language, style, sets = load_language("en"), Style.load("neutral"), builtin_sets()
     while True:
         size = generator.choice((1, 3, 20))
         talk, rest = add_words(talk, rest[:size], ends=len(rest) <= size), rest[size:]
         while (part := next_part(talk, lexicon, style, language, sets)) is not None:
             talk = part.talk
-            found += spoken_prosody(part.write("b"))
+            results += spoken_prosody(part.write("b"))
         if not rest:
             break
-    assert found == expected_prosody()
+    assert results == expected_prosody()
 
 
 @pytest.mark.parametrize("attributes", ["", ' contour="(0%,+20Hz)"', ' rate="; drop"'])

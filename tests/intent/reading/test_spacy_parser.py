@@ -59,9 +59,9 @@ def test_rules_and_parser_find_the_same_negations():
     passage = read_text("No, I never saw it, and you did not tell me so.", language)
     names = [
         [
-            (each.name, each.word)
-            for each in find_intents(passage, language, BUILTIN_LEXICON, grammar=grammar)
-            if "nega" in each.name
+            (intent.name, intent.word)
+            for intent in find_intents(passage, language, BUILTIN_LEXICON, grammar=grammar)
+            if "nega" in intent.name
         ]
         for grammar in ("rules", "spacy")
     ]
