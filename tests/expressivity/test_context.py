@@ -49,12 +49,12 @@ def test_gaze_targets_of_the_user_override_those_of_the_robot_file(context, robo
 def test_gesture_lookup_is_cached_per_hand_mode(context):
     here = context(block(Gesture("beat")), TEST_STYLE)
     (behaviour,) = here.block.behaviours
-    found = here.find_gesture(behaviour, Gesture("beat"))
-    assert found is not None
-    assert found is here.find_gesture(behaviour, Gesture("beat"))
+    gesture = here.find_gesture(behaviour, Gesture("beat"))
+    assert gesture is not None
+    assert gesture is here.find_gesture(behaviour, Gesture("beat"))
     both = here.find_gesture(behaviour, Gesture("beat", "both"))
     assert both is not None
-    assert both.form.sides == {"l", "r"} != found.form.sides
+    assert both.form.sides == {"l", "r"} != gesture.form.sides
 
 
 def test_behaviours_with_equal_parameters_use_one_style_object(context):

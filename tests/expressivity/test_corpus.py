@@ -73,16 +73,20 @@ def test_corpus_fragments_are_performed_or_named_in_warnings(pace, lexicon):
         if row["dynamic"]:
             continue
         block = parse(row["bml"])
-        targets = {each.action.target: sealed([1.5, 0.3, 1.2]) for each in block.behaviours if is_aimed(each.action)}
+        targets = {
+            behaviour.action.target: sealed([1.5, 0.3, 1.2])
+            for behaviour in block.behaviours
+            if is_aimed(behaviour.action)
+        }
         frames = played(block, pace, lexicon, targets)
         for behaviour in block.behaviours:
             outcome = frames.outcomes[behaviour.id]
             name = "pointing" if isinstance(behaviour.action, Pointing) else behaviour.type
             counts.setdefault(name, Counter())[outcome.kind] += 1
             if outcome.kind == "dropped":
-                told = [each.text for each in frames.notices if each.id == f"{block.id}:{behaviour.id}"]
-                assert told
-                assert behaviour.type.rpartition(":")[2] in f"{behaviour.id} {told}"
+                texts = [notice.text for notice in frames.notices if notice.id == f"{block.id}:{behaviour.id}"]
+                assert texts
+                assert behaviour.type.rpartition(":")[2] in f"{behaviour.id} {texts}"
     for name in ("gaze", "head", "gesture", "face", "speech", "pointing"):
         assert counts[name].total() > 0
         assert counts[name]["dropped"] <= 0.05 * counts[name].total(), (name, counts[name])
@@ -106,12 +110,12 @@ def test_corpus_expressivity_is_applied_to_behaviours():
             modality = find_modality(behaviour.action)
             if modality is None or behaviour.manner == Manner():
                 continue
-            found = resolve_numbers(style_preset("sad"), modality, block, behaviour)
+            resolved = resolve_numbers(style_preset("sad"), modality, block, behaviour)
             for name in EXPRESSIVITY_RANGES:
                 said = getattr(behaviour.manner, name)
-                assert getattr(found.expressivity, name) == (
+                assert getattr(resolved.expressivity, name) == (
                     getattr(style_preset("sad").of(modality), name) if said is None else said
                 )
-                assert found.sources[name] == ("style" if said is None else "behaviour")
+                assert resolved.sources[name] == ("style" if said is None else "behaviour")
                 carried[name] += said not in (None, 0.0)
     assert all(carried[name] > 50 for name in ("spatial", "temporal", "fluidity", "power", "repetition"))

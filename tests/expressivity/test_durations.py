@@ -74,21 +74,21 @@ def test_temporal_extent_shortens_every_gesture_phase(natural, sync):
 
 @pytest.mark.parametrize("shift", [False, True])
 def test_temporal_extent_shortens_facial_expression(natural, shift):
-    found = [natural(Face(("smile",), shift=shift), manner=Manner(temporal=extent)) for extent in (-1.0, 0.0, 1.0)]
-    assert all(slow > usual > quick for slow, usual, quick in zip(*(of.values() for of in found), strict=True))
+    durations = [natural(Face(("smile",), shift=shift), manner=Manner(temporal=extent)) for extent in (-1.0, 0.0, 1.0)]
+    assert all(slow > usual > quick for slow, usual, quick in zip(*(of.values() for of in durations), strict=True))
 
 
 @pytest.mark.parametrize("lexeme", ["beat", "stop", "large"])
 def test_power_shortens_stroke_within_servo_limits_and_weakness_slows_all_phases(natural, pace, lexicon, lexeme):
-    found = [natural(Gesture(lexeme), manner=Manner(power=power)) for power in EXTENT_VALUES]
-    assert np.all(np.diff([of["stroke"] for of in found]) < 0)
+    durations = [natural(Gesture(lexeme), manner=Manner(power=power)) for power in EXTENT_VALUES]
+    assert np.all(np.diff([of["stroke"] for of in durations]) < 0)
     for sync in ("ready", "end"):
-        assert np.all(np.diff([of[sync] for of in found[:5]]) < 0)
-        assert len({of[sync] for of in found[4:]}) == 1
+        assert np.all(np.diff([of[sync] for of in durations[:5]]) < 0)
+        assert len({of[sync] for of in durations[4:]}) == 1
     neutral = poses(lexicon.find(lexeme).form, pace.robot, Expressivity())
     least = sum(least_stroke_times(neutral, pace)[: neutral.stroke])
-    assert found[-1]["stroke"] == pytest.approx(max(found[4]["stroke"] / POWER_FACTOR, ACCENT_MARGIN * least))
-    assert [of["relax"] for of in found] == pytest.approx([found[0]["relax"]] * len(EXTENT_VALUES))
+    assert durations[-1]["stroke"] == pytest.approx(max(durations[4]["stroke"] / POWER_FACTOR, ACCENT_MARGIN * least))
+    assert [of["relax"] for of in durations] == pytest.approx([durations[0]["relax"]] * len(EXTENT_VALUES))
 
 
 def test_natural_durations_depend_on_expressivity_of_the_moving_modality(natural):

@@ -107,7 +107,7 @@ def test_head_and_eyes_together_reach_a_target_within_range(robot, look_at, dire
         lost = max(abs(a - b) for a, b in zip(met, (*direction, 0.0), strict=True))
         assert f"{degrees(lost):.0f} deg beyond" in look.clipped
     for chain, turn in (("torso", look.torso), ("neck", add_turns(look.head, scale_turn(look.torso, -1.0)))):
-        least, most = (turn_angles(each) for each in rotation_range(robot, chain))
+        least, most = (turn_angles(item) for item in rotation_range(robot, chain))
         assert all(
             low - 1e-9 <= angle <= high + 1e-9 for low, angle, high in zip(least, turn_angles(turn), most, strict=True)
         )

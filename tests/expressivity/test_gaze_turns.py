@@ -73,10 +73,10 @@ def test_eyes_continue_beyond_the_neck_range(looks):
 
 def test_robot_without_eyes_looks_with_its_head(robot, looks):
     blind = {name: site for name, site in robot.sites.items() if name != "eyes"}
-    found = looks(Gaze("left", influence="EYES"), sites=blind)
-    assert found.eyes == UPRIGHT_TURN
-    assert found.head.torsion > 0.5
-    assert "no eyes" in found.substitute
+    result = looks(Gaze("left", influence="EYES"), sites=blind)
+    assert result.eyes == UPRIGHT_TURN
+    assert result.head.torsion > 0.5
+    assert "no eyes" in result.substitute
 
 
 def test_unknown_target_is_replaced_by_the_audience(perform, looks):

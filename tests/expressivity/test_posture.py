@@ -107,7 +107,7 @@ def test_open_arms_are_held_open(robot, lexicon):
 )
 def test_whole_body_pose_may_be_an_arm_pose(robot, lexicon, lexeme, arms):
     posed = pose(Posture(poses=(("WHOLEBODY", lexeme),)), lexicon, robot)
-    assert [getattr(each, "id", each) for each in posed.arms] == [arms]
+    assert [getattr(arm, "id", arm) for arm in posed.arms] == [arms]
 
 
 def test_head_pose_is_part_of_a_posture(perform):
@@ -138,10 +138,10 @@ def test_standing_up_lets_the_arms_hang_again(perform):
 
 def test_second_pose_of_the_same_arm_is_reported_as_omitted(robot, lexicon):
     twice = pose(Posture(poses=(("ARMS", "ARMS_AKIMBO"), ("ARMS", "ARMS_CROSSED"))), lexicon, robot)
-    assert [each.id for each in twice.arms] == ["akimbo"]
+    assert [arm.id for arm in twice.arms] == ["akimbo"]
     assert "ARMS_CROSSED" in twice.left_out
-    each = pose(Posture(poses=(("LEFT_ARM", "ARMS_AKIMBO"), ("RIGHT_ARM", "ARMS_NEUTRAL"))), lexicon, robot)
-    assert (len(each.arms), each.left_out) == (2, "")
+    result = pose(Posture(poses=(("LEFT_ARM", "ARMS_AKIMBO"), ("RIGHT_ARM", "ARMS_NEUTRAL"))), lexicon, robot)
+    assert (len(result.arms), result.left_out) == (2, "")
 
 
 @pytest.mark.parametrize("part", ["BODY", "TORSO", "SPINE", "TRUNK", "WHOLEBODY"])

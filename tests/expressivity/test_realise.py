@@ -270,7 +270,7 @@ def test_missing_neck_and_torso_are_reported(timeline, robot, context, limits, b
 
 def test_deictic_gesture_with_target_points_at_it(perform, beat):
     pointed, aimed = (perform(("g", action, beat)) for action in (Pointing("left"), Gesture("you", target="left")))
-    hands = [next(f for f in found.frames if ("g", "stroke") in f.syncs).hands["l"] for found in (pointed, aimed)]
+    hands = [next(f for f in item.frames if ("g", "stroke") in f.syncs).hands["l"] for item in (pointed, aimed)]
     np.testing.assert_array_equal(hands[0].reach.position, hands[1].reach.position)
     assert hands[1].aim is not None
 
@@ -279,6 +279,6 @@ def test_deictic_gesture_with_target_points_at_it(perform, beat):
     ("lexeme", "target", "text"), [("you", "nowhere", "no target nowhere"), ("beat", "left", "is not deictic")]
 )
 def test_ignored_gesture_target_is_reported(perform, beat, lexeme, target, text):
-    found = perform(("g", Gesture(lexeme, target=target), beat))
-    assert found.outcomes["g"].kind == "realised"
-    assert any(text in notice.text for notice in found.notices)
+    performance = perform(("g", Gesture(lexeme, target=target), beat))
+    assert performance.outcomes["g"].kind == "realised"
+    assert any(text in notice.text for notice in performance.notices)

@@ -105,7 +105,7 @@ def test_clipped_rotation_is_the_nearest_in_range(turn, corner, other):
     lost = [abs(a - b) for a, b in zip(turn_angles(turn), turn_angles(clipped), strict=True)]
     beyond = [
         max(low - angle, angle - high, 0.0)
-        for angle, (low, high) in zip(turn_angles(turn), [sorted(each) for each in sides], strict=True)
+        for angle, (low, high) in zip(turn_angles(turn), [sorted(side) for side in sides], strict=True)
     ]
     assert lost == pytest.approx(beyond)
     assert range_excess(turn, within) == pytest.approx(degrees(max(beyond)))

@@ -67,8 +67,8 @@ def test_zero_variation_ignores_the_seed(context, timeline, phases):
 
 def test_random_gesture_deviation_depends_only_on_seed_block_and_position():
     def found(block, variation):
-        each = deviations(block, variation)["g1"]
-        return each.spatial, each.temporal, *each.place, each.other_hand
+        result = deviations(block, variation)["g1"]
+        return result.spatial, result.temporal, *result.place, result.other_hand
 
     usual = found(beats(3), HUMAN_VARIATION)
     assert found(beats(3), HUMAN_VARIATION) == usual
@@ -78,29 +78,29 @@ def test_random_gesture_deviation_depends_only_on_seed_block_and_position():
 
 def test_random_variation_makes_successive_gestures_differ_in_size():
     for seed in range(20):
-        each = list(deviations(beats(15), Variation(1.0, seed)).values())
-        assert all(abs(a.spatial - b.spatial) > 0.7 * SPATIAL_DEVIATION for a, b in pairwise(each))
-        assert len({one.spatial for one in each}) == len({one.temporal for one in each}) == 15
+        results = list(deviations(beats(15), Variation(1.0, seed)).values())
+        assert all(abs(a.spatial - b.spatial) > 0.7 * SPATIAL_DEVIATION for a, b in pairwise(results))
+        assert len({one.spatial for one in results}) == len({one.temporal for one in results}) == 15
 
 
 def test_deviations_stay_within_bounds_and_scale_with_amount():
-    found = [next(iter(deviations(beats(1), Variation(1.0, seed)).values())) for seed in range(300)]
-    spatial, temporal = np.array([each.spatial for each in found]), np.array([each.temporal for each in found])
+    results = [next(iter(deviations(beats(1), Variation(1.0, seed)).values())) for seed in range(300)]
+    spatial, temporal = np.array([item.spatial for item in results]), np.array([item.temporal for item in results])
     for values, most in (
         (spatial, SPATIAL_DEVIATION),
         (temporal, TEMPORAL_DEVIATION),
-        (np.array([each.place for each in found]), POSITION_DEVIATION),
+        (np.array([item.place for item in results]), POSITION_DEVIATION),
     ):
         assert 0.9 * most < np.abs(values).max() <= most
         assert values.mean() == pytest.approx(0.0, abs=0.12 * most)
-    assert np.mean([each.other_hand for each in found]) == pytest.approx(OTHER_HAND_PROBABILITY, abs=0.08)
+    assert np.mean([item.other_hand for item in results]) == pytest.approx(OTHER_HAND_PROBABILITY, abs=0.08)
     twice = next(iter(deviations(beats(1), Variation(2.0, 0)).values()))
-    assert (twice.spatial, twice.temporal) == pytest.approx((2 * found[0].spatial, 2 * found[0].temporal))
+    assert (twice.spatial, twice.temporal) == pytest.approx((2 * results[0].spatial, 2 * results[0].temporal))
 
 
 def test_larger_random_gesture_size_mostly_takes_longer():
-    found = [each for seed in range(40) for each in deviations(beats(5), Variation(1.0, seed)).values()]
-    spatial, temporal = np.array([(each.spatial, each.temporal) for each in found]).T
+    results = [deviation for seed in range(40) for deviation in deviations(beats(5), Variation(1.0, seed)).values()]
+    spatial, temporal = np.array([(item.spatial, item.temporal) for item in results]).T
     assert np.abs(temporal).max() <= TEMPORAL_DEVIATION
     assert np.corrcoef(spatial, temporal)[0, 1] < -0.5
 
@@ -110,13 +110,13 @@ def test_random_variation_applies_only_to_hand_behaviours():
 
 
 def test_random_variation_changes_amplitude_position_duration_and_hand(varied: list[BlockContext], beat):
-    found = [poses_of(each, beat) for each in varied]
-    ways = np.array([np.linalg.norm(np.diff(row, axis=0), axis=1).sum() for row, _ in found])
+    poses = [poses_of(item, beat) for item in varied]
+    ways = np.array([np.linalg.norm(np.diff(row, axis=0), axis=1).sum() for row, _ in poses])
     assert 0.04 < np.log(ways).std() < 0.2
-    places = np.array([row.mean(axis=0) for row, side in found if side == "r"])
+    places = np.array([row.mean(axis=0) for row, side in poses if side == "r"])
     assert (places.std(axis=0) > 0.005).all()
-    assert {side for _, side in found} == {"l", "r"}
-    times = np.array([sum(natural_durations(each)["g0"].values()) for each in varied])
+    assert {side for _, side in poses} == {"l", "r"}
+    times = np.array([sum(natural_durations(item)["g0"].values()) for item in varied])
     assert 0.03 < np.log(times).std() < 0.2
 
 
@@ -183,8 +183,8 @@ def test_gestures_with_fixed_meaning_vary_only_in_time(context, lexicon):
         there = context(block(*(Gesture(form.id) for form in placed)), variation=Variation(1.0, seed))
         for behaviour in there.block.behaviours:
             same = context(there.block).find_gesture(behaviour, behaviour.action).form
-            found, manner = there.find_gesture(behaviour, behaviour.action).form, there.manner(behaviour)
-            for key, usual in zip(found.keys, same.keys, strict=True):
+            result, manner = there.find_gesture(behaviour, behaviour.action).form, there.manner(behaviour)
+            for key, usual in zip(result.keys, same.keys, strict=True):
                 for side, pose in key.hands.items():
                     np.testing.assert_array_equal(pose.position, usual.hands[side].position)
             assert manner.spatial == there.manner(behaviour, "head").spatial == 0.0

@@ -34,18 +34,23 @@ def gesture(lexicon, robot, pace, phases):
 
 
 def test_head_and_trunk_motion_follows_the_gesture_phases_of_the_hands(gesture, pace):
-    found = accompany_gestures([gesture()], BodyDemands(), pace)
-    assert [turn_at(found.torso, time) for time in (0, 1.6, 2, 3)] == [UPRIGHT_TURN, LEAN_TURN, LEAN_TURN, UPRIGHT_TURN]
-    assert turn_at(found.head, 1.6) == Turn(tilt=NOD_ANGLE, roll=radians(5))
-    assert turn_at(found.head, 2.0) == Turn(roll=radians(5))
-    assert found.head[0].turn == found.head[-1].turn == UPRIGHT_TURN
-    assert (found.head[0].time, found.head[-1].time) == (0.0, 3.0)
+    body_motion = accompany_gestures([gesture()], BodyDemands(), pace)
+    assert [turn_at(body_motion.torso, time) for time in (0, 1.6, 2, 3)] == [
+        UPRIGHT_TURN,
+        LEAN_TURN,
+        LEAN_TURN,
+        UPRIGHT_TURN,
+    ]
+    assert turn_at(body_motion.head, 1.6) == Turn(tilt=NOD_ANGLE, roll=radians(5))
+    assert turn_at(body_motion.head, 2.0) == Turn(roll=radians(5))
+    assert body_motion.head[0].turn == body_motion.head[-1].turn == UPRIGHT_TURN
+    assert (body_motion.head[0].time, body_motion.head[-1].time) == (0.0, 3.0)
 
 
 def test_trunk_does_not_return_upright_between_close_gestures(gesture, pace):
     second = gesture(BODY_FORM, 3.2, 4, 4, 4.6, 4.6, 5, 6, id="h")
-    found = accompany_gestures([gesture(), second], BodyDemands(), pace)
-    assert all(turn_at(found.torso, 1.6 + 0.1 * k) == pytest.approx(LEAN_TURN) for k in range(34))
+    body_motion = accompany_gestures([gesture(), second], BodyDemands(), pace)
+    assert all(turn_at(body_motion.torso, 1.6 + 0.1 * k) == pytest.approx(LEAN_TURN) for k in range(34))
     apart = accompany_gestures([gesture(), gesture(BODY_FORM, 4, 5, 5, 5.6, 5.6, 6, 7, id="h")], BodyDemands(), pace)
     assert turn_at(apart.torso, 3.5) == UPRIGHT_TURN
 
@@ -53,8 +58,8 @@ def test_trunk_does_not_return_upright_between_close_gestures(gesture, pace):
 def test_head_turns_back_while_a_hand_waits(gesture, pace):
     aside = replace(BODY_FORM, nod=0.0, head=Turn(torsion=radians(20)))
     first, second = gesture(aside), gesture(aside, 3.3, 4.3, 4.3, 4.9, 4.9, 5.3, 6.3, id="h")
-    found = accompany_gestures([first, second], BodyDemands(), pace)
-    turned = [turn_at(found.head, time).torsion for time in (1.6, 2.6, 3.2, 4.9)]
+    body_motion = accompany_gestures([first, second], BodyDemands(), pace)
+    turned = [turn_at(body_motion.head, time).torsion for time in (1.6, 2.6, 3.2, 4.9)]
     assert turned == pytest.approx([radians(20), radians(6), radians(6), radians(20)])
     soon = accompany_gestures([first, gesture(aside, 2.5, 3.3, 3.3, 3.9, 3.9, 4.3, 5.3, id="h")], BodyDemands(), pace)
     assert [turn_at(soon.head, time).torsion for time in (1.6, 2.4, 3.9)] == pytest.approx([radians(20)] * 3)
@@ -62,13 +67,13 @@ def test_head_turns_back_while_a_hand_waits(gesture, pace):
 
 def test_body_motion_is_limited_to_the_available_time(gesture, pace):
     hurried = gesture(BODY_FORM, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
-    found = accompany_gestures([hurried], BodyDemands(), pace)
-    for layer, chain in ((found.torso, "torso"), (found.head, "neck")):
+    body_motion = accompany_gestures([hurried], BodyDemands(), pace)
+    for layer, chain in ((body_motion.torso, "torso"), (body_motion.head, "neck")):
         for a, b in pairwise(layer):
-            if layer is found.torso:
+            if layer is body_motion.torso:
                 change = Turn(*(y - x for x, y in zip(turn_angles(a.turn), turn_angles(b.turn), strict=True)))
                 assert pace.least_turn_time(chain, change) <= MAX_TIME_FRACTION * (b.time - a.time) + 1e-6
-    assert 0.0 < turn_at(found.torso, 0.1).tilt < LEAN_TURN.tilt
+    assert 0.0 < turn_at(body_motion.torso, 0.1).tilt < LEAN_TURN.tilt
 
 
 def test_accompanying_motion_excludes_rotation_axes_used_by_other_behaviours(gesture, pace):
@@ -85,11 +90,11 @@ def test_accompanying_motion_excludes_rotation_axes_used_by_other_behaviours(ges
 
 
 def test_head_shakes_to_both_sides_during_the_stroke(gesture, pace):
-    found = accompany_gestures([gesture(BodyForm(shake=radians(8)))], BodyDemands(), pace)
-    turned = [key.turn.torsion for key in found.head]
+    body_motion = accompany_gestures([gesture(BodyForm(shake=radians(8)))], BodyDemands(), pace)
+    turned = [key.turn.torsion for key in body_motion.head]
     assert min(turned) < -radians(4)
     assert max(turned) > radians(7)
-    assert all(1.0 <= key.time <= 2.0 for key in found.head if key.turn.torsion)
+    assert all(1.0 <= key.time <= 2.0 for key in body_motion.head if key.turn.torsion)
 
 
 def test_eyes_head_and_trunk_turn_to_the_place_shown_by_a_gesture(gesture, pace):
@@ -104,8 +109,8 @@ def test_eyes_head_and_trunk_turn_to_the_place_shown_by_a_gesture(gesture, pace)
 
 
 def test_gesture_without_body_motion_in_the_lexicon_moves_only_the_hands(gesture, pace):
-    found = accompany_gestures([gesture(BodyForm())], BodyDemands(), pace)
-    assert (found.head, found.torso, found.moves) == ((), (), {})
+    body_motion = accompany_gestures([gesture(BodyForm())], BodyDemands(), pace)
+    assert (body_motion.head, body_motion.torso, body_motion.moves) == ((), (), {})
     assert BodyMove().still
 
 
@@ -135,11 +140,11 @@ def test_robot_without_neck_and_torso_accompanies_gestures_only_with_shoulders(
 ):
     arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
     built = timeline(("g", Gesture("doubt_shrug"), phases(0, 1, 1, 1.6, 1.6, 2, 3)))
-    found = make_keyframes(built, context(built.block, pace=Pace(arms, limits(arms))))
-    move = found.bodies["g"]
+    keyframes = make_keyframes(built, context(built.block, pace=Pace(arms, limits(arms))))
+    move = keyframes.bodies["g"]
     assert (move.head, move.nod, move.trunk, move.gave_way) == (UPRIGHT_TURN, 0.0, UPRIGHT_TURN, ())
     assert move.shoulders > 0.0
-    assert {turn_angles(turn) for frame in found.frames for turn in (frame.head, frame.torso)} == {
+    assert {turn_angles(turn) for frame in keyframes.frames for turn in (frame.head, frame.torso)} == {
         turn_angles(UPRIGHT_TURN)
     }
 
@@ -167,24 +172,24 @@ def test_body_motion_weight_of_the_style_scales_accompanying_motion(perform, pha
 
 
 def test_head_that_accompanies_a_gesture_without_nodding_turns_once(gesture, pace):
-    found = accompany_gestures([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
-    assert [key.time for key in found.head] == pytest.approx([0, 1.6, 2, 3])
-    assert [key.turn.roll for key in found.head] == pytest.approx([0, radians(5), radians(5), 0])
-    assert not any(key.turn.tilt or key.turn.torsion for key in found.head)
+    body_motion = accompany_gestures([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
+    assert [key.time for key in body_motion.head] == pytest.approx([0, 1.6, 2, 3])
+    assert [key.turn.roll for key in body_motion.head] == pytest.approx([0, radians(5), radians(5), 0])
+    assert not any(key.turn.tilt or key.turn.torsion for key in body_motion.head)
 
 
 def test_head_rises_before_the_first_stroke_and_nods_at_each(gesture, pace):
-    found = accompany_gestures([gesture(BodyForm(nod=NOD_ANGLE))], BodyDemands(), pace)
-    tilts = {key.time: key.turn.tilt for key in found.head}
+    body_motion = accompany_gestures([gesture(BodyForm(nod=NOD_ANGLE))], BodyDemands(), pace)
+    tilts = {key.time: key.turn.tilt for key in body_motion.head}
     assert tilts[1.0] < 0.0
     assert tilts[1.6] == pytest.approx(NOD_ANGLE)
     assert (tilts[0.0], tilts[2.0], tilts[3.0]) == pytest.approx((0.0, 0.0, 0.0))
 
 
 def test_trunk_accompanying_a_gesture_holds_until_the_hands_relax(gesture, pace):
-    found = accompany_gestures([gesture(BodyForm(trunk=LEAN_TURN))], BodyDemands(), pace)
-    assert found.head == ()
-    assert [(key.time, key.turn) for key in found.torso] == [
+    body_motion = accompany_gestures([gesture(BodyForm(trunk=LEAN_TURN))], BodyDemands(), pace)
+    assert body_motion.head == ()
+    assert [(key.time, key.turn) for key in body_motion.torso] == [
         (0, UPRIGHT_TURN),
         (1.6, LEAN_TURN),
         (2, LEAN_TURN),

@@ -49,8 +49,8 @@ def test_growing_openness_moves_the_elbow_outwards_without_a_jump(place):
 @pytest.mark.parametrize("palm", [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
 def test_elbow_openness_has_priority_over_the_palm_direction(palm):
     arm = list(ROBOT.joints("l_arm"))
-    found = swivel(ROBOT.arms["l"], solved(HAND_POSITIONS[0], palm=sealed(palm), openness=1.0)[arm])
-    assert found == pytest.approx(OPEN_SWIVEL, abs=1e-6)
+    swivel_angle = swivel(ROBOT.arms["l"], solved(HAND_POSITIONS[0], palm=sealed(palm), openness=1.0)[arm])
+    assert swivel_angle == pytest.approx(OPEN_SWIVEL, abs=1e-6)
 
 
 @pytest.mark.parametrize("manner", [{}, {"openness": 0.6}, {"effort": 1.0}, {"openness": 1.0, "effort": 1.0}])
@@ -104,9 +104,9 @@ def test_arm_does_not_turn_over_to_meet_the_palm_direction():
     angles[list(ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
     angles[arm] = np.radians([14, 99, 39, -50, 89, 31, -21, 30])  # forward and up, elbow out
     reach = Reach(sealed([0.235, 0.374, 0.937]), sealed([0.999, 0.0, 0.045]), sealed([0.032, -0.707, -0.706]))
-    found = with_arms(angles, {"l": Hand(reach, openness=0.68, effort=0.635, lift=0.063)}, {"l": reach}, ROBOT)
-    assert np.abs(found - angles)[arm].max() < np.radians(110)
-    wrist = ROBOT.skeleton.frames(found).origins[ROBOT.arm("l").wrist]
+    result = with_arms(angles, {"l": Hand(reach, openness=0.68, effort=0.635, lift=0.063)}, {"l": reach}, ROBOT)
+    assert np.abs(result - angles)[arm].max() < np.radians(110)
+    wrist = ROBOT.skeleton.frames(result).origins[ROBOT.arm("l").wrist]
     assert np.linalg.norm(wrist - reach.position) < 0.12, "and the hand is there"
 
 
@@ -184,6 +184,6 @@ def test_arms_with_offset_joint_axes_are_solved_key_by_key(frames_of, calls):
     hinges = tuple(replace(h, at=sealed([0.004, 0.003, -0.005])) for h in skeleton.hinges)
     foreign = replace(KNOWN.robot, skeleton=replace(skeleton, hinges=hinges))
     frames = frames_of(write_passage(2))
-    found = solve_postures(frames, foreign, KNOWN.distances)
+    postures = solve_postures(frames, foreign, KNOWN.distances)
     assert set(calls) == {1}
-    assert max(found.misses.values()) < 5e-3
+    assert max(postures.misses.values()) < 5e-3

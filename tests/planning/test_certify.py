@@ -81,13 +81,13 @@ def first(known: Setup) -> Conditioned:
 @pytest.fixture
 def searched(monkeypatch: pytest.MonkeyPatch) -> list[Limits]:
     """Record the limits of all conditionings."""
-    found: list[Limits] = []
+    results: list[Limits] = []
     monkeypatch.setattr(
         certify_module,
         "condition",
-        lambda keys, limits, **options: found.append(limits) or condition(keys, limits, **options),
+        lambda keys, limits, **options: results.append(limits) or condition(keys, limits, **options),
     )
-    return found
+    return results
 
 
 def assert_limits(found: list[Limits], expected: list[Limits]) -> None:
@@ -161,17 +161,17 @@ def test_overload_tightens_only_the_limits_of_the_overloaded_drive(
         + speeds[:, MOVING_HINGE] / drives.no_load[MOVING_HINGE]
     )
     share = np.where(np.arange(len(drives.stall)) == MOVING_HINGE, TIGHTENING_FACTOR / peak, 1.0)
-    found = certify(keys, setup)
+    certified = certify(keys, setup)
     assert_limits(searched, [known.limits, known.limits.scaled(share)])
     assert compute_peak_duties(first.trajectory, setup).max() > 1.05
-    assert compute_peak_duties(found.trajectory, setup).max() <= MAX_DUTY
+    assert compute_peak_duties(certified.trajectory, setup).max() <= MAX_DUTY
 
 
 def test_persistent_overload_tightens_all_drives(known: Setup, first: Conditioned):
     setup = under(known, pulling(known, first, 1.1))
-    found = certify(keys_of(known), setup)
+    certified = certify(keys_of(known), setup)
     assert len(setup.dynamics.asked) == MAX_TIGHTENINGS // 2 + 3  # half of them in vain, and 1.1 needs two steps of 7 %
-    assert compute_peak_duties(found.trajectory, setup)[LOADED_HINGE] <= MAX_DUTY
+    assert compute_peak_duties(certified.trajectory, setup)[LOADED_HINGE] <= MAX_DUTY
 
 
 def test_duty_slightly_below_maximum_is_accepted(known: Setup, first: Conditioned):

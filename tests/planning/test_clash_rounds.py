@@ -105,7 +105,7 @@ def keyed(time: float, *syncs: str, is_exact: bool = True) -> KeyPosture:
 def test_timing_conflict_search_spans_the_nearest_exact_keys(moving: str, exact_flags: str, around: tuple[int, int]):
     strokes = {2: "a", 4: "b"}
     postures = [keyed(float(k), *strokes.get(k, ""), is_exact=flag == "1") for k, flag in enumerate(exact_flags)]
-    own = np.array([each == "1" for each in moving])
+    own = np.array([item == "1" for item in moving])
     assert clashes._around(Neighbours(("a", "b"), (2, 4), (0,)), postures, own) == around
 
 

@@ -55,11 +55,11 @@ BOTH, RIGHT = 'mode="BOTH_HANDS"', 'mode="RIGHT_HAND"'
 )
 def test_later_of_two_gestures_in_timing_conflict_is_dropped(planned, first, second, later, mode):
     both, alone, _ = document(first, second, later, mode)
-    found, without = planned(both), planned(alone)
-    assert found.keyframes.outcomes["next"].kind == "dropped"
-    assert "from that of ask at 1.80 s" in found.keyframes.outcomes["next"].why
-    assert any(notice.id == "b:next" and "ask" in notice.text for notice in found.notices)
-    assert times(found) == pytest.approx(times(without), abs=1e-3)
+    result, without = planned(both), planned(alone)
+    assert result.keyframes.outcomes["next"].kind == "dropped"
+    assert "from that of ask at 1.80 s" in result.keyframes.outcomes["next"].why
+    assert any(notice.id == "b:next" and "ask" in notice.text for notice in result.notices)
+    assert times(result) == pytest.approx(times(without), abs=1e-3)
 
 
 def test_notice_of_a_timing_conflict_suggests_a_feasible_stroke_time(planned):
@@ -73,24 +73,24 @@ def test_notice_of_a_timing_conflict_suggests_a_feasible_stroke_time(planned):
 
 def test_beat_is_dropped_for_a_later_more_important_gesture(planned):
     both, _, alone = document("beat_fist_palm", "large", 0.3, BOTH)
-    found = planned(both)
-    assert fates(found)["ask"] == "dropped"
-    assert "gives way to next, which is more important" in found.keyframes.outcomes["ask"].why
-    assert times(found) == pytest.approx(times(planned(alone)), abs=1e-3)
+    result = planned(both)
+    assert fates(result)["ask"] == "dropped"
+    assert "gives way to next, which is more important" in result.keyframes.outcomes["ask"].why
+    assert times(result) == pytest.approx(times(planned(alone)), abs=1e-3)
 
 
 def test_close_gestures_are_both_performed(planned):
     for later in (0.6, 0.8):
-        found = planned(document("offer", "large", later, BOTH)[0])
-        assert "dropped" not in fates(found).values()
-        strokes = [times(found)[f"{id}:stroke"] for id in ("ask", "next")]
+        result = planned(document("offer", "large", later, BOTH)[0])
+        assert "dropped" not in fates(result).values()
+        strokes = [times(result)[f"{id}:stroke"] for id in ("ask", "next")]
         assert strokes[1] - strokes[0] - later < VISIBLE_CLASH
 
 
 def test_gesture_in_timing_conflict_moves_to_the_free_hand(planned):
-    found = planned(document("usher", "no_wag", 0.33, "")[0])
-    assert fates(found)["next"] == "substituted"
-    assert found.keyframes.uses["next"] == {"l_hand"}
+    result = planned(document("usher", "no_wag", 0.33, "")[0])
+    assert fates(result)["next"] == "substituted"
+    assert result.keyframes.uses["next"] == {"l_hand"}
 
 
 def test_quick_and_final_plans_drop_the_same_conflicting_gestures(known):
@@ -106,10 +106,10 @@ def test_dropping_few_gestures_stops_small_delays_from_adding_up(planned):
         f'<gesture id="g{k}" lexeme="{name}" mode="BOTH_HANDS" stroke="{1 + 0.6 * k:.1f}"/>'
         for k, name in enumerate(names)
     )
-    found = planned(ROOT.format(row))
-    kinds = [outcome.kind for outcome in found.keyframes.outcomes.values()]
+    result = planned(ROOT.format(row))
+    kinds = [outcome.kind for outcome in result.keyframes.outcomes.values()]
     assert 1 <= kinds.count("dropped") <= 3
-    drift = max(abs(sync.planned - sync.requested) for sync in found.syncs if sync.sync == "stroke")
+    drift = max(abs(sync.planned - sync.requested) for sync in result.syncs if sync.sync == "stroke")
     assert drift <= 1.25 * VISIBLE_CLASH  # no pair lacks more than `VISIBLE_CLASH`, and a row no more than a pair
 
 
@@ -118,18 +118,18 @@ def test_delays_add_up_over_the_longest_unbroken_chain_of_gestures():
         return Neighbours((first, second), (0, 1), ())
 
     pairs = [near("a", "b"), near("b", "c"), near("a", "d"), near("c", "e"), near("e", "f")]
-    found = sum_chains(pairs, [0.1, 0.15, 0.12, NEGLIGIBLE_CLASH / 2, 0.3])
-    assert found == pytest.approx([0.25, 0.25, 0.12, 0.25 + NEGLIGIBLE_CLASH / 2 + 0.3, 0.3])
+    result = sum_chains(pairs, [0.1, 0.15, 0.12, NEGLIGIBLE_CLASH / 2, 0.3])
+    assert result == pytest.approx([0.25, 0.25, 0.12, 0.25 + NEGLIGIBLE_CLASH / 2 + 0.3, 0.3])
 
 
 def test_conflicting_rest_pose_is_deferred_to_the_gesture_retraction(planned):
     pose = '<gesture id="next" lexeme="hands_low" start="1.95" end="2.2"/>'
     ask = ASK.format("offer", 'relax="2.6"')
-    found, alone = planned(ROOT.format(OTHERS + ask + pose)), planned(ROOT.format(OTHERS + ask))
-    assert set(fates(found).values()) == {"realised"}
-    assert any("as the hands go back from ask" in notice.text for notice in found.notices)
+    result, alone = planned(ROOT.format(OTHERS + ask + pose)), planned(ROOT.format(OTHERS + ask))
+    assert set(fates(result).values()) == {"realised"}
+    assert any("as the hands go back from ask" in notice.text for notice in result.notices)
     for sync in ("ask:stroke", "ask:relax", "z:start", "t:ready"):
-        assert times(found)[sync] == pytest.approx(times(alone)[sync], abs=1e-3)
+        assert times(result)[sync] == pytest.approx(times(alone)[sync], abs=1e-3)
 
 
 def test_required_gesture_is_never_dropped_for_a_timing_conflict(planned):
@@ -146,8 +146,8 @@ def test_minimum_gesture_time_is_computed_between_reversals(known):
         angles = rest.copy()
         angles[hinge] += angle
         rows.append(KeyPosture.whole(float(k), angles))
-    found = compute_reversal_times(Keys.of(rows, known.limits))
-    own = {pair: least for (joint, pair), least in found.items() if joint == hinge}
+    reversal_times = compute_reversal_times(Keys.of(rows, known.limits))
+    own = {pair: least for (joint, pair), least in reversal_times.items() if joint == hinge}
     assert own.keys() == {(0, 2), (2, 3), (3, 4)}
     assert own[0, 2] > own[3, 4] > own[2, 3] == 0.0
 
@@ -156,7 +156,7 @@ def test_stroke_without_hand_motion_is_timed(planned):
     lexemes = {"own_mouth": 7.78, "hands_ready": 8.09, "crossed_fingers": 8.61}
     lines = [f'<gesture id="{name}" lexeme="{name}" stroke="{stroke}"/>' for name, stroke in lexemes.items()]
     outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes.values()
-    assert all(found.kind != "dropped" for found in outcomes)
+    assert all(outcome.kind != "dropped" for outcome in outcomes)
 
 
 def test_timing_conflicts_are_estimated_after_the_maximum_of_exact_searches(planned, monkeypatch):
@@ -211,9 +211,9 @@ def counted(apart: float) -> str:
 
 @pytest.mark.parametrize("apart", [0.24, 0.28, 0.3, 0.32])
 def test_conflicting_finger_counts_become_brief_before_any_is_dropped(planned, apart):
-    found = planned(counted(apart))
-    assert "dropped" not in {outcome.kind for outcome in found.keyframes.outcomes.values()}
-    strokes = [times(found)[f"g{k}:stroke"] for k in range(5)]
+    result = planned(counted(apart))
+    assert "dropped" not in {outcome.kind for outcome in result.keyframes.outcomes.values()}
+    strokes = [times(result)[f"g{k}:stroke"] for k in range(5)]
     assert strokes == pytest.approx([1 + apart * k for k in range(5)], abs=0.01)
 
 
@@ -229,8 +229,8 @@ def test_timing_conflict_search_skips_the_linear_program_for_small_delays(known,
     block = parse(
         '<bml id="b"><gesture id="g" lexeme="beat" stroke="1.5"/><gesture id="h" lexeme="beat" stroke="3"/></bml>'
     )
-    found = plan_quickly(block, known)
-    assert {outcome.kind for outcome in found.keyframes.outcomes.values()} == {"realised"}
+    quick_plan = plan_quickly(block, known)
+    assert {outcome.kind for outcome in quick_plan.keyframes.outcomes.values()} == {"realised"}
 
 
 def test_timing_conflict_search_beyond_its_budget_keeps_the_estimate(planned, monkeypatch):
@@ -240,9 +240,9 @@ def test_timing_conflict_search_beyond_its_budget_keeps_the_estimate(planned, mo
 
     monkeypatch.setattr(clashes, "_search", search)
     both, _, _ = document("love", "contrast_left_right", 0.55, BOTH)
-    found = planned(both)
-    assert found.keyframes.outcomes["next"].kind == "dropped"
-    assert float(found.keyframes.outcomes["next"].why.split(" s late")[0].rsplit(" ", 1)[1]) < 1.0
+    result = planned(both)
+    assert result.keyframes.outcomes["next"].kind == "dropped"
+    assert float(result.keyframes.outcomes["next"].why.split(" s late")[0].rsplit(" ", 1)[1]) < 1.0
 
 
 def test_gesture_is_in_at_most_one_resolved_timing_conflict_per_round(planned, monkeypatch):
@@ -250,9 +250,9 @@ def test_gesture_is_in_at_most_one_resolved_timing_conflict_per_round(planned, m
 
     def spied(finder, frames, postures):
         before = set(finder.clashes)
-        found = look(finder, frames, postures)
+        result = look(finder, frames, postures)
         rounds.append(set(finder.clashes) - before)
-        return found
+        return result
 
     monkeypatch.setattr(clashes.ClashFinder, "look", spied)
     lines = (f'<gesture id="g{k}" lexeme="large" {BOTH} stroke="{1 + 0.35 * k:.2f}"/>' for k in range(6))

@@ -66,9 +66,9 @@ def test_touching_arm_posture_is_held_until_relax(lexeme):
     made = planned(body)
     arms = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
     strokeless = [made.trajectory.zero + time for time in np.linspace(2.4, 3.9, 30)]
-    found = made.trajectory.sample(np.array(strokeless))[0][:, arms]
+    samples = made.trajectory.sample(np.array(strokeless))[0][:, arms]
     if lexeme != "chin":  # which gives way to the nodding head
-        assert np.ptp(found, axis=0).max() < np.radians(1.0)
+        assert np.ptp(samples, axis=0).max() < np.radians(1.0)
     assert made.clearance.distances.min() >= LEAST
 
 
@@ -128,12 +128,12 @@ def test_behaviours_of_distant_collisions_are_dropped_in_one_planning_round():
 
 def test_detour_that_gives_too_little_clearance_is_widened():
     """Crossed arms in a calm style deviate by 1 mm, and the first detour hardly helps."""
-    found = plan_block(
+    block_plan = plan_block(
         parse(ROOT.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
         replace(SETUP, style=Style.load("calm")),
     )
-    assert found.keyframes.outcomes["g"].kind == "realised"
-    assert found.clearance.distances.min() >= LEAST
+    assert block_plan.keyframes.outcomes["g"].kind == "realised"
+    assert block_plan.clearance.distances.min() >= LEAST
 
 
 def named(pair, at, body):

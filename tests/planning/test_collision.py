@@ -38,8 +38,8 @@ def gaps(posture):
 
 
 def test_nearly_every_posture_has_a_collision_free_neighbour():
-    found = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST)) for posture in near_ones(25)]
-    clear = [posture for posture in found if posture is not None]
+    results = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST)) for posture in near_ones(25)]
+    clear = [posture for posture in results if posture is not None]
     assert len(clear) >= 23
     for posture in clear:
         assert gaps(posture).min() >= LEAST - 1e-9

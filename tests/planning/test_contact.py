@@ -58,8 +58,8 @@ def test_fingertip_needs_a_touched_part(tmp_path):
 def test_fingertip_gap_is_the_distance_to_the_nearest_capsule_of_the_touched_part(known, touch):
     robot = known.robot
     postures = random_postures(robot.skeleton, 12, seed=3)
-    found = SurfaceTouch.of("l", Hand(touch=touch, tip="index"), robot)
-    frames, ((tip, other_part),) = robot.skeleton.frames(postures), found.meetings
+    result = SurfaceTouch.of("l", Hand(touch=touch, tip="index"), robot)
+    frames, ((tip, other_part),) = robot.skeleton.frames(postures), result.meetings
     place = frames.origins[:, tip.segment] + frames.rotations[:, tip.segment] @ tip.place
     if touch == "hand":
         other = robot.finger_tips("r")["index"]
@@ -77,7 +77,7 @@ def test_fingertip_gap_is_the_distance_to_the_nearest_capsule_of_the_touched_par
         ]
         radii = [capsule.radius for capsule, _ in pairs]
     apart = [np.linalg.norm(place - point, axis=1) - radius for point, radius in zip(points, radii, strict=True)]
-    np.testing.assert_allclose(found.gaps(postures)[0], np.min(apart, axis=0) - tip.radius, atol=2e-4)
+    np.testing.assert_allclose(result.gaps(postures)[0], np.min(apart, axis=0) - tip.radius, atol=2e-4)
 
 
 def test_fingertip_has_no_target_if_the_robot_lacks_the_body_part(known):

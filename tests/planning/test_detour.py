@@ -111,11 +111,11 @@ def test_clear_posture_search_is_cached(monkeypatch):
     monkeypatch.setattr(detour, "separate", lambda *given: asked.append(given) or separate(*given))
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     known = ClearPostures(ROBOT, DISTANCES)
-    found = [add_detours(together, DISTANCES, least=LEAST, cache=known) for _ in range(2)]
+    detoured = [add_detours(together, DISTANCES, least=LEAST, cache=known) for _ in range(2)]
     here = [(given[0].tobytes(), given[1], given[-1]) for given in asked]
     assert here
     assert len(here) == len(set(here))
-    for one, other in zip(*(led.postures for led in found), strict=True):
+    for one, other in zip(*(led.postures for led in detoured), strict=True):
         np.testing.assert_array_equal(one.angles, other.angles)
 
 

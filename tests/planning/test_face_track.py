@@ -53,11 +53,11 @@ def test_servo_commands_contain_the_facial_action_units_of_their_time(smiling: P
     setup = smiling.setup
     setpoints = FeedForward(setup.robot, setup.dynamics, terms="none").compute_setpoints(smiling.trajectory, times)
     rows = compute_faces(smiling, times)
-    told = list(commands(smiling.trajectory, times, setpoints, rows))
-    assert [command.face for command in told] == list(rows)
+    results = list(commands(smiling.trajectory, times, setpoints, rows))
+    assert [command.face for command in results] == list(rows)
     assert all(command.face is NO_FACE for command in commands(smiling.trajectory, times, setpoints))
     drawn = list(commands_with_face(smiling, times))
-    for one, other in zip(told, drawn, strict=True):
+    for one, other in zip(results, drawn, strict=True):
         assert one.time == other.time
         assert one.face == other.face
         np.testing.assert_array_equal(one.angles, other.angles)
@@ -82,36 +82,36 @@ def test_face_expressivity_of_the_style_scales_facial_expressions(known: Setup):
 
 
 def test_facial_expression_is_delayed_with_the_sync_point_that_it_refers_to(known: Setup):
-    found = planned(
+    result = planned(
         '<head id="a" lexeme="NOD" amount="1" start="0" stroke="0.1" end="0.2"/>'
         '<faceLexeme id="f" lexeme="smile" amount="1" attackPeak="a:end" relax="a:end+1" end="a:end+2"/>',
         known,
     )
-    (late,) = [sync for sync in found.syncs if (sync.behaviour, sync.sync) == ("a", "end")]
+    (late,) = [sync for sync in result.syncs if (sync.behaviour, sync.sync) == ("a", "end")]
     assert late.planned > late.requested + 0.1
-    times = command_times(found.duration + 3.0)
-    smile = np.asarray(compute_action_units(found, times)["L12"])
+    times = command_times(result.duration + 3.0)
+    smile = np.asarray(compute_action_units(result, times)["L12"])
     peak = times[np.argmax(smile >= smile.max() - 1e-9)]
-    assert peak == pytest.approx(found.trajectory.zero + late.planned, abs=0.015)
+    assert peak == pytest.approx(result.trajectory.zero + late.planned, abs=0.015)
 
 
 def test_eyes_stay_on_the_gaze_target_while_the_head_nods(known: Setup):
-    found = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling(1.0, 3)))
-    times = found.command_times
-    told, stands = compute_action_units(found, times), compute_head_directions(found, times)
+    result = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling(1.0, 3)))
+    times = result.command_times
+    action_units, stands = compute_action_units(result, times), compute_head_directions(result, times)
     assert stands[:, 1].min() < -0.2
-    up = told["63"] * MAX_EYE_ELEVATION
+    up = action_units["63"] * MAX_EYE_ELEVATION
     assert np.corrcoef(up, -stands[:, 1])[0, 1] > 0.9
-    aside = (told.get("61", 0.0) - told.get("62", 0.0)) * MAX_EYE_YAW + stands[:, 0]
+    aside = (action_units.get("61", 0.0) - action_units.get("62", 0.0)) * MAX_EYE_YAW + stands[:, 0]
     assert np.abs(aside).max() < 0.12  # what the eyes flit
 
 
 def test_head_direction_of_a_robot_without_neck_is_straight_ahead(known: Setup):
     robot = known.robot
     stiff = replace(robot, chains={name: parts for name, parts in robot.chains.items() if name != "neck"})
-    found = planned(SMILE, known)
+    result = planned(SMILE, known)
     np.testing.assert_array_equal(
-        compute_head_directions(replace(found, setup=replace(known, robot=stiff)), command_times(1.0)), 0.0
+        compute_head_directions(replace(result, setup=replace(known, robot=stiff)), command_times(1.0)), 0.0
     )
 
 

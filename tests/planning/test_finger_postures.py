@@ -31,10 +31,10 @@ def counted(known):
 def test_finger_keys_are_followed_only_within_limits_and_have_distinct_times():
     rest = ROBOT.skeleton.rest
     postures = [KeyPosture.whole(time, rest) for time in (0.0, 0.5, 2.0)]
-    found = add_finger_keys(postures, {"l": (FIST, OPEN), "r": (FIST,)}, ROBOT)
-    assert [posture.is_exact for posture in found] == [True, True, False, False, True]
-    assert len({posture.time for posture in found}) == len(found)
-    both, left = found[2], found[3]
+    finger_keys = add_finger_keys(postures, {"l": (FIST, OPEN), "r": (FIST,)}, ROBOT)
+    assert [posture.is_exact for posture in finger_keys] == [True, True, False, False, True]
+    assert len({posture.time for posture in finger_keys}) == len(finger_keys)
+    both, left = finger_keys[2], finger_keys[3]
     assert set(np.flatnonzero(both.keyed)) == {*finger_joints(ROBOT, "l"), *finger_joints(ROBOT, "r")}
     assert set(np.flatnonzero(left.keyed)) == set(finger_joints(ROBOT, "l"))
     np.testing.assert_array_equal(both.angles[list(finger_joints(ROBOT, "r"))], FIST.angles)
@@ -62,7 +62,7 @@ def test_hand_shape_is_complete_at_stroke_start_within_limits(counted):
 def test_finger_postures_of_left_and_right_are_mirrored(known, counted):
     left = plan(BLOCK.format(mode="left_hand"), known)
     times = np.linspace(0.0, counted.trajectory.duration, 30)
-    a, b = (each.trajectory.sample(times)[0] for each in (left, counted))
+    a, b = (item.trajectory.sample(times)[0] for item in (left, counted))
     here, there = (list(finger_joints(ROBOT, side)) for side in "lr")
     np.testing.assert_allclose(a[:, here], b[:, there], atol=1e-6)
 

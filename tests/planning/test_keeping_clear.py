@@ -39,11 +39,11 @@ def beats(known):
 
 def test_motion_is_scanned_from_start_to_end(beats, known):
     trajectory = beats.trajectory
-    times, found = scan_clearance(trajectory, known.distances)
+    times, result = scan_clearance(trajectory, known.distances)
     assert (times[0], times[-1]) == (trajectory.start, trajectory.start + trajectory.duration)
     assert np.diff(times)[:-1] == pytest.approx(0.01)
     assert 0.0 < times[-1] - times[-2] <= 0.01 + 1e-9
-    np.testing.assert_allclose(found.distances, known.distances.clearance(trajectory.angles(times)).distances)
+    np.testing.assert_allclose(result.distances, known.distances.clearance(trajectory.angles(times)).distances)
 
 
 def blamed(made, gaps: dict[float, float]) -> dict[str, str]:
@@ -60,8 +60,8 @@ def test_behaviour_is_dropped_only_if_clearance_is_below_the_minimum_reserve(bea
 
 def test_close_collisions_are_merged_and_distant_ones_are_not(beats):
     least = beats.setup.robot.min_clearance
-    found = blamed(beats, {1.0: -0.004, 1.2: -0.007, 5.0: -0.001, 9.0: 0.1})
-    assert found == {
+    result = blamed(beats, {1.0: -0.004, 1.2: -0.007, 5.0: -0.001, 9.0: 0.1})
+    assert result == {
         "g0": f"brings {HAND[0]} within {1000 * (least - 0.007):.0f} mm of {HAND[1]} at 1.20 s",
         "g1": f"brings {HAND[0]} within {1000 * (least - 0.001):.0f} mm of {HAND[1]} at 5.00 s",
     }
@@ -113,12 +113,12 @@ def watched(monkeypatch):
 def test_colliding_motion_without_a_useful_detour_is_slowed(asked, watched, repairs: int):
     solved, setup = asked
     courses, eases, conditioned = watched
-    postures, motion, times, found = keep_clear(solved, setup, conditioned=conditioned, repairs=repairs)
+    postures, motion, times, result = keep_clear(solved, setup, conditioned=conditioned, repairs=repairs)
     assert eases == pytest.approx([EASE_FACTOR**k for k in range(repairs + 1)])
     assert [course.stray is None for course, _ in courses] == [True] + [False] * repairs
     assert courses[0][1] == pytest.approx(0.2 + LAG_RESERVE)
     assert postures.postures == solved.postures
-    np.testing.assert_allclose(found.distances, setup.distances.clearance(motion.trajectory.angles(times)).distances)
+    np.testing.assert_allclose(result.distances, setup.distances.clearance(motion.trajectory.angles(times)).distances)
     if repairs == 2:
         first, second = courses[1][1], courses[2][1]
         assert first == pytest.approx(0.2 + LAG_RESERVE)
@@ -130,12 +130,14 @@ def test_motion_with_an_accepted_detour_is_not_slowed(asked, watched, monkeypatc
     _, eases, conditioned = watched
 
     def around(course, **more):
-        return replace(course, postures=tuple(replace(each, time=each.time + 0.001) for each in course.postures))
+        return replace(
+            course, postures=tuple(replace(posture, time=posture.time + 0.001) for posture in course.postures)
+        )
 
     monkeypatch.setattr(clearance, "add_detours", around)
     postures, *_ = keep_clear(solved, setup, conditioned=conditioned, repairs=2)
     assert eases == [1.0, 1.0, 1.0]
-    assert [each.time for each in postures.postures] == pytest.approx([0.003, 1.003, 2.003])
+    assert [posture.time for posture in postures.postures] == pytest.approx([0.003, 1.003, 2.003])
 
 
 def test_collision_free_motion_is_conditioned_once(asked, watched, known):

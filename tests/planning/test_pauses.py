@@ -33,7 +33,7 @@ def pauses(monkeypatch):
 
 
 def told(found: tuple[SpeechPause, ...]) -> dict[str, tuple[float, float]]:
-    return {each.mark: (pytest.approx(each.until), pytest.approx(each.later)) for each in found}
+    return {item.mark: (pytest.approx(item.until), pytest.approx(item.later)) for item in found}
 
 
 def test_pause_before_a_speech_mark_covers_only_delay_beyond_earlier_pauses(pauses):
@@ -43,8 +43,8 @@ def test_pause_before_a_speech_mark_covers_only_delay_beyond_earlier_pauses(paus
 
 
 def test_new_speech_pause_starts_with_zero_duration(pauses):
-    (found,) = pauses({"b": 0.4})
-    assert (found.speech, found.mark, found.duration) == ("s", "b", 0.0)
+    (pause,) = pauses({"b": 0.4})
+    assert (pause.speech, pause.mark, pause.duration) == ("s", "b", 0.0)
 
 
 def test_delay_below_the_warning_threshold_needs_no_speech_pause(pauses):
@@ -65,7 +65,7 @@ def test_existing_speech_pause_is_kept(pauses):
 
 
 def lengthened(waiting: tuple[SpeechPause, ...], **marks: float) -> list[float]:
-    return [each.duration for each in lengthen_pauses(waiting, {"s": Utterance(5.0, marks=marks)})]
+    return [pause.duration for pause in lengthen_pauses(waiting, {"s": Utterance(5.0, marks=marks)})]
 
 
 def test_speech_pauses_grow_in_whole_milliseconds():

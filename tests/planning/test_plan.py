@@ -122,9 +122,9 @@ def test_held_posture_moves_slightly_by_breath_and_drift():
     """Breath and drift continue during a hold."""
     pose = '<pose part="ARMS" lexeme="ARMS_CROSSED"/>'
     text = f'<bml id="b"><posture id="p" start="0" ready="1" relax="11" end="12">{pose}</posture></bml>'
-    found = plan_block(parse(text), set_up(idle=1.0))
-    times = np.linspace(3.0, 9.0, 61) + found.trajectory.zero
-    angles, speeds, _ = found.trajectory.sample(times)
+    block_plan = plan_block(parse(text), set_up(idle=1.0))
+    times = np.linspace(3.0, 9.0, 61) + block_plan.trajectory.zero
+    angles, speeds, _ = block_plan.trajectory.sample(times)
     assert np.ptp(angles, axis=0).max() > 1e-3
     assert np.abs(speeds).max() < 0.3
 
@@ -175,14 +175,14 @@ SPOKEN = (
 @pytest.fixture
 def rounds(monkeypatch) -> list[bool]:
     """Record whether each planning round resolves clashes."""
-    once, found = plan_module._plan_once, []
+    once, results = plan_module._plan_once, []
 
     def spied(*given, resolve_clashes=True):
-        found.append(resolve_clashes)
+        results.append(resolve_clashes)
         return once(*given, resolve_clashes=resolve_clashes)
 
     monkeypatch.setattr(plan_module, "_plan_once", spied)
-    return found
+    return results
 
 
 def test_speech_pauses_are_inserted_before_timing_conflicts_are_resolved(planned, rounds):

@@ -96,7 +96,7 @@ def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
 
     made = course(key(0.0), *map(lively, (0.5, 1.0, 2.0, 3.0, 4.0)), key(5.0))
     calm = made.calmed(2.5)
-    assert [bool(each.passages) and each.passages[LEFT[0]].swing for each in calm.postures] == [
+    assert [bool(posture.passages) and posture.passages[LEFT[0]].swing for posture in calm.postures] == [
         False,
         1.0,
         1.0,

@@ -77,8 +77,8 @@ def line_of_arm(angles, side: str = "l"):
 @pytest.mark.parametrize("leaning", [False, True])
 def test_pointing_meets_its_target_even_from_a_leaning_torso(leaning):
     lean = (Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),)),) if leaning else ()
-    found = solved(Pointing("left", "left"), *lean)
-    shoulder, arm = line_of_arm(at_sync(found, "stroke").angles)
+    result = solved(Pointing("left", "left"), *lean)
+    shoulder, arm = line_of_arm(at_sync(result, "stroke").angles)
     wanted = ROBOT.targets["left"] - shoulder
     cosine = arm @ wanted / np.linalg.norm(arm) / np.linalg.norm(wanted)
     assert np.degrees(np.arccos(min(1.0, cosine))) < 1.0
@@ -86,8 +86,8 @@ def test_pointing_meets_its_target_even_from_a_leaning_torso(leaning):
 
 
 def test_head_stays_level_while_the_torso_leans():
-    found = solved(Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),)))
-    angles = max((posture.angles for posture in found.postures), key=lambda a: a[ROBOT.skeleton.joint("vl5_tilt")])
+    result = solved(Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),)))
+    angles = max((posture.angles for posture in result.postures), key=lambda a: a[ROBOT.skeleton.joint("vl5_tilt")])
     assert angles[ROBOT.skeleton.joint("vl5_tilt")] > 0.1
     head = ROBOT.skeleton.frames(angles).rotations[ROBOT.skeleton.segment("skullbase")]
     np.testing.assert_allclose(head[:, 0], [1, 0, 0], atol=1e-6)
@@ -101,8 +101,8 @@ def test_gesture_postures_of_left_and_right_are_mirror_images():
 
 
 def test_unreachable_target_is_reported():
-    found = solved(Gesture("offer", "both"))
-    assert max(found.misses.values()) < 1e-6
+    result = solved(Gesture("offer", "both"))
+    assert max(result.misses.values()) < 1e-6
 
 
 def frames_of_left_hand(*places, uses=frozenset({"l_hand"})) -> KeyFrames:
@@ -127,9 +127,9 @@ def frames_of_left_hand(*places, uses=frozenset({"l_hand"})) -> KeyFrames:
 
 def test_torso_leans_only_at_the_key_with_a_far_hand_target():
     near, far = (0.3, 0.2, 0.8), (0.55, 0.2, 0.8)
-    found = solve_postures(frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, DISTANCES).postures
+    postures = solve_postures(frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, DISTANCES).postures
     torso = list(ROBOT.joints("torso"))
-    assert [bool(np.any(posture.angles[torso])) for posture in found] == [
+    assert [bool(np.any(posture.angles[torso])) for posture in postures] == [
         False,
         False,
         False,
@@ -138,16 +138,16 @@ def test_torso_leans_only_at_the_key_with_a_far_hand_target():
         False,
         False,
     ]
-    assert [posture.keyed[torso[0]] for posture in found] == [True, False, True, True, True, False, True]
+    assert [posture.keyed[torso[0]] for posture in postures] == [True, False, True, True, True, False, True]
 
 
 def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
     away = (3.0, 0.2, 0.8)
-    found = solve_postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, DISTANCES)
-    at = next(posture for posture in found.postures if posture.time == 2.0)
+    postures = solve_postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, DISTANCES)
+    at = next(posture for posture in postures.postures if posture.time == 2.0)
     wrist = ROBOT.skeleton.frames(at.angles).origins[ROBOT.arm("l").wrist]
-    assert found.misses == {"b0": pytest.approx(np.linalg.norm(wrist - away))}
-    assert found.misses["b0"] > 1.0
+    assert postures.misses == {"b0": pytest.approx(np.linalg.norm(wrist - away))}
+    assert postures.misses["b0"] > 1.0
     assert (
         solve_postures(frames_of_left_hand(None, away, None, uses=frozenset({"r_hand"})), ROBOT, DISTANCES).misses == {}
     )
@@ -155,8 +155,8 @@ def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
 
 @pytest.mark.parametrize(("start", "begins"), [(0.0, False), (0.001, False), (0.5, True)])
 def test_rest_pose_at_start_is_not_duplicated(start, begins):
-    found = solved(Gesture("offer", "left"), start=start).postures
-    times = [posture.time for posture in found]
+    postures = solved(Gesture("offer", "left"), start=start).postures
+    times = [posture.time for posture in postures]
     assert times == sorted(set(times))
     assert bool(times[0] == 0.0 and times[1] == start) is begins
 
@@ -169,8 +169,8 @@ def left_arms(*reaches: Reach) -> list[np.ndarray]:
         for k, hand in enumerate(hands)
     )
     given = KeyFrames(Timeline(Block("b", ()), ()), frames, {}, {})
-    found = solve_postures(given, ROBOT, DISTANCES).postures
-    return [posture.angles[list(ROBOT.joints("l_arm"))] for posture in found[1:-1]]
+    postures = solve_postures(given, ROBOT, DISTANCES).postures
+    return [posture.angles[list(ROBOT.joints("l_arm"))] for posture in postures[1:-1]]
 
 
 PLACE = sealed([0.3, 0.2, 0.8])

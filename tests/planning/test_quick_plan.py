@@ -54,15 +54,15 @@ def test_quintic_duration_meets_binding_limit(way, binding, peak, order):
     wide = {
         name: sealed(np.full_like(getattr(LIMITS, name), 1e9)) for name in ("speed", "acceleration", "jerk", "duty")
     }
-    found = (
+    duration = (
         compute_quintic_duration(way, replace(LIMITS, **wide | {binding: getattr(LIMITS, binding)}), 0)
         / DURATION_MARGIN
     )
     if binding == "duty":
-        used = LIMITS.viscous[0] * 1.875 * way / found + LIMITS.inertial[0] * 10 / 3**0.5 * way / found**2
+        used = LIMITS.viscous[0] * 1.875 * way / duration + LIMITS.inertial[0] * 10 / 3**0.5 * way / duration**2
         assert used == pytest.approx(LIMITS.duty[0], rel=1e-3)
     else:
-        assert peak * way / found**order == pytest.approx(getattr(LIMITS, binding)[0], rel=1e-3)
+        assert peak * way / duration**order == pytest.approx(getattr(LIMITS, binding)[0], rel=1e-3)
 
 
 def test_quick_plan_is_certified_and_begins_with_block(slow, known):
@@ -116,10 +116,10 @@ def test_quick_plan_lengthens_key_intervals_until_limits_are_kept(known, monkeyp
         return object.__new__(SplineSegment) if len(tried) < 3 else usual(finder, times)
 
     monkeypatch.setattr(quick_plan.NearestFinder, "find", find)
-    found = quick_plan.rest_at_keys(keys, known)
+    motion = quick_plan.rest_at_keys(keys, known)
     gaps = [np.diff(times) for times in tried]
     assert len(gaps) == 3
     for before, after in pairwise(gaps):
         assert after == pytest.approx(quick_plan.GAP_GROWTH * before)
-    np.testing.assert_array_equal(found.planned, tried[-1])
-    assert largest(found.trajectory, known.limits) <= 1.001
+    np.testing.assert_array_equal(motion.planned, tried[-1])
+    assert largest(motion.trajectory, known.limits) <= 1.001

@@ -141,10 +141,10 @@ def test_planning_keeps_utterances_given_by_the_caller(known: Setup, waiting: Pl
 
 def test_speech_pause_is_inserted_before_its_mark():
     script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1),))
-    found = insert_pauses(
+    result = insert_pauses(
         script, (SpeechPause("s", "b", 0.0, ("g", "stroke"), 0.2, 0.2), SpeechPause("s", "a", 0.0, ("g", "stroke")))
     )
-    assert found.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))
+    assert result.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))
 
 
 @ONE_VOICE

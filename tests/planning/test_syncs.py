@@ -80,7 +80,7 @@ def test_slow_hand_path_is_followed_completely():
     made = planned("stir", 2.0)
     assert not said(made)
     hand = SETUP.robot.skeleton.segment("r_wrist")
-    asked, found = (
+    asked, result = (
         SETUP.robot.skeleton.frames(angles).origins[:, hand]
         for angles in (
             np.array([posture.angles for posture in made.postures.postures]),
@@ -89,7 +89,7 @@ def test_slow_hand_path_is_followed_completely():
     )
     soft = [not posture.is_exact for posture in made.postures.postures]
     assert sum(soft) >= 8
-    assert np.linalg.norm(asked - found, axis=1).max() <= 0.01
+    assert np.linalg.norm(asked - result, axis=1).max() <= 0.01
 
 
 def test_only_hand_path_shortenings_above_a_tenth_are_reported():
@@ -110,14 +110,14 @@ def test_only_hand_path_shortenings_above_a_tenth_are_reported():
 def test_sync_points_with_equal_times_have_precedences_in_both_directions():
     block = parse(BLOCK)
     natural = {name: {"ready": 0.3, "stroke": 0.2, "relax": 0.1, "end": 0.3} for name in ("one", "two", "three")}
-    found = set(find_bonds(schedule(block, {}, natural)))
+    bonds = set(find_bonds(schedule(block, {}, natural)))
     one, two = ("one", "stroke"), ("two", "stroke")
-    assert {bond for bond in found if {bond.earlier, bond.later} == {one, two}} == {
+    assert {bond for bond in bonds if {bond.earlier, bond.later} == {one, two}} == {
         Bond(two, one, -0.5),
         Bond(one, two, 0.5),
     }
-    assert Bond(("one", "end"), ("three", "start"), 0.0) in found
-    assert not [bond for bond in found if bond.earlier[0] == bond.later[0]]
+    assert Bond(("one", "end"), ("three", "start"), 0.0) in bonds
+    assert not [bond for bond in bonds if bond.earlier[0] == bond.later[0]]
 
 
 def test_unknown_sync_point_error_suggests_points_of_its_behaviour(known) -> None:

@@ -87,9 +87,9 @@ def test_behaviour_without_free_hand_is_dropped_only_inside_the_overlap():
 
 
 def test_only_behaviours_without_free_hand_count_as_waiting_in_an_overlap():
-    found = frames(SPANS, waiting=("b",))
-    other = replace(found, notices=())
+    result = frames(SPANS, waiting=("b",))
+    other = replace(result, notices=())
     assert drop_by_priority(other, {"c"}).keys() == set()
-    assert drop_by_priority(found, {"c"}).keys() == {"b"}
-    told = replace(found, outcomes={**found.outcomes, "b": Outcome("substituted", "other hand")})
-    assert drop_by_priority(told, {"c"}).keys() == set()
+    assert drop_by_priority(result, {"c"}).keys() == {"b"}
+    outcome = replace(result, outcomes={**result.outcomes, "b": Outcome("substituted", "other hand")})
+    assert drop_by_priority(outcome, {"c"}).keys() == set()

@@ -55,22 +55,22 @@ def shown(lexeme: str, amount: float = 1.0) -> dict[str, float]:
 
 @pytest.mark.parametrize("lexeme", CORE_LEXEMES)
 def test_core_face_lexemes_activate_their_action_units(lexeme: str):
-    found = shown(lexeme)
-    assert set(CORE_LEXEMES[lexeme]) <= found.keys()
+    result = shown(lexeme)
+    assert set(CORE_LEXEMES[lexeme]) <= result.keys()
     for side, other in (("LEFT", "R"), ("RIGHT", "L")):
         if side in lexeme:
-            assert not [channel for channel in found if channel.startswith(other)]
+            assert not [channel for channel in result if channel.startswith(other)]
     assert "26" not in shown("OPEN_LIPS")
 
 
 @pytest.mark.parametrize("emotion", EMOTION_UNITS)
 def test_basic_emotions_activate_action_units_on_both_sides(emotion: str):
-    found = shown(emotion)
+    result = shown(emotion)
     for number in EMOTION_UNITS[emotion]:
-        assert set(unit_channels(number)) <= found.keys()
-    for channel, value in found.items():
+        assert set(unit_channels(number)) <= result.keys()
+    for channel, value in result.items():
         if channel[0] == "L":
-            assert found["R" + channel[1:]] == value
+            assert result["R" + channel[1:]] == value
 
 
 @pytest.mark.parametrize(
@@ -108,9 +108,9 @@ def test_action_units_are_shown_by_number():
 
 
 def test_strongest_face_lexeme_is_used_and_unknown_lexemes_are_named_in_a_warning():
-    found = find_expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
-    assert found.units["L12"] == max(shown("smile")["L12"], shown("joy")["L12"])
-    assert found.unknown == ("Qwrtz",)
+    expression = find_expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
+    assert expression.units["L12"] == max(shown("smile")["L12"], shown("joy")["L12"])
+    assert expression.unknown == ("Qwrtz",)
 
 
 def test_every_facial_expression_is_found_by_each_of_its_words():
@@ -149,9 +149,9 @@ def test_permanent_expression_never_decays():
 @pytest.mark.parametrize("stays", [False, True])
 def test_facial_expression_with_coinciding_sync_points_has_the_minimum_rise_time(stays: bool):
     times = dict.fromkeys(SYNC_TIMES, 1.0)
-    found = Envelope.of(times, stays=stays).at(np.linspace(0.9, 1.2, 301))
-    assert np.abs(np.diff(found)).max() < 1e-3 / MIN_RISE_TIME * 2
-    assert found.max() == pytest.approx(1.0, abs=1e-2)
+    result = Envelope.of(times, stays=stays).at(np.linspace(0.9, 1.2, 301))
+    assert np.abs(np.diff(result)).max() < 1e-3 / MIN_RISE_TIME * 2
+    assert result.max() == pytest.approx(1.0, abs=1e-2)
 
 
 FINE_TIMES = np.linspace(0.9, 3.1, 2201)
@@ -161,12 +161,12 @@ FINE_TIMES = np.linspace(0.9, 3.1, 2201)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_expressivity_does_not_move_start_peak_and_end_of_a_facial_expression(manner: Expressivity, sign: float):
     manner = Expressivity(**{name: sign * value for name, value in vars(manner).items() if value})
-    found = Envelope.of(SYNC_TIMES).at(FINE_TIMES, manner)
-    assert np.all(found[(FINE_TIMES <= 1.0) | (FINE_TIMES >= 3.0)] == 0.0)
-    assert np.all(found[(FINE_TIMES > 1.01) & (FINE_TIMES < 2.99)] > 0.0)
-    peak = found[np.searchsorted(FINE_TIMES, 1.5)]
-    assert np.all(np.diff(found[FINE_TIMES <= 1.5]) >= -1e-12)
-    assert np.all(found[FINE_TIMES > 1.5] <= peak + 1e-12)
+    result = Envelope.of(SYNC_TIMES).at(FINE_TIMES, manner)
+    assert np.all(result[(FINE_TIMES <= 1.0) | (FINE_TIMES >= 3.0)] == 0.0)
+    assert np.all(result[(FINE_TIMES > 1.01) & (FINE_TIMES < 2.99)] > 0.0)
+    peak = result[np.searchsorted(FINE_TIMES, 1.5)]
+    assert np.all(np.diff(result[FINE_TIMES <= 1.5]) >= -1e-12)
+    assert np.all(result[FINE_TIMES > 1.5] <= peak + 1e-12)
 
 
 def test_spatial_extent_scales_facial_intensity():

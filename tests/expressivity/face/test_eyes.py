@@ -57,9 +57,9 @@ def test_requested_blink_occurs_unless_another_blink_is_too_close():
 
 
 def test_blink_closes_both_eyes_fully_and_briefly():
-    found = blink_units([2.0], SAMPLE_TIMES)
-    assert found.keys() == {"L45", "R45"}
-    closed = found["L45"]
+    units = blink_units([2.0], SAMPLE_TIMES)
+    assert units.keys() == {"L45", "R45"}
+    closed = units["L45"]
     assert closed.max() == 1.0
     whole = CLOSING_TIME + CLOSED_TIME + OPENING_TIME
     np.testing.assert_array_equal(closed[np.abs(SAMPLE_TIMES - 2.0 - whole / 2) > whole / 2 + 1e-9], 0.0)
@@ -92,13 +92,13 @@ def test_saccades_are_small_and_reproducible_by_seed():
 
 
 def test_eye_angles_become_clipped_action_units():
-    found = gaze_units(
+    units = gaze_units(
         np.array([[MAX_EYE_YAW, MAX_EYE_ELEVATION / 2], [-MAX_EYE_YAW / 2, -MAX_EYE_DEPRESSION], [9.0, -9.0]])
     )
-    np.testing.assert_allclose(found["61"], [1.0, 0.0, 1.0])
-    np.testing.assert_allclose(found["62"], [0.0, 0.5, 0.0])
-    np.testing.assert_allclose(found["63"], [0.5, 0.0, 0.0])
-    np.testing.assert_allclose(found["64"], [0.0, 1.0, 1.0])
+    np.testing.assert_allclose(units["61"], [1.0, 0.0, 1.0])
+    np.testing.assert_allclose(units["62"], [0.0, 0.5, 0.0])
+    np.testing.assert_allclose(units["63"], [0.5, 0.0, 0.0])
+    np.testing.assert_allclose(units["64"], [0.0, 1.0, 1.0])
 
 
 def test_eyes_return_after_a_gaze_but_not_after_a_gaze_shift(context):
@@ -109,20 +109,20 @@ def test_eyes_return_after_a_gaze_but_not_after_a_gaze_shift(context):
     timeline = schedule(parse(BML_TEMPLATE.format(inside)), {}, {})
     targets = {"thing": np.array([1.0, 1.0, 1.2]), "other": np.array([2.0, -1.0, 0.6])}
     here = context(timeline.block, targets=targets)
-    found = [look for look in block_gazes(timeline, here) if look.start < 5.0]
-    assert [look.start for look in found] == [1.0, 4.0]
-    assert found[0].left > 0.3
-    assert found[0].end == 3.0
-    assert found[1].left < -0.2
-    assert found[1].up < 0.0
-    assert found[1].end == np.inf
+    early_gazes = [look for look in block_gazes(timeline, here) if look.start < 5.0]
+    assert [look.start for look in early_gazes] == [1.0, 4.0]
+    assert early_gazes[0].left > 0.3
+    assert early_gazes[0].end == 3.0
+    assert early_gazes[1].left < -0.2
+    assert early_gazes[1].up < 0.0
+    assert early_gazes[1].end == np.inf
 
 
 def test_gaze_angles_are_positive_to_the_left_and_upward():
-    found = direction_angles(np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]]))
-    np.testing.assert_allclose(found, [[0.0, 0.0], [np.pi / 4, 0.0], [0.0, np.pi / 4]])
-    assert found.shape == (3, 2)
-    assert found[1, 0] == pytest.approx(np.pi / 4)
+    result = direction_angles(np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]]))
+    np.testing.assert_allclose(result, [[0.0, 0.0], [np.pi / 4, 0.0], [0.0, np.pi / 4]])
+    assert result.shape == (3, 2)
+    assert result[1, 0] == pytest.approx(np.pi / 4)
 
 
 def test_eyes_converge_on_near_targets_and_diverge_again():

@@ -40,33 +40,33 @@ def test_intensity_of_a_facial_expression_follows_its_sync_points():
     timeline, said = scheduled(
         '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.6" start="1" attackPeak="1.5" relax="3" end="4"/>'
     )
-    found = show(timeline, said, SAMPLE_TIMES)
-    assert found.keys() == {"L1", "R1", "L2", "R2"}
+    result = show(timeline, said, SAMPLE_TIMES)
+    assert result.keys() == {"L1", "R1", "L2", "R2"}
     for time, share in ((0.9, 0.0), (1.25, 0.5), (1.5, 1.0), (3.0, 1.0), (3.5, 0.5), (4.01, 0.0)):
-        assert at(found["L1"], time) == pytest.approx(0.6 * share, abs=1e-3)
+        assert at(result["L1"], time) == pytest.approx(0.6 * share, abs=1e-3)
 
 
 def test_stronger_of_two_overlapping_facial_expressions_is_shown():
     weak = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.3" start="0" attackPeak="0.5" relax="5" end="6"/>'
     strong = '<faceLexeme id="g" lexeme="RAISE_LEFT_BROW" amount="0.8" start="2" attackPeak="2.5" relax="3" end="4"/>'
-    found = show(*scheduled(weak + strong), SAMPLE_TIMES)
-    assert at(found["L1"], 2.7) == pytest.approx(0.8)
-    assert at(found["R1"], 2.7) == pytest.approx(0.3)
-    assert at(found["L1"], 4.5) == pytest.approx(0.3)
+    result = show(*scheduled(weak + strong), SAMPLE_TIMES)
+    assert at(result["L1"], 2.7) == pytest.approx(0.8)
+    assert at(result["R1"], 2.7) == pytest.approx(0.3)
+    assert at(result["L1"], 4.5) == pytest.approx(0.3)
 
 
 def test_permanent_expression_is_replaced_by_the_next():
-    found = show(
+    result = show(
         *scheduled(
             '<faceShift id="f" lexeme="joy" amount="1" start="0" end="1"/>'
             '<faceShift id="g" lexeme="sadness" amount="1" start="3" end="4"/>'
         ),
         SAMPLE_TIMES,
     )
-    assert at(found["L12"], 2.0) == pytest.approx(1.0)
-    assert at(found["L12"], 5.0) == pytest.approx(0.0, abs=1e-9)
-    assert at(found["L15"], 2.0) == pytest.approx(0.0, abs=1e-9)
-    assert at(found["L15"], 7.0) == pytest.approx(0.9)
+    assert at(result["L12"], 2.0) == pytest.approx(1.0)
+    assert at(result["L12"], 5.0) == pytest.approx(0.0, abs=1e-9)
+    assert at(result["L15"], 2.0) == pytest.approx(0.0, abs=1e-9)
+    assert at(result["L15"], 7.0) == pytest.approx(0.9)
 
 
 def test_expression_uses_face_expressivity_only():
@@ -99,11 +99,11 @@ def test_high_fluidity_joins_successive_facial_expressions():
 
 
 def test_repeated_blink_lexeme_blinks_several_times():
-    found = show(
+    result = show(
         *scheduled('<faceLexeme id="f" lexeme="REPEATED_BLINK" start="1" attackPeak="1.1" relax="2.4" end="2.5"/>'),
         SAMPLE_TIMES,
     )
-    closed = found["L45"] > 0.8
+    closed = result["L45"] > 0.8
     assert np.sum(np.diff(closed.astype(int)) == 1) == 5
 
 
@@ -111,16 +111,16 @@ def test_speech_moves_the_mouth_and_opens_pressed_lips():
     speech = '<speech id="s" start="1"><text>Mama, papa, hello everybody</text></speech>'
     angry = '<faceLexeme id="f" lexeme="anger" amount="1" start="0" attackPeak="0.5" relax="6" end="7"/>'
     timeline, said = scheduled(speech + angry)
-    found = show(timeline, said, SAMPLE_TIMES)
+    result = show(timeline, said, SAMPLE_TIMES)
     for sound in said["s"].phonemes:
         middle = 1.0 + sound.start + sound.duration / 2
         if sound.symbol in "pbm":
-            assert at(found["24"], middle) == pytest.approx(1.0, abs=0.01)
+            assert at(result["24"], middle) == pytest.approx(1.0, abs=0.01)
         elif sound.symbol == "a" and sound.duration > 0.08:
-            assert at(found["24"], middle) < 0.2
-            assert at(found["26"], middle) > 0.25
-    assert at(found["24"], 0.8) == pytest.approx(0.5)
-    assert at(found["L4"], 2.0) == pytest.approx(1.0)
+            assert at(result["24"], middle) < 0.2
+            assert at(result["26"], middle) > 0.25
+    assert at(result["24"], 0.8) == pytest.approx(0.5)
+    assert at(result["L4"], 2.0) == pytest.approx(1.0)
 
 
 def test_face_blinks_and_makes_saccades_only_if_requested():
@@ -133,38 +133,38 @@ def test_face_blinks_and_makes_saccades_only_if_requested():
 
 
 def test_eyes_blink_before_a_speech():
-    found = show(
+    result = show(
         *scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), SAMPLE_TIMES, habits=Habits(seed=0)
     )
-    assert at(found["L45"], 1.92) == pytest.approx(1.0)
+    assert at(result["L45"], 1.92) == pytest.approx(1.0)
 
 
 def test_gaze_turns_the_eyes():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
-    found = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
-    assert found.keys() == {"62"}
+    result = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
+    assert result.keys() == {"62"}
     near = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0, 0.25)])
     assert near.keys() == {"62", "66"}
-    assert at(found["62"], 2.0) > 0.5
+    assert at(result["62"], 2.0) > 0.5
 
 
 def test_eyes_stay_ahead_while_the_head_nods():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
     nod = np.zeros((len(SAMPLE_TIMES), 2))
     nod[:, 1] = -0.3 * np.exp(-((SAMPLE_TIMES - 2.0) ** 2) / 0.02)
-    found = show(timeline, said, SAMPLE_TIMES, head=nod)
-    assert found.keys() == {"63"}
-    np.testing.assert_allclose(found["63"] * MAX_EYE_ELEVATION, -nod[:, 1], atol=1e-12)
+    result = show(timeline, said, SAMPLE_TIMES, head=nod)
+    assert result.keys() == {"63"}
+    np.testing.assert_allclose(result["63"] * MAX_EYE_ELEVATION, -nod[:, 1], atol=1e-12)
 
 
 def test_each_servo_command_contains_the_action_units_of_its_time():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
-    found = show(timeline, said, SAMPLE_TIMES)
-    rows = list(face_at_ticks(found, len(SAMPLE_TIMES)))
+    result = show(timeline, said, SAMPLE_TIMES)
+    rows = list(face_at_ticks(result, len(SAMPLE_TIMES)))
     assert len(rows) == len(SAMPLE_TIMES)
     assert rows[0] is NO_FACE
     k = int(np.searchsorted(SAMPLE_TIMES, 2.0))
-    assert rows[k] == {channel: values[k] for channel, values in found.items()}
+    assert rows[k] == {channel: values[k] for channel, values in result.items()}
     assert list(face_at_ticks({}, 2)) == [NO_FACE, NO_FACE]
 
 
@@ -184,9 +184,9 @@ def test_face_sampled_at_no_time_has_no_action_units():
     ],
 )
 def test_face_behaviour_outcome_depends_on_the_number_of_known_lexemes(action: Face, kind: str, why: str):
-    found = face_outcome(action)
-    assert found.kind == kind
-    assert found.why.startswith(why)
+    outcome = face_outcome(action)
+    assert outcome.kind == kind
+    assert outcome.why.startswith(why)
 
 
 def test_action_units_of_the_eyes_contain_saccades():
@@ -213,5 +213,5 @@ def test_gesture_expression_peaks_at_stroke_and_decays_with_retraction():
 
 
 def test_face_behaviour_with_one_unknown_lexeme_is_substituted_with_a_reason():
-    found = face_outcome(Face(("smile", "xyzzy")))
-    assert (found.kind, "xyzzy" in found.why) == ("substituted", True)
+    outcome = face_outcome(Face(("smile", "xyzzy")))
+    assert (outcome.kind, "xyzzy" in outcome.why) == ("substituted", True)

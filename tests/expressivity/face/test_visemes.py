@@ -37,28 +37,28 @@ def at(found: Mapping[str, Floats], channel: str, time: float) -> float:
 
 def test_lips_stay_closed_during_every_p_b_and_m():
     phonemes = said("My mother will be happy. Bob pumps up a lamp, maybe, Pam!")
-    found = visemes(phonemes, SAMPLE_TIMES)
+    mouth_units = visemes(phonemes, SAMPLE_TIMES)
     closing = [sound for sound in phonemes if sound.symbol in "pbm"]
     assert len(closing) > 10
     for sound in closing:
         during = (sound.start <= SAMPLE_TIMES) & (sound.end - RELEASE_ADVANCE >= SAMPLE_TIMES)
-        np.testing.assert_allclose(found["24"][during], 1.0, atol=1e-6)
-        assert found["25"][during].max() == pytest.approx(0.0, abs=0.01)
-        assert found["26"][during].max() == pytest.approx(0.0, abs=0.01)
+        np.testing.assert_allclose(mouth_units["24"][during], 1.0, atol=1e-6)
+        assert mouth_units["25"][during].max() == pytest.approx(0.0, abs=0.01)
+        assert mouth_units["26"][during].max() == pytest.approx(0.0, abs=0.01)
 
 
 def test_jaw_opens_for_a_vowel_between_two_closed_plosives():
     phonemes = [Phoneme("p", 1.0, 0.1), Phoneme("a", 1.1, 0.3), Phoneme("p", 1.4, 0.1)]
-    found = visemes(phonemes, SAMPLE_TIMES)
-    assert at(found, "26", 1.25) == pytest.approx(viseme_of("a").units["26"], abs=0.03)
-    assert at(found, "24", 1.25) == 0.0
-    assert at(found, "24", 1.04) == at(found, "24", 1.45) == 1.0
+    mouth_units = visemes(phonemes, SAMPLE_TIMES)
+    assert at(mouth_units, "26", 1.25) == pytest.approx(viseme_of("a").units["26"], abs=0.03)
+    assert at(mouth_units, "24", 1.25) == 0.0
+    assert at(mouth_units, "24", 1.04) == at(mouth_units, "24", 1.45) == 1.0
 
 
 @pytest.mark.parametrize(("symbol", "is_firm"), [("i", False), ("u", False), ("s", True), ("f", True)])
 def test_only_firm_sounds_narrow_the_open_lips_of_the_sound_before(symbol: str, is_firm: bool):
-    found = visemes([Phoneme("a", 1.0, 0.15), Phoneme(symbol, 1.15, 0.15)], SAMPLE_TIMES)
-    openings = lip_opening(found)[(SAMPLE_TIMES > 1.16) & (SAMPLE_TIMES < 1.29)]
+    mouth_units = visemes([Phoneme("a", 1.0, 0.15), Phoneme(symbol, 1.15, 0.15)], SAMPLE_TIMES)
+    openings = lip_opening(mouth_units)[(SAMPLE_TIMES > 1.16) & (SAMPLE_TIMES < 1.29)]
     limit = float(lip_opening(viseme_of(symbol).units))
     assert viseme_of(symbol).firm == is_firm
     assert openings.max() <= limit + 1e-6 if is_firm else openings.max() > 1.1 * limit
@@ -75,9 +75,9 @@ def test_lips_open_at_the_burst_of_a_plosive():
 
 
 def test_lips_open_after_a_final_plosive():
-    found = visemes([Phoneme("a", 1.0, 0.2), Phoneme("p", 1.2, 0.1, onset=1.15, release=1.2)], SAMPLE_TIMES)
-    assert at(found, "26", 1.17) == pytest.approx(0.0, abs=0.01)
-    assert lip_opening({channel: at(found, channel, 1.26) for channel in found}) > 0.003
+    mouth_units = visemes([Phoneme("a", 1.0, 0.2), Phoneme("p", 1.2, 0.1, onset=1.15, release=1.2)], SAMPLE_TIMES)
+    assert at(mouth_units, "26", 1.17) == pytest.approx(0.0, abs=0.01)
+    assert lip_opening({channel: at(mouth_units, channel, 1.26) for channel in mouth_units}) > 0.003
 
 
 def test_unstressed_vowels_open_less_if_stress_is_marked():
@@ -102,11 +102,11 @@ def test_mouth_shape_at_a_time_does_not_depend_on_other_sampled_times():
 
 
 def test_lips_round_before_the_sound_and_rest_outside_speech():
-    found = visemes([Phoneme("t", 1.0, 0.1), Phoneme("u", 1.1, 0.2)], SAMPLE_TIMES)
-    assert found["18"][np.searchsorted(SAMPLE_TIMES, 1.06)] > 0.1
+    mouth_units = visemes([Phoneme("t", 1.0, 0.1), Phoneme("u", 1.1, 0.2)], SAMPLE_TIMES)
+    assert mouth_units["18"][np.searchsorted(SAMPLE_TIMES, 1.06)] > 0.1
     silent = (SAMPLE_TIMES < 1.1 - ROUND_LEAD_TIME) | (SAMPLE_TIMES > 1.3 + SHAPE_LAG_TIME)
-    assert all(values[silent & (SAMPLE_TIMES > 1.1)].max() == 0.0 for values in found.values())
-    assert found["18"][silent].max() == 0.0
+    assert all(values[silent & (SAMPLE_TIMES > 1.1)].max() == 0.0 for values in mouth_units.values())
+    assert mouth_units["18"][silent].max() == 0.0
 
 
 def test_mouth_motion_is_delayed_by_the_start_time_of_the_speech():
@@ -117,8 +117,8 @@ def test_mouth_motion_is_delayed_by_the_start_time_of_the_speech():
 
 
 def test_mouth_action_units_are_continuous_and_bounded():
-    found = visemes(said("What a wonderful, beautiful morning for a small robot."), SAMPLE_TIMES)
-    for channel, values in found.items():
+    mouth_units = visemes(said("What a wonderful, beautiful morning for a small robot."), SAMPLE_TIMES)
+    for channel, values in mouth_units.items():
         assert np.abs(np.diff(values)).max() < 0.8, channel
         assert values.min() >= 0.0
         assert values.max() <= 1.0

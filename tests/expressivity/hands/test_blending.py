@@ -53,8 +53,8 @@ def test_interpolation_from_rest_starts_at_the_hanging_hand():
 
 @pytest.mark.parametrize("fraction", [0.0, 0.5, 1.0])
 def test_interpolation_between_two_resting_hands_is_a_resting_hand(fraction):
-    found = interpolate_hands(Hand(openness=0.5), Hand(lift=0.5), fraction, REST_REACH)
-    assert (found.reach, found.openness, found.lift) == (None, 0.0, 0.0)
+    hands = interpolate_hands(Hand(openness=0.5), Hand(lift=0.5), fraction, REST_REACH)
+    assert (hands.reach, hands.openness, hands.lift) == (None, 0.0, 0.0)
 
 
 def test_hand_shape_and_pointing_target_change_halfway_between_keys():
@@ -81,8 +81,8 @@ def test_interpolation_takes_opposite_or_missing_directions_from_the_nearer_pose
     nearer = a if fraction < 0.5 else opposite
     assert interpolate_hands(a, opposite, fraction, REST_REACH).reach.pointing is nearer.reach.pointing
     open_ = Hand(Reach(sealed([0.5, 0.1, 0.9])))
-    found = interpolate_hands(a, open_, fraction, REST_REACH).reach
-    assert found.pointing is (a.reach.pointing if fraction < 0.5 else None)
+    reach = interpolate_hands(a, open_, fraction, REST_REACH).reach
+    assert reach.pointing is (a.reach.pointing if fraction < 0.5 else None)
     assert interpolate_hands(a, hand(0.0, 0.5), fraction, REST_REACH).reach.pointing == pytest.approx(turned(0.0))
 
 

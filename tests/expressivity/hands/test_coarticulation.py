@@ -14,13 +14,13 @@ from .reached_hands import FREE_STROKES, A, B, C, L, M, both, reach, right
 
 
 def test_overlapping_gesture_strokes_with_free_times_are_moved_apart(pace, overlapping):
-    found = arrange_hands(overlapping, pace, FREE_STROKES)
-    assert found.outcomes == {}
-    moved = found.times
+    arrangement = arrange_hands(overlapping, pace, FREE_STROKES)
+    assert arrangement.outcomes == {}
+    moved = arrangement.times
     assert 1.0 < moved["g1"]["strokeEnd"] <= moved["g2"]["strokeStart"] < 2.6
     assert moved["g1"].keys() == {"strokeEnd", "relax", "end"}
     assert moved["g2"].keys() == {"strokeStart"}
-    keys = found.hands["r"]
+    keys = arrangement.hands["r"]
     at = {key.time: key.hand for key in keys}
     assert at[1.0] is B
     assert at[2.6] is A
@@ -41,16 +41,16 @@ def test_shortened_gesture_strokes_take_at_least_the_minimum_servo_time(pace, ov
     [({"g1": {"stroke", "strokeEnd"}}, {"g2"}), ({"g2": {"stroke", "strokeStart"}}, {"g1"})],
 )
 def test_overlapping_strokes_are_resolved_by_moving_only_free_sync_points(pace, overlapping, fixed_syncs, moving):
-    found = arrange_hands(overlapping, pace, FREE_STROKES | fixed_syncs)
-    assert found.outcomes == {}
-    assert {id for id, times in found.times.items() if times.keys() - {"relax", "end"}} == moving
+    arrangement = arrange_hands(overlapping, pace, FREE_STROKES | fixed_syncs)
+    assert arrangement.outcomes == {}
+    assert {id for id, times in arrangement.times.items() if times.keys() - {"relax", "end"}} == moving
 
 
 def test_overlapping_stroke_with_fixed_times_is_dropped_with_a_reason(pace, overlapping):
     fixed_syncs = {"g1": {"stroke", "strokeEnd"}, "g2": {"stroke", "strokeStart"}}
-    found = arrange_hands(overlapping, pace, fixed_syncs)
-    assert found.outcomes["g2"].kind == "dropped"
-    assert "busy with the stroke of g1 until 1.90 s" in found.outcomes["g2"].why
+    arrangement = arrange_hands(overlapping, pace, fixed_syncs)
+    assert arrangement.outcomes["g2"].kind == "dropped"
+    assert "busy with the stroke of g1 until 1.90 s" in arrangement.outcomes["g2"].why
 
 
 def test_stroke_too_close_for_the_servos_is_dropped(pace, phases):
@@ -63,9 +63,9 @@ def test_stroke_repetition_ends_before_a_rest_pose(pace, phases):
     twice = Poses({"r": (A, B, A, B)}, stroke=1, again=(3,))
     beating = Stroke("g", phases(0, 1, 1, 1.5, 4.0, 4.2, 5.0), (twice,))
     folded = Stroke("p", phases(2.0, 2.8, 2.8, 3.0, 3.0, 3.0, 3.5), (right(C),), rest=True)
-    found = arrange_hands([beating, folded], pace, fixed_syncs := {id: frozenset({"stroke"}) for id in "gp"})
-    assert next(work for work in found.works if work.id == "g").at("strokeEnd") < 2.8
-    assert hand_at(found.hands["r"], 3.0, resting_hands(pace.robot)["r"]).reach is C.reach
+    arrangement = arrange_hands([beating, folded], pace, fixed_syncs := {id: frozenset({"stroke"}) for id in "gp"})
+    assert next(work for work in arrangement.works if work.id == "g").at("strokeEnd") < 2.8
+    assert hand_at(arrangement.hands["r"], 3.0, resting_hands(pace.robot)["r"]).reach is C.reach
     asked = arrange_hands([beating, folded], pace, {**fixed_syncs, "g": frozenset({"stroke", "strokeEnd"})}).works
     assert next(work for work in asked if work.id == "g").poses.stroke_count == 2, (
         "where the document says when it ends"
@@ -102,12 +102,12 @@ def test_hand_keys_of_random_overlapping_gestures_reach_every_kept_stroke(pace, 
             hands = [reach(0.25, *rng.uniform((-0.3, 0.7), (-0.1, 0.9))) for _ in range(rng.integers(2, 4))]
             options = (right(*hands),) if rng.random() < 0.7 else (both(),)
             strokes.append(Stroke(f"g{k}", phases(*times), options))
-        found = arrange_hands(strokes, pace, {stroke.id: {"stroke"} for stroke in strokes})
-        for side, keys in found.hands.items():
+        arrangement = arrange_hands(strokes, pace, {stroke.id: {"stroke"} for stroke in strokes})
+        for side, keys in arrangement.hands.items():
             assert all(b.time - a.time > 1e-6 for a, b in pairwise(keys))
             for stroke in strokes:
-                dropped = found.outcomes.get(stroke.id)
-                if side in found.sides.get(stroke.id, ()):
+                dropped = arrangement.outcomes.get(stroke.id)
+                if side in arrangement.sides.get(stroke.id, ()):
                     hand = hand_at(keys, stroke.times["stroke"], rest[side])
                     assert any(hand is row[k] for row in stroke.options[0].hands.values() for k in range(len(row)))
                 elif side in stroke.options[0].hands:
@@ -125,23 +125,23 @@ def crossing(phases):
 
 @pytest.mark.parametrize(("ranks", "left"), [((1, 1), "g1"), ((0, 1), "g2"), ((1, 0), "g1"), ((1, 2), "g2")])
 def test_less_important_or_later_stroke_is_dropped(pace, crossing, ranks, left):
-    found = arrange_hands([replace(s, importance=rank) for s, rank in zip(crossing, ranks, strict=True)], pace)
-    assert found.sides.keys() == {left}
-    (dropped,) = found.outcomes
-    assert found.outcomes[dropped].kind == "dropped"
-    assert left in found.outcomes[dropped].why
-    assert ("is more important" in found.outcomes[dropped].why) == (left == "g2")
+    arrangement = arrange_hands([replace(s, importance=rank) for s, rank in zip(crossing, ranks, strict=True)], pace)
+    assert arrangement.sides.keys() == {left}
+    (dropped,) = arrangement.outcomes
+    assert arrangement.outcomes[dropped].kind == "dropped"
+    assert left in arrangement.outcomes[dropped].why
+    assert ("is more important" in arrangement.outcomes[dropped].why) == (left == "g2")
 
 
 def test_moved_stroke_times_are_restored_after_the_conflicting_stroke_is_dropped(pace, overlapping, phases):
     first, second = overlapping
     third = Stroke("g3", phases(2.2, 2.5, 2.5, 2.8, 2.8, 3.0, 3.4), (right(B, A),))
     assert "g1" in arrange_hands(overlapping, pace, FREE_STROKES).times
-    found = arrange_hands([first, replace(second, importance=0), third], pace, FREE_STROKES)
+    arrangement = arrange_hands([first, replace(second, importance=0), third], pace, FREE_STROKES)
     alone = arrange_hands([first, third], pace, FREE_STROKES)
-    assert found.outcomes.keys() == {"g2"}
-    assert found.times == alone.times
-    assert [key.time for key in found.hands["r"]] == [key.time for key in alone.hands["r"]]
+    assert arrangement.outcomes.keys() == {"g2"}
+    assert arrangement.times == alone.times
+    assert [key.time for key in arrangement.hands["r"]] == [key.time for key in alone.hands["r"]]
 
 
 def test_dropped_stroke_message_gives_a_feasible_time(pace, crossing):
@@ -160,12 +160,12 @@ def test_gesture_strokes_with_a_reported_timing_conflict_count_as_overlapping(pa
     second = Stroke("g2", phases(1.2, 1.5, 1.5, 1.8, 1.8, 2.0, 2.6), (right(C, A),))
     clashes = {frozenset(("g1", "g2")): Clash(0.31)}
     assert arrange_hands([first, second], pace).outcomes == {}
-    found = arrange_hands([first, second], pace, clashes=clashes)
+    arrangement = arrange_hands([first, second], pace, clashes=clashes)
     why = "its stroke is at 1.80 s, from that of g1 at 1.00 s the right hand comes 0.31 s late"
-    assert found.outcomes["g2"].why == f"{why}; with its stroke at 2.11 s there would be time"
+    assert arrangement.outcomes["g2"].why == f"{why}; with its stroke at 2.11 s there would be time"
     either = replace(second, options=(*second.options, Poses({"l": (L, M)}, 1)))
-    found = arrange_hands([first, either], pace, clashes=clashes)
-    assert found.sides == {"g1": {"r"}, "g2": {"l"}}
+    arrangement = arrange_hands([first, either], pace, clashes=clashes)
+    assert arrangement.sides == {"g1": {"r"}, "g2": {"l"}}
 
 
 @pytest.fixture
@@ -177,15 +177,15 @@ def counting(phases):
 
 
 def test_overlapping_finger_counting_strokes_are_reduced_to_one_pose(pace, counting):
-    found = arrange_hands(counting, pace, FREE_STROKES)
-    assert not any(outcome.kind == "dropped" for outcome in found.outcomes.values())
+    arrangement = arrange_hands(counting, pace, FREE_STROKES)
+    assert not any(outcome.kind == "dropped" for outcome in arrangement.outcomes.values())
     for stroke in counting:
-        (work,) = [work for work in found.works if work.id == stroke.id]
+        (work,) = [work for work in arrangement.works if work.id == stroke.id]
         assert work.at("stroke") == pytest.approx(stroke.times["stroke"])
 
 
 def test_fixed_counting_strokes_are_not_shortened(pace, counting):
     fixed_syncs = {id: frozenset({"strokeStart", "stroke", "strokeEnd"}) for id in ("g1", "g2")}
-    found = arrange_hands(counting, pace, fixed_syncs)
-    assert found.outcomes["g2"].kind == "dropped"
-    assert found.outcomes.keys() == {"g2"}
+    arrangement = arrange_hands(counting, pace, fixed_syncs)
+    assert arrangement.outcomes["g2"].kind == "dropped"
+    assert arrangement.outcomes.keys() == {"g2"}

@@ -46,7 +46,7 @@ def test_shortened_counting_strokes_are_reported(realise):
     brief = [outcome for outcome in outcomes if "shown once, without its movement" in outcome.why]
     assert brief
     assert all(outcome.kind == "substituted" for outcome in brief)
-    assert not any("without its movement" in each.why for each in realise(count(4.0)).outcomes.values())
+    assert not any("without its movement" in outcome.why for outcome in realise(count(4.0)).outcomes.values())
 
 
 def test_counting_gesture_without_its_movement_has_equal_stroke_sync_points(realise):

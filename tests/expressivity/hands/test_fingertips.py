@@ -31,15 +31,15 @@ def gap(found, a, b):
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("name", ["ring", "pinch"])
 def test_thumb_and_index_fingertips_meet(robot, side, name):
-    found = tips(robot, side, shape_angles(hand_shapes()[name], robot, side))
-    assert gap(found, "index", "thumb") == pytest.approx(TIP_GAP, abs=1e-3)
+    result = tips(robot, side, shape_angles(hand_shapes()[name], robot, side))
+    assert gap(result, "index", "thumb") == pytest.approx(TIP_GAP, abs=1e-3)
 
 
 @pytest.mark.parametrize("robot", FINGER_ROBOTS, ids=lambda robot: robot.name)
 def test_purse_hand_shape_brings_all_fingertips_together(robot):
-    found = tips(robot, "l", shape_angles(hand_shapes()["purse"], robot, "l"))
-    assert gap(found, "index", "thumb") < 0.006
-    assert max(gap(found, a, b) for a, b in (("index", "middle"), ("middle", "ring"), ("ring", "pinky"))) < 0.01
+    result = tips(robot, "l", shape_angles(hand_shapes()["purse"], robot, "l"))
+    assert gap(result, "index", "thumb") < 0.006
+    assert max(gap(result, a, b) for a, b in (("index", "middle"), ("middle", "ring"), ("ring", "pinky"))) < 0.01
 
 
 @pytest.mark.parametrize("robot", FINGER_ROBOTS, ids=lambda robot: robot.name)
@@ -47,7 +47,7 @@ def test_crossed_hand_shape_swaps_index_and_middle_fingertips(robot):
     straight, crossed = (tips(robot, "l", shape_angles(hand_shapes()[name], robot, "l")) for name in ("two", "crossed"))
     wrist = robot.arm("l").wrist
     forward = robot.skeleton.rest_frames.rotations[wrist][:, 0]  # towards the thumb's side of the hand
-    before, after = (forward @ (found["index"][0] - found["middle"][0]) for found in (straight, crossed))
+    before, after = (forward @ (item["index"][0] - item["middle"][0]) for item in (straight, crossed))
     assert before > 0.02
     assert after < 0.0
     assert gap(crossed, "index", "middle") > 0.0

@@ -128,15 +128,15 @@ def test_hand_is_linear_between_keys_and_constant_outside():
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_hand_keys_on_a_path_rotate_on_the_spline_of_neighbouring_keys(k):
     keys = [facing(0.5 * j, 0.1 * j, angle) for j, angle in enumerate((0.0, 0.3, 1.2, 1.0, 0.8))]
-    found = path_keys_between(keys, k, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0)
+    result = path_keys_between(keys, k, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0)
     near = keys[max(0, k - 2) : k + 2]
     motion = RotationSpline.through(
         [key.time for key in near],
         facing_rotations(*(np.array([getattr(key.hand.reach, name) for key in near]) for name in ("pointing", "palm"))),
         [key.passage for key in near],
     )
-    assert len(found) > 3
-    for key in found:
+    assert len(result) > 3
+    for key in result:
         np.testing.assert_allclose(
             key.hand.reach.pointing, motion.at(np.array([key.time])).as_matrix()[0][:, 0], atol=1e-9
         )

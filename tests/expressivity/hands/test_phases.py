@@ -43,15 +43,15 @@ def test_stroke_key_of_every_gesture_is_exactly_at_the_stroke_sync_point(robot, 
     for form in lexicon.forms:
         if form.keys:
             keys = poses(form, robot, Expressivity())
-            found = stroke_key_times(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), pace)
-            assert found[keys.stroke] == 1.0
-            assert found[0] == 0.6 or keys.stroke == 0
-            assert all(a < b for a, b in pairwise(found))
+            key_times = stroke_key_times(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), pace)
+            assert key_times[keys.stroke] == 1.0
+            assert key_times[0] == 0.6 or keys.stroke == 0
+            assert all(a < b for a, b in pairwise(key_times))
 
 
 def test_last_hand_key_is_at_the_stroke_if_the_stroke_phase_has_ended(pace, phases):
-    found = stroke_key_times(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
-    assert found[-1] == 1.0
+    key_times = stroke_key_times(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
+    assert key_times[-1] == 1.0
 
 
 def test_stroke_of_zero_duration_keeps_only_the_stroke_key(pace, phases):
@@ -94,20 +94,20 @@ def test_hand_rests_between_gestures_distant_in_time(pace, phases):
 def test_stroke_that_overlaps_another_of_one_hand_is_dropped_with_a_reason(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
     second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A),))
-    found = arrange_hands([first, second], pace)
-    assert found.outcomes["g2"].kind == "dropped"
-    assert "g1" in found.outcomes["g2"].why
-    assert "1.40" in found.outcomes["g2"].why
-    assert "g2" not in found.sides
+    arrangement = arrange_hands([first, second], pace)
+    assert arrangement.outcomes["g2"].kind == "dropped"
+    assert "g1" in arrangement.outcomes["g2"].why
+    assert "1.40" in arrangement.outcomes["g2"].why
+    assert "g2" not in arrangement.sides
 
 
 def test_stroke_that_overlaps_another_moves_to_the_free_hand(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
     second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A), work(C, A, side="l")))
-    found = arrange_hands([first, second], pace)
-    assert found.outcomes["g2"].kind == "substituted"
-    assert "left hand" in found.outcomes["g2"].why
-    assert found.sides["g2"] == {"l"}
+    arrangement = arrange_hands([first, second], pace)
+    assert arrangement.outcomes["g2"].kind == "substituted"
+    assert "left hand" in arrangement.outcomes["g2"].why
+    assert arrangement.sides["g2"] == {"l"}
 
 
 def test_hand_returns_to_the_last_rest_pose_after_a_gesture(pace, phases):
@@ -165,15 +165,15 @@ def test_repetition_parameter_repeats_the_stroke(robot, lexicon):
 
 @pytest.mark.parametrize("gesture", ["listen", "think", "sleep", "phone_call", "hush"])
 def test_gesture_held_at_the_head_is_not_repeated(robot, lexicon, gesture):
-    found = poses(lexicon.forms_by_id[gesture], robot, Expressivity(repetition=1.0))
-    assert found.stroke_count == 1
+    result = poses(lexicon.forms_by_id[gesture], robot, Expressivity(repetition=1.0))
+    assert result.stroke_count == 1
 
 
 def test_patting_gestures_are_repeated(robot, lexicon):
     repeated = [
         poses(lexicon.forms_by_id[name], robot, Expressivity(repetition=1.0)) for name in ("heart", "eat", "crazy")
     ]
-    assert all(found.stroke_count > 1 for found in repeated)
+    assert all(item.stroke_count > 1 for item in repeated)
 
 
 def test_hand_directions_between_keys_rotate_and_stay_unit_vectors(robot):
@@ -209,10 +209,10 @@ def test_rest_pose_with_a_timing_conflict_is_deferred_to_the_retraction(pace, ph
     at_once = arrange_hands([gesture, pose], pace)
     assert {key.time for key in at_once.hands["r"] if key.hand is C} == {1.5}
     assert at_once.remarks == {}
-    found = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): Clash(0.4)})
-    assert [key.hand for key in found.hands["r"]] == [REST_HAND, A, B, B, C]
-    assert times_of(found.hands["r"])[-1] == 2.0
-    assert found.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}
+    arrangement = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): Clash(0.4)})
+    assert [key.hand for key in arrangement.hands["r"]] == [REST_HAND, A, B, B, C]
+    assert times_of(arrangement.hands["r"])[-1] == 2.0
+    assert arrangement.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}
 
 
 @pytest.mark.parametrize(("touch", "relax", "home"), [("hand", 4.2, 4.2), (None, 4.2, 3.0), ("hand", 6.0, 3.0)])

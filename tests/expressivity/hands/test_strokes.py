@@ -171,17 +171,17 @@ def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
     times = phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5) | {"strokeEnd": 1.0 + sum(natural[1:]), "relax": 9.0, "end": 10.0}
     numbered = times | {"stroke:2": 1.0 + sum(natural[1:3]), "stroke:3": 1.0 + sum(natural[1:5])}
     for asked in (times, numbered):
-        found = stroke_key_times(thrice, asked, pace)
-        assert found[1] == 1.0
-        assert found[3] == pytest.approx(numbered["stroke:2"])
-        assert found[5] == pytest.approx(numbered["stroke:3"])
+        key_times = stroke_key_times(thrice, asked, pace)
+        assert key_times[1] == 1.0
+        assert key_times[3] == pytest.approx(numbered["stroke:2"])
+        assert key_times[5] == pytest.approx(numbered["stroke:3"])
 
 
 def test_repeated_stroke_keys_are_at_their_numbered_sync_points(robot, pace, phases):
     thrice = poses(TWO_KEY_FORM, robot, Expressivity(repetition=1.0))
     times = phases(0, 0.6, 0.6, 1.0, 4.0, 4.0, 5.0) | {"stroke:2": 2.5, "stroke:3": 3.9}
-    found = stroke_key_times(thrice, times, pace)
-    assert (found[1], found[3], found[5]) == (1.0, 2.5, 3.9)
+    key_times = stroke_key_times(thrice, times, pace)
+    assert (key_times[1], key_times[3], key_times[5]) == (1.0, 2.5, 3.9)
 
 
 @pytest.mark.parametrize(("end", "times"), [(1.0, 1), (1.05, 1), (9.0, 3)])

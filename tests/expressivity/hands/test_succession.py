@@ -22,14 +22,14 @@ def succession(context, timeline, phases):
 
 
 def test_random_delays_of_second_hand_and_wrist_stay_in_their_ranges(succession):
-    found = [succession("large", seed) for seed in range(24)]
+    successions = [succession("large", seed) for seed in range(24)]
     assert all(
-        HAND_DELAY_RANGE[0] <= each.behind <= HAND_DELAY_RANGE[1]
-        and WRIST_DELAY_RANGE[0] <= each.loose <= WRIST_DELAY_RANGE[1]
-        for each in found
+        HAND_DELAY_RANGE[0] <= item.behind <= HAND_DELAY_RANGE[1]
+        and WRIST_DELAY_RANGE[0] <= item.loose <= WRIST_DELAY_RANGE[1]
+        for item in successions
     )
-    assert {each.leader for each in found} == {"l", "r"}
-    assert [each.behind_of("l") for each in found] == [each.behind * (each.leader == "r") for each in found]
+    assert {item.leader for item in successions} == {"l", "r"}
+    assert [item.behind_of("l") for item in successions] == [item.behind * (item.leader == "r") for item in successions]
 
 
 @pytest.mark.parametrize("lexeme", ["applause", "hands_together", "prayer", "beat"])

@@ -32,8 +32,8 @@ def timed_gesture(pace):
 
 def time_ratio(pace, *strokes):
     works = [do_stroke(stroke, TWO_KEY_POSES, pace) for stroke in strokes]
-    found = available_time_ratios({"r": works}, pace)
-    return [found[id(work)] for work in works]
+    ratios = available_time_ratios({"r": works}, pace)
+    return [ratios[id(work)] for work in works]
 
 
 def test_natural_gesture_durations_give_time_ratio_one(pace, timed_gesture):
@@ -66,7 +66,7 @@ def test_gesture_faster_than_natural_has_no_overshoot_and_no_accents(pace, timed
         return [key.passage for key in arrange_hands([stroke], pace).hands["r"]]
 
     free, hurried = passages(timed_gesture("g", 1.0)), passages(timed_gesture("g", 1.0, share=0.6))
-    assert max(each.swing for each in free) > 0.5
-    assert "out_power" in {each.easing for each in free}
-    assert {each.swing for each in hurried} == {0.0}
-    assert "out_power" not in {each.easing for each in hurried}
+    assert max(item.swing for item in free) > 0.5
+    assert "out_power" in {item.easing for item in free}
+    assert {item.swing for item in hurried} == {0.0}
+    assert "out_power" not in {item.easing for item in hurried}

@@ -28,10 +28,12 @@ def read(tmp_path):
 
 
 def test_body_motion_table_of_a_gesture_converts_degrees_to_radians(read):
-    found = read('{ head = { turn = 10, tilt = -5 }, nod = 4, shoulders = 15, gaze = "hands", face = { smile = 0.5 } }')
-    assert found.head == Turn(torsion=radians(10), tilt=radians(-5))
-    assert (found.nod, found.shoulders) == pytest.approx((radians(4), radians(15)))
-    assert (found.gaze, found.face) == ("hands", (("smile", 0.5),))
+    result = read(
+        '{ head = { turn = 10, tilt = -5 }, nod = 4, shoulders = 15, gaze = "hands", face = { smile = 0.5 } }'
+    )
+    assert result.head == Turn(torsion=radians(10), tilt=radians(-5))
+    assert (result.nod, result.shoulders) == pytest.approx((radians(4), radians(15)))
+    assert (result.gaze, result.face) == ("hands", (("smile", 0.5),))
 
 
 def test_body_motion_of_a_gesture_overrides_that_of_the_category(read):

@@ -13,11 +13,11 @@ from kinesic.expressivity.lexicon.toml_file import read_gestures
 def plain_values(thing: object) -> object:
     """Convert an object to plain values that can be compared."""
     if is_dataclass(thing):
-        return [type(thing).__name__, *(plain_values(getattr(thing, each.name)) for each in fields(thing))]
+        return [type(thing).__name__, *(plain_values(getattr(thing, field.name)) for field in fields(thing))]
     if isinstance(thing, np.ndarray):
         return thing.tolist()
     if isinstance(thing, tuple):
-        return [plain_values(each) for each in thing]
+        return [plain_values(item) for item in thing]
     return {key: plain_values(value) for key, value in thing.items()} if hasattr(thing, "items") else thing
 
 

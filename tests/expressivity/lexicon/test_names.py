@@ -42,7 +42,7 @@ def test_gesture_name_gives_words_and_hand(name, words, hand):
 
 
 def shorter(name):
-    return [(each.words, each.hand, each.left_out) for each in read_name(name).shortened()]
+    return [(item.words, item.hand, item.left_out) for item in read_name(name).shortened()]
 
 
 def test_numbers_categories_hands_and_qualifiers_are_removed_in_order():
@@ -80,9 +80,9 @@ def test_qualifiers_are_removed_only_at_both_ends_of_a_gesture_name():
 
 @given(st.text(max_size=60))
 def test_any_gesture_name_text_is_shortened_without_error(text):
-    for each in read_name(text).shortened():
-        assert bool(each.words) == bool(read_name(text).words)
-        assert set(each.words) <= set(read_name(text).words)
+    for item in read_name(text).shortened():
+        assert bool(item.words) == bool(read_name(text).words)
+        assert set(item.words) <= set(read_name(text).words)
 
 
 @pytest.mark.parametrize(

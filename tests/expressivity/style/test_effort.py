@@ -74,7 +74,7 @@ def test_temporal_extent_shortens_every_phase(efforts, phase):
     for effort in efforts:
         for distance in DISTANCES[::9]:
             manners = (replace(effort, manner=Expressivity(temporal=extent)) for extent in EXTENT_VALUES)
-            times = [getattr(each, phase)(distance) for each in manners]
+            times = [getattr(manner, phase)(distance) for manner in manners]
             assert np.all(np.diff(times) < 0.0)
             assert times[0] == pytest.approx(TEMPORAL_FACTOR * times[4])
 
@@ -88,7 +88,7 @@ def test_zero_effort_weight_gives_durations_by_fitts_law(efforts):
             for name in ("preparation_time", "joining_time", "return_time"):
                 assert getattr(none, name)(distance) == pytest.approx(max(fitts, 1.3 * minimum)), name
             for name in PHASE_METHODS:
-                both = [getattr(each, name)(distance) for each in (none, half, effort)]
+                both = [getattr(item, name)(distance) for item in (none, half, effort)]
                 assert both[1] == pytest.approx((both[0] + both[2]) / 2)
         assert none.hold_time(0.8) == pytest.approx(0.4)
         for phase in ("preparation", "stroke", "hold", "retraction"):
@@ -100,9 +100,9 @@ def test_zero_effort_weight_gives_durations_by_fitts_law(efforts):
 
 
 def test_overshoot_and_accent_grow_with_the_effort_weight(pace):
-    found = [Effort(pace, GestureTraits(weight=weight)).passage("stroke") for weight in (0.0, 0.5, 1.0)]
-    assert found[0].swing == 0.0 < found[1].swing < found[2].swing
-    assert found[1].steepness < found[2].steepness == MIN_STEEPNESS + STROKE_ACCENT
+    passages = [Effort(pace, GestureTraits(weight=weight)).passage("stroke") for weight in (0.0, 0.5, 1.0)]
+    assert passages[0].swing == 0.0 < passages[1].swing < passages[2].swing
+    assert passages[1].steepness < passages[2].steepness == MIN_STEEPNESS + STROKE_ACCENT
     homes = [Effort(pace, GestureTraits(weight=weight)).passage("retraction").steepness for weight in (0.5, 1.0)]
     assert LINEAR_STEEPNESS < homes[0] < homes[1]
 
@@ -111,15 +111,15 @@ def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_phases(pace
     plain, strong, weak = (Effort(pace, GestureTraits("beat"), Expressivity(power=power)) for power in (0.0, 1.0, -1.0))
     assert strong.stroke_time(0.1) < plain.stroke_time(0.1) < weak.stroke_time(0.1)
     for phase in ("preparation_time", "return_time"):
-        times = [getattr(each, phase)(0.3) for each in (strong, plain, weak)]
+        times = [getattr(item, phase)(0.3) for item in (strong, plain, weak)]
         assert times[0] == times[1] < times[2]
-    assert len({each.hold_time(0.5) for each in (strong, plain, weak)}) == 1
+    assert len({item.hold_time(0.5) for item in (strong, plain, weak)}) == 1
 
 
 def test_sudden_gesture_has_a_fast_stroke_and_a_normal_retraction(pace):
     sudden, plain, sustained = (Effort(pace, GestureTraits("iconic", tempo)) for tempo in TEMPO_FACTORS)
     for phase in ("preparation_time", "stroke_time"):
-        times = [getattr(each, phase)(0.1) for each in (sudden, plain, sustained)]
+        times = [getattr(item, phase)(0.1) for item in (sudden, plain, sustained)]
         assert times[0] < times[1] < times[2]
     assert sudden.return_time(0.3) == plain.return_time(0.3) < sustained.return_time(0.3)
 
@@ -155,11 +155,11 @@ def test_full_tension_removes_all_overshoot_at_keys(pace):
 
 
 def test_overshoot_and_accent_fade_if_time_is_short(pace):
-    found = [Effort(pace).passage("stroke", time_ratio=share) for share in (0.0, MIN_LEISURE, 0.8, 0.9, 1.0, 2.0)]
-    swings, accents = [each.swing for each in found], [each.steepness for each in found[2:]]
+    passages = [Effort(pace).passage("stroke", time_ratio=share) for share in (0.0, MIN_LEISURE, 0.8, 0.9, 1.0, 2.0)]
+    swings, accents = [item.swing for item in passages], [item.steepness for item in passages[2:]]
     assert swings[0] == swings[1] == 0.0 < swings[2] < swings[3] < swings[4] == swings[5]
     assert accents[0] < accents[1] < accents[2] == accents[3] == MIN_STEEPNESS + STROKE_ACCENT
-    assert found[0] == found[1] == passage_of(Expressivity(), "stroke")
+    assert passages[0] == passages[1] == passage_of(Expressivity(), "stroke")
 
 
 def test_preparation_and_motion_along_a_path_have_no_velocity_accent(pace):
@@ -218,18 +218,18 @@ def stroke_passages(pace, name, values=(-1.0, -0.5, 0.0, 0.5, 1.0)):
 
 @pytest.mark.parametrize("name", ["tension", "power"])
 def test_power_and_tension_reduce_overshoot_at_keys(pace, name):
-    swings = [each.swing for each in stroke_passages(pace, name)]
+    swings = [stroke_passage.swing for stroke_passage in stroke_passages(pace, name)]
     assert swings[2] > swings[3] >= swings[4] == 0.0
 
 
 def test_stiffness_removes_overshoot_and_looseness_reduces_it(pace):
-    stiff, half, plain, *fluid = (each.swing for each in stroke_passages(pace, "fluidity"))
+    stiff, half, plain, *fluid = (stroke_passage.swing for stroke_passage in stroke_passages(pace, "fluidity"))
     assert stiff == half == 0.0 < plain == fluid[0] == fluid[1]
     assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSENESS_REDUCTION) * plain)
 
 
 def test_low_fluidity_sharpens_the_velocity_peak_of_strokes(pace):
-    steepness = [each.steepness for each in stroke_passages(pace, "fluidity")[:4]]
+    steepness = [stroke_passage.steepness for stroke_passage in stroke_passages(pace, "fluidity")[:4]]
     assert np.all(np.diff(steepness) < 0.0)
     assert steepness[2] == MIN_STEEPNESS + STROKE_ACCENT
     assert stroke_passages(pace, "fluidity")[4].easing == "minimum_jerk"

@@ -89,11 +89,11 @@ def test_human_duration_is_a_lower_bound_of_natural_time(pace):
 def test_rotation_is_reduced_to_what_the_available_time_allows(pace, before, desired, seconds, haste):
     start, end = Turn(*before), Turn(*desired)
     change = add_turns(end, scale_turn(start, -1.0))
-    found = pace.manageable_turn("neck", start, end, seconds, haste)
-    done = add_turns(found, scale_turn(start, -1.0))
+    result = pace.manageable_turn("neck", start, end, seconds, haste)
+    done = add_turns(result, scale_turn(start, -1.0))
     assert pace.least_turn_time("neck", done) <= max(haste * seconds, MIN_KEY_SPACING) * (1 + 1e-9)
     if pace.least_turn_time("neck", change) <= haste * seconds:
-        assert turn_angles(found) == pytest.approx(turn_angles(end), abs=1e-12)
+        assert turn_angles(result) == pytest.approx(turn_angles(end), abs=1e-12)
     part = np.array(turn_angles(done)) @ np.array(turn_angles(change))
     assert part >= 0.0
     np.testing.assert_allclose(np.cross(turn_angles(done), turn_angles(change)), 0.0, atol=1e-12)

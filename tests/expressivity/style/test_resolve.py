@@ -9,15 +9,15 @@ from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, MODALITIES, Ex
 
 
 def test_full_activation_raises_parameters_by_their_activation_fractions():
-    found = fold_activation(Expressivity(activation=1.0))
-    assert {name: getattr(found, name) for name in ACTIVATION_FRACTIONS} == pytest.approx(dict(ACTIVATION_FRACTIONS))
-    assert all(getattr(found, name) == 0.0 for name in EXPRESSIVITY_RANGES if name not in ACTIVATION_FRACTIONS)
+    folded = fold_activation(Expressivity(activation=1.0))
+    assert {name: getattr(folded, name) for name in ACTIVATION_FRACTIONS} == pytest.approx(dict(ACTIVATION_FRACTIONS))
+    assert all(getattr(folded, name) == 0.0 for name in EXPRESSIVITY_RANGES if name not in ACTIVATION_FRACTIONS)
 
 
 def test_lowest_activation_moves_expressivity_parameters_towards_their_lower_limits():
-    found = fold_activation(Expressivity(spatial=-0.5, openness=0.5, activation=-1.0))
-    assert found.spatial == pytest.approx(-0.5 - 0.5 * ACTIVATION_FRACTIONS["spatial"])
-    assert found.openness == pytest.approx(0.5 * (1 - ACTIVATION_FRACTIONS["openness"]))
+    folded = fold_activation(Expressivity(spatial=-0.5, openness=0.5, activation=-1.0))
+    assert folded.spatial == pytest.approx(-0.5 - 0.5 * ACTIVATION_FRACTIONS["spatial"])
+    assert folded.openness == pytest.approx(0.5 * (1 - ACTIVATION_FRACTIONS["openness"]))
 
 
 def test_activation_parameter_is_zero_after_it_has_been_applied():
@@ -31,19 +31,19 @@ def behaviour(action=None, manner=None):
 
 
 def test_document_without_parameters_keeps_the_style():
-    found = resolve_numbers(style_preset("sad"), "head", Block("b", ()), behaviour())
-    assert found.expressivity == style_preset("sad").head
-    assert found.sources == dict.fromkeys(EXPRESSIVITY_RANGES, "style")
+    resolved = resolve_numbers(style_preset("sad"), "head", Block("b", ()), behaviour())
+    assert resolved.expressivity == style_preset("sad").head
+    assert resolved.sources == dict.fromkeys(EXPRESSIVITY_RANGES, "style")
 
 
 def test_setting_behaviour_and_block_override_single_style_parameters():
     style = style_preset("sad").changed(["head.power=0.9", "gesture.spatial=0.7"])
     block = Block("b", (), manners={"gesture": Manner(spatial=0.1, temporal=0.2, power=0.3)})
-    found = resolve_numbers(style, "gesture", block, behaviour(manner=Manner(power=-0.4, intensity=0.3)))
+    resolved = resolve_numbers(style, "gesture", block, behaviour(manner=Manner(power=-0.4, intensity=0.3)))
     expected = {"spatial": 0.7, "temporal": 0.2, "power": -0.4}
-    assert found.expressivity == replace(style_preset("sad").gesture, **expected)
+    assert resolved.expressivity == replace(style_preset("sad").gesture, **expected)
     spoken = {"spatial": "setting", "temporal": "block", "power": "behaviour"}
-    assert found.sources == {**dict.fromkeys(EXPRESSIVITY_RANGES, "style"), **spoken}
+    assert resolved.sources == {**dict.fromkeys(EXPRESSIVITY_RANGES, "style"), **spoken}
 
 
 def test_block_parameters_apply_to_their_modality_only():
@@ -54,9 +54,9 @@ def test_block_parameters_apply_to_their_modality_only():
 
 def test_document_preset_replaces_all_parameters():
     block = Block("b", (), manners={"head": Manner(power=0.3, style="sad")})
-    found = resolve_numbers(style_preset("joyful"), "head", block, behaviour())
-    assert found.expressivity == replace(style_preset("sad").head, power=0.3)
-    assert set(found.sources.values()) == {"block"}
+    resolved = resolve_numbers(style_preset("joyful"), "head", block, behaviour())
+    assert resolved.expressivity == replace(style_preset("sad").head, power=0.3)
+    assert set(resolved.sources.values()) == {"block"}
     over = resolve_numbers(
         style_preset("joyful").changed(["power=0"]), "head", block, behaviour(manner=Manner(style="calm"))
     )
@@ -72,9 +72,9 @@ def test_unknown_style_preset_raises_an_error():
 def test_style_is_resolved_separately_for_each_behaviour():
     said = replace(behaviour(manner=Manner(power=0.9)), id="c")
     block = Block("b", (behaviour(), said), manners={"head": Manner(power=-0.5)})
-    found = resolve_styles(Style("mine", *(Expressivity(power=power) for power in (0.1, 0.2, 0.3, 0.4))), block)
-    assert [found["b"].of(modality).power for modality in MODALITIES] == [0.1, -0.5, 0.3, 0.4]
-    assert [found["c"].of(modality).power for modality in MODALITIES] == [0.9] * 4
+    styles = resolve_styles(Style("mine", *(Expressivity(power=power) for power in (0.1, 0.2, 0.3, 0.4))), block)
+    assert [styles["b"].of(modality).power for modality in MODALITIES] == [0.1, -0.5, 0.3, 0.4]
+    assert [styles["c"].of(modality).power for modality in MODALITIES] == [0.9] * 4
 
 
 def test_activation_is_applied_to_the_resolved_style_of_a_behaviour():
@@ -100,9 +100,9 @@ def test_style_named_in_a_document_sets_the_body_motion_weight():
 def test_effort_weight_comes_from_style_or_document_preset():
     own, plain = Style().changed(["effort=0"]), replace(Style(), effort=0.25)
     named = Block("b", (behaviour(),), manners={"gesture": Manner(style="shy")})
-    found = [
+    efforts = [
         resolve_styles(style, block)["b"].effort
         for style in (own, plain)
         for block in (Block("b", (behaviour(),)), named)
     ]
-    assert found == [0.0, 0.0, 0.25, 1.0]
+    assert efforts == [0.0, 0.0, 0.25, 1.0]

@@ -187,9 +187,9 @@ def peak(passed: KeyPassage) -> float:
 @pytest.mark.parametrize("phase", PHASE_NAMES)
 def test_fluidity_sets_spline_continuity_and_tension_sets_spline_tension(phase):
     for fluidity in (-1.0, 0.0, 1.0):
-        found = passage_of(Expressivity(fluidity=fluidity, tension=-0.4), phase)
-        assert found.continuity == pytest.approx((fluidity - 1.0) / 2.0)
-        assert found.tension == -0.4
+        passage = passage_of(Expressivity(fluidity=fluidity, tension=-0.4), phase)
+        assert passage.continuity == pytest.approx((fluidity - 1.0) / 2.0)
+        assert passage.tension == -0.4
     assert passage_of(Expressivity(fluidity=1.0), phase) == PLAIN_PASSAGE
 
 
@@ -220,6 +220,6 @@ def test_stroke_easing_overshoots_with_power_and_bounces_with_tension():
 
 
 def test_moderate_power_sharpens_the_stroke_accent_and_high_power_overshoots():
-    found = [passage_of(Expressivity(power=power), "stroke", accent=1.9) for power in (0.0, 0.4, 0.6)]
-    assert [each.easing for each in found] == ["out_power", "out_power", "out_back"]
-    assert found[0].steepness < found[1].steepness
+    passages = [passage_of(Expressivity(power=power), "stroke", accent=1.9) for power in (0.0, 0.4, 0.6)]
+    assert [item.easing for item in passages] == ["out_power", "out_power", "out_back"]
+    assert passages[0].steepness < passages[1].steepness

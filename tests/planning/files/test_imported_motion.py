@@ -29,8 +29,8 @@ def at_frames(planned, frames: BapFrames) -> np.ndarray:
 
 
 def violations(performed: DryRun) -> int:
-    found = [check for check in checks(performed) if check.name.startswith("limits.")]
-    return sum(check.status == "fail" for check in found)
+    results = [check for check in checks(performed) if check.name.startswith("limits.")]
+    return sum(check.status == "fail" for check in results)
 
 
 def test_feasible_motion_is_kept_within_two_degrees(known, wave):

@@ -64,7 +64,7 @@ def test_rest_posture_of_the_hand_varies_until_the_next_stroke(exact, courses):
     laid = Changes(exact.trajectory, found(exact, courses)).added(np.ones(5))
     hanging = np.array([exact.syncs[f"g{k}:end"].planned + 0.1 for k in (0, 1)])
     away = wrists(exact, laid, hanging) - wrists(exact, exact.trajectory, hanging)
-    assert all(0.001 < np.linalg.norm(each) < 0.05 for each in away)
+    assert all(0.001 < np.linalg.norm(item) < 0.05 for item in away)
     assert np.linalg.norm(away[0] - away[1]) > 0.002
     strokes = np.array([exact.syncs[f"g{k}:{sync}"].planned for k in range(3) for sync in ("strokeStart", "stroke")])
     np.testing.assert_allclose(wrists(exact, laid, strokes), wrists(exact, exact.trajectory, strokes), atol=1e-5)

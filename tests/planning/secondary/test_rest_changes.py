@@ -19,15 +19,15 @@ def changes(duration, seed=0):
 
 
 def test_long_rest_changes_its_posture_every_10_to_20_seconds():
-    found = changes(60.0)
-    begins = np.array([change.begin for change in found])
+    result = changes(60.0)
+    begins = np.array([change.begin for change in result])
     assert np.all((np.diff(begins) > 10.0) & (np.diff(begins) < 20.0))
-    assert found[0].begin >= 0.3
-    assert found[-1].end <= 60.0
+    assert result[0].begin >= 0.3
+    assert result[-1].end <= 60.0
     arms = [joint for side in SIDES for joint in ROBOT.arm(side).joints]
-    assert all(np.degrees(np.abs(change.away[arms]).max()) > 4.0 for change in found)
+    assert all(np.degrees(np.abs(change.away[arms]).max()) > 4.0 for change in result)
     roll = ROBOT.skeleton.joint("vl5_roll")
-    assert all(1.0 < abs(np.degrees(change.away[roll])) < 3.0 for change in found)
+    assert all(1.0 < abs(np.degrees(change.away[roll])) < 3.0 for change in result)
 
 
 def test_short_rest_keeps_its_posture():

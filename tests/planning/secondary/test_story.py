@@ -20,9 +20,9 @@ def known():
 
 @pytest.mark.parametrize("style", [pytest.param("neutral", marks=pytest.mark.soak), "joyful"])
 def test_story_strokes_stay_on_their_words(known, style):
-    told = plan(TEXT, replace(known, style=Style.load(style)))
+    result = plan(TEXT, replace(known, style=Style.load(style)))
     late = {
-        f"{s.behaviour}:{s.sync}": s.planned - s.requested for s in told.syncs if s.sync in ("strokeStart", "stroke")
+        f"{s.behaviour}:{s.sync}": s.planned - s.requested for s in result.syncs if s.sync in ("strokeStart", "stroke")
     }
     assert {name: shift for name, shift in late.items() if abs(shift) > 0.1} == {}
-    assert not [id for id, outcome in told.keyframes.outcomes.items() if outcome.kind == "dropped"]
+    assert not [id for id, outcome in result.keyframes.outcomes.items() if outcome.kind == "dropped"]

@@ -32,8 +32,8 @@ def exact(known):
 def laid(exact, succession):
     frames = replace(exact.keyframes, successions={"g": succession})
     courses = find_arm_courses(frames, exact.motion, exact.setup.robot)
-    found = [*delay_hinges(courses, exact.trajectory, exact.setup.robot)]
-    return Changes(exact.trajectory, found).added(np.ones(len(found)))
+    results = [*delay_hinges(courses, exact.trajectory, exact.setup.robot)]
+    return Changes(exact.trajectory, results).added(np.ones(len(results)))
 
 
 def at(trajectory, times, joints):

@@ -19,24 +19,24 @@ def swells(known, document, amount=1.0, seed=1):
     planned = plan(ROOT.format(document), known)
     chance = np.random.default_rng(seed)
     names = known.robot.skeleton.names
-    found = [*make_speech_motion(planned.timeline, planned.utterances, amount, known.robot, chance)]
-    return planned, found, [{names[k] for k in np.flatnonzero(swell.away)} for swell in found]
+    results = [*make_speech_motion(planned.timeline, planned.utterances, amount, known.robot, chance)]
+    return planned, results, [{names[k] for k in np.flatnonzero(swell.away)} for swell in results]
 
 
 def test_head_and_trunk_move_during_speech(known):
-    planned, found, moved = swells(known, SPEECH)
+    planned, result, moved = swells(known, SPEECH)
     begin, end = planned.timeline.timed[0].times["start"], planned.timeline.timed[0].times["end"]
-    assert min(swell.begin for swell in found) >= begin - 1e-9
-    assert max(swell.end for swell in found) <= end + 1e-9
+    assert min(swell.begin for swell in result) >= begin - 1e-9
+    assert max(swell.end for swell in result) <= end + 1e-9
     times = np.arange(begin, end, 0.1)
     for part in ("skullbase", "vl5"):
-        own = [s for s, names in zip(found, moved, strict=True) if any(name.startswith(part) for name in names)]
+        own = [s for s, names in zip(result, moved, strict=True) if any(name.startswith(part) for name in names)]
         assert np.mean(np.any([(times > swell.begin) & (times < swell.end) for swell in own], axis=0)) > 0.9
 
 
 def test_head_dips_on_accents_with_minimum_spacing(known):
-    planned, found, moved = swells(known, SPEECH)
-    dips = [swell for swell, names in zip(found, moved, strict=True) if names == {"skullbase_tilt"}]
+    planned, result, moved = swells(known, SPEECH)
+    dips = [swell for swell, names in zip(result, moved, strict=True) if names == {"skullbase_tilt"}]
     vowels = [1.0 + p.start + p.duration / 2 for p in planned.utterances["s"].phonemes if p.symbol in "aeiou"]
     assert all(min(abs(swell.peak - vowel) for vowel in vowels) < 1e-6 for swell in dips)
     peaks = [swell.peak for swell in dips]
@@ -47,10 +47,10 @@ def test_head_dips_on_accents_with_minimum_spacing(known):
 
 def test_speech_motion_of_the_head_is_omitted_during_a_requested_nod(known):
     nod = '<head id="n" lexeme="NOD" start="s:start+1" end="s:start+3"/>'
-    planned, found, _ = swells(known, SPEECH + nod)
+    planned, result, _ = swells(known, SPEECH + nod)
     taken = next(timed.times for timed in planned.timeline.timed if timed.behaviour.id == "n")
-    assert found
-    assert all(swell.end <= taken["start"] + 1e-9 or swell.begin >= taken["end"] - 1e-9 for swell in found)
+    assert result
+    assert all(swell.end <= taken["start"] + 1e-9 or swell.begin >= taken["end"] - 1e-9 for swell in result)
 
 
 def test_speech_motion_scales_with_amount(known):
