@@ -56,7 +56,7 @@ def test_kernel_distances_equal_the_python_reference(robot):
 def test_kernel_and_reference_find_equal_closest_approaches_and_select_equal_postures(robot, near):
     measure, motion = CapsuleDistances(robot), make_motion(robot)
     ends = np.arange(0, len(motion), 3)
-    fast, slow = (each.approach(motion, ends, near=near) for each in (measure, ReferenceDistances(robot)))
+    fast, slow = (item.approach(motion, ends, near=near) for item in (measure, ReferenceDistances(robot)))
     np.testing.assert_allclose(fast.distances, slow.distances, rtol=0, atol=1e-12)
     lowest = measure.lowest(body_frames(robot, motion[ends]), motion[ends])
     near = max(near, float(lowest.min()))
@@ -87,7 +87,7 @@ TWIN_VARIANTS = [Factors(), Factors(play=0.01, latency=0.013), Factors(resistanc
 @pytest.mark.parametrize("factors", TWIN_VARIANTS, ids=["stiff", "play and latency", "sagging"])
 def test_kernel_servo_measurements_equal_the_python_reference(factors):
     drives = ROBOTS[0].drives
-    warm = (replace(each, servo=replace(each.servo, thermal=(5.0, 20.0))) for each in drives[:3])
+    warm = (replace(drive, servo=replace(drive.servo, thermal=(5.0, 20.0))) for drive in drives[:3])
     robot = ROBOTS[0]
     twin = Twin(robot, factors=factors)
     for k, row in enumerate(0.1 * make_motion(robot, 20)):

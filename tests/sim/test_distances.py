@@ -40,10 +40,10 @@ def find_closest_with_mujoco(postures):
 
 def test_segment_distances_equal_those_of_mujoco():
     postures = random_postures(ROBOT.skeleton, 150, seed=2)
-    found = DISTANCES.clearance(postures)
+    result = DISTANCES.clearance(postures)
     for k, (distance, pair) in enumerate(find_closest_with_mujoco(postures)):
-        assert found.distances[k] == pytest.approx(distance, abs=1e-6)
-        assert k < 2 or found.pairs[k] == pair  # rest and zero are symmetric, so both sides have equal pairs
+        assert result.distances[k] == pytest.approx(distance, abs=1e-6)
+        assert k < 2 or result.pairs[k] == pair  # rest and zero are symmetric, so both sides have equal pairs
 
 
 def test_distances_of_each_segment_pair_equal_those_of_mujoco():
@@ -53,10 +53,10 @@ def test_distances_of_each_segment_pair_equal_those_of_mujoco():
     gaps = DISTANCES.gaps(postures)
     assert gaps.min(axis=1) == pytest.approx(DISTANCES.clearance(postures).distances, abs=1e-12)
     count = {segment.name: range(len(segment.capsules)) for segment in ROBOT.skeleton.segments}
-    for posture, found in zip(postures, gaps, strict=True):
+    for posture, result in zip(postures, gaps, strict=True):
         data.qpos[:] = posture
         mujoco.mj_kinematics(model, data)
-        for gap, (a, b) in zip(found, ROBOT.counted_pairs, strict=True):
+        for gap, (a, b) in zip(result, ROBOT.counted_pairs, strict=True):
             geoms = [
                 (model.geom(capsule_name(a, i)).id, model.geom(capsule_name(b, j)).id)
                 for i in count[a]
@@ -72,9 +72,9 @@ def side_free(name):
 
 
 def test_clearances_of_rest_and_zero_posture_have_the_recorded_values():
-    found = DISTANCES.clearance(np.array([ROBOT.skeleton.rest, np.zeros(22)]))
-    assert found.distances == pytest.approx([0.0279, 0.0280], abs=1e-4)
-    assert [{side_free(n) for n in pair} for pair in found.pairs] == [{"vt1", "shoulder"}, {"vt1", "shoulder"}]
+    result = DISTANCES.clearance(np.array([ROBOT.skeleton.rest, np.zeros(22)]))
+    assert result.distances == pytest.approx([0.0279, 0.0280], abs=1e-4)
+    assert [{side_free(n) for n in pair} for pair in result.pairs] == [{"vt1", "shoulder"}, {"vt1", "shoulder"}]
 
 
 def test_long_motion_gives_the_same_clearances_as_short_ones():
@@ -87,18 +87,18 @@ def test_long_motion_gives_the_same_clearances_as_short_ones():
 
 
 def test_motion_without_postures_has_no_distances():
-    found = DISTANCES.clearance(np.empty((0, 22)))
-    assert found.distances.shape == (0,)
-    assert list(found.pairs) == []
+    result = DISTANCES.clearance(np.empty((0, 22)))
+    assert result.distances.shape == (0,)
+    assert list(result.pairs) == []
 
 
 def test_robot_without_checked_pairs_has_infinite_clearance():
     names = [segment.name for segment in ROBOT.skeleton.segments]
     everything = tuple(Exclusion(frozenset((a, b)), "test") for a in names for b in names)
     alone = CapsuleDistances(replace(ROBOT, exclusions=everything))
-    found = alone.clearance(np.zeros((3, 22)))
-    assert np.isinf(found.distances).all()
-    assert len(found.pairs) == 3
+    result = alone.clearance(np.zeros((3, 22)))
+    assert np.isinf(result.distances).all()
+    assert len(result.pairs) == 3
     assert alone.gaps(np.zeros((3, 22))).shape == (3, 0)
 
 
@@ -114,16 +114,16 @@ def make_smooth_motion(count, seed):
 def test_closest_approach_finds_all_near_postures_and_the_minimum(seed, near):
     angles, ends = make_smooth_motion(301, seed), np.arange(0, 301, 3)
     every = DISTANCES.clearance(angles)
-    found = DISTANCES.approach(angles, ends, near=near)
+    solution = DISTANCES.approach(angles, ends, near=near)
     smallest = np.minimum.reduceat(every.distances, np.concatenate([[0], ends[:-1] + 1]))
     limit = max(near, every.distances[ends].min())
     close = smallest < limit
-    assert found.distances.min() == pytest.approx(every.distances.min(), abs=1e-14)
-    assert found.distances[close] == pytest.approx(smallest[close], abs=1e-14)
-    assert found.pairs[found.worst] == every.pairs[every.worst]
-    assert found.worst == np.searchsorted(ends, every.worst)
-    assert (found.distances >= smallest - 1e-14).all()
-    assert (found.distances <= every.distances[ends] + 1e-14).all()
+    assert solution.distances.min() == pytest.approx(every.distances.min(), abs=1e-14)
+    assert solution.distances[close] == pytest.approx(smallest[close], abs=1e-14)
+    assert solution.pairs[solution.worst] == every.pairs[every.worst]
+    assert solution.worst == np.searchsorted(ends, every.worst)
+    assert (solution.distances >= smallest - 1e-14).all()
+    assert (solution.distances <= every.distances[ends] + 1e-14).all()
 
 
 def test_closest_approach_measures_only_few_postures(monkeypatch):
@@ -142,10 +142,10 @@ def test_closest_approach_measures_only_few_postures(monkeypatch):
 def test_closest_approach_accepts_intervals_of_one_or_no_posture():
     angles = make_smooth_motion(30, 1)
     ends = np.array([0, 0, 5, 6, 6, 29])
-    found = DISTANCES.approach(angles, ends, near=1.0)
+    solution = DISTANCES.approach(angles, ends, near=1.0)
     every = DISTANCES.clearance(angles).distances
     expected = [every[0], every[0], every[1:6].min(), every[6], every[6], every[7:30].min()]
-    assert found.distances == pytest.approx(expected, abs=1e-14)
+    assert solution.distances == pytest.approx(expected, abs=1e-14)
     assert len(DISTANCES.approach(angles, ends[:0], near=0.0).distances) == 0
 
 
@@ -208,11 +208,11 @@ def test_clearance_of_repeated_postures_is_computed_once_per_posture_change(monk
     )
     first, second = random_postures(ROBOT.skeleton, 2, seed=4)
     lasting = np.repeat([first, second, first], 500, axis=0)
-    found = DISTANCES.clearance(lasting)
+    result = DISTANCES.clearance(lasting)
     assert measured == [3]
     expected = DISTANCES.clearance(np.stack([first, second]))
-    assert found.distances[[0, 499, 500, 999, 1000]] == pytest.approx(expected.distances[[0, 0, 1, 1, 0]], abs=1e-14)
-    assert [found.pairs[k] for k in (499, 500)] == list(expected.pairs)
+    assert result.distances[[0, 499, 500, 999, 1000]] == pytest.approx(expected.distances[[0, 0, 1, 1, 0]], abs=1e-14)
+    assert [result.pairs[k] for k in (499, 500)] == list(expected.pairs)
 
 
 @pytest.mark.parametrize("robot", [ROBOT, Robot.load("upper36")], ids=["upper22", "upper36"])

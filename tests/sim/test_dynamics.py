@@ -114,16 +114,16 @@ def test_torques_equal_mujoco_inverse_dynamics():
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     data, order = mujoco.MjData(model), find_joint_indices(ROBOT, model)
     friction = ROBOT.drives.frictionloss
-    found = MujocoDynamics(ROBOT).torques(postures, speeds, accelerations)
+    result = MujocoDynamics(ROBOT).torques(postures, speeds, accelerations)
     for k in range(40):
         data.qpos[order], data.qvel[order], data.qacc[order] = postures[k], speeds[k], accelerations[k]
         mujoco.mj_inverse(model, data)
         rubbing = friction * np.tanh(speeds[k] / COULOMB_FADE_VELOCITY)
-        assert found[k] == pytest.approx(data.qfrc_inverse[order] + rubbing, abs=1e-11)
+        assert result[k] == pytest.approx(data.qfrc_inverse[order] + rubbing, abs=1e-11)
 
 
 def test_python_fallback_gives_equal_torques(monkeypatch: pytest.MonkeyPatch):
-    found = (
+    results = (
         DYNAMICS.holding(RANDOM_POSTURES),
         DYNAMICS.inertias(RANDOM_POSTURES),
         DYNAMICS.torques(RANDOM_POSTURES, RANDOM_POSTURES, RANDOM_POSTURES),
@@ -134,5 +134,5 @@ def test_python_fallback_gives_equal_torques(monkeypatch: pytest.MonkeyPatch):
         DYNAMICS.inertias(RANDOM_POSTURES),
         DYNAMICS.torques(RANDOM_POSTURES, RANDOM_POSTURES, RANDOM_POSTURES),
     )
-    for kernel, python in zip(found, again, strict=True):
+    for kernel, python in zip(results, again, strict=True):
         assert np.array_equal(kernel, python)

@@ -37,11 +37,11 @@ def measure_all_pairs(posture):
 def test_every_finger_affects_the_distance():
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     gaps, nearest = DISTANCES.gaps(postures), DISTANCES.clearance(postures)
-    for posture, found, least in zip(postures, gaps, nearest.distances, strict=True):
+    for posture, result, least in zip(postures, gaps, nearest.distances, strict=True):
         expected = np.array(list(measure_all_pairs(posture)))
         near = expected < MAX_EXACT_FINGER_GAP
-        np.testing.assert_allclose(found[near], expected[near], atol=1e-9)
-        assert np.all(found <= expected + 1e-9)
+        np.testing.assert_allclose(result[near], expected[near], atol=1e-9)
+        assert np.all(result <= expected + 1e-9)
         if expected.min() < FINGER_BALL_DISTANCE:
             assert least == pytest.approx(expected.min(), abs=1e-9)
         else:
@@ -64,11 +64,15 @@ def test_closest_finger_approach_between_samples_is_found():
     postures = random_postures(ROBOT.skeleton, 12, seed=8)
     motion = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(postures)])
     ends = np.arange(0, len(motion), 4)
-    found = DISTANCES.approach(motion, ends, near=0.01)
+    solution = DISTANCES.approach(motion, ends, near=0.01)
     every = DISTANCES.clearance(motion).distances
     for k, end in enumerate(ends[1:], 1):
         true = every[ends[k - 1] + 1 : end + 1].min()
-        assert found.distances[k] == pytest.approx(true, abs=1e-9) if true < 0.01 else found.distances[k] >= 0.01 - 1e-9
+        assert (
+            solution.distances[k] == pytest.approx(true, abs=1e-9)
+            if true < 0.01
+            else solution.distances[k] >= 0.01 - 1e-9
+        )
 
 
 @pytest.mark.parametrize("side", SIDES)

@@ -21,9 +21,9 @@ def test_finger_positions_equal_full_forward_kinematics(side, still):
     for _ in range(2):  # the second result comes from the cache
         starts, ends = places.ends(postures, body_frames(ROBOT, postures))
         for k, (owner, capsule) in enumerate(places.capsules):
-            for found, point in ((starts[k], capsule.start), (ends[k], capsule.end)):
+            for result, point in ((starts[k], capsule.start), (ends[k], capsule.end)):
                 true = frames.origins[:, owner] + frames.rotations[:, owner] @ point
-                np.testing.assert_allclose(found.T, true, atol=1e-12)
+                np.testing.assert_allclose(result.T, true, atol=1e-12)
 
 
 def test_finger_cache_distinguishes_bendings():

@@ -17,9 +17,9 @@ REST_POSTURE = ROBOT.skeleton.rest
 
 def supply(**figures):
     factors = Factors(**figures)
-    found = Supply.of(factors.applied(ROBOT).drives, factors)
-    assert found
-    return found
+    result = Supply.of(factors.applied(ROBOT).drives, factors)
+    assert result
+    return result
 
 
 def total_current(duties, speeds, share):

@@ -159,9 +159,10 @@ def test_servos_measure_the_hinge_after_backlash():
     for side in "lr":
         raised[SKELETON.joint(f"{side}_elbow_flexion")] = 1.5
         raised[SKELETON.joint(f"{side}_shoulder_flexion")] = 0.8
-    told = [still(COMMAND_PERIOD * k, raised) for k in range(150)]
+    results = [still(COMMAND_PERIOD * k, raised) for k in range(150)]
     tight, loose = (
-        performed(told, start=raised, factors=Factors(play=play)).angles[-1] for play in (0.0, np.radians(1.0).item())
+        performed(results, start=raised, factors=Factors(play=play)).angles[-1]
+        for play in (0.0, np.radians(1.0).item())
     )
     loaded = [SKELETON.joint(f"{side}_{name}") for side in "lr" for name in ("elbow_flexion", "shoulder_flexion")]
     assert np.abs(tight - loose)[loaded].max() < np.radians(0.2)
@@ -171,8 +172,8 @@ def test_hinge_with_backlash_waits_when_the_motor_reverses():
     """After a slow reversal the hinge follows later than without backlash."""
     way = np.concatenate([np.linspace(0.0, 0.3, 100), np.linspace(0.3, 0.0, 100)])
     neck = SKELETON.joint("skullbase_torsion")
-    told = [still(COMMAND_PERIOD * k, REST_POSTURE + turn * (np.arange(22) == neck)) for k, turn in enumerate(way)]
-    tight, loose = (performed(told, factors=Factors(play=play)).angles[:, neck] for play in (0.0, 0.02))
+    results = [still(COMMAND_PERIOD * k, REST_POSTURE + turn * (np.arange(22) == neck)) for k, turn in enumerate(way)]
+    tight, loose = (performed(results, factors=Factors(play=play)).angles[:, neck] for play in (0.0, 0.02))
     strayed = np.abs(tight - loose)
     assert 0.004 < strayed[100:130].max() < 0.03
 

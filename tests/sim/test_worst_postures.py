@@ -28,9 +28,9 @@ def test_coordinate_ascent_finds_the_maximum():
     def measure(postures):
         return 1.0 - (postures - SKELETON.upper) ** 2 - np.abs(postures[:, ::-1] - SKELETON.lower[::-1])
 
-    found = extremes(SKELETON, measure)
-    for hinge, posture in enumerate(found.postures):
+    result = extremes(SKELETON, measure)
+    for hinge, posture in enumerate(result.postures):
         best = measure(posture[None])[0, hinge]
-        assert found.values[hinge] == pytest.approx(best)
+        assert result.values[hinge] == pytest.approx(best)
         assert posture[hinge] == pytest.approx(SKELETON.upper[hinge])
         assert posture[21 - hinge] == pytest.approx(SKELETON.lower[21 - hinge])

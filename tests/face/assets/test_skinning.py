@@ -160,9 +160,9 @@ def test_skinned_fingers_move_with_the_finger_segments():
 
 def test_skeleton_without_fingers_moves_the_hand_rigidly():
     fingers = set(Robot.load("human").chains["l_fingers"]) | set(Robot.load("human").chains["r_fingers"])
-    upper = tuple(each for each in HUMAN_SKELETON.segments if each.name not in fingers)
+    upper = tuple(segment for segment in HUMAN_SKELETON.segments if segment.name not in fingers)
     names = {segment.name for segment in upper}
-    hinges = tuple(each for each in HUMAN_SKELETON.hinges if each.segment in names)
+    hinges = tuple(hinge for hinge in HUMAN_SKELETON.hinges if hinge.segment in names)
     stiff = replace(HUMAN_SKELETON, segments=upper, hinges=hinges, couplings=())
     turns, ways = Skin(DRESSED_FIGURE, stiff).compute_frame_motions(stiff.rest)
     np.testing.assert_allclose(turns[FRAME_INDICES["l_index2"]], turns[FRAME_INDICES["l_wrist"]])

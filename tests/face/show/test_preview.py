@@ -174,8 +174,8 @@ def display() -> Iterator[str]:
     words = [server, "-displayfd", str(writer), "-screen", "0", "320x240x24", "-nolisten", "tcp"]
     with subprocess.Popen(words, pass_fds=[writer], stderr=subprocess.DEVNULL) as running:
         os.close(writer)
-        with os.fdopen(reader) as told:
-            number = told.readline().strip()
+        with os.fdopen(reader) as result:
+            number = result.readline().strip()
         yield f":{number}"
         running.terminate()
 

@@ -60,13 +60,19 @@ def worn():
 
 
 def test_identifiable_servo_parameters_are_recovered_within_five_percent(worn):
-    told = [estimate for estimate in worn.estimates if not estimate.why]
-    for estimate in told:
+    estimates = [estimate for estimate in worn.estimates if not estimate.why]
+    for estimate in estimates:
         assert estimate.value == pytest.approx(true_value(estimate.unknown, WORN_FACTORS), rel=0.05), str(
             estimate.unknown
         )
-    assert len(told) >= 16
-    assert {estimate.unknown.figure for estimate in told} >= {"stall", "no_load", "friction", "armature", "latency"}
+    assert len(estimates) >= 16
+    assert {estimate.unknown.figure for estimate in estimates} >= {
+        "stall",
+        "no_load",
+        "friction",
+        "armature",
+        "latency",
+    }
 
 
 def test_fitted_factors_are_the_identified_estimates(worn):
@@ -89,8 +95,8 @@ def test_servo_gain_is_identified_only_if_the_duty_saturates():
     slow, quick = (
         fit_factors(record_log(NOMINAL_FACTORS, seconds=0.4, quick=pace), ROBOT, free=free) for pace in (0.3, 3.0)
     )
-    for found, some in ((slow, False), (quick, True)):
-        gains = [estimate for estimate in found.estimates if estimate.unknown.figure == "gain"]
+    for result, some in ((slow, False), (quick, True)):
+        gains = [estimate for estimate in result.estimates if estimate.unknown.figure == "gain"]
         assert any(not estimate.why for estimate in gains) == some
         assert all("cannot tell it from" in estimate.why for estimate in gains if estimate.why)
 
@@ -98,9 +104,9 @@ def test_servo_gain_is_identified_only_if_the_duty_saturates():
 @pytest.mark.soak
 def test_log_without_motion_identifies_no_inertia_or_velocity():
     still = Log(sealed([0.0, 0.05, 0.1]), sealed([SKELETON.rest] * 3), sealed([SKELETON.rest] * 3))
-    found = fit_factors(still, ROBOT, free=("no_load", "armature"))
-    assert all(estimate.why == "the log hardly depends on it" for estimate in found.estimates)
-    assert found.factors == Factors(servos={name: DriveFactors() for name in WORN_FACTORS.servos})
+    fit = fit_factors(still, ROBOT, free=("no_load", "armature"))
+    assert all(estimate.why == "the log hardly depends on it" for estimate in fit.estimates)
+    assert fit.factors == Factors(servos={name: DriveFactors() for name in WORN_FACTORS.servos})
 
 
 @pytest.mark.soak
@@ -111,15 +117,15 @@ def test_servo_fit_is_deterministic():
 
 
 def test_fit_of_data_sheet_servos_changes_nothing():
-    found = fit_factors(record_log(NOMINAL_FACTORS, seconds=0.5), ROBOT, free=("stall",))
-    assert found.error_before < SERVO_TICKS.max()
-    for estimate in found.estimates:
+    fit = fit_factors(record_log(NOMINAL_FACTORS, seconds=0.5), ROBOT, free=("stall",))
+    assert fit.error_before < SERVO_TICKS.max()
+    for estimate in fit.estimates:
         assert estimate.why or estimate.value == pytest.approx(1.0, abs=0.02)
 
 
 def test_mass_can_be_fitted_only_with_fixed_stall_torque():
-    found = fit_factors(record_log(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
-    assert found.factors.mass == pytest.approx(1.15, rel=0.05)
+    fit = fit_factors(record_log(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
+    assert fit.factors.mass == pytest.approx(1.15, rel=0.05)
     with pytest.raises(ValueError, match="stall and mass cannot both be free"):
         fit_factors(record_log(NOMINAL_FACTORS, seconds=0.1), ROBOT, free=(*DEFAULT_PARAMETERS, "mass"))
 

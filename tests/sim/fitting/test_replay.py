@@ -23,8 +23,8 @@ def test_replayed_log_without_latency_equals_direct_commands(factors: Factors):
         written.write(Command(time, goal, ZERO_VELOCITIES, ZERO_VELOCITIES, goal))
         angles.append(written.state().angles)
     seen = {0, 7, 31, len(STEP_TIMES) - 1}
-    found = replayed.replay(STEP_TIMES, goals, seen)
-    assert np.array_equal(found, np.array(angles)[sorted(seen)])
-    assert np.abs(found[-1] - REST_POSTURE).max() > 0.01
+    result = replayed.replay(STEP_TIMES, goals, seen)
+    assert np.array_equal(result, np.array(angles)[sorted(seen)])
+    assert np.abs(result[-1] - REST_POSTURE).max() > 0.01
     with pytest.raises(ValueError, match="nothing was measured"):
         replayed.measurements()

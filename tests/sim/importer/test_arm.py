@@ -19,12 +19,12 @@ def test_anatomical_assignment_of_arm_hinges_has_the_highest_likeness(limb):
 
 
 def test_imported_joint_centres_are_axis_intersections(limb):
-    found = centres(limb, Split(0, 3, 3))
-    assert found.shoulder == pytest.approx([0, 0.2, 1.45], abs=1e-3)
-    assert found.elbow == pytest.approx([0.01, 0.48, 1.45], abs=1e-3)
-    assert found.wrist == pytest.approx([0, 0.72, 1.45], abs=2e-3)
-    assert found.miss == pytest.approx(0.0, abs=1e-3)
-    assert found.lengths == pytest.approx((0.28, 0.24), abs=2e-3)
+    result = centres(limb, Split(0, 3, 3))
+    assert result.shoulder == pytest.approx([0, 0.2, 1.45], abs=1e-3)
+    assert result.elbow == pytest.approx([0.01, 0.48, 1.45], abs=1e-3)
+    assert result.wrist == pytest.approx([0, 0.72, 1.45], abs=2e-3)
+    assert result.miss == pytest.approx(0.0, abs=1e-3)
+    assert result.lengths == pytest.approx((0.28, 0.24), abs=2e-3)
 
 
 def test_each_assignment_of_arm_hinges_has_an_elbow_and_no_fingers():

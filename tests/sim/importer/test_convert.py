@@ -20,15 +20,15 @@ def robot(tee_mapped, tmp_path_factory):
 
 
 def test_arm_points_equal_those_of_the_original_model(robot, tee):
-    found = analyse_geometry(tee)
-    hinges, skeleton = name_hinges(found), robot.skeleton
+    geometry = analyse_geometry(tee)
+    hinges, skeleton = name_hinges(geometry), robot.skeleton
     zero = skeleton.frames(np.zeros(len(skeleton.names)))
     for angles in np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (10, len(skeleton.names))):
-        turned = found.tree.turned({h.joint: h.sign * angles[skeleton.joint(h.name)] for h in hinges})
+        turned = geometry.tree.turned({h.joint: h.sign * angles[skeleton.joint(h.name)] for h in hinges})
         frames = skeleton.frames(angles)
         for side in "lr":
-            k, tip = skeleton.segment(f"{side}_wrist"), found.arms[side].joints[-1]
-            inside = found.tree.parts[tip].centre - zero.origins[k]
+            k, tip = skeleton.segment(f"{side}_wrist"), geometry.arms[side].joints[-1]
+            inside = geometry.tree.parts[tip].centre - zero.origins[k]
             assert frames.origins[k] + frames.rotations[k] @ inside == pytest.approx(
                 turned.parts[tip].centre, abs=ROUNDING_TOLERANCE
             )
@@ -61,8 +61,8 @@ def test_robot_import_is_deterministic(tee_path, tee_mapped):
 def test_unusual_arm_is_marked_doubtful(written, puppets):
     odd = puppets.puppet().replace('axis="0 0 1" range="-2.4 0.1"', 'axis="0 1 0" range="-2.4 0.1"')
     odd = odd.replace('axis="0 0 1" range="-0.1 2.4"', 'axis="0 1 0" range="-0.1 2.4"')
-    found = import_humanoid(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
-    assert found.doubtful
+    imported = import_humanoid(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
+    assert imported.doubtful
 
 
 def test_urdf_import_names_the_arm_chain_and_omits_the_gripper(hanging_mapped, hanging_path):

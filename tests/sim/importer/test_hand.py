@@ -74,13 +74,13 @@ def robots(written, puppets, tmp_path_factory):
         "coupled": with_hands(plain, 5, flexions=3, ties=ties()),
         "four": with_hands(plain, 4, flexions=2, spread=True),
     }
-    found = {}
+    results = {}
     for name, text in texts.items():
         mapped = import_humanoid(written(f"{name}.xml", text))
         path = tmp_path_factory.mktemp("hands") / f"{name}.toml"
         path.write_text(robot_text(mapped.file, heading=[], remarks=mapped.remarks), encoding="utf-8")
-        found[name] = mapped, Robot.load(path)
-    return found
+        results[name] = mapped, Robot.load(path)
+    return results
 
 
 def drives(robot, side):
@@ -212,7 +212,7 @@ def urdf_hand(side: str, y: int) -> str:
 def test_import_of_fingers_is_deterministic(robots, written, puppets):
     mapped, _ = robots["four"]
     again = import_humanoid(written("four.xml", with_hands(puppets.puppet(), 4, flexions=2, spread=True)))
-    texts = (robot_text(each.file, heading=[], remarks=each.remarks) for each in (mapped, replace(again)))
+    texts = (robot_text(item.file, heading=[], remarks=item.remarks) for item in (mapped, replace(again)))
     assert len({re.sub(r"folder puppets\d+", "folder", text) for text in texts}) == 1
 
 

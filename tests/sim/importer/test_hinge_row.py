@@ -14,8 +14,10 @@ def test_common_point_of_intersecting_lines_is_their_intersection():
 
 
 def test_common_point_of_parallel_lines_is_nearest_to_the_preferred_point():
-    found = find_common_point(np.array([[0.0, 0, 0], [0, 0, 1]]), np.array([Z_AXIS, Z_AXIS]), np.array([0.0, 0, 0.4]))
-    assert found == pytest.approx([0, 0, 0.4])
+    common_point = find_common_point(
+        np.array([[0.0, 0, 0], [0, 0, 1]]), np.array([Z_AXIS, Z_AXIS]), np.array([0.0, 0, 0.4])
+    )
+    assert common_point == pytest.approx([0, 0, 0.4])
 
 
 def test_projection_onto_a_line_and_nearest_point_to_another_line_are_correct():

@@ -75,8 +75,8 @@ def test_file_suffix_may_be_uppercase(tee_path, hanging_path, tmp_path, ending):
     source = hanging_path if ending.lower() == ".urdf" else tee_path
     (tmp_path / f"robot{ending}").write_bytes(source.read_bytes())
     (tmp_path / "robot.xml").write_text("<mujoco/>")  # a different file that must not be read
-    found = load_model(tmp_path / f"robot{ending}")
-    assert [joint.name for joint in found.joints] == [joint.name for joint in load_model(source).joints]
+    model = load_model(tmp_path / f"robot{ending}")
+    assert [joint.name for joint in model.joints] == [joint.name for joint in load_model(source).joints]
 
 
 def test_included_files_are_found_next_to_a_robot_file_with_uppercase_suffix(tee_path, tmp_path):

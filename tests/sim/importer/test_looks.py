@@ -75,11 +75,11 @@ def written(folder: Path, text: str, name: str = "puppet.xml") -> Path:
 
 
 def imported(path: Path):
-    found = import_humanoid(path)
+    result = import_humanoid(path)
     target = path.with_suffix(".toml")
-    target.write_text(robot_text(found.file, heading=[], remarks=found.remarks), encoding="utf-8")
+    target.write_text(robot_text(result.file, heading=[], remarks=result.remarks), encoding="utf-8")
     robot = Robot.load(target)
-    return found, robot, build_imported_shell(found, robot)
+    return result, robot, build_imported_shell(result, robot)
 
 
 def test_mesh_is_at_its_file_position_and_moves_with_its_hinge(folder: Path):
@@ -97,9 +97,9 @@ def test_mesh_is_at_its_file_position_and_moves_with_its_hinge(folder: Path):
 
 @pytest.mark.parametrize(("text", "name"), [(mjcf(), "puppet.xml"), (urdf(), "puppet.urdf")])
 def test_shell_has_meshes_and_generated_housings_for_other_segments(folder: Path, text: str, name: str):
-    found, robot, shell = imported(written(folder, text, name))
+    result, robot, shell = imported(written(folder, text, name))
     assert shell is not None
-    assert not found.figure.tree.left_out
+    assert not result.figure.tree.left_out
     assert shell.made_from == fingerprint(robot)
     assert set(shell.segments) == {s.name for s in robot.skeleton.segments if s.capsules}
     fore = shell.segments["l_elbow"]
@@ -120,9 +120,9 @@ def test_dark_imported_meshes_stay_dark(folder: Path):
     ("mesh", "why"), [("lost", "lost.stl: not in the folder robot"), ("out", "outside.stl: not in the folder")]
 )
 def test_missing_or_outside_mesh_is_omitted_with_a_note(folder: Path, mesh: str, why: str):
-    found, _, shell = imported(written(folder, mjcf(mesh)))
+    result, _, shell = imported(written(folder, mjcf(mesh)))
     assert shell is None
-    (said,) = found.figure.tree.left_out
+    (said,) = result.figure.tree.left_out
     assert why in said
 
 

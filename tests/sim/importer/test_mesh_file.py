@@ -29,16 +29,16 @@ def stl(mesh: Triangles) -> bytes:
 def test_stl_is_read_with_merged_vertices(tmp_path: Path):
     mesh = ball(12)
     (tmp_path / "ball.STL").write_bytes(stl(mesh))
-    found = read_mesh(tmp_path / "ball.STL", folder=tmp_path)
-    np.testing.assert_allclose(found.vertices[found.corners], mesh.vertices[mesh.corners], atol=1e-6)
-    assert len(found.vertices) < 0.3 * 3 * len(found.corners)
+    result = read_mesh(tmp_path / "ball.STL", folder=tmp_path)
+    np.testing.assert_allclose(result.vertices[result.corners], mesh.vertices[mesh.corners], atol=1e-6)
+    assert len(result.vertices) < 0.3 * 3 * len(result.corners)
 
 
 def test_obj_faces_may_have_any_number_of_corners(tmp_path: Path):
     path = tmp_path / "plate.obj"
     path.write_text("# a plate\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -4 -3 -2\n")
-    found = read_mesh(path, folder=tmp_path)
-    assert found.corners.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+    mesh = read_mesh(path, folder=tmp_path)
+    assert mesh.corners.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
 
 
 @pytest.mark.parametrize(

@@ -10,34 +10,34 @@ def names(tree, pairs):
 
 
 def test_mirror_pairs_are_found_by_geometry(tee):
-    found = sides(tee)
-    assert len(found.pairs) == 9 + 3
-    assert names(tee, found.pairs)["l_bend"] == "r_bend"
-    assert found.certain
-    assert not found.by_names
+    result = sides(tee)
+    assert len(result.pairs) == 9 + 3
+    assert names(tee, result.pairs)["l_bend"] == "r_bend"
+    assert result.certain
+    assert not result.by_names
 
 
 @pytest.mark.parametrize(("turned", "left"), [(0, (0, 1)), (90, (-1, 0)), (180, (0, -1)), (270, (1, 0))])
 def test_forward_direction_is_independent_of_world_orientation(written, puppets, turned, left):
     tree = load_model(written("turned.xml", puppets.puppet(turned=turned)))
-    found = sides(tree)
-    assert found.left == pytest.approx(left, abs=1e-9)
-    forward = found.upright @ np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0])
+    result = sides(tree)
+    assert result.left == pytest.approx(left, abs=1e-9)
+    forward = result.upright @ np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0])
     assert forward == pytest.approx([1, 0, 0], abs=1e-9)
 
 
 def test_forward_direction_is_found_from_feet_and_head_if_joint_names_have_no_side(written, puppets):
     tree = load_model(written("unnamed.xml", puppets.puppet(left="one_", right="two_", turned=180)))
-    found = sides(tree)
-    assert found.certain
-    assert set(names(tree, found.pairs)) == {name for name in names(tree, found.pairs) if name.startswith("one_")}
+    result = sides(tree)
+    assert result.certain
+    assert set(names(tree, result.pairs)) == {name for name in names(tree, result.pairs) if name.startswith("one_")}
 
 
 def test_left_and_right_joints_in_an_asymmetric_pose_are_paired_by_names(hanging):
     crooked = hanging.turned({k: 0.5 for k, joint in enumerate(hanging.joints) if joint.name.startswith("left_")})
-    found = sides(crooked)
-    assert found.by_names
-    assert names(crooked, found.pairs)["left_elbow_joint"] == "right_elbow_joint"
+    result = sides(crooked)
+    assert result.by_names
+    assert names(crooked, result.pairs)["left_elbow_joint"] == "right_elbow_joint"
 
 
 @pytest.mark.parametrize(("left", "right"), [("L_", "R_"), ("left_", "right_"), ("Left", "Right"), ("l_", "r_")])

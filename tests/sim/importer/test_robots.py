@@ -36,10 +36,10 @@ SAMPLE_ROBOTS = ("op3", "t1", "tiago pro")  # `make soak` imports the others
 def model(name: str) -> Path:
     wheel, end, _, _ = ROBOT_FILES[name]
     try:
-        found = [file for file in files(wheel) or () if str(file).endswith(end)]
+        results = [file for file in files(wheel) or () if str(file).endswith(end)]
     except PackageNotFoundError:
         pytest.skip(f"{wheel} is not installed (pip install --no-deps {wheel})")
-    return Path(os.fspath(found[0].locate()))
+    return Path(os.fspath(results[0].locate()))
 
 
 def check(name: str, found: Mapped, folder: Path) -> None:

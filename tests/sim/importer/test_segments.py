@@ -32,7 +32,7 @@ def test_mass_above_the_pelvis_is_preserved(tee_mapped):
 
 
 def test_shapes_of_the_file_are_used_and_missing_ones_generated(tee_mapped, hanging_mapped):
-    own, made = ({body.name: body.capsules for body in found.file.body} for found in (tee_mapped, hanging_mapped))
+    own, made = ({body.name: body.capsules for body in item.file.body} for item in (tee_mapped, hanging_mapped))
     assert own["l_shoulder"][0].radius == 0.035
     assert made["l_shoulder"][0].radius == pytest.approx(0.15 * 0.28, rel=0.01)
 

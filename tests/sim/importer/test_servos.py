@@ -31,8 +31,8 @@ def test_unloaded_hinge_gets_torque_for_its_acceleration():
 
 
 def test_motor_data_of_an_imported_file_are_kept():
-    told = replace(UNKNOWN_JOINT, effort=30.0, speed=3.2, gain=120.0, armature=0.05, friction=0.4, damping=0.3)
-    table, why = servo(told, gravity=5.0, inertia=0.1)
+    result = replace(UNKNOWN_JOINT, effort=30.0, speed=3.2, gain=120.0, armature=0.05, friction=0.4, damping=0.3)
+    table, why = servo(result, gravity=5.0, inertia=0.1)
     assert table.stall_nm == 30.0
     assert (table.armature, table.frictionloss, table.damping) == (0.05, 0.4, 0.3)
     assert drive(table).gain * 30.0 == pytest.approx(120.0, rel=1e-3)

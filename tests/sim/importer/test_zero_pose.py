@@ -30,11 +30,11 @@ def names(tree, row):
 
 
 def test_arms_trunk_and_head_are_found(tee):
-    found = branches(tee, sides(tee))
-    assert names(tee, found.trunk) == ["waist", "bow"]
-    assert names(tee, found.neck) == ["pan", "nod"]
-    assert names(tee, found.left) == [f"l_{part}" for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
-    assert names(tee, found.right) == [name.replace("l_", "r_", 1) for name in names(tee, found.left)]
+    result = branches(tee, sides(tee))
+    assert names(tee, result.trunk) == ["waist", "bow"]
+    assert names(tee, result.neck) == ["pan", "nod"]
+    assert names(tee, result.left) == [f"l_{part}" for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
+    assert names(tee, result.right) == [name.replace("l_", "r_", 1) for name in names(tee, result.left)]
 
 
 def test_gripper_is_not_part_of_the_wrist(hanging):
@@ -43,8 +43,8 @@ def test_gripper_is_not_part_of_the_wrist(hanging):
 
 def test_robot_without_neck_and_trunk_is_accepted(written, puppets):
     tree = load_model(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
-    found = branches(tree, sides(tree))
-    assert (found.trunk, found.neck) == ((), ())
+    result = branches(tree, sides(tree))
+    assert (result.trunk, result.neck) == ((), ())
 
 
 def test_robot_without_arms_is_rejected(written):

@@ -127,6 +127,6 @@ def test_meshes_are_placed_at_the_shell_vertices():
     first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
     seen = model.mesh_vert[first : first + count] @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
     surface = ROBOT_SHELL.segments["skullbase"]
-    told = surface.vertices[np.unique(surface.shell)] + straight.origins[ROBOT.skeleton.segment("skullbase")]
-    np.testing.assert_allclose(seen.max(axis=0), told.max(axis=0), atol=1e-5)
-    np.testing.assert_allclose(seen.min(axis=0), told.min(axis=0), atol=1e-5)
+    result = surface.vertices[np.unique(surface.shell)] + straight.origins[ROBOT.skeleton.segment("skullbase")]
+    np.testing.assert_allclose(seen.max(axis=0), result.max(axis=0), atol=1e-5)
+    np.testing.assert_allclose(seen.min(axis=0), result.min(axis=0), atol=1e-5)

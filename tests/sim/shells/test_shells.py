@@ -34,9 +34,9 @@ def robot(request: pytest.FixtureRequest) -> Robot:
 
 @pytest.fixture(scope="module")
 def shell(robot: Robot) -> Shell:
-    found = load_shell(robot)
-    assert found is not None, f"python -m kinesic.sim.shells.bake {robot.name}"
-    return found
+    result = load_shell(robot)
+    assert result is not None, f"python -m kinesic.sim.shells.bake {robot.name}"
+    return result
 
 
 def test_committed_shell_matches_the_robot_description(robot: Robot, shell: Shell):
@@ -116,7 +116,7 @@ def _surfaces(robot: Robot, shell: Shell) -> list[tuple[str, SegmentShell, Float
     Returns:
         Segment, surface, origin of the segment in the surface's frame, and segment of the surface.
     """
-    found = []
+    results = []
     for segment in robot.skeleton.segments:
         name, shift = segment.name, np.zeros(3)
         while name not in shell.segments:
@@ -124,8 +124,8 @@ def _surfaces(robot: Robot, shell: Shell) -> list[tuple[str, SegmentShell, Float
             assert above.parent is not None
             assert not any(hinge.segment == name for hinge in robot.skeleton.hinges)
             name, shift = above.parent, shift + above.origin_in_parent
-        found.append((segment.name, shell.segments[name], shift, name))
-    return found
+        results.append((segment.name, shell.segments[name], shift, name))
+    return results
 
 
 def _winding(surface: SegmentShell, points: Floats) -> Floats:
@@ -140,15 +140,15 @@ def _winding(surface: SegmentShell, points: Floats) -> Floats:
 def _distance(robot: Robot, name: str, points: Floats) -> Floats:
     """Return distances (n,) [m] from points to a segment's shapes and servos, negative inside."""
     segment = robot.skeleton.segments[robot.skeleton.segment(name)]
-    found = [np.full(len(points), np.inf)]
+    results = [np.full(len(points), np.inf)]
     for shape in segment.capsules:
         way = shape.end - shape.start
         share = np.clip((points - shape.start) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
-        found.append(np.linalg.norm(points - shape.start - share[:, None] * way, axis=1) - shape.radius)
+        results.append(np.linalg.norm(points - shape.start - share[:, None] * way, axis=1) - shape.radius)
     for servo in list_servo_boxes(robot, name):
         beyond = np.abs(points - servo.centre) - servo.half
-        found.append(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0))
-    return np.asarray(np.min(found, axis=0))
+        results.append(np.linalg.norm(np.maximum(beyond, 0.0), axis=1) + np.minimum(beyond.max(axis=1), 0.0))
+    return np.asarray(np.min(results, axis=0))
 
 
 def test_written_shell_is_read_back(robot: Robot, shell: Shell, tmp_path: Path):

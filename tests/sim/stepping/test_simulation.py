@@ -47,17 +47,17 @@ def test_reused_simulation_equals_a_new_one(before, after):
 def test_concurrent_twins_get_separate_simulations():
     with borrow_simulations(ROBOT, (NOMINAL_FACTORS, NOMINAL_FACTORS, SOFT_DRIVES), touches=False) as lent:
         inner = borrow(NOMINAL_FACTORS)
-    assert len({id(each.data) for each in (*lent, *inner)}) == 4
+    assert len({id(item.data) for item in (*lent, *inner)}) == 4
 
 
 @pytest.mark.parametrize("other", [{"touches": True}, {"twin": HEAVY_LINKS}, {"twin": Factors(play=0.004)}])
 def test_simulations_with_other_links_are_not_reused(other):
     (plain,) = borrow(NOMINAL_FACTORS)
     touches, twin = other.get("touches", False), other.get("twin", NOMINAL_FACTORS)
-    (found,) = borrow(twin, touches=touches)
-    assert found is not plain
+    (result,) = borrow(twin, touches=touches)
+    assert result is not plain
     np.testing.assert_array_equal(
-        model_bytes(found.model), model_bytes(build_simulation(ROBOT, twin, touches=touches).model)
+        model_bytes(result.model), model_bytes(build_simulation(ROBOT, twin, touches=touches).model)
     )
 
 

@@ -87,9 +87,9 @@ def test_refusal_names_the_file_as_given(fake_process, tmp_path: Path, monkeypat
 )
 def test_failed_import_process_is_reported_in_one_line(fake_process, code: int, errors: bytes, said: str):
     fake_process(code, msgspec.msgpack.encode(IMPORTED_ROBOT), errors)
-    found = refused(Path("robot.xml"))
-    assert found.startswith(f"robot.xml: its import ended with {said}")
-    assert "\n" not in found
+    result = refused(Path("robot.xml"))
+    assert result.startswith(f"robot.xml: its import ended with {said}")
+    assert "\n" not in result
 
 
 @pytest.mark.parametrize("output", [b"", b"text", msgspec.msgpack.encode({"type": "Other"}), msgspec.msgpack.encode(3)])
@@ -121,24 +121,24 @@ def answered(path: Path) -> Answer:
 
 def test_import_answer_contains_robot_text_and_hinge_mapping(hanging_path: Path, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    found = answered(hanging_path)
-    assert isinstance(found, ImportedRobot)
-    assert found.text.startswith("# ")
-    assert f"Mapped from {hanging_path.name} by `kinesic robots import`; confidence " in found.text
-    assert ("REVIEW before it moves" in found.text) is bool(found.doubt)
-    elbow = next(row for row in found.mapping if row[1] == "left_elbow_joint")
+    result = answered(hanging_path)
+    assert isinstance(result, ImportedRobot)
+    assert result.text.startswith("# ")
+    assert f"Mapped from {hanging_path.name} by `kinesic robots import`; confidence " in result.text
+    assert ("REVIEW before it moves" in result.text) is bool(result.doubt)
+    elbow = next(row for row in result.mapping if row[1] == "left_elbow_joint")
     assert elbow[0].startswith("l_")
     assert elbow[2] == "0..126"
-    assert all(row[3] != "-0" for row in found.mapping)
-    assert any("assumed" in row[2] for row in found.mapping)
+    assert all(row[3] != "-0" for row in result.mapping)
+    assert any("assumed" in row[2] for row in result.mapping)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_import_answer_to_an_invalid_file_is_a_refusal(tmp_path: Path, monkeypatch):
     (tmp_path / "broken.xml").write_text("<mujoco>")
-    found = answered(tmp_path / "broken.xml")
-    assert isinstance(found, Refusal)
-    assert found.reason.startswith(f"{tmp_path / 'broken.xml'}: not a readable MJCF or URDF")
+    result = answered(tmp_path / "broken.xml")
+    assert isinstance(result, Refusal)
+    assert result.reason.startswith(f"{tmp_path / 'broken.xml'}: not a readable MJCF or URDF")
 
     def fail(path: Path) -> None:
         raise MemoryError
@@ -158,21 +158,21 @@ def test_timeout_of_an_import_names_its_duration(monkeypatch):
 
 
 def test_imported_robot_with_uncertain_sides_is_marked_for_review(hanging_path: Path):
-    found = import_humanoid(hanging_path)
+    result = import_humanoid(hanging_path)
     sure, doubted = (
-        answer._write_heading(found, "a.xml", ""),
-        answer._write_heading(found, "a.xml", "its sides may be wrong"),
+        answer._write_heading(result, "a.xml", ""),
+        answer._write_heading(result, "a.xml", "its sides may be wrong"),
     )
     assert doubted[:2] == ["REVIEW before it moves: its sides may be wrong.", ""]
     assert doubted[2:] == sure
-    said = answer._describe_doubt(found)
-    assert said.startswith(f"confidence {found.confidence:.2f} is below {answer.REVIEW_CONFIDENCE:g}, so ")
+    said = answer._describe_doubt(result)
+    assert said.startswith(f"confidence {result.confidence:.2f} is below {answer.REVIEW_CONFIDENCE:g}, so ")
 
 
 def test_hinge_mapping_of_an_import_lists_the_rest_angles_of_the_robot_file(hanging_path: Path):
-    found = import_humanoid(hanging_path)
-    rests = {row[0]: row[3] for row in answer._list_mapping(found)}
-    assert rests == {hinge.name: f"{found.file.rest.get(hinge.name, 0.0) + 0.0:.0f}" for hinge in found.hinges}
+    result = import_humanoid(hanging_path)
+    rests = {row[0]: row[3] for row in answer._list_mapping(result)}
+    assert rests == {hinge.name: f"{result.file.rest.get(hinge.name, 0.0) + 0.0:.0f}" for hinge in result.hinges}
     assert "0" in rests.values()
 
 

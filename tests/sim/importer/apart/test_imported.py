@@ -40,11 +40,11 @@ def large_mesh(puppets, tmp_path: Path) -> Path:
 
 
 def test_separate_process_imports_the_same_robot(hanging_path: Path):
-    found, here = import_apart(hanging_path), import_humanoid(hanging_path)
-    assert [row[0] for row in found.mapping] == [hinge.name for hinge in here.hinges]
-    assert found.left_out == here.figure.tree.left_out
-    assert f"confidence {here.confidence:.2f} of 1" in found.text
-    assert not found.shell
+    result, here = import_apart(hanging_path), import_humanoid(hanging_path)
+    assert [row[0] for row in result.mapping] == [hinge.name for hinge in here.hinges]
+    assert result.left_out == here.figure.tree.left_out
+    assert f"confidence {here.confidence:.2f} of 1" in result.text
+    assert not result.shell
 
 
 @pytest.mark.soak

@@ -57,16 +57,16 @@ def test_included_elements_do_not_shift_line_numbers(read):
 
 
 def test_include_is_replaced_by_the_contents_of_its_file(read):
-    found = read(
+    result = read(
         '<mujoco><worldbody><include file="one.xml"/><body/></worldbody><include file="two.xml"/></mujoco>',
         one="<anything><body><geom/></body><site/></anything>",
         two="<mujoco><actuator><motor/></actuator></mujoco>",
     )
-    assert shape(found.root) == (
+    assert shape(result.root) == (
         "mujoco",
         [("worldbody", [("body", ["geom"]), "site", "body"]), ("actuator", ["motor"])],
     )
-    assert (found.path.name, found.models, found.meshes) == ("robot.xml", {}, {})
+    assert (result.path.name, result.models, result.meshes) == ("robot.xml", {}, {})
 
 
 def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
@@ -74,25 +74,25 @@ def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
         '<mesh name="arm" file="x/arm.STL" scale="1 1 1" inertia="exact"/><mesh file="x\\leg.v2.obj"/>'
         '<mesh name="hand"/><mesh name="arm2" file="x/arm.STL"/>'
     )
-    found = read(
+    result = read(
         f'<mujoco><compiler meshdir="m\\n"/><asset>{assets}</asset><default><mesh scale="2 2 2"/></default></mujoco>'
     )
-    meshes = [each for each in found.root.iter("mesh") if "file" in each.attrib]
-    assert [(each.get("name"), each.get("file")) for each in meshes] == [
+    meshes = [item for item in result.root.iter("mesh") if "file" in item.attrib]
+    assert [(mesh.get("name"), mesh.get("file")) for mesh in meshes] == [
         ("arm", "mesh-0.stl"),
         ("leg.v2", "mesh-1.stl"),
         ("hand", "mesh-2.stl"),
         ("arm2", "mesh-3.stl"),
     ]
     assert meshes[0].attrib == {"name": "arm", "file": "mesh-0.stl", "scale": "1 1 1"}
-    assert [(each.file, each.name, each.below) for each in found.meshes.values()] == [
+    assert [(mesh.file, mesh.name, mesh.below) for mesh in result.meshes.values()] == [
         ("x/arm.STL", "arm", "m/n"),
         ("x\\leg.v2.obj", "leg.v2", "m/n"),
         ("", "hand", "m/n"),
         ("x/arm.STL", "arm2", "m/n"),
     ]
-    assert found.root.find("default/mesh").attrib == {"scale": "2 2 2"}
-    assert not found.is_urdf
+    assert result.root.find("default/mesh").attrib == {"scale": "2 2 2"}
+    assert not result.is_urdf
 
 
 @pytest.mark.parametrize(
@@ -106,47 +106,47 @@ def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
     ],
 )
 def test_last_mesh_folder_takes_precedence(read, compilers: str, below: str):
-    found = read(f'<mujoco>{compilers}<asset><mesh file="a.stl"/></asset></mujoco>')
-    assert [each.below for each in found.meshes.values()] == [below]
-    assert "dir" not in tostring(found.root).decode()
+    result = read(f'<mujoco>{compilers}<asset><mesh file="a.stl"/></asset></mujoco>')
+    assert [mesh.below for mesh in result.meshes.values()] == [below]
+    assert "dir" not in tostring(result.root).decode()
 
 
 def test_repeated_urdf_mesh_has_one_token(read):
     def geometry(name: str) -> str:
         return f'<link name="{name}"><visual><geometry><mesh filename="package://r/{name[0]}.stl"/></geometry></visual></link>'
 
-    found = read(f'<robot name="r">{geometry("a1")}{geometry("a2")}{geometry("b1")}</robot>')
-    assert found.is_urdf
-    assert [each.get("filename") for each in found.root.iter("mesh")] == ["mesh-0.stl", "mesh-0.stl", "mesh-1.stl"]
-    assert [each.file for each in found.meshes.values()] == ["package://r/a.stl", "package://r/b.stl"]
+    result = read(f'<robot name="r">{geometry("a1")}{geometry("a2")}{geometry("b1")}</robot>')
+    assert result.is_urdf
+    assert [item.get("filename") for item in result.root.iter("mesh")] == ["mesh-0.stl", "mesh-0.stl", "mesh-1.stl"]
+    assert [mesh.file for mesh in result.meshes.values()] == ["package://r/a.stl", "package://r/b.stl"]
 
 
 def test_attached_model_is_read_once_with_separate_mesh_tokens(read):
     asset = '<asset><mesh file="a.stl"/><model name="m" file="hand.xml"/><model name="n" file="./hand.xml"/></asset>'
-    found = read(f"<mujoco>{asset}</mujoco>", hand='<mujoco><asset><mesh file="b.stl"/></asset></mujoco>')
-    assert [each.get("file") for each in found.root.iter("model")] == ["model-0.xml", "model-0.xml"]
-    assert found.models == {"model-0.xml": b'<mujoco><asset><mesh name="b" file="mesh-1.stl" /></asset></mujoco>'}
-    assert {token: each.file for token, each in found.meshes.items()} == {"mesh-0.stl": "a.stl", "mesh-1.stl": "b.stl"}
+    result = read(f"<mujoco>{asset}</mujoco>", hand='<mujoco><asset><mesh file="b.stl"/></asset></mujoco>')
+    assert [item.get("file") for item in result.root.iter("model")] == ["model-0.xml", "model-0.xml"]
+    assert result.models == {"model-0.xml": b'<mujoco><asset><mesh name="b" file="mesh-1.stl" /></asset></mujoco>'}
+    assert {token: each.file for token, each in result.meshes.items()} == {"mesh-0.stl": "a.stl", "mesh-1.stl": "b.stl"}
 
 
 def test_unused_elements_are_removed_with_their_children(read):
-    found = read(
+    result = read(
         '<mujoco><size nkey="1"/><sensor><gyro/></sensor><keyframe><key/></keyframe><custom><text/></custom>'
         "<deformable><skin/></deformable><asset><hfield/><texture/><skin/><material/></asset>"
         '<compiler><lengthrange/></compiler><worldbody><body user="1"><size/></body></worldbody></mujoco>'
     )
-    assert shape(found.root) == (
+    assert shape(result.root) == (
         "mujoco",
         [("asset", ["material"]), "compiler", ("worldbody", [("body", ["size"])])],
     )
-    assert found.root.find("worldbody/body").attrib == {}
+    assert result.root.find("worldbody/body").attrib == {}
     urdf = read('<robot name="r"><mujoco><size/><compiler><lengthrange/></compiler></mujoco><link name="a"/></robot>')
     assert shape(urdf.root) == ("robot", [("mujoco", ["compiler"]), "link"])
 
 
 def test_includes_inside_removed_elements_are_not_read(read):
-    found = read('<mujoco><sensor><include file="nowhere.xml"/></sensor><worldbody/></mujoco>')
-    assert shape(found.root) == ("mujoco", ["worldbody"])
+    result = read('<mujoco><sensor><include file="nowhere.xml"/></sensor><worldbody/></mujoco>')
+    assert shape(result.root) == ("mujoco", ["worldbody"])
 
 
 @pytest.mark.parametrize(
@@ -199,8 +199,8 @@ def test_copy_count_of_nested_replicates_is_the_product_and_is_limited(read, ref
         inside = f'<replicate count="{outer}"><replicate count="{inner}"><geom/></replicate></replicate>'
         return f"<mujoco><worldbody>{inside}{more}</worldbody></mujoco>"
 
-    found = read(nested(20, 10, '<replicate count="200"/>'))
-    assert [each.get("count") for each in found.root.iter("replicate")] == ["20", "10", "200"]
+    result = read(nested(20, 10, '<replicate count="200"/>'))
+    assert [item.get("count") for item in result.root.iter("replicate")] == ["20", "10", "200"]
     assert "robot.xml:1: <replicate> makes 201 copies, at most 200 are taken" in refused(nested(67, 3))
     skipped = '<mujoco><custom><replicate count="9999"/></custom></mujoco>'
     assert shape(read(skipped).root) == "mujoco"
