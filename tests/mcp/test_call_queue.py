@@ -88,9 +88,9 @@ def test_cancelled_tool_call_leaves_the_queue():
         assert calls.began == ["a", "c"]
         calls.may_end.set()
         assert await third == "c"
-        for each in (first, second):
+        for item in (first, second):
             with pytest.raises(asyncio.CancelledError):
-                await each
+                await item
 
     during(act, max_calls=2)
 
@@ -101,8 +101,8 @@ def test_discarding_cancels_pending_and_current_tool_calls():
         await settle()
         calls.queue.discard("stopped")
         calls.may_end.set()
-        for each in tasks:
-            await is_refused(each, "^stopped$")
+        for task in tasks:
+            await is_refused(task, "^stopped$")
         assert (calls.began, calls.ended) == (["a"], [])
         assert await calls.start("d") == "d"
 
@@ -118,8 +118,8 @@ def test_discarded_tool_calls_leave_the_queue_at_once_but_are_answered_later():
         calls.may_end.set()
         assert await calls.start("c") == "c"
         assert calls.ended == ["c"]
-        for each in tasks:
-            await is_refused(each, "^stopped$")
+        for task in tasks:
+            await is_refused(task, "^stopped$")
         assert monotonic() - begun < 5.0
 
     during(act, max_calls=2, refusal_delay=10.0)
@@ -147,8 +147,8 @@ def test_tool_call_discarded_twice_reports_the_first_reason():
         await settle()
         calls.queue.discard("first")
         calls.queue.discard("second")
-        for each in tasks:
-            await is_refused(each, "^first$")
+        for task in tasks:
+            await is_refused(task, "^first$")
 
     during(act)
 

@@ -56,7 +56,7 @@ def test_json_path_in_an_invalid_document_has_a_bounded_length(text: str):
 )
 def test_bml_parser_errors_of_json_documents_lead_to_json_paths(behaviour: dict, path: str):
     text = json.dumps({"id": "b", "behaviours": [{"type": "head", "id": "h", "lexeme": "NOD"}, behaviour]})
-    with pytest.raises(BmlError) as found:
+    with pytest.raises(BmlError) as result:
         parse(text)
-    _, line, column, problem = str(found.value).split(":", 3)
+    _, line, column, problem = str(result.value).split(":", 3)
     assert find_json_path(text, int(line), int(column), problem=problem.strip()) == path

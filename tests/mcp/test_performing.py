@@ -56,10 +56,10 @@ def perform(robot: FakeRobot, document: str) -> Mapping[str, object]:
 
 
 def refused(robot: FakeRobot, document: str) -> str:
-    with pytest.raises(RefusedError) as found:
+    with pytest.raises(RefusedError) as result:
         perform(robot, document)
     assert robot.documents.performed == []
-    return str(found.value)
+    return str(result.value)
 
 
 def test_block_id_is_taken_from_the_server_answer():
@@ -121,14 +121,14 @@ def test_perform_tool_reports_errors_of_json_documents_with_json_paths(document:
 def test_perform_tool_does_not_repeat_the_attribute_at_the_end_of_a_json_path():
     error = {"line": 1, "column": 17, "text": "stroke: 'x+' is not a sync reference"}
     document = '{"behaviours": [{"type": "head", "stroke": "x+"}]}'
-    told = refused(FakeRobot(plan={"told": "plan", "error": error}), document)
-    assert told == "behaviours[0].stroke: 'x+' is not a sync reference"
+    result = refused(FakeRobot(plan={"told": "plan", "error": error}), document)
+    assert result == "behaviours[0].stroke: 'x+' is not a sync reference"
 
 
 def test_perform_tool_refuses_a_block_without_id_with_a_remedy():
-    told = refused(FakeRobot(plan={**PLAN, "block": "block"}), "<bml/>")
-    assert 'other than "block"' in told
-    assert '"id": "b1" in JSON, or <bml id="b1">' in told
+    result = refused(FakeRobot(plan={**PLAN, "block": "block"}), "<bml/>")
+    assert 'other than "block"' in result
+    assert '"id": "b1" in JSON, or <bml id="b1">' in result
 
 
 def test_document_whose_plan_is_outdated_is_refused():
@@ -186,7 +186,7 @@ def test_waiting_perform_calls_are_discarded_if_another_client_stops_the_robot()
         calls = [asyncio.create_task(performing.perform(lambda: "<bml/>")) for _ in range(3)]
         await planned.wait()
         robot.documents.plan = PLAN
-        assert [type(each) for each in await asyncio.gather(*calls, return_exceptions=True)] == [RefusedError] * 3
+        assert [type(item) for item in await asyncio.gather(*calls, return_exceptions=True)] == [RefusedError] * 3
         assert robot.documents.performed == []
         await performing.perform(lambda: "<bml/>")
         assert len(robot.documents.performed) == 1

@@ -247,7 +247,7 @@ def test_document_of_a_cancelled_caller_is_not_sent():
                 await asyncio.sleep(0.01)
 
         run(act)
-        assert [each for each in server.received if "ping" not in each and "line" not in each] == [
+        assert [item for item in server.received if "ping" not in item and "line" not in item] == [
             "slow",
             '{"do": "resume"}',
         ]

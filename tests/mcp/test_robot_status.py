@@ -52,8 +52,8 @@ def wait(robot: PlayedRobot, block: str, timeout: float = 5.0) -> Mapping[str, o
 
 
 def test_status_names_playing_and_next_blocks_with_seconds():
-    told = {"told": "status", "robot": "upper22", "state": "playing", "servos": None, "late": 0, "waiting": 3}
-    assert summarise({**told, "blocks": [PLAYING, NEXT]}, ["g: moved"]) == {
+    status = {"told": "status", "robot": "upper22", "state": "playing", "servos": None, "late": 0, "waiting": 3}
+    assert summarise({**status, "blocks": [PLAYING, NEXT]}, ["g: moved"]) == {
         "robot": "upper22",
         "state": "playing",
         "playing": [{"block": "a", "seconds_left": 2.3}],
@@ -64,8 +64,8 @@ def test_status_names_playing_and_next_blocks_with_seconds():
 
 
 def test_status_counts_the_document_that_the_planner_works_on():
-    told = {"robot": "upper22", "state": "resting", "waiting": 0, "planning": True, "blocks": []}
-    assert summarise(told, [])["documents_not_planned_yet"] == 1
+    status = {"robot": "upper22", "state": "resting", "waiting": 0, "planning": True, "blocks": []}
+    assert summarise(status, [])["documents_not_planned_yet"] == 1
 
 
 def test_status_tool_answer_of_a_resting_robot_is_short():

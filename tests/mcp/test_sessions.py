@@ -159,7 +159,7 @@ def test_http_session_ended_by_its_client_allows_a_new_session():
         await web.ask()
         assert web.app.sessions == ["s1", "s3"]
         assert web.app.hosts[2] == ("DELETE", "here")
-        assert len([each for each in web.app.hosts if each[0] == "DELETE"]) == 1
+        assert len([host for host in web.app.hosts if host[0] == "DELETE"]) == 1
 
     with_sessions(2, act, opened=2)
 

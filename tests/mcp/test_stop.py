@@ -39,7 +39,7 @@ def judge(timings: list[StopTiming]) -> None:
     for each in timings:
         assert min(each.pending, len(each.refusals)) >= PENDING_CALLS
         assert all("an emergency stop" in refusal for refusal in each.refusals), each.refusals
-    latencies = sorted(each.latency for each in timings)
+    latencies = sorted(timing.latency for timing in timings)
     assert latencies[len(latencies) // 2] <= MAX_STOP_LATENCY
 
 

@@ -34,7 +34,7 @@ class StopTiming:
 
 def text_of(result) -> str:
     """Return the text of a tool's answer."""
-    return "".join(each.text for each in result.content)
+    return "".join(item.text for item in result.content)
 
 
 @contextmanager
@@ -118,7 +118,7 @@ async def _time_stop(stopper, callers, *, round_number: int) -> StopTiming:
     latency = monotonic() - begun
     answers = await asyncio.gather(*calls)
     await stopper.call_tool("resume", {})
-    return StopTiming(latency, pending, tuple(text_of(each) for each in answers if each.is_error))
+    return StopTiming(latency, pending, tuple(text_of(answer) for answer in answers if answer.is_error))
 
 
 def find_server(process: int) -> int:
@@ -144,7 +144,7 @@ def is_running(process: int) -> bool:
 def wait_for(condition: Callable[[], int]) -> int:
     """Wait until a condition holds."""
     until = monotonic() + MAX_END_DELAY
-    while not (found := condition()):
+    while not (conditioned := condition()):
         assert monotonic() < until
         sleep(0.05)
-    return found
+    return conditioned

@@ -76,9 +76,9 @@ def is_progress(due: ScheduledFeedback, id: str) -> bool:
 
 
 def time(due: ScheduledFeedback) -> float:
-    found = re.search(r'globalTime="([^"]*)"', due.xml)
-    assert found is not None
-    return float(found[1])
+    result = re.search(r'globalTime="([^"]*)"', due.xml)
+    assert result is not None
+    return float(result[1])
 
 
 @pytest.fixture

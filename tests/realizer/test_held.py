@@ -54,8 +54,8 @@ def test_gaze_during_a_later_gaze_shift_reaches_its_target(played):
     asked = '<gaze id="g" target="left" start="4" ready="4.8" relax="6" end="7"/>'
     alone, play = played().send("g", asked), played().send("g", asked).until(0.5).send("soon", look("right"))
     torsion = play.scene.setup.robot.joints("neck")[0]
-    expected, found = (each.until(5.5).scene.motion.at(5.5).angles[torsion] for each in (alone, play))
-    assert found == pytest.approx(expected, abs=HELD_POSTURE_TOLERANCE)
+    expected, result = (item.until(5.5).scene.motion.at(5.5).angles[torsion] for item in (alone, play))
+    assert result == pytest.approx(expected, abs=HELD_POSTURE_TOLERANCE)
 
 
 def test_overlapping_gaze_shift_replaces_the_earlier_one(played, end):
@@ -84,7 +84,7 @@ def test_gaze_shift_after_a_dropped_gaze_shift_determines_the_held_posture(playe
 def test_gaze_and_posture_of_a_block_are_superseded_separately(played, end):
     lean = LEAN.format("BODY", "LEANING_FORWARD")
     play = played().send("a", look("left") + lean).until(3.0).send("b", look("right"))
-    right, leaning = (end(played().send("b", each)) for each in (look("right"), lean))
+    right, leaning = (end(played().send("b", item)) for item in (look("right"), lean))
     np.testing.assert_allclose(end(play), right + leaning, atol=ANGLE_TOLERANCE)
     play.send("c", LEAN.format("BODY", "upright"))
     np.testing.assert_allclose(end(play), right, atol=ANGLE_TOLERANCE)

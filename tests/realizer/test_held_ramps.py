@@ -34,9 +34,9 @@ def offset(known, hinges):
     neck = known.robot.joints("neck")[0]
 
     def of(turn: float) -> np.ndarray:
-        found = np.where(hinges, 0.0, 9.0)
-        found[neck] = turn
-        return found
+        result = np.where(hinges, 0.0, 9.0)
+        result[neck] = turn
+        return result
 
     return of
 
@@ -64,10 +64,10 @@ def steps(known):
         base = np.tile(known.robot.skeleton.rest, (KNOT_COUNT, 1))
         base[:, neck] += ends
         work = Overlay(base, base, known.robot.skeleton.rest, 0, running, performed, dropped)
-        found = held_ramps(work, known, known.limits)
-        for ramp in found:
+        result = held_ramps(work, known, known.limits)
+        for ramp in result:
             assert not np.delete(ramp.change, neck).any()
-        return [(round(float(ramp.change[neck]), 9), ramp.begin, ramp.end) for ramp in found]
+        return [(round(float(ramp.change[neck]), 9), ramp.begin, ramp.end) for ramp in result]
 
     return of
 
@@ -159,9 +159,9 @@ def test_warning_of_an_unreached_held_posture_names_the_last_holding_behaviour(k
     controls = motion(known, 0.5 - share * HELD_POSTURE_TOLERANCE)
     performed = [need(0.1, id="first", end=1.0), need(0.3, id="last", end=3.0), need(None, id="back", end=9.0)]
     other = [need(0.2, role="trunk", id="other", end=5.0)]
-    found = end_warnings(controls, performed, other, known.robot)
-    assert [id for id, _ in found] == ["last"] * warned
-    for _, text in found:
+    result = end_warnings(controls, performed, other, known.robot)
+    assert [id for id, _ in result] == ["last"] * warned
+    for _, text in result:
         assert text.startswith("ends 1 deg off its held posture")
         assert f"{known.robot.skeleton.names[known.robot.joints('neck')[0]]} would exceed its range" in text
 
@@ -224,20 +224,20 @@ def test_dropped_gaze_does_not_change_the_permanent_gaze_angle(steps, need):
 
 def test_rest_of_a_running_gaze_after_a_new_gaze_is_removed_by_a_second_trunk_transition(steps, need):
     late = need(0.3, begin=0.5, ready=5.0, end=5.0)
-    found = steps([late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.3)
-    assert found == [(0.0, 1.0, 2.0), (0.2, 1.0, 5.0)]
+    result = steps([late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.3)
+    assert result == [(0.0, 1.0, 2.0), (0.2, 1.0, 5.0)]
     late = need(0.3, begin=3.0, ready=5.0, end=5.0)
-    found = steps([late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.3)
-    assert found == [(0.0, 1.0, 2.0), (0.2, 3.0, 5.0)]
+    result = steps([late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.3)
+    assert result == [(0.0, 1.0, 2.0), (0.2, 3.0, 5.0)]
 
 
 def test_full_return_offset_of_a_gaze_is_kept_although_joint_limits_reduced_it(steps, need):
     before, late = need(0.1, begin=-3.0, ready=-2.0, end=-2.0), need(0.3, begin=3.0, ready=5.0, end=5.0)
-    found = steps([before, late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.25)
-    assert found == [(-0.1, 1.0, 2.0), (pytest.approx(0.3), 3.0, 5.0)]
+    result = steps([before, late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.25)
+    assert result == [(-0.1, 1.0, 2.0), (pytest.approx(0.3), 3.0, 5.0)]
 
 
 def test_running_gaze_during_a_later_gaze_reaches_its_target(steps, need):
     gaze = need(None, begin=3.0, ready=4.0, relax=5.0, end=7.0)
-    found = steps([gaze], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.0)
-    assert found == [(0.0, 1.0, 2.0), (0.2, 3.0, 4.0), (-0.2, 5.0, 7.0)]
+    result = steps([gaze], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.0)
+    assert result == [(0.0, 1.0, 2.0), (0.2, 3.0, 4.0), (-0.2, 5.0, 7.0)]

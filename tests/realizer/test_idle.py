@@ -33,9 +33,9 @@ def test_speech_only_block_has_idle_motion(idling: Play, play: Play):
 
 def test_idle_motion_of_a_block_delays_nothing_and_ends_with_it(idling: Play, play: Play):
     times = []
-    for each in (idling, play):
-        each.send("a", STORY).until(2.0).send("b", WAVE)
-        running = each.scene.find("b")
+    for item in (idling, play):
+        item.send("a", STORY).until(2.0).send("b", WAVE)
+        running = item.scene.find("b")
         times.append((running.zero, running.times, running.merged.dropped))
     assert times[0] == times[1]
     assert idling.scene.motion.controls[-1] == pytest.approx(idling.scene.setup.robot.skeleton.rest, abs=1e-9)

@@ -48,15 +48,15 @@ def test_idle_robot_moves_without_feedback(idling: Play):
 
 def test_block_starts_as_planned_on_an_idling_robot(idling: Play, lively: Setup):
     resting = Play(Scene.of(lively, ahead=0.02))
-    found = []
+    outcomes = []
     for play in (idling.until(5.3), resting.until(5.3)):
         before = play.scene.motion
         running = play.send("b", WELCOME).scene.find("b")
-        found.append((running.times, running.merged.dropped))
+        outcomes.append((running.times, running.merged.dropped))
         assert running.zero - play.now < 0.02 + 0.011 + running.lead_in  # no later than the next knot
         if play is idling:
             certified(play.scene.motion, lively, before, 5.3 - before.start)
-    assert found[0] == found[1]
+    assert outcomes[0] == outcomes[1]
     assert idling.scene.idle is None
     assert farthest(idling.until(12.0), 12.0) < 1e-6
 

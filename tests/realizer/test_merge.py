@@ -55,7 +55,7 @@ def certified(motion, known, before=None, time: float = 0.0) -> None:
     np.testing.assert_allclose(motion.controls[-3:], motion.controls[[-1] * 3], atol=1e-9)
     if before is not None:
         count = knot_at(time) + 3
-        same = (extend_controls(each.controls, count)[:count] for each in (motion, before))
+        same = (extend_controls(item.controls, count)[:count] for item in (motion, before))
         np.testing.assert_allclose(*same, atol=1e-8)
 
 
@@ -79,24 +79,24 @@ def test_block_merged_at_rest_equals_its_plan(planned, running):
 
 @pytest.mark.parametrize("time", [3.7, 4.3, 5.2, 9.0])
 def test_nod_is_added_to_running_gestures(planned, running, known, time):
-    found = merge(running.trajectory, time, planned(NOD), begin=time, occupied=running.occupancy)
-    certified(found.trajectory, known, running.trajectory, time)
-    assert found.dropped == ()
+    merged = merge(running.trajectory, time, planned(NOD), begin=time, occupied=running.occupancy)
+    certified(merged.trajectory, known, running.trajectory, time)
+    assert merged.dropped == ()
     arms = [*arm_hinges("l_hand", known.robot), *arm_hinges("r_hand", known.robot)]
     times = np.linspace(0.0, 7.0, 300)
-    before, after = (each.trajectory.sample(times)[0][:, arms] for each in (running, found))
+    before, after = (item.trajectory.sample(times)[0][:, arms] for item in (running, merged))
     np.testing.assert_allclose(after, before, atol=1e-12)
     neck = list(known.robot.joints("neck"))
-    assert np.ptp(found.layer.controls[:, neck], axis=0).max() > 0.05
+    assert np.ptp(merged.layer.controls[:, neck], axis=0).max() > 0.05
 
 
 def test_nod_is_added_to_a_gaze(planned, rest, known):
     gaze = merge(rest, 0.0, planned('<gaze id="z" target="left" start="0" end="4"/>'), begin=0.0)
-    found = merge(gaze.trajectory, 1.2, planned(NOD), begin=1.2, occupied=gaze.occupancy)
-    certified(found.trajectory, known, gaze.trajectory, 1.2)
+    merged = merge(gaze.trajectory, 1.2, planned(NOD), begin=1.2, occupied=gaze.occupancy)
+    certified(merged.trajectory, known, gaze.trajectory, 1.2)
     torsion, tilt, _ = known.robot.joints("neck")
     times = np.linspace(0.0, 5.0, 200)
-    before, after = (each.trajectory.sample(times)[0] for each in (gaze, found))
+    before, after = (item.trajectory.sample(times)[0] for item in (gaze, merged))
     np.testing.assert_allclose(after[:, torsion], before[:, torsion], atol=0.02)
     assert (after[:, tilt] - before[:, tilt]).max() > 0.1
 
@@ -104,10 +104,10 @@ def test_nod_is_added_to_a_gaze(planned, rest, known):
 def test_gestures_of_both_hands_in_two_blocks_overlap_without_drops(planned, rest, known):
     left = merge(rest, 0.0, planned(gesture("LEFT", id="l", lexeme="offer")), begin=0.0)
     plan = planned(gesture("RIGHT"))
-    found = merge(left.trajectory, 0.4, plan, begin=0.4, occupied=left.occupancy)
-    certified(found.trajectory, known, left.trajectory, 0.4)
-    assert found.dropped == ()
-    strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
+    merged = merge(left.trajectory, 0.4, plan, begin=0.4, occupied=left.occupancy)
+    certified(merged.trajectory, known, left.trajectory, 0.4)
+    assert merged.dropped == ()
+    strokes(plan, merged, list(arm_hinges("r_hand", known.robot)))
 
 
 def test_far_pointing_with_both_hands_keeps_limits_and_drops_no_behaviour(planned, rest, known):
@@ -120,66 +120,66 @@ def test_far_pointing_with_both_hands_keeps_limits_and_drops_no_behaviour(planne
         for side in ("left", "right")
     ]
     first = merge(rest, 0.0, plans[0], begin=0.0)
-    found = merge(first.trajectory, 0.3, plans[1], begin=0.3, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, 0.3)
-    assert found.dropped == ()
+    merged = merge(first.trajectory, 0.3, plans[1], begin=0.3, occupied=first.occupancy)
+    certified(merged.trajectory, known, first.trajectory, 0.3)
+    assert merged.dropped == ()
 
 
 def test_behaviour_of_a_busy_hand_is_dropped_and_named(planned, rest, known):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.5, lexeme="offer")), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT", 1.2, id="beat") + '<head id="n" lexeme="NOD" start="0.4"/>')
-    found = merge(first.trajectory, 0.2, plan, begin=0.2, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, 0.2)
-    assert found.dropped == ("beat",)
-    (notice,) = found.notices
+    merged = merge(first.trajectory, 0.2, plan, begin=0.2, occupied=first.occupancy)
+    certified(merged.trajectory, known, first.trajectory, 0.2)
+    assert merged.dropped == ("beat",)
+    (notice,) = merged.notices
     assert (notice.type, notice.id) == (NoticeType.IMPOSSIBLE_TO_SCHEDULE, "b:beat")
     assert "r_hand busy with g for" in notice.text
-    assert {sync.behaviour for sync in found.syncs} == {"s", "n"}
-    assert {each.behaviour for each in found.occupancy} == {"n"}
+    assert {sync.behaviour for sync in merged.syncs} == {"s", "n"}
+    assert {item.behaviour for item in merged.occupancy} == {"n"}
     hinges = list(arm_hinges("r_hand", known.robot))
     times = np.linspace(0.0, 4.0, 100)
-    before, after = (each.trajectory.sample(times)[0][:, hinges] for each in (first, found))
+    before, after = (item.trajectory.sample(times)[0][:, hinges] for item in (first, merged))
     np.testing.assert_allclose(after, before, atol=1e-12)
 
 
 def test_hand_returns_to_rest_if_its_next_gesture_is_dropped(planned, rest, known):
     first = merge(rest, 0.0, planned(gesture("LEFT", 2.5, lexeme="offer")), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT") + gesture("BOTH", 2.0, id="k"))
-    found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, 0.1)
-    assert list(found.dropped) == ["k"]
+    merged = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
+    certified(merged.trajectory, known, first.trajectory, 0.1)
+    assert list(merged.dropped) == ["k"]
     hand = list(arm_hinges("r_hand", known.robot))
-    strokes(plan, found, hand)
+    strokes(plan, merged, hand)
     relax = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == ("g", "relax"))
     times = np.linspace(0.0, relax + plan.trajectory.zero, 100)
-    offset = found.zero - plan.trajectory.zero
-    same = (each.trajectory.sample(times + by)[0][:, hand] for each, by in ((plan, 0.0), (found, offset)))
+    offset = merged.zero - plan.trajectory.zero
+    same = (each.trajectory.sample(times + by)[0][:, hand] for each, by in ((plan, 0.0), (merged, offset)))
     np.testing.assert_allclose(*same, atol=1e-6)
     resting = known.robot.skeleton.rest[hand]
-    np.testing.assert_allclose(found.trajectory.at(found.zero + 3.0).angles[hand], resting, atol=1e-3)
-    np.testing.assert_allclose(found.trajectory.controls[-1, hand], resting, atol=1e-9)
+    np.testing.assert_allclose(merged.trajectory.at(merged.zero + 3.0).angles[hand], resting, atol=1e-3)
+    np.testing.assert_allclose(merged.trajectory.controls[-1, hand], resting, atol=1e-9)
 
 
 def test_colliding_arms_do_not_move_at_the_same_time(planned, rest, known):
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
     first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
-    found = merge(
+    merged = merge(
         first.trajectory, 0.3, planned(point.format("l", "right", "LEFT")), begin=0.3, occupied=first.occupancy
     )
-    assert found.dropped == ("l",)
-    assert "mm of" in found.notices[0].text
-    assert found.trajectory is first.trajectory
+    assert merged.dropped == ("l",)
+    assert "mm of" in merged.notices[0].text
+    assert merged.trajectory is first.trajectory
 
 
 def test_dropped_gaze_leaves_the_trunk_to_the_running_gaze(planned, rest, known):
     looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="{}"/>'
     first = merge(rest, 0.0, planned(looks.format("z", "left", 6, 7)), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT") + looks.format("y", "right", 2, 3))
-    found = merge(first.trajectory, 1.0, plan, begin=1.0, occupied=first.occupancy)
-    assert found.dropped == ("y",)
+    merged = merge(first.trajectory, 1.0, plan, begin=1.0, occupied=first.occupancy)
+    assert merged.dropped == ("y",)
     trunk = [*known.robot.joints("torso"), *known.robot.joints("neck")]
     times = np.linspace(0.0, 8.0, 80)
-    before, after = (each.trajectory.sample(times)[0][:, trunk] for each in (first, found))
+    before, after = (item.trajectory.sample(times)[0][:, trunk] for item in (first, merged))
     np.testing.assert_allclose(after, before, atol=1e-9)
 
 
@@ -188,13 +188,13 @@ def test_retraction_is_replaced_by_the_next_gesture(planned, rest, known):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     relax, end = first.occupancy[0].relax, first.occupancy[0].end
     time = relax + 0.2 * (end - relax)
-    found = merge(first.trajectory, time, plan, begin=time, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, time)
-    assert found.dropped == ()
+    merged = merge(first.trajectory, time, plan, begin=time, occupied=first.occupancy)
+    certified(merged.trajectory, known, first.trajectory, time)
+    assert merged.dropped == ()
     hinges = list(arm_hinges("r_hand", known.robot))
-    strokes(plan, found, hinges)
-    times = np.linspace(time, found.occupancy[0].ready, 50)
-    away = np.abs(found.trajectory.sample(times)[0][:, hinges] - known.robot.skeleton.rest[hinges]).max(axis=1)
+    strokes(plan, merged, hinges)
+    times = np.linspace(time, merged.occupancy[0].ready, 50)
+    away = np.abs(merged.trajectory.sample(times)[0][:, hinges] - known.robot.skeleton.rest[hinges]).max(axis=1)
     assert away.min() > 0.05  # it does not return in between
 
 
@@ -202,11 +202,11 @@ def test_gaze_reaches_its_target_from_a_held_gaze(planned, rest, known):
     torsion = known.robot.joints("neck")[0]
     left = merge(rest, 0.0, planned('<gazeShift id="l" target="left" start="0" end="1"/>'), begin=0.0)
     right = planned('<gaze id="r" target="right" start="0" end="3"/>')
-    found = merge(left.trajectory, 2.0, right, begin=2.0, occupied=left.occupancy)
-    certified(found.trajectory, known, left.trajectory, 2.0)
+    merged = merge(left.trajectory, 2.0, right, begin=2.0, occupied=left.occupancy)
+    certified(merged.trajectory, known, left.trajectory, 2.0)
     wanted = right.trajectory.at(1.6 + right.trajectory.zero).angles[torsion]
-    assert found.trajectory.at(found.zero + 1.6).angles[torsion] == pytest.approx(wanted, abs=0.02)
-    back = found.trajectory.controls[-1]
+    assert merged.trajectory.at(merged.zero + 1.6).angles[torsion] == pytest.approx(wanted, abs=0.02)
+    back = merged.trajectory.controls[-1]
     np.testing.assert_allclose(back, left.trajectory.controls[-1], atol=1e-6)
     stays = merge(
         left.trajectory, 2.0, planned('<gazeShift id="r" target="right"/>'), begin=2.0, occupied=left.occupancy
@@ -217,9 +217,9 @@ def test_gaze_reaches_its_target_from_a_held_gaze(planned, rest, known):
 def test_later_of_two_simultaneous_gazes_is_dropped(planned, rest):
     looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="9"/>'
     first = merge(rest, 0.0, planned(looks.format("z", "left", 6)), begin=0.0)
-    found = merge(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, occupied=first.occupancy)
-    assert found.dropped == ("y",)
-    assert "look busy with z" in found.notices[0].text
+    merged = merge(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, occupied=first.occupancy)
+    assert merged.dropped == ("y",)
+    assert "look busy with z" in merged.notices[0].text
 
 
 def test_truncating_the_past_does_not_change_a_merge(planned, running, known):
@@ -236,11 +236,11 @@ def test_truncating_the_past_does_not_change_a_merge(planned, running, known):
 
 def test_merge_is_independent_of_the_clock_time(planned, known):
     first, second = planned(gesture("RIGHT", 1.0)), planned(NOD)
-    found = []
+    results = []
     for start in (0.0, 1e4):
         one = merge(stay(known.robot.skeleton.rest, start=start), start, first, begin=start)
-        found.append(merge(one.trajectory, start + 0.5, second, begin=start + 0.5, occupied=one.occupancy))
-    soon, late = found
+        results.append(merge(one.trajectory, start + 0.5, second, begin=start + 0.5, occupied=one.occupancy))
+    soon, late = results
     assert late.zero - soon.zero == pytest.approx(1e4)
     assert [
         each.begin - soon_.begin for each, soon_ in zip(late.occupancy, soon.occupancy, strict=True)
@@ -252,12 +252,12 @@ def test_merge_is_independent_of_the_clock_time(planned, known):
 @pytest.mark.parametrize("time", [0.9, 1.45, 3.1, 6.5, 8.0])
 def test_block_that_replaces_others_starts_immediately(planned, running, known, time):
     plan = planned(gesture("RIGHT", 1.0, lexeme="offer"))
-    found = replace_motion(running.trajectory, time, plan)
-    certified(found.trajectory, known, running.trajectory, time)
-    strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
-    assert 0.0 <= found.zero - plan.trajectory.zero - time <= 0.01
+    replaced = replace_motion(running.trajectory, time, plan)
+    certified(replaced.trajectory, known, running.trajectory, time)
+    strokes(plan, replaced, list(arm_hinges("r_hand", known.robot)))
+    assert 0.0 <= replaced.zero - plan.trajectory.zero - time <= 0.01
     left = list(arm_hinges("l_hand", known.robot))
-    np.testing.assert_allclose(found.trajectory.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
+    np.testing.assert_allclose(replaced.trajectory.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
 
 
 def test_replacing_a_motion_at_random_times_keeps_limits_and_clearance(known):
@@ -277,16 +277,16 @@ def test_merge_benchmark_meets_its_goals(monkeypatch):
 def test_block_requested_in_the_past_begins_at_the_earliest_change(planned, rest, known, time):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     plan = planned(gesture("RIGHT"))
-    found = merge(first.trajectory, time, plan, begin=-5.0, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, time)
-    assert 0.0 <= found.zero - plan.trajectory.zero - time < 0.01
-    assert found.occupancy[0].begin >= time
-    strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
+    merged = merge(first.trajectory, time, plan, begin=-5.0, occupied=first.occupancy)
+    certified(merged.trajectory, known, first.trajectory, time)
+    assert 0.0 <= merged.zero - plan.trajectory.zero - time < 0.01
+    assert merged.occupancy[0].begin >= time
+    strokes(plan, merged, list(arm_hinges("r_hand", known.robot)))
 
 
 def test_block_far_after_the_motion_end_begins_on_time(planned, rest, known):
     plan = planned(NOD)
-    found = merge(rest, 30.0, plan, begin=30.0)
-    certified(found.trajectory, known, rest, 30.0)
-    assert found.zero == pytest.approx(30.0 + plan.trajectory.zero)
-    np.testing.assert_allclose(found.trajectory.at(29.9).angles, known.robot.skeleton.rest, atol=1e-9)
+    merged = merge(rest, 30.0, plan, begin=30.0)
+    certified(merged.trajectory, known, rest, 30.0)
+    assert merged.zero == pytest.approx(30.0 + plan.trajectory.zero)
+    np.testing.assert_allclose(merged.trajectory.at(29.9).angles, known.robot.skeleton.rest, atol=1e-9)

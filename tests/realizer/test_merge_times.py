@@ -30,23 +30,23 @@ def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat")
 
 def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
-    found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)
-    certified(found.trajectory, known, first.trajectory, 0.1)
-    assert found.dropped == ()
-    assert 0.1 < found.zero - 0.1 <= 0.61
-    assert [notice.id for notice in found.notices] == ["b:m"]
-    assert f"{found.zero - 0.1:.3f} s later" in found.notices[0].text
-    (need,) = found.occupancy
+    merged = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)
+    certified(merged.trajectory, known, first.trajectory, 0.1)
+    assert merged.dropped == ()
+    assert 0.1 < merged.zero - 0.1 <= 0.61
+    assert [notice.id for notice in merged.notices] == ["b:m"]
+    assert f"{merged.zero - 0.1:.3f} s later" in merged.notices[0].text
+    (need,) = merged.occupancy
     assert need.ready >= first.occupancy[0].relax - 1e-9
 
 
 def test_block_with_speech_is_not_delayed(planned, rest):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
-    found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
-    assert found.dropped == ("m",)
-    assert found.zero == pytest.approx(0.1)
-    assert found.trajectory is first.trajectory
+    merged = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
+    assert merged.dropped == ("m",)
+    assert merged.zero == pytest.approx(0.1)
+    assert merged.trajectory is first.trajectory
 
 
 @pytest.mark.parametrize(("spare", "delay"), [(0.07, 0.4), (0.22, 0.2), (0.37, 0.1), (0.52, 0.0)])
@@ -55,21 +55,23 @@ def test_block_waits_the_shortest_delay_without_colliding_arms(planned, rest, kn
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
     first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
     plan, time = planned(point.format("l", "right", "LEFT")), first.occupancy[0].relax + spare
-    found = merge(first.trajectory, time, plan, begin=time, occupied=first.occupancy)
-    assert found.dropped == ()
-    assert found.zero - plan.trajectory.zero - time == pytest.approx(delay, abs=0.0101)
+    merged = merge(first.trajectory, time, plan, begin=time, occupied=first.occupancy)
+    assert merged.dropped == ()
+    assert merged.zero - plan.trajectory.zero - time == pytest.approx(delay, abs=0.0101)
 
 
 def test_block_with_an_early_stroke_begins_before_its_zero(planned, rest):
     plan = planned('<head id="n" lexeme="NOD" stroke="0"/>')
     assert plan.trajectory.zero > 0.2
-    found = merge(rest, 0.0, plan, begin=3.0)
-    assert 0.0 <= found.zero - 3.0 < 0.01
-    assert found.occupancy[0].begin == pytest.approx(3.0 - plan.trajectory.zero, abs=0.01)
+    merged = merge(rest, 0.0, plan, begin=3.0)
+    assert 0.0 <= merged.zero - 3.0 < 0.01
+    assert merged.occupancy[0].begin == pytest.approx(3.0 - plan.trajectory.zero, abs=0.01)
 
 
 def test_behaviour_relaxed_before_the_splice_time_causes_no_conflict(planned, rest):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     over = first.occupancy[0].relax + 0.005
-    found = merge(first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy)
-    assert found.dropped == ()
+    merged = merge(
+        first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy
+    )
+    assert merged.dropped == ()

@@ -25,9 +25,9 @@ def need(*roles, begin=0.0, ready=0.5, relax=1.0, end=1.5, offset=None, hinges=2
 
 
 def test_each_behaviour_occupies_its_body_part(planned, known):
-    found = {
-        each.behaviour: each
-        for each in occupancy_of(
+    occupancies = {
+        item.behaviour: item
+        for item in occupancy_of(
             planned("""
         <gesture id="g" lexeme="offer" mode="BOTH_HANDS" stroke="1"/>
         <pointing id="p" target="left" mode="LEFT_HAND" stroke="4"/>
@@ -37,7 +37,7 @@ def test_each_behaviour_occupies_its_body_part(planned, known):
     """)
         )
     }
-    assert {id: set(each.roles) for id, each in found.items()} == {
+    assert {id: set(each.roles) for id, each in occupancies.items()} == {
         "g": {"l_hand", "r_hand"},
         "p": {"l_hand"},
         "n": {"sign"},
@@ -45,9 +45,9 @@ def test_each_behaviour_occupies_its_body_part(planned, known):
         "l": {"trunk"},
     }
     left = list(known.robot.joints("l_arm"))
-    assert found["p"].hinges[left].any()
-    assert not np.delete(found["p"].hinges, left).any()
-    for each in found.values():
+    assert occupancies["p"].hinges[left].any()
+    assert not np.delete(occupancies["p"].hinges, left).any()
+    for each in occupancies.values():
         assert each.begin <= each.ready <= each.relax <= each.end
 
 

@@ -73,20 +73,20 @@ def test_arm_compensates_for_a_turned_trunk(leaning, alone, stroke, known):
 
 
 def test_correction_changes_only_the_pointing_arm_during_its_stroke(leaning, alone, stroke, known):
-    (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
+    (one,), needs = pointing_hands(alone), {item.behaviour: item for item in occupancy_of(alone)}
     cut = stroke - 0.4
-    found = correct_pointing(leaning, cut, PointingStroke(one, stroke, needs["p"]), [needs["g"]], known)
-    assert found is not None
-    assert one.miss(posture(found, stroke), known.robot) < np.radians(0.5)
-    count = max(len(found.controls), len(leaning.controls))
-    change = np.abs(extend_controls(found.controls, count) - extend_controls(leaning.controls, count))
+    result = correct_pointing(leaning, cut, PointingStroke(one, stroke, needs["p"]), [needs["g"]], known)
+    assert result is not None
+    assert one.miss(posture(result, stroke), known.robot) < np.radians(0.5)
+    count = max(len(result.controls), len(leaning.controls))
+    change = np.abs(extend_controls(result.controls, count) - extend_controls(leaning.controls, count))
     assert set(np.flatnonzero(change.max(axis=0) > 1e-9)) <= set(known.robot.joints("r_arm"))
     assert change[: knot_at(cut) + 3].max() < 1e-9
     assert change[-3:].max() < 1e-9
 
 
 def test_pointing_is_not_corrected_after_the_pointing_behaviour_has_ended(leaning, alone, stroke, known):
-    (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
+    (one,), needs = pointing_hands(alone), {item.behaviour: item for item in occupancy_of(alone)}
     moment = PointingStroke(one, stroke, needs["p"])
     assert correct_pointing(leaning, needs["p"].end + 1.0, moment, [], known) is None
 

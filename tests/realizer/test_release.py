@@ -31,25 +31,25 @@ def rest(known):
 @pytest.mark.parametrize("time", [0.4, 0.85, 1.3, 3.5, 4.6])
 def test_release_returns_to_rest_from_any_time(planned, known, rest, time):
     running = planned(passage_text(0)).trajectory
-    found = release_motion(running, time, np.ones(22, dtype=bool), known)
-    certified(found, known, running, time)
-    np.testing.assert_allclose(found.controls[-1], rest.controls[-1], atol=1e-9)
-    assert found.duration < time + 2.5
+    released = release_motion(running, time, np.ones(22, dtype=bool), known)
+    certified(released, known, running, time)
+    np.testing.assert_allclose(released.controls[-1], rest.controls[-1], atol=1e-9)
+    assert released.duration < time + 2.5
 
 
 def test_releasing_hinges_at_rest_keeps_the_rest_posture(known, rest):
-    found = release_motion(rest, 0.02, np.ones(22, dtype=bool), known)
-    np.testing.assert_allclose(found.at(5.0).angles, rest.controls[0], atol=1e-12)
+    released = release_motion(rest, 0.02, np.ones(22, dtype=bool), known)
+    np.testing.assert_allclose(released.at(5.0).angles, rest.controls[0], atol=1e-12)
 
 
 def test_released_hinges_rest_while_others_continue(planned, known):
     running, left = planned(passage_text(0)).trajectory, list(arm_hinges("l_hand", known.robot))
     free = np.isin(np.arange(22), left)
-    found = release_motion(running, 1.0, free, known)
-    certified(found, known, running, 1.0)
-    np.testing.assert_allclose(found.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
+    released = release_motion(running, 1.0, free, known)
+    certified(released, known, running, 1.0)
+    np.testing.assert_allclose(released.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
     times = np.linspace(0.0, 6.0, 200)
-    np.testing.assert_allclose(found.sample(times)[0][:, ~free], running.sample(times)[0][:, ~free], atol=1e-12)
+    np.testing.assert_allclose(released.sample(times)[0][:, ~free], running.sample(times)[0][:, ~free], atol=1e-12)
 
 
 def test_removing_a_head_shake_restores_the_motion_of_the_gaze_below(planned, known, rest):
@@ -58,10 +58,10 @@ def test_removing_a_head_shake_restores_the_motion_of_the_gaze_below(planned, kn
     both = merge(gaze.trajectory, 1.5, shake, begin=1.5, occupied=gaze.occupancy)
     moved = np.ptp(both.layer.controls, axis=0) > 0.0
     free = freed_hinges(both.occupancy, moved, 2.2, known.robot, others=gaze.occupancy)
-    found = release_motion(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.occupancy)
-    certified(found, known, both.trajectory, 2.2)
+    released = release_motion(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.occupancy)
+    certified(released, known, both.trajectory, 2.2)
     times = np.linspace(3.2, 8.0, 100)
-    np.testing.assert_allclose(found.sample(times)[0], gaze.trajectory.sample(times)[0], atol=1e-6)
+    np.testing.assert_allclose(released.sample(times)[0], gaze.trajectory.sample(times)[0], atol=1e-6)
 
 
 def test_released_arm_rests_until_another_block_uses_it(planned, known, rest):
@@ -71,13 +71,13 @@ def test_released_arm_rests_until_another_block_uses_it(planned, known, rest):
     assert both.dropped == ()
     moved = np.ptp(first.layer.controls, axis=0) > 0.0
     free = freed_hinges(first.occupancy, moved, 1.1, known.robot, others=both.occupancy)
-    found = release_motion(both.trajectory, 1.1, free, known, layer=first.layer, others=both.occupancy)
-    certified(found, known, both.trajectory, 1.1)
+    released = release_motion(both.trajectory, 1.1, free, known, layer=first.layer, others=both.occupancy)
+    certified(released, known, both.trajectory, 1.1)
     hinges = list(arm_hinges("r_hand", known.robot))
-    np.testing.assert_allclose(found.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)
+    np.testing.assert_allclose(released.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)
     times = np.linspace(both.occupancy[0].ready + KNOT_INTERVAL, 9.0, 100)
     np.testing.assert_allclose(
-        found.sample(times)[0][:, hinges], both.trajectory.sample(times)[0][:, hinges], atol=1e-9
+        released.sample(times)[0][:, hinges], both.trajectory.sample(times)[0][:, hinges], atol=1e-9
     )
 
 

@@ -44,56 +44,56 @@ def reached(motion, zero, plan, sync, hinges) -> float:
 
 
 def test_refined_plan_is_used_immediately(known, playing, others):
-    found = replan(playing.trajectory, 0.35, playing, others["neutral"])
-    certified(found.trajectory, known, playing.trajectory, 0.35)
+    replanned = replan(playing.trajectory, 0.35, playing, others["neutral"])
+    certified(replanned.trajectory, known, playing.trajectory, 0.35)
     hinges = list(arm_hinges("r_hand", known.robot))
-    for sync in found.syncs:
+    for sync in replanned.syncs:
         if sync.sync == "stroke" and sync.behaviour.startswith("g"):
-            assert reached(found.trajectory, found.zero, others["neutral"], sync, hinges) < 1e-6
-    moved = max(abs(sync.planned - sync.requested) for sync in found.syncs)
+            assert reached(replanned.trajectory, replanned.zero, others["neutral"], sync, hinges) < 1e-6
+    moved = max(abs(sync.planned - sync.requested) for sync in replanned.syncs)
     assert moved <= max(abs(sync.planned - sync.requested) for sync in playing.syncs)
     end = np.linspace(6.0, 8.0, 20)
     np.testing.assert_allclose(
-        found.trajectory.sample(end)[0], others["neutral"].trajectory.sample(end - 0.2)[0], atol=1e-6
+        replanned.trajectory.sample(end)[0], others["neutral"].trajectory.sample(end - 0.2)[0], atol=1e-6
     )
 
 
 @pytest.mark.parametrize("time", [0.3, 1.3, 1.9, 2.6, 3.6, 4.7])
 @pytest.mark.parametrize("style", ["joyful", "sad"])
 def test_style_change_works_at_any_time(known, playing, others, time, style):
-    found = replan(playing.trajectory, time, playing, others[style])
-    certified(found.trajectory, known, playing.trajectory, time)
+    replanned = replan(playing.trajectory, time, playing, others[style])
+    certified(replanned.trajectory, known, playing.trajectory, time)
     strokes = {(sync.behaviour, sync.sync): sync.planned for sync in playing.syncs}
-    for sync in found.syncs:
+    for sync in replanned.syncs:
         if sync.sync == "stroke":
             assert sync.planned == pytest.approx(strokes[sync.behaviour, "stroke"], abs=0.3)
-    assert {sync.behaviour for sync in found.syncs} == {sync.behaviour for sync in playing.syncs}
+    assert {sync.behaviour for sync in replanned.syncs} == {sync.behaviour for sync in playing.syncs}
 
 
 def test_started_gesture_finishes_in_the_old_plan(known, playing, others):
     begun = next(need for need in playing.occupancy if need.behaviour == "g3")
     time = begun.ready + 0.25
-    found = replan(playing.trajectory, time, playing, others["joyful"])
+    replanned = replan(playing.trajectory, time, playing, others["joyful"])
     kept = [sync for sync in playing.syncs if sync.behaviour == "g3"]
-    assert [sync for sync in found.syncs if sync.behaviour == "g3"] == kept
+    assert [sync for sync in replanned.syncs if sync.behaviour == "g3"] == kept
 
 
 def test_later_merged_blocks_continue_after_a_replan(known, playing, others):
     nod = plan_quickly(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
     both = merge(playing.trajectory, 0.3, nod, begin=5.6, occupied=playing.occupancy)
     assert both.dropped == ()
-    found = replan(both.trajectory, 0.4, playing, others["neutral"], others=both.occupancy)
-    certified(found.trajectory, known, both.trajectory, 0.4)
+    replanned = replan(both.trajectory, 0.4, playing, others["neutral"], others=both.occupancy)
+    certified(replanned.trajectory, known, both.trajectory, 0.4)
     hinges = list(arm_hinges("r_hand", known.robot))
     (stroke,) = (sync for sync in both.syncs if sync.sync == "stroke")
-    assert reached(found.trajectory, both.zero, nod, stroke, hinges) < 1e-6
+    assert reached(replanned.trajectory, both.zero, nod, stroke, hinges) < 1e-6
 
 
 def test_restyled_block_can_be_removed(known, playing, others):
-    found = replan(playing.trajectory, 1.3, playing, others["sad"])
-    free = np.ptp(found.layer.controls, axis=0) > 0.0
-    gone = release_motion(found.trajectory, 2.0, free, known, layer=found.layer)
-    certified(gone, known, found.trajectory, 2.0)
+    replanned = replan(playing.trajectory, 1.3, playing, others["sad"])
+    free = np.ptp(replanned.layer.controls, axis=0) > 0.0
+    gone = release_motion(replanned.trajectory, 2.0, free, known, layer=replanned.layer)
+    certified(gone, known, replanned.trajectory, 2.0)
     np.testing.assert_allclose(gone.controls[-1], known.robot.skeleton.rest, atol=1e-6)
 
 
@@ -101,6 +101,6 @@ def test_block_with_a_motionless_new_plan_is_removed(known, block):
     nod = parse(ROOT.format('<head id="n" lexeme="NOD" repetition="3"/>'))
     nodding = merge(stay(known.robot.skeleton.rest), 0.0, plan_block(nod, known), begin=0.0)
     still = plan_block(replace(nod, behaviours=()), known)
-    found = replan(nodding.trajectory, 0.6, nodding, still)
-    certified(found.trajectory, known, nodding.trajectory, 0.6)
-    np.testing.assert_allclose(found.trajectory.controls[-1], known.robot.skeleton.rest, atol=1e-6)
+    replanned = replan(nodding.trajectory, 0.6, nodding, still)
+    certified(replanned.trajectory, known, nodding.trajectory, 0.6)
+    np.testing.assert_allclose(replanned.trajectory.controls[-1], known.robot.skeleton.rest, atol=1e-6)

@@ -86,7 +86,7 @@ def running(
     more: Sequence[Sink] = (),
 ) -> Iterator[Running]:
     """Run a server on a free port, with optional web files, folder and sinks."""
-    witness, ready, found = Witness(), threading.Event(), []
+    witness, ready, results = Witness(), threading.Event(), []
 
     async def serve() -> None:
         enough = asyncio.Event()
@@ -102,14 +102,14 @@ def running(
             files=files,
             folder=folder,
         ) as open_:
-            found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
+            results.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()
             await serve_until_done(open_, enough, console=False)
 
     thread = threading.Thread(target=lambda: asyncio.run(serve()))
     thread.start()
     assert ready.wait(60), "the server did not open"
-    server, enough = found
+    server, enough = results
     try:
         yield server
     finally:
@@ -124,15 +124,15 @@ def server() -> Iterator[Running]:
 
     It shares the package scope, so it runs during all tests that follow its first use.
     """
-    with running(Quotas(rate=1000.0, burst=1000)) as found:
-        yield found
+    with running(Quotas(rate=1000.0, burst=1000)) as result:
+        yield result
 
 
 @pytest.fixture(scope="module")
 def abused() -> Iterator[Running]:
     """Server for hostile documents, which may leave the robot in another posture."""
-    with running(Quotas(rate=1000.0, burst=1000)) as found:
-        yield found
+    with running(Quotas(rate=1000.0, burst=1000)) as result:
+        yield result
 
 
 @pytest.fixture(scope="module")
@@ -141,8 +141,8 @@ def guarded() -> Iterator[Running]:
     rules = Quotas(
         message=2000, depth=8, rate=20.0, burst=10, waiting=2, clients=4, unread=64, patience=1.0, duration=20.0
     )
-    with running(rules, Access("open sesame")) as found:
-        yield found
+    with running(rules, Access("open sesame")) as result:
+        yield result
 
 
 @pytest.fixture

@@ -53,20 +53,20 @@ def _flipped(document: bytes, chance: random.Random) -> bytes:
 
 def _swapped(document: bytes, chance: random.Random) -> bytes:
     """Exchange the values of two attributes."""
-    found = list(_ATTRIBUTE_PATTERN.finditer(document))
-    if len(found) < 2:
+    results = list(_ATTRIBUTE_PATTERN.finditer(document))
+    if len(results) < 2:
         return document
-    one, two = sorted(chance.sample(found, 2), key=lambda match: match.start())
+    one, two = sorted(chance.sample(results, 2), key=lambda match: match.start())
     parts = (document[: one.start(2)], two[2], document[one.end(2) : two.start(2)], one[2], document[two.end(2) :])
     return b"".join(parts)
 
 
 def _with_number(document: bytes, chance: random.Random) -> bytes:
     """Set an attribute to a nonsensical number."""
-    found = list(_ATTRIBUTE_PATTERN.finditer(document))
-    if not found:
+    results = list(_ATTRIBUTE_PATTERN.finditer(document))
+    if not results:
         return document
-    one = chance.choice(found)
+    one = chance.choice(results)
     return document[: one.start(2)] + chance.choice(HOSTILE_NUMBERS) + document[one.end(2) :]
 
 
@@ -78,10 +78,10 @@ def _deepened(document: bytes, chance: random.Random) -> bytes:
 
 def _repeated(document: bytes, chance: random.Random) -> bytes:
     """Repeat an element many times."""
-    found = list(_ELEMENT_PATTERN.finditer(document))
-    if not found:
+    results = list(_ELEMENT_PATTERN.finditer(document))
+    if not results:
         return document
-    one = chance.choice(found)
+    one = chance.choice(results)
     return document[: one.end()] + one[0] * chance.choice((1, 3, 40)) + document[one.end() :]
 
 

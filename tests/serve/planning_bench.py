@@ -77,6 +77,6 @@ class Planning:
 
     def said(self) -> tuple[list[Proposal], list[FeedbackNotice]]:
         taken = self.loop.take()
-        return [each for each in taken if isinstance(each, Proposal)], [
-            each for each in taken if isinstance(each, FeedbackNotice)
+        return [item for item in taken if isinstance(item, Proposal)], [
+            item for item in taken if isinstance(item, FeedbackNotice)
         ]

@@ -135,9 +135,9 @@ class SimulatedServer:
 
     def refine(self, job: bytes) -> None:
         """Replan a block and deliver the result later."""
-        found = unpack(job, self._setup)
-        assert isinstance(found, RefinementJob)
-        result = pack(_refine(found.request, self._setup))
+        unpacked = unpack(job, self._setup)
+        assert isinstance(unpacked, RefinementJob)
+        result = pack(_refine(unpacked.request, self._setup))
         heappush(self._refined, (self.clock.machine + next(self._delays), next(self._numbers), result))
 
 

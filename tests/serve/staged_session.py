@@ -151,14 +151,14 @@ class Stage:
 
     def planned(self) -> list[str]:
         """Return the ids of all sent documents and the type names of other requests."""
-        found = []
+        results = []
         while True:
             self.planner.become_free()
             if not self.planner.sent:
-                return found
+                return results
             sent = self.planner.sent.popleft()
             is_document = isinstance(sent, DocumentRequest)
-            found.append(re.findall('id="(.*)"', sent.message.text)[0] if is_document else type(sent).__name__)
+            results.append(re.findall('id="(.*)"', sent.message.text)[0] if is_document else type(sent).__name__)
 
 
 Act = Callable[[Stage], Coroutine]

@@ -28,8 +28,8 @@ def seen(motion, late, until):
 @given(st.floats(-0.03, 0.08), st.floats(-5.0, 5.0))
 def test_arrival_delay_of_hinges_at_a_sync_point_is_measured(late, start):
     motion = moving(start)
-    found = seen(motion, late, 1.0).lateness(start + 0.8, HINGES, motion)
-    assert found == pytest.approx(late, abs=1e-3)
+    result = seen(motion, late, 1.0).lateness(start + 0.8, HINGES, motion)
+    assert result == pytest.approx(late, abs=1e-3)
 
 
 def test_arrival_delay_of_hinges_that_have_not_arrived_is_none():

@@ -117,9 +117,9 @@ def test_document_is_passed_on_with_sender_and_non_file_source():
     client = registry.join("127.0.0.1:5")
     registry.say(client, DOCUMENT)
     registry.say(client, DOCUMENT)
-    assert [each.text for each in registry.session.performed] == [DOCUMENT] * 2
-    assert {each.sender for each in registry.session.performed} == {client.number}
-    assert [each.source for each in registry.session.performed] == [
+    assert [item.text for item in registry.session.performed] == [DOCUMENT] * 2
+    assert {item.sender for item in registry.session.performed} == {client.number}
+    assert [item.source for item in registry.session.performed] == [
         "<127.0.0.1:5, message 1>",
         "<127.0.0.1:5, message 2>",
     ]
@@ -290,10 +290,10 @@ def test_client_is_connected_until_it_leaves_or_is_disconnected():
         there.append(registry.session.requester.is_there)
     registry.session.requester.send("answer")
     assert told(two) == ["answer"]
-    assert [each() for each in there] == [True, True]
+    assert [item() for item in there] == [True, True]
     registry.leave(one)
     two.close(CLOSE_NORMAL + 1, "")
-    assert [each() for each in there] == [False, False]
+    assert [item() for item in there] == [False, False]
 
 
 def test_overlong_message_is_reported():

@@ -158,7 +158,7 @@ def test_client_that_continues_after_refusals_is_disconnected(guarded):
         while '"closed"' not in (answer := client.receive(20)):
             answers.append(answer)
         assert json.loads(answer)["why"] == "rule rate: too many messages were refused"
-        assert sum("rule rate" in each for each in answers) >= 30
+        assert sum("rule rate" in answer for answer in answers) >= 30
 
 
 def test_client_that_never_reads_is_disconnected(guarded, becomes):
@@ -174,8 +174,8 @@ def test_client_that_never_reads_is_disconnected(guarded, becomes):
         assert becomes(lambda: client.number not in guarded.open.clients._clients)
         other.do("ping")
         assert "pong" in other.receive(20)
-        told = never.receive(20)
-        assert told.startswith("x") or "messages were dropped" in told
+        message = never.receive(20)
+        assert message.startswith("x") or "messages were dropped" in message
 
 
 def test_status_reports_playing_blocks_with_the_seconds_left(server):
@@ -186,6 +186,6 @@ def test_status_reports_playing_blocks_with_the_seconds_left(server):
         client.do("status")
         while not (message := client.receive(20)).startswith("{"):
             pass
-    (block,) = [each for each in json.loads(message)["blocks"] if each["block"] == "seen"]
+    (block,) = [load for load in json.loads(message)["blocks"] if load["block"] == "seen"]
     assert block["starts_in"] == 0
     assert 0 < block["ends_in"] < 5

@@ -89,8 +89,8 @@ class Conversation:
 def test_messages_are_processed_in_order_and_answers_are_sent() -> None:
     wire = PlayedWire(b'{"do": "ping", "id": "1"}', DOCUMENT, b'{"do": "ping", "id": "2"}')
     held = Conversation(wire).hold()
-    assert [json.loads(each)["id"] for each in wire.sent] == ["1", "2"]
-    assert [each.text for each in held.registry.session.performed] == [DOCUMENT]
+    assert [json.loads(item)["id"] for item in wire.sent] == ["1", "2"]
+    assert [item.text for item in held.registry.session.performed] == [DOCUMENT]
     assert held.notices == 3
     assert wire.closed == [(CLOSE_NORMAL, "")]
 

@@ -152,7 +152,10 @@ def test_emergency_stop_keeps_texts_and_due_messages(queue: FeedbackQueue) -> No
     assert queue.propose((), (*block(), before, after))
     send(queue, 10.0)
     queue.halt(11.0)
-    assert [each.content for each in queue.messages if isinstance(each.content, str)] == ["<before/>", "<after/>"]
+    assert [message.content for message in queue.messages if isinstance(message.content, str)] == [
+        "<before/>",
+        "<after/>",
+    ]
     assert send(queue, 99.0) == ["<before/>", "h:stroke", ":end", "<after/>"]
 
 

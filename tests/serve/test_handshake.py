@@ -16,9 +16,9 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="smuggled"><hea
 @pytest.fixture
 def reached(server, monkeypatch):
     """Messages that reached the session, from any client."""
-    found = []
-    monkeypatch.setattr(server.open.clients, "receive", lambda client, message: found.append(message))
-    return found
+    results = []
+    monkeypatch.setattr(server.open.clients, "receive", lambda client, message: results.append(message))
+    return results
 
 
 def test_web_page_of_an_allowed_origin_may_connect(server, monkeypatch, tmp_path):

@@ -30,7 +30,7 @@ RECORDING_BML = (
 @pytest.mark.parametrize("document", [b"", b"<", b'<bml id="a" b="c"/>', EXAMPLE_FILES[0].read_bytes()])
 def test_each_mutation_works_on_any_document(mutation, document):
     made = {mutation(document, random.Random(seed)) for seed in range(20)}
-    assert all(isinstance(each, bytes) for each in made)
+    assert all(isinstance(item, bytes) for item in made)
 
 
 def test_mutations_of_hostile_documents_are_deterministic():

@@ -90,13 +90,13 @@ class Blind:
 
 def test_feedback_waiting_for_arrival_survives_the_next_proposal(known, becomes):
     """Final messages of one proposal are not repeated, but may be sent after the next one."""
-    clock, told, (ours, planners) = Clock(), [], Pipe()
+    clock, results, (ours, planners) = Clock(), [], Pipe()
     loop = Loop(
         known,
         [RealTimeSink(Blind())],
         clock,
         effects=Effects(),
-        send_feedback=lambda message, sender: told.append(message),
+        send_feedback=lambda message, sender: results.append(message),
         notify_server=lambda message: None,
     )
     moving = {("b", "h"): np.ones(len(known.robot.drives), dtype=bool)}
@@ -115,18 +115,18 @@ def test_feedback_waiting_for_arrival_survives_the_next_proposal(known, becomes)
         later = ScheduledFeedback(clock.now() + 0.01, "<later/>")
         assert propose(later).accepted
         assert propose(later).accepted
-        assert becomes(lambda: len(told) == 3)
+        assert becomes(lambda: len(results) == 3)
     finally:
         loop.shut_down()
         loop.join()
-    assert told[1:] == ["<behind/>", "<later/>"]
-    assert 'id="b:h:stroke"' in told[0]
+    assert results[1:] == ["<behind/>", "<later/>"]
+    assert 'id="b:h:stroke"' in results[0]
 
 
 def passed(messages, point):
     """Return when a point of a block was passed [s], or None."""
-    found = (re.search(rf'Progress [^>]*id="{point}" [^>]*globalTime="([^"]*)"', each) for each in messages)
-    return next((float(match[1]) for match in found if match), None)
+    results = (re.search(rf'Progress [^>]*id="{point}" [^>]*globalTime="([^"]*)"', message) for message in messages)
+    return next((float(match[1]) for match in results if match), None)
 
 
 def test_gesture_uses_the_hand_left_free_by_another_block(server, becomes):
@@ -136,7 +136,7 @@ def test_gesture_uses_the_hand_left_free_by_another_block(server, becomes):
         messages = heard(working, 'id="holds:start"')
         answers = list(other.perform(BLOCK.format("beside", '<gesture id="g" lexeme="BEAT" start="0"/>')))
         messages += heard(working, 'id="holds:end"')
-    (warning,) = (each for each in answers if "warningFeedback" in each)
+    (warning,) = (answer for answer in answers if "warningFeedback" in answer)
     assert "moved to the left hand" in warning
     assert "the right hand is busy with holds:g" in warning
     assert passed(answers, "beside:end") < passed(messages, "holds:g:relax")
@@ -158,10 +158,10 @@ def test_blocked_planner_does_not_delay_the_loop_during_many_stops(becomes):
             before = loop._commanded_until
             loop.emergency_stop()
             assert becomes(lambda before=before: loop._commanded_until > before), "it ticks no longer"
-        told = 0
-        while told < STOP_COUNT and planner.poll(1.0):
-            told = planner.recv().stops
-        assert told == STOP_COUNT  # the last stop is always reported
+        result = 0
+        while result < STOP_COUNT and planner.poll(1.0):
+            result = planner.recv().stops
+        assert result == STOP_COUNT  # the last stop is always reported
     finally:
         loop.shut_down()
         planner.close()

@@ -119,13 +119,13 @@ def test_planner_receives_motion_and_time_of_the_stop(simulation: Simulation):
         yield 1.1
 
     simulation.run(script())
-    told = planner.recv()
-    assert isinstance(told, Halted)
-    assert told.stops == 1
-    assert told.time == pytest.approx(1.0 + STOP_COMPUTATION_TIME, abs=2 * TICK_PERIOD)
-    assert (told.motion.controls == loop.motion.controls).all()
-    assert told.motion.start == loop.motion.start <= told.time - STOP_COMPUTATION_TIME + TICK_PERIOD
-    assert told.motion.start >= told.time - STOP_COMPUTATION_TIME - TICK_PERIOD, "the past is not told"
+    message = planner.recv()
+    assert isinstance(message, Halted)
+    assert message.stops == 1
+    assert message.time == pytest.approx(1.0 + STOP_COMPUTATION_TIME, abs=2 * TICK_PERIOD)
+    assert (message.motion.controls == loop.motion.controls).all()
+    assert message.motion.start == loop.motion.start <= message.time - STOP_COMPUTATION_TIME + TICK_PERIOD
+    assert message.motion.start >= message.time - STOP_COMPUTATION_TIME - TICK_PERIOD, "the past is not told"
     assert not planner.poll(0), "it is told once"
 
 

@@ -23,7 +23,7 @@ def until(*times: float):
 
 def test_each_sink_gets_the_command_of_each_tick_once(simulation: Simulation):
     recorders = [Recorder(), Recorder()]
-    loop = simulation.make([RealTimeSink(each) for each in recorders])
+    loop = simulation.make([RealTimeSink(recorder) for recorder in recorders])
     simulation.run(until(1.005))
     for each in recorders:
         assert np.allclose(each.times, np.arange(101) / 100)
@@ -153,7 +153,7 @@ def test_arming_request_without_servos_changes_nothing(simulation: Simulation):
 @pytest.mark.parametrize("fault", [BusError("unplugged"), DisplayError("no window")])
 def test_failing_sink_ends_the_loop_and_closes_all_sinks(simulation: Simulation, fault: Exception):
     recorders = [Recorder(), Recorder()]
-    loop = simulation.make([RealTimeSink(each) for each in recorders])
+    loop = simulation.make([RealTimeSink(recorder) for recorder in recorders])
 
     def script():
         yield 0.5
@@ -164,7 +164,7 @@ def test_failing_sink_ends_the_loop_and_closes_all_sinks(simulation: Simulation,
     assert simulation.now < 0.6
     assert loop.has_failed
     assert loop.error is fault
-    assert [each.closed for each in recorders] == [1, 1]
+    assert [recorder.closed for recorder in recorders] == [1, 1]
 
 
 def test_unexpected_exception_in_the_loop_counts_as_failure(simulation: Simulation):

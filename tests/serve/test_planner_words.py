@@ -28,9 +28,9 @@ def test_unknown_style_is_refused_and_a_valid_style_applies_to_future_blocks(pla
     proposals, (notice,) = planning.said()
     assert not proposals
     assert notice.sender == 3
-    told = json.loads(notice.message)
-    assert (told["told"], told["do"]) == ("refused", "style")
-    assert "gloomy" in told["why"]
+    data = json.loads(notice.message)
+    assert (data["told"], data["do"]) == ("refused", "style")
+    assert "gloomy" in data["why"]
     planning.state.execute(Restyling("calm", ("power=-0.5",), None, None, 3))
     assert planning.said()[1] == []
     planning.document("b", LONG_GESTURE_BML)
@@ -64,7 +64,7 @@ def test_parameter_changes_without_a_style_apply_to_the_current_style(planning: 
 
 
 def saying(notices: list[FeedbackNotice]) -> list[dict]:
-    return [json.loads(each.message) for each in notices if each.message.startswith("{")]
+    return [json.loads(notice.message) for notice in notices if notice.message.startswith("{")]
 
 
 def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
@@ -73,10 +73,10 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     assert proposals[-1].owed == {7}, "its client is owed the rest"
     planning.state.plan_phrases()
     proposals, notices = planning.said()
-    (told,) = saying(notices)
-    assert (told["told"], told["text"], told["block"]) == ("saying", "Hello there.", "said7-1")
+    (result,) = saying(notices)
+    assert (result["told"], result["text"], result["block"]) == ("saying", "Hello there.", "said7-1")
     assert {block for block, _ in proposals[-1].moving} <= {"said7-1"}
-    assert {each.sender for each in notices} == {7}
+    assert {notice.sender for notice in notices} == {7}
     planning.state.plan_phrases()
     assert saying(planning.said()[1]) == [], "the rest is awaited"
     assert planning.state.pause is not None
@@ -84,10 +84,10 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     planning.time = 100.0
     planning.state.advance_scene()
     planning.state.plan_phrases()
-    told = saying(planning.said()[1])
-    assert [each["told"] for each in told] == ["saying", "all_said"]
-    assert told[0]["text"] == "And so on."
-    assert told[1]["block"] == told[0]["block"] == "said7-2"
+    result = saying(planning.said()[1])
+    assert [item["told"] for item in result] == ["saying", "all_said"]
+    assert result[0]["text"] == "And so on."
+    assert result[1]["block"] == result[0]["block"] == "said7-2"
 
 
 def test_phrase_waits_for_running_speech(planning: Planning):
@@ -96,11 +96,11 @@ def test_phrase_waits_for_running_speech(planning: Planning):
     planning.state.execute(DocumentRequest(Words("Here I am.", 2, ends=True), 0))
     planning.state.plan_phrases()
     first = saying(planning.said()[1])
-    assert {each["block"][:5] for each in first} == {"said1"}
+    assert {item["block"][:5] for item in first} == {"said1"}
     planning.time = 100.0
     planning.state.advance_scene()
     planning.state.plan_phrases()
-    assert "said2-1" in [each.get("block") for each in saying(planning.said()[1])]
+    assert "said2-1" in [item.get("block") for item in saying(planning.said()[1])]
 
 
 @pytest.mark.parametrize("request_", [Interruption(None), "stop"])
@@ -151,7 +151,7 @@ def test_late_proposal_is_repeated_for_a_later_time(planning: Planning):
     assert np.diff(cuts).min() > 0.0
     assert cuts[1:] == pytest.approx([2 * cut for cut in cuts[:-1]])
     _, notices = planning.said()
-    assert not any("warning" in each.message for each in notices)
+    assert not any("warning" in notice.message for notice in notices)
 
 
 @pytest.mark.parametrize(("late", "why"), [(0.01, "the machine is too busy"), (-0.01, "cause a step")])

@@ -38,16 +38,16 @@ def test_document_queue_contains_a_client_until_it_is_cleared():
 
 def test_waiting_words_are_joined_until_the_text_ends():
     turns = FairQueue(3)
-    for each in (
+    for entry in (
         Words("He", 1),
         Words("llo", 1),
         Words("!", 1, ends=True),
         Words("No", 1),
         Words("Yes", 1, instead=True),
     ):
-        assert turns.add(each)
+        assert turns.add(entry)
     assert not turns.add(Words("x", 1, instead=True))
-    assert [(each.text, each.ends, each.instead) for each in iter(turns.next, None)] == [
+    assert [(item.text, item.ends, item.instead) for item in iter(turns.next, None)] == [
         ("Hello!", True, False),
         ("No", False, False),
         ("Yes", False, True),
@@ -105,8 +105,8 @@ def test_oldest_progress_messages_are_dropped_first_and_reported():
     queue = OutputQueue(3, 100_000, UnreadMemory(100_000))
     for message in ("first", f"{PROGRESS_PREFIX} 1", f"{PROGRESS_PREFIX} 2", "second", "third", "fourth"):
         queue.put(message)
-    told, *left = drained(queue)
-    assert "3 messages were dropped" in told
+    result, *left = drained(queue)
+    assert "3 messages were dropped" in result
     assert left == ["second", "third", "fourth"]
 
 
@@ -125,9 +125,9 @@ def test_output_queue_respects_its_memory_limit():
     for number in range(100):
         queue.put(document + str(number))
     assert len(queue) == 4
-    told, *left = drained(queue)
-    assert "96 messages were dropped" in told
-    assert [each[-2:] for each in left] == ["96", "97", "98", "99"]
+    result, *left = drained(queue)
+    assert "96 messages were dropped" in result
+    assert [item[-2:] for item in left] == ["96", "97", "98", "99"]
 
 
 def test_single_oversized_message_is_kept():
@@ -166,8 +166,8 @@ def test_total_memory_limit_drops_messages_of_the_largest_queue():
         queue.put("y" * 49_000)
         assert memory.bytes <= 1_000_000
     assert drained(quick) == ["kept"]
-    told, *_ = drained(slow)
-    assert "17 messages were dropped" in told
+    result, *_ = drained(slow)
+    assert "17 messages were dropped" in result
     assert sum(map(len, others)) >= 19
 
 

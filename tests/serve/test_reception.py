@@ -77,5 +77,5 @@ def test_new_connections_replace_the_oldest_silent_ones(server, becomes, monkeyp
             present.do("ping", id="still")
             assert json.loads(present.receive(20))["id"] == "still"
         finally:
-            for each in silent:
-                each.close()
+            for item in silent:
+                item.close()

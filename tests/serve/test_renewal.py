@@ -14,10 +14,10 @@ from kinesic.serve.renewal import renew_setup
 def test_reload_of_the_lexicon_keeps_robot_and_style(known: Setup):
     present = replace(known, style=Style.load("calm"))
     lexicon = Lexicon.load()
-    found = renew_setup(lambda: replace(known, lexicon=lexicon), present)
-    assert found.lexicon is lexicon
-    assert found.style is present.style
-    assert found.robot is known.robot
+    renewed = renew_setup(lambda: replace(known, lexicon=lexicon), present)
+    assert renewed.lexicon is lexicon
+    assert renewed.style is present.style
+    assert renewed.robot is known.robot
 
 
 @pytest.mark.parametrize("fault", [ConfigError("a wrong file"), FileNotFoundError("gone")])

@@ -44,8 +44,8 @@ def known() -> Setup:
 
 def progress(messages, name):
     """Return the progress feedback of a block in order."""
-    found = (re.search(rf'<(?:block|syncPoint)Progress[^>]* id="{name}:([^"]*)"', each) for each in messages)
-    return [match[1] for match in found if match]
+    results = (re.search(rf'<(?:block|syncPoint)Progress[^>]* id="{name}:([^"]*)"', message) for message in messages)
+    return [match[1] for match in results if match]
 
 
 def undisturbed(commands):
@@ -71,7 +71,7 @@ def test_block_is_predicted_performed_and_reported_in_order(server):
         messages = list(client.perform(BLOCK.format("ordered", NOD)))
     assert "<predictionFeedback" in messages[0]
     assert progress(messages, "ordered") == NOD_POINTS
-    times = [float(time) for each in messages for time in re.findall(r'globalTime="([^"]*)"', each)]
+    times = [float(time) for message in messages for time in re.findall(r'globalTime="([^"]*)"', message)]
     assert times == sorted(times)
     assert undisturbed(seen(server))
 
@@ -79,12 +79,12 @@ def test_block_is_predicted_performed_and_reported_in_order(server):
 def test_nod_moves_the_head_and_ends_at_rest(server):
     with server.client() as client:
         times = [
-            float(found[1])
-            for each in client.perform(BLOCK.format("moving", NOD))
-            if (found := re.search(r'globalTime="([^"]*)"', each))
+            float(result[1])
+            for item in client.perform(BLOCK.format("moving", NOD))
+            if (result := re.search(r'globalTime="([^"]*)"', item))
         ]
     rest = known().robot.skeleton.rest
-    moved = [np.abs(each.angles - rest).max() for each in seen(server) if times[0] <= each.time <= times[-1]]
+    moved = [np.abs(item.angles - rest).max() for item in seen(server) if times[0] <= item.time <= times[-1]]
     assert max(moved) > np.radians(5.0)
     assert moved[0] < 1e-6
     assert moved[-1] < 1e-3
@@ -137,7 +137,7 @@ def test_invalid_blocks_are_answered_and_disturb_no_client(server):
         messages = []
         while progress(messages, "good")[-1:] != ["end"]:
             messages.append(good.receive(20))
-    assert len([each for each in messages if "syncPointProgress" in each]) == BEAT_COUNT * 7
+    assert len([message for message in messages if "syncPointProgress" in message]) == BEAT_COUNT * 7
     assert undisturbed(seen(server))
 
 
@@ -182,10 +182,10 @@ def test_client_that_reads_slowly_loses_only_its_own_messages(server, becomes):
 def test_status_reports_the_server_state(server):
     with server.client() as client:
         client.do("status")
-        told = json.loads(client.receive(20))
-    assert told["told"] == "status"
-    assert told["clients"] >= 1
-    assert told["planner"] == "warm"
+        data = json.loads(client.receive(20))
+    assert data["told"] == "status"
+    assert data["clients"] >= 1
+    assert data["planner"] == "warm"
 
 
 def test_client_sending_endless_blanks_is_disconnected(server):
@@ -198,8 +198,8 @@ def test_server_raises_and_lowers_the_brows_at_their_scheduled_times(server):
     face = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="1" start="0" attackPeak="0.3" relax="0.6" end="0.9"/>'
     with server.client() as client:
         messages = list(client.perform(BLOCK.format("face", face)))
-    begin = min(float(time) for each in messages for time in re.findall(r' globalTime="([^"]*)"', each))
-    shown = {round(each.time - begin, 2): dict(each.face) for each in seen(server) if each.time >= begin}
+    begin = min(float(time) for message in messages for time in re.findall(r' globalTime="([^"]*)"', message))
+    shown = {round(item.time - begin, 2): dict(item.face) for item in seen(server) if item.time >= begin}
     brows = {time: units.get("L1", 0.0) for time, units in shown.items()}
     assert max(brows.values()) == pytest.approx(max(value for time, value in brows.items() if 0.2 < time < 0.7))
     assert max(brows.values()) > 0.5
@@ -276,10 +276,10 @@ def test_block_with_overlong_planning_is_refused(server, becomes, monkeypatch):
             messages.append(client.receive(20))
         monkeypatch.setattr(session.planner, "_rules", replace(server.open.clients.rules, planning=1e-4))
         other.send(BLOCK.format("too-hard", LONG))
-        told = [other.receive(20)]
-        while "warningFeedback" not in told[-1]:
-            told.append(other.receive(20))
-        assert "rule planning" in told[-1]
+        results = [other.receive(20)]
+        while "warningFeedback" not in results[-1]:
+            results.append(other.receive(20))
+        assert "rule planning" in results[-1]
         monkeypatch.undo()
         while progress(messages, "goes-on")[-1] != "end":
             messages.append(client.receive(20))

@@ -65,7 +65,7 @@ def test_websocket_becomes_a_stop_connection_without_losing_a_buffered_stop(serv
     loop = server.open.clients.session.loop
     stops = loop.stop_count
     with connect(f"ws://127.0.0.1:{server.port}") as web:
-        web.socket.sendall(b"".join(_frame(each) for each in ('{"do": "stop_line"}', '{"do": "stop"}')))
+        web.socket.sendall(b"".join(_frame(item) for item in ('{"do": "stop_line"}', '{"do": "stop"}')))
         assert [json.loads(web.recv(MAX_WAIT))["told"] for _ in range(2)] == ["stop_line", "stopped"]
         assert loop.stop_count == stops + 1
         with held_up(server.tasks):
@@ -92,14 +92,14 @@ def test_stop_connection_refuses_documents_and_occupies_no_client_slot(server, b
         assert json.loads(client.receive(MAX_WAIT)) == {"told": "stop_line"}
         assert becomes(lambda: not clients._clients)
         assert clients._taken == 0
-        for message, told in (
+        for message, result in (
             ('<bml><head lexeme="NOD"/></bml>', "refused"),
             ('{"do": "resume"}', "refused"),
             ('{"do": "nonsense"}', "refused"),
             ('{"do": "ping", "id": "x"}', "pong"),
         ):
             client.send(message)
-            assert json.loads(client.receive(MAX_WAIT))["told"] == told
+            assert json.loads(client.receive(MAX_WAIT))["told"] == result
 
 
 def test_stop_connection_that_floods_the_server_is_disconnected(guarded):
@@ -108,11 +108,11 @@ def test_stop_connection_that_floods_the_server_is_disconnected(guarded):
         client.do("stop_line")
         assert json.loads(client.receive(MAX_WAIT)) == {"told": "stop_line"}
         client.send_bytes(b'{"do": "stop"}\0' * 200)
-        told = []
-        while not told or told[-1]["told"] != "closed":
-            told.append(json.loads(client.receive(MAX_WAIT)))
-    assert told[-1]["why"].startswith("rule rate")
-    assert 10 <= len(told) < 200
+        results = []
+        while not results or results[-1]["told"] != "closed":
+            results.append(json.loads(client.receive(MAX_WAIT)))
+    assert results[-1]["why"].startswith("rule rate")
+    assert 10 <= len(results) < 200
     assert loop.stop_count >= 10
 
 

@@ -25,10 +25,10 @@ def performed(scene: Scene, bml: str, now: float) -> Scene:
 
 def texts(talks: Talks, scene: Scene, now: float) -> list[tuple[int, str]]:
     """Return all complete phrases, as if speech took no time."""
-    found = []
+    results = []
     while (phrase := talks.next_phrase(scene, now)) is not None:
-        found.append((phrase.sender, phrase.text))
-    return found
+        results.append((phrase.sender, phrase.text))
+    return results
 
 
 def test_length_of_waiting_text_is_limited():

@@ -24,27 +24,27 @@ MAX_WAIT = 20.0  # [s] for a message
 
 def told(client, until, seconds=MAX_WAIT):
     """Return messages up to one that contains a text."""
-    end, found = monotonic() + seconds, []
+    end, results = monotonic() + seconds, []
     while monotonic() < end:
         message = client.receive(max(end - monotonic(), 0.0))
         if message is None:
             break
-        found.append(message)
+        results.append(message)
         if re.search(until, message):
-            return found
-    raise AssertionError(f"{until} was not told: {found}")
+            return results
+    raise AssertionError(f"{until} was not told: {results}")
 
 
 def answers(messages, kind):
-    found = (json.loads(each) for each in messages if each.startswith("{"))
-    return [each for each in found if each["told"] == kind]
+    results = (json.loads(message) for message in messages if message.startswith("{"))
+    return [item for item in results if item["told"] == kind]
 
 
 def starts(messages):
     return {
         match[1]: float(match[2])
-        for each in messages
-        if (match := re.search(r'<syncPoint[^>]* id="([^"]*:s:(?:start|end))" [^>]*?globalTime="([^"]*)"', each))
+        for message in messages
+        if (match := re.search(r'<syncPoint[^>]* id="([^"]*:s:(?:start|end))" [^>]*?globalTime="([^"]*)"', message))
     }
 
 
@@ -56,16 +56,16 @@ def test_phrases_are_spoken_without_gap_or_overlap(server):
         client.do("words", ends=True)
         messages = told(client, '"all_said"')
         end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
-        messages += [] if any(end in each for each in messages) else told(client, end)
+        messages += [] if any(end in message for message in messages) else told(client, end)
     saying = answers(messages, "saying")
-    assert " ".join(each["text"] for each in saying).split()[:4] == ["Hello,", "my", "friend!", "I"]
-    assert " ".join(each["text"] for each in saying).endswith("it was dark.")
+    assert " ".join(item["text"] for item in saying).split()[:4] == ["Hello,", "my", "friend!", "I"]
+    assert " ".join(item["text"] for item in saying).endswith("it was dark.")
     assert len(saying) >= 2
     at = starts(messages)
     for one, other in pairwise(saying):
         gap = at[f"{other['block']}:s:start"] - at[f"{one['block']}:s:end"]
         assert gap > 0.05
-    assert not [each for each in messages if "speaks until" in each]
+    assert not [message for message in messages if "speaks until" in message]
 
 
 def test_first_phrase_is_spoken_while_the_next_is_awaited(server):
@@ -114,7 +114,7 @@ def test_phrases_of_two_streamed_texts_alternate_without_overlap(server):
         for client in (one, other):
             client.do("words", text="Here I am. ", ends=True)
         first, second = (told(client, r'id="[^"]*:s:end"') for client in (one, other))
-    spans = sorted(sorted(starts(each).values()) for each in (first, second))
+    spans = sorted(sorted(starts(item).values()) for item in (first, second))
     assert spans[0][1] <= spans[1][0]
 
 
@@ -126,8 +126,8 @@ def test_plain_text_is_spoken_if_allowed_or_refused(server):
 
 @pytest.fixture(scope="module")
 def talkative():
-    with running(Quotas(), Access(texts=True)) as found:
-        yield found
+    with running(Quotas(), Access(texts=True)) as result:
+        yield result
 
 
 def test_plain_text_over_websocket_and_tcp_is_spoken(talkative):
@@ -148,7 +148,7 @@ def test_client_that_stops_sending_gets_feedback_on_all_text(talkative):
         client._socket.shutdown(1)
         messages = told(client, '"all_said"')
         end = f'id="{answers(messages, "all_said")[0]["block"]}:end"'
-        assert any(end in each for each in messages) or told(client, end)
+        assert any(end in message for message in messages) or told(client, end)
 
 
 def test_text_memory_per_client_is_limited():

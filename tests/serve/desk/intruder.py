@@ -81,14 +81,14 @@ class Grounds:
 
     def snapshot(self) -> dict[str, tuple]:
         """Return kind, permissions, modification time and content of all outside files."""
-        found = {}
+        states = {}
         for folder, folders, files in os.walk(self.outside):
             for name in (".", *folders, *files):
                 path = Path(folder, name)
-                told = path.lstat()
+                status = path.lstat()
                 content = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else sorted(os.listdir(path))
-                found[str(path)] = (told.st_mode, told.st_mtime_ns, told.st_size, told.st_ino, str(content))
-        return found
+                states[str(path)] = (status.st_mode, status.st_mtime_ns, status.st_size, status.st_ino, str(content))
+        return states
 
     @contextmanager
     def racing(self) -> Iterator[None]:
@@ -167,10 +167,10 @@ class Intruder:
         document = NOD.format(quoteattr(self.name().translate({0: "?", 0xDCFF: "?"})))
         question = ExportQuestion(document, self._chance.choice(get_args(Format)), id=1)
         answer = answer_draft(question, self._setup, DEFAULT_QUOTAS, writers=EXPORT_WRITERS)
-        told = json.loads(answer)
-        if "error" in told:
+        data = json.loads(answer)
+        if "error" in data:
             raise ConfigError(answer)
-        assert Path(told["name"]).name == told["name"]
+        assert Path(data["name"]).name == data["name"]
         return answer
 
     def _save(self) -> str:

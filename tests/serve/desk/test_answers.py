@@ -127,8 +127,8 @@ def test_answers_and_failures_of_queries_are_sent_to_the_requesting_client(rooms
     desk, requester = opened(), Requester(4, told.append, lambda: True)
     for question, helper in ((PlanQuestion("x", id=3), "drafter"), (ReachQuestion((0, 0, 1), id=4), "reacher")):
         desk.answer(requester, question)
-        for found in ("an answer", Unanswered.OUTDATED, Unanswered.FAILED):
-            rooms[helper].reply(found)
+        for item in ("an answer", Unanswered.OUTDATED, Unanswered.FAILED):
+            rooms[helper].reply(item)
     assert [told[0], told[3]] == ["an answer"] * 2
     assert json.loads(told[1]) == {"told": "plan", "id": 3, "outdated": True}
     assert "took longer than 3 s" in json.loads(told[2])["error"]["text"]
@@ -157,10 +157,10 @@ def answered(question: object, setup: Setup) -> dict:
 
 
 def test_answer_to_a_plan_query_repeats_the_query_id(upper22_setup: Setup):
-    found = answered(PlanQuestion(NOD, id=3), upper22_setup)
-    assert (found["told"], found["id"], found["block"]) == ("plan", 3, "b")
-    assert [each["type"] for each in found["behaviours"]] == ["head"]
-    assert found["behaviours"][0]["outcome"] == "realised"
+    answer = answered(PlanQuestion(NOD, id=3), upper22_setup)
+    assert (answer["told"], answer["id"], answer["block"]) == ("plan", 3, "b")
+    assert [item["type"] for item in answer["behaviours"]] == ["head"]
+    assert answer["behaviours"][0]["outcome"] == "realised"
 
 
 def test_plan_queries_respect_the_quotas(upper22_setup: Setup):
@@ -172,8 +172,8 @@ def test_plan_queries_respect_the_quotas(upper22_setup: Setup):
 
 
 def test_gestures_are_planned_and_built_in_ones_returned_as_toml(upper22_setup: Setup):
-    found = answered(GestureQuestion(toml=GESTURE, id=3), upper22_setup)
-    assert (found["told"], found["id"], found["gesture"]) == ("gesture", 3, "mine")
+    answer = answered(GestureQuestion(toml=GESTURE, id=3), upper22_setup)
+    assert (answer["told"], answer["id"], answer["gesture"]) == ("gesture", 3, "mine")
     ours = answered(GestureQuestion(lexeme="beat"), upper22_setup)
     assert 'id = "beat"' in ours["toml"]
     gone = answered(GestureQuestion(lexeme="nobody"), upper22_setup)
@@ -182,11 +182,11 @@ def test_gestures_are_planned_and_built_in_ones_returned_as_toml(upper22_setup: 
 
 
 def test_gestures_are_found_in_the_order_of_the_ranked_search(upper22_setup: Setup):
-    found = answered(FindQuestion("weigh two things", id=5), upper22_setup)
-    assert (found["told"], found["id"]) == ("find", 5)
+    answer = answered(FindQuestion("weigh two things", id=5), upper22_setup)
+    assert (answer["told"], answer["id"]) == ("find", 5)
     hits = find_gestures(upper22_setup.lexicon, "weigh two things", count=50)
-    assert [gesture["id"] for gesture in found["gestures"]] == [hit.id for hit in hits]
-    assert found["gestures"][0] == {"id": "balance", "category": "metaphoric", "says": hits[0].says, "near": True}
+    assert [gesture["id"] for gesture in answer["gestures"]] == [hit.id for hit in hits]
+    assert answer["gestures"][0] == {"id": "balance", "category": "metaphoric", "says": hits[0].says, "near": True}
     assert not answered(FindQuestion("versus"), upper22_setup)["gestures"][0]["near"]
     with pytest.raises(ValidationError):
         decode(b'{"do": "find", "words": "' + b"x" * 201 + b'"}', type=FindQuestion)
@@ -213,9 +213,9 @@ def test_internal_planning_error_is_returned_as_the_error_of_the_query(
 
     monkeypatch.setattr(drafter, "draft", fail)
     monkeypatch.setattr(drafter, "find_fault", fail)
-    found = answered(PlanQuestion(NOD, id=3), upper22_setup)
-    assert (found["told"], found["id"]) == ("plan", 3)
-    assert f"planning failed ({defect.__name__}); please report" in found["error"]["text"]
+    answer = answered(PlanQuestion(NOD, id=3), upper22_setup)
+    assert (answer["told"], answer["id"]) == ("plan", 3)
+    assert f"planning failed ({defect.__name__}); please report" in answer["error"]["text"]
     assert defect.__name__ in answer_draft(FileQuestion("a", "", None), upper22_setup, RULES)
     assert "a defect" in capfd.readouterr().err
 
@@ -245,10 +245,10 @@ def test_reach_query_starts_from_the_given_posture_or_the_rest_posture(upper22_s
     robot = upper22_setup.robot
     rest = robot.skeleton.rest
     hand = robot.skeleton.frames(rest).origins[robot.arm("r").wrist]
-    found = reached(upper22_setup, target=tuple(hand), id=3)
-    assert (found["told"], found["id"], found["reached"], found["residual"]) == ("reach", 3, True, 0.0)
+    result = reached(upper22_setup, target=tuple(hand), id=3)
+    assert (result["told"], result["id"], result["reached"], result["residual"]) == ("reach", 3, True, 0.0)
     torso = list(robot.joints("torso"))
-    assert np.allclose(np.array(found["angles"])[torso], rest[torso], atol=1e-3)
+    assert np.allclose(np.array(result["angles"])[torso], rest[torso], atol=1e-3)
     bent = np.array(rest)
     bent[torso] += 0.1
     bowed = reached(upper22_setup, target=tuple(hand), posture=tuple(robot.skeleton.clamp(bent)))
@@ -267,9 +267,9 @@ def test_reach_query_moves_the_requested_hand(upper22_setup: Setup):
 
 @pytest.mark.parametrize("count", [0, 1, 21, 23])
 def test_posture_of_another_robot_is_refused(upper22_setup: Setup, count: int):
-    found = reached(upper22_setup, target=(0, 0, 1), posture=(0.0,) * count, id=3)
-    assert (found["told"], found["do"], found["id"]) == ("refused", "reach", 3)
-    assert f"posture has {count} angles, upper22 has 22 hinges" in found["why"]
+    result = reached(upper22_setup, target=(0, 0, 1), posture=(0.0,) * count, id=3)
+    assert (result["told"], result["do"], result["id"]) == ("refused", "reach", 3)
+    assert f"posture has {count} angles, upper22 has 22 hinges" in result["why"]
 
 
 @pytest.mark.parametrize("part", ["trunk", "gaze"])

@@ -37,8 +37,8 @@ def test_answer_to_a_reach_query_repeats_the_query_id(server, upper22_setup):
     target = to_world(upper22_setup.robot, "r", np.array([0.5, 0.3, 0.2])).tolist()
     with server.client() as client:
         client.do("reach", side="right", target=target, id=7)
-        found = told(client, "reach")
-        assert (found["id"], found["reached"], found["limits"], found["contact"]) == (7, True, [], None)
+        message = told(client, "reach")
+        assert (message["id"], message["reached"], message["limits"], message["contact"]) == (7, True, [], None)
         client.do("reach", side="right", target=target, posture=[0.0])
         assert "22 hinges" in told(client, "refused")["why"]
         client.do("reach", side="right", target=[1e9, 0, 0])
@@ -48,8 +48,8 @@ def test_answer_to_a_reach_query_repeats_the_query_id(server, upper22_setup):
 def test_plan_query_does_not_move_the_robot(server):
     with server.client() as client, server.client() as other:
         client.do("plan", bml=NOD + " " * 5000, id=3)  # longer than the limit of other control messages
-        found = told(client, "plan")
-        assert (found["id"], found["block"], [each["id"] for each in found["behaviours"]]) == (3, "b", ["n"])
+        message = told(client, "plan")
+        assert (message["id"], message["block"], [item["id"] for item in message["behaviours"]]) == (3, "b", ["n"])
         other.do("status")
         assert told(other, "status")["state"] == "resting"
 
@@ -58,12 +58,12 @@ def test_export_is_answered_during_a_plan_and_reports_errors(server):
     with server.client() as client:
         client.do("export", bml=NOD, format="csv", id=4)
         client.do("plan", bml=NOD, id=5)
-        found = {}
-        while len(found) < 2:
-            found |= {each["told"]: each for each in [told_any(client, {"export", "plan"})]}
-        assert (found["export"]["id"], found["export"]["name"]) == (4, "b.csv")
-        assert base64.b64decode(found["export"]["data"]).startswith(b"time_s,")
-        assert found["plan"]["id"] == 5
+        results = {}
+        while len(results) < 2:
+            results |= {item["told"]: item for item in [told_any(client, {"export", "plan"})]}
+        assert (results["export"]["id"], results["export"]["name"]) == (4, "b.csv")
+        assert base64.b64decode(results["export"]["data"]).startswith(b"time_s,")
+        assert results["plan"]["id"] == 5
         client.do("export", bml=NOD, format="wav", id=6)
         assert "there is no audio" in told(client, "export")["error"]["text"]
         client.do("export", bml="<bml", format="csv", id=7)

@@ -73,8 +73,8 @@ def test_document_size_and_listing_length_are_limited(tmp_path):
     for number in range(MAX_LISTED_NAMES + 1):
         (tmp_path / f"d{number:04}.bml").touch()
     folder = DocumentFolder(tmp_path)
-    found = folder.list()
-    assert (len(found.names), found.is_whole) == (MAX_LISTED_NAMES, False)
+    results = folder.list()
+    assert (len(results.names), results.is_whole) == (MAX_LISTED_NAMES, False)
     with pytest.raises(ConfigError, match=r"d0019\.bml and 980 more"):
         folder.read("gone.bml")
     (tmp_path / "d0000.bml").write_text("x" * (MAX_DOCUMENT_SIZE + 1))

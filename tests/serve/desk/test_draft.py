@@ -16,25 +16,25 @@ WORDS = (
 
 
 def test_document_preview_contains_word_times_strokes_and_joint_angles(upper22_setup):
-    found = draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
-    assert [(each["mark"], each["text"]) for each in found["words"]] == [("start", "Say"), ("m", "one, and another.")]
-    assert found["words"][0]["end"] == found["words"][1]["start"]
-    (stroke,) = [each for each in found["syncs"] if each["behaviour"] == "g" and each["sync"] == "stroke"]
-    assert stroke["asked"] == pytest.approx(found["words"][1]["start"], abs=1e-3)
+    preview = draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    assert [(item["mark"], item["text"]) for item in preview["words"]] == [("start", "Say"), ("m", "one, and another.")]
+    assert preview["words"][0]["end"] == preview["words"][1]["start"]
+    (stroke,) = [item for item in preview["syncs"] if item["behaviour"] == "g" and item["sync"] == "stroke"]
+    assert stroke["asked"] == pytest.approx(preview["words"][1]["start"], abs=1e-3)
     hinges = len(upper22_setup.robot.skeleton.names)
-    angles = np.frombuffer(b64decode(found["angles"]), "<f4").reshape(-1, hinges)
-    assert len(angles) == pytest.approx(found["duration"] * found["rate"], abs=2)
+    angles = np.frombuffer(b64decode(preview["angles"]), "<f4").reshape(-1, hinges)
+    assert len(angles) == pytest.approx(preview["duration"] * preview["rate"], abs=2)
     assert np.allclose(angles[0], upper22_setup.robot.skeleton.rest, atol=1e-3)
     assert np.ptp(angles, axis=0).max() > 0.5
-    assert found["phonemes"] == sorted(found["phonemes"], key=lambda each: each[1])
+    assert preview["phonemes"] == sorted(preview["phonemes"], key=lambda each: each[1])
 
 
 def test_document_preview_contains_the_speech_loudness_over_time(speaking_setup, upper22_setup):
-    found = draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
-    peaks = np.frombuffer(b64decode(found["loudness"]), np.uint8)
+    preview = draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    peaks = np.frombuffer(b64decode(preview["loudness"]), np.uint8)
     assert peaks.max() == 255
-    begin, end = found["words"][0]["start"], found["words"][-1]["end"]
-    loud = np.flatnonzero(peaks > 25) / found["rate"]
+    begin, end = preview["words"][0]["start"], preview["words"][-1]["end"]
+    loud = np.flatnonzero(peaks > 25) / preview["rate"]
     assert begin - 0.05 <= loud[0] < begin + 0.3
     assert end - 0.4 < loud[-1] <= end + 0.1
     assert draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["loudness"] == "", (
@@ -57,7 +57,7 @@ def test_document_preview_reads_no_files_named_in_the_document(upper22_setup, tm
     said = set()
     for name in (tmp_path / "a.wav", tmp_path / "gone.wav", tmp_path, "/etc/passwd"):
         document = spoken.format(f'<file ref="{name}"/></description></speech></bml>')
-        found = draft(document, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
-        said.update(each["text"].replace(str(name), "FILE") for each in found["notices"])
+        preview = draft(document, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+        said.update(item["text"].replace(str(name), "FILE") for item in preview["notices"])
     assert len(said) == 1, said
     assert "the document is not a file" in said.pop()

@@ -25,21 +25,21 @@ def test_dragged_posture_respects_ranges_and_clearance_and_other_joints_stay(upp
     hand = skeleton.frames(start).origins[robot.arm("l").wrist]
     for _ in range(40):
         target = robot.gesture_origin + [0.1, 0.0, 0.3] + robot.arm_length * rng.uniform(-1.5, 1.5, 3)
-        found = drag_part(robot, distances, part, "l", target, start)
-        assert ((found.angles >= skeleton.lower - 1e-9) & (found.angles <= skeleton.upper + 1e-9)).all()
-        assert distances.clearance(found.angles[None]).distances[0] > robot.min_clearance - 1e-3
+        posture = drag_part(robot, distances, part, "l", target, start)
+        assert ((posture.angles >= skeleton.lower - 1e-9) & (posture.angles <= skeleton.upper + 1e-9)).all()
+        assert distances.clearance(posture.angles[None]).distances[0] > robot.min_clearance - 1e-3
         others = [k for k in range(len(start)) if k not in joints]
-        assert np.array_equal(found.angles[others], start[others])
+        assert np.array_equal(posture.angles[others], start[others])
         if part == "elbow":
-            moved = skeleton.frames(found.angles).origins[robot.arm("l").wrist]
-            assert np.linalg.norm(moved - hand) < 0.01 * (1 if found.reached else 3)
-        if found.reached:
-            assert (found.limits, found.contact) == ((), None)
+            moved = skeleton.frames(posture.angles).origins[robot.arm("l").wrist]
+            assert np.linalg.norm(moved - hand) < 0.01 * (1 if posture.reached else 3)
+        if posture.reached:
+            assert (posture.limits, posture.contact) == ((), None)
         else:
             # an elbow also stops where its hand would leave its place
-            assert found.limits or found.contact or part == "elbow"
-            assert {skeleton.names.index(name) for name in found.limits} <= set(joints)
-            stopped |= {"contact"} if found.contact else {"limits"} if found.limits else set()
+            assert posture.limits or posture.contact or part == "elbow"
+            assert {skeleton.names.index(name) for name in posture.limits} <= set(joints)
+            stopped |= {"contact"} if posture.contact else {"limits"} if posture.limits else set()
     assert "limits" in stopped
 
 
@@ -51,9 +51,9 @@ def test_dragged_elbow_reaches_its_position_in_another_posture(upper22_setup):
     for turn in np.radians((-8.0, 8.0, 15.0)):
         out = elbow - shoulder - axis * (axis @ (elbow - shoulder))
         place = elbow - out + out * np.cos(turn) + np.cross(axis, out) * np.sin(turn)
-        found = drag_part(robot, upper22_setup.distances, "elbow", "l", place, start)
-        assert found.reached
-        assert np.linalg.norm(robot.skeleton.frames(found.angles).origins[arm.elbow] - place) < 0.003
+        posture = drag_part(robot, upper22_setup.distances, "elbow", "l", place, start)
+        assert posture.reached
+        assert np.linalg.norm(robot.skeleton.frames(posture.angles).origins[arm.elbow] - place) < 0.003
 
 
 def test_residual_of_an_unreached_elbow_is_its_distance_from_the_target(upper22_setup):
@@ -73,9 +73,9 @@ def test_dragged_gaze_reaches_the_target_unless_the_neck_is_at_its_limit(upper22
     robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
     head, eyes = robot.skeleton.segment("skullbase"), robot.sites["eyes"]
     for target in ([1.0, 0.3, 1.4], [0.8, -0.4, 1.2], [0.5, 0.0, 1.0]):
-        found = drag_part(robot, upper22_setup.distances, "gaze", "r", np.array(target), start)
-        assert found.reached, target
-        frames = robot.skeleton.frames(found.angles)
+        posture = drag_part(robot, upper22_setup.distances, "gaze", "r", np.array(target), start)
+        assert posture.reached, target
+        frames = robot.skeleton.frames(posture.angles)
         way = target - frames.origins[head] - frames.rotations[head] @ eyes.position
         assert np.cross(way / np.linalg.norm(way), frames.rotations[head] @ eyes.facing) == pytest.approx(0, abs=3e-3)
     behind = drag_part(robot, upper22_setup.distances, "gaze", "r", np.array([-1.0, 0.3, 1.4]), start)
@@ -87,9 +87,9 @@ def test_dragged_trunk_leans_towards_the_target(upper22_setup):
     robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
     neck = robot.skeleton.segment("skullbase")
     place = robot.skeleton.frames(start).origins[neck] + [0.03, 0.04, 0.0]
-    found = drag_part(robot, upper22_setup.distances, "trunk", "r", place, start)
-    assert found.reached
-    assert np.linalg.norm(robot.skeleton.frames(found.angles).origins[neck] - place) < 0.01
+    posture = drag_part(robot, upper22_setup.distances, "trunk", "r", place, start)
+    assert posture.reached
+    assert np.linalg.norm(robot.skeleton.frames(posture.angles).origins[neck] - place) < 0.01
     far = drag_part(robot, upper22_setup.distances, "trunk", "r", place + np.array([0.6, 0.0, -0.1]), start)
     assert not far.reached
     assert "vl5_tilt" in far.limits

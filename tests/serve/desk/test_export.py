@@ -91,15 +91,15 @@ def test_block_id_cannot_escape_the_export_folder(tmp_path, monkeypatch, upper22
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
     monkeypatch.chdir(mine)
     for hostile in HOSTILE_IDS:
-        told = asked(hostile.format(place=mine, name="mine"), format_, upper22_setup)
-        assert told["told"] == "export"
+        result = asked(hostile.format(place=mine, name="mine"), format_, upper22_setup)
+        assert result["told"] == "export"
         if format_ == "wav":
-            assert "there is no audio" in told["error"]["text"]
+            assert "there is no audio" in result["error"]["text"]
         else:
-            assert len(b64decode(told["data"])) > 100
-            assert Path(told["name"]).name == told["name"]
-            assert told["name"].isascii()
-            assert told["name"].endswith(f".{format_}")
+            assert len(b64decode(result["data"])) > 100
+            assert Path(result["name"]).name == result["name"]
+            assert result["name"].isascii()
+            assert result["name"].endswith(f".{format_}")
     assert letter.read_text() == "dear"
     assert os.listdir(mine) == [letter.name]
     assert os.listdir(temporary) == [letter.name]
@@ -116,6 +116,6 @@ def test_missing_temporary_folder_is_reported(tmp_path, monkeypatch, upper22_set
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "gone"))
     assert "cannot write its temporary files" in asked("doc", "csv", upper22_setup)["error"]["text"]
     question = GestureQuestion(toml=GESTURE, id=2)
-    told = json.loads(answer_draft(question, upper22_setup, DEFAULT_QUOTAS))
-    assert "cannot write its temporary files" in told["error"]["text"]
-    assert str(tmp_path) not in json.dumps(told)
+    data = json.loads(answer_draft(question, upper22_setup, DEFAULT_QUOTAS))
+    assert "cannot write its temporary files" in data["error"]["text"]
+    assert str(tmp_path) not in json.dumps(data)

@@ -20,22 +20,22 @@ def test_exported_gesture_file_contains_only_the_named_gesture(upper22_setup):
 
 def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper22_setup):
     text = gesture_text("conduit", upper22_setup.lexicon).replace('"conduit"', '"mine"')
-    found = draft_gesture(text, (), upper22_setup)
-    assert (found["gesture"], [list(key) for key in found["keys"]]) == ("mine", [["both"], ["both"]])
-    assert 0 < found["times"][0] < found["times"][1] < found["duration"]
-    assert [(each["name"], each["ok"]) for each in found["checks"]] == [
+    preview = draft_gesture(text, (), upper22_setup)
+    assert (preview["gesture"], [list(key) for key in preview["keys"]]) == ("mine", [["both"], ["both"]])
+    assert 0 < preview["times"][0] < preview["times"][1] < preview["duration"]
+    assert [(item["name"], item["ok"]) for item in preview["checks"]] == [
         ("reach", True),
         ("clearance", True),
         ("distinct", False),
         ("duration", True),
     ]
-    assert found["checks"][2]["text"].startswith("looks like conduit")
+    assert preview["checks"][2]["text"].startswith("looks like conduit")
     slow = draft_gesture(text, ("temporal=-1",), upper22_setup)
-    assert slow["duration"] > 1.2 * found["duration"]
+    assert slow["duration"] > 1.2 * preview["duration"]
     far = draft_gesture(text.replace("[0.42, 0.24, 0.70]", "[1.9, 0.24, 0.70]"), (), upper22_setup)
-    assert ["key 2: the left hand" in each["text"] for each in far["checks"]][:2] == [True, False]
+    assert ["key 2: the left hand" in item["text"] for item in far["checks"]][:2] == [True, False]
     assert not far["checks"][0]["ok"]
-    other = next(each for each in far["checks"] if each["name"] == "distinct")
+    other = next(item for item in far["checks"] if item["name"] == "distinct")
     assert (other["ok"], other["text"][:30]) == (True, "like no other; the nearest is ")
     own = draft_gesture(gesture_text("conduit", upper22_setup.lexicon), (), upper22_setup)
     assert own["checks"][2]["ok"], "a gesture is not like itself"
@@ -51,10 +51,10 @@ def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper2
     ],
 )
 def test_invalid_gesture_file_is_refused_with_its_line(upper22_setup, old, new, line, why):
-    found = draft_gesture(gesture_text("conduit", upper22_setup.lexicon).replace(old, new), (), upper22_setup)
-    assert found["error"]["line"] == line
-    assert why in found["error"]["text"]
-    assert "/tmp" not in found["error"]["text"]
+    preview = draft_gesture(gesture_text("conduit", upper22_setup.lexicon).replace(old, new), (), upper22_setup)
+    assert preview["error"]["line"] == line
+    assert why in preview["error"]["text"]
+    assert "/tmp" not in preview["error"]["text"]
 
 
 GESTUARY = """<gestuary><gesture category="{}" id="mine"><phase><hand side="LEFT" openness="1"><uniformPosition>

@@ -12,20 +12,20 @@ def test_posture_of_a_dragged_hand_reaches_the_target_or_names_the_obstacle(uppe
     posture, stopped = robot.skeleton.rest, set()
     for _ in range(60):
         target = robot.gesture_origin + robot.arm_length * rng.uniform(-0.9, 0.9, 3)
-        found = reach_posture(robot, setup.distances, side, target, posture)
-        hand = robot.skeleton.frames(found.angles).origins[robot.arm(side).wrist]
-        assert np.linalg.norm(hand - target) == pytest.approx(found.residual, abs=1e-9)
-        assert (found.angles >= robot.skeleton.lower - 1e-9).all()
-        assert (found.angles <= robot.skeleton.upper + 1e-9).all()
-        assert setup.distances.clearance(found.angles[None]).distances[0] > robot.min_clearance - 1e-3
+        result = reach_posture(robot, setup.distances, side, target, posture)
+        hand = robot.skeleton.frames(result.angles).origins[robot.arm(side).wrist]
+        assert np.linalg.norm(hand - target) == pytest.approx(result.residual, abs=1e-9)
+        assert (result.angles >= robot.skeleton.lower - 1e-9).all()
+        assert (result.angles <= robot.skeleton.upper + 1e-9).all()
+        assert setup.distances.clearance(result.angles[None]).distances[0] > robot.min_clearance - 1e-3
         others = [k for k in range(len(posture)) if k not in robot.arm(side).joints]
-        assert np.array_equal(found.angles[others], posture[others])
-        if found.reached:
-            assert (found.limits, found.contact) == ((), None)
+        assert np.array_equal(result.angles[others], posture[others])
+        if result.reached:
+            assert (result.limits, result.contact) == ((), None)
         else:
-            stopped |= {"contact"} if found.contact else {"limits"} if found.limits else {"length"}
-            assert all(name.startswith(f"{side}_") for name in found.limits)
-        posture = found.angles
+            stopped |= {"contact"} if result.contact else {"limits"} if result.limits else {"length"}
+            assert all(name.startswith(f"{side}_") for name in result.limits)
+        posture = result.angles
     assert stopped >= {"contact", "limits"}
 
 

@@ -119,10 +119,10 @@ def test_rate_of_zero_ends_a_telemetry_subscription(play: Callable, rate: float)
         await room.until(0.5)
         room.watch(1, rate)
         room.watch(9, rate)
-        told = len(room.told[1])
+        count = len(room.told[1])
         await room.until(1.0)
-        assert len(room.told[1]) == told
-        assert len(room.told[2]) > told
+        assert len(room.told[1]) == count
+        assert len(room.told[2]) > count
         assert not room.told[9]
 
     play(act)
@@ -146,10 +146,10 @@ def test_disconnected_client_gets_no_telemetry_report_but_others_do(play: Callab
         room.watch(2, 10.0)
         await room.until(0.5)
         room.gone.add(1)
-        told = len(room.told[1])
+        count = len(room.told[1])
         await room.until(1.0)
-        assert len(room.told[1]) == told
-        assert len(room.told[2]) > told
+        assert len(room.told[1]) == count
+        assert len(room.told[2]) > count
         room.gone.add(2)
         await room.until(5.0)
         assert room.time < 2.0, "nobody is left, and nothing is looked at"
@@ -179,8 +179,8 @@ def test_telemetry_ends_when_the_subscriptions_are_closed(play: Callable):
         room.watch(1, 10.0)
         await room.until(0.3)
         room.watches.close()
-        told = len(room.told[1])
+        count = len(room.told[1])
         await room.until(1.0)
-        assert len(room.told[1]) == told
+        assert len(room.told[1]) == count
 
     play(act)

@@ -80,8 +80,8 @@ def limp() -> Limp:
 
 @pytest.fixture(scope="module")
 def armable(limp: Limp) -> Iterator[Running]:
-    with running(Quotas(), Access(TOKEN), more=[limp]) as found:
-        yield found
+    with running(Quotas(), Access(TOKEN), more=[limp]) as result:
+        yield result
 
 
 @pytest.fixture
@@ -107,9 +107,9 @@ def test_servos_follow_after_confirmation_until_disarmed(guest: Guest, limp: Lim
         sleep(0.01)
     assert guest.ask(do="arm", token=TOKEN)["why"] == "the servos are armed already"
     guest.socket.send(json.dumps({"do": "disarm", "id": 9}))
-    while "disarmed" not in (told := guest.socket.recv(20)):
+    while "disarmed" not in (message := guest.socket.recv(20)):
         pass
-    assert json.loads(told)["id"] == 9
+    assert json.loads(message)["id"] == 9
     assert not limp.armed
 
 
@@ -183,8 +183,8 @@ def test_servos_are_reopened_after_their_supervisor_ended_and_failures_reported(
 
 
 def test_each_servo_is_reported_with_identity_and_telemetry(guest: Guest):
-    told = guest.ask(do="servos", id=3)
-    assert told["servos"][0] == {"bus": "body", "id": 1, "hinge": "hinge1", "model": "xm430_w210", "hottest": 80}
+    answer = guest.ask(do="servos", id=3)
+    assert answer["servos"][0] == {"bus": "body", "id": 1, "hinge": "hinge1", "model": "xm430_w210", "hottest": 80}
     body = guest.ask(do="watch", rate=50.0)
     guest.socket.send('{"do": "watch", "rate": 0}')
     assert body["servos"]["celsius"] == [40.0, None]

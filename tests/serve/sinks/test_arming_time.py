@@ -148,8 +148,8 @@ def test_concurrent_torque_changes_are_refused(play: Play):
         desk.arming.arm(one, Arm(token=None, code=code, id=5), trusted=True)
         desk.arming.disarm(other, Disarm(id=6))
         desk.arming.arm(other, Arm(token=None, code=None, id=7), trusted=True)
-        assert [each["why"] for each in other.told] == [arming.BUSY_REFUSAL] * 2
-        assert [each["id"] for each in other.told] == [6, 7]
+        assert [item["why"] for item in other.told] == [arming.BUSY_REFUSAL] * 2
+        assert [item["id"] for item in other.told] == [6, 7]
         assert desk.control.interrupted == []
         await desk.finish()
         assert one.last["told"] == "armed"

@@ -22,12 +22,12 @@ def no_face(_: float) -> dict[str, float]:
 
 def followed(sink: RealTimeSink, setup: Setup, *times: float) -> list[list[float]]:
     """Return the times of the commands sent at each time."""
-    motion, found = nod(setup, 0.1), []
+    motion, results = nod(setup, 0.1), []
     for time in times:
         sink.sink.commands.clear()
         sink.follow(motion, time, setup, no_face)
-        found.append([round(command.time, 6) for command in sink.sink.commands])
-    return found
+        results.append([round(command.time, 6) for command in sink.sink.commands])
+    return results
 
 
 def test_sink_gets_each_command_once_including_those_missed_during_a_delay(known: Setup):

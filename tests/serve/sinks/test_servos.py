@@ -81,10 +81,10 @@ class Straying(Told):
     ("angle", "slows", "stops"), [(0.02, False, False), (0.0335, True, False), (0.002, True, True)]
 )
 def test_servos_with_tracking_errors_are_slowed_and_stopped(angle: float, slows: bool, stops: bool):
-    told = Straying(angle)
-    servos = RealServos(lambda: told, distances=Wall(), min_clearance=0.01)
+    result = Straying(angle)
+    servos = RealServos(lambda: result, distances=Wall(), min_clearance=0.01)
     for k in range(20):
         row = np.array([0.02])
         servos.write(Command(k / 100, row, row, row, row))
         servos.time(100.0 + k / 100)
-    assert (min(told.paces) < 1.0, told.stops > 0) == (slows, stops)
+    assert (min(result.paces) < 1.0, result.stops > 0) == (slows, stops)

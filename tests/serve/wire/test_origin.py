@@ -18,8 +18,8 @@ def status(*pairs, origins=frozenset(), authorities=LOCAL_AUTHORITIES):
     headers = Headers()
     for name, value in pairs:
         headers[name] = value
-    found = find_rejection(headers, authorities, origins)
-    return None if found is None else found.status
+    rejection = find_rejection(headers, authorities, origins)
+    return None if rejection is None else rejection.status
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:8864", "localhost:8864", "LocalHost:8864", "[::1]:8864"])

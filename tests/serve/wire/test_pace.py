@@ -12,17 +12,17 @@ from kinesic.serve.wire.quotas import TokenBucket
 @pytest.fixture
 def waits(monkeypatch):
     """Recorded delays; simulated time advances only when all connections wait."""
-    found = []
+    results = []
     release = asyncio.Event()
 
     async def sleep(seconds):
-        found.append(seconds)
+        results.append(seconds)
         await release.wait()
 
     monkeypatch.setattr(pace, "sleep", sleep)
     monkeypatch.setattr(quotas, "monotonic", lambda: 0.0)
-    found.append(release)
-    return found
+    results.append(release)
+    return results
 
 
 def test_connection_with_little_traffic_never_waits(waits):

@@ -32,8 +32,8 @@ def test_message_framing_is_independent_of_chunk_boundaries(messages, cuts):
     stream = b"".join(message + MESSAGE_END for message in messages)
     places = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
     frames = MessageFramer(100)
-    found = [each for a, b in pairwise(places) for each in frames.feed(stream[a:b])]
-    assert found == messages
+    results = [item for a, b in pairwise(places) for item in frames.feed(stream[a:b])]
+    assert results == messages
     assert not frames.is_midway
 
 

@@ -19,9 +19,9 @@ def test_non_positive_quotas_are_refused(name):
 def test_default_quotas_match_the_documentation():
     page = (Path(__file__).parents[3] / "docs" / "reference" / "wire-protocol.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)`(?:, `burst`)? \| ([\d ]*\d)", page, re.MULTILINE))
-    told = {name: float(figure.replace(" ", "")) for name, figure in rows.items() if hasattr(DEFAULT_QUOTAS, name)}
-    assert told.keys() >= {"message", "depth", "duration", "rate", "waiting", "clients", "unread"}
-    assert told == {name: getattr(DEFAULT_QUOTAS, name) for name in told}
+    results = {name: float(figure.replace(" ", "")) for name, figure in rows.items() if hasattr(DEFAULT_QUOTAS, name)}
+    assert results.keys() >= {"message", "depth", "duration", "rate", "waiting", "clients", "unread"}
+    assert results == {name: getattr(DEFAULT_QUOTAS, name) for name in results}
 
 
 def test_token_bucket_allows_a_burst_then_the_rate(monkeypatch):
@@ -46,6 +46,6 @@ def test_token_bucket_allows_a_burst_then_the_rate(monkeypatch):
 
 
 def test_quota_refusal_names_the_exceeded_rule():
-    told = fromstring(quota_feedback("rate", "too many"))
-    assert told.tag.endswith("warningFeedback")
-    assert told.text == "rule rate: too many"
+    result = fromstring(quota_feedback("rate", "too many"))
+    assert result.tag.endswith("warningFeedback")
+    assert result.text == "rule rate: too many"
