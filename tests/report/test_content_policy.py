@@ -1,4 +1,4 @@
-"""What browsers are told that a page may do."""
+"""Content security policy of the pages."""
 
 import hashlib
 from base64 import b64encode
@@ -15,5 +15,5 @@ def test_content_policy_allows_only_the_script_with_the_given_hash():
 
 
 def test_content_security_policy_allows_named_sources():
-    found = content_policy("", img_src="data:", media_src="blob:")
-    assert found.endswith("; form-action 'none'; img-src data:; media-src blob:")
+    policy = content_policy("", img_src="data:", media_src="blob:")
+    assert policy.endswith("; form-action 'none'; img-src data:; media-src blob:")

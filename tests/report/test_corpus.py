@@ -1,4 +1,4 @@
-"""Documents that others wrote: a seeded sample of each folder; the whole corpus is what `kinesic validate` is for."""
+"""Foreign documents: a seeded sample of each corpus folder; `kinesic validate` checks them all."""
 
 import os
 import random

@@ -1,4 +1,4 @@
-"""The document on the page."""
+"""Document text on the report's page."""
 
 from kinesic.bml.parse import parse
 from kinesic.metrics.dry_run import DryRun
@@ -11,13 +11,13 @@ def test_document_lines_list_behaviours_that_begin_on_them(hurried: DryRun, know
     (only,) = document_lines(hurried.plan.timeline.block)
     assert [behaviour.id for behaviour in only.behaviours] == ["s", "rushed", "odd", "nod"]
     rows = document_lines(plan('<bml id="b">\n\n<head id="h"\n lexeme="NOD"/></bml>', known).timeline.block)
-    begun = [(row.number, [each.id for each in row.behaviours]) for row in rows]
+    begun = [(row.number, [behaviour.id for behaviour in row.behaviours]) for row in rows]
     assert begun == [(1, []), (2, []), (3, ["h"]), (4, [])]
 
 
 def test_only_xml_line_ends_split_lines():
     block = parse('<bml id="b">\r\n<!-- \u2028 -->\r<head id="h" lexeme="NOD"/>\n</bml>\r\n\n')
-    rows = [(row.number, [each.id for each in row.behaviours]) for row in document_lines(block)]
+    rows = [(row.number, [behaviour.id for behaviour in row.behaviours]) for row in document_lines(block)]
     assert rows == [(1, []), (2, []), (3, ["h"]), (4, [])]
 
 

@@ -1,4 +1,4 @@
-"""Many documents: what becomes of each, what is written, and the totals."""
+"""Reports of many documents: outcome of each, written files and totals."""
 
 import json
 from dataclasses import replace
@@ -20,7 +20,7 @@ BROKEN = '<bml id="b"><head'
 
 
 class Here:
-    """An engine that does tasks in this process; documents of some names kill it."""
+    """Engine that runs tasks in this process; documents of some names kill it."""
 
     place = "here"
 
@@ -44,42 +44,42 @@ def folder(tmp_path: Path) -> Path:
 
 
 def run(folder: Path, known, *, engine: Here | None = None, settings: str = "", out: bool = True):
-    found = validate_documents(
+    result = validate_documents(
         documents((folder,)),
         lambda: known,
         engine=engine or Here(),
         folder=folder / "out" if out else None,
         settings=settings,
     )
-    return {Path(verdict.file).stem: verdict for verdict in found}
+    return {Path(verdict.file).stem: verdict for verdict in result}
 
 
 def test_each_document_has_a_verdict(folder: Path, known):
-    found = run(folder, known, out=False)
-    nod = found["nod"]
+    result = run(folder, known, out=False)
+    nod = result["nod"]
     assert (nod.outcome, nod.exit, nod.error, nod.report) == ("performed", 0, "", None)
     assert nod.behaviours == (("head", "realised"),)
     assert nod.checks
     assert (nod.count("realised"), nod.count("dropped")) == (1, 0)
-    broken = found["broken"]
+    broken = result["broken"]
     assert (broken.outcome, broken.exit, broken.checks) == ("refused", 0, ())
     assert broken.file == str(folder / "broken.bml")
     assert broken.error.startswith(f"{folder / 'broken.bml'}:1")
 
 
 def test_document_without_performable_behaviours_is_refused_with_every_reason(folder: Path, known):
-    found, data = judge(folder / "unknown.bml", known)
-    assert (found.outcome, found.exit, found.checks) == ("refused", 0, ())
-    assert found.file == str(folder / "unknown.bml")
-    assert found.behaviours == (("gesture", "dropped"),) * 2
-    assert found.error.startswith(f"{folder / 'unknown.bml'}:2:2: upper22 can perform none of its behaviours (x: ")
-    assert "; y: " in found.error
+    result, data = judge(folder / "unknown.bml", known)
+    assert (result.outcome, result.exit, result.checks) == ("refused", 0, ())
+    assert result.file == str(folder / "unknown.bml")
+    assert result.behaviours == (("gesture", "dropped"),) * 2
+    assert result.error.startswith(f"{folder / 'unknown.bml'}:2:2: upper22 can perform none of its behaviours (x: ")
+    assert "; y: " in result.error
     assert data["input"] == str(folder / "unknown.bml")
 
 
 def test_unreadable_document_is_refused_like_by_perform(tmp_path: Path, known):
-    found, data = judge(tmp_path / "none.bml", known)
-    assert found == DocumentVerdict(
+    result, data = judge(tmp_path / "none.bml", known)
+    assert result == DocumentVerdict(
         str(tmp_path / "none.bml"), "refused", 2, error=f"{tmp_path / 'none.bml'}: No such file or directory"
     )
     assert data == {}
@@ -128,11 +128,11 @@ def test_batch_without_a_folder_writes_nothing(folder: Path, known):
 
 @pytest.mark.parametrize("out", [True, False])
 def test_document_that_crashes_its_process_is_named_and_others_continue(folder: Path, known, out: bool):
-    found = run(folder, known, engine=Here(kills="nod"), out=out)
-    crashed = found["nod"]
+    result = run(folder, known, engine=Here(kills="nod"), out=out)
+    crashed = result["nod"]
     assert (crashed.outcome, crashed.exit, crashed.file) == ("crashed", 1, str(folder / "nod.bml"))
     assert crashed.error == f"{folder / 'nod.bml'}: it was killed"
-    assert found["unknown"].outcome == "refused"
+    assert result["unknown"].outcome == "refused"
     traces = list(folder.glob("out/*.crash.txt"))
     assert [path.read_text() for path in traces] == ["a trace"] * out
     assert run(folder, known, engine=Here(kills="nod"), out=out)["nod"] == crashed
@@ -203,19 +203,19 @@ def test_worst_value_of_each_check_is_named_with_its_document():
     assert high.counts == {"pass": 1, "warn": 0, "poor": 0, "fail": 1}
     assert list(high.counts) == ["pass", "warn", "poor", "fail"]
     reverse = tallies(VERDICTS[::-1])
-    assert [(each.worst.value, each.file) for each in reverse] == [(3.0, "a/two.bml"), (0.2, "a/one.bml")]
+    assert [(item.worst.value, item.file) for item in reverse] == [(3.0, "a/two.bml"), (0.2, "a/one.bml")]
 
 
 def test_totals_are_counted_by_folder_and_type():
-    found = totals(VERDICTS)
-    assert found["documents"] == 5
-    assert list(found["folders"]) == ["a", "b"]
-    assert (found["folders"]["a"]["documents"], found["folders"]["b"]["documents"]) == (2, 3)
-    assert found["folders"]["a"]["types"] == {
+    result = totals(VERDICTS)
+    assert result["documents"] == 5
+    assert list(result["folders"]) == ["a", "b"]
+    assert (result["folders"]["a"]["documents"], result["folders"]["b"]["documents"]) == (2, 3)
+    assert result["folders"]["a"]["types"] == {
         "gesture": {"realised": 0, "partly": 1, "substituted": 0, "dropped": 0},
         "head": {"realised": 1, "partly": 0, "substituted": 0, "dropped": 1},
     }
-    assert found["checks"]["low"] == {
+    assert result["checks"]["low"] == {
         **{"pass": 1, "warn": 0, "poor": 1, "fail": 0},
         **{"worst": 0.2, "limit": 1.0, "unit": "m", "where": "at 0.2", "file": "a/one.bml"},
     }

@@ -64,15 +64,15 @@ def test_camera_always_frames_hands_and_head():
     asking = robot.skeleton.rest.copy()
     for side in "lr":
         asking[robot.skeleton.joint(f"{side}_elbow_flexion")] = np.radians(95)
-    found = {}
+    framings = {}
     for name, postures in (("rest", [robot.skeleton.rest]), ("asking", [asking])):
         middle, field = frame_motion(robot, np.array(postures), UPPER_BODY_CAMERA, aspect=16 / 9)
-        found[name] = seen_extent(robot, postures, middle, field, 16 / 9), field
-    (left, right, bottom, top), field = found["asking"]
+        framings[name] = seen_extent(robot, postures, middle, field, 16 / 9), field
+    (left, right, bottom, top), field = framings["asking"]
     assert -1 / FIGURE_MARGIN < min(left, bottom) < max(right, top) < 1 / FIGURE_MARGIN, "a margin is left on all sides"
     assert max(right, top) > 0.85, "no smaller than needed"
-    assert MIN_FIELD_OF_VIEW <= field < found["rest"][1]
-    assert found["rest"][0][3] < 1.0
+    assert MIN_FIELD_OF_VIEW <= field < framings["rest"][1]
+    assert framings["rest"][0][3] < 1.0
 
 
 def test_wide_motion_leaves_the_face_readable():

@@ -1,4 +1,4 @@
-"""Films of a report: each is drawn by a process of its own, which ends with whoever waits for it."""
+"""Films of a report, each drawn in a process that ends with its caller."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -53,7 +53,7 @@ def twin(seconds: float = 0.5) -> TwinFilm:
 
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> Iterator[FilmProcesses]:
-    """Both make ready for a robot's film: opening a face takes a second, and none is drawn by them."""
+    """Return film processes that are both prepared for the robot, as opening a face takes a second."""
     begin = films._process
     monkeypatch.setattr(films, "_process", lambda kind: begin("twin"))
     with film_processes() as begun:
@@ -68,16 +68,16 @@ def drawing() -> None:
 
 @pytest.fixture(scope="module")
 def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Drawn]:
-    """The robot's film, which waits for that of its face: once with it, and once where the face cannot be drawn."""
-    found = {}
+    """Draw the robot film after its face film: with a face, and with one that fails."""
+    results = {}
     for name, units in (("with", {"12": 0.5, "26": 0.9}), ("without", {"99": 0.5})):
         folder, shares = tmp_path_factory.mktemp(name), list[float]()
         film, portrait = folder / "film.webp", folder / "face.webp"
         job = replace(twin(), units=({},) * 6, after=portrait)
         with film_processes() as begun:
             whys = draw_films({film: job, portrait: face(units)}, begun, shares.append)
-        found[name] = Drawn(film, portrait, whys, shares)
-    return found
+        results[name] = Drawn(film, portrait, whys, shares)
+    return results
 
 
 def test_both_films_are_drawn_and_progress_grows_to_one(drawn: dict[str, Drawn]):
@@ -124,7 +124,7 @@ def test_idle_film_processes_end_with_their_context():
 
 
 def test_missing_rendered_face_is_replaced_by_a_painted_one(drawn: dict[str, Drawn]):
-    """Both films differ from one another around the head alone."""
+    """The films differ around the head alone."""
     heads = {}
     for name, film in drawn.items():
         with Image.open(film.film) as seen:

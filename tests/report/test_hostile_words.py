@@ -1,4 +1,4 @@
-"""Words of strangers on the report's page: shown as they stand, and nothing in them is obeyed."""
+"""Hostile texts on the report's page, which are shown literally and never executed."""
 
 from html import escape
 from html.parser import HTMLParser
@@ -25,7 +25,7 @@ EVIL = (
 
 
 def document(words: tuple[str, ...]) -> str:
-    """A block in which every name and every text is such words."""
+    """Return a block in which every name and every text is hostile."""
     one, two, three, four, five, six = (escape(word, quote=True) for word in words)
     return (
         f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{one}">'
@@ -47,7 +47,7 @@ def page(known: Setup, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class Elements(HTMLParser):
-    """All elements of a page, with their attributes."""
+    """Elements of a page with their attributes."""
 
     def __init__(self, page: Path) -> None:
         super().__init__()
@@ -59,11 +59,11 @@ class Elements(HTMLParser):
 
 
 def test_foreign_words_create_no_element_handler_or_link(page: Path):
-    found = Elements(page).found
-    assert sum(tag == "script" for tag, _ in found) == 2
-    assert not [tag for tag, _ in found if tag in ("iframe", "object", "embed", "base", "link", "form")]
-    assert not [attributes for _, attributes in found if any(name.startswith("on") for name in attributes)]
-    for _, attributes in found:
+    result = Elements(page).found
+    assert sum(tag == "script" for tag, _ in result) == 2
+    assert not [tag for tag, _ in result if tag in ("iframe", "object", "embed", "base", "link", "form")]
+    assert not [attributes for _, attributes in result if any(name.startswith("on") for name in attributes)]
+    for _, attributes in result:
         for name in ("href", "src", "xlink:href"):
             assert (attributes.get(name) or "#").startswith(("#", "data:"))
     assert "{{ 7 * 7 }}" in page.read_text(encoding="utf-8")

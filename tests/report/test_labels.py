@@ -1,4 +1,4 @@
-"""What people call a behaviour."""
+"""Readable names of behaviours."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What is written of a performance: a folder with report and page first, then the films that could be drawn."""
+"""Written files of a performance: report and page first, then the films that could be drawn."""
 
 import base64
 import json
@@ -30,7 +30,7 @@ def data(calm: DryRun) -> dict[str, Json]:
 
 @pytest.fixture(scope="module")
 def smiling(known) -> DryRun:
-    """A performance with a face and a sound."""
+    """Return a performance with a face and a sound."""
     return dry_run(plan(SPOKEN, known, source="smile.bml"))
 
 
@@ -40,7 +40,7 @@ def page(folder: Path) -> str:
 
 @dataclass
 class Drawing:
-    """Films that are drawn at once, or are said not to be possible."""
+    """Stand-in for drawing processes, whose films are finished at once or fail."""
 
     why: str = ""
     jobs: dict | None = None
@@ -56,9 +56,9 @@ class Drawing:
 
 @pytest.fixture
 def drawing(monkeypatch) -> Drawing:
-    found = Drawing()
-    monkeypatch.setattr(output, "draw_films", found.draw)
-    return found
+    result = Drawing()
+    monkeypatch.setattr(output, "draw_films", result.draw)
+    return result
 
 
 @pytest.mark.parametrize("film", [False, True])

@@ -1,4 +1,4 @@
-"""The page of the report, and the tiles and numbers on it."""
+"""Report page with its tiles and numbers."""
 
 import base64
 import json
@@ -33,7 +33,7 @@ BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</b
 
 
 class Outline(HTMLParser):
-    """Tags, their attributes, and the text between them."""
+    """Tags of a page with attributes and text."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -154,7 +154,7 @@ def test_equal_performances_give_equal_report_pages(
 
 @pytest.fixture(scope="module")
 def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with films of twin and face, and a voice."""
+    """Return a folder with films of twin and face, and a voice."""
     folder = tmp_path_factory.mktemp("media")
     for name in ("film.webp", "face.webp", "speech.wav"):
         (folder / name).write_bytes(name.encode())
@@ -163,7 +163,7 @@ def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def sources(hurried: DryRun, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
-    """Tags and sources of the pictures and the sound of a page that has them all."""
+    """Return tags and sources of all pictures and sounds of a page with every medium."""
     path = media / "x.html"
     everything = Recordings(film=media / "film.webp", face=media / "face.webp", voice=media / "speech.wav")
     write_page(hurried, data, everything, path=path)
@@ -267,7 +267,7 @@ def row(name: str, status: str, value: float, limit: float, unit: str = "ratio")
 
 
 def test_check_group_has_one_tile_with_its_most_severe_check() -> None:
-    found = tiles(
+    result = tiles(
         [
             row("limits.speed", "pass", 0.5, 1.0),
             row("limits.duty", "pass", 0.9, 1.0),
@@ -277,12 +277,12 @@ def test_check_group_has_one_tile_with_its_most_severe_check() -> None:
             row("collision.twin", "fail", 0.004, 0.01, "m"),
         ]
     )
-    assert [(tile.title, tile.status, tile.name) for tile in found] == [
+    assert [(tile.title, tile.status, tile.name) for tile in result] == [
         ("Limits", "pass", "duty"),
         ("Timing", "warn", "shift"),
         ("Clearance", "fail", "twin"),
     ]
-    assert [(tile.value, tile.unit, tile.limit) for tile in found] == [
+    assert [(tile.value, tile.unit, tile.limit) for tile in result] == [
         ("0.90", "", "at most 1.00"),
         ("83.2", "ms", "at most 10 ms"),
         ("4", "mm", "at least 10 mm"),
@@ -295,8 +295,8 @@ def test_value_just_over_its_limit_is_printed_with_enough_digits() -> None:
 
 
 def test_unknown_check_group_with_a_zero_limit_has_a_tile() -> None:
-    found = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
-    assert [(tile.title, tile.name, tile.limit) for tile in found] == [("Weather", "wind", "at most 5\u00b0")]
+    result = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
+    assert [(tile.title, tile.name, tile.limit) for tile in result] == [("Weather", "wind", "at most 5\u00b0")]
 
 
 @pytest.mark.parametrize(

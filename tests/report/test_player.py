@@ -1,4 +1,4 @@
-"""The page's player in a browser: the face and the voice keep step with the replay."""
+"""Player of the report's page in a browser: face film and voice stay synchronous to the replay."""
 
 import json
 import wave
@@ -34,7 +34,7 @@ def grey(frame: int) -> int:
 
 @pytest.fixture(scope="module")
 def url(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """A page whose face grows brighter in a corner of each frame, and whose voice is silence."""
+    """Return a page whose face film brightens in one corner, with a silent voice."""
     folder = tmp_path_factory.mktemp("player")
     frames = []
     for k in range(FRAMES):
@@ -57,7 +57,7 @@ def resize(page: Page, width: int, height: int) -> None:
 
 @contextmanager
 def ready(url: str) -> Iterator[Page]:
-    """A page whose robot is drawn, in a small window."""
+    """Return a page in a small window, after its robot is drawn."""
     with opened(url) as page:
         resize(page, *SMALL)
         page.until("document.querySelector('#stage')?.hidden === false")
@@ -66,22 +66,22 @@ def ready(url: str) -> Iterator[Page]:
 
 @pytest.fixture(scope="module")
 def page(url: str) -> Iterator[Page]:
-    """For tests that choose the moment themselves, and leave it at rest."""
-    with ready(url) as found:
-        yield found
+    """Return a paused page for tests that set the time themselves."""
+    with ready(url) as result:
+        yield result
 
 
 @pytest.fixture(scope="module")
 def plain(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
-    """A page without a film of the face and without a voice, whose twin strays from 0.5 s on by 3 degrees."""
+    """Return a page without face film and voice, whose twin deviates by 3 degrees from 0.5 s on."""
     measured, robot = hurried.measured, hurried.plan.setup.robot
     astray = hurried.plan.trajectory.sample(measured.times)[0]
     elbow = robot.skeleton.names.index("r_elbow_flexion")
     astray[:, elbow] += np.radians(np.where(measured.times < 0.5, 0.8, 3.0))
     path, changed = tmp_path_factory.mktemp("plain") / "plain.html", replace(measured, angles=astray)
     write_page(replace(hurried, measured=changed), report(hurried, source="x.bml"), path=path)
-    with ready(path.as_uri()) as found:
-        yield found
+    with ready(path.as_uri()) as result:
+        yield result
 
 
 def seek(page: Page, time: float) -> None:
@@ -90,7 +90,7 @@ def seek(page: Page, time: float) -> None:
 
 
 def shade(page: Page) -> str:
-    """An expression: how bright the corner of the face is."""
+    """Return a script expression for the brightness of the face film's corner."""
     return "document.querySelector('[data-part=face]').getContext('2d').getImageData(50, 50, 1, 1).data[0]"
 
 
@@ -126,7 +126,7 @@ def test_replay_follows_the_voice_clock_and_stops_the_voice(page: Page):
 
 
 def look(page: Page, name: str, condition: str) -> None:
-    """Looks in every frame, however slow the machine, whether something is so; `name` is true as soon as it is.
+    """Check a condition in every frame, however slow the machine; `name` is true once it holds.
 
     A condition may speak of the `gap` [s] since the frame before: what is drawn is as old as that.
     """
@@ -157,7 +157,7 @@ def test_page_without_recordings_has_no_face_and_no_voice(plain: Page):
 
 
 def picture(page: Page, ghost: str, time: float) -> object:
-    """What is drawn at a time with a choice of ghosts."""
+    """Return the picture at a time with a choice of ghosts."""
     choice = f"document.querySelector('[data-part=ghost]').value = '{ghost}'"
     slider = f"const s = document.querySelector('[data-part=time]'); s.value = {time}"
     drawn = "requestAnimationFrame(() => done(document.querySelector('#stage canvas').toDataURL()))"
@@ -172,7 +172,7 @@ def test_ghost_appears_if_the_twin_deviates_by_over_one_degree(plain: Page):
 
 
 def edges(selector: str) -> str:
-    """An expression: left and top of an element [px]."""
+    """Return a script expression for the left and top edge of an element [px]."""
     return f"(() => {{ const r = document.querySelector('{selector}').getBoundingClientRect(); return [r.x, r.y]; }})()"
 
 
@@ -196,7 +196,7 @@ def test_player_time_line_is_above_the_timeline_plot_and_first_on_telephones(pag
 
 
 def test_face_film_on_the_robot_head_follows_the_replay_time(page: Page):
-    """A film that grows brighter makes the robot's head brighter, and there is no other picture of it."""
+    """A brightening film brightens the robot's head, and no other picture of the face exists."""
     lights = []
     for frame in (2, 20, 38):
         seek(page, (frame + 0.5) / RATE)
@@ -207,7 +207,7 @@ def test_face_film_on_the_robot_head_follows_the_replay_time(page: Page):
 
 
 def brightest_change(page: Page) -> float:
-    """How light the picture is around the head: the mean of the upper middle of the canvas."""
+    """Return the mean brightness of the canvas around the head, in its upper middle."""
     pen = "const p = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
     source = "const c = document.querySelector('#stage canvas');"
     copied = f"{pen} {source} p.canvas.width = c.width; p.canvas.height = c.height; p.drawImage(c, 0, 0);"

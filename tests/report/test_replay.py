@@ -1,4 +1,4 @@
-"""What the player reads is the motion."""
+"""Data of the page's player, which equal the motion."""
 
 import base64
 import json
@@ -23,7 +23,7 @@ def unpacked(text, kind, frames):
 
 
 def origins(data, angles):
-    """(s, 3) where the player puts each segment, by its own steps."""
+    """Return the origin (s, 3) of each segment, computed as the player does."""
     frames = []
     for segment in data["segments"]:
         rotation, origin = (np.eye(3), np.zeros(3)) if segment["parent"] < 0 else frames[segment["parent"]]

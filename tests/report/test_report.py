@@ -1,4 +1,4 @@
-"""What the report says of style and manners, and its feedback: the prediction first, then a warning for each shift."""
+"""Style, manners and feedback in a report: predictions first, then a warning for each shift."""
 
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -54,9 +54,9 @@ def test_report_lists_style_parameters_per_modality_with_changes(data: dict[str,
 
 def test_report_lists_style_parameters_of_a_behaviour_with_their_sources(data: dict[str, Json]) -> None:
     nod, wait = data["behaviours"]
-    told = {"power": (-0.5, "behaviour"), "fluidity": (0.5, "block"), "spatial": (0.25, "setting")}
+    sources = {"power": (-0.5, "behaviour"), "fluidity": (0.5, "block"), "spatial": (0.25, "setting")}
     for name, own in vars(style_preset("calm").head).items():
-        value, source = told.get(name, (own, "style"))
+        value, source = sources.get(name, (own, "style"))
         assert (nod["manner"]["values"][name], nod["manner"]["sources"][name]) == (value, source)
     assert (nod["manner"]["modality"], nod["manner"]["intensity"]) == ("head", None)
     assert wait["manner"] is None
@@ -77,7 +77,7 @@ def messages_of(planned):
 
 
 def shifts_told(messages):
-    """(id, sync point) of each warning that says that something is later or earlier than asked."""
+    """Return (id, sync point) of each warning of a time shift."""
     return Counter(
         (message.get("id"), message.text.split()[0])
         for message in messages
@@ -138,12 +138,12 @@ def test_shift_warning_names_both_times_and_the_limit(plans, name):
 def test_accompanying_body_motion_is_reported_per_gesture(known: Setup) -> None:
     gestures = '<gesture id="g" lexeme="doubt_shrug" stroke="2"/><gesture id="r" lexeme="arms_crossed" start="6"/>'
     nod = '<head id="h" lexeme="NOD" stroke="3"/>'
-    told = report(dry_run(plan(ROOT.format(gestures + nod), known)), source="x.bml")
-    shrug, crossed, head = told["behaviours"]
+    result = report(dry_run(plan(ROOT.format(gestures + nod), known)), source="x.bml")
+    shrug, crossed, head = result["behaviours"]
     assert 12 <= shrug["body"]["shoulders_deg"] <= 20
     assert 5 <= shrug["body"]["head_deg"] <= 8
     assert shrug["body"]["face"].keys() == {"raise_brows", "lower_mouth_corners"}
     assert crossed["body"] is head["body"] is None
     assert shrug["hands"] == crossed["hands"] == ["left", "right"]
     assert head["hands"] == []
-    assert told["whole_body"] == {"weight": 1.0, "gestures": 1, "lacking": ""}
+    assert result["whole_body"] == {"weight": 1.0, "gestures": 1, "lacking": ""}

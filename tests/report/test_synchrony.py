@@ -1,4 +1,4 @@
-"""Strokes that are tied to words: what the report and its page say of when the hand is fastest."""
+"""Strokes bound to words, and the times of highest hand speed in report and page."""
 
 from pathlib import Path
 

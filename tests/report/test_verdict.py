@@ -1,4 +1,4 @@
-"""The verdict in one line: what is wrong, and what an audience will miss."""
+"""Verdict of a report in one line: what is wrong, and what an audience will miss."""
 
 import re
 
@@ -68,7 +68,9 @@ def test_verdict_of_a_poor_document_names_the_check(known, document, servos, cor
 
 def test_verdict_counts_missed_goals_and_warnings(data: dict[str, Json]) -> None:
     def said(*statuses: str, warnings: int = 0) -> str:
-        checks: list[Json] = [{"name": "timing.shift", "status": each, "value": 1.0, "limit": 2.0} for each in statuses]
+        checks: list[Json] = [
+            {"name": "timing.shift", "status": status, "value": 1.0, "limit": 2.0} for status in statuses
+        ]
         return verdict(data | {"checks": checks, "behaviours": [], "warnings": [{"text": "x"}] * warnings})
 
     assert said("pass", "pass").endswith("nothing fails")

@@ -24,7 +24,7 @@ def small_set(tmp_path):
 
 
 def verdict(small: JudgedSet, number: int, *gestures: tuple[str, int], faces=(), heads=()):
-    shown = [ShownGesture(*each) for each in gestures]
+    shown = [ShownGesture(*gesture) for gesture in gestures]
     result = judge(small.utterances[number], small, shown, set(faces), set(heads))
     return result.verdict, result.has_hit, result.merit
 
@@ -81,7 +81,7 @@ def test_verdicts_agree_with_the_scoring_program_of_the_judged_utterances():
     for number, utterance in enumerate(judged_set.utterances):
         shown = [_pick(utterance, lexemes, number * 3 + k) for k in range(number % 3)]
         faces, heads = {("joy", "anger", "fear")[number % 3]}, {("nod", "shake", "tilt")[number % 3]}
-        gestures = [{"lexeme": each.lexeme, "index": each.token} for each in shown]
+        gestures = [{"lexeme": item.lexeme, "index": item.token} for item in shown]
         theirs = score.judge(
             rows[utterance.id], table, {"gestures": gestures, "face": sorted(faces), "head": sorted(heads)}
         )

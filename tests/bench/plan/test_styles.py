@@ -21,7 +21,7 @@ def test_stroke_with_too_little_time_has_the_error_of_its_planned_shift(known):
     assert errors[5.0].errors.max() < 0.05
     assert errors[1.2].shift > 0.05
     assert errors[1.2].errors.max() == pytest.approx(errors[1.2].shift, abs=0.03)
-    assert [each.lost for each in errors.values()] == [0, 0]
+    assert [error.lost for error in errors.values()] == [0, 0]
 
 
 def test_late_strokes_miss_the_goals():

@@ -1,4 +1,4 @@
-"""How a value is judged: a goal that is missed warns, by far it is poor, and a danger fails."""
+"""Verdict of a value: a missed goal warns, one missed by far is poor, a danger fails."""
 
 import re
 from dataclasses import dataclass
@@ -77,20 +77,20 @@ def test_value_far_beyond_its_goal_is_poor(name: str, bound: float):
     worse = -1.0 if name in LOW else 1.0
     limit = bound - 0.1 * worse
     assert Check.of(name, bound, limit).status == "warn"
-    found = Check.of(name, bound + 0.001 * worse, limit, "somewhere")
-    assert (found.status, found.limit, found.at_least) == ("poor", bound, name in LOW)
-    assert (found.value, found.unit, found.where) == (bound + 0.001 * worse, CHECK_LIMITS[name].unit, "somewhere")
+    result = Check.of(name, bound + 0.001 * worse, limit, "somewhere")
+    assert (result.status, result.limit, result.at_least) == ("poor", bound, name in LOW)
+    assert (result.value, result.unit, result.where) == (bound + 0.001 * worse, CHECK_LIMITS[name].unit, "somewhere")
 
 
 def test_load_above_the_continuous_torque_fails():
     assert Check.of("limits.holding", 0.8, 0.5).status == "warn"
-    found = Check.of("limits.holding", 0.81, 0.5, "l_elbow")
-    assert (found.status, found.limit, found.where) == ("fail", 0.8, "l_elbow")
+    result = Check.of("limits.holding", 0.81, 0.5, "l_elbow")
+    assert (result.status, result.limit, result.where) == ("fail", 0.8, "l_elbow")
 
 
 def test_most_severe_check_grades_a_performance():
     def graded(*names: str) -> str:
-        return grade(Check("x", each, 0.0, 0.0, "m") for each in names)
+        return grade(Check("x", name, 0.0, 0.0, "m") for name in names)
 
     assert (graded(), graded("pass", "warn")) == ("ok", "ok")
     assert graded("warn", "poor", "pass") == "poor"
@@ -107,22 +107,22 @@ def test_times_are_formatted_in_hundredths_without_negative_zero():
 
 
 def test_check_of_performed_fraction_names_dropped_behaviours(calm: DryRun, hurried: DryRun):
-    whole, part = (content_checks(each)[0] for each in (calm, hurried))
+    whole, part = (content_checks(item)[0] for item in (calm, hurried))
     assert (whole.name, whole.value, whole.status, whole.where) == ("meaning.performed", 1.0, "pass", "")
     assert (part.value, part.status) == (0.75, "poor")
     assert part.where.startswith("dropped: xyzzy")
 
 
 def test_tracking_metrics_equal_those_of_the_strokes(hurried: DryRun):
-    found = measure_tracking(hurried)
+    tracking = measure_tracking(hurried)
     errors = [abs(error) for error, _ in stroke_errors(hurried) if error is not None]
     assert errors
-    assert found.strokes == len(stroke_errors(hurried))
-    assert found.strokes_lost == found.strokes - len(errors)
-    assert found.stroke_median_s == pytest.approx(np.median(errors))
-    assert found.stroke_p95_s == pytest.approx(np.percentile(errors, 95))
-    assert found.min_distance_m == hurried.measured.clearance.distances.min()
-    assert (found.rmse_deg, found.p95_deg, found.max_deg) == (
+    assert tracking.strokes == len(stroke_errors(hurried))
+    assert tracking.strokes_lost == tracking.strokes - len(errors)
+    assert tracking.stroke_median_s == pytest.approx(np.median(errors))
+    assert tracking.stroke_p95_s == pytest.approx(np.percentile(errors, 95))
+    assert tracking.min_distance_m == hurried.measured.clearance.distances.min()
+    assert (tracking.rmse_deg, tracking.p95_deg, tracking.max_deg) == (
         hurried.tracking.rmse,
         hurried.tracking.p95,
         hurried.tracking.max,
@@ -139,15 +139,15 @@ def test_planned_duty_is_the_maximum_per_joint(hurried: DryRun):
 
 def test_supply_draw_is_compared_with_the_supply(hurried: DryRun):
     supply, power = hurried.plan.setup.robot.supply, hurried.measured.power
-    found = draw_load(hurried)
-    assert found.allowed == supply.amps
-    assert found.peak_at == hurried.measured.times[power.peak.argmax()]
-    assert found.mean == pytest.approx(power.mean.mean())
+    load = draw_load(hurried)
+    assert load.allowed == supply.amps
+    assert load.peak_at == hurried.measured.times[power.peak.argmax()]
+    assert load.mean == pytest.approx(power.mean.mean())
     checks = {check.name: check for check in power_checks(hurried)}
     assert checks["power.peak"].value == power.peak.max()
     assert checks["power.mean"].value == pytest.approx(power.mean.mean())
     assert checks["power.peak"].limit == checks["power.mean"].limit == supply.amps
-    assert checks["power.peak"].where == format_time(found.peak_at)
+    assert checks["power.peak"].where == format_time(load.peak_at)
     if power.warming:
-        assert checks["power.warming"].value == found.warming == max(rise.max() for rise in power.warming.values())
-        assert checks["power.warming"].where.startswith(f"{found.warmest} at ")
+        assert checks["power.warming"].value == load.warming == max(rise.max() for rise in power.warming.values())
+        assert checks["power.warming"].where.startswith(f"{load.warmest} at ")

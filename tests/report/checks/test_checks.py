@@ -1,4 +1,4 @@
-"""Each verdict on performances of one block in the twin, as measured and with one thing made wrong."""
+"""Verdicts of every check on blocks performed by the twin, as measured and with one wrong value."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What the servos bear."""
+"""Checks of servo load, torque and temperature."""
 
 from dataclasses import replace
 
@@ -12,10 +12,10 @@ from tests.performances import bearing
 
 
 def test_most_loaded_drive_is_listed_first(hurried: DryRun) -> None:
-    found = loads(hurried)
-    assert sorted(load.hinge for load in found) == sorted(hurried.plan.setup.robot.skeleton.names)
-    assert [load.strain for load in found] == sorted((load.strain for load in found), reverse=True)
-    assert all(0.0 <= load.rms <= load.torque for load in found)
+    data = loads(hurried)
+    assert sorted(load.hinge for load in data) == sorted(hurried.plan.setup.robot.skeleton.names)
+    assert [load.strain for load in data] == sorted((load.strain for load in data), reverse=True)
+    assert all(0.0 <= load.rms <= load.torque for load in data)
 
 
 def test_load_metrics_equal_those_of_the_samples(hurried: DryRun) -> None:
@@ -23,8 +23,8 @@ def test_load_metrics_equal_those_of_the_samples(hurried: DryRun) -> None:
     duties = np.full_like(measured.duties, 0.6)
     duties[:, 3] = 0.0
     duties[10:15, 3] = -1.5
-    found = loads(replace(hurried, measured=bearing(measured, duties)))
-    first, by_name = found[0], {load.hinge: load for load in found}
+    data = loads(replace(hurried, measured=bearing(measured, duties)))
+    first, by_name = data[0], {load.hinge: load for load in data}
     assert first.hinge != robot.skeleton.names[3], "torque strains longer than duty"
     load = by_name[robot.skeleton.names[3]]
     assert load.duty == pytest.approx(1.5)
@@ -35,9 +35,9 @@ def test_load_metrics_equal_those_of_the_samples(hurried: DryRun) -> None:
 
 def test_supply_draw_sums_all_servos(hurried: DryRun) -> None:
     power = hurried.measured.power
-    found = draw_load(hurried)
-    assert 0.0 < found.mean < found.peak == power.peak.max()
-    assert found.energy == power.energy
+    load = draw_load(hurried)
+    assert 0.0 < load.mean < load.peak == power.peak.max()
+    assert load.energy == power.energy
 
 
 def test_spark_plot_shows_the_peak(hurried: DryRun) -> None:

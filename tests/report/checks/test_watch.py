@@ -1,4 +1,4 @@
-"""Clearance with the errors that were measured, on a twin that was slowed or stopped and on one that was not."""
+"""Clearance with measured tracking errors, for twins that were slowed, stopped or neither."""
 
 from dataclasses import replace
 
@@ -51,7 +51,7 @@ def test_performance_stopped_before_contact_fails_its_check(calm):
 
 
 def test_tracking_error_reduces_the_checked_clearance(calm):
-    """The same plan with a right arm that strays towards the body and away from it has less room."""
+    """The same plan has less clearance if the right arm deviates towards the body."""
     hinge = calm.plan.setup.robot.skeleton.joint("r_shoulder_abduct")
     angles = np.array(calm.measured.angles)
     angles[:, hinge] += np.radians(25.0)

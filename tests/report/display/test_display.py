@@ -1,4 +1,4 @@
-"""HTML by which objects show themselves in notebooks."""
+"""HTML representations of objects in notebooks."""
 
 import base64
 import hashlib
@@ -149,7 +149,7 @@ def test_reprs_of_public_objects_are_short(run: Performance, known: Setup):
     match = known.lexicon.find("greet_wave")
     assert match is not None
     shown = (known.robot, known.style, known.lexicon, known, match, match.form, run, run.plan, run.measured)
-    assert {type(each).__name__: repr(each) for each in shown if len(repr(each)) > MAX_REPR_LENGTH} == {}
+    assert {type(item).__name__: repr(item) for item in shown if len(repr(item)) > MAX_REPR_LENGTH} == {}
     assert repr(known.robot) == "<robot upper22: 22 hinges, 23 drives, arms of 0.42 m>"
     assert repr(match.form) == "<gesture greet_wave (emblem): right hand, 4 keys, open>"
     assert repr(known.style) == "<style neutral: all parameters of gestures 0>"

@@ -1,4 +1,4 @@
-"""The inline replay of a notebook in a browser."""
+"""Inline replay of a notebook in a browser."""
 
 from collections.abc import Iterator
 
@@ -17,12 +17,12 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def page(calm: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
-    """A page that holds the HTML of a plan, as a notebook does."""
+    """Return a page with the HTML of a plan, as a notebook shows it."""
     path = tmp_path_factory.mktemp("notebook") / "frame.html"
     path.write_text(the_frame(calm.plan._repr_html_())["srcdoc"], encoding="utf-8")
-    with opened(path.as_uri()) as found:
-        found.until("document.querySelector('#stage')?.hidden === false")
-        yield found
+    with opened(path.as_uri()) as result:
+        result.until("document.querySelector('#stage')?.hidden === false")
+        yield result
 
 
 def test_inline_replay_plays_to_its_end(page: Page):

@@ -20,13 +20,13 @@ def read(path: Path) -> Messages:
     """Return all messages by topic, each with its time [s]."""
     reader = pytest.importorskip("mcap.reader")
     factory = pytest.importorskip("mcap_protobuf.decoder").DecoderFactory()
-    found: Messages = defaultdict(list)
+    result: Messages = defaultdict(list)
     with path.open("rb") as file:
         for _, channel, message, content in reader.make_reader(
             file, decoder_factories=[factory]
         ).iter_decoded_messages():
-            found[channel.topic].append((message.log_time / 1e9, content))
-    return found
+            result[channel.topic].append((message.log_time / 1e9, content))
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_composed_mcap_transforms_give_the_measured_hand_position(hurried: DryRu
     """Transforms of a chain, composed as a viewer does, give the forward kinematics."""
     robot, row = hurried.plan.setup.robot, 40
     time, content = performed["/tf"][row]
-    moves = {each.child_frame_id: each for each in content.transforms}
+    moves = {transform.child_frame_id: transform for transform in content.transforms}
     frames = robot.skeleton.frames(np.array(hurried.measured.angles[2 * row]))
     assert time == pytest.approx(hurried.measured.times[2 * row])
     name, place = "r_wrist", np.zeros(3)
@@ -92,10 +92,10 @@ def test_mcap_recording_contains_spoken_words_and_sync_points_at_their_times(hur
 
 
 def test_mcap_recording_of_a_plan_has_no_measured_joint_states(calm: DryRun, tmp_path: Path):
-    found = read(save_mcap(ExportedMotion.of_plan(calm.plan), tmp_path / "plan.mcap", force=False))
-    assert "/measured/joint_states" not in found
-    assert "/speech" not in found
-    assert len(found["/joint_states"]) == len(calm.plan.command_times)
+    result = read(save_mcap(ExportedMotion.of_plan(calm.plan), tmp_path / "plan.mcap", force=False))
+    assert "/measured/joint_states" not in result
+    assert "/speech" not in result
+    assert len(result["/joint_states"]) == len(calm.plan.command_times)
 
 
 def test_existing_mcap_file_is_overwritten_only_if_forced(calm: DryRun, tmp_path: Path):

@@ -13,15 +13,15 @@ Columns = dict[str, list]
 
 @pytest.fixture(scope="module")
 def entities(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Columns]:
-    """Columns of each entity, by their names."""
+    """Return the columns of each entity by name."""
     path = tmp_path_factory.mktemp("rerun") / "hurried.rrd"
     save_rerun(ExportedMotion.of_performance(hurried), path, force=False)
-    found: dict[str, Columns] = {}
+    results: dict[str, Columns] = {}
     for chunk in chunks.RrdReader(path).stream().to_chunks():
-        columns = found.setdefault(chunk.entity_path.lstrip("/"), {})
+        columns = results.setdefault(chunk.entity_path.lstrip("/"), {})
         for name, values in chunk.to_record_batch().to_pydict().items():
             columns.setdefault(name, []).extend(values)
-    return found
+    return results
 
 
 def column(columns: Columns, ending: str) -> np.ndarray:
@@ -34,8 +34,8 @@ def test_rerun_recording_contains_planned_and_measured_joint_angles(hurried: Dry
     planned = hurried.plan.trajectory.sample(hurried.measured.times)[0]
     for track, angles in (("planned", planned), ("measured", hurried.measured.angles)):
         for hinge, name in enumerate(hurried.plan.setup.robot.skeleton.names):
-            found = column(entities[f"joints/{track}/{name}"], "Scalars:scalars").ravel()
-            assert np.array_equal(found, angles[:, hinge])
+            result = column(entities[f"joints/{track}/{name}"], "Scalars:scalars").ravel()
+            assert np.array_equal(result, angles[:, hinge])
 
 
 def test_rerun_entities_of_segments_are_nested_and_contain_their_surfaces(entities: dict[str, Columns]):

@@ -1,4 +1,4 @@
-"""Pages move the human's face as her shapes do, and turn her eyes."""
+"""Face data of pages: the human's face shapes and eye rotations, as kinesic computes them."""
 
 import json
 import shutil
@@ -40,7 +40,7 @@ process.stdout.write(JSON.stringify(face.weights.map((weights, k) => ({
 
 
 def unpacked(data: dict) -> dict:
-    """Weights and turns of the eyes as rows of numbers, as the page reads them."""
+    """Return shape weights and eye rotations as rows of numbers, decoded as the page does."""
     weights = np.frombuffer(b64decode(data["weights"]), "u1").reshape(len(UNITS), -1) * data["weight_step"]
     gaze = np.frombuffer(b64decode(data["gaze"]), "<i2").reshape(len(UNITS), 6) * data["gaze_step"]
     return {"shapes": data["shapes"], "weights": weights.tolist(), "gaze": gaze.tolist()}
@@ -72,12 +72,12 @@ def test_page_script_moves_vertices_and_eyes_like_the_renderer():
         ["node", "-e", script], input=json.dumps(given), capture_output=True, text=True, check=True, timeout=60
     )
     skin, eyes = Skin(FIGURE, HUMAN.skeleton), FIGURE.mesh.vertices("eyes")
-    for units, found in zip(UNITS, json.loads(ended.stdout), strict=True):
-        moves = np.array(found["moves"]).reshape(-1, 3)
+    for units, result in zip(UNITS, json.loads(ended.stdout), strict=True):
+        moves = np.array(result["moves"]).reshape(-1, 3)
         asked = (FIGURE.mesh.deltas @ compute_shape_weights(FIGURE.mesh, units)).reshape(-1, 3)
         assert np.abs(moves - asked).max() < 5e-4
         assert moves.any() == bool(units)
-        bones = np.array(found["bones"]).reshape(-1, 4, 4)[len(SKINNING_FRAMES) :, :3]
+        bones = np.array(result["bones"]).reshape(-1, 4, 4)[len(SKINNING_FRAMES) :, :3]
         for number, (bone, centre) in enumerate(zip(bones, FIGURE.mesh.eyes, strict=True)):
             ball = eyes[(FIGURE.mesh.positions[eyes, 1] > 0.0) == (number == 0)]
             turned = (

@@ -1,4 +1,4 @@
-"""Pages move the human's skin as kinesic does, and show it."""
+"""Skin data of pages: the human's skin moves as kinesic computes it."""
 
 import json
 import shutil
@@ -90,9 +90,9 @@ def test_page_script_moves_the_skin_like_the_renderer():
     ended = subprocess.run(
         ["node", "-e", script], input=json.dumps(given), capture_output=True, text=True, check=True, timeout=60
     )
-    found = np.array(json.loads(ended.stdout)).reshape(len(angles), -1, 4, 4)
+    result = np.array(json.loads(ended.stdout)).reshape(len(angles), -1, 4, 4)
     moved = Skin(FIGURE, HUMAN.skeleton)
-    for bones, posture in zip(found, angles, strict=True):
+    for bones, posture in zip(result, angles, strict=True):
         turns, ways = moved.compute_frame_motions(posture)
         np.testing.assert_allclose(bones[: len(turns), :3, :3], turns, atol=2e-5)
         np.testing.assert_allclose(bones[: len(turns), :3, 3], ways, atol=2e-5)

@@ -31,14 +31,14 @@ def write(path: Path, robot: Robot, faces: tuple[dict[str, float], ...]) -> tupl
 def moves(tables: dict, block: bytes, index: int) -> np.ndarray:
     """Return the displacements (n, 3) [m] of a sparse accessor."""
     accessor = tables["accessors"][index]
-    found = np.zeros((accessor["count"], 3))
+    result = np.zeros((accessor["count"], 3))
     if "sparse" in accessor:
         views, sparse = tables["bufferViews"], accessor["sparse"]
         begin, count = views[sparse["indices"]["bufferView"]]["byteOffset"], sparse["count"]
         places = np.frombuffer(block, "<u4", count, begin)
         begin = views[sparse["values"]["bufferView"]]["byteOffset"]
-        found[places] = np.frombuffer(block, "<f4", 3 * count, begin).reshape(-1, 3)
-    return found
+        result[places] = np.frombuffer(block, "<f4", 3 * count, begin).reshape(-1, 3)
+    return result
 
 
 def test_morph_targets_show_the_face_of_the_film(scene: tuple[dict, bytes]):

@@ -1,4 +1,4 @@
-"""What is written is read back by another library, and stands where kinesic's own kinematics has it."""
+"""Written glTF scenes, read by another library and compared with kinesic's forward kinematics."""
 
 import json
 import struct
@@ -49,11 +49,11 @@ def values(tables: dict, block: bytes, index: int) -> np.ndarray:
     accessor = tables["accessors"][index]
     width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}[accessor["type"]]
     kind = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}[accessor["componentType"]]
-    found = np.zeros(accessor["count"] * width, dtype=kind)
+    result = np.zeros(accessor["count"] * width, dtype=kind)
     if "bufferView" in accessor:
         offset = tables["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        found = np.frombuffer(block, kind, len(found), offset)
-    return found.reshape(-1, width).astype(float)
+        result = np.frombuffer(block, kind, len(result), offset)
+    return result.reshape(-1, width).astype(float)
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
@@ -62,9 +62,9 @@ def test_segment_positions_read_by_another_gltf_library_are_equal(trimesh: Modul
     scene = trimesh.load(written(robot, angles, tmp_path / "robot.glb"))
     stand = robot.skeleton.frames(angles[0])
     for k, segment in enumerate(robot.skeleton.segments):
-        found, _ = scene.graph.get(segment.name)
-        np.testing.assert_allclose(found[:3, 3], TO_GLTF @ stand.origins[k], atol=1e-6)
-        np.testing.assert_allclose(found[:3, :3], TO_GLTF @ stand.rotations[k], atol=1e-6)
+        result, _ = scene.graph.get(segment.name)
+        np.testing.assert_allclose(result[:3, 3], TO_GLTF @ stand.origins[k], atol=1e-6)
+        np.testing.assert_allclose(result[:3, :3], TO_GLTF @ stand.rotations[k], atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
@@ -76,10 +76,10 @@ def test_shell_meshes_are_read_by_another_gltf_library(trimesh: ModuleType, name
     counts = {kind: sum(len(getattr(s, kind)) for s in shell.segments.values()) for kind in ("shell", "joint")}
     assert min(counts.values()) > 500
     meshes = [mesh for mesh in scene.geometry.values() if mesh.visual.material.name != "face"]
-    found = {tuple(mesh.visual.material.baseColorFactor): 0 for mesh in meshes}
+    results = {tuple(mesh.visual.material.baseColorFactor): 0 for mesh in meshes}
     for mesh in meshes:
-        found[tuple(mesh.visual.material.baseColorFactor)] += len(mesh.faces)
-    assert sorted(found.values()) == sorted(counts.values())
+        results[tuple(mesh.visual.material.baseColorFactor)] += len(mesh.faces)
+    assert sorted(results.values()) == sorted(counts.values())
     np.testing.assert_allclose(scene.extents[1], 0.62 + 0.5, atol=0.15)  # y is up
 
 
@@ -127,7 +127,7 @@ def test_gltf_animation_reproduces_each_posture_of_the_motion(trimesh: ModuleTyp
 
 
 def test_gltf_skin_moves_like_the_rendered_skin(trimesh: ModuleType, tmp_path: Path):
-    """Joints, inverse bind matrices and weights of the file put the vertices of hands and clothes where they are."""
+    """The file's joints, inverse bind matrices and weights give the vertices of hands and clothes."""
     human, figure = ROBOTS["human"], load_figure()
     angles = wild(human, 1)
     path = written(human, angles, tmp_path / "human.glb")
@@ -169,8 +169,8 @@ def test_gltf_face_has_morph_targets(tmp_path: Path):
 def test_exported_quaternions_have_no_sign_jumps():
     turns = np.linspace(0.0, 4 * np.pi, 50)
     rotations = np.array([[[np.cos(t), -np.sin(t), 0], [np.sin(t), np.cos(t), 0], [0, 0, 1]] for t in turns])
-    found = smooth_quaternions(rotations)
-    assert (np.einsum("mi,mi->m", found[1:], found[:-1]) > 0.9).all()
+    result = smooth_quaternions(rotations)
+    assert (np.einsum("mi,mi->m", result[1:], result[:-1]) > 0.9).all()
 
 
 def test_scene_of_a_plan_is_written_atomically(tmp_path: Path):

@@ -1,4 +1,4 @@
-"""Surfaces of a figure in a file: colours, textures, morph targets and what moves them."""
+"""Surfaces of a figure in a glTF file: colours, textures, morph targets and joints."""
 
 import io
 import json
@@ -35,7 +35,7 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
 class GltfScene:
-    """Tables and values of a file."""
+    """Tables and values of a glTF file."""
 
     def __init__(self, path: Path) -> None:
         data = path.read_bytes()
@@ -47,24 +47,24 @@ class GltfScene:
         return self.block[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
 
     def values(self, index: int) -> np.ndarray:
-        """Values of an accessor, (n, width), also of a sparse one."""
+        """Return the values (n, width) of an accessor, also of a sparse one."""
         accessor = self.tables["accessors"][index]
         shape = accessor["count"], WIDTHS[accessor["type"]]
-        found = np.zeros(shape)
+        result = np.zeros(shape)
         kind = KINDS[accessor["componentType"]]
         if "bufferView" in accessor:
-            found[:] = np.frombuffer(self.view(accessor["bufferView"]), kind, shape[0] * shape[1]).reshape(shape)
+            result[:] = np.frombuffer(self.view(accessor["bufferView"]), kind, shape[0] * shape[1]).reshape(shape)
         if "sparse" in accessor:
             sparse = accessor["sparse"]
             index_kind = KINDS[sparse["indices"]["componentType"]]
             places = np.frombuffer(self.view(sparse["indices"]["bufferView"]), index_kind, sparse["count"])
             moved = np.frombuffer(self.view(sparse["values"]["bufferView"]), kind, sparse["count"] * shape[1])
-            found[places] = moved.reshape(-1, shape[1])
-        return found
+            result[places] = moved.reshape(-1, shape[1])
+        return result
 
     def primitives(self, mesh: str, material: str) -> list[dict]:
-        (found,) = [each for each in self.tables["meshes"] if each["name"] == mesh]
-        return [each for each in found["primitives"] if self.material(each)["name"] == material]
+        (result,) = [table for table in self.tables["meshes"] if table["name"] == mesh]
+        return [item for item in result["primitives"] if self.material(item)["name"] == material]
 
     def material(self, primitive: dict) -> dict:
         return self.tables["materials"][primitive["material"]]
@@ -78,10 +78,10 @@ class GltfScene:
         return Image.open(io.BytesIO(self.view(image["bufferView"])))
 
     def rotations(self, name: str) -> np.ndarray:
-        """Rotations of a node in the animation, (m, 3, 3)."""
+        """Return the rotations (m, 3, 3) of a node in the animation."""
         (animation,) = self.tables["animations"]
-        node = [each["name"] for each in self.tables["nodes"]].index(name)
-        (channel,) = [each for each in animation["channels"] if each["target"] == {"node": node, "path": "rotation"}]
+        node = [table["name"] for table in self.tables["nodes"]].index(name)
+        (channel,) = [item for item in animation["channels"] if item["target"] == {"node": node, "path": "rotation"}]
         return Rotation.from_quat(self.values(animation["samplers"][channel["sampler"]]["output"])).as_matrix()
 
 
@@ -98,9 +98,9 @@ def vertices_of(scene: GltfScene, primitive: dict, *parts: str) -> np.ndarray:
     """Find the vertices of the mesh that a primitive consists of."""
     drawn = MESH.positions + MESH.normals(MESH.positions) * FIGURE.hair[:, None]
     candidates = np.flatnonzero(np.isin(MESH.parts, [MESH_PARTS.index(part) for part in parts]))
-    distances, found = cKDTree(drawn[candidates]).query(scene.attribute(primitive, "POSITION"))
+    distances, result = cKDTree(drawn[candidates]).query(scene.attribute(primitive, "POSITION"))
     assert distances.max() < 1e-6
-    return candidates[found]
+    return candidates[result]
 
 
 def test_linear_colours_become_screen_colours() -> None:
@@ -215,11 +215,11 @@ def test_hair_begins_at_the_hairline(scene: GltfScene) -> None:
     np.testing.assert_allclose(colours[bald], np.broadcast_to(hair, colours[bald].shape), atol=1e-6)
     between = (height > HAIRLINE[0]) & (height < HAIRLINE[1])
     share = (height[between] - HAIRLINE[0]) / (HAIRLINE[1] - HAIRLINE[0])
-    found = ((1.0 - colours[between]) / (1.0 - hair)).mean(axis=1)
+    result = ((1.0 - colours[between]) / (1.0 - hair)).mean(axis=1)
     assert between.sum() > 20
-    np.testing.assert_allclose(found, share, atol=0.1)  # smooth at both ends
-    assert (found[share < 0.45] < share[share < 0.45]).all()
-    assert (found[share > 0.55] > share[share > 0.55]).all()
+    np.testing.assert_allclose(result, share, atol=0.1)  # smooth at both ends
+    assert (result[share < 0.45] < share[share < 0.45]).all()
+    assert (result[share > 0.55] > share[share > 0.55]).all()
 
 
 def test_iris_is_in_the_middle_of_its_texture(scene: GltfScene) -> None:
@@ -296,8 +296,8 @@ def test_gltf_of_a_performance_shows_the_measured_motion(tmp_path: Path) -> None
         if parent < 0:
             continue
         local = expected.rotations[:, parent].transpose(0, 2, 1) @ expected.rotations[:, k]
-        found = scene.rotations(skeleton.segments[k].name)
-        np.testing.assert_allclose(found[[0, round(KEY_FRAME_RATE / 2), -1]], local, atol=1e-5)
+        result = scene.rotations(skeleton.segments[k].name)
+        np.testing.assert_allclose(result[[0, round(KEY_FRAME_RATE / 2), -1]], local, atol=1e-5)
 
 
 def test_gltf_scenes_are_recognised_by_suffix() -> None:

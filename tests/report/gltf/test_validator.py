@@ -1,4 +1,4 @@
-"""The Khronos validator of glTF finds nothing wrong in scenes, where node and the validator are."""
+"""Scenes without errors according to the Khronos glTF validator, where node and the validator exist."""
 
 import json
 import shutil
@@ -27,7 +27,7 @@ pytestmark = [
 
 
 def validated(path: Path) -> dict:
-    """What the validator says of a file."""
+    """Return the validator's report of a file."""
     ended = subprocess.run(
         ["node", "-e", SCRIPT, str(path)], cwd=MODULES.parent, capture_output=True, text=True, check=True, timeout=60
     )
@@ -35,7 +35,7 @@ def validated(path: Path) -> dict:
 
 
 def written(robot: Robot, path: Path) -> Path:
-    """A scene of wild postures, and of a face that moves."""
+    """Write a scene of extreme postures and of a moving face."""
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
     angles = np.random.default_rng(5).uniform(lower, upper, (4, len(lower)))
     units = [{"12": share, "63": share, "26": 1.0 - share} for share in (0.0, 0.4, 0.8, 1.0)]

@@ -1,4 +1,4 @@
-"""Axes of the figures: data come to their places, what is beyond the limits is cut, and words are escaped."""
+"""Axes of figures: data positions, clipping at the limits, and escaped text."""
 
 import re
 import xml.etree.ElementTree as ElementTree
@@ -11,7 +11,7 @@ from kinesic.report.plots.axes import FIGURE_WIDTH, UNITS_PER_INCH, Axes, Figure
 
 @pytest.fixture
 def drawn() -> tuple[Figure, Axes]:
-    """Axes of 1 x 1 in, of which 2 in are left and 1 in is below."""
+    """Draw axes of 1 x 1 in with margins of 2 in on the left and 1 in below."""
     figure = Figure(3.0)
     axes = figure.axes(2.0, 1.0, 1.0, 1.0)
     axes.limit_x(0.0, 10.0)

@@ -1,4 +1,4 @@
-"""Figures of the page."""
+"""Figures of the report's page."""
 
 import re
 import xml.etree.ElementTree as ElementTree

@@ -48,7 +48,7 @@ def test_p_value_is_that_of_the_exact_binomial_test(hits: int, total: int, chanc
     likely = binomial_probabilities(total, chance)
     above = compare_with_chance(hits, total, chance, "greater").p
     assert above == pytest.approx(sum(likely[hits:]), rel=1e-9, abs=0)
-    as_far = sum(each for each in likely if each <= likely[hits] * (1 + 1e-7))
+    as_far = sum(item for item in likely if item <= likely[hits] * (1 + 1e-7))
     assert compare_with_chance(hits, total, chance).p == pytest.approx(as_far, rel=1e-9, abs=0)
 
 
@@ -86,9 +86,9 @@ def test_recognition_rate_of_guessing_participants_is_one_sixth(tmp_path: Path):
 
 def test_participant_who_always_chooses_first_is_detected(tmp_path: Path):
     answers = read(tmp_path, always_right, first_place, guess)
-    told = find_position_choosers(answers)
-    assert set(told) == {"first_place-1"}
-    habit = told["first_place-1"]
+    position_choosers = find_position_choosers(answers)
+    assert set(position_choosers) == {"first_place-1"}
+    habit = position_choosers["first_place-1"]
     assert (habit.place, habit.share.hits, habit.share.total) == (1, 24, 24)
     assert habit.share.p == pytest.approx(6 / 6**24, rel=1e-9, abs=0)
     result = analyse_recognition(answers.recognitions)
@@ -114,8 +114,10 @@ def test_confusions_are_counted_relative_to_their_opportunities():
     answers += [Recognition("p", "a", ("a", "g", "c", "d", "e", "f"), "a"), Recognition("p", "b", options, "a")]
     result = analyse_recognition(answers)
     assert result is not None
-    told = [(each.shown, each.chosen, each.count, each.offered) for each in result.confusions]
-    assert told == [("a", "b", 2, 4), ("a", "c", 1, 5), ("b", "a", 1, 1)]
+    results = [
+        (confusion.shown, confusion.chosen, confusion.count, confusion.offered) for confusion in result.confusions
+    ]
+    assert results == [("a", "b", 2, 4), ("a", "c", 1, 5), ("b", "a", 1, 1)]
     assert list(result.gestures) == ["b", "a"]
     names, counts = confusion_matrix(answers)
     assert names == ("a", "b", "c")
@@ -130,13 +132,13 @@ def test_gesture_study_without_answers_has_no_result():
 def test_analyse_command_prints_gesture_tables_and_json(tmp_path: Path):
     file = write_answers(tmp_path / "answers.csv", [always_right, guess, first_place])
     file.write_text(file.read_text().replace("first_place-2", "[red]x\x1b[2J"))
-    told = CliRunner().invoke(kinesic, ["study", "analyse", str(file)], standalone_mode=False)
-    assert told.exception is None
+    outcome = CliRunner().invoke(kinesic, ["study", "analyse", str(file)], standalone_mode=False)
+    assert outcome.exception is None
     quoted = "[red]x\\x1b[2J chose position 1"
     for words in ("recognised: ", "confused with", "whole_body=0", "the first of two", quoted):
-        assert words in told.output
-    told = CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"], standalone_mode=False)
-    data = json.loads(told.output)
+        assert words in outcome.output
+    outcome = CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"], standalone_mode=False)
+    data = json.loads(outcome.output)
     assert data["answers"] == 3 * (len(GESTURES) + 2 * PAIRS)
     assert len(data["recognition"]["confusion"]["counts"]) == len(GESTURES)
     overall = data["recognition"]["overall"]
@@ -149,5 +151,5 @@ def test_mixed_answers_of_two_studies_are_refused(tmp_path: Path):
     gestures, faces = write_answers(tmp_path / "gestures.csv", [guess]), tmp_path / "faces.csv"
     faces.write_text("participant,place,action\np,1,4\n")
     for files in ([gestures, faces], [faces, gestures]):
-        told = CliRunner().invoke(kinesic, ["study", "analyse", *map(str, files)], standalone_mode=False)
-        assert "no column" in str(told.exception)
+        outcome = CliRunner().invoke(kinesic, ["study", "analyse", *map(str, files)], standalone_mode=False)
+        assert "no column" in str(outcome.exception)

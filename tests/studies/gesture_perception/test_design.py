@@ -29,14 +29,14 @@ def meant(*words: str) -> Meaning:
 
 def test_seed_determines_drawn_gestures_with_a_meaning(lexicon: Lexicon):
     drawn = draw_meanings(lexicon, 48, 3)
-    assert len({each.gesture for each in drawn}) == 48
-    assert {each.sense.category for each in drawn} <= set(MEANING_CATEGORIES)
+    assert len({item.gesture for item in drawn}) == 48
+    assert {item.sense.category for item in drawn} <= set(MEANING_CATEGORIES)
     assert drawn == draw_meanings(lexicon, 48, 3)
     assert drawn != draw_meanings(lexicon, 48, 4)
 
 
 def test_named_gestures_are_all_selected_for_a_study(lexicon: Lexicon):
-    assert {each.gesture for each in draw_meanings(lexicon, 6, 0, ("beat", "stop"))} == {"beat", "stop"}
+    assert {meaning.gesture for meaning in draw_meanings(lexicon, 6, 0, ("beat", "stop"))} == {"beat", "stop"}
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -45,7 +45,7 @@ def test_wrong_meanings_are_offered_equally_often(lexicon: Lexicon, seed: int):
     questions = draw_questions(meanings, seed)
     assert [question.right for question in questions] == list(meanings)
     offered = Counter(foil.gesture for question in questions for foil in question.foils)
-    assert set(offered) == {each.gesture for each in meanings}
+    assert set(offered) == {meaning.gesture for meaning in meanings}
     assert max(offered.values()) - min(offered.values()) <= 2
     for question in questions:
         assert len({option.gesture for option in question.options}) == OPTION_COUNT

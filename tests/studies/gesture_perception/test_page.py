@@ -67,15 +67,15 @@ def ready(study: Path) -> Iterator[Page]:
 
 @pytest.fixture
 def page(study: Path) -> Iterator[Page]:
-    with ready(study) as found:
-        yield found
+    with ready(study) as result:
+        yield result
 
 
 @pytest.fixture(scope="module")
 def unbegun(study: Path) -> Iterator[Page]:
     """Shared page for tests that do not start the study."""
-    with ready(study) as found:
-        yield found
+    with ready(study) as result:
+        yield result
 
 
 def choose(page: Page, choice: str) -> None:
@@ -111,11 +111,11 @@ def test_answers_of_a_perfect_participant_are_read_back(page: Page, tmp_path: Pa
     assert result is not None
     assert result.overall.rate == 1.0
     assert len(result.gestures) == RECOGNITION_COUNT
-    assert set(Counter(each.place for each in answers.recognitions).items()) == {(k, 4) for k in range(6)}
+    assert set(Counter(recognition.place for recognition in answers.recognitions).items()) == {(k, 4) for k in range(6)}
     for condition in CONDITIONS:
-        own = [each for each in answers.preferences if each.condition == condition]
-        assert Counter(each.place for each in own) == {0: 3, 1: 3}, "the standard is first in half of the pairs"
-        assert {each.chosen for each in own} == {"standard"}
+        own = [preference for preference in answers.preferences if preference.condition == condition]
+        assert Counter(item.place for item in own) == {0: 3, 1: 3}, "the standard is first in half of the pairs"
+        assert {item.chosen for item in own} == {"standard"}
 
 
 def test_study_page_orders_answer_options_at_random(unbegun: Page):

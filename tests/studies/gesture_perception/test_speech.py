@@ -42,12 +42,12 @@ def test_motion_is_shown_equally_long_with_either_speech(own: float, other: floa
 def test_texts_are_planned_with_every_system(known):
     texts = {"one": ("The roses are dry.", True), "two": ("We found three boxes.", True)}
     spoken = plan_spoken_motions(texts, known, ["whole_body=0"])
-    assert [(each.system, each.text) for each in spoken] == [
+    assert [(item.system, item.text) for item in spoken] == [
         (system, text) for system in ("standard", "whole_body=0") for text in texts
     ]
     assert spoken[0].motion.differs(spoken[2].motion)
-    assert [each.motion.words[0].text[:3] for each in spoken] == ["The", "We ", "The", "We "]  # a silent voice is read
-    assert all(0.0 <= each.begin < each.end <= each.motion.duration + 0.1 for each in spoken)
+    assert [item.motion.words[0].text[:3] for item in spoken] == ["The", "We ", "The", "We "]  # a silent voice is read
+    assert all(0.0 <= item.begin < item.end <= item.motion.duration + 0.1 for item in spoken)
 
 
 @pytest.mark.parametrize(
@@ -88,12 +88,12 @@ def write_study(path: Path, participants: int = 30) -> Path:
 
 def test_analysis_prints_matched_speech_and_elo(tmp_path: Path):
     file = write_study(tmp_path / "answers.csv")
-    found = json.loads(CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"]).stdout)
-    rules, idle = (found["mismatching"]["systems"][name] for name in ("rules", "idle"))
+    data = json.loads(CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"]).stdout)
+    rules, idle = (data["mismatching"]["systems"][name] for name in ("rules", "idle"))
     assert rules["share"] == pytest.approx(0.75, abs=0.08)
     assert rules["p"] < 0.001 < 0.05 < idle["p"]
     assert rules["detectable"] == pytest.approx(0.63, abs=0.01)
-    ratings = found["elo"]["systems"]
+    ratings = data["elo"]["systems"]
     lead = ratings["rules"]["rating"] - ratings["idle"]["rating"]
     assert lead == pytest.approx(200.0, abs=70.0)
     assert ratings["rules"]["rating"] + ratings["idle"]["rating"] == pytest.approx(2000.0)

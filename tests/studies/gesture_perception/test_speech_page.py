@@ -65,7 +65,7 @@ def test_answers_of_a_perfect_participant_of_a_speech_study_are_read_back(known,
     matched = analyse_matches(answers.matches)
     assert matched is not None
     assert {system: share.rate for system, share in matched.systems.items()} == dict.fromkeys(SYSTEMS, 1.0)
-    assert Counter(each.system for each in answers.matches) == dict.fromkeys(SYSTEMS, 2)
+    assert Counter(match.system for match in answers.matches) == dict.fromkeys(SYSTEMS, 2)
     rated = rate_systems(answers.pair_choices, 0.95)
     assert rated is not None
     assert [(name, each.wins) for name, each in rated.ratings.items()] == [("standard", 2), ("idle=0", 0)]

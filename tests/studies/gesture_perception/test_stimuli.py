@@ -50,10 +50,10 @@ def test_motions_in_page_data_have_small_quantization_error(motions: dict[str, S
 
 
 def test_impossible_gesture_is_reported_and_skipped(known):
-    told: list[str] = []
+    results: list[str] = []
     documents = gesture_documents(NAMES[:1], known.lexicon) | {"nothing": write_document("gobbledygook")}
-    assert list(plan_motions(documents, known, told.append)) == ["doubt_shrug"]
-    (why,) = told
+    assert list(plan_motions(documents, known, results.append)) == ["doubt_shrug"]
+    (why,) = results
     assert why.startswith("nothing is left out, upper22 cannot perform it: ")
     assert "gobbledygook" in why
 

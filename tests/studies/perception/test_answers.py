@@ -25,7 +25,7 @@ from kinesic.studies.perception.design import list_stimuli
 
 PEOPLE = 60
 SHOWN = list_stimuli()
-REGIONS = {each.action.name: each.action.region for each in SHOWN}
+REGIONS = {item.action.name: item.action.region for item in SHOWN}
 
 
 def simulate_answers(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
@@ -75,40 +75,42 @@ def answers(file: Path) -> tuple[Rating, ...]:
 
 
 def test_simulated_study_effect_is_significant(answers: tuple[Rating, ...]):
-    found = compare_sides(answers, "strength", ("high", "low"))
+    comparison = compare_sides(answers, "strength", ("high", "low"))
     for action in (*ACTION_NAMES, ALL_ACTIONS):
-        cell = found.cells[action, "EXP"]
+        cell = comparison.cells[action, "EXP"]
         assert cell.significant
         assert cell.means[0] > cell.means[1] + 0.5
 
 
 def test_overall_significance_test_pools_all_facial_actions(answers: tuple[Rating, ...]):
     """An effect too weak for one action is significant over all actions."""
-    found = compare_sides(answers, "strength", ("high", "low")).cells
-    assert found[ALL_ACTIONS, "NAT"].counts == tuple(
-        sum(found[a, "NAT"].counts[side] for a in ACTION_NAMES) for side in (0, 1)
+    cells = compare_sides(answers, "strength", ("high", "low")).cells
+    assert cells[ALL_ACTIONS, "NAT"].counts == tuple(
+        sum(cells[a, "NAT"].counts[side] for a in ACTION_NAMES) for side in (0, 1)
     )
-    assert found[ALL_ACTIONS, "EXP"].p < min(found[a, "EXP"].p for a in ACTION_NAMES)
-    assert not found[ALL_ACTIONS, "NAT"].significant
+    assert cells[ALL_ACTIONS, "EXP"].p < min(cells[a, "EXP"].p for a in ACTION_NAMES)
+    assert not cells[ALL_ACTIONS, "NAT"].significant
 
 
 def test_each_participant_of_the_face_study_counts_once_and_age_is_optional():
     conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
     opinions = {"naturalness": 3, "realism": 3}
-    told = [Rating("4", conditions, {"4": 4}, opinions, name, age) for name, age in (("a", 51), ("b", None), ("a", 51))]
-    assert count_participants(told) == People(2, (51,))
+    results = [
+        Rating("4", conditions, {"4": 4}, opinions, name, age) for name, age in (("a", 51), ("b", None), ("a", 51))
+    ]
+    assert count_participants(results) == People(2, (51,))
 
 
 def test_missing_study_effect_is_rarely_significant(answers: tuple[Rating, ...]):
-    found = compare_sides(answers, "presentation", ("animation", "image"))
-    assert sum(cell.significant for cell in found.cells.values()) <= 4  # of 18, by chance 1
+    comparison = compare_sides(answers, "presentation", ("animation", "image"))
+    assert sum(cell.significant for cell in comparison.cells.values()) <= 4  # of 18, by chance 1
 
 
 def test_analysis_finds_the_simulated_effect_of_wrinkles_on_the_frown(answers: tuple[Rating, ...]):
     shares = count_first_choices(answers).shares
     assert shares["4", "with"] > shares["4", "without"] + 0.15
-    found = compare_sides(answers, "wrinkles", ("with", "without"))
-    assert found.cells["4", "EXP"].significant
+    comparison = compare_sides(answers, "wrinkles", ("with", "without"))
+    assert comparison.cells["4", "EXP"].significant
 
 
 def test_p_value_of_fully_separated_ratings_is_exact():
@@ -135,17 +137,17 @@ def test_label_with_the_same_rating_as_another_is_not_the_first_choice():
 
 
 def test_analyse_command_prints_face_study_tables_of_the_thesis(file: Path):
-    told = CliRunner().invoke(kinesic, ["study", "analyse", str(file)], standalone_mode=False)
-    assert told.exception is None
+    outcome = CliRunner().invoke(kinesic, ["study", "analyse", str(file)], standalone_mode=False)
+    assert outcome.exception is None
     said = (
         *("effect of intensity", "effect of presentation", "first choice", "NAT", "p < 0.05", "< 0.001"),
         "answers of 60 participants (age 19-51, median 34, given by 59)",
     )
     for words in said:
-        assert words in told.output
-    assert sum(line.split()[0] == ALL_ACTIONS for line in told.output.splitlines() if line.strip()) == 3
-    told = CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"], standalone_mode=False)
-    data = json.loads(told.output)
+        assert words in outcome.output
+    assert sum(line.split()[0] == ALL_ACTIONS for line in outcome.output.splitlines() if line.strip()) == 3
+    outcome = CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"], standalone_mode=False)
+    data = json.loads(outcome.output)
     assert {row["action"] for row in data["intensity"]} == {*ACTION_NAMES, ALL_ACTIONS}
     assert data["participants"] == 60
     assert len(data["ages"]) == 59

@@ -23,8 +23,8 @@ def page(tmp_path: Path):
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     (tmp_path / "stimuli").mkdir()
-    for each in list_stimuli():
-        Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(each))
+    for stimulus in list_stimuli():
+        Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(stimulus))
     path = tmp_path / "index.html"
     write_study_page(path)
     path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # short films for a quick test
@@ -67,7 +67,7 @@ def test_participant_can_stop_the_face_study_early(page: Page, tmp_path: Path):
 def test_answers_of_all_32_faces_are_read_back(page: Page, tmp_path: Path):
     order = page.value("state.order")
     assert len(order) == len(set(order)) == 32
-    known = {each.id: each for each in list_stimuli()}
+    known = {stimulus.id: stimulus for stimulus in list_stimuli()}
     cells = [(known[name].action.region, known[name].presentation) for name in order]
     assert {cells.count(cell) for cell in cells} == {8}
     page.click("#begin")

@@ -7,7 +7,9 @@ from kinesic.studies.perception.design import list_stimuli
 from kinesic.studies.perception.page import FILM_DURATION, PICTURE_RATE, draw_stimuli, file_of
 
 FROWNS = [
-    each for each in list_stimuli() if each.action.name == "4" and (each.agent, each.strength) == ("female", "high")
+    stimulus
+    for stimulus in list_stimuli()
+    if stimulus.action.name == "4" and (stimulus.agent, stimulus.strength) == ("female", "high")
 ]
 
 
@@ -20,7 +22,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory):
         pytest.skip(str(error))
     folder = tmp_path_factory.mktemp("study")
     list(draw_stimuli(FROWNS, folder, size=96))
-    return {(each.wrinkles, each.presentation): folder / file_of(each) for each in FROWNS}
+    return {(frown.wrinkles, frown.presentation): folder / file_of(frown) for frown in FROWNS}
 
 
 @pytest.mark.soak
@@ -46,9 +48,9 @@ def test_stimulus_film_plays_once_and_ends_at_rest(drawn: dict):
 
 def film_duration(path) -> list[int]:
     """Durations of the frames [ms]."""
-    film, found = Image.open(path), []
+    film, results = Image.open(path), []
     for k in range(film.n_frames):
         film.seek(k)
         film.load()
-        found.append(film.info["duration"])
-    return found
+        results.append(film.info["duration"])
+    return results

@@ -77,14 +77,14 @@ def test_series_reports_its_worst_stroke_error():
 
 
 def test_larger_spatial_extent_gives_the_hands_path_more_volume(known):
-    found = sweep_parameter("flat_surface", "spatial", known, values=[0.8, -0.8])
-    assert [one.value for one in found.played] == [-0.8, 0.8]
-    assert found.monotone
-    assert found.in_time
-    narrow, wide = (one.measures for one in found.played)
+    result = sweep_parameter("flat_surface", "spatial", known, values=[0.8, -0.8])
+    assert [one.value for one in result.played] == [-0.8, 0.8]
+    assert result.monotone
+    assert result.in_time
+    narrow, wide = (one.measures for one in result.played)
     assert wide.swept_volume > 1.5 * narrow.swept_volume
-    assert {len(path) for path in found.played[0].hands.values()} == {len(found.played[0].times)}
-    assert found.played[0].times[0] < 0.0 < found.played[0].times[-1]
+    assert {len(path) for path in result.played[0].hands.values()} == {len(result.played[0].times)}
+    assert result.played[0].times[0] < 0.0 < result.played[0].times[-1]
 
 
 def test_parameter_sweep_is_reproducible(known):
@@ -101,9 +101,9 @@ def test_style_presets_are_performed_by_name(known, monkeypatch, tmp_path):
     (tmp_path / "styles").mkdir()
     (tmp_path / "styles" / "sad.toml").touch()
     monkeypatch.setattr("kinesic.studies.sweep.series.CONFIGS", tmp_path)
-    found = {name: play(task, known) for name, task in preset_tasks("beat", known).items()}
-    assert list(found) == ["sad"]
-    assert found["sad"].measures.stroke_error is not None
+    results = {name: play(task, known) for name, task in preset_tasks("beat", known).items()}
+    assert list(results) == ["sad"]
+    assert results["sad"].measures.stroke_error is not None
 
 
 def test_unknown_gesture_or_parameter_of_a_sweep_suggests_names(known):

@@ -35,11 +35,11 @@ def test_servo_sweep_keeps_the_variant_order_and_finds_larger_errors_of_soft_ser
     monkeypatch.setattr(sweep, "GROUP_SIZE", 2)
     variants = [NOMINAL_FACTORS, SOFT, Factors(gain=0.31), Factors(mass=1.01), Factors(latency=0.03)]
     with using_engine(Processes(2)):
-        found = sweep_servos(TEXT, variants, set_up)
-    assert found.variants == tuple(variants)
-    assert len(found.tracking) == len(variants)
-    assert min(found.tracking[[1, 2]]) > max(found.tracking[[0, 3]])
-    assert found.lateness[4] > found.lateness[0]
+        result = sweep_servos(TEXT, variants, set_up)
+    assert result.variants == tuple(variants)
+    assert len(result.tracking) == len(variants)
+    assert min(result.tracking[[1, 2]]) > max(result.tracking[[0, 3]])
+    assert result.lateness[4] > result.lateness[0]
 
 
 def test_sweep_without_servo_variants_gives_no_rows():
