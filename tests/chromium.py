@@ -35,16 +35,16 @@ class Page:
         self._calls += 1
         self._connection.send(json.dumps({"id": self._calls, "method": method, "params": parameters}))
         while True:
-            told = json.loads(self._connection.recv(timeout=MAX_WAIT))
-            if told.get("id") == self._calls:
-                assert "error" not in told, told
-                return told["result"]
+            data = json.loads(self._connection.recv(timeout=MAX_WAIT))
+            if data.get("id") == self._calls:
+                assert "error" not in data, data
+                return data["result"]
 
     def value(self, expression: str) -> object:
         """Return the value of an expression in the page."""
-        found = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
-        assert "exceptionDetails" not in found, found["exceptionDetails"]
-        return found["result"].get("value")
+        result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in result, result["exceptionDetails"]
+        return result["result"].get("value")
 
     def until(self, expression: str) -> None:
         """Wait until an expression is true."""

@@ -34,12 +34,12 @@ def growth(
     rounds = [once] if times == 1 else []
     rounds += [_seconds(work, small, times) for _ in range(MEASUREMENT_ROUNDS - len(rounds))]
     least = min(rounds)
-    found = inf
+    smallest = inf
     for _ in range(MEASUREMENT_ROUNDS):
-        found = min(found, sqrt(_seconds(work, large, times) / least))
-        if found < STRICT_GROWTH_LIMIT:  # further rounds could only reduce it
+        smallest = min(smallest, sqrt(_seconds(work, large, times) / least))
+        if smallest < STRICT_GROWTH_LIMIT:  # further rounds could only reduce it
             break
-    return found
+    return smallest
 
 
 def _seconds(work: Callable[[T], object], given: T, times: int = 1) -> float:

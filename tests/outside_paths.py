@@ -56,12 +56,12 @@ def find_places(root: Path) -> list[PathPlace]:
     texts = {file: file.read_text(encoding="utf-8") for file in sorted(root.rglob("*.py"))}
     trees = {file: ast.parse(text) for file, text in texts.items() if SPEAKS_OF_PATHS.search(text)}
     names = _PathNames.of(trees.values())
-    found = [
+    places = [
         PathPlace(file.relative_to(root.parent).as_posix(), function, node.lineno, ast.unparse(node))
         for file, tree in trees.items()
         for function, node in _places(tree, names)
     ]
-    return sorted(found)
+    return sorted(places)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class _PathNames:
 
 def _kept_paths(function: ast.FunctionDef) -> Iterator[str]:
     """Yield the attributes to which a method assigns its arguments that are paths."""
-    given = {each.arg for each in function.args.args if each.annotation is not None and _is_path_type(each.annotation)}
+    given = {arg.arg for arg in function.args.args if arg.annotation is not None and _is_path_type(arg.annotation)}
     for node in ast.walk(function):
         if isinstance(node, ast.Assign):
             for target, value in _pairs(node, ast.Attribute):
@@ -145,7 +145,7 @@ def _is_place(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
         ):
             return not _is_constant(first, names)
         case ast.Call(func=ast.Attribute(attr=attr), args=arguments) if attr in JOINS:
-            return not all(_is_constant(each, names) for each in arguments)
+            return not all(_is_constant(argument, names) for argument in arguments)
         case ast.Call(func=ast.Attribute(attr=attr)) if attr in WRITES:
             return True
         case ast.Call(func=ast.Attribute(attr="open"), args=[ast.Constant(value=str(mode)), *_]):
@@ -164,7 +164,7 @@ def _calls_imported(node: ast.expr, imported: set[str], names: _PathNames) -> bo
 def _varies(call: ast.Call, names: _PathNames) -> bool:
     """Return whether a call has a path argument that is not constant."""
     named = [keyword.value for keyword in call.keywords if keyword.arg in PATH_ARGUMENTS]
-    return not all(_is_constant(each, names) for each in (*call.args, *named))
+    return not all(_is_constant(item, names) for item in (*call.args, *named))
 
 
 def _is_constant(node: ast.expr, names: _PathNames) -> bool:
@@ -175,7 +175,7 @@ def _is_constant(node: ast.expr, names: _PathNames) -> bool:
         case ast.Name(id=name):
             return name.isupper() or name == "__file__"
         case ast.Call(func=ast.Name(id="str" | "files"), args=arguments):
-            return all(_is_constant(each, names) for each in arguments)
+            return all(_is_constant(argument, names) for argument in arguments)
         case ast.Attribute(value=ast.Name(id="mujoco" | "os")):
             return True
     return False
@@ -204,7 +204,7 @@ def _is_path(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             return _is_text(right) or _is_path(left, names, paths)
         case ast.BoolOp(values=values):
-            return any(_is_path(each, names, paths) for each in values)
+            return any(_is_path(value, names, paths) for value in values)
         case ast.IfExp(body=body, orelse=orelse):
             return _is_path(body, names, paths) or _is_path(orelse, names, paths)
         case ast.Subscript(value=value):
@@ -214,29 +214,31 @@ def _is_path(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
 
 def _local_paths(function: ast.FunctionDef | ast.AsyncFunctionDef, names: _PathNames, outer: set[str]) -> set[str]:
     """Return the names of a function that are bound to paths."""
-    found, every = set(outer), (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)
+    results, every = set(outer), (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)
     for argument in every:
         if argument.annotation is not None and _is_path_type(argument.annotation):
-            found.add(argument.arg)
+            results.add(argument.arg)
         else:
-            found.discard(argument.arg)
+            results.discard(argument.arg)
     bindings = [node for node in ast.walk(function) if isinstance(node, BINDINGS)]
     for _ in range(2):  # paths derived from paths
         for node in bindings:
             match node:
                 case ast.Assign():
-                    found |= {target.id for target, value in _pairs(node, ast.Name) if _is_path(value, names, found)}
-                case ast.NamedExpr(target=ast.Name(id=name), value=value) if _is_path(value, names, found):
-                    found.add(name)
+                    results |= {
+                        target.id for target, value in _pairs(node, ast.Name) if _is_path(value, names, results)
+                    }
+                case ast.NamedExpr(target=ast.Name(id=name), value=value) if _is_path(value, names, results):
+                    results.add(name)
                 case (
                     ast.For(target=ast.Name(id=name), iter=iterated)
                     | ast.comprehension(target=ast.Name(id=name), iter=iterated)
-                ) if _lists_paths(iterated, names, found):
-                    found.add(name)
+                ) if _lists_paths(iterated, names, results):
+                    results.add(name)
                 case ast.withitem(context_expr=ast.Call(func=ast.Name(id=called)), optional_vars=ast.Name(id=name)):
                     if called in names.functions:
-                        found.add(name)
-    return found
+                        results.add(name)
+    return results
 
 
 def _lists_paths(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
@@ -246,7 +248,7 @@ def _lists_paths(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
         case ast.Call(func=ast.Name(id="sorted" | "islice" | "list" | "tuple"), args=[first, *_]):
             return _lists_paths(first, names, paths)
         case ast.Tuple(elts=parts) | ast.List(elts=parts) | ast.Set(elts=parts):
-            return any(_is_path(each, names, paths) for each in parts)
+            return any(_is_path(part, names, paths) for part in parts)
     return _is_path(node, names, paths)
 
 

@@ -68,16 +68,16 @@ new Promise(done => {{
 @pytest.fixture(scope="module")
 def plain():
     """Server with default settings, without a token."""
-    with running(Quotas(patience=2.0)) as found:
-        yield found
+    with running(Quotas(patience=2.0)) as result:
+        yield result
 
 
 @pytest.fixture
 def reached(plain, monkeypatch):
     """Messages that reached the session, from any client."""
-    found = []
-    monkeypatch.setattr(plain.open.clients, "receive", lambda client, message: found.append(message))
-    return found
+    results = []
+    monkeypatch.setattr(plain.open.clients, "receive", lambda client, message: results.append(message))
+    return results
 
 
 @contextmanager

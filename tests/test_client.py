@@ -35,8 +35,8 @@ MAX_WAIT = 30.0  # [s]
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    with open_server() as found:
-        yield found
+    with open_server() as result:
+        yield result
 
 
 def test_example_in_the_docstring_of_the_client_module_works(server, capsys, monkeypatch):
@@ -74,17 +74,17 @@ def test_block_id_search_time_is_linear_for_many_tags():
 
 def test_refused_block_ends_a_client_perform_call(server):
     with Client(port=server.port) as client:
-        told = list(client.perform('<bml id="bad"><head id="h" start="h:end+nonsense:1:2:3:4"/></bml'))
-    assert "PARSING_FAILURE" in told[-1]
+        results = list(client.perform('<bml id="bad"><head id="h" start="h:end+nonsense:1:2:3:4"/></bml'))
+    assert "PARSING_FAILURE" in results[-1]
 
 
 def test_block_refused_by_a_quota_ends_perform(server):
     with Client(port=server.port) as client:
         client.stop()
-        told = list(client.perform('<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>'))
+        results = list(client.perform('<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>'))
         client.do("resume")
-    assert 'id="late"' in told[-1]
-    assert "rule stopped" in told[-1]
+    assert 'id="late"' in results[-1]
+    assert "rule stopped" in results[-1]
 
 
 def test_client_sends_stop_resume_and_ping_messages(server):
@@ -147,7 +147,7 @@ def test_language_model_example_corrects_refused_documents(server, tmp_path):
         call = [sys.executable, EXAMPLES / "11_story.py", url, "recorded", story, str(server.port)]
         done = subprocess.run(call, capture_output=True, text=True, check=True)
     assert "story2:end" in done.stdout
-    first, second = (each["messages"] for each in asked)
+    first, second = (item["messages"] for item in asked)
     assert STORY_TEXT in first[1]["content"]
     assert "PARSING_FAILURE" in second[-1]["content"]
     assert second[-2]["content"] == RECORDED_ANSWERS[0]
@@ -243,9 +243,9 @@ def _process(*command: str | Path) -> Iterator[subprocess.Popen]:
 
 
 def _free() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return found.getsockname()[1]
+    with socket.socket() as result:
+        result.bind(("127.0.0.1", 0))
+        return result.getsockname()[1]
 
 
 def _await(port: int) -> None:

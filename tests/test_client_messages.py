@@ -73,7 +73,7 @@ def test_client_connects_to_localhost_by_default(server: Server, asked: list[tup
 def test_client_sends_its_token_first(server: Server):
     server.say('{"told":"welcome"}')
     Client(token="open sesame").do("ping", id="x")
-    assert [json.loads(each) for each in server.heard()] == [
+    assert [json.loads(item) for item in server.heard()] == [
         {"do": "hello", "token": "open sesame"},
         {"do": "ping", "id": "x"},
     ]
@@ -228,9 +228,9 @@ def test_client_context_closes_the_connection(server: Server):
 def line(server: Server) -> Callable[[], StopLine]:
     def make() -> StopLine:
         server.say('{"told":"stop_line"}')
-        found = StopLine()
+        result = StopLine()
         assert server.heard() == ['{"do": "stop_line"}']
-        return found
+        return result
 
     return make
 

@@ -144,8 +144,8 @@ def test_docs_example_of_synonyms_is_a_valid_lexicon(tmp_path: Path):
     (tmp_path / "gestures.toml").write_text(gestures, encoding="utf-8")
     (tmp_path / "names.toml").write_text(names, encoding="utf-8")
     lexicon = Lexicon.load(tmp_path)
-    found = {name: lexicon.find(name) for name in ("Grüß Gott!", "on_balance_2H", "waltz", "versus")}
-    assert {name: match and match.form.id for name, match in found.items()} == {
+    results = {name: lexicon.find(name) for name in ("Grüß Gott!", "on_balance_2H", "waltz", "versus")}
+    assert {name: match and match.form.id for name, match in results.items()} == {
         "Grüß Gott!": "greet_wave",
         "on_balance_2H": "weigh_up",
         "waltz": "conduct",

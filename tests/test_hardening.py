@@ -15,11 +15,11 @@ FLAGS_1_ENTRY, NOW = 0x6FFFFFFB, 1  # entry of the dynamic segment and its flag:
 def segments(image: bytes) -> dict[int, tuple[int, bytes]]:
     """Return flags and content of each kind of segment of a 64-bit ELF file in little-endian order."""
     offset, size, count = struct.unpack_from("<Q", image, 32)[0], *struct.unpack_from("<HH", image, 54)
-    found = {}
+    results = {}
     for number in range(count):
         kind, flags, start, _, _, length = struct.unpack_from("<IIQQQQ", image, offset + number * size)
-        found[kind] = (flags, image[start : start + length])
-    return found
+        results[kind] = (flags, image[start : start + length])
+    return results
 
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=lambda path: path.parent.name)
@@ -29,8 +29,8 @@ def test_compiled_kernels_are_hardened(kernel: Path):
     image = kernel.read_bytes()
     if not image.startswith(b"\x7fELF\x02\x01"):
         pytest.skip("no ELF file of 64 bits")
-    found = segments(image)
-    entries = dict(struct.iter_unpack("<QQ", found[DYNAMIC_SEGMENT][1]))
-    assert RELRO_SEGMENT in found
+    result = segments(image)
+    entries = dict(struct.iter_unpack("<QQ", result[DYNAMIC_SEGMENT][1]))
+    assert RELRO_SEGMENT in result
     assert entries.get(FLAGS_1_ENTRY, 0) & NOW
-    assert not found[STACK_SEGMENT][0] & EXECUTABLE
+    assert not result[STACK_SEGMENT][0] & EXECUTABLE

@@ -28,12 +28,12 @@ def normalised(name: str) -> str:
 
 
 NEEDED = [
-    *((extra, each) for extra in TOOLS for each in PROJECT["optional-dependencies"][extra]),
-    *(("", each) for each in (*PROJECT["dependencies"], *PYPROJECT["build-system"]["requires"])),
+    *((extra, item) for extra in TOOLS for item in PROJECT["optional-dependencies"][extra]),
+    *(("", item) for item in (*PROJECT["dependencies"], *PYPROJECT["build-system"]["requires"])),
     *(
-        (extra, each)
+        (extra, item)
         for extra in EXTRAS
-        for each in (*PROJECT["dependencies"], *PROJECT["optional-dependencies"][extra])
+        for item in (*PROJECT["dependencies"], *PROJECT["optional-dependencies"][extra])
     ),
 ]
 
@@ -77,6 +77,6 @@ def test_make_installs_no_unused_extras():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     (listed,) = re.findall(r"^EXTRAS := (.+)$", makefile, re.MULTILINE)
     text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "kinesic").rglob("*.py"))
-    needed = [Requirement(each) for extra in listed.split() for each in PROJECT["optional-dependencies"][extra]]
-    assert [each.name for each in needed if not re.search(rf"\b{each.name.replace('-', '_')}\b", text)] == []
+    needed = [Requirement(item) for extra in listed.split() for item in PROJECT["optional-dependencies"][extra]]
+    assert [item.name for item in needed if not re.search(rf"\b{item.name.replace('-', '_')}\b", text)] == []
     assert set(listed.split()) < set(EXTRAS)

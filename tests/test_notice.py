@@ -17,7 +17,7 @@ def direct_dependencies() -> set[str]:
     """Return the packages of pyproject.toml, with extras and build requirements."""
     project = PYPROJECT["project"]
     lists = [project["dependencies"], *project["optional-dependencies"].values(), PYPROJECT["build-system"]["requires"]]
-    names = {canonicalize_name(Requirement(each).name) for one in lists for each in one}
+    names = {canonicalize_name(Requirement(item).name) for one in lists for item in one}
     return names - {"kinesic"}
 
 

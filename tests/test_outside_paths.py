@@ -28,15 +28,15 @@ def listed() -> Counter[Function]:
 
 
 def test_each_string_to_path_conversion_is_listed():
-    found, known, wrong = find_places(PACKAGE), listed(), []
-    counts = Counter((place.module, place.function) for place in found)
+    places, known, wrong = find_places(PACKAGE), listed(), []
+    counts = Counter((place.module, place.function) for place in places)
     for module, function in sorted(counts.keys() | known.keys()):
         there, stands = counts[module, function], known[module, function]
         if there != stands:
             wrong.append(f'{module}: places."{function}" is {stands} in the table, and {there} in the code:')
             wrong += [
                 f"    {place.module}:{place.line}: {place.text}"
-                for place in found
+                for place in places
                 if (place.module, place.function) == (module, function)
             ]
     assert not wrong, "\n".join((f"who chooses these strings? answer in {TABLE.name}:", *wrong))
@@ -104,11 +104,15 @@ def act(self, block, folder: Path, name: str, length: float, duration: float, te
 
 
 @pytest.mark.parametrize(
-    ("line", "is_place"), [*((each, True) for each in DETECTED_PLACES), *((each, False) for each in IGNORED_PLACES)]
+    ("line", "is_place"),
+    [
+        *((detected_place, True) for detected_place in DETECTED_PLACES),
+        *((ignored_place, False) for ignored_place in IGNORED_PLACES),
+    ],
 )
 def test_string_to_path_conversions_are_detected(tmp_path: Path, line: str, is_place: bool):
     (tmp_path / "kinesic").mkdir()
     (tmp_path / "kinesic" / "a.py").write_text(MODULE.format(line))
-    found = [place for place in find_places(tmp_path / "kinesic") if place.function == "act"]
-    assert bool(found) == is_place, found
-    assert all((place.module, place.line) == ("kinesic/a.py", 14) for place in found)
+    places = [place for place in find_places(tmp_path / "kinesic") if place.function == "act"]
+    assert bool(places) == is_place, places
+    assert all((place.module, place.line) == ("kinesic/a.py", 14) for place in places)

@@ -26,10 +26,12 @@ def tracked() -> list[str]:
 
 
 def test_wheel_contains_every_data_file(tracked):
-    packed = {str(path.relative_to(ROOT / "kinesic")) for each in PATTERNS for path in (ROOT / "kinesic").glob(each)}
+    packed = {
+        str(path.relative_to(ROOT / "kinesic")) for pattern in PATTERNS for path in (ROOT / "kinesic").glob(pattern)
+    }
     assert sorted(set(tracked) - packed) == []
 
 
 def test_wheel_contains_no_sources_of_kernels():
     assert SETUPTOOLS["include-package-data"] is False
-    assert [each for each in PATTERNS if each.endswith((".cpp", ".h"))] == []
+    assert [pattern for pattern in PATTERNS if pattern.endswith((".cpp", ".h"))] == []

@@ -221,7 +221,7 @@ def test_servos_do_not_move_after_a_failed_twin_check(performer, servo_runs):
 def test_servos_perform_once_after_a_successful_twin_run(performer, plan, servo_runs):
     run = performer.perform(plan, on="servos")
     assert run.ok
-    assert [each.plan for each in servo_runs] == [plan]
+    assert [servo_run.plan for servo_run in servo_runs] == [plan]
     servo_runs.clear()
     performer.perform(plan)
     assert servo_runs == []

@@ -26,30 +26,30 @@ class Hardware:
 
 @pytest.fixture
 def servos(monkeypatch) -> Hardware:
-    found = Hardware()
+    result = Hardware()
 
     @contextmanager
     def speak_along(plan, warn):
-        found.said.append(plan)
+        result.said.append(plan)
         warn("no loudspeaker")
-        yield f"voice of {len(found.said)}"
+        yield f"voice of {len(result.said)}"
 
     @contextmanager
     def catch_interrupts():
-        yield lambda: found.stopped
+        yield lambda: result.stopped
 
     def perform_live(run, robot, *, requested, shown):
-        found.performed.append((run, robot, shown))
+        result.performed.append((run, robot, shown))
         before = requested()
-        found.stopped = True
+        result.stopped = True
         return before, requested()
 
-    monkeypatch.setattr(hardware, "check_ports", lambda robot, manifest, ports: found.checked.append((robot, ports)))
+    monkeypatch.setattr(hardware, "check_ports", lambda robot, manifest, ports: result.checked.append((robot, ports)))
     monkeypatch.setattr(hardware, "Servos", lambda robot, ports: (robot, ports))
     monkeypatch.setattr(servo_performance, "catch_interrupts", catch_interrupts)
     monkeypatch.setattr(servo_performance, "perform_live", perform_live)
     monkeypatch.setattr(soundtrack, "speak_along", speak_along)
-    return found
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_performer_on_servos_uses_ports_and_voice_and_can_be_stopped(performer, 
     assert robot == (performer.robot, PORTS)
     assert shown == "voice of 1"
     assert servos.said == [plan]
-    assert [each.get("servos") for each in kept] == [None, ("go on", "end")]
+    assert [item.get("servos") for item in kept] == [None, ("go on", "end")]
 
 
 def _kept(kept: list):

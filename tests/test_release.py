@@ -17,7 +17,7 @@ def test_building_wheels_requires_python_3_11_and_a_later_version(monkeypatch):
 
     versions = {"a": (3, 10), "b": (3, 13), "c": (3, 11), "d": (3, 12), "e": None}
     monkeypatch.setattr(wheels, "read_version", versions.get)
-    assert [each.path for each in wheels.choose_interpreters([*versions])] == ["c", "d"]
+    assert [interpreter.path for interpreter in wheels.choose_interpreters([*versions])] == ["c", "d"]
     with pytest.raises(SystemExit, match=r"a later version .* found: c \(3.11\)"):
         wheels.choose_interpreters(["c", "e"])
 

@@ -16,8 +16,8 @@ def test_equal_sized_test_files_have_a_fixed_order(tmp_path: Path):
     files = [tmp_path / name for name in ("test_b.py", "test_a.py", "test_large.py")]
     for file, size in zip(files, (3, 3, 9), strict=True):
         file.write_text("#" * size)
-    found = sorted(files, key=lambda file: rank(file, tmp_path))
-    assert [file.name for file in found] == ["test_large.py", "test_a.py", "test_b.py"]
+    results = sorted(files, key=lambda file: rank(file, tmp_path))
+    assert [file.name for file in results] == ["test_large.py", "test_a.py", "test_b.py"]
 
 
 def test_test_files_listed_as_slowest_exist():

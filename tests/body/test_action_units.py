@@ -29,6 +29,6 @@ def test_action_unit_may_be_written_with_or_without_side():
 
 def test_unknown_unit_error_lists_valid_units():
     assert describe_unknown_unit("L26") == "no action unit L26: jaw drop has no sides; write 26"
-    told = describe_unknown_unit("3")
-    assert told.startswith("no action unit 3; known: 1, 2, 4, 5")
-    assert "26" in told
+    message = describe_unknown_unit("3")
+    assert message.startswith("no action unit 3; known: 1, 2, 4, 5")
+    assert "26" in message

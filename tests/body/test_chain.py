@@ -78,16 +78,16 @@ def test_arms_of_the_default_robot_already_have_ideal_axes():
 
 
 def test_nearly_aligned_twist_hinge_is_aligned_with_its_bone():
-    found = idealise(chain(hinge("a", 0, 1, 0), hinge("b", 1, 0, 0), hinge("c", 0.1, 0.1, 1)))
-    assert found.joints[0].hinges[2].axis == pytest.approx([0, 0, 1])
-    assert found.joints[0].hinges[2].name == "c"
-    assert found.indices == (3, 4, 5, 6)
+    ideal = idealise(chain(hinge("a", 0, 1, 0), hinge("b", 1, 0, 0), hinge("c", 0.1, 0.1, 1)))
+    assert ideal.joints[0].hinges[2].axis == pytest.approx([0, 0, 1])
+    assert ideal.joints[0].hinges[2].name == "c"
+    assert ideal.indices == (3, 4, 5, 6)
 
 
 def test_redundant_third_swing_hinge_is_dropped():
-    found = idealise(chain(hinge("a", 1, 0, 0), hinge("b", 0, 0.1, 1), hinge("c", 0, 1, 0)))
-    assert [h.name for h in found.joints[0].hinges] == ["a", "c"]
-    assert found.indices == (3, 5, 6)
+    ideal = idealise(chain(hinge("a", 1, 0, 0), hinge("b", 0, 0.1, 1), hinge("c", 0, 1, 0)))
+    assert [h.name for h in ideal.joints[0].hinges] == ["a", "c"]
+    assert ideal.indices == (3, 5, 6)
 
 
 def test_two_swing_hinges_of_a_joint_are_kept():

@@ -57,11 +57,11 @@ def test_more_load_reduces_acceleration_jerk_and_duty_limits():
 def test_scaled_motion_limits_differ_only_in_acceleration_jerk_and_duty():
     limits = Limits.box(**BOX_LIMITS)
     assert limits.scaled(1.0) is limits
-    half, each = limits.scaled(0.5), limits.scaled(np.array([0.5, 1.0]))
+    half, result = limits.scaled(0.5), limits.scaled(np.array([0.5, 1.0]))
     for name in LIMIT_NAMES:
         scaled = name in ("acceleration", "jerk", "duty")
         np.testing.assert_allclose(getattr(half, name), getattr(limits, name) * (0.5 if scaled else 1.0))
-        np.testing.assert_allclose(getattr(each, name), getattr(limits, name) * ([0.5, 1.0] if scaled else 1.0))
+        np.testing.assert_allclose(getattr(result, name), getattr(limits, name) * ([0.5, 1.0] if scaled else 1.0))
 
 
 def test_motion_limits_can_be_reduced_to_selected_joints():

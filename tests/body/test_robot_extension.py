@@ -97,8 +97,8 @@ def test_extending_a_file_outside_the_folder_is_refused(extends: str, tmp_path: 
     (tmp_path / "secret.toml").write_text(robot("upper22"))
     (home / "link.toml").symlink_to("../secret.toml")
     (home / "mine.toml").write_text(robot(extends.format(outside=tmp_path)))
-    told = r"mine\.toml: .*(outside of the folder .*copy that file there|no robot .*secret[; ])"
-    with pytest.raises(ConfigError, match=told):
+    message = r"mine\.toml: .*(outside of the folder .*copy that file there|no robot .*secret[; ])"
+    with pytest.raises(ConfigError, match=message):
         Robot.load(home / "mine.toml")
 
 

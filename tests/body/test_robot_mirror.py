@@ -89,8 +89,8 @@ def test_excluded_collision_pairs_are_mirrored_once(file):
     pairs = [("l_wrist", "l_elbow"), ("l_wrist", "r_wrist"), ("l_wrist", "r_elbow"), ("vl5", "skullbase")]
     entries = [ExclusionTable(pair, "why") for pair in pairs]
     changed = msgspec.structs.replace(file, collision=CollisionTable(0.01, entries))
-    found = [frozenset(entry.pair) for entry in with_both_sides(changed).collision.exclude]
-    assert found == [
+    results = [frozenset(entry.pair) for entry in with_both_sides(changed).collision.exclude]
+    assert results == [
         frozenset(pair)
         for pair in (
             ("l_wrist", "l_elbow"),

@@ -136,9 +136,9 @@ def test_turntable_file_name_is_checked_before_the_gesture_is_planned(kinesic):
 
 
 def test_gestures_are_found_by_words_the_best_first(kinesic):
-    found = json.loads(kinesic("gestures", "find", "weigh", "two things", "--json", "--count", "3").out)
-    assert found[0]["id"] == "balance"
-    assert len(found) == 3
+    data = json.loads(kinesic("gestures", "find", "weigh", "two things", "--json", "--count", "3").out)
+    assert data[0]["id"] == "balance"
+    assert len(data) == 3
     ended = kinesic("gestures", "find", "thumbs", "up")
     assert ended.code == 0
     assert ended.out.splitlines()[1].split()[:3] == ["thumb_up", "emblem", "synonym"]

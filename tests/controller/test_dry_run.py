@@ -68,7 +68,7 @@ def test_progress_callback_may_start_another_dry_run(calm):
 
 def test_later_dry_runs_do_not_change_results_of_earlier_ones(calm):
     (kept,) = dry_runs(calm.plan, (NOMINAL_FACTORS,), watch=False)
-    before = [each.copy() for each in arrays(kept)]
+    before = [array.copy() for array in arrays(kept)]
     for factors in (PESSIMISTIC_FACTORS, Factors(gain=0.5, friction=3.0)):
         (other,) = dry_runs(calm.plan, (factors,), watch=False)
         assert not np.array_equal(other.measured.angles, kept.measured.angles)

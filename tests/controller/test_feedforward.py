@@ -126,8 +126,8 @@ def test_estimated_servo_gain_changes_feed_forward_setpoints():
     plan = performer.plan(NOD)
 
     def goals(believed: Factors) -> Floats:
-        told = Told()
-        performer.perform(plan, sinks=[told], believed=believed)
-        return np.array([command.setpoints for command in told.commands])
+        result = Told()
+        performer.perform(plan, sinks=[result], believed=believed)
+        return np.array([command.setpoints for command in result.commands])
 
     assert np.abs(goals(NOMINAL_FACTORS) - goals(Factors(gain=0.8))).max() > 1e-3

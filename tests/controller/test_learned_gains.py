@@ -91,5 +91,5 @@ def test_still_or_blocked_servos_are_not_identified():
 def test_reduced_servo_stiffness_never_exceeds_the_data_sheet():
     robot = Robot.load()
     for gain, softer in ((0.7, 0.7), (1.5, 1.0)):
-        found = reduce_stiffness(robot, Factors(gain=gain)).drives.gain / robot.drives.gain
-        assert found == pytest.approx(np.full(len(found), softer))
+        result = reduce_stiffness(robot, Factors(gain=gain)).drives.gain / robot.drives.gain
+        assert result == pytest.approx(np.full(len(result), softer))

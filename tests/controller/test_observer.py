@@ -72,12 +72,12 @@ def closed_loop(
     plant, belief, sent = state[:, :2], state[:, 2:5], state[:, 5:]
     moved = old[:, :2, :2] @ plant + old[:, :2, 2:] @ sent[:, late + 1 : late + 2]
     moved = new[:, :2, :2] @ moved + new[:, :2, 2:] @ sent[:, late : late + 1]
-    told = belief + observer.gain.T[:, :, None] * (plant[:, :1] - belief[:, :1])
-    entered = np.zeros_like(told)
+    corrected = belief + observer.gain.T[:, :, None] * (plant[:, :1] - belief[:, :1])
+    entered = np.zeros_like(corrected)
     entered[:, 2] = np.einsum("h,nhk->nk", observer.arrival, sent[:, : len(observer.arrival)])
-    told = observer.forecast.transpose(2, 0, 1) @ (told + entered) - entered
-    correction = -np.einsum("i,nik->nk", RESTORING_GAINS, told)[:, None]
-    loop = np.concatenate([moved, told, correction, sent[:, :-1]], axis=1)
+    corrected = observer.forecast.transpose(2, 0, 1) @ (corrected + entered) - entered
+    correction = -np.einsum("i,nik->nk", RESTORING_GAINS, corrected)[:, None]
+    loop = np.concatenate([moved, corrected, correction, sent[:, :-1]], axis=1)
     return np.abs(np.linalg.eigvals(loop)).max(axis=1)
 
 
@@ -219,16 +219,18 @@ def test_one_observer_tracks_several_robots_independently():
     stream = [command()] * 30
 
     def goals(observer: Observer, measured: Floats) -> Floats:
-        taught, belief, found = observer.precompute_inputs(stream, setpoints(loads, leads)), observer.begin(), []
+        taught, belief, results = observer.precompute_inputs(stream, setpoints(loads, leads)), observer.begin(), []
         for tick, deviation in enumerate(measured):
             belief = observer.advance(belief, deviation, taught, tick)
-            found.append(belief.setpoints)
-        return np.array(found)
+            results.append(belief.setpoints)
+        return np.array(results)
 
     pair = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=0.012, bodies=2)
     one = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=0.012)
     together = goals(pair, np.concatenate(deviations, axis=1))
-    np.testing.assert_allclose(together, np.hstack([goals(one, each) for each in deviations]), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        together, np.hstack([goals(one, deviation) for deviation in deviations]), rtol=0, atol=1e-15
+    )
 
 
 class Still:
@@ -253,7 +255,7 @@ def test_setpoint_correction_keeps_times_reference_angles_and_first_setpoints():
     stream = [structs.replace(command(), time=k * COMMAND_PERIOD) for k in range(5)]
     for (told,) in correct_setpoints(stream, setpoints(np.zeros((5, COUNT))), [body], OBSERVER):
         body.write(told)
-    assert [told.time for told in body.written] == [asked.time for asked in stream]
+    assert [item.time for item in body.written] == [asked.time for asked in stream]
     np.testing.assert_array_equal(body.written[0].setpoints, REST)
     assert all(told.angles is asked.angles for told, asked in zip(body.written, stream, strict=True))
     assert not np.array_equal(body.written[-1].setpoints, REST)
@@ -288,10 +290,10 @@ def test_identified_servos_improve_next_performance(known):
 def test_setpoint_correction_allows_larger_offsets_for_low_gain_servos(known):
     """At half the gain, a fast hinge needs setpoints beyond full duty of the data sheet."""
     planned, soft = plan(passage_text(0), known), Factors(gain=0.5)
-    told = dry_run(planned, twin=soft, believed=soft)
+    result = dry_run(planned, twin=soft, believed=soft)
     stiff = Observer.of(known.robot, known.dynamics, period=COMMAND_PERIOD)
-    assert np.abs(told.measured.setpoints - told.measured.angles).max() > stiff.full.min()
-    assert told.tracking.rmse < 0.1
+    assert np.abs(result.measured.setpoints - result.measured.angles).max() > stiff.full.min()
+    assert result.tracking.rmse < 0.1
 
 
 def test_observer_distinguishes_halved_servo_gain_from_saturation(monkeypatch, known):

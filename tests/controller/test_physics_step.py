@@ -53,10 +53,12 @@ def test_physics_steps_equal_mujoco_at_and_off_joint_stops(free, swing, monkeypa
 
 
 def test_model_with_only_friction_uses_partial_mujoco_steps(free, swing, monkeypatch):
-    found = Twin.friction_parts
-    monkeypatch.setattr(Twin, "friction_parts", lambda self: replace(found(self), after=found(self).after[:-1]))
+    friction_parts = Twin.friction_parts
+    monkeypatch.setattr(
+        Twin, "friction_parts", lambda self: replace(friction_parts(self), after=friction_parts(self).after[:-1])
+    )
     first, *later = swing(free())[1:60]
-    assert all(np.array_equal(first, each) for each in later), "without their last stage nothing moves"
+    assert all(np.array_equal(first, item) for item in later), "without their last stage nothing moves"
 
 
 @pytest.mark.parametrize(
@@ -76,11 +78,11 @@ def test_joint_without_friction_disables_the_partial_mujoco_steps(free):
 
 
 def test_unexpected_mujoco_matrix_layout_uses_whole_steps(free, swing, monkeypatch):
-    found = Twin.friction_parts
+    friction_parts = Twin.friction_parts
     parts = []
 
     def misread(self):
-        right = found(self)
+        right = friction_parts(self)
         parts.append(replace(right, begins=right.begins + 1))
         return parts[-1]
 

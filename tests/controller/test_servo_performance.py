@@ -73,11 +73,11 @@ class Actor:
         times = [command.time for command in self.told]
         rows = np.array([command.angles for command in self.told])
         seen = [np.interp(np.array(times) - self.late, times, row) for row in rows.T]
-        found = [
+        results = [
             told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23, faulty=self.faulty), c.setpoints, angles)
             for c, angles in zip(self.told, np.transpose(seen), strict=True)
         ]
-        return (Status(stage=Stage.HOLD), *found[: round(self.part * len(found))])
+        return (Status(stage=Stage.HOLD), *results[: round(self.part * len(results))])
 
     def events(self) -> tuple[Note, ...]:
         return (Note(1.0, 5, "failed", "skullbase_tilt: shut down"),) if self.faulty else ()
@@ -86,35 +86,35 @@ class Actor:
 def test_servo_run_without_tracking_errors_passes_all_checks(performance: DryRun):
     live = perform_live(performance, Actor())
     assert (live.ending, live.performed) == ("performed", pytest.approx(1.0))
-    found = {check.name: check for check in live_checks(live)}
-    assert all(check.status == "pass" for check in found.values())
-    assert found["measured.rmse"].value < 1e-6
+    results = {check.name: check for check in live_checks(live)}
+    assert all(check.status == "pass" for check in results.values())
+    assert results["measured.rmse"].value < 1e-6
     assert set(live.lags.values()) <= {0.0}
 
 
 def test_tracking_errors_of_a_late_robot_are_relative_to_the_plan(performance: DryRun):
     live = perform_live(performance, Actor(late=0.1))
-    found = {check.name: check for check in live_checks(live)}
-    assert found["measured.rmse"].status == "poor"
-    assert found["measured.rmse"].where == "most skullbase_tilt"
+    results = {check.name: check for check in live_checks(live)}
+    assert results["measured.rmse"].status == "poor"
+    assert results["measured.rmse"].where == "most skullbase_tilt"
     assert max(live.lags.values()) == pytest.approx(0.1, abs=0.03)
 
 
 def test_report_contains_twin_and_servo_results(performance: DryRun):
     live = perform_live(performance, Actor(late=0.02))
     before = report(performance, source="nod")
-    told = with_live(before, live)
-    assert set(before) < set(told)
-    assert told["servos"]["rmse_deg"] == pytest.approx(np.sqrt(np.nanmean(np.degrees(live.errors) ** 2)))
-    assert told["servos"]["per_joint"]["l_elbow_flexion"] == 0.0
-    assert [row["name"] for row in told["checks"]][-5:] == [
+    result = with_live(before, live)
+    assert set(before) < set(result)
+    assert result["servos"]["rmse_deg"] == pytest.approx(np.sqrt(np.nanmean(np.degrees(live.errors) ** 2)))
+    assert result["servos"]["per_joint"]["l_elbow_flexion"] == 0.0
+    assert [row["name"] for row in result["checks"]][-5:] == [
         "measured.performed",
         "measured.pace",
         "measured.rmse",
         "measured.p95",
         "measured.max",
     ]
-    moved = [row for row in told["sync"] if row["servos_s"] != row["planned_s"]]
+    moved = [row for row in result["sync"] if row["servos_s"] != row["planned_s"]]
     assert all(row["servos_s"] > row["planned_s"] for row in moved)
 
 
@@ -194,7 +194,7 @@ def test_setpoints_for_servos_depend_on_the_servo_estimate_and_not_on_the_twin(p
     perform_live(replace(performance, twin=PESSIMISTIC_FACTORS), tired)
     perform_live(replace(performance, servo_estimate=Factors(gain=0.5, latency=0.012)), fitted)
     tilt = performance.plan.setup.robot.skeleton.names.index("skullbase_tilt")
-    angles, goals, told = (
+    angles, goals, result = (
         np.array([row[tilt] for row in rows])
         for rows in (
             [c.angles for c in plain.told],
@@ -203,7 +203,7 @@ def test_setpoints_for_servos_depend_on_the_servo_estimate_and_not_on_the_twin(p
         )
     )
     np.testing.assert_array_equal([c.setpoints[tilt] for c in tired.told], goals)
-    assert np.abs(told - angles).max() > 1.7 * np.abs(goals - angles).max()
+    assert np.abs(result - angles).max() > 1.7 * np.abs(goals - angles).max()
 
 
 def test_servo_fault_is_reported_with_reason(performance: DryRun):
@@ -226,25 +226,25 @@ def test_permanent_stop_of_servos_is_a_failure_with_reason(performance: DryRun, 
 
 def test_servo_run_that_never_moves_has_no_tracking_error(performance: DryRun):
     live = perform_live(performance, Actor(part=0.0))
-    told = with_live(report(performance, source="nod"), live)
-    assert told["ok"] is False
-    assert told["servos"]["rmse_deg"] is None
-    assert told["servos"]["samples"] == 0
+    result = with_live(report(performance, source="nod"), live)
+    assert result["ok"] is False
+    assert result["servos"]["rmse_deg"] is None
+    assert result["servos"]["samples"] == 0
 
 
 def test_tracking_errors_of_servos_count_only_while_time_runs_at_full_speed(performance: DryRun):
     live = perform_live(performance, Actor())
     slow = [replace(status, scale=0.5) for status in live.history]
     crept = ServoRun(live.performance, tuple(slow), (), "performed")
-    told = with_live(report(performance, source="nod"), crept)
-    assert (told["servos"]["full_pace"], told["servos"]["rmse_deg"]) == (0.0, None)
-    assert {row["name"]: row["status"] for row in told["checks"]}["measured.pace"] == "poor"
+    result = with_live(report(performance, source="nod"), crept)
+    assert (result["servos"]["full_pace"], result["servos"]["rmse_deg"]) == (0.0, None)
+    assert {row["name"]: row["status"] for row in result["checks"]}["measured.pace"] == "poor"
     half = len(slow) // 2
     partly = ServoRun(live.performance, (*slow[:half], *live.history[half:]), (), "performed")
-    found = {check.name: check for check in live_checks(partly)}
-    assert found["measured.pace"].value == pytest.approx(0.5, abs=0.01)
-    assert found["measured.pace"].status in ("warn", "poor")
-    assert found["measured.rmse"].value < 1e-6
+    results = {check.name: check for check in live_checks(partly)}
+    assert results["measured.pace"].value == pytest.approx(0.5, abs=0.01)
+    assert results["measured.pace"].status in ("warn", "poor")
+    assert results["measured.rmse"].value < 1e-6
 
 
 def test_gentle_start_and_stop_of_time_do_not_lower_the_fraction_at_full_speed(performance: DryRun):

@@ -58,9 +58,9 @@ def test_observer_correction_is_halved_for_stiff_servos_with_latency():
     planned = plan('<bml><gesture lexeme="greet_wave" start="0.2"/><head lexeme="SHAKE" start="0.4"/></bml>', known)
     knowing = dry_run(planned, twin=STIFF_AND_LATE, believed=STIFF_AND_LATE)
     assert knowing.restoring == make_observer(known, STIFF_AND_LATE, 0.02, 1).restoring == 0.5
-    told = next(check for check in checks(knowing) if check.name == "tracking.restoring")
-    assert (told.status, told.value) == ("warn", 0.5)
-    assert "P gain x 2.00 (all servos), 20 ms late" in told.where
+    result = next(check for check in checks(knowing) if check.name == "tracking.restoring")
+    assert (result.status, result.value) == ("warn", 0.5)
+    assert "P gain x 2.00 (all servos), 20 ms late" in result.where
     assert knowing.tracking.rmse < 0.1  # 0.6 deg with all of it
     nominal = dry_run(planned)
     assert nominal.restoring == 1.0

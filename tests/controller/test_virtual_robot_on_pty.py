@@ -66,8 +66,8 @@ def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> No
     if moving.sum() < 500:
         pytest.skip("the machine was too busy for real time")
     off = np.degrees(np.abs(angles - wanted))[moving]
-    found = (float(np.sqrt(np.mean(off**2))), float(np.percentile(off, 95)), float(off.max()))
-    assert all(error <= goal for error, goal in zip(found, ERROR_LIMITS, strict=True)), found
+    results = (float(np.sqrt(np.mean(off**2))), float(np.percentile(off, 95)), float(off.max()))
+    assert all(error <= goal for error, goal in zip(results, ERROR_LIMITS, strict=True)), results
 
 
 def test_kinesic_driver_moves_twin_through_port(planned: Plan, port: Path):
@@ -77,11 +77,11 @@ def test_kinesic_driver_moves_twin_through_port(planned: Plan, port: Path):
     for command in commands(planned.trajectory, times, setpoints):
         servos.write(command)
     servos.close()
-    ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL_TIME_SCALE]
-    rows = [told for told in ran if np.isfinite(told.taken).all()]
-    clocks, reached = np.array([told.clock for told in rows]), np.array([told.time for told in rows])
-    at = np.transpose([np.interp(taken, clocks, reached) for taken in np.transpose([told.taken for told in rows])])
-    followed(planned, clocks, at, np.array([told.angles for told in rows]))
+    ran = [item for item in servos.history() if item.stage is Stage.ACTIVE and item.scale > FULL_TIME_SCALE]
+    rows = [item for item in ran if np.isfinite(item.taken).all()]
+    clocks, reached = np.array([row.clock for row in rows]), np.array([row.time for row in rows])
+    at = np.transpose([np.interp(taken, clocks, reached) for taken in np.transpose([row.taken for row in rows])])
+    followed(planned, clocks, at, np.array([row.angles for row in rows]))
 
 
 def test_dynamixel_sdk_moves_twin_through_port(planned: Plan, port: Path):

@@ -56,16 +56,16 @@ def parse(tmp_path: Path, data: bytes) -> np.ndarray:
 )
 @pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])
 def test_written_arrays_are_read_back(tmp_path: Path, array: np.ndarray, version: tuple[int, int]):
-    found = parse(tmp_path, packed(array, version))
-    assert (found.dtype, found.shape) == (array.dtype, array.shape)
-    np.testing.assert_array_equal(found, array)
+    block = parse(tmp_path, packed(array, version))
+    assert (block.dtype, block.shape) == (array.dtype, array.shape)
+    np.testing.assert_array_equal(block, array)
 
 
 @pytest.mark.parametrize("write", [np.savez, np.savez_compressed])
 def test_npz_arrays_are_returned_by_name(tmp_path: Path, write):
     write(tmp_path / "two.npz", times=np.arange(3.0), names=np.array(["a"]))
-    found = read_arrays(tmp_path / "two.npz", max_size=ENOUGH_BYTES)
-    assert {name: array.tolist() for name, array in found.items()} == {"times": [0.0, 1.0, 2.0], "names": ["a"]}
+    arrays = read_arrays(tmp_path / "two.npz", max_size=ENOUGH_BYTES)
+    assert {name: array.tolist() for name, array in arrays.items()} == {"times": [0.0, 1.0, 2.0], "names": ["a"]}
 
 
 def test_npz_archive_above_the_size_limit_is_refused(tmp_path: Path):

@@ -44,18 +44,18 @@ def written(pictures: list[Picture], path: Path, *, rate: float = 30.0) -> list[
         for picture, shown in zip(pictures, picture_durations(len(pictures), rate), strict=True):
             film.write(picture, None, shown)
     with Image.open(path) as seen:
-        found = []
+        results = []
         for k in range(getattr(seen, "n_frames", 1)):
             seen.seek(k)
-            found.append(np.asarray(seen.convert("RGB")))
-        return found
+            results.append(np.asarray(seen.convert("RGB")))
+        return results
 
 
 def test_film_pictures_are_restored_from_changed_regions(tmp_path: Path):
     pictures = moving(12)
-    found = written(pictures, tmp_path / "x.webp")
-    assert len(found) == 12
-    for asked, seen in zip(pictures, found, strict=True):
+    result = written(pictures, tmp_path / "x.webp")
+    assert len(result) == 12
+    for asked, seen in zip(pictures, result, strict=True):
         assert seen.shape == asked.shape
         assert np.abs(seen.astype(int) - asked).mean() < 3.0
     whole = (tmp_path / "x.webp").stat().st_size

@@ -39,8 +39,8 @@ def test_written_gltf_numbers_are_read_back(file: GltfFile, tmp_path: Path):
     view = tables["bufferViews"][accessor["bufferView"]]
     assert view["target"] == 34962
     assert view["byteOffset"] == 4, "numbers begin at multiples of four"
-    found = np.frombuffer(block, "<f4", count=6, offset=view["byteOffset"])
-    np.testing.assert_array_equal(found.reshape(2, 3), values)
+    result = np.frombuffer(block, "<f4", count=6, offset=view["byteOffset"])
+    np.testing.assert_array_equal(result.reshape(2, 3), values)
 
 
 def test_sparse_gltf_accessor_has_count_and_bounds(file: GltfFile, tmp_path: Path):

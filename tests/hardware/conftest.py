@@ -1,4 +1,4 @@
-"""Bus in virtual time on kinesic's virtual servos and on independent ones."""
+"""Buses in virtual time, with kinesic's virtual servos and with independent ones."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Rig:
         return np.array([servo.memory[register] for servo in self.plant.servos])
 
     def run(self, cycles: int, goals: Ticks | None = None) -> list[Cycle]:
-        """Cycles at the bus's period."""
+        """Run cycles at the bus's period."""
         done = []
         for _ in range(cycles):
             due = self.wire.now() + self.bus.period
@@ -45,7 +45,7 @@ class Rig:
         return done
 
     def energise(self) -> None:
-        """Torque on, every goal where the servo is."""
+        """Switch torque on with every goal at its servo's position."""
         goals = self.true(Register.PRESENT_POSITION)
         self.bus.cycle(goals)
         self.bus.put(Register.TORQUE_ENABLE, dict.fromkeys(self.bus.ids, 1))
@@ -75,11 +75,11 @@ def rig_of(
 
 @pytest.fixture(params=list(BUILDERS))
 def servos(request: pytest.FixtureRequest) -> str:
-    """Whose virtual servos a test runs on."""
+    """Name the implementation of virtual servos that a test runs on."""
     return str(request.param)
 
 
 @pytest.fixture
 def rig(servos: str) -> Callable[..., Rig]:
-    """Makes a bus of virtual servos, opened and limp."""
+    """Return a function that opens a bus of virtual servos without torque."""
     return partial(rig_of, servos=servos)

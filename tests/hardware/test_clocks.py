@@ -1,4 +1,4 @@
-"""A clock that is set, by hand or from the net, moves no robot: nothing but labels is taken from it."""
+"""Clock changes, by hand or from the net, move no robot: wall time is used for labels only."""
 
 import ast
 import re
@@ -13,7 +13,7 @@ NAMED = re.compile(r"\b(time_ns|localtime|gmtime|now)\b|\btime(\.| import .*\b)t
 
 
 def wall_clocks(source: str) -> bool:
-    """Whether a file reads the time of day; most name none of the words, and need not be parsed."""
+    """Return whether a file reads the wall clock; files without any of the words are not parsed."""
     if not NAMED.search(source):
         return False
     for node in ast.walk(ast.parse(source)):
@@ -27,5 +27,5 @@ def wall_clocks(source: str) -> bool:
 def test_wall_clock_is_used_only_for_labels():
     assert wall_clocks("import time\nprint(time.time())")
     assert wall_clocks("from time import time as wall_time")
-    found = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if wall_clocks(path.read_text())}
-    assert found == LABELS
+    paths = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if wall_clocks(path.read_text())}
+    assert paths == LABELS

@@ -8,30 +8,30 @@ ALL = np.ones(3)
 
 
 def _line(angles: Floats) -> tuple[Floats, Floats]:
-    """One row: the sum should be 2."""
+    """Return the residual and Jacobian of one row: the sum should be 2."""
     return np.array([2.0 - angles.sum()]), np.ones((1, 3))
 
 
 def test_least_squares_compensates_for_a_bounded_variable_with_others():
     box = Box(np.zeros(3), np.array([0.1, 5.0, 5.0]), np.zeros(3), ALL)
-    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
-    assert found.miss < 1e-9
-    assert found.angles[0] == 0.1
-    assert found.angles[1] == pytest.approx(found.angles[2])
+    descent = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert descent.miss < 1e-9
+    assert descent.angles[0] == 0.1
+    assert descent.angles[1] == pytest.approx(descent.angles[2])
 
 
 def test_least_squares_variable_without_mobility_keeps_its_value():
     box = Box(-5 * ALL, 5 * ALL, ALL, np.array([0.0, 1.0, 1.0]))
-    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
-    assert found.angles[0] == 0.0
-    assert found.miss < 1e-9
+    descent = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert descent.angles[0] == 0.0
+    assert descent.miss < 1e-9
 
 
 def test_variable_with_low_mobility_moves_less():
     box = Box(-5 * ALL, 5 * ALL, np.zeros(3), np.array([0.1, 1.0, 1.0]))
-    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
-    assert found.miss < 1e-9
-    assert 0.0 < found.angles[0] < 0.2 * found.angles[1]
+    descent = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert descent.miss < 1e-9
+    assert 0.0 < descent.angles[0] < 0.2 * descent.angles[1]
 
 
 def test_preferred_posture_acts_only_in_the_null_space():
@@ -39,13 +39,13 @@ def test_preferred_posture_acts_only_in_the_null_space():
     box = Box(-5 * ALL, 5 * ALL, home, ALL)
     near, far = np.array([2.5, 0.0, 0.0]), np.array([5.0, -5.0, 5.0])
     for start in (near, far):
-        found = descend(_line, start, box, tolerance=1e-9)
-        assert found.miss < 1e-9
-        assert np.linalg.norm(found.angles - home) < np.linalg.norm(start - home)
+        descent = descend(_line, start, box, tolerance=1e-9)
+        assert descent.miss < 1e-9
+        assert np.linalg.norm(descent.angles - home) < np.linalg.norm(start - home)
 
 
 def test_infeasible_least_squares_problem_ends_at_the_best_point():
     box = Box(np.zeros(3), 0.5 * ALL, np.zeros(3), ALL)
-    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
-    assert found.miss == pytest.approx(0.5, abs=1e-6)
-    assert found.rounds <= 40
+    descent = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert descent.miss == pytest.approx(0.5, abs=1e-6)
+    assert descent.rounds <= 40

@@ -1,4 +1,4 @@
-"""A hand in its place that points and faces as asked: `hold_reach`."""
+"""Hand positions with a pointing direction and a palm direction: `hold_reach`."""
 
 import mujoco
 import numpy as np
@@ -24,7 +24,7 @@ def _pose(chain: Chain, angles: Floats) -> tuple[Floats, Floats]:
 
 @pytest.mark.parametrize("side", ["l", "r"])
 def test_pointing_and_palm_agree_with_mujoco_kinematics(side: Side):
-    """The judge shares no code with the solver: poses and answers both go through MuJoCo."""
+    """MuJoCo computes both target and result, without code of the solver."""
     model, chain = build_model(ROBOT), ARMS[side]
     data, random, held = mujoco.MjData(model), default_rng(41), []
     base, hand = model.body(chain.base).id, model.body(chain.joints[-1].name).id
@@ -40,9 +40,9 @@ def test_pointing_and_palm_agree_with_mujoco_kinematics(side: Side):
 
     for _ in range(1000):
         place, pointing, palm = pose(random.uniform(chain.lower, chain.upper))
-        found = hold_reach(chain, Reach(place, pointing, palm), start=chain.rest)
-        assert np.all((chain.lower <= found.angles) & (found.angles <= chain.upper))
-        at, ahead, aside = pose(found.angles)
+        solution = hold_reach(chain, Reach(place, pointing, palm), start=chain.rest)
+        assert np.all((chain.lower <= solution.angles) & (solution.angles <= chain.upper))
+        at, ahead, aside = pose(solution.angles)
         off = max(np.linalg.norm(ahead - pointing), np.linalg.norm(aside - palm))
         held.append(np.linalg.norm(at - place) < 1e-4 and off < 1e-3)
     assert np.mean(held) >= 0.999
@@ -64,9 +64,9 @@ def test_palm_direction_not_perpendicular_to_pointing_is_met_approximately():
     position, rotation = _pose(LEFT, LEFT.rest)
     along = LEFT.joints[-1].bone / np.linalg.norm(LEFT.joints[-1].bone)
     skewed = Reach(position, rotation @ along, rotation @ (LEFT.palm + 0.5 * along))
-    found = hold_reach(LEFT, skewed, start=LEFT.rest)
-    assert found.reached
-    assert found.angles == pytest.approx(LEFT.rest, abs=1e-6)
+    solution = hold_reach(LEFT, skewed, start=LEFT.rest)
+    assert solution.reached
+    assert solution.angles == pytest.approx(LEFT.rest, abs=1e-6)
 
 
 def test_invalid_pose_raises_a_clear_error():

@@ -1,4 +1,4 @@
-"""The four entrances of inverse kinematics, as a user finds them."""
+"""Four public functions of inverse kinematics, as users call them."""
 
 import numpy as np
 import pytest
@@ -37,8 +37,8 @@ def test_tracker_returns_a_posture_before_requesting_the_next_target():
 def test_ik_track_yields_the_same_postures_as_tracker_steps():
     tracker = ik.Tracker(ARM, period=0.01)
     targets = [PLACE + np.array([0.0, 0.0, 0.001 * k]) for k in range(10)]
-    found = np.array(list(ik.track(ARM, targets, period=0.01)))
-    np.testing.assert_array_equal(found, [tracker.step(target) for target in targets])
+    result = np.array(list(ik.track(ARM, targets, period=0.01)))
+    np.testing.assert_array_equal(result, [tracker.step(target) for target in targets])
 
 
 def test_tracker_rejects_an_invalid_period_before_iteration():

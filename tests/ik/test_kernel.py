@@ -1,4 +1,4 @@
-"""The compiled solver as a whole, against its specification and on arms of every shape."""
+"""Compiled solver against its Python reference, on arms of every shape."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def _hinges(segment: str, axes: str, ranges: list[tuple[float, float]]) -> tuple
 
 
 def _reach(random: Generator, chain: Chain, k: int) -> Reach:
-    """A question of every kind: alone, pointing, everything at once; some out of reach."""
+    """Return a target of a random kind (position, pointing, palm), some out of reach."""
     position = chain.hand(random.uniform(chain.lower, chain.upper)) * (1.4 if k % 10 == 9 else 1.0)
     match k % 4:
         case 0:
@@ -40,7 +40,7 @@ def _reach(random: Generator, chain: Chain, k: int) -> Reach:
 
 
 def _same(specified: Solution, compiled: Solution) -> bool:
-    """Agreement in every number."""
+    """Return whether all numbers are equal."""
     return (
         bool(np.abs(specified.angles - compiled.angles).max() < 1e-9)
         and bool(np.abs(specified.target - compiled.target).max() < 1e-9)
@@ -54,7 +54,7 @@ def _same(specified: Solution, compiled: Solution) -> bool:
 
 
 def _agreement(chain: Chain, count: int, seed: int) -> int:
-    """How many whole solves agree; the others must both have come equally far."""
+    """Return the share of equal solutions; the others must have equal errors."""
     random, agreed = default_rng(seed), 0
     for k in range(count):
         start = random.uniform(chain.lower, chain.upper) if k % 2 else chain.rest

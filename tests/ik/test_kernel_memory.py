@@ -1,4 +1,4 @@
-"""The kernel asks for no memory while it solves: counted by a malloc of our own."""
+"""No allocation by the kernel during a solution, counted by a replaced malloc."""
 
 import ctypes.util
 import os
@@ -54,11 +54,11 @@ def test_ik_kernel_allocates_no_memory_while_solving(tmp_path):
     source, library = tmp_path / "counter.c", tmp_path / "counter.so"
     source.write_text(COUNTER)
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(library)], check=True)
-    told = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-c", TASK],
         env={**os.environ, "LD_PRELOAD": str(library)},
         capture_output=True,
         text=True,
         check=True,
     )
-    assert all(int(line) < 40 for line in told.stdout.splitlines())  # the calls themselves, from Python
+    assert all(int(line) < 40 for line in result.stdout.splitlines())  # the calls themselves, from Python

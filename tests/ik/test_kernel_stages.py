@@ -1,4 +1,4 @@
-"""Each compiled stage against its specification."""
+"""Each compiled stage against its Python reference."""
 
 from collections.abc import Iterator
 
@@ -63,11 +63,11 @@ def test_compiled_settled_chain_masses_equal_the_python_reference(bones: int) ->
     for _ in range(50):
         points = [vector(point) for point in random.normal(size=(bones + 1, 3))]
         lengths, target = random.uniform(0.5, 1.5, bones).tolist(), vector(random.normal(size=3))
-        found = settle_masses(points, lengths, target)
-        _agree((found.points, found.iterations, found.energy), arm.settle(points, lengths, target))
+        settled = settle_masses(points, lengths, target)
+        _agree((settled.points, settled.iterations, settled.energy), arm.settle(points, lengths, target))
     straight = [(0.0, 0.0, -0.3 * k) for k in range(bones + 1)]
-    found = settle_masses(straight, [0.3] * bones, (0.0, 0.0, -0.2))
-    _agree((found.points, found.iterations, found.energy), arm.settle(straight, [0.3] * bones, (0.0, 0.0, -0.2)))
+    settled = settle_masses(straight, [0.3] * bones, (0.0, 0.0, -0.2))
+    _agree((settled.points, settled.iterations, settled.energy), arm.settle(straight, [0.3] * bones, (0.0, 0.0, -0.2)))
 
 
 def test_compiled_paden_kahan_subproblems_equal_the_python_reference() -> None:
@@ -88,8 +88,8 @@ def test_compiled_joint_angles_from_bone_directions_equal_the_python_reference()
         near = _posture(random)
         shaken = [vector(np.add(point, 0.05 * random.normal(size=3))) for point in points]
         for given in (points, shaken, points[:1]):
-            found = extract(LINKAGE, given, near)
-            _agree((found.angles, found.miss), arm.extract(given, near))
+            extracted = extract(LINKAGE, given, near)
+            _agree((extracted.angles, extracted.miss), arm.extract(given, near))
 
 
 def test_compiled_elbow_positions_equal_the_python_reference() -> None:
@@ -112,9 +112,9 @@ def test_compiled_shoulder_and_elbow_placement_equal_the_python_reference(size: 
         place = place_shoulder(LINKAGE, target, near=near, rest=rest)
         _agree((place.girdle, place.shoulder, place.target, place.iterations), arm.placed(target, near, rest))
         bend = bend_elbow(LINKAGE, place, near=near, swivel=swivel)
-        found = arm.bent(place.girdle, place.shoulder, place.target, near, swivel)
-        _agree((bend.angles, bend.iterations), (found[0], found[2]))
-        assert bend.exact == found[1]
+        result = arm.bent(place.girdle, place.shoulder, place.target, near, swivel)
+        _agree((bend.angles, bend.iterations), (result[0], result[2]))
+        assert bend.exact == result[1]
 
 
 def test_compiled_shoulder_target_distance_equals_the_python_reference() -> None:
@@ -129,8 +129,8 @@ def test_compiled_numerical_angle_correction_equals_the_python_reference() -> No
     for _ in range(100):
         target, angles, posture = vector(CHAIN.hand(np.array(_posture(random)))), _posture(random), _posture(random)
         for mobility in (LINKAGE.mobility, (0.0, *LINKAGE.mobility[1:])):
-            found = polish(LINKAGE, target, angles, posture=posture, mobility=mobility)
-            _agree((found.angles, found.miss, found.rounds), arm.polish(target, angles, posture, mobility))
+            polished = polish(LINKAGE, target, angles, posture=posture, mobility=mobility)
+            _agree((polished.angles, polished.miss, polished.rounds), arm.polish(target, angles, posture, mobility))
 
 
 def test_compiled_multistart_postures_equal_the_python_reference() -> None:

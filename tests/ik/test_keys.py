@@ -1,4 +1,4 @@
-"""An arm from key to key, in one call of the kernel or key by key."""
+"""Arm postures at successive keys, in one kernel call or key by key."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ MANNER = ReachManner(widest=0.4, leap=1.9, open=1.36)
 
 
 def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
-    """Keys of every kind: at rest, still, free, opened, on a path; some out of reach."""
+    """Return keys of every kind: at rest, still, free, opened, on a path, out of reach."""
     random, keys = default_rng(seed), []
     for k in range(count):
         angles = random.uniform(0.7 * chain.lower, 0.7 * chain.upper)
@@ -58,13 +58,13 @@ def test_arm_keys_solved_in_parts_match_one_ik_call():
 def test_arm_keeps_its_first_swivel_angle_along_a_hand_path():
     places = [np.array([0.28, 0.10 + 0.02 * k, -0.05]) for k in (0, 1, 2, 1, 0)]
     keys = [Key(ArmMode.REACH, LEFT.rest, Reach(place), passing=k > 0) for k, place in enumerate(places)]
-    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None)
-    first = found.angles[0]
-    assert np.array_equal(found.beginnings, np.tile(first, (5, 1)))
-    for place, angles, turn in zip(places[1:], found.angles[1:], found.swivels[1:], strict=True):
+    result = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None)
+    first = result.angles[0]
+    assert np.array_equal(result.beginnings, np.tile(first, (5, 1)))
+    for place, angles, turn in zip(places[1:], result.angles[1:], result.swivels[1:], strict=True):
         assert turn == swivel(LEFT, first)
         assert np.array_equal(angles, solve(LEFT, Reach(place, swivel=turn), start=first).angles)
-    assert np.array_equal(found.angles[1], found.angles[3])
+    assert np.array_equal(result.angles[1], result.angles[3])
 
 
 def test_arm_keys_of_each_mode_get_arm_postures():
@@ -75,10 +75,10 @@ def test_arm_keys_of_each_mode_get_arm_postures():
         Key(ArmMode.REACH, LEFT.rest, reach, openness=1.0),
         Key(ArmMode.REST, LEFT.rest),
     ]
-    found = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None).angles
-    assert np.array_equal(found[0], found[1])
-    assert swivel(LEFT, found[2]) == pytest.approx(MANNER.open, abs=1e-6)
-    assert np.array_equal(found[3], LEFT.rest)
+    angles = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None).angles
+    assert np.array_equal(angles[0], angles[1])
+    assert swivel(LEFT, angles[2]) == pytest.approx(MANNER.open, abs=1e-6)
+    assert np.array_equal(angles[3], LEFT.rest)
 
 
 def test_empty_arm_key_list_gives_no_postures():

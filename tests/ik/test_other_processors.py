@@ -1,4 +1,4 @@
-"""The same angles on other processors: the kernel's headers as a program of their own, translated where need be.
+"""Equal angles on other processors, with the kernel's headers compiled into an emulated program.
 
 `apt-get install g++-aarch64-linux-gnu qemu-user-static` (Debian) is all that the second one needs.
 """
@@ -27,7 +27,7 @@ Question = tuple[str, Floats, Floats, Floats, Floats]  # kind, place, pointing, 
 
 
 def _first(*names: str) -> str | None:
-    return next((found for name in names if (found := shutil.which(name))), None)
+    return next((result for name in names if (result := shutil.which(name))), None)
 
 
 MACHINES = {
@@ -53,14 +53,14 @@ def test_ik_kernel_compiled_for_other_processors_gives_the_same_angles(machine, 
     questions = _questions(LEFT, 120)
     written = "\n".join([_arm(LEFT), *(_written(question) for question in questions)])
     done = subprocess.run([*translator, program], input=written, capture_output=True, text=True, check=True)
-    told = [np.array([float.fromhex(word) for word in line.split()]) for line in done.stdout.splitlines()]
+    rows = [np.array([float.fromhex(word) for word in line.split()]) for line in done.stdout.splitlines()]
     here = [_answer(LEFT, question) for question in questions]
-    worst = max(float(np.abs(one[: len(two)] - two).max()) for one, two in zip(here, told, strict=True))
+    worst = max(float(np.abs(one[: len(two)] - two).max()) for one, two in zip(here, rows, strict=True))
     assert worst < 1e-9 if translator else worst == 0.0
 
 
 def _questions(chain: Chain, count: int) -> list[Question]:
-    """Of every kind, some out of reach."""
+    """Return targets of every kind, some out of reach."""
     random, asked = default_rng(81), []
     for k in range(count):
         angles, start = random.uniform(chain.lower, chain.upper, (2, len(chain.rest)))
@@ -78,13 +78,13 @@ def _answer(chain: Chain, question: Question) -> Floats:
         angles = start.copy()
         arm.reach(place, angles)
         return angles
-    found = (
+    solution = (
         arm.solve(place, pointing, palm, None, start, None, None)
         if kind == "solve"
         else arm.hold(place, pointing, palm, start)
     )
-    assert found is not None
-    return found[0]
+    assert solution is not None
+    return solution[0]
 
 
 def _arm(chain: Chain) -> str:

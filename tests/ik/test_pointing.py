@@ -17,7 +17,7 @@ LEFT = ARMS["l"]
 
 
 def _held(chain: Chain, angles: Floats, *, palm: bool) -> Reach:
-    """What a posture's hand does."""
+    """Return the hand's position, pointing direction and palm direction in a posture."""
     rotations, centres = chain.frames(angles)
     along = centres[-1] - centres[-2]
     return Reach(centres[-2], along / np.linalg.norm(along), rotations[-1] @ chain.palm if palm else None)
@@ -32,13 +32,13 @@ def test_free_elbow_swivel_meets_most_hand_directions(palm, satisfied):
     random, before, after = default_rng(31), [], []
     for _ in range(100):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=palm)
-        first, found = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
-        assert _direction_error(found) <= _direction_error(first)
-        assert np.all((LEFT.lower <= found.angles) & (found.angles <= LEFT.upper))
-        assert np.linalg.norm(LEFT.hand(found.angles) - reach.position) == pytest.approx(found.residual, abs=1e-9)
-        assert found.residual < 1e-4
+        first, result = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
+        assert _direction_error(result) <= _direction_error(first)
+        assert np.all((LEFT.lower <= result.angles) & (result.angles <= LEFT.upper))
+        assert np.linalg.norm(LEFT.hand(result.angles) - reach.position) == pytest.approx(result.residual, abs=1e-9)
+        assert result.residual < 1e-4
         before.append(_direction_error(first))
-        after.append(_direction_error(found))
+        after.append(_direction_error(result))
     assert np.mean(np.array(after) < 0.01) >= satisfied
     assert np.percentile(after, 90) < 0.25 * np.percentile(before, 90)
 
@@ -47,11 +47,11 @@ def test_reported_direction_errors_match_the_angles():
     random = default_rng(32)
     for _ in range(20):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
-        found = best_swivel(LEFT, reach, start=LEFT.rest)
-        now = _held(LEFT, found.angles, palm=True)
+        result = best_swivel(LEFT, reach, start=LEFT.rest)
+        now = _held(LEFT, result.angles, palm=True)
         for error, one, other in (
-            (found.pointing_error, now.pointing, reach.pointing),
-            (found.palm_error, now.palm, reach.palm),
+            (result.pointing_error, now.pointing, reach.pointing),
+            (result.palm_error, now.palm, reach.palm),
         ):
             assert error is not None
             assert error == pytest.approx(2 * np.arcsin(np.linalg.norm(one - other) / 2), abs=1e-6)
@@ -77,8 +77,8 @@ def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swiv
 
 def test_swivel_search_keeps_solutions_with_small_direction_errors():
     for reach in (Reach(np.array([0.25, 0.15, -0.05])), _held(LEFT, LEFT.rest, palm=True)):
-        first, found = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
-        assert found.angles.tobytes() == first.angles.tobytes()
+        first, result = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
+        assert result.angles.tobytes() == first.angles.tobytes()
 
 
 def test_requested_elbow_swivel_is_kept_in_pointing():
@@ -93,11 +93,11 @@ def test_elbow_swivel_change_is_bounded():
     for _ in range(30):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
         first = swivel(LEFT, solve(LEFT, reach, start=LEFT.rest).angles)
-        found = swivel(LEFT, best_swivel(LEFT, reach, start=LEFT.rest, max_swivel=0.5).angles)
-        if first is None or found is None:
+        swivel_angle = swivel(LEFT, best_swivel(LEFT, reach, start=LEFT.rest, max_swivel=0.5).angles)
+        if first is None or swivel_angle is None:
             continue
-        assert abs(np.arctan2(np.sin(found - first), np.cos(found - first))) <= 0.5 + 1e-6
-        swung += abs(found - first) > 1e-3
+        assert abs(np.arctan2(np.sin(swivel_angle - first), np.cos(swivel_angle - first))) <= 0.5 + 1e-6
+        swung += abs(swivel_angle - first) > 1e-3
     assert swung > 5
 
 

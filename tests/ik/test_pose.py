@@ -28,7 +28,7 @@ def _pose(chain: Chain, angles: Floats) -> tuple[Floats, Floats]:
 
 
 def _check(chain: Chain, found: PoseSolution, position: Floats, rotation: Floats) -> None:
-    """The reported errors are those of the angles, by another forward kinematics and another rotation formula."""
+    """Check reported errors with other forward kinematics and another rotation formula."""
     at, turned = _pose(chain, found.angles)
     assert np.all((chain.lower <= found.angles) & (found.angles <= chain.upper))
     assert found.residual == pytest.approx(np.linalg.norm(at - position), abs=1e-9)
@@ -40,9 +40,9 @@ def test_ik_reaches_hand_poses_of_random_postures(side):
     chain, random = ARMS[side], default_rng(21)
     for _ in range(200):
         position, rotation = _pose(chain, random.uniform(chain.lower, chain.upper))
-        found = solve_pose(chain, position, rotation, start=chain.rest)
-        _check(chain, found, position, rotation)
-        assert found.reached
+        solution = solve_pose(chain, position, rotation, start=chain.rest)
+        _check(chain, solution, position, rotation)
+        assert solution.reached
 
 
 def test_ik_reaches_hand_poses_from_starts_at_the_joint_limits():
@@ -64,7 +64,7 @@ def test_ik_reaches_hand_poses_with_joints_at_their_limits():
 
 @pytest.mark.parametrize("chain", [*ARMS.values(), *(random_arm(default_rng(seed)) for seed in range(70, 75))])
 def test_compiled_hand_pose_search_equals_the_python_reference(chain: Chain):
-    """The same cells and rounds; angles to the last bit where nothing descends, else as far as a descent goes."""
+    """Angles agree to the last bit without descent, else to its accuracy; cells and rounds are equal."""
     random = default_rng(42)
     for k in range(8):
         start, angles = random.uniform(chain.lower, chain.upper, (2, len(chain.rest)))
@@ -90,9 +90,9 @@ def test_ik_keeps_a_posture_that_already_has_the_hand_pose():
     random = default_rng(23)
     for _ in range(30):
         angles = random.uniform(0.9 * LEFT.lower, 0.9 * LEFT.upper)
-        found = solve_pose(LEFT, *_pose(LEFT, angles), start=angles)
-        assert found.cells == 1
-        assert np.abs(found.angles - angles).max() < 1e-6
+        solution = solve_pose(LEFT, *_pose(LEFT, angles), start=angles)
+        assert solution.cells == 1
+        assert np.abs(solution.angles - angles).max() < 1e-6
 
 
 def test_ik_reaches_hand_poses_without_collar_bone_or_with_swapped_wrist_axes():
@@ -109,16 +109,16 @@ def test_two_hinge_wrist_keeps_position_and_minimises_rotation_error():
     elbow = LEFT.joints[2]
     stiff = replace(LEFT, joints=(*LEFT.joints[:2], replace(elbow, hinges=elbow.hinges[:1]), LEFT.joints[3]))
     position, rotation = _pose(stiff, np.array([0.1, 0.6, 0.4, -0.3, 1.2, 0.1, -0.1]))
-    found = solve_pose(stiff, position, rotation, start=stiff.rest)
-    _check(stiff, found, position, rotation)
-    assert found.reached
+    solution = solve_pose(stiff, position, rotation, start=stiff.rest)
+    _check(stiff, solution, position, rotation)
+    assert solution.reached
 
 
 def test_unreachable_pose_returns_the_best_solution():
     position, rotation = np.array([2.0, 0.5, 0.0]), Rotation.from_rotvec([0.3, 2.0, -1.0]).as_matrix()
-    found = solve_pose(LEFT, position, rotation, start=LEFT.rest)
-    _check(LEFT, found, position, rotation)
-    assert not found.reached
+    solution = solve_pose(LEFT, position, rotation, start=LEFT.rest)
+    _check(LEFT, solution, position, rotation)
+    assert not solution.reached
 
 
 def test_hand_orientation_error_of_half_a_turn_is_measured():
@@ -145,12 +145,12 @@ ANY_TURN = {"lower": -math.pi, "upper": math.pi}
 
 
 def with_hand(chain: Chain, *hinges: Hinge) -> Chain:
-    """The same arm with another wrist; the forearm's twist is its first hinge."""
+    """Return the arm with another wrist; the forearm's twist is its first hinge."""
     return replace(chain, joints=(*chain.joints[:-1], replace(chain.joints[-1], hinges=hinges)))
 
 
 def test_nearer_of_two_pose_solutions_is_chosen():
-    """A wrist that turns as far as it likes holds every orientation in two ways."""
+    """A wrist without limits reaches each orientation with two sets of angles."""
     bend, tilt = (replace(hinge, **ANY_TURN) for hinge in BARE.joints[-1].hinges)
     elbow, twist = BARE.joints[-2].hinges
     loose = replace(BARE.joints[-2], hinges=(elbow, replace(twist, **ANY_TURN)))
@@ -166,28 +166,28 @@ def test_nearer_of_two_pose_solutions_is_chosen():
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, 1, 0), (0, 1, 1), (0, 1, -1), (1, 0, 1), (1, 1, 0), (1, 1, 1)])
 def test_ik_reaches_hand_poses_for_any_direction_of_the_last_wrist_axis(axis: tuple[int, int, int]):
-    """Along an axis or between two or three, and a pose that it can hold is held."""
+    """The axis lies along a coordinate axis or between two or three of them."""
     bend, tilt = BARE.joints[-1].hinges
     chain = with_hand(BARE, bend, replace(tilt, axis=np.array(axis) / np.linalg.norm(axis), **ANY_TURN))
     posture = np.array([0.3, 0.5, 0.2, 0.9, 0.4, 0.3, 0.7])
     for turn in (-1.0, 0.7, 2.5):
         posture[6] = turn
         near = posture - 0.05
-        found = solve_pose(chain, *_pose(chain, posture), start=near)
-        assert found.reached
-        assert found.cells == 1
+        solution = solve_pose(chain, *_pose(chain, posture), start=near)
+        assert solution.reached
+        assert solution.cells == 1
 
 
 @pytest.mark.parametrize("twist", [-0.7, 0.4])
 def test_first_of_two_parallel_wrist_axes_keeps_its_angle(twist: float):
-    """Twist, bend, twist: with a straight hand both twists do the same, and the second one does what is asked."""
+    """With a straight hand both twists turn it alike, and only the second one moves."""
     bend, tilt = BARE.joints[-1].hinges
     along = replace(tilt, axis=BARE.joints[-2].hinges[-1].axis, lower=-2.0, upper=2.0)
     chain = with_hand(BARE, bend, along)
     posture = np.array([0.3, 0.5, 0.2, 0.9, 0.1, 0.0, 0.8])
     start = np.array([*posture[:4], twist, 0.0, 0.0])
-    found = solve_pose(chain, *_pose(chain, posture), start=start)
-    assert found.angles == pytest.approx([*posture[:4], twist, 0.0, 0.9 - twist], abs=1e-6)
+    solution = solve_pose(chain, *_pose(chain, posture), start=start)
+    assert solution.angles == pytest.approx([*posture[:4], twist, 0.0, 0.9 - twist], abs=1e-6)
 
 
 def test_hand_pose_counts_as_reached_within_0_1_mm():
@@ -195,15 +195,15 @@ def test_hand_pose_counts_as_reached_within_0_1_mm():
     position, rotation = _pose(BARE, straight)
     outward = (position - BARE.origin_in_base) / np.linalg.norm(position - BARE.origin_in_base)
     for beyond, reached in ((0.5e-4, True), (1.5e-4, False)):
-        found = solve_pose(BARE, position + beyond * outward, rotation, start=straight)
-        _check(BARE, found, position + beyond * outward, rotation)
-        assert found.residual == pytest.approx(beyond, rel=0.3)
-        assert found.turn < 1e-4
-        assert found.reached == reached
+        solution = solve_pose(BARE, position + beyond * outward, rotation, start=straight)
+        _check(BARE, solution, position + beyond * outward, rotation)
+        assert solution.residual == pytest.approx(beyond, rel=0.3)
+        assert solution.turn < 1e-4
+        assert solution.reached == reached
 
 
 def test_hand_pose_counts_as_reached_within_one_milliradian():
-    """An arm that cannot move at all is turned by what was asked beyond where it is."""
+    """The joints cannot move, so the error is the requested turn itself."""
     posture = np.array([0.3, 0.5, 0.2, 0.9, 0.4, 0.3, -0.2])
     ends = iter(posture.tolist())
     joints = tuple(
@@ -214,10 +214,10 @@ def test_hand_pose_counts_as_reached_within_one_milliradian():
     position, rotation = _pose(rigid, posture)
     for beyond, reached in ((0.5e-3, True), (1.6e-3, False)):
         asked = rotation @ Rotation.from_rotvec([0.0, beyond, 0.0]).as_matrix()
-        found = solve_pose(rigid, position, asked, start=posture)
-        assert found.turn == pytest.approx(beyond)
-        assert found.residual < 1e-9
-        assert found.reached == reached
+        solution = solve_pose(rigid, position, asked, start=posture)
+        assert solution.turn == pytest.approx(beyond)
+        assert solution.residual < 1e-9
+        assert solution.reached == reached
 
 
 def test_hand_pose_search_counts_the_tried_postures():

@@ -98,14 +98,14 @@ def test_collar_bone_stays_at_rest_for_targets_within_easy_reach() -> None:
 
 
 def test_requested_swivel_is_met_within_the_joint_ranges() -> None:
-    position, found = np.array([0.25, 0.15, -0.05]), []
+    position, results = np.array([0.25, 0.15, -0.05]), []
     for wished in (-0.5, 0.0, 0.5, 1.0, 1.5, 3.0):
         solution = solve(LEFT, Reach(position, swivel=wished), start=LEFT.rest)
         assert solution.residual < 1e-6
-        found.append(swivel(LEFT, solution.angles))
-    assert found[:5] == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5], abs=1e-6)
-    assert found[5] is not None
-    assert 1.5 < found[5] < 3.0
+        results.append(swivel(LEFT, solution.angles))
+    assert results[:5] == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5], abs=1e-6)
+    assert results[5] is not None
+    assert 1.5 < results[5] < 3.0
 
 
 def test_default_swivel_lets_the_elbow_hang() -> None:

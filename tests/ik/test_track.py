@@ -21,12 +21,12 @@ Path = Callable[[float], Floats]
 
 
 def _ellipse(turn: float) -> Floats:
-    """0.24 x 0.36 m, in front."""
+    """Return an ellipse of 0.24 x 0.36 m in front of the robot."""
     return np.array([0.28, 0.1 + 0.12 * np.cos(turn), -0.05 + 0.18 * np.sin(turn)])
 
 
 def _radial(turn: float) -> Floats:
-    """Straight out to the side and back, past the full stretch."""
+    """Return a straight path to the side and back, past the arm's full length."""
     return np.array([0.1, 0.155 + 0.45 - 0.2 * np.cos(turn), 0.05])
 
 
@@ -39,7 +39,7 @@ def _laps(
     posture_seconds: float = 0.25,
     follow: type[Tracker] = Tracker,
 ) -> Floats:
-    """(laps, steps of one, k) [rad]."""
+    """Return the angles [rad], (laps, steps of one lap, k)."""
     tracker = follow(chain, period=1 / rate, posture_seconds=posture_seconds)
     steps = round(LAP * rate)
     turns = 2 * np.pi * np.arange(steps) / steps

@@ -37,20 +37,20 @@ def test_low_torso_weight_reaches_two_hand_targets_with_less_torso_motion():
         random = default_rng(51)
         for _ in range(60):
             targets = _hands(random.uniform(SKELETON.lower, SKELETON.upper))
-            found = reach_both(ROBOT, targets, start=REST, torso_weight=weight)
-            _check(found, targets)
-            travel[weight] += found.torso_travel
-            reached[weight] += found.reached
+            solution = reach_both(ROBOT, targets, start=REST, torso_weight=weight)
+            _check(solution, targets)
+            travel[weight] += solution.torso_travel
+            reached[weight] += solution.reached
     assert min(reached.values()) >= 0.97 * 60
     assert travel[0.15] < travel[1.0]
 
 
 def test_torso_stays_still_if_the_arms_reach_the_targets():
     targets = _hands(REST)
-    found = reach_both(ROBOT, targets, start=REST)
-    _check(found, targets)
-    assert found.reached
-    assert found.torso_travel == 0.0
+    solution = reach_both(ROBOT, targets, start=REST)
+    _check(solution, targets)
+    assert solution.reached
+    assert solution.torso_travel == 0.0
 
 
 def test_torso_with_weight_zero_never_moves():
@@ -66,8 +66,8 @@ def test_hinges_outside_torso_and_arms_do_not_move():
     start = REST.copy()
     others = [k for k in range(len(REST)) if k not in (*TORSO, *ROBOT.arms["l"].indices, *ROBOT.arms["r"].indices)]
     start[others] = 0.1
-    found = reach_both(ROBOT, _hands(SKELETON.lower * 0.5), start=start)
-    assert np.array_equal(found.angles[others], start[others])
+    solution = reach_both(ROBOT, _hands(SKELETON.lower * 0.5), start=start)
+    assert np.array_equal(solution.angles[others], start[others])
 
 
 @pytest.mark.parametrize(("first", "other"), [("l", "r"), ("r", "l")])
@@ -76,10 +76,10 @@ def test_hand_with_priority_reaches_its_target_exactly(first, other):
     for _ in range(8):
         targets = _hands(random.uniform(SKELETON.lower, SKELETON.upper))
         targets[other] = np.array([random.uniform(0.0, 0.5), away[other] * random.uniform(0.8, 1.0), 0.9])
-        found = reach_both(ROBOT, targets, start=REST, priority=first)
-        _check(found, targets)
-        assert found.residuals[first] < 1e-3
-        assert not found.reached
+        solution = reach_both(ROBOT, targets, start=REST, priority=first)
+        _check(solution, targets)
+        assert solution.residuals[first] < 1e-3
+        assert not solution.reached
 
 
 def test_repeated_two_hand_solves_are_identical():

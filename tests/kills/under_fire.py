@@ -1,4 +1,4 @@
-"""Dry-runs many documents while workers are killed at random moments, and counts what is lost or done twice."""
+"""Dry runs of many documents with workers killed at random, and counts of lost or repeated ones."""
 
 import os
 import random
@@ -28,7 +28,7 @@ TELL = 30.0  # [s] between two lines of progress
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of documents while workers were killed."""
+    """Outcome of all documents after workers were killed."""
 
     documents: int
     lost: int
@@ -42,7 +42,7 @@ class Outcome:
 
     @property
     def is_good(self) -> bool:
-        """Whether each document is done, and once."""
+        """Return whether each document was done exactly once."""
         return not (self.lost or self.doubled or self.crashed)
 
     def __str__(self) -> str:
@@ -54,7 +54,7 @@ class Outcome:
 
 
 def write_documents(folder: Path, count: int) -> list[Path]:
-    """Writes documents of a second, no two alike: seven nods for each beat, which takes twice as long."""
+    """Write different one-second documents; seven nods per beat double their time."""
     files = [folder / f"{number:06}.bml" for number in range(count)]
     for number, file in enumerate(files):
         shift = 1e-4 * (number % 1000)
@@ -71,7 +71,7 @@ def perform_under_fire(
     seed: int = 0,
     tell: Callable[[str], None] = lambda line: None,
 ) -> Outcome:
-    """Dry-runs documents while a worker, drawn by chance, is killed now and then.
+    """Dry-run documents while random workers are killed now and then.
 
     Args:
         engine: its workers are processes of this machine.
@@ -84,7 +84,7 @@ def perform_under_fire(
     for name in ("documents", "reports", "workers"):
         (folder / name).mkdir()
     files = write_documents(folder / "documents", count)
-    began, seen, crashed, told = monotonic(), Counter[str](), 0, 0.0
+    began, seen, crashed, result = monotonic(), Counter[str](), 0, 0.0
     with _kills(folder / "workers", every, random.Random(seed)) as kills:
         made = partial(_noted, folder / "workers")
         for verdict in validate_documents(files, made, engine=engine, folder=folder / "reports"):
@@ -92,9 +92,9 @@ def perform_under_fire(
             if verdict.outcome != "performed":
                 crashed += 1
                 tell(f"{verdict.outcome} {verdict.error}")
-            if monotonic() - began > told + TELL:
-                told = monotonic() - began
-                tell(f"{told:.0f} s: {len(seen)} of {count}, {len(kills)} kills")
+            if monotonic() - began > result + TELL:
+                result = monotonic() - began
+                tell(f"{result:.0f} s: {len(seen)} of {count}, {len(kills)} kills")
     lines = Counter((folder / "reports" / JOURNAL_FILE).read_bytes().splitlines())
     reports = sum(1 for path in (folder / "reports").glob("*.json"))
     return Outcome(
@@ -111,13 +111,13 @@ def perform_under_fire(
 
 
 def _noted(folder: Path) -> Setup:
-    """Prepares a worker, which notes that it is there."""
+    """Prepare a worker, and record its process."""
     (folder / f"{os.getpid()} {_age(os.getpid())}").touch()
     return set_up()
 
 
 def _age(pid: int) -> str:
-    """When a process began; nothing where there is none: another one may have got its number."""
+    """Return when a process started, None if it is gone, as process ids are reused."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
     except (FileNotFoundError, ProcessLookupError):
@@ -126,7 +126,7 @@ def _age(pid: int) -> str:
 
 @contextmanager
 def _kills(folder: Path, every: float, chance: random.Random) -> Iterator[list[int]]:
-    """Kills a worker now and then, and notes whom."""
+    """Kill a worker now and then, and record it."""
     killed: list[int] = []
     over = Event()
 

@@ -15,7 +15,7 @@ BAUD = 1_000_000
 
 
 def main(fittings: list[str]) -> None:
-    """Builds the servos and serves them."""
+    """Build the servos and serve them."""
     pairs = [fitting.split(":") for fitting in fittings]
     devices = [Device(int(servo), model, baud=BAUD) for servo, model in pairs]
     port = Port(Line(World(devices), devices, baud=BAUD))

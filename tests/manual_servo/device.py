@@ -18,7 +18,7 @@ NOBODY = 253  # secondary ids from here on are none
 
 @dataclass(frozen=True)
 class Answer:
-    """A status before it is packed."""
+    """Status reply before it is packed."""
 
     servo: int
     error: int
@@ -26,7 +26,7 @@ class Answer:
 
 
 class Device:
-    """A servo of the X series."""
+    """Servo of the X series."""
 
     def __init__(
         self, servo: int, model: str, *, baud: int = 1_000_000, firmware: int = 52, angle: float = 0.0
@@ -45,22 +45,22 @@ class Device:
 
     @property
     def id(self) -> int:
-        """Its own id."""
+        """Return the id that the servo obeys."""
         return self.memory.bytes[self._id_at]
 
     @property
     def baud(self) -> int:
-        """[bit/s] that it listens at."""
+        """Return the baud rate [bit/s] that the servo listens at."""
         return BAUDS[self.memory["baud"]]
 
     @property
     def delay(self) -> float:
-        """[s] before it answers."""
+        """Return the delay [s] before a reply."""
         return 2e-6 * self.memory["return_delay"]
 
     @property
     def fast(self) -> bool:
-        """Whether its firmware knows fast reads."""
+        """Return whether the firmware supports fast reads."""
         return self.memory["firmware"] >= self.memory.model.fast
 
     def awake(self, time: float) -> bool:
@@ -102,12 +102,12 @@ class Device:
         true = bytes(self.memory.bytes)
         for tamper in self.firmware.tampers:
             tamper(self.memory)
-        told = self.memory.read(address, size)
+        result = self.memory.read(address, size)
         self.memory.bytes[:] = true
-        return told
+        return result
 
     def answer(self, error: int, parameters: bytes = b"") -> Answer:
-        """Make a status, with the alert bit during a hardware error."""
+        """Make a status reply, with the alert bit during a hardware error."""
         return Answer(self.id, error | (p.ALERT if self.memory["error"] else 0), parameters)
 
     def hear(self, packet: Packet, time: float) -> Answer | None:

@@ -20,13 +20,13 @@ class Fault:
     """Temporary fault; the base class changes nothing."""
 
     def begin(self, line: Line) -> None:
-        """It strikes."""
+        """React to the start of the fault."""
 
     def end(self, line: Line) -> None:
-        """It passes."""
+        """React to the end of the fault."""
 
     def echo(self, line: Line, data: bytes, time: float) -> None:
-        """The host has sent bytes, which are out at a time [s]."""
+        """React to the host's bytes, whose transmission ends at a time [s]."""
 
     def request(self, data: bytes) -> bytes:
         """Return the bytes that servos receive from the host."""
@@ -37,7 +37,7 @@ class Fault:
         return answer
 
     def frame(self, device: Device, data: bytes) -> bytes:
-        """Returns the bytes that a servo sends instead of its packet."""
+        """Return the bytes that a servo sends instead of its packet."""
         return data
 
     def carry(self, device: Device, data: bytes) -> Flying:
@@ -67,7 +67,7 @@ class Spoiled(Fault):
 
 
 class Garble(Spoiled):
-    """Bits flip."""
+    """Transmission with flipped bits."""
 
     def spoil(self, data: bytes) -> Flying:
         spoiled = bytearray(data)
@@ -77,14 +77,14 @@ class Garble(Spoiled):
 
 
 class Truncate(Spoiled):
-    """The end is missing."""
+    """Transmission without its end."""
 
     def spoil(self, data: bytes) -> Flying:
         return [(0.0, data[: self.rng.randrange(len(data))])]
 
 
 class DropByte(Spoiled):
-    """One byte is missing."""
+    """Transmission with one byte missing."""
 
     def spoil(self, data: bytes) -> Flying:
         at = self.rng.randrange(len(data))
@@ -92,7 +92,7 @@ class DropByte(Spoiled):
 
 
 class Insert(Spoiled):
-    """Bytes come in between."""
+    """Transmission with additional bytes inside."""
 
     def spoil(self, data: bytes) -> Flying:
         at = self.rng.randrange(len(data))
@@ -100,21 +100,21 @@ class Insert(Spoiled):
 
 
 class Duplicate(Spoiled):
-    """It comes twice."""
+    """Transmission that is sent twice."""
 
     def spoil(self, data: bytes) -> Flying:
         return [(0.0, data), (0.0, data)]
 
 
 class Lose(Spoiled):
-    """Nothing comes."""
+    """Transmission that is lost."""
 
     def spoil(self, data: bytes) -> Flying:
         return []
 
 
 class Mirror(Spoiled):
-    """Each byte comes with its bits in reverse order."""
+    """Transmission whose bytes have reversed bit order."""
 
     def spoil(self, data: bytes) -> Flying:
         return [(0.0, bytes(int(f"{byte:08b}"[::-1], 2) for byte in data))]
@@ -122,7 +122,7 @@ class Mirror(Spoiled):
 
 @dataclass
 class Late(Spoiled):
-    """It comes later."""
+    """Transmission that arrives late."""
 
     delay: float = 0.012  # [s]
 
@@ -163,7 +163,7 @@ class Echo(Fault):
 
 @dataclass
 class Flood(Fault):
-    """A line that is not terminated: noise between packets."""
+    """Unterminated line that adds noise between packets."""
 
     octets: int = 200
     seed: int = 1
@@ -174,7 +174,7 @@ class Flood(Fault):
 
 @dataclass
 class FrozenLink(Fault):
-    """Adapter that delays all bytes in both directions until it thaws."""
+    """Adapter that delays all bytes in both directions until the fault ends."""
 
     held: list[bytes] = field(default_factory=list)
 
@@ -190,14 +190,14 @@ class FrozenLink(Fault):
 
 
 class SilentAll(Fault):
-    """All servos receive without replying."""
+    """Servos that all receive without replying."""
 
     def say(self, device: Device, answer: Answer) -> None:
         return None
 
 
 class Unplugged(Fault):
-    """The adapter is pulled, and put in again."""
+    """Adapter that is unplugged and plugged in again."""
 
     def begin(self, line: Line) -> None:
         line.plugged = False
@@ -224,7 +224,7 @@ class Replugged(Unplugged):
 
 @dataclass
 class WrongId(Fault):
-    """A servo answers with another's id."""
+    """Servo that replies with another servo's id."""
 
     servo: int
     instead: int
@@ -235,7 +235,7 @@ class WrongId(Fault):
 
 @dataclass
 class BadCrc(Fault):
-    """A servo computes its CRC wrongly, always."""
+    """Servo that always sends a wrong CRC."""
 
     servo: int
 

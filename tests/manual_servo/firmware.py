@@ -17,7 +17,7 @@ PER_TURN, HOMING_MOST = 4096, 1024  # [ticks]; of the offset in position mode
 
 
 class Firmware:
-    """The program of one servo."""
+    """Firmware of one servo."""
 
     def __init__(self, memory: Memory, shaft: Shaft) -> None:
         self.memory, self.shaft = memory, shaft
@@ -46,11 +46,11 @@ class Firmware:
 
     @property
     def position(self) -> float:
-        """[ticks] as it counts them."""
+        """Return the position [ticks] as the firmware counts it."""
         return self._sign * self.shaft.ticks + self._homing - self.base
 
     def _orient(self) -> None:
-        """Takes over how it counts."""
+        """Take over drive mode and homing offset from the registers."""
         memory = self.memory
         offset = memory["homing_offset"]
         ignored = memory["operating_mode"] == POSITION and abs(offset) > HOMING_MOST
@@ -58,7 +58,7 @@ class Firmware:
         self._sign = -1 if memory["drive_mode"] & 1 else 1
 
     def fold(self) -> None:
-        """Brings the position into one turn."""
+        """Bring the position into one turn."""
         self.base += PER_TURN * (round(self.position) // PER_TURN)
 
     def switched(self, before: dict[str, int]) -> None:
@@ -92,7 +92,7 @@ class Firmware:
             memory["goal_position"] = round(self.position)
 
     def head(self) -> None:
-        """Sets out for the goal."""
+        """Start a profile to the goal."""
         memory = self.memory
         timed = bool(memory["drive_mode"] & 4)
         speed, acceleration = memory["profile_velocity"], memory["profile_acceleration"]
@@ -116,7 +116,7 @@ class Firmware:
         )
 
     def run(self, seconds: float) -> None:
-        """Lives for a moment."""
+        """Run the firmware for one time step."""
         self.time += seconds
         if self._patience is not None and self.time - self.heard > self._patience:
             self.trip()
@@ -154,7 +154,7 @@ class Firmware:
         self.reload()
 
     def alert(self, bits: int) -> None:
-        """Shows an error, and shuts down where its mask says so."""
+        """Report a hardware error, and shut down if the shutdown mask has its bit."""
         memory = self.memory
         memory["error"] |= bits
         if bits & memory["shutdown"] and not self.shut:
@@ -163,7 +163,7 @@ class Firmware:
             self.reload()
 
     def refresh(self) -> None:
-        """Brings the present values up to date."""
+        """Update the present values."""
         memory, shaft, model = self.memory, self.shaft, self.memory.model
         counts = 1000 if model.amperes is None else STALL_SHARE * model.current_limit
         speed = self._sign * shaft.speed * TICKS / SPEED

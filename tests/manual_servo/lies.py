@@ -1,4 +1,4 @@
-"""False present values: a hung firmware, a wrong clock or encoder."""
+"""False present values: hung firmware, wrong clock, wrong encoder."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class Lying(OfServo):
         device.firmware.tampers.remove(self.tamper)
 
     def tamper(self, memory: Memory) -> None:
-        """Changes them."""
+        """Change the reported present values."""
 
 
 @dataclass
 class FrozenServo(Lying):
-    """Its firmware hangs: the same record for ever."""
+    """Servo with hung firmware, which repeats one record for ever."""
 
     record: dict[str, int] = field(default_factory=dict)
 
@@ -44,7 +44,7 @@ class FrozenServo(Lying):
 
 @dataclass
 class StuckTick(Lying):
-    """Its clock stands."""
+    """Servo whose clock has stopped."""
 
     tick: int | None = None
 
@@ -55,7 +55,7 @@ class StuckTick(Lying):
 
 @dataclass
 class Nonsense(Lying):
-    """A position that cannot be, repeated."""
+    """Servo that repeats one impossible position."""
 
     position: int = 1_000_000
 
@@ -65,7 +65,7 @@ class Nonsense(Lying):
 
 @dataclass
 class Scattered(Lying):
-    """Positions of no sense, another each time."""
+    """Servo with another impossible position in each record."""
 
     seed: int = 1
 
@@ -75,7 +75,7 @@ class Scattered(Lying):
 
 @dataclass
 class TurnOffset(Lying):
-    """Its position is off by whole turns."""
+    """Servo whose reported position is off by whole turns."""
 
     turns: int = 1
 
@@ -85,7 +85,7 @@ class TurnOffset(Lying):
 
 @dataclass
 class DriftingClock(OfServo):
-    """Its clock goes faster or slower."""
+    """Servo whose clock runs too fast or too slow."""
 
     rate: float = 1.02
 

@@ -32,7 +32,7 @@ class World:
         self._numbers = count()
 
     def call(self, time: float, deed: Callable[[], None]) -> None:
-        """Has something done when the clock comes to a time [s]."""
+        """Schedule a call at a clock time [s]."""
         heappush(self._alarms, (time, next(self._numbers), deed))
 
     def advance(self, time: float) -> None:
@@ -67,7 +67,7 @@ class Line:
         self._busy, self._piece = 0.0, bytearray()
 
     def expose(self, fault: Fault, *, at: float | None = None, seconds: float = inf) -> None:
-        """Lets a fault strike, now or later, for a while."""
+        """Apply a fault, now or later, for a while."""
         begin = self.world.time if at is None else at
 
         def strike() -> None:
@@ -84,17 +84,17 @@ class Line:
         self.world.advance(self.world.time)
 
     def device(self, servo: int) -> Device:
-        """The (first) servo that was built with an id."""
+        """Return the first servo that was built with an id."""
         return next(device for device in self.devices if device.id == servo)
 
     def drop(self) -> None:
-        """Forgets everything that is on its way to the host."""
+        """Discard all bytes on their way to the host."""
         self._coming.clear()
 
     # the host's side
 
     def send(self, data: bytes, time: float) -> None:
-        """Takes bytes from the host at a time [s]."""
+        """Take bytes from the host at a time [s]."""
         end = max(time, self._busy) + self._lasts(data)
         self.world.advance(end)
         self._busy = end
@@ -111,11 +111,11 @@ class Line:
         return self._coming[0][0] if self._coming else inf
 
     def receive(self, time: float) -> bytes:
-        """Returns all that has come by a time [s]."""
-        found = b""
+        """Return all bytes that have arrived by a time [s]."""
+        result = b""
         while self._coming and self._coming[0][0] <= time:
-            found += self._coming.popleft()[1]
-        return found
+            result += self._coming.popleft()[1]
+        return result
 
     def post(self, data: bytes, time: float) -> None:
         """Deliver bytes to the host at a time [s], in order."""
@@ -149,7 +149,7 @@ class Line:
         return self._say_all(given, time)
 
     def _say_all(self, given: Sequence[tuple[Device, Answer]], time: float) -> float:
-        """Servos of one id talk at once, others one after another."""
+        """Transmit replies: servos with one id at the same time, others in turn."""
         at = 0
         while at < len(given):
             same = [pair for pair in given[at:] if pair[1].servo == given[at][1].servo]
@@ -161,10 +161,10 @@ class Line:
         return time
 
     def _packed(self, device: Device, answer: Answer) -> bytes:
-        told = self._told(device, answer)
-        if told is None:
+        result = self._told(device, answer)
+        if result is None:
             return b""
-        data = p.status(told.servo, told.error, told.parameters)
+        data = p.status(result.servo, result.error, result.parameters)
         for fault in self.faults:
             data = fault.frame(device, data)
         return data
@@ -227,8 +227,8 @@ class Line:
         before = p.crc(head)
         for servo, address, size in wanted:
             mine = [device for device in awake if device.id == servo and device.fast and device.memory["status_return"]]
-            told = [self._told(device, _padded(device, address, size)) for device in mine]
-            bodies = [bytes([a.error, a.servo]) + a.parameters for a in told if a is not None]
+            answers = [self._told(device, _padded(device, address, size)) for device in mine]
+            bodies = [bytes([a.error, a.servo]) + a.parameters for a in answers if a is not None]
             if not bodies:
                 break
             block = _collide([body + p.crc(body, before).to_bytes(2, "little") for body in bodies])

@@ -13,7 +13,7 @@ DUAL_JOINT = 2  # of the drive mode, of the 540s alone
 
 
 class Memory:
-    """A control table: bytes, and the rules of each register."""
+    """Control table: bytes, and the access rules of each register."""
 
     def __init__(self, model: Model, servo: int, firmware: int) -> None:
         self.model, self.items = model, items(model, servo, firmware)
@@ -45,7 +45,7 @@ class Memory:
         pack(self.bytes, address, value & mask)
 
     def has(self, name: str) -> bool:
-        """Whether the model has this register."""
+        """Return whether the model has this register."""
         return name in self.items
 
     def reset(self, *, lasting: bool = False, keep: tuple[str, ...] = ()) -> None:
@@ -83,7 +83,7 @@ class Memory:
         return 0, bytes(self.bytes[self._target(address + k)] for k in range(size))
 
     def write(self, address: int, data: bytes) -> int:
-        """Writes all of the bytes or none, and returns an error number."""
+        """Write all of the bytes or none, and return an error number."""
         if not data:
             return LENGTH_ERROR
         if address + len(data) > len(self.bytes):
@@ -114,7 +114,7 @@ class Memory:
         return 0
 
     def named(self, address: int, size: int) -> set[str]:
-        """Returns the registers that a write there touches, through pointers too."""
+        """Return the registers that a write there changes, through indirect addresses too."""
         places = range(address, min(address + size, len(self.bytes)))
         return {self._owner[place] for place in map(self._target, places) if place in self._owner}
 
@@ -129,7 +129,7 @@ class Memory:
         return 0
 
     def _wrong(self, changed: dict[str, int]) -> int:
-        """The error that these values make, 0 if none."""
+        """Return the error number for these values, 0 if they are allowed."""
         for name, value in changed.items():
             item = self.items[name]
             if self["watchdog"] == TRIPPED and name in GOALS:
@@ -147,7 +147,7 @@ class Memory:
         return 0
 
     def _limit(self, name: str, changed: dict[str, int]) -> tuple[int, int] | None:
-        """Other registers' say on a value."""
+        """Return the range that other registers set for a value, None without one."""
 
         def now(other: str) -> int:
             return changed.get(other, self[other])
@@ -160,9 +160,9 @@ class Memory:
         return None
 
     def lasting(self) -> dict[str, int]:
-        """Returns all values of EEPROM."""
+        """Return all EEPROM values."""
         return {name: self[name] for name, item in self.items.items() if item.lasting}
 
     def item(self, name: str) -> Item:
-        """Returns a register's description."""
+        """Return a register's description."""
         return self.items[name]

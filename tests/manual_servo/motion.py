@@ -9,7 +9,7 @@ ACCELERATION = 214.577 * 4096 / 3600  # [ticks/s^2] per count
 
 @dataclass
 class Profile:
-    """A set point and the way it takes."""
+    """Set point and its profile towards a goal."""
 
     place: float = 0.0  # [ticks]
     speed: float = 0.0  # [ticks/s]
@@ -18,7 +18,7 @@ class Profile:
     acceleration: float = inf
 
     def stand(self, place: float) -> None:
-        """Stops here."""
+        """Stop at the present set point."""
         self.place = self.goal = place
         self.speed = 0.0
 
@@ -37,7 +37,7 @@ class Profile:
         self.acceleration = self.fastest / rising if rising else inf
 
     def step(self, seconds: float) -> float:
-        """Moves the set point for a moment and returns it."""
+        """Advance the set point by one time step and return it."""
         away = self.goal - self.place
         if not away and not self.speed:
             return self.place
@@ -64,7 +64,7 @@ class Pid:
     before: float = 0.0
 
     def step(self, error: float, gains: tuple[int, int, int], limit: float) -> float:
-        """Returns the PWM for an error."""
+        """Return the PWM for an error."""
         p, i, d = gains
         self.total += error if i else 0.0
         slope, self.before = error - self.before, error

@@ -29,7 +29,7 @@ TABLE = tuple(_row(byte) for byte in range(256))
 
 
 def crc(data: bytes, start: int = 0) -> int:
-    """Computes CRC-16/BUYPASS, going on from an earlier value."""
+    """Compute CRC-16/BUYPASS, continuing from an earlier value."""
     value = start
     for byte in data:
         value = (value << 8) & 0xFF00 ^ TABLE[(value >> 8) ^ byte]
@@ -37,7 +37,7 @@ def crc(data: bytes, start: int = 0) -> int:
 
 
 def sealed(head: bytes) -> bytes:
-    """Returns the bytes with their CRC behind them."""
+    """Return the bytes with their CRC appended."""
     return head + crc(head).to_bytes(2, "little")
 
 
@@ -47,23 +47,23 @@ def stuff(body: bytes) -> bytes:
 
 
 def unstuff(body: bytes) -> bytes:
-    """Takes the FD away that follows each FF FF FD."""
+    """Remove the FD that follows each FF FF FD."""
     return body.replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
 
 
 def frame(servo: int, body: bytes) -> bytes:
-    """Packs instruction and parameters, or a status, into a packet."""
+    """Pack an instruction with parameters, or a status, into a packet."""
     stuffed = stuff(body)
     return sealed(HEADER + bytes([servo]) + (len(stuffed) + 2).to_bytes(2, "little") + stuffed)
 
 
 def instruct(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
-    """Makes an instruction packet."""
+    """Make an instruction packet."""
     return frame(servo, bytes([instruction]) + parameters)
 
 
 def status(servo: int, error: int, parameters: bytes = b"") -> bytes:
-    """Makes a status packet."""
+    """Make a status packet."""
     return frame(servo, bytes([STATUS, error]) + parameters)
 
 
@@ -78,7 +78,7 @@ class Packet:
 
 
 class Decoder:
-    """Finds packets in a stream of bytes."""
+    """Decoder that finds packets in a stream of bytes."""
 
     def __init__(self) -> None:
         self._heard, self._last = b"", 0.0
@@ -92,10 +92,10 @@ class Decoder:
             self._heard = b""
         self._last = time
         self._heard += data
-        found: list[Packet] = []
+        results: list[Packet] = []
         while (packet := self._next()) is not None:
-            found.append(packet)
-        return found
+            results.append(packet)
+        return results
 
     def _next(self) -> Packet | None:
         while True:

@@ -24,7 +24,7 @@ class Shaft:
 
     @property
     def ticks(self) -> float:
-        """Where the encoder sees it, turns counted."""
+        """Return the encoder position [ticks] with turns counted."""
         return self.angle * TICKS + MIDDLE
 
     def step(self, seconds: float, duty: float | None, volts: float) -> None:
@@ -50,7 +50,7 @@ class Shaft:
 
 @dataclass(frozen=True)
 class Link:
-    """One part of an arm, turned by one shaft."""
+    """Link of an arm, turned by one shaft."""
 
     shaft: Shaft
     hang: float  # [rad] of the shaft where it hangs straight down
@@ -60,12 +60,12 @@ class Link:
 
 @dataclass
 class Arm:
-    """Links that hang from one another in one plane."""
+    """Serial links in one vertical plane."""
 
     links: tuple[Link, ...]
 
     def pull(self) -> None:
-        """Lets its weight pull at its shafts."""
+        """Apply the links' weight as torque on their shafts."""
         lean, weights = 0.0, []
         for link in self.links:
             lean += (link.shaft.angle - link.hang) / link.turns

@@ -12,7 +12,7 @@ LOOK = 0.005  # [s] between two looks at the world while nobody talks
 
 
 class Port:
-    """A pseudo-terminal whose other end is a wire."""
+    """Pseudo-terminal whose other end is a wire."""
 
     def __init__(self, line: Line) -> None:
         self.line = line
@@ -22,7 +22,7 @@ class Port:
         self._began = time.monotonic() - line.world.time
 
     def serve(self, seconds: float = inf) -> None:
-        """Carries bytes to and from the wire for a time [s]."""
+        """Transfer bytes to and from the wire for a time [s]."""
         end = self._now() + seconds
         while (now := self._now()) < end:
             self.line.world.advance(now)
@@ -36,6 +36,6 @@ class Port:
         return time.monotonic() - self._began
 
     def close(self) -> None:
-        """Gives the terminal back."""
+        """Close the terminal."""
         os.close(self._master)
         os.close(self._slave)

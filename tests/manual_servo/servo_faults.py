@@ -1,4 +1,4 @@
-"""Faults of a servo: alerts, reboots, silence, heat, weak motor and supply."""
+"""Faults of a servo: alerts, reboots, silence, heat, weak motor and low supply."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EVERY = 0.01  # [s] between two steps of a ramp
 
 @dataclass
 class OfServo(Fault):
-    """Strikes one servo."""
+    """Fault of one servo."""
 
     servo: int
 
@@ -30,10 +30,10 @@ class OfServo(Fault):
                 self.heal(device)
 
     def strike(self, device: Device) -> None:
-        """Begins."""
+        """Apply the fault to the servo."""
 
     def heal(self, device: Device) -> None:
-        """Ends, where it can."""
+        """Undo the fault where possible."""
 
 
 @dataclass
@@ -47,14 +47,14 @@ class Alert(OfServo):
 
 
 class Reboot(OfServo):
-    """Its power fails for a moment, torque and RAM are gone."""
+    """Short power failure of a servo, which loses torque and RAM."""
 
     def strike(self, device: Device) -> None:
         device.boot(device.firmware.time)
 
 
 class BrownOut(Fault):
-    """All reboot at once."""
+    """Reboot of all servos at once."""
 
     def begin(self, line: Line) -> None:
         for device in line.devices:
@@ -62,7 +62,7 @@ class BrownOut(Fault):
 
 
 class Silent(OfServo):
-    """It hears, and says nothing."""
+    """Servo that receives but does not reply."""
 
     def strike(self, device: Device) -> None:
         device.mute = True
@@ -82,7 +82,7 @@ class Unhearing(OfServo):
 
 
 class TorqueOff(OfServo):
-    """Its torque goes without a word."""
+    """Servo that loses torque without a report."""
 
     def strike(self, device: Device) -> None:
         device.memory["torque"] = 0
@@ -90,7 +90,7 @@ class TorqueOff(OfServo):
 
 
 class GoalIgnored(OfServo):
-    """It takes goals and does not follow them."""
+    """Servo that accepts goals but does not move."""
 
     def strike(self, device: Device) -> None:
         device.firmware.head = lambda: None
@@ -100,7 +100,7 @@ class GoalIgnored(OfServo):
 
 
 class Stalled(OfServo):
-    """Its shaft does not turn."""
+    """Servo whose shaft is blocked."""
 
     def strike(self, device: Device) -> None:
         device.shaft.jammed = True
@@ -111,7 +111,7 @@ class Stalled(OfServo):
 
 @dataclass
 class Ramp(OfServo):
-    """A quantity moves steadily while it lasts."""
+    """Steady change of a quantity while the fault lasts."""
 
     rate: float = 0.0  # per second
     on: bool = False
@@ -130,12 +130,12 @@ class Ramp(OfServo):
             line.world.call(line.world.time + EVERY, lambda: self._move(line, device))
 
     def change(self, firmware: Firmware, amount: float) -> None:
-        """Moves it."""
+        """Change the quantity by one time step."""
 
 
 @dataclass
 class TemperatureRamp(Ramp):
-    """It grows hot."""
+    """Servo whose temperature rises."""
 
     rate: float = 5.0  # [C/s]
 
@@ -145,7 +145,7 @@ class TemperatureRamp(Ramp):
 
 @dataclass
 class VoltageSag(Ramp):
-    """Its supply gives way."""
+    """Servo whose supply voltage falls."""
 
     rate: float = -1.0  # [V/s]
 
@@ -158,7 +158,7 @@ class VoltageSag(Ramp):
 
 @dataclass
 class Undervoltage(OfServo):
-    """Its supply is another."""
+    """Servo whose supply voltage is too low."""
 
     volts: float = 9.0
 
@@ -170,7 +170,7 @@ class Undervoltage(OfServo):
 
 
 class Tripped(OfServo):
-    """Its bus watchdog trips though the bus is busy."""
+    """Servo whose bus watchdog trips although the bus is busy."""
 
     def strike(self, device: Device) -> None:
         if device.memory["torque"]:
@@ -179,7 +179,7 @@ class Tripped(OfServo):
 
 @dataclass
 class Boasting(OfServo):
-    """Each answer has the alert bit, and no hardware error is shown."""
+    """Servo with the alert bit in each reply but no hardware error."""
 
     def say(self, device: Device, answer: Answer) -> Answer:
         return replace(answer, error=answer.error | 0x80) if device.id == self.servo else answer

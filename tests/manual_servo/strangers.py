@@ -35,35 +35,35 @@ class Register(OfServo):
 
 
 def foreign_firmware(servo: int, firmware: int = 35) -> Register:
-    """A servo whose firmware is too old."""
+    """Make a servo whose firmware is too old."""
     return Register(servo, "firmware", firmware)
 
 
 def foreign_model(servo: int, number: int = 1060) -> Register:
-    """A servo of another model."""
+    """Make a servo of another model."""
     return Register(servo, "model", number)
 
 
 def alias_id(servo: int, other: int) -> Register:
-    """A servo that also obeys what is said to another."""
+    """Make a servo that also obeys another servo's id."""
     return Register(servo, "secondary_id", other)
 
 
 def duplicate_id(servo: int, other: int) -> Register:
-    """Two servos with one id."""
+    """Make two servos with one id."""
     return Register(servo, "id", other)
 
 
 def return_level(servo: int, level: int = 0) -> Register:
-    """A servo that answers pings alone."""
+    """Make a servo that replies to pings only."""
     return Register(servo, "status_return", level)
 
 
 def return_delay(servo: int, value: int = 254) -> Register:
-    """A servo that waits half a millisecond before it answers."""
+    """Make a servo that waits half a millisecond before each reply."""
     return Register(servo, "return_delay", value)
 
 
 def baud_changed(servo: int, value: int = 1) -> Register:
-    """A servo that listens at another rate: silence."""
+    """Make a servo with another baud rate, which never replies."""
     return Register(servo, "baud", value)

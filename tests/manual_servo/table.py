@@ -1,4 +1,4 @@
-"""The control table of the X series, and what models differ in; figures of the maker's manual."""
+"""Control table of the X series and its differences between models, from the maker's manual."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ ANY = None  # every value that fits
 
 @dataclass(frozen=True)
 class Item:
-    """One register."""
+    """Description of one register."""
 
     address: int
     size: int
@@ -19,13 +19,13 @@ class Item:
 
     @property
     def lasting(self) -> bool:
-        """Whether it is in EEPROM."""
+        """Return whether the register is in EEPROM."""
         return self.address < 64
 
 
 @dataclass(frozen=True)
 class Model:
-    """What one model has of its own."""
+    """Properties of one model."""
 
     number: int
     stall: float  # [Nm] at 12 V
@@ -46,12 +46,12 @@ class Model:
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Operating modes that it has."""
+        """Return the operating modes of the model."""
         return (1, 3, 4, 16) if self.amperes is None else (0, 1, 3, 4, 5, 16)
 
     @property
     def end(self) -> int:
-        """The address behind its last register."""
+        """Return the address behind the last register."""
         return self.windows[-1][1] + self.cells
 
 
@@ -73,9 +73,9 @@ GOALS = ("goal_pwm", "goal_current", "goal_velocity", "goal_position")
 
 
 def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
-    """Returns a model's registers by name, as the factory leaves them."""
+    """Return a model's registers by name with their factory values."""
     low, high = model.volts
-    found = {
+    registers = {
         "model": Item(0, 2, model.number, writable=False),
         "model_information": Item(2, 4, 0, writable=False),
         "firmware": Item(6, 1, firmware, writable=False),
@@ -131,10 +131,10 @@ def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
         "backup_ready": Item(147, 1, 0, writable=False),
     }
     if model.cells == 20:
-        found["pwm_slope"] = Item(62, 1, 140 if model.rated < 12 else 255, (1, 255))
+        registers["pwm_slope"] = Item(62, 1, 140 if model.rated < 12 else 255, (1, 255))
     if model.ports:
-        found |= {f"port_mode_{k + 1}": Item(56 + k, 1, 3, (0, 3)) for k in range(3)}
-        found |= {f"port_data_{k + 1}": Item(152 + 2 * k, 2, 0, (0, 4095)) for k in range(3)}
+        registers |= {f"port_mode_{k + 1}": Item(56 + k, 1, 3, (0, 3)) for k in range(3)}
+        registers |= {f"port_data_{k + 1}": Item(152 + 2 * k, 2, 0, (0, 4095)) for k in range(3)}
     if model.amperes is None:  # no current sensor: its Present Current is a Present Load
-        del found["current_limit"], found["goal_current"]
-    return found
+        del registers["current_limit"], registers["goal_current"]
+    return registers

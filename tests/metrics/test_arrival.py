@@ -57,7 +57,7 @@ def test_length_and_peak_speed_are_measured_for_a_path_section_between_samples()
 def test_kernel_and_python_measure_same_path_section():
     path = np.random.default_rng(7).normal(size=STRAIGHT_PATH.shape)
     moments = [(-0.1, 0.4), (0.2, 0.2), (0.2, 0.2004), (0.305, 1.0), (1.7, 3.0), (0.31, 0.32), (0.5, 0.4)]
-    found, expected = (
+    result, expected = (
         [measure(TIMES, path, *edges) for edges in moments] for measure in (measure_stretch, paths.measure_stretch)
     )
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-13)
+    np.testing.assert_allclose(result, expected, rtol=1e-9, atol=1e-13)

@@ -20,9 +20,9 @@ def test_rushed_stroke_is_reported_with_the_reached_limit_and_amplitude_loss(hur
     chapters = {chapter.behaviour: chapter for chapter in hurried.reference.changes}
     rushed = chapters["rushed"]
     hinges = hurried.plan.setup.robot.skeleton.names
-    told = {sync for moved in rushed.moved for sync in moved.syncs}
+    results = {sync for moved in rushed.moved for sync in moved.syncs}
     syncs = [sync for sync in hurried.plan.syncs if sync.behaviour == "rushed"]
-    assert told == {sync.sync for sync in syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN}
+    assert results == {sync.sync for sync in syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN}
     assert all(moved.hinge in hinges and moved.quantity and moved.ratio > 1.0 for moved in rushed.moved)
     assert {loss.part for loss in rushed.losses} == {"r_hand"}
     assert all(loss.planned < loss.asked and loss.share > MIN_REPORTED_LOSS for loss in rushed.losses)
@@ -53,5 +53,5 @@ def test_report_sorts_hinges_by_their_deviation_from_the_request(calm: DryRun) -
     names = calm.plan.setup.robot.skeleton.names
     lost = np.radians(np.r_[0.5, 3.0, 1.5, np.zeros(len(names) - 3)])
     motion = replace(calm.plan.motion, rms_distances=lost)
-    found = find_deviations(with_plan(calm, motion=motion).plan)
-    assert [(stray.hinge, pytest.approx(stray.degrees)) for stray in found] == [(names[1], 3.0), (names[2], 1.5)]
+    deviations = find_deviations(with_plan(calm, motion=motion).plan)
+    assert [(stray.hinge, pytest.approx(stray.degrees)) for stray in deviations] == [(names[1], 3.0), (names[2], 1.5)]

@@ -18,10 +18,10 @@ def trembling(path):
 
 def test_minimum_jerk_reach_has_known_dimensionless_jerk():
     """720 / 1.875^2 = 204.8, reduced because samples below 5 % of the peak speed are cut off."""
-    found = dimensionless_jerk(reach(), period=PERIOD)
+    result = dimensionless_jerk(reach(), period=PERIOD)
     s = np.linspace(0.0, 1.0, 10001)
     moving = s[30 * s**2 * (1 - s) ** 2 > 0.05 * 1.875]
-    assert found == pytest.approx(204.8 * (moving[-1] - moving[0]) ** 3, rel=0.03)
+    assert result == pytest.approx(204.8 * (moving[-1] - moving[0]) ** 3, rel=0.03)
 
 
 @pytest.mark.parametrize("figure", [dimensionless_jerk, spectral_arc_length])

@@ -47,30 +47,30 @@ def offered(known):
 def test_stroke_lag_is_the_time_from_word_to_peak_speed(offered):
     word = times_of(offered, "s")["m"]
     for lag in (-0.25, -0.05):
-        (found,) = measured(offered, word + lag)
-        assert (found.behaviour, found.sync, found.word) == ("g", "stroke", "s:m")
-        assert (found.accent, found.stroke) == pytest.approx((word, word))
-        assert found.lag == pytest.approx(lag, abs=0.011)
+        (result,) = measured(offered, word + lag)
+        assert (result.behaviour, result.sync, result.word) == ("g", "stroke", "s:m")
+        assert (result.accent, result.stroke) == pytest.approx((word, word))
+        assert result.lag == pytest.approx(lag, abs=0.011)
 
 
 def test_peak_speed_is_searched_from_ready_to_stroke_end(offered):
     times = times_of(offered, "g")
     inside = (times["ready"] + times["strokeEnd"]) / 2
-    (found,) = measured(offered, inside, times["ready"] - 0.3, times["strokeEnd"] + 0.3)
-    assert found.fastest == pytest.approx(inside, abs=0.011)
+    (result,) = measured(offered, inside, times["ready"] - 0.3, times["strokeEnd"] + 0.3)
+    assert result.fastest == pytest.approx(inside, abs=0.011)
 
 
 def test_stroke_of_one_hand_ignores_the_idle_hand(offered):
     times = times_of(offered, "g")
-    (found,) = measured(offered, (times["ready"] + times["strokeEnd"]) / 2, side="l")
-    assert found.fastest == pytest.approx(times["ready"], abs=0.011)
+    (result,) = measured(offered, (times["ready"] + times["strokeEnd"]) / 2, side="l")
+    assert result.fastest == pytest.approx(times["ready"], abs=0.011)
 
 
 def test_offset_of_a_stroke_reference_shifts_the_expected_word_time(known):
     later = planned(known, OFFER.replace("s:m", "s:m + 0.3"))
-    (found,) = measure_planned_lags(later)
-    assert found.accent == pytest.approx(times_of(later, "s")["m"] + 0.3)
-    assert found.stroke == pytest.approx(found.accent, abs=0.011)
+    (planned_lag,) = measure_planned_lags(later)
+    assert planned_lag.accent == pytest.approx(times_of(later, "s")["m"] + 0.3)
+    assert planned_lag.stroke == pytest.approx(planned_lag.accent, abs=0.011)
 
 
 def test_stroke_lag_is_measured_for_strokes_tied_to_words_by_constraints(known):
@@ -83,7 +83,10 @@ def test_stroke_lag_is_measured_for_strokes_tied_to_words_by_constraints(known):
         + '<gesture id="g" lexeme="offer" mode="RIGHT_HAND"/><head id="h" lexeme="NOD"/>'
         + '<gesture id="k" lexeme="up" mode="LEFT_HAND" stroke="h:stroke"/>',
     )
-    assert {(each.behaviour, each.word) for each in measure_planned_lags(both)} == {("g", "s:m"), ("k", "s:m")}
+    assert {(planned_lag.behaviour, planned_lag.word) for planned_lag in measure_planned_lags(both)} == {
+        ("g", "s:m"),
+        ("k", "s:m"),
+    }
 
 
 @pytest.mark.parametrize(
@@ -106,8 +109,8 @@ def test_repeated_strokes_are_matched_to_their_words(known):
     text = SPEECH + '<gesture id="g" lexeme="beat_double" mode="RIGHT_HAND" stroke="s:m" strokeEnd="s:m + 1.2"/>'
     twice = planned(known, text)
     times = times_of(twice, "g")
-    (found,) = measured(twice, times["stroke"] - 0.1, times["stroke:2"] - 0.1)
-    assert found.fastest == pytest.approx(times["stroke"] - 0.1, abs=0.011)
+    (result,) = measured(twice, times["stroke"] - 0.1, times["stroke:2"] - 0.1)
+    assert result.fastest == pytest.approx(times["stroke"] - 0.1, abs=0.011)
 
 
 def test_unperformed_strokes_have_no_twin_lag(known, offered):

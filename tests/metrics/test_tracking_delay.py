@@ -21,15 +21,15 @@ def of(speeds):
 def test_tracking_delay_is_interpolated_between_samples(late):
     planned = np.stack([pulse(TIMES, 0.0), 3.0 * pulse(TIMES, 0.3)], axis=1)
     performed = np.stack([0.8 * pulse(TIMES, late), 3.0 * pulse(TIMES, 0.3)], axis=1)
-    found = estimate_tracking_delays(of(planned), performed, np.array([True, True]), period=0.01)
-    assert found == pytest.approx([late, 0.0], abs=2e-4)
+    delays = estimate_tracking_delays(of(planned), performed, np.array([True, True]), period=0.01)
+    assert delays == pytest.approx([late, 0.0], abs=2e-4)
 
 
 def test_still_hinge_has_no_tracking_delay():
     planned = np.stack([pulse(TIMES, 0.0), np.zeros_like(TIMES)], axis=1)
-    found = estimate_tracking_delays(of(planned), planned, np.array([True, False]), period=0.01)
-    assert found[0] == pytest.approx(0.0, abs=1e-9)
-    assert np.isnan(found[1])
+    delays = estimate_tracking_delays(of(planned), planned, np.array([True, False]), period=0.01)
+    assert delays[0] == pytest.approx(0.0, abs=1e-9)
+    assert np.isnan(delays[1])
     assert np.isnan(estimate_tracking_delays(of(planned), planned, np.array([False, False]), period=0.01)).all()
 
 
@@ -37,8 +37,8 @@ def test_batch_size_does_not_change_tracking_delays(monkeypatch):
     monkeypatch.setattr("kinesic.metrics.tracking_delay.VELOCITIES_PER_WINDOW", 2 * len(TIMES))
     late = [0.0, 0.02, 0.05, -0.01, 0.11, 0.07, 0.03]
     planned = np.stack([pulse(TIMES, 0.0)] * len(late), axis=1)
-    performed = np.stack([pulse(TIMES, each) for each in late], axis=1)
+    performed = np.stack([pulse(TIMES, item) for item in late], axis=1)
     moving = np.array([True, True, False, True, True, True, True])
-    found = estimate_tracking_delays(of(planned), performed, moving, period=0.01)
-    assert np.isnan(found[2])
-    assert found[moving] == pytest.approx(np.array(late)[moving], abs=2e-4)
+    delays = estimate_tracking_delays(of(planned), performed, moving, period=0.01)
+    assert np.isnan(delays[2])
+    assert delays[moving] == pytest.approx(np.array(late)[moving], abs=2e-4)

@@ -13,11 +13,11 @@ MOVING = CHANCE.random(ERRORS.shape) < 0.6
 def test_error_statistics_count_moving_hinges_and_locate_the_largest():
     measured, moving = np.zeros((4, 2)), np.array([[True, False], [True, True], [True, True], [False, False]])
     measured[2, 1], measured[0, 1], measured[1, 0] = np.radians(3.0), np.radians(50.0), -np.radians(1.0)
-    found = measure_errors(measured[moving], moving)
-    assert found.max == pytest.approx(3.0)
-    assert (found.row, found.hinge, found.most) == (2, 1, 1)
-    assert found.rmse == pytest.approx(np.sqrt((9.0 + 1.0) / 5))
-    assert found.p95 == pytest.approx(np.percentile([0.0, 0.0, 0.0, 1.0, 3.0], 95))
+    errors = measure_errors(measured[moving], moving)
+    assert errors.max == pytest.approx(3.0)
+    assert (errors.row, errors.hinge, errors.most) == (2, 1, 1)
+    assert errors.rmse == pytest.approx(np.sqrt((9.0 + 1.0) / 5))
+    assert errors.p95 == pytest.approx(np.percentile([0.0, 0.0, 0.0, 1.0, 3.0], 95))
 
 
 def test_tracking_error_without_motion_is_zero():
@@ -47,8 +47,8 @@ def test_number_of_tracking_errors_must_match_the_moving_joints(count):
 def test_nan_counts_as_the_largest_tracking_error(every):
     errors = ERRORS.copy()
     errors[3::every] = np.nan
-    found = measure_errors(errors[MOVING], MOVING)
+    result = measure_errors(errors[MOVING], MOVING)
     expected = paths.measure_errors(errors[MOVING], MOVING)
-    assert (found.row, found.hinge, found.most) == (expected.row, expected.hinge, expected.most)
-    assert np.isnan([found.rmse, found.p95, found.max]).all()
-    assert (found.row, found.hinge) == (3, MOVING[3].argmax())
+    assert (result.row, result.hinge, result.most) == (expected.row, expected.hinge, expected.most)
+    assert np.isnan([result.rmse, result.p95, result.max]).all()
+    assert (result.row, result.hinge) == (3, MOVING[3].argmax())

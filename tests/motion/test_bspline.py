@@ -36,7 +36,7 @@ def test_knot_matrix_gives_the_angles_of_the_motion():
 
 
 def form_of(bands):
-    """The whole symmetric matrix of bands in upper form."""
+    """Return the full symmetric matrix of a banded one in upper form."""
     width = len(bands) - 1
     upper = sum(np.diag(bands[width - band, band:], band) for band in range(width + 1))
     return upper + np.triu(upper, 1).T

@@ -1,4 +1,4 @@
-"""Compiled samples of motions and their peaks, against the definition."""
+"""Compiled samples and peaks of motions, against the formulas that define them."""
 
 import numpy as np
 import pytest

@@ -21,7 +21,7 @@ def posture(time: float, angles: tuple[float, float], *syncs: str, behaviour: st
 
 
 def highest(motion) -> float:
-    """Largest share of any limit."""
+    """Return the largest ratio of a quantity to its limit."""
     return max(float(peak.ratios.max()) for peak in check_limits(motion.trajectory, LIMITS).by_quantity.values())
 
 
@@ -36,7 +36,7 @@ def test_motion_within_limits_keeps_its_requested_times():
 def test_fast_motion_is_stretched_and_names_its_bottlenecks():
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
     motion = condition(keys, LIMITS)
-    assert {found.hinge for found in motion.bottlenecks.values()} == {0}
+    assert {bottleneck.hinge for bottleneck in motion.bottlenecks.values()} == {0}
     assert highest(motion) <= 1.0 + 1e-6
     assert motion.planned[2] - motion.planned[0] > 0.4
 
@@ -51,7 +51,7 @@ def test_sharp_desired_motion_keeps_its_times_and_is_smoothed():
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A desired motion that is the same whatever the keys are."""
+    """Desired motion that does not depend on the keys."""
 
     start: float  # [s] block time
 
@@ -65,7 +65,7 @@ def on_the_curve(*times: float) -> tuple[KeyPosture, ...]:
 
 
 def test_reported_deviation_is_the_rms_distance_at_the_knots():
-    """With keys at the ends alone, and with one in the middle that lies aside of what is desired."""
+    """Keys at the ends alone, and with one more away from the desired motion."""
     ends = on_the_curve(1.0, 3.0)
     aside = posture(2.0, tuple(Curve(2.0).angles(np.zeros(1))[0] + [0.3, 0.0]), "stroke")
     for keys in (ends, (ends[0], aside, ends[1])):
@@ -87,7 +87,7 @@ def test_trajectory_time_of_block_zero_accounts_for_the_first_key_time():
 
 
 def test_eased_limits_determine_key_times_and_full_limits_determine_the_motion():
-    """What needs sharp turns loses its shape under a quarter of the limits, but not with the times that these need."""
+    """At a quarter of the limits sharp turns are smoothed, but not at the key times found for them."""
     sharp = (KeyPassage(tension=1.0),) * 2
     keys = tuple(
         replace(posture(time, angles, sync), passages=sharp)
@@ -116,8 +116,8 @@ def test_keys_between_knots_are_passed_exactly():
     times = np.cumsum(rng.uniform(0.3, 0.6, 8))
     keys = tuple(posture(float(t), tuple(rng.uniform(-0.6, 0.6, 2)), "stroke") for t in times)
     motion = condition(keys, LIMITS)
-    found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
-    np.testing.assert_allclose(found, [key.angles for key in keys], atol=1e-7)
+    samples = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    np.testing.assert_allclose(samples, [key.angles for key in keys], atol=1e-7)
 
 
 def test_stroke_time_is_kept_if_the_preparation_can_begin_earlier():
@@ -128,7 +128,7 @@ def test_stroke_time_is_kept_if_the_preparation_can_begin_earlier():
 
 
 def test_default_lead_in_is_600_ms():
-    """With ten times the time that the preparation can have, all of it is taken, and the stroke waits for the rest."""
+    """The preparation has a tenth of its time: it starts as early as allowed, and the stroke is late."""
     slow = replace(LIMITS, speed=sealed([1.0, 1.0]))
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.0), "stroke"), posture(9.0, (0, 0), "end"))
     planned = condition(keys, slow).planned
@@ -185,7 +185,7 @@ def test_sync_points_with_a_fixed_offset_are_shifted_together():
 
 
 def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[KeyPosture, ...]:
-    """A way with two firm keys at one place, and a circle from one to the other."""
+    """Return keys on a circle that begins and ends in one exact posture."""
     shares = np.linspace(0.0, 1.0, 9 * round(turns))
     circle = amplitude * np.stack([np.sin(2 * np.pi * turns * shares), np.cos(2 * np.pi * turns * shares) - 1.0])
     is_exact = [0, len(shares) - 1]
@@ -206,8 +206,8 @@ def test_feasible_hand_path_is_followed():
     keys = on_a_circle(turns=2, amplitude=0.2, seconds=2.0)
     motion = condition(keys, LIMITS)
     np.testing.assert_array_equal(motion.planned, motion.requested_times)
-    found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
-    np.testing.assert_allclose(found, [key.angles for key in keys], atol=1e-3)
+    samples = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    np.testing.assert_allclose(samples, [key.angles for key in keys], atol=1e-3)
 
 
 def test_infeasible_path_shrinks_without_moving_keys():
@@ -216,10 +216,10 @@ def test_infeasible_path_shrinks_without_moving_keys():
     np.testing.assert_array_equal(motion.planned, motion.requested_times)
     assert not motion.bottlenecks
     assert highest(motion) <= 1.0 + 1e-6
-    found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    samples = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
     is_exact = [key.is_exact for key in keys]
-    np.testing.assert_allclose(found[is_exact], [key.angles for key in keys if key.is_exact], atol=1e-6)
-    assert 0.02 < np.ptp(found[:, 0]) < 0.5 * np.ptp([key.angles[0] for key in keys])
+    np.testing.assert_allclose(samples[is_exact], [key.angles for key in keys if key.is_exact], atol=1e-6)
+    assert 0.02 < np.ptp(samples[:, 0]) < 0.5 * np.ptp([key.angles[0] for key in keys])
 
 
 def test_path_keys_move_with_the_ends_of_their_path():

@@ -103,7 +103,7 @@ def test_motion_is_at_rest_outside_its_duration():
 
 
 def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion:
-    """From rest to rest over one second, one hinge."""
+    """Return the desired motion of one hinge from rest to rest over one second."""
     angles, times = np.array([[0.0], [to]]), np.array([0.0, 1.0])
     return joined(KeyPassage(easing=easing, steepness=steepness), ALL[:2, :1], angles=angles, times=times)
 
@@ -139,8 +139,8 @@ def test_easing_is_softened_until_all_hinges_keep_their_limits():
     slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
     rows = keys(KeyPassage(easing="out_back"), ALL[:2], angles, times)
-    found = join_keys(times, Keys.of(rows, slow, margin=0.0)).angles(GRID)
-    np.testing.assert_allclose(found, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
+    result = join_keys(times, Keys.of(rows, slow, margin=0.0)).angles(GRID)
+    np.testing.assert_allclose(result, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
 
 
 def test_uneven_keys_on_a_circle_follow_the_circle():
@@ -148,8 +148,8 @@ def test_uneven_keys_on_a_circle_follow_the_circle():
     ease = 10 * (times / 2) ** 3 - 15 * (times / 2) ** 4 + 6 * (times / 2) ** 5
     angles = 0.3 * np.stack([np.cos(2 * np.pi * ease), np.sin(2 * np.pi * ease)], axis=1)
     motion = joined(keyed=np.ones_like(angles, dtype=bool), angles=angles, times=times)
-    found = motion.angles(np.linspace(0.0, 2.0, 801))
-    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 0.3, atol=2e-3)
+    result = motion.angles(np.linspace(0.0, 2.0, 801))
+    np.testing.assert_allclose(np.linalg.norm(result, axis=1), 0.3, atol=2e-3)
 
 
 def test_keys_on_a_smooth_curve_cause_no_oscillation():

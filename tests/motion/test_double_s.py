@@ -21,7 +21,7 @@ from kinesic.motion.keys import KeyPosture, Keys
 
 
 def simulated(distance, speed, acceleration, jerk):
-    """The same time by the seven phases, their peak speed found by bisection."""
+    """Return the same time from the seven phases, with the peak speed found by bisection."""
 
     def phases(peak):
         top = min(acceleration, sqrt(peak * jerk))
@@ -82,7 +82,7 @@ def limits():
 
 def test_rest_to_rest_durations_respect_motion_limits_and_duty(limits):
     turns = np.linspace(-1.0, 1.0, len(limits.speed))
-    found = least_rest_times(turns, limits)
+    durations = least_rest_times(turns, limits)
     for k, turn in enumerate(turns):
         bounds = [
             (
@@ -91,15 +91,15 @@ def test_rest_to_rest_durations_respect_motion_limits_and_duty(limits):
             )
             for share in DUTY_FRACTIONS
         ]
-        assert found[k] >= least_time(turn, limits.speed[k], limits.acceleration[k], limits.jerk[k]) - 1e-12
-        assert found[k] <= min(float(least_time(turn, v, a, limits.jerk[k])) for v, a in bounds) + 1e-12
+        assert durations[k] >= least_time(turn, limits.speed[k], limits.acceleration[k], limits.jerk[k]) - 1e-12
+        assert durations[k] <= min(float(least_time(turn, v, a, limits.jerk[k])) for v, a in bounds) + 1e-12
 
 
 def test_rest_to_rest_durations_accept_arrays_with_leading_dimensions(limits):
     turns = np.random.default_rng(1).uniform(-1, 1, (4, 3, len(limits.speed)))
-    found = least_rest_times(turns, limits)
-    assert found.shape == turns.shape
-    np.testing.assert_allclose(found[2, 1], least_rest_times(turns[2, 1], limits))
+    durations = least_rest_times(turns, limits)
+    assert durations.shape == turns.shape
+    np.testing.assert_allclose(durations[2, 1], least_rest_times(turns[2, 1], limits))
 
 
 def test_rest_to_rest_durations_of_single_rotations_equal_those_of_all_hinges(robot_limits):
@@ -120,11 +120,11 @@ def robot_limits():
 
 
 def can_stop(speed, acceleration, most, jerk, seconds, steps=150):
-    """Whether some jerk brings a speed and an acceleration to 0 in a time, by linear programming."""
+    """Return whether a jerk profile brings speed and acceleration to 0 in time, by linear programming."""
     step = seconds / steps
     accelerations = step * np.tril(np.ones((steps, steps)))  # after each step, of jerks that are constant in it
     gained = step * (accelerations - 0.5 * step * np.eye(steps)).sum(axis=0)
-    found = linprog(
+    solution = linprog(
         np.zeros(steps),
         A_ub=np.vstack([accelerations, -accelerations]),
         b_ub=np.concatenate([most - acceleration * np.ones(steps), most + acceleration * np.ones(steps)]),
@@ -132,7 +132,7 @@ def can_stop(speed, acceleration, most, jerk, seconds, steps=150):
         b_eq=[-acceleration, -speed - acceleration * seconds],
         bounds=(-jerk, jerk),
     )
-    return found.status == 0
+    return solution.status == 0
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_stop_duration_of_a_resting_hinge_is_zero():
 
 
 def keys_of(limits, *angles):
-    """Keys half a second apart, all hinges at the same angle."""
+    """Return keys half a second apart with the same angle for all hinges."""
     count = len(limits.speed)
     whole = (True,) * count
     return Keys.of(

@@ -11,7 +11,7 @@ EVEN = np.linspace(0.0, 1.0, 2001)
 
 
 def played(easing: Easing, steepness: float) -> BPoly:
-    """The softened easing at every instant."""
+    """Return the softened easing as a function of time."""
     return BPoly.from_derivatives(np.linspace(0.0, 1.0, EASING_INTERVALS + 1), soften_easing(easing, steepness).T)
 
 

@@ -1,4 +1,4 @@
-"""Free motions of all hinges at once, against those of one hinge after the other."""
+"""Free motions of all hinges at once, against those of each hinge alone."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ LIMITS = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.1
 
 
 def keys(seed: int) -> Keys:
-    """Moves, short and long holds, and paths; the last key of a hinge may come within a step of its rest."""
+    """Return random keys with moves, holds and paths; a hinge's last key may be a step before its rest."""
     rng = np.random.default_rng(seed)
     times = np.cumsum(rng.choice([0.07, 0.31, 0.6, 1.3, 3.2], 12)) + rng.uniform(0.0, 0.01, 12)
     times[-1] = times[-2] + 0.008
@@ -50,10 +50,10 @@ def test_free_motion_of_all_hinges_matches_single_hinges(seed: int):
     shares, segments = zip(*beyond, strict=True)
     others, wanted = zip(*expected, strict=True)
     np.testing.assert_allclose(shares, others, rtol=1e-6)
-    for found, other in zip(segments, wanted, strict=True):
+    for result, other in zip(segments, wanted, strict=True):
         for name in ("hinge", "first", "grid", "marks", "start", "end", "has_path"):
-            assert getattr(found, name) == getattr(other, name), name
-        np.testing.assert_array_equal(found.places, other.places)
+            assert getattr(result, name) == getattr(other, name), name
+        np.testing.assert_array_equal(result.places, other.places)
 
 
 def test_free_motion_of_feasible_keys_reports_no_infeasible_segments():

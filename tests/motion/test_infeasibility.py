@@ -15,7 +15,7 @@ LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0
 
 
 def way(pieces: int, place: float) -> SplineSegment:
-    """From 0 over 0.8 to 1.6 rad."""
+    """Return a segment from 0 over 0.8 to 1.6 rad."""
     return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), 0.0, 1.6, np.array([place]), np.array([0.8]))
 
 
@@ -34,33 +34,35 @@ def test_segment_is_feasible_exactly_if_its_time_deficit_is_not_positive(pieces)
 def test_time_deficit_is_continuous_for_a_key_just_before_the_last_knot(before):
     places, angles = np.array([20.0, 40.0 - before]), np.array([0.8, 1.6])
     late = SplineSegment(0, 0, grid(40, KNOT_INTERVAL), 0.0, 1.6, places, angles)
-    found = measure_time_deficit(late, LIMITS)
-    assert found is not None
-    assert found.amount == pytest.approx(measure_time_deficit(way(39, 20.0), LIMITS).amount, abs=1e-4)
-    assert np.isfinite(found.slopes).all()
+    infeasibility = measure_time_deficit(late, LIMITS)
+    assert infeasibility is not None
+    assert infeasibility.amount == pytest.approx(measure_time_deficit(way(39, 20.0), LIMITS).amount, abs=1e-4)
+    assert np.isfinite(infeasibility.slopes).all()
 
 
 def test_time_deficit_approximates_the_log_of_the_required_time_ratio():
-    found = measure_time_deficit(way(40, 20.0), LIMITS)
-    longer = 40 * float(np.exp(found.amount))
+    infeasibility = measure_time_deficit(way(40, 20.0), LIMITS)
+    longer = 40 * float(np.exp(infeasibility.amount))
     assert measure_time_deficit(way(round(1.1 * longer), 0.55 * longer), LIMITS).amount < 0.0
     assert measure_time_deficit(way(round(0.9 * longer), 0.45 * longer), LIMITS).amount > 0.0
 
 
 def test_slopes_of_a_time_deficit_equal_its_finite_differences():
-    found, more = measure_time_deficit(way(40, 17.3), LIMITS), 0.1
+    infeasibility, more = measure_time_deficit(way(40, 17.3), LIMITS), 0.1
     later = measure_time_deficit(way(40, 17.3 + more), LIMITS)
-    assert found.slopes[1] == pytest.approx((later.amount - found.amount) / (more * KNOT_INTERVAL), rel=0.05)
-    assert found.slopes[2] == pytest.approx(0.0, abs=1e-6)
-    assert found.slopes.sum() == pytest.approx(0.0, abs=1e-9)
+    assert infeasibility.slopes[1] == pytest.approx(
+        (later.amount - infeasibility.amount) / (more * KNOT_INTERVAL), rel=0.05
+    )
+    assert infeasibility.slopes[2] == pytest.approx(0.0, abs=1e-6)
+    assert infeasibility.slopes.sum() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_segment_end_between_two_knots_affects_the_deficit():
-    """The last key holds the hinge from the knot before it, so that the rest begins there."""
+    """The hinge is at rest from the knot before the last key."""
     off = SplineSegment(0, 0, grid(41, KNOT_INTERVAL), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]))
-    found = measure_time_deficit(off, LIMITS)
-    assert found.slopes[3] < -1.0
-    assert found.slopes[1] == pytest.approx(-found.slopes[3], rel=1e-6)
+    infeasibility = measure_time_deficit(off, LIMITS)
+    assert infeasibility.slopes[3] < -1.0
+    assert infeasibility.slopes[1] == pytest.approx(-infeasibility.slopes[3], rel=1e-6)
 
 
 def test_spare_time_of_a_segment_is_measured_only_up_to_a_bound():
@@ -71,13 +73,13 @@ def test_spare_time_of_a_segment_is_measured_only_up_to_a_bound():
 def test_early_end_of_the_deficit_search_gives_the_same_feasibility(target):
     ended = 0
     for pieces in range(30, 90, 3):
-        found = measure_time_deficit(way(pieces, pieces / 2), LIMITS)
+        infeasibility = measure_time_deficit(way(pieces, pieces / 2), LIMITS)
         sooner = measure_time_deficit(way(pieces, pieces / 2), LIMITS, target=target)
-        assert (sooner.amount <= target) == (found.amount <= target)
+        assert (sooner.amount <= target) == (infeasibility.amount <= target)
         if sooner.amount > target:
-            assert sooner.amount == found.amount
-            np.testing.assert_array_equal(sooner.slopes, found.slopes)
-        ended += sooner.amount > found.amount
+            assert sooner.amount == infeasibility.amount
+            np.testing.assert_array_equal(sooner.slopes, infeasibility.slopes)
+        ended += sooner.amount > infeasibility.amount
     assert ended > 0
 
 

@@ -1,4 +1,4 @@
-"""Motion without a robot: what `kinesic.motion` hands on suffices."""
+"""Motions without a robot, with nothing but what `kinesic.motion` exports."""
 
 import numpy as np
 import pytest
@@ -18,13 +18,13 @@ def test_motion_keeps_limits_and_passes_keys():
     limits = motion.Limits.box(**BOX)
     rows = ((0.0, [0.0, 0.0]), (0.5, [1.2, 2.0]), (2.5, [-0.4, 0.3]), (3.5, [0.0, 0.0]))
     keys = tuple(motion.KeyPosture.whole(time, angles) for time, angles in rows)
-    found = motion.condition(keys, limits)
-    shares = motion.check_limits(found.trajectory, limits).by_quantity
+    conditioned = motion.condition(keys, limits)
+    shares = motion.check_limits(conditioned.trajectory, limits).by_quantity
     assert all(float(peak.ratios.max()) <= 1.0 + 1e-6 for peak in shares.values())
     assert float(shares["duty"].ratios.max()) < 1e-5  # no drive is known
-    passed = found.trajectory.sample(found.planned + found.trajectory.zero)[0]
+    passed = conditioned.trajectory.sample(conditioned.planned + conditioned.trajectory.zero)[0]
     np.testing.assert_allclose(passed, [angles for _, angles in rows], atol=1e-6)
-    assert found.bottlenecks  # the second key comes too soon after the first
+    assert conditioned.bottlenecks  # the second key comes too soon after the first
 
 
 def test_key_posture_of_all_hinges_copies_the_given_angles():

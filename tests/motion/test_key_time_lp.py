@@ -52,7 +52,7 @@ def test_infeasible_cutting_planes_raise_an_error():
 
 
 def random_problem(seed: int) -> KeyTimeProblem:
-    """Up to twelve keys that are too near to one another, with planes over some of them, and bonds that may break."""
+    """Return up to twelve keys that are too close, with planes over some of them and soft bonds."""
     chance = np.random.default_rng(seed)
     count = int(chance.integers(3, 13))
     syncs = chance.choice(["start", "ready", "stroke", "strokeEnd", "relax", "end"], count)
@@ -117,7 +117,7 @@ def test_relative_shifts_are_bounded_by_the_total_gap_excess(seed):
 
 
 def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
-    """A program that counts as crowded, with a bond between its first stroke and its last key."""
+    """Return a problem that counts as very large, with a bond from first stroke to last key."""
     rows = keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (1.3, 0.5, "relax"), (2, 0, "end"))
     keys = Keys.of(rows, LIMITS)
     monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)

@@ -65,8 +65,8 @@ KEYS = tuple(KeyPosture(time, sealed(turn), (True, True), (("b", sync),)) for ti
 
 
 def find_infeasible(search: KeyTimeSearch, keys: Keys):
-    found = [segment for segment in segments(search.times, keys, KNOT_INTERVAL) if not segment.is_still]
-    return [segment for segment in found if measure_time_deficit(segment, FEASIBLE_LIMITS).amount > 0.0]
+    moving = [segment for segment in segments(search.times, keys, KNOT_INTERVAL) if not segment.is_still]
+    return [segment for segment in moving if measure_time_deficit(segment, FEASIBLE_LIMITS).amount > 0.0]
 
 
 def test_search_starts_from_full_velocity_durations():
@@ -93,7 +93,7 @@ def test_feasible_requested_key_times_are_unchanged():
 
 
 def test_key_time_search_fails_with_the_hinge_name_if_a_segment_stays_infeasible(monkeypatch):
-    """Key times grow until the search fails with the name of the hinge."""
+    """The search ends with an error that names the hinge."""
     tune(monkeypatch, max_rest_factor=10.0)  # the longer a motion, the slower is each look at it
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
     search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
@@ -116,7 +116,7 @@ def test_very_slow_hinge_gets_a_long_duration():
 
 
 def nods(count: int, seconds: float) -> Keys:
-    """A hinge that goes there and back so many times, in a time."""
+    """Return keys of a hinge that moves there and back some times within a time [s]."""
     turns = [0.0, *(0.35 * (k % 2) for k in range(2 * count + 1)), 0.0]
     times = [0.0, *(0.3 + seconds * k / (2 * count) for k in range(2 * count + 1)), seconds + 0.5]
     names = ["start", *("relax" if k % 2 == 0 else f"stroke:{k}" for k in range(2 * count + 1)), "end"]
@@ -149,7 +149,7 @@ def test_infeasible_hinge_stops_at_its_keys_if_time_stretching_fails(monkeypatch
 
 
 def write_rapid_head_block(gap: float, strokes: int = 6) -> tuple[KeyPosture, ...]:
-    """Strokes to and fro, all in the same short time."""
+    """Return keys of strokes to and fro with one short gap between all of them."""
     turns = [
         (0.3, "ready"),
         *(way for k in range(strokes) for way in ((-0.3, f"strokeStart:{k}"), (0.3, f"stroke:{k + 1}"))),
@@ -159,7 +159,7 @@ def write_rapid_head_block(gap: float, strokes: int = 6) -> tuple[KeyPosture, ..
 
 
 def measured(monkeypatch) -> list[int]:
-    """Hinges whose shortage is measured from now on."""
+    """Record the hinge of each time deficit that is measured from now on."""
     seen: list[int] = []
 
     def measure(segment, limits, **options):
@@ -172,7 +172,7 @@ def measured(monkeypatch) -> list[int]:
 
 @pytest.mark.parametrize("gap", [0.15, pytest.param(0.2, marks=pytest.mark.soak)])
 def test_repeated_strokes_are_stretched_without_cutting_planes(gap, monkeypatch):
-    """Planes need forty rounds and give no better times."""
+    """Cutting planes would need forty rounds and find no better times."""
     seen = measured(monkeypatch)
     motion = condition(write_rapid_head_block(gap), LIMITS)
     assert len(seen) <= 10
@@ -195,7 +195,7 @@ def test_cutting_planes_succeed_where_stretching_fails(monkeypatch):
 
 @pytest.mark.parametrize(("seeds", "most"), [((1, 5, 7, 9), 185), ((2,), 10)])
 def test_time_deficits_of_infeasible_segments_are_measured_before_those_of_neighbours(seeds, most, known, monkeypatch):
-    """To measure all that is near in every round, or beside any plane of its hinge, takes a fifth more."""
+    """Measuring neighbours in every round, or beside each plane of the hinge, costs a fifth more."""
     seen, hands_alone = measured(monkeypatch), replace(known, style=known.style.changed(["whole_body=0"]))
     for seed in seeds:
         plan(write_overlapping_block(seed, ["beat", "offer", "large"]), hands_alone)
@@ -203,7 +203,7 @@ def test_time_deficits_of_infeasible_segments_are_measured_before_those_of_neigh
 
 
 def test_measured_work_is_counted_and_a_spent_budget_forces_stops(monkeypatch):
-    """A count, not a clock: every host finds the same times."""
+    """The budget counts work rather than time, so that every host finds the same key times."""
     seen = measured(monkeypatch)
     keys = nods(6, 1.9)
     postures = keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
@@ -230,17 +230,17 @@ def test_spent_budget_forces_stops_without_measurements(monkeypatch):
 
 
 def test_time_deficits_are_found_among_very_many_keys(known, monkeypatch):
-    """A program that is not solved makes a hinge rest at its keys, and strokes move far."""
-    found = []
+    """Without a solution the hinge would stop at each key, and strokes would be much later."""
+    deficits = []
 
     def measure(*given, **options):
-        found.append(measure_time_deficit(*given, **options))
-        return found[-1]
+        deficits.append(measure_time_deficit(*given, **options))
+        return deficits[-1]
 
     monkeypatch.setattr(key_times, "measure_time_deficit", measure)
     plan(write_overlapping_block(102, [form.id for form in known.lexicon.forms]), known)
-    assert len(found) > 20
-    assert all(found)
+    assert len(deficits) > 20
+    assert all(deficits)
 
 
 def test_segments_with_unchanged_times_are_cached():

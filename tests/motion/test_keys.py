@@ -19,20 +19,20 @@ def keys(*rows):
 
 
 def test_only_exact_keys_are_constraints():
-    found = keys((BOTH, True), (FIRST, False), (SECOND, True), (FIRST, False), (BOTH, True))
-    assert found.exact_rows == ([0, 4], [0, 2, 4])
-    assert [found.has_path(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
+    result = keys((BOTH, True), (FIRST, False), (SECOND, True), (FIRST, False), (BOTH, True))
+    assert result.exact_rows == ([0, 4], [0, 2, 4])
+    assert [result.has_path(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
 
 
 def test_keys_of_other_hinges_keep_their_order_relative_to_path_keys():
-    found = keys(*PATH)
-    assert {(1, 3), (3, 5), (1, 5)} <= found.gaps.keys()
+    result = keys(*PATH)
+    assert {(1, 3), (3, 5), (1, 5)} <= result.gaps.keys()
 
 
 def test_path_keys_keep_their_order():
-    found = keys(*PATH)
+    result = keys(*PATH)
     for gap in ({(0, 1): 0.5}, {(1, 3): 0.4}, {(3, 5): 0.6}, {(1, 5): 0.9}, {(0, 3): 0.8}):
-        times = solve_key_times(KeyTimeProblem(found, {**found.gaps, **gap}, 0.0))
+        times = solve_key_times(KeyTimeProblem(result, {**result.gaps, **gap}, 0.0))
         assert np.all(np.diff(times) > 0.0)
         assert times[5] - times[1] >= 2 * MIN_GAP - 1e-9
 
@@ -42,16 +42,16 @@ def test_close_keys_of_different_hinges_within_a_path_keep_their_small_gap():
     times = (0.0, 0.1, 0.2, 0.2 + near, 0.3, 0.4)
     rows = (([1, 1, 1], 1), ([1, 0, 0], 0), ([0, 1, 0], 1), ([0, 0, 1], 1), ([1, 0, 0], 0), ([1, 1, 1], 1))
     limits = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-    found = Keys.of(
+    result = Keys.of(
         [
             KeyPosture(time, sealed([0.1] * 3), tuple(map(bool, keyed)), is_exact=bool(is_exact))
             for time, (keyed, is_exact) in zip(times, rows, strict=True)
         ],
         limits,
     )
-    assert found.is_spaced
-    assert found.gaps[2, 3] == pytest.approx(near)
-    assert {gap for pair, gap in found.gaps.items() if pair != (2, 3)} == {MIN_GAP}
+    assert result.is_spaced
+    assert result.gaps[2, 3] == pytest.approx(near)
+    assert {gap for pair, gap in result.gaps.items() if pair != (2, 3)} == {MIN_GAP}
 
 
 def test_path_key_has_zero_weight():
@@ -70,9 +70,9 @@ def test_part_of_the_keys_contains_only_the_selected_times_and_hinges():
 
 
 def test_with_passage_sets_tension_of_exact_keys_only():
-    found = keys(*PATH).with_passage(KeyPassage(tension=1.0))
-    assert np.all(found.passage_values[0] == 1.0)
-    assert not found.keyed[[2, 4]].any()
+    result = keys(*PATH).with_passage(KeyPassage(tension=1.0))
+    assert np.all(result.passage_values[0] == 1.0)
+    assert not result.keyed[[2, 4]].any()
 
 
 @pytest.mark.parametrize(

@@ -21,13 +21,13 @@ LIMITS = Limits(
 
 
 def wandering(pieces, seed=4):
-    """A motion of two hinges without order."""
+    """Return a random motion of two hinges."""
     steps = np.random.default_rng(seed).normal(0.0, 0.02, (pieces + 3, 2))
     return Trajectory(sealed(np.cumsum(steps, axis=0)), 0.0)
 
 
 def sampled(trajectory):
-    """Quantity -> values at 1 kHz and what is allowed, by the trajectory's own word."""
+    """Return times at 1 kHz and ratios to the limits by quantity, from the trajectory's samples."""
     times = np.arange(round(1000 * trajectory.duration) + 1) / 1000
     angles, speeds, accelerations = trajectory.sample(times)
     middle, half = (LIMITS.upper + LIMITS.lower) / 2, (LIMITS.upper - LIMITS.lower) / 2
@@ -43,14 +43,16 @@ def sampled(trajectory):
 @pytest.mark.parametrize("pieces", [1, 10, INTERVALS_PER_CHUNK, INTERVALS_PER_CHUNK + 1, 3 * INTERVALS_PER_CHUNK + 7])
 def test_limit_peaks_equal_those_of_samples_at_1_khz(pieces):
     motion = wandering(pieces)
-    found = check_limits(motion, LIMITS).by_quantity
+    by_quantity = check_limits(motion, LIMITS).by_quantity
     times, expected = sampled(motion)
-    assert found.keys() == expected.keys()
+    assert by_quantity.keys() == expected.keys()
     for name, ratios in expected.items():
-        assert found[name].ratios == pytest.approx(np.abs(ratios).max(axis=0), rel=1e-9), name
-        assert found[name].hinge == int(np.abs(ratios).max(axis=0).argmax()), name
-        there = np.abs(times - found[name].time) < KNOT_INTERVAL + 1e-9
-        assert np.abs(ratios[there, found[name].hinge]).max() == pytest.approx(np.abs(ratios).max(), rel=1e-9), name
+        assert by_quantity[name].ratios == pytest.approx(np.abs(ratios).max(axis=0), rel=1e-9), name
+        assert by_quantity[name].hinge == int(np.abs(ratios).max(axis=0).argmax()), name
+        there = np.abs(times - by_quantity[name].time) < KNOT_INTERVAL + 1e-9
+        assert np.abs(ratios[there, by_quantity[name].hinge]).max() == pytest.approx(np.abs(ratios).max(), rel=1e-9), (
+            name
+        )
 
 
 def test_rms_jerk_matches_its_definition():
@@ -72,9 +74,9 @@ def test_only_new_limit_violations_are_flagged():
     still, both = np.zeros((2, 40)), np.array([0, 1])
     leaping = still.copy()
     leaping[1, 20] = 0.002
-    found = find_beyond(leaping, still, LIMITS, both, full=1.0)
-    assert np.flatnonzero(found[1]).tolist() == [*range(17, 24)], "all that its jerks depend on"
-    assert not found[0].any()
+    beyond = find_beyond(leaping, still, LIMITS, both, full=1.0)
+    assert np.flatnonzero(beyond[1]).tolist() == [*range(17, 24)], "all that its jerks depend on"
+    assert not beyond[0].any()
     assert not find_beyond(leaping, leaping, LIMITS, both, full=1.0).any(), "it was as fast before"
     assert find_beyond(2.0 * leaping, leaping, LIMITS, both, full=1.0)[1, 20]
 

@@ -40,5 +40,5 @@ def test_optimal_times_move_the_cheapest_key():
 def test_tighter_limits_increase_the_optimal_shift_cost():
     ends = keys_of((0, 0, "start"), (0.3, 1.0, "ready"), (0.5, 0.0, "stroke"), (2, 0, "end"))
     slow = replace(LIMITS, acceleration=sealed([20.0]))
-    found = [best_times(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
-    assert found[1].shift_cost > 1.1 * found[0].shift_cost
+    results = [best_times(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
+    assert results[1].shift_cost > 1.1 * results[0].shift_cost

@@ -28,14 +28,14 @@ def keys_of(rows=ROWS, later: float = 0.0) -> tuple[KeyPosture, ...]:
 
 @pytest.fixture
 def measured(monkeypatch):
-    found = []
+    measured_segments = []
     measure = key_times.measure_time_deficit
     monkeypatch.setattr(
         key_times,
         "measure_time_deficit",
-        lambda segment, limits, **options: found.append(segment) or measure(segment, limits, **options),
+        lambda segment, limits, **options: measured_segments.append(segment) or measure(segment, limits, **options),
     )
-    return found
+    return measured_segments
 
 
 @pytest.fixture
@@ -62,8 +62,8 @@ def test_motion_of_other_hinges_does_not_affect_stored_cutting_planes(memory, me
     rows = (*ROWS[:-1], (2.2, 0.0, 0.4, "more"), (3.0, 0.0, 0.0, "end"))
     alone = condition(keys_of(rows), LIMITS)
     count = len(measured)
-    found = condition(keys_of(rows), LIMITS, memory=memory)
-    np.testing.assert_allclose(found.planned, alone.planned, atol=0.002)
+    conditioned = condition(keys_of(rows), LIMITS, memory=memory)
+    np.testing.assert_allclose(conditioned.planned, alone.planned, atol=0.002)
     assert len(measured) - count < count / 2
 
 
@@ -115,7 +115,7 @@ def test_cutting_planes_of_a_single_hinge_search_apply_to_the_search_of_all_hing
 
 @pytest.mark.parametrize("backwards", [False, True])
 def test_cutting_planes_at_open_ends_of_a_partial_search_are_not_reused(backwards):
-    """There the hinge of the whole may go on."""
+    """The hinge may continue to move beyond an end that is open."""
     turned = tuple((ROWS[-1][0] - time, *turn, sync) for time, *turn, sync in reversed(ROWS))
     rows, memory = turned if backwards else ROWS, PlaneMemory()
     condition(keys_of(rows), LIMITS, memory=memory)

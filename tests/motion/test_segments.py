@@ -14,7 +14,7 @@ KEYS = Keys.of(tuple(KeyPosture(time, sealed(angles), (True, True)) for time, *a
 
 
 def cut(hinge: int):
-    return [found for found in segments(KEYS.requested_times, KEYS, KNOT_INTERVAL) if found.hinge == hinge]
+    return [segment for segment in segments(KEYS.requested_times, KEYS, KNOT_INTERVAL) if segment.hinge == hinge]
 
 
 def test_motion_is_split_into_segments_in_the_middle_of_a_hold():
@@ -28,9 +28,9 @@ def test_motion_is_split_into_segments_in_the_middle_of_a_hold():
 
 def test_segments_of_a_hinge_cover_its_whole_motion():
     for hinge in (0, 1):
-        found = cut(hinge)
-        assert [s.knots.stop - 1 for s in found] == [
-            *(s.first for s in found[1:]),
+        result = cut(hinge)
+        assert [s.knots.stop - 1 for s in result] == [
+            *(s.first for s in result[1:]),
             pieces(KEYS.requested_times, KNOT_INTERVAL),
         ]
 
@@ -44,25 +44,27 @@ def tight(times, hinges=(0, 1)) -> list:
 def test_always_feasible_segments_are_left_out():
     assert tight(KEYS.requested_times * 3.0) == []
     hurried = tight(KEYS.requested_times * 0.6)
-    assert {found.hinge for found in hurried} == {0, 1}
-    assert {found.hinge for found in tight(KEYS.requested_times * 0.6, [1])} == {1}
+    assert {item.hinge for item in hurried} == {0, 1}
+    assert {item.hinge for item in tight(KEYS.requested_times * 0.6, [1])} == {1}
 
 
 def test_key_interval_with_ample_time_is_split_into_segments_at_its_middle():
     times = KEYS.requested_times + np.array(
         [0.0, 0.0, 0.0, 3.0, 2.8]
     )  # a long way from 0.7 to 0.2, and a hurried one to 0
-    (last,) = [found for found in tight(times) if found.hinge == 0]
+    (last,) = [item for item in tight(times) if item.hinge == 0]
     assert last.start == pytest.approx(0.45)
     assert (last.end, last.first) == (0.0, 305)
     assert last.pairs == ((2, 3), (3, 4))
-    (whole,) = [found for found in segments(times, KEYS, KNOT_INTERVAL) if found.hinge == 0 and found.first == 90]
+    (whole,) = [
+        segment for segment in segments(times, KEYS, KNOT_INTERVAL) if segment.hinge == 0 and segment.first == 90
+    ]
     assert last.within(whole)
     assert not whole.within(last)
 
 
 def test_segment_with_equal_key_angles_is_still():
-    assert [found.is_still for found in cut(1)] == [True, True, False]
+    assert [item.is_still for item in cut(1)] == [True, True, False]
 
 
 def test_equality_constraints_of_a_segment_fix_key_angles_and_rest_at_its_ends():
@@ -75,7 +77,7 @@ def test_equality_constraints_of_a_segment_fix_key_angles_and_rest_at_its_ends()
 
 def test_last_key_between_two_knots_belongs_to_the_segment():
     times = KEYS.requested_times + np.array([0, 0, 0, 0, 0.004])
-    last = [found for found in segments(times, KEYS, KNOT_INTERVAL) if found.hinge == 0][-1]
+    last = [segment for segment in segments(times, KEYS, KNOT_INTERVAL) if segment.hinge == 0][-1]
     assert last.places[-1] == pytest.approx(130.4)
     assert last.pairs[-1] == (4, 4)
 
@@ -88,7 +90,8 @@ def test_path_between_equal_angles_is_not_a_hold():
     assert keys.exact_rows == ([0, 1, 3, 4], [0, 1, 3, 4])
     assert keys.has_path(0).tolist() == [False, True, False]
     assert [
-        (found.hinge, found.first, found.has_path) for found in segments(keys.requested_times, keys, KNOT_INTERVAL)
+        (segment.hinge, segment.first, segment.has_path)
+        for segment in segments(keys.requested_times, keys, KNOT_INTERVAL)
     ] == [
         (0, 0, True),
         (1, 0, True),
@@ -98,7 +101,9 @@ def test_path_between_equal_angles_is_not_a_hold():
 def test_long_hold_is_split_into_short_segments_around_a_still_segment():
     rows = ((0.0, 0.0), (0.5, 0.7), (300.0, 0.7), (300.5, 0.0))
     keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True)) for t, a in rows), LIMITS)
-    before, still, after = [found for found in segments(keys.requested_times, keys, KNOT_INTERVAL) if found.hinge == 0]
+    before, still, after = [
+        segment for segment in segments(keys.requested_times, keys, KNOT_INTERVAL) if segment.hinge == 0
+    ]
     assert (before.is_still, still.is_still, after.is_still) == (False, True, False)
     assert before.grid.pieces < 200
     assert after.grid.pieces < 200

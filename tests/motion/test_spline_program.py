@@ -26,7 +26,7 @@ LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0
 
 
 def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
-    """From rest to rest; keys by their place, as p15=0.3."""
+    """Return a segment from rest to rest; p15=0.3 is a key of 0.3 rad at knot 15."""
     places, angles = np.array([float(name[1:]) for name in keys]), np.array([*keys.values()])
     return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), start, end, places, angles)
 
@@ -80,7 +80,7 @@ def test_segment_without_motion_stays_constant():
 
 
 def many_keys() -> tuple[SplineSegment, Floats]:
-    """A hundred keys, and a wish that goes from one to the next."""
+    """Return a segment with a hundred keys, and the desired angles between them."""
     rng = np.random.default_rng(8)
     places = np.arange(30, 3000, 30) + rng.uniform(-5, 5, 99)
     way = SplineSegment(0, 0, grid(3030, KNOT_INTERVAL), 0.0, 0.0, places, rng.uniform(-0.5, 0.5, 99))
@@ -88,7 +88,7 @@ def many_keys() -> tuple[SplineSegment, Floats]:
 
 
 def test_spline_through_many_keys_matches_sparse_and_dense_references():
-    """The kernel finds the same as a sparse and as a dense system."""
+    """The kernel agrees with solutions of the sparse and the dense system."""
     way, wish = many_keys()
     matrix, values = way.fixed.matrix, way.fixed.values
     assert len(values) >= reference.DENSE_ROWS
@@ -99,14 +99,14 @@ def test_spline_through_many_keys_matches_sparse_and_dense_references():
     )
     sparse = [reference.smoothest(way, *form) for form in forms]
     dense = [reference.smoothest(way, *form, dense_rows=1000) for form in forms]
-    for found, other, third in zip(band, sparse, dense, strict=True):
-        np.testing.assert_allclose(matrix @ found, values, atol=1e-9)
-        np.testing.assert_allclose(found, other, atol=1e-7)
+    for result, other, third in zip(band, sparse, dense, strict=True):
+        np.testing.assert_allclose(matrix @ result, values, atol=1e-9)
+        np.testing.assert_allclose(result, other, atol=1e-7)
         np.testing.assert_allclose(other, third, atol=1e-7)
 
 
 def random_segment(seed: int) -> tuple[SplineSegment, Floats]:
-    """Up to seven keys in two seconds, of which some are far apart for their time, and a rough wish."""
+    """Return a segment of up to seven keys, some too close, and rough desired angles."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(0, 8))
     places = 8 + np.cumsum(rng.uniform(4, 40, count))
@@ -130,7 +130,7 @@ def test_compiled_programs_match_piqp():
 
 
 def compare(way: SplineSegment, wish: Floats, ours, relaxed, theirs, other) -> None:
-    """The same motion, or none, and limits as far relaxed."""
+    """Assert that both found the same motion, or none, and equal relaxed limits."""
     assert relaxed is not None
     if other is not None:
         assert relaxed.amount == pytest.approx(other.amount, abs=2e-6)
@@ -146,7 +146,7 @@ def compare(way: SplineSegment, wish: Floats, ours, relaxed, theirs, other) -> N
 
 
 def distance(way: SplineSegment, wish: Floats, controls: Floats) -> float:
-    """What is made least, but for the part that is the same for all."""
+    """Return the objective that the solver minimizes, without its constant part."""
     form = way.grid.closeness
     return float(controls @ (form @ controls) / 2 - (way.grid.at_knots.T @ wish) @ controls)
 
@@ -156,9 +156,9 @@ def test_feasibility_test_agrees_with_the_existence_of_a_motion_within_limits():
     for seed in range(60):
         with about(f"seed {seed}"):
             way, wish = random_segment(seed)
-            found = can_pass(way, wish, LIMITS)
-            assert found == (nearest_within_limits(way, wish, LIMITS) is not None)
-            stuck += not found
+            result = can_pass(way, wish, LIMITS)
+            assert result == (nearest_within_limits(way, wish, LIMITS) is not None)
+            stuck += not result
     assert 4 <= stuck <= 40
 
 
@@ -170,7 +170,7 @@ def test_desired_motion_beyond_the_keys_widens_the_angle_range_of_the_relaxation
 
 
 def test_no_feasible_change_of_control_points_improves_the_optimum():
-    """At the optimum the slope of the distance points out of what is allowed, along any way to another motion in it."""
+    """The objective's slope is not negative towards any other motion within the limits."""
     judged = 0
     for seed in range(20):
         way, wish = random_segment(seed)
@@ -180,20 +180,20 @@ def test_no_feasible_change_of_control_points_improves_the_optimum():
         slope = way.grid.closeness @ best - way.grid.at_knots.T @ wish
         for other in range(20):
             rng = np.random.default_rng((seed, other))
-            found = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)
-            assert found is None or slope @ (found - best) >= -1e-6
-            judged += found is not None
+            result = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)
+            assert result is None or slope @ (result - best) >= -1e-6
+            judged += result is not None
     assert judged >= 60
 
 
 def test_multipliers_of_a_limit_relaxation_equal_its_finite_differences():
     way = segment(40, 0.0, 1.6, p17=0.8)
-    found, more = relax_limits(way, LIMITS, easy=EASY_DEFICIT), 1e-4
+    result, more = relax_limits(way, LIMITS, easy=EASY_DEFICIT), 1e-4
     farther = relax_limits(segment(40, 0.0, 1.6, p17=0.8 + more), LIMITS, easy=EASY_DEFICIT)
-    assert -found.fixed_multipliers[0] == pytest.approx((farther.amount - found.amount) / more, rel=0.02)
-    assert (found.limit_multipliers >= 0.0).all()
+    assert -result.fixed_multipliers[0] == pytest.approx((farther.amount - result.amount) / more, rel=0.02)
+    assert (result.limit_multipliers >= 0.0).all()
     powers = way.grid.powers[way.grid.bounds == 1.0]
-    assert float(found.limit_multipliers @ powers) == pytest.approx(
+    assert float(result.limit_multipliers @ powers) == pytest.approx(
         1.0, abs=1e-4
     )  # one more of the relaxation is worth one
 
@@ -221,19 +221,19 @@ def test_arrays_of_wrong_length_raise_an_error(broken: int):
 
 @pytest.mark.parametrize("begins", [10, 150, 450, 560])
 def test_local_violation_changes_a_long_segment_only_locally(begins: int):
-    """The kernel solves for a part of the way alone, and finds what is nearest for the whole of it."""
+    """The kernel solves only a part of the segment, with the optimum of the whole one."""
     way = segment(600, 0.0, 0.0, p80=0.1, p300=-0.1, p520=0.1)
     ends, angles = np.array([0, 80, 300, 520, 600]), np.array([0.0, 0.1, -0.1, 0.1, 0.0])
     way_of = np.clip(np.searchsorted(ends, np.arange(601), side="right") - 1, 0, 3)
     shares = (np.arange(601) - ends[way_of]) / np.diff(ends)[way_of]
     wish = angles[way_of] + np.diff(angles)[way_of] * minimum_jerk(shares)
     wish[begins : begins + 20] += 0.08 * np.hanning(20)
-    free, found = nearest_without_limits(way, wish), nearest_within_limits(way, wish, LIMITS)
+    free, result = nearest_without_limits(way, wish), nearest_within_limits(way, wish, LIMITS)
     assert largest(way, free) > 1.2
-    assert largest(way, found) <= 1.0 + 1e-7
-    changed = np.flatnonzero(np.abs(found - free) > 1e-9)
+    assert largest(way, result) <= 1.0 + 1e-7
+    changed = np.flatnonzero(np.abs(result - free) > 1e-9)
     assert 0 < np.ptp(changed) < 300
-    np.testing.assert_allclose(way.fixed.matrix @ found, way.fixed.values, atol=1e-9)
+    np.testing.assert_allclose(way.fixed.matrix @ result, way.fixed.values, atol=1e-9)
     theirs = reference.nearest_within_limits(way, wish, LIMITS)
-    assert distance(way, wish, found) <= distance(way, wish, theirs) + 1e-9
-    np.testing.assert_allclose(found, theirs, atol=1e-5)
+    assert distance(way, wish, result) <= distance(way, wish, theirs) + 1e-9
+    np.testing.assert_allclose(result, theirs, atol=1e-5)

@@ -97,9 +97,9 @@ def test_stop_search_finds_the_fewest_extra_knot_intervals(least):
         asked.append(more)
         return np.array([float(more)]) if more >= least else None
 
-    found = _find_shortest(way, 50)
-    assert found is not None
-    assert found[0] == least
-    assert found[1].tolist() == [least]
+    result = _find_shortest(way, 50)
+    assert result is not None
+    assert result[0] == least
+    assert result[1].tolist() == [least]
     assert len(asked) <= 9
     assert _find_shortest(lambda more: None, 50) is None

@@ -1,4 +1,4 @@
-"""The model is exact to first order, wherever a gap lies; programs of it lead to times that suffice."""
+"""First-order model of how key times change limits, and key times found with it."""
 
 from itertools import pairwise
 
@@ -30,8 +30,8 @@ PROBLEM = KeyTimeProblem(KEYS, KEYS.gaps, 0.6)
 
 
 def measure(times):
-    found = [segment for segment in segments(times, KEYS, KNOT_INTERVAL) if not segment.is_still]
-    return [(segment, measure_time_deficit(segment, LIMITS)) for segment in found]
+    moving = [segment for segment in segments(times, KEYS, KNOT_INTERVAL) if not segment.is_still]
+    return [(segment, measure_time_deficit(segment, LIMITS)) for segment in moving]
 
 
 def test_time_warp_lengthens_gaps_by_its_integral():
@@ -41,10 +41,10 @@ def test_time_warp_lengthens_gaps_by_its_integral():
 
 
 def test_uniform_warp_scales_derivatives_by_powers_of_time():
-    (segment, found) = measure(KEYS.requested_times)[0]
+    (segment, result) = measure(KEYS.requested_times)[0]
     grid = segment.grid
-    now = grid.rows(LIMITS, 0) @ found.controls
-    changed = _ratio_change(segment, found.controls, LIMITS) @ np.ones(grid.pieces + 2)
+    now = grid.rows(LIMITS, 0) @ result.controls
+    changed = _ratio_change(segment, result.controls, LIMITS) @ np.ones(grid.pieces + 2)
     k = grid.pieces
     assert changed[: k + 2] == pytest.approx(-now[: k + 2])
     assert changed[k + 2 : 2 * k + 3] == pytest.approx(-2 * now[k + 2 : 2 * k + 3])

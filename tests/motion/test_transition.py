@@ -57,7 +57,7 @@ def test_transition_passes_keys_of_the_target_motion():
     places = np.array([62.4, 80.0])
     way = cross_over(own, after, (10, 100), widen_limits(LIMITS), 0, passing=places)
     reached, wanted = (
-        Trajectory(sealed(each[:, None]), 0.0).sample(places * KNOT_INTERVAL)[0] for each in (way, after)
+        Trajectory(sealed(item[:, None]), 0.0).sample(places * KNOT_INTERVAL)[0] for item in (way, after)
     )
     np.testing.assert_allclose(reached, wanted, atol=1e-9)
 
@@ -150,9 +150,9 @@ def test_limit_correction_ignores_violations_outside_the_given_knots():
 def test_largest_limit_ratio_includes_violations_at_the_motion_ends(place):
     column = np.zeros((60, 1))
     column[place] = 0.01
-    (found,) = largest_limit_ratios(column, LIMITS)
-    assert found == pytest.approx(share(np.ascontiguousarray(column[:, 0])))
-    assert found > 1.0
+    (largest_limit_ratio,) = largest_limit_ratios(column, LIMITS)
+    assert largest_limit_ratio == pytest.approx(share(np.ascontiguousarray(column[:, 0])))
+    assert largest_limit_ratio > 1.0
 
 
 def test_joined_columns_are_none_if_a_hinge_has_no_solution():

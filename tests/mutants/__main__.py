@@ -1,4 +1,4 @@
-"""Tries mutants of the parts that must not fail, and says which of them the tests do not notice.
+"""Run mutants of the safety-critical parts, and list those that no test notices.
 
 `make mutants` runs it; CONTRIBUTING says what to do with survivors.
 """
@@ -24,7 +24,7 @@ GOAL = 0.8  # share to be killed of those that are not equivalent, in each part
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change of one module."""
+    """Change of one module."""
 
     part: str
     module: str
@@ -34,7 +34,7 @@ class Mutant:
 
     @property
     def name(self) -> tuple[str, str, str]:
-        """The module, the line, and what stands there instead."""
+        """Return the module, the line and its changed text."""
         return self.module, *self.edit.lines(self.source)
 
     def __str__(self) -> str:
@@ -43,7 +43,7 @@ class Mutant:
 
 
 def choose(each: int, seed: int, parts: list[str]) -> list[Mutant]:
-    """Choose some mutants of each part by chance, at most one of a site."""
+    """Choose random mutants of each part, at most one per site."""
     targets = read_targets()
     if unknown := set(parts) - set(targets):
         raise SystemExit(f"no such part: {', '.join(sorted(unknown))}; there are: {', '.join(targets)}")
@@ -62,7 +62,7 @@ def _choose_in(part: str, modules: dict[str, list[str]], count: int, seed: int) 
 
 
 def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
-    """Tries mutants, in as many processes as asked, and prints survivors; the outcomes in their order."""
+    """Run mutants in some processes, print the survivors, and return the outcomes in order."""
     free: SimpleQueue[Sandbox] = SimpleQueue()
     for job in range(jobs):
         free.put(Sandbox.make(TREE, folder / str(job)))
@@ -94,7 +94,7 @@ def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
 
 
 def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -> bool:
-    """Prints the share killed of each part; whether each meets the goal."""
+    """Print the killed share of each part, and return whether each meets the goal."""
     counts = Counter((mutant.part, outcome) for mutant, outcome in zip(mutants, outcomes, strict=True))
     parts = list(dict.fromkeys(mutant.part for mutant in (*mutants, *same)))
     shares = []
@@ -111,7 +111,7 @@ def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -
 
 
 def main() -> int:
-    """Runs as the command line asks."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(prog="python tests/mutants", description=__doc__)
     parser.add_argument("parts", nargs="*", help="parts of targets/*.toml; all of them if none is named")
     parser.add_argument("--each", type=int, default=10, help="mutants of each part")
@@ -120,8 +120,8 @@ def main() -> int:
     asked = parser.parse_args()
     equivalent = read_equivalent()
     chosen = choose(asked.each, asked.seed, asked.parts)
-    same = [each for each in chosen if each.name in equivalent]
-    mutants = [each for each in chosen if each not in same]
+    same = [item for item in chosen if item.name in equivalent]
+    mutants = [item for item in chosen if item not in same]
     with tempfile.TemporaryDirectory(prefix="kinesic-mutants-") as folder:
         outcomes = try_all(mutants, asked.jobs, Path(folder).resolve())
     return 0 if report(mutants, outcomes, same) else 1

@@ -1,4 +1,4 @@
-"""Read the parts to try and the mutants that are the same program, one file per room."""
+"""Lists of the parts to mutate, and of mutants that are equivalent to the program."""
 
 import tomllib
 from collections.abc import Iterator
@@ -24,11 +24,11 @@ def read_targets() -> dict[str, dict[str, list[str]]]:
 
 
 def read_equivalent() -> dict[Name, str]:
-    """Return the mutants that are the same program, with the reason."""
+    """Return the equivalent mutants, with the reason."""
     return {
-        (each["module"], each["was"], each["now"]): each["why"]
+        (item["module"], item["was"], item["now"]): item["why"]
         for room in _rooms("equivalent")
-        for each in room.get("mutant", [])
+        for item in room.get("mutant", [])
     }
 
 

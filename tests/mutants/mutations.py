@@ -1,4 +1,4 @@
-"""Finds where a source can be changed so that a test should notice, and how.
+"""Changes of a source that a test should notice.
 
 A site is a place in the source; its edits are the wrong programs to be made there. Left alone are docstrings, types,
 decorators, imports, assertions (`strict=True` is one) and the texts of errors: a change there breaks nothing, or all.
@@ -47,22 +47,22 @@ LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr)
 
 @dataclass(frozen=True)
 class Edit:
-    """Bytes of a source, and what stands there instead."""
+    """Replacement of some bytes of a source."""
 
     start: int
     end: int
     text: str
 
     def apply(self, source: bytes) -> bytes:
-        """Returns the changed source."""
+        """Return the changed source."""
         return source[: self.start] + self.text.encode() + source[self.end :]
 
     def line(self, source: bytes) -> int:
-        """Returns the number of the first line that is changed."""
+        """Return the number of the first changed line."""
         return source.count(b"\n", 0, self.start) + 1
 
     def lines(self, source: bytes) -> tuple[str, str]:
-        """Returns what stood on the lines concerned, and what stands there now, each as one line."""
+        """Return the old and the new text of the changed lines, each as one line."""
         first = source.rfind(b"\n", 0, self.start) + 1
         last = source.find(b"\n", self.end) % (len(source) + 1)
         changed = source[first : self.start] + self.text.encode() + source[self.end : last]
@@ -75,7 +75,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def find_sites(source: bytes) -> list[Site]:
-    """Finds all sites of a source, in its order."""
+    """Find all sites of a source, in its order."""
     tree = ast.parse(source)
     starts = [0]
     for line in source.splitlines(keepends=True):
@@ -89,7 +89,7 @@ class _Finder:
         self._source, self._starts = source, starts
 
     def sites(self, node: ast.AST) -> Iterator[Site]:
-        """Sites of a node and of all that is inside it."""
+        """Yield the sites of a node and of all nodes inside it."""
         if isinstance(node, LEFT_ALONE):
             return
         yield from self._own(node)
@@ -147,10 +147,10 @@ class _Finder:
 
     def _return_another(self, node: Function) -> Iterator[Site]:
         """Yield other results for each return, except those of inner functions."""
-        for each in _own_returns(node.body):
-            if each.value is not None:
+        for own_return in _own_returns(node.body):
+            if own_return.value is not None:
                 others = [f"return {result}" for result in _results(node.returns)]
-                edits = tuple(self._edit(each, other) for other in others if other != self._text(each))
+                edits = tuple(self._edit(own_return, other) for other in others if other != self._text(own_return))
                 if edits:
                     yield edits
 
@@ -167,7 +167,7 @@ class _Finder:
         return self._edit(bound, f"({self._text(bound)}) + 1"), self._edit(bound, "")
 
     def _return_early(self, node: Function) -> Iterator[Site]:
-        body = [each for each in node.body if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
+        body = [item for item in node.body if not (isinstance(item, ast.Expr) and isinstance(item.value, ast.Constant))]
         if body and node.name != "__init__":
             yield (self._edit(body[0], "return"),)
 
@@ -195,7 +195,7 @@ class _Finder:
 
 
 def _is_orderless(call: ast.Call) -> bool:
-    """Whether argument order has no meaning, or a wrong order always fails."""
+    """Return whether argument order has no meaning, or a wrong order always fails."""
     match call.func:
         case ast.Name(id=name) | ast.Attribute(attr=name):
             return name in ORDERLESS
@@ -203,25 +203,25 @@ def _is_orderless(call: ast.Call) -> bool:
 
 
 def _can_be_left_out(assignment: ast.Assign) -> bool:
-    """Whether all assigned names have earlier values."""
+    """Return whether all assigned names have earlier values."""
     targets = [
-        each
+        item
         for target in assignment.targets
-        for each in (target.elts if isinstance(target, ast.Tuple | ast.List) else [target])
+        for item in (target.elts if isinstance(target, ast.Tuple | ast.List) else [target])
     ]
-    read = {each.id for each in ast.walk(assignment.value) if isinstance(each, ast.Name)}
+    read = {item.id for item in ast.walk(assignment.value) if isinstance(item, ast.Name)}
     return all(
-        isinstance(each, ast.Attribute | ast.Subscript) or (isinstance(each, ast.Name) and each.id in read)
-        for each in targets
+        isinstance(target, ast.Attribute | ast.Subscript) or (isinstance(target, ast.Name) and target.id in read)
+        for target in targets
     )
 
 
 def _own_returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
-    for each in body:
-        if isinstance(each, ast.Return):
-            yield each
-        elif not isinstance(each, Function | ast.Lambda | ast.ClassDef):
-            yield from _own_returns(ast.iter_child_nodes(each))
+    for item in body:
+        if isinstance(item, ast.Return):
+            yield item
+        elif not isinstance(item, Function | ast.Lambda | ast.ClassDef):
+            yield from _own_returns(ast.iter_child_nodes(item))
 
 
 def _results(returns: ast.expr | None) -> tuple[str, ...]:
@@ -233,7 +233,7 @@ def _results(returns: ast.expr | None) -> tuple[str, ...]:
 
 
 def _others(value: bool | int | float) -> list[str]:
-    """Other values than that of a constant."""
+    """Return other values to try for a constant."""
     if isinstance(value, bool):
         return [str(not value)]
     changes: list[Callable[[float], float]] = [lambda x: 2 * x, lambda x: 100 * x, lambda x: 0 * x, lambda x: x + 1]
@@ -243,7 +243,7 @@ def _others(value: bool | int | float) -> list[str]:
 
 
 def _children(node: ast.AST) -> Iterator[ast.AST]:
-    """Children that say what is done; types, decorators and the texts of errors do not."""
+    """Yield the children that are executed, without types, decorators and error texts."""
     match node:
         case ast.FunctionDef() | ast.AsyncFunctionDef():
             yield from (default for default in (*node.args.defaults, *node.args.kw_defaults) if default is not None)

@@ -13,7 +13,7 @@ MODULES = {module: tests for part in read_targets().values() for module, tests i
 
 
 def changes_of(source: str) -> set[tuple[str, str]]:
-    """What becomes what."""
+    """Return the old and new text of each change of a source."""
     text = source.encode()
     return {edit.lines(text) for site in find_sites(text) for edit in site}
 
@@ -50,7 +50,7 @@ def changes_of(source: str) -> set[tuple[str, str]]:
     ],
 )
 def test_mutation_of_each_source_line_gives_the_expected_mutants(was: str, now: set[str]):
-    assert changes_of(was) == {(was, each) for each in now}
+    assert changes_of(was) == {(was, item) for item in now}
 
 
 def test_mutants_of_a_function_change_defaults_or_return_early():
@@ -77,7 +77,7 @@ def test_mutant_returns_an_empty_or_constant_value_of_the_annotated_type(returne
     """Inner functions have results of their own."""
     source = f"def find() -> {returned}:\n    def inner():\n        return y\n    return x\n"
     assert {(was, each) for was, each in changes_of(source) if was == "return x"} == {
-        ("return x", each) for each in now
+        ("return x", item) for item in now
     }
     assert ("return y", "return None") in changes_of(source)
 
@@ -96,7 +96,7 @@ def test_guard_of_a_match_case_is_mutated_like_a_condition():
 
 def test_asynchronous_functions_have_the_same_mutants_as_synchronous_ones():
     source = 'async def go() -> None:\n    """Goes."""\n    await f(a, b)\n'
-    assert changes_of(source) == {("await f(a, b)", each) for each in ("return", "pass", "await f(b, a)")}
+    assert changes_of(source) == {("await f(a, b)", item) for item in ("return", "pass", "await f(b, a)")}
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_mutants_of_target_modules_are_valid_python_and_their_tests_exist(module
 
 
 def test_each_listed_equivalent_mutant_exists_in_the_source_and_has_a_reason():
-    """What was reworded since is to be judged again."""
+    """A reworded source line needs a new judgement."""
     listed = read_equivalent()
     known = {
         module: {edit.lines(source) for site in find_sites(source) for edit in site}

@@ -1,4 +1,4 @@
-"""Tries mutants in copies of the tree, never in the tree itself."""
+"""Runs of tests on mutants, in copies of the tree only."""
 
 import compileall
 import multiprocessing
@@ -30,13 +30,13 @@ Outcome = Literal["killed", "timeout", "survived"]
 
 @dataclass(frozen=True)
 class Sandbox:
-    """A copy of the tree, in which one mutant is tried after the other."""
+    """Copy of the tree, in which mutants are tried one after another."""
 
     root: Path
 
     @classmethod
     def make(cls, tree: Path, root: Path) -> "Sandbox":
-        """Copies what tests need of a tree."""
+        """Copy the files that tests need."""
         for name in ("kinesic", "tests", "docs", "examples"):
             shutil.copytree(tree / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
         for name in ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "mkdocs.yml"):
@@ -46,7 +46,7 @@ class Sandbox:
         return cls(root)
 
     def try_mutant(self, module: str, mutant: bytes, tests: Sequence[str], *, usual: float) -> Outcome:
-        """Runs tests on a mutant.
+        """Run tests on a mutant.
 
         Args:
             module: path of the module that is another one for this time.
@@ -66,14 +66,14 @@ class Sandbox:
         return "timeout" if code is None else "killed" if code else "survived"
 
     def time_tests(self, tests: Sequence[str]) -> float:
-        """Measures how long tests take, which must pass [s]."""
+        """Measure how long tests take [s]; they must pass."""
         began = time.monotonic()
         if self._run(tests, 600.0) != 0:
             raise SystemExit(f"without any mutant, these fail: {' '.join(tests)}")
         return time.monotonic() - began
 
     def _run(self, tests: Sequence[str], limit: float) -> int | None:
-        """Exit code of pytest; None where it takes too long."""
+        """Return the exit code of pytest, None after a timeout."""
         running = FORKS.Process(target=run_tests, args=(self.root, tests))
         running.start()
         running.join(limit)
@@ -86,14 +86,14 @@ class Sandbox:
 
 
 def run_tests(root: Path, tests: Sequence[str]) -> None:
-    """Runs tests of a tree, in a process of their own, and ends it with their exit code."""
+    """Run a tree's tests in their own process, and exit with their code."""
     os.setsid()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     os.chdir(root)
     sys.path.insert(0, str(root))
-    found = find_spec("kinesic")
-    if found is None or found.origin != str(root / "kinesic" / "__init__.py"):
-        sys.exit(f"tests would run {found}, not the copy in {root}")
+    spec = find_spec("kinesic")
+    if spec is None or spec.origin != str(root / "kinesic" / "__init__.py"):
+        sys.exit(f"tests would run {spec}, not the copy in {root}")
     sys.dont_write_bytecode = True  # a mutant's would pass for another's
     os.environ["PYTHONPATH"] = str(root)  # for what tests start
     silence = os.open(os.devnull, os.O_RDWR)

@@ -126,10 +126,10 @@ class _Member(Thread):
                 continue
             last = received = monotonic()
             if message.startswith("{"):
-                told = json.loads(message)
-                if told.get("told") == "status":
+                data = json.loads(message)
+                if data.get("told") == "status":
                     last -= 1e-3
-                    self.journal.synchronize(self._asked[told["id"]], told["time"])
+                    self.journal.synchronize(self._asked[data["id"]], data["time"])
             else:
                 self.journal.hear(message, received)
 
@@ -155,9 +155,9 @@ def crowd(server: Server, seconds: float) -> Report:
     exit_code = server.process.poll()
     ended = [] if exit_code is None else [f"lost, the server ended with exit code {exit_code}"]
     return Report(
-        blocks=sum(len(each.journal.sent) for each in members),
-        messages=sum(len(each.journal.arrivals) for each in members),
-        faults=[*ended, *(fault for each in members for fault in each.faults())],
+        blocks=sum(len(member.journal.sent) for member in members),
+        messages=sum(len(member.journal.arrivals) for member in members),
+        faults=[*ended, *(fault for member in members for fault in member.faults())],
         memory=memory,
     )
 

@@ -1,4 +1,4 @@
-"""Feedback of one client, checked against the promise: each point once, in order, never early."""
+"""Feedback of one client, checked: each sync point once, in order, never early."""
 
 import re
 from collections import defaultdict
@@ -16,7 +16,7 @@ REFUSED = re.compile(r"<warningFeedback\b[^>]*? id=\"([^\":]+)\"[^>]*>(?:rule |r
 
 @dataclass(frozen=True)
 class Arrival:
-    """A point of a block, as a client was told of it."""
+    """Sync point of a block, with the time [s] at which a client was informed."""
 
     block: str
     point: str  # of the block, or `behaviour:point`
@@ -41,8 +41,8 @@ class FeedbackJournal:
 
     def hear(self, message: str, received: float) -> None:
         """Record a message and its arrival time [s]."""
-        if (found := PROGRESS.search(message)) is not None:
-            block, point, time = found[1], found[2], float(found[3])
+        if (result := PROGRESS.search(message)) is not None:
+            block, point, time = result[1], result[2], float(result[3])
             self.arrivals.append(Arrival(block, point, time, received, time + self._offset))
         elif (refused := REFUSED.search(message)) is not None:
             self.refused.add(refused[1])
@@ -51,8 +51,8 @@ class FeedbackJournal:
     def faults(self) -> Iterator[str]:
         """Yield every broken promise."""
         blocks = defaultdict[str, list[Arrival]](list)
-        for each in self.arrivals:
-            blocks[each.block].append(each)
+        for arrival in self.arrivals:
+            blocks[arrival.block].append(arrival)
         for block in self.sent:
             if block not in blocks and block not in self.refused:
                 yield f"{block}: lost, neither begun nor refused"
@@ -62,7 +62,7 @@ class FeedbackJournal:
 
 def _faults(arrivals: list[Arrival]) -> Iterator[str]:
     """Yield the broken promises of one block."""
-    points = [each.point for each in arrivals]
+    points = [arrival.point for arrival in arrivals]
     for point in dict.fromkeys(points):
         if (times := points.count(point)) > 1:
             yield f"duplicate {point}, {times} times"

@@ -42,7 +42,7 @@ class MemoryLog:
     @property
     def roles(self) -> tuple[str, ...]:
         """All roles, in order of first appearance."""
-        return tuple(dict.fromkeys(each.role for _, sizes in self.samples for each in sizes))
+        return tuple(dict.fromkeys(size.role for _, sizes in self.samples for size in sizes))
 
     def total(self, settled: float, duration: float) -> tuple[float, float]:
         """Return the memory [bytes] of all processes in both windows."""
@@ -65,12 +65,12 @@ class MemoryLog:
             yield f"{role}: private {_change(self.private(settled, duration, role))}"
         yield f"all: private {_change(self.private(settled, duration))}"
         yield f"all: anonymous and shared {_change(self.total(settled, duration))}"
-        for pid in dict.fromkeys(each.pid for _, sizes in self.samples for each in sizes):
+        for pid in dict.fromkeys(size.pid for _, sizes in self.samples for size in sizes):
             yield self._course(pid)
 
     def _course(self, pid: int) -> str:
         """Describe one process over time."""
-        own = [(time, each) for time, sizes in self.samples for each in sizes if each.pid == pid]
+        own = [(time, size) for time, sizes in self.samples for size in sizes if size.pid == pid]
         sizes = [round(each.private / 1e6, 1) for _, each in own]
         return (
             f"{own[-1][1].role} {pid}: {own[0][0]:.0f} to {own[-1][0]:.0f} s, "

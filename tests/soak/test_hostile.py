@@ -1,4 +1,4 @@
-"""Every hostile document is planned or refused in 10 s of CPU and 500 MB (`make soak`)."""
+"""Hostile documents, each planned or refused in 10 s of CPU and 500 MB (`make soak`)."""
 
 import pytest
 

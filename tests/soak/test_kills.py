@@ -1,4 +1,4 @@
-"""Dry runs whose workers are killed at random moments; `python -m tests.kills` has options."""
+"""Dry runs with workers killed at random times; `python -m tests.kills` has options."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Every gesture in every style, and every gesture beside its mirror image (`make soak`)."""
+"""Gestures of the lexicon, each in every style and beside its mirror image (`make soak`)."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A text of 20 000 words streams with flat memory and without gaps of speech, in simulated time."""
+"""Streamed text of 20 000 words in simulated time, with constant memory and no gaps of speech."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""100 emergency stops by a language model's client, each with 50 pending calls, over both transports."""
+"""Emergency stops by a language model's client, 100 with 50 pending calls each, on both transports."""
 
 import asyncio
 from collections.abc import Callable, Coroutine
@@ -51,7 +51,7 @@ def test_emergency_stops_of_mcp_clients_are_answered_within_0_1_s(
     record_property: Callable[[str, object], None],
 ):
     timings = asyncio.run(transport(tmp_path))
-    latencies = sorted(each.latency for each in timings)
-    record_property("latencies_ms", [round(1e3 * each, 1) for each in latencies])
-    assert min(min(each.pending, len(each.refusals)) for each in timings) >= PENDING_CALLS
+    latencies = sorted(timing.latency for timing in timings)
+    record_property("latencies_ms", [round(1e3 * latency, 1) for latency in latencies])
+    assert min(min(timing.pending, len(timing.refusals)) for timing in timings) >= PENDING_CALLS
     assert latencies[-2] <= MAX_STOP_LATENCY, f"p99 of {STOPS}"

@@ -1,4 +1,4 @@
-"""Hundreds of blocks laid over what runs, and put in its place, at random moments (`make soak`)."""
+"""Hundreds of blocks merged with the running motion, or replacing it, at random times (`make soak`)."""
 
 import random
 
@@ -33,7 +33,7 @@ def known():
 
 
 def random_block(chance: random.Random, lexemes: list[str]) -> str:
-    """One behaviour, or three."""
+    """Return a block of one behaviour or three."""
     lexeme, mode, side = chance.choice(lexemes), chance.choice(MODES), chance.choice(("left", "right"))
     gesture = f'<gesture id="g" lexeme="{lexeme}" mode="{mode}"/>'
     kinds = [
@@ -64,19 +64,19 @@ def test_merged_stream_of_blocks_keeps_limits_and_clearance(seed, known):
     for step in range(STEPS):
         now += chance.expovariate(1 / 0.6)
         motion = motion.since(now - PAST)
-        playing = [each.since(now - PAST) for each in playing]
-        playing = [each for each in playing if any(need.end > now or need.is_held for need in each.occupancy)]
-        needs = remaining_occupancy((need for each in playing for need in each.occupancy), now)
+        playing = [item.since(now - PAST) for item in playing]
+        playing = [item for item in playing if any(need.end > now or need.is_held for need in item.occupancy)]
+        needs = remaining_occupancy((need for item in playing for need in item.occupancy), now)
         deed = chance.random()
         if deed < 0.85:
-            found = merge(motion, now, chance.choice(pool), begin=now, occupied=needs)
-            after, playing = found.trajectory, [*playing, found]
+            merged = merge(motion, now, chance.choice(pool), begin=now, occupied=needs)
+            after, playing = merged.trajectory, [*playing, merged]
         elif deed < 0.93:
-            found = replace_motion(motion, now, chance.choice(pool))
-            after, playing = found.trajectory, [found]
+            merged = replace_motion(motion, now, chance.choice(pool))
+            after, playing = merged.trajectory, [merged]
         elif playing:
             gone = playing.pop(chance.randrange(len(playing)))
-            others = [need for each in playing for need in each.occupancy]
+            others = [need for item in playing for need in item.occupancy]
             free = freed_hinges(
                 gone.occupancy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others
             )
@@ -84,7 +84,7 @@ def test_merged_stream_of_blocks_keeps_limits_and_clearance(seed, known):
         else:
             continue
         count = knot_at(now - motion.start) + 3
-        same = [extend_controls(each.controls, count)[:count] for each in (motion, after)]
+        same = [extend_controls(item.controls, count)[:count] for item in (motion, after)]
         np.testing.assert_allclose(*same, atol=1e-8, err_msg=f"step {step}")
         for name, peak in check_limits(after, known.limits).by_quantity.items():
             assert peak.ratios.max() <= 1.001, (step, name)
@@ -95,9 +95,9 @@ def test_merged_stream_of_blocks_keeps_limits_and_clearance(seed, known):
 
 
 def test_motion_replaced_at_random_times_keeps_every_limit_and_no_collision(known):
-    found = replace_at_random(known, REPLACEMENT_COUNT, seed=1)
-    worst = max(found, key=lambda cut: cut.ratio)
+    result = replace_at_random(known, REPLACEMENT_COUNT, seed=1)
+    worst = max(result, key=lambda cut: cut.ratio)
     assert worst.ratio <= 1.001, worst
-    assert max(cut.step for cut in found) <= 1e-8
-    assert min(cut.clearance for cut in found) >= 0.0
-    assert sum(cut.dropped for cut in found) == 0
+    assert max(cut.step for cut in result) <= 1e-8
+    assert min(cut.clearance for cut in result) >= 0.0
+    assert sum(cut.dropped for cut in result) == 0

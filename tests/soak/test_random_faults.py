@@ -1,4 +1,4 @@
-"""Two hundred random faults of each virtual servo, and outages of all lengths, with raised arms."""
+"""Two hundred random faults for each kind of virtual servos, and outages of all lengths, with raised arms."""
 
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ OUTAGES = (0.1, 0.3, 0.6, 1.0, 2.0, 5.0, 10.0)  # [s]
 
 
 def suffer(made: Drill, strike: Strike) -> None:
-    """Lets a fault strike, and looks whether a rule was broken."""
+    """Apply a fault, and check that no rule is broken."""
     made.suffer(strike)
     made.end()
     assert made.observer.broken == [], strike.name
@@ -43,5 +43,5 @@ def test_bus_outage_is_never_reported_as_a_stuck_servo(servos: str, tmp_path: Pa
 
 
 def expose(made: Drill, fault: PlannedFault) -> None:
-    """Lets a planned fault strike the left wire."""
+    """Apply a planned fault to the left wire."""
     made.expose(fault, bus="left")

@@ -1,4 +1,4 @@
-"""The live server for long: ten blocks a second for ten minutes, and ten thousand mutated documents."""
+"""Live server over a long time: ten blocks a second for ten minutes, and ten thousand mutated documents."""
 
 import json
 import os
@@ -106,7 +106,7 @@ def _performed(port: int) -> None:
     beat = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0.3" stroke="1"/>'
     with Client(port=port) as client:
         messages = list(client.perform(f'<bml id="one">{beat}</bml>'))
-        late = [float(lag) for each in messages for lag in re.findall(r'lag="([^"]*)"', each)]
+        late = [float(lag) for message in messages for lag in re.findall(r'lag="([^"]*)"', message)]
         assert late
         assert all(abs(lag) < 0.3 for lag in late)
         client.send(f'<bml id="two">{beat}</bml>')
@@ -120,7 +120,7 @@ def _performed(port: int) -> None:
 
 
 def _sent_home(port: int, oversized: bytes) -> None:
-    """Sends a message that is too long, which must cost its sender the connection."""
+    """Send a message that is too long, and check that the connection is closed."""
     with Client(port=port) as client:
         client.send_bytes(oversized)
         heard = client.receive(60.0)
@@ -133,5 +133,5 @@ def _status(client: Client) -> dict[str, object]:
     while True:
         message = client.receive(60.0)
         assert message is not None, "it has stalled"
-        if message.startswith("{") and (told := json.loads(message))["told"] == "status":
-            return told
+        if message.startswith("{") and (data := json.loads(message))["told"] == "status":
+            return data

@@ -1,4 +1,4 @@
-"""Fifty blocks whose times must move, against the nonlinear program (`make soak`)."""
+"""Fifty blocks whose key times must change, against the nonlinear program (`make soak`)."""
 
 import pytest
 
@@ -16,8 +16,8 @@ def test_shifted_key_times_are_close_to_the_optimum():
     known = set_up()
     lexemes = [form.id for form in known.lexicon.forms]
     plans = [plan(write_overlapping_block(seed, lexemes), known) for seed in range(BLOCKS)]
-    assert [count_violations(found) for found in plans] == [0] * BLOCKS
-    assert [count_wrong_warnings(found) for found in plans] == [(0, 0)] * BLOCKS
+    assert [count_violations(item) for item in plans] == [0] * BLOCKS
+    assert [count_wrong_warnings(item) for item in plans] == [(0, 0)] * BLOCKS
     metrics = {metric.name: metric for metric in compare_with_optimum(plans)}
     assert metrics["plan.stretch_blocks"].value >= 0.9 * BLOCKS
     assert metrics["plan.stretch"].ok, metrics

@@ -105,6 +105,6 @@ def test_silent_voice_follows_the_rate_of_prosody(rate: str, factor: float):
         SILENT_VOICE.say(Script(text, (Mark("two", 4), Mark("three", 8)), emphases=sections))
         for sections in ((), (slowed,))
     )
-    lengths = [each.marks["three"] - each.marks["two"] for each in (plain, spoken)]
+    lengths = [item.marks["three"] - item.marks["two"] for item in (plain, spoken)]
     assert lengths[1] == pytest.approx(factor * lengths[0])
     assert spoken.duration - plain.duration == pytest.approx(lengths[1] - lengths[0])

@@ -33,7 +33,9 @@ def corpus_scripts(step: int) -> list[Script]:
             block = parse_fml(document) if is_fml(document) else parse(document)
         except BmlError:
             continue
-        scripts |= {each.action.script: None for each in block.behaviours if isinstance(each.action, Speech)}
+        scripts |= {
+            behaviour.action.script: None for behaviour in block.behaviours if isinstance(behaviour.action, Speech)
+        }
     return [script for script in scripts if script.text.strip()]
 
 

@@ -75,7 +75,7 @@ def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str 
             command = [*kinesic, "studio", "--listen", "127.0.0.1:0", "--no-browser", "--rule", PATIENT, *moved]
             with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder) as studio:
                 try:
-                    url = next(found[1] for line in studio.stderr if (found := re.search(r"the studio: (\S+)", line)))
+                    url = next(result[1] for line in studio.stderr if (result := re.search(r"the studio: (\S+)", line)))
                     with opened(url.replace("127.0.0.1", "localhost"), *flags, drawn=drawn) as page:
                         page.until(f"window.kinesicStudio !== undefined && {STATE}.planned > 0")
                         yield Person(page)

@@ -28,12 +28,12 @@ pytestmark = pytest.mark.realtime
 @contextmanager
 def relay(port: int, files: Mapping[str, WebFile], own: int = 0) -> Iterator[Address]:
     """Run a relay to a server in a thread, on its own port."""
-    loop, found, ready = asyncio.new_event_loop(), [], threading.Event()
+    loop, results, ready = asyncio.new_event_loop(), [], threading.Event()
     ended = asyncio.Event()
 
     async def act() -> None:
         async with open_relay(Address("127.0.0.1", own), Address("127.0.0.1", port), files) as door:
-            found.append(door)
+            results.append(door)
             ready.set()
             await ended.wait()
 
@@ -41,7 +41,7 @@ def relay(port: int, files: Mapping[str, WebFile], own: int = 0) -> Iterator[Add
     thread.start()
     try:
         assert ready.wait(10.0)
-        yield found[0]
+        yield results[0]
     finally:
         loop.call_soon_threadsafe(ended.set)
         thread.join(10.0)

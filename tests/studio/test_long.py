@@ -41,7 +41,7 @@ MAX_LATE_GROWTH = Weight(2e6, 100, 20, 15e6)  # in the second half of the time
 
 def resident() -> Iterator[float]:
     """Yield the resident memory [bytes] of the server's processes, including this one."""
-    for process in (os.getpid(), *(each.pid for each in multiprocessing.active_children())):
+    for process in (os.getpid(), *(item.pid for item in multiprocessing.active_children())):
         yield int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
@@ -52,8 +52,8 @@ def test_studio_page_has_no_accessibility_violations(studio: Studio):
     page.value("document.querySelector('#lexicon').open = true")
     for scheme in ("light", "dark"):
         page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        found = "axe.run().then(result => result.violations.map(each => [each.impact, each.help, each.nodes[0].html]))"
-        assert page.value(found) == []
+        result = "axe.run().then(result => result.violations.map(each => [each.impact, each.help, each.nodes[0].html]))"
+        assert page.value(result) == []
 
 
 def test_half_an_hour_of_studio_playback_leaks_no_memory(studio: Studio):
@@ -61,13 +61,15 @@ def test_half_an_hour_of_studio_playback_leaks_no_memory(studio: Studio):
     studio.page.click("#loop")
     studio.page.click("#play")
     studio.rest(WARM)
-    found = [Weight.of(studio)]
+    results = [Weight.of(studio)]
     for _ in range(PARTS):
         for _ in range(ceil(HALF_HOUR / PARTS / STEP)):
             studio.rest(STEP)
             studio.server.witness.commands.clear()
-        found.append(Weight.of(studio))
+        results.append(Weight.of(studio))
     studio.page.click("#play")
-    first, middle, last = (astuple(found[k]) for k in (0, PARTS // 2, PARTS))
-    assert all(now - then < most for now, then, most in zip(last, first, astuple(MAX_GROWTH), strict=True)), found
-    assert all(now - then < most for now, then, most in zip(last, middle, astuple(MAX_LATE_GROWTH), strict=True)), found
+    first, middle, last = (astuple(results[k]) for k in (0, PARTS // 2, PARTS))
+    assert all(now - then < most for now, then, most in zip(last, first, astuple(MAX_GROWTH), strict=True)), results
+    assert all(now - then < most for now, then, most in zip(last, middle, astuple(MAX_LATE_GROWTH), strict=True)), (
+        results
+    )

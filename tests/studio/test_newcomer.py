@@ -22,8 +22,8 @@ def person(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     robot = write_robot(tmp_path_factory.mktemp("robot"), "neck", "torso", "clavicles")
-    with before_the_studio(tmp_path, drawn=False, robot=robot) as found:
-        yield found
+    with before_the_studio(tmp_path, drawn=False, robot=robot) as result:
+        yield result
 
 
 @pytest.mark.soak

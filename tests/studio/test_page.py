@@ -40,16 +40,16 @@ def rests(client: ClientConnection) -> None:
 
 def status(client: ClientConnection) -> str:
     client.send('{"do": "status"}')
-    while '"status"' not in (told := client.recv(MAX_WAIT)):
+    while '"status"' not in (message := client.recv(MAX_WAIT)):
         pass
-    return told
+    return message
 
 
 def test_page_opens_with_the_welcome_example(studio: Studio):
     studio.until("s.connection === 'open' && s.drawn > 0 && !s.flat")
     rows = "[...document.querySelectorAll('[data-row]')].map(row => row.dataset.row)"
     draft = studio.state("draft")
-    moving = {each["behaviour"] for each in draft["syncs"]}
+    moving = {item["behaviour"] for item in draft["syncs"]}
     assert moving <= set(studio.page.value(rows))
     assert len(studio.page.value("[...document.querySelectorAll('.word')].map(word => word.textContent)")) > 20
     assert studio.page.value("document.querySelector('#examples').options.length") > 8
@@ -236,15 +236,15 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     studio.until("s.draft?.block === 'one'")
     studio.write(text)  # the saved gesture is available at once
     studio.until("s.draft?.block === 'doc' && s.draft.notices.length === 0")
-    assert {each["outcome"] for each in studio.state("draft")["behaviours"]} == {"realised"}
+    assert {item["outcome"] for item in studio.state("draft")["behaviours"]} == {"realised"}
     with connect(f"ws://localhost:{studio.server.port}/") as other:
         other.send('{"do": "interrupt"}')
         rests(other)
         other.send(text.replace('"doc"', '"with"'))
-        told = [other.recv(30)]
-        while "blockProgress" not in told[-1]:  # all warnings come before the start
-            told.append(other.recv(30))
-    assert not [each for each in told if "warningFeedback" in each]
+        results = [other.recv(30)]
+        while "blockProgress" not in results[-1]:  # all warnings come before the start
+            results.append(other.recv(30))
+    assert not [item for item in results if "warningFeedback" in item]
 
 
 def test_document_is_saved_unchanged_and_reopened(studio: Studio):
@@ -274,9 +274,9 @@ def test_hostile_names_and_texts_never_run_and_broken_answers_are_ignored(studio
     studio.write(WORDS.replace("another", escaped).replace('lexeme="offer"', f'lexeme="{escaped}"'))
     studio.until("s.draft.notices.length > 0 || !document.querySelector('#fault').hidden")
     for name in ("search", "lexeme", "token"):
-        told = "['input', 'change'].forEach(kind => e.dispatchEvent(new Event(kind)))"
-        studio.page.value(f"(e => {{ e.value = {evil!r}; {told} }})(document.querySelector('#{name}'))")
-    for told in (
+        item = "['input', 'change'].forEach(kind => e.dispatchEvent(new Event(kind)))"
+        studio.page.value(f"(e => {{ e.value = {evil!r}; {item} }})(document.querySelector('#{name}'))")
+    for item in (
         '{"told": "body"}',
         '{"told": "body", "angles": [1], "planned": "x", "servos": 7}',
         '{"told": "reach", "id": "x"}',
@@ -285,7 +285,7 @@ def test_hostile_names_and_texts_never_run_and_broken_answers_are_ignored(studio
         f"<warningFeedback>{escaped}</warningFeedback>",
         "\0",
     ):
-        studio.page.value(f"kinesicStudio.robot.wire.hear({told!r})")
+        studio.page.value(f"kinesicStudio.robot.wire.hear({item!r})")
     studio.page.value("kinesicStudio.robot.wire.waiting.forEach(answered => answered({told: 'plan', angles: 5}))")
     studio.write("\n" * 11_000)
     assert studio.page.value("document.querySelectorAll('#gutter li').length") == 10_000

@@ -37,7 +37,7 @@ def test_studio_page_data_lists_gestures_styles_examples_and_document(files):
     assert about["document"] == "mine.bml"
     assert about["styles"][0] == "joyful"
     assert about["styles"][1:] == sorted(about["styles"][1:])
-    assert [each["id"] for each in about["gestures"]] == [form.id for form in LEXICON.forms]
+    assert [item["id"] for item in about["gestures"]] == [form.id for form in LEXICON.forms]
     assert about["gestures"][0] == {
         "id": LEXICON.forms[0].id,
         "category": LEXICON.forms[0].category,
@@ -45,26 +45,26 @@ def test_studio_page_data_lists_gestures_styles_examples_and_document(files):
     }
     assert about["examples"][0]["name"] == "welcome"
     assert len(about["examples"]) > 8
-    assert all("<bml" in each["text"] for each in about["examples"])
+    assert all("<bml" in item["text"] for item in about["examples"])
     assert about["robot"] == json.loads(json.dumps(body_data(ROBOT)))
 
 
 def test_body_data_of_the_page_equals_the_robot():
-    found = body_data(ROBOT)
+    result = body_data(ROBOT)
     skeleton = ROBOT.skeleton
     for name in ("rest", "lower", "upper"):
-        np.testing.assert_allclose(found[name], getattr(skeleton, name), atol=5.1e-5)
-        assert found[name] == [round(angle, 4) for angle in found[name]]
-        assert any(angle != round(angle, 3) for angle in found[name]) or name == "lower"
-    assert found["hinges"] == list(skeleton.names)
-    assert found["names"] == [segment.name for segment in skeleton.segments]
-    assert found["hands"] == {side: ROBOT.arm(side).wrist for side in ("l", "r")}
-    assert found["elbows"] == {side: ROBOT.arm(side).elbow for side in ("l", "r")}
-    assert found["neck"] == skeleton.segment(ROBOT.chains["neck"][0])
-    assert found["arm_length"] == round(ROBOT.arm_length, 4)
-    np.testing.assert_allclose(found["gesture_origin"], ROBOT.gesture_origin, atol=5.1e-5)
+        np.testing.assert_allclose(result[name], getattr(skeleton, name), atol=5.1e-5)
+        assert result[name] == [round(angle, 4) for angle in result[name]]
+        assert any(angle != round(angle, 3) for angle in result[name]) or name == "lower"
+    assert result["hinges"] == list(skeleton.names)
+    assert result["names"] == [segment.name for segment in skeleton.segments]
+    assert result["hands"] == {side: ROBOT.arm(side).wrist for side in ("l", "r")}
+    assert result["elbows"] == {side: ROBOT.arm(side).elbow for side in ("l", "r")}
+    assert result["neck"] == skeleton.segment(ROBOT.chains["neck"][0])
+    assert result["arm_length"] == round(ROBOT.arm_length, 4)
+    np.testing.assert_allclose(result["gesture_origin"], ROBOT.gesture_origin, atol=5.1e-5)
     eyes = ROBOT.sites["eyes"]
-    assert found["eyes"]["segment"] == skeleton.segment(eyes.segment)
-    np.testing.assert_allclose(found["eyes"]["at"], eyes.position, atol=5.1e-5)
-    np.testing.assert_allclose(found["eyes"]["facing"], eyes.facing, atol=5.1e-5)
-    assert found.items() >= scene_data(ROBOT).items()
+    assert result["eyes"]["segment"] == skeleton.segment(eyes.segment)
+    np.testing.assert_allclose(result["eyes"]["at"], eyes.position, atol=5.1e-5)
+    np.testing.assert_allclose(result["eyes"]["facing"], eyes.facing, atol=5.1e-5)
+    assert result.items() >= scene_data(ROBOT).items()

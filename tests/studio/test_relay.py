@@ -26,8 +26,8 @@ pytestmark = pytest.mark.realtime
 
 @pytest.fixture(scope="module")
 def robot() -> Iterator[Running]:
-    with running(Quotas(), Access(TOKEN)) as found:
-        yield found
+    with running(Quotas(), Access(TOKEN)) as result:
+        yield result
 
 
 def relayed(port: int, deed: Callable[[Address], Awaitable[None]]) -> None:

@@ -117,9 +117,9 @@ def test_relay_serves_only_files_of_the_page():
         return answer
 
     async def act(door: Address, robot: Robot) -> None:
-        found = await ask(door, "/")
-        assert found.startswith(b"HTTP/1.1 200")
-        assert found.endswith(b"<p>the page</p>")
+        result = await ask(door, "/")
+        assert result.startswith(b"HTTP/1.1 200")
+        assert result.endswith(b"<p>the page</p>")
         assert (await ask(door, "/secret")).startswith(b"HTTP/1.1 404")
         assert robot.lines == []
 

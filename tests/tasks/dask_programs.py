@@ -24,7 +24,7 @@ def _tls(certificates: Certificates | None) -> tuple[str | Path, ...]:
 
 @contextmanager
 def dask_scheduler(folder: Path, certificates: Certificates | None = None) -> Iterator[str]:
-    """Begin a scheduler, and give its address."""
+    """Start a scheduler, and yield its address."""
     file = folder / "scheduler.json"
     options = ("--host", "127.0.0.1", "--port", "0", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", file)
     options += _tls(certificates)
@@ -37,7 +37,7 @@ def dask_scheduler(folder: Path, certificates: Certificates | None = None) -> It
 def dask_workers(
     address: str, folder: Path, pythons: Sequence[str] = (sys.executable,), *, certificates: Certificates | None = None
 ) -> Iterator[None]:
-    """Begin a worker of a scheduler for each interpreter, which need not be of the same environment.
+    """Start a worker for each interpreter, which may be of different environments.
 
     A nanny of dask begins a worker anew that dies.
     """

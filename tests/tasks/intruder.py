@@ -1,4 +1,4 @@
-"""Another user of this machine, who tries to run code through the ports of a cluster of dask.
+"""Another user of this machine, who tries to run code through a dask cluster's ports.
 
 `python intruder.py plain PORT ...` connects without a certificate, `python intruder.py forged PORT ...` with one that
 it made itself, and `plain,forged` in both ways. Each line of output is a user whose process ran its code. All imports
@@ -32,7 +32,7 @@ async def run_in_cluster(address: str, security: Security) -> int:
 
 
 def main(kinds: list[str], ports: list[str]) -> None:
-    """Try all ways at every port, as another user where the system allows that."""
+    """Try every attack on every port, as another user where the system allows it."""
     ways = {"plain": ("tcp", Security), "forged": ("tls", Security.temporary)}
     doors = [(scheme, make_security()) for scheme, make_security in (ways[kind] for kind in kinds)]
     if os.getuid() == 0:

@@ -25,8 +25,8 @@ COUNT = 24
 
 @pytest.fixture(scope="module")
 def two():
-    with cluster("local:2") as found:
-        yield found
+    with cluster("local:2") as result:
+        yield result
 
 
 def note_and_square(folder: Path, number: int) -> int:
@@ -46,9 +46,9 @@ def victims(folder: Path) -> set[int]:
 
 def test_cluster_runs_every_task_once_and_names_failures(two):
     tasks = [f"{k} ** 2" for k in range(20)] + ["1 / 0"]
-    found = list(two.run(tasks, EVALUATE))
-    assert sorted(task for task, _ in found) == sorted(tasks)
-    results = dict(found)
+    outcomes = list(two.run(tasks, EVALUATE))
+    assert sorted(task for task, _ in outcomes) == sorted(tasks)
+    results = dict(outcomes)
     assert all(results[f"{k} ** 2"] == k**2 for k in range(20))
     assert isinstance(results["1 / 0"], WorkerCrash)
     assert "ZeroDivisionError: division by zero" in results["1 / 0"].reason
@@ -57,17 +57,17 @@ def test_cluster_runs_every_task_once_and_names_failures(two):
 def test_only_failed_tasks_of_a_group_are_named(two):
     tasks = [f"{k} + 1" for k in range(300)]
     tasks[150], tasks[220] = "1 / 0", "[][1]"
-    found = dict(two.run(tasks, EVALUATE))
-    failed = {task: result.reason for task, result in found.items() if isinstance(result, WorkerCrash)}
-    assert len(found) == 300
+    results = dict(two.run(tasks, EVALUATE))
+    failed = {task: result.reason for task, result in results.items() if isinstance(result, WorkerCrash)}
+    assert len(results) == 300
     assert sorted(failed) == ["1 / 0", "[][1]"]
     assert "IndexError" in failed["[][1]"]
-    assert all(found[f"{k} + 1"] == k + 1 for k in range(300) if k not in (150, 220))
+    assert all(results[f"{k} + 1"] == k + 1 for k in range(300) if k not in (150, 220))
 
 
 def test_equal_tasks_run_as_often_as_requested(two):
-    found = list(two.run(["2 + 2"] * 100, EVALUATE))
-    assert found == [("2 + 2", 4)] * 100
+    results = list(two.run(["2 + 2"] * 100, EVALUATE))
+    assert results == [("2 + 2", 4)] * 100
 
 
 @pytest.mark.parametrize(("done", "spent", "size"), [(0, 0.0, 1), (10, 0.2, 5), (10, 5.0, 1), (100, 0.001, 32)])
@@ -85,16 +85,16 @@ def test_killed_worker_loses_and_duplicates_no_task(kind, two, tmp_path):
     (tmp_path / "notes").mkdir()
     journal = Journal(tmp_path / "finished.jsonl", int)
     tasks = {number: str(number) for number in range(COUNT)}
-    killed, found = set(), []
+    killed, results = set(), []
     run = run_once(tasks, partial(square_in, tmp_path / "notes"), engine, journal, keep=lambda task, result: result)
     for task, result in run:
-        found.append((task, result))
+        results.append((task, result))
         alive = victims(tmp_path / "notes") - killed
-        if len(killed) < 2 and len(found) >= 4 * (len(killed) + 1) and alive:
+        if len(killed) < 2 and len(results) >= 4 * (len(killed) + 1) and alive:
             killed.add(max(alive))
             os.kill(max(alive), signal.SIGKILL)
     assert len(killed) == 2
-    assert sorted(found) == [(number, number**2) for number in range(COUNT)]
+    assert sorted(results) == [(number, number**2) for number in range(COUNT)]
     assert journal.read() == {str(number): number**2 for number in range(COUNT)}
     lines = (tmp_path / "finished.jsonl").read_bytes().splitlines()
     assert len(lines) == COUNT

@@ -1,4 +1,4 @@
-"""Which clusters are connected to, with which certificates; nothing is begun and no port is opened."""
+"""Clusters that may be joined, and their certificates, without starting one or opening a port."""
 
 import logging
 import stat
@@ -16,7 +16,7 @@ pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="the ex
 
 
 class Opened:
-    """What stands for a client or a cluster of dask, and says what it was made with."""
+    """Stand-in for a dask client or cluster that records its arguments."""
 
     made: list["Opened"]
 
@@ -42,7 +42,7 @@ def clients(monkeypatch) -> list[Opened]:
 
 @pytest.fixture
 def clusters(monkeypatch) -> list[Opened]:
-    """Clusters of this machine, each with the configuration of dask when it was begun."""
+    """Record local clusters, each with dask's configuration at its start."""
     import dask  # noqa: PLC0415 - an extra
     import distributed  # noqa: PLC0415 - an extra
 
@@ -103,7 +103,7 @@ def test_connection_without_tls_needs_the_insecure_option(clients, files, addres
     assert clients == []
     with open_client(address, timeout=1.0, insecure=True):
         pass
-    assert [each.given for each in clients] == [(address,)]
+    assert [client.given for client in clients] == [(address,)]
 
 
 @pytest.mark.parametrize("missing", ["ca", "cert", "key"])

@@ -1,4 +1,4 @@
-"""Only the caller has workers run code: nobody without a certificate, with a forged one, by HTTP or by files."""
+"""Code runs on workers for their owner only: not without or with forged certificates, by HTTP or by files."""
 
 import os
 import shutil
@@ -34,8 +34,10 @@ def listening_ports() -> list[int]:
     import psutil  # noqa: PLC0415 - comes with distributed
 
     us = psutil.Process()
-    found = [each for one in (us, *us.children(recursive=True)) for each in one.net_connections("inet")]
-    return sorted({each.laddr.port for each in found if each.status == psutil.CONN_LISTEN})
+    results = [
+        net_connection for one in (us, *us.children(recursive=True)) for net_connection in one.net_connections("inet")
+    ]
+    return sorted({item.laddr.port for item in results if item.status == psutil.CONN_LISTEN})
 
 
 def intrude(kinds: str, ports: list[int]) -> list[str]:
@@ -45,7 +47,7 @@ def intrude(kinds: str, ports: list[int]) -> list[str]:
 
 
 def http_status(port: int, path: str) -> str:
-    """Return what a port answers to a browser, nothing where it speaks no HTTP."""
+    """Return the HTTP status of a port, None where it speaks no HTTP."""
     with socket.create_connection(("127.0.0.1", port), 5) as plain:
         plain.sendall(f"GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n".encode())
         try:
@@ -57,7 +59,7 @@ def http_status(port: int, path: str) -> str:
 
 @pytest.fixture(scope="module")
 def local():
-    """A cluster of this machine, and the ports that were opened for it."""
+    """Start a local cluster, and yield it with the ports it opened."""
     before = listening_ports()
     with cluster("local:1") as engine:
         yield engine, [port for port in listening_ports() if port not in before]
@@ -100,10 +102,10 @@ def test_local_workers_import_and_unpickle_only_from_a_private_folder(local):
     folders = (
         "[d for d in __import__('sys').path if 'dask' in d] + [__import__('distributed').get_worker().local_directory]"
     )
-    (found,) = (result for _, result in engine.run([folders], _evaluate))
-    assert len(found) >= 2
-    for folder in map(Path, found):
-        private = next(each for each in (folder, *folder.parents) if each.name.startswith("kinesic-dask-"))
+    (outcome,) = (result for _, result in engine.run([folders], _evaluate))
+    assert len(outcome) >= 2
+    for folder in map(Path, outcome):
+        private = next(parent for parent in (folder, *folder.parents) if parent.name.startswith("kinesic-dask-"))
         assert stat.S_IMODE(private.stat().st_mode) == 0o700
 
 

@@ -12,7 +12,7 @@ TASKS = {1: "one", 2: "two", 3: "three"}
 
 
 class Engine:
-    """Does tasks at once, and keeps which."""
+    """Engine that runs tasks at once and records them."""
 
     def __init__(self, *crashes: int) -> None:
         self.done: list[int] = []
@@ -89,9 +89,9 @@ def test_task_with_an_invalid_journal_entry_runs_again(journal: Journal[int]):
 
 
 def test_crashed_task_is_reported_and_retried(journal: Journal[int]):
-    found = run(Engine(2), journal)
-    assert isinstance(found[2], WorkerCrash)
-    assert (found[1], found[3]) == (11, 33)
+    result = run(Engine(2), journal)
+    assert isinstance(result[2], WorkerCrash)
+    assert (result[1], result[3]) == (11, 33)
     assert set(journal.read()) == {"one", "three"}
     engine = Engine()
     assert run(engine, journal)[2] == 22

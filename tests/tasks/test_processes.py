@@ -34,12 +34,12 @@ def test_empty_task_list_has_no_results():
 
 def test_died_processes_are_reported_by_task_and_the_others_continue():
     tasks = ["1 + 1", *DIES, "2 + 2", "3 + 3"]
-    found = dict(run_pool(tasks, EVALUATE, jobs=2))
-    assert [found[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]
+    results = dict(run_pool(tasks, EVALUATE, jobs=2))
+    assert [results[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]
     for task, reason in DIES.items():
-        assert isinstance(found[task], WorkerCrash)
-        assert reason in found[task].reason
-    assert 'File "<string>", line 1' in found["1 / 0"].trace
+        assert isinstance(results[task], WorkerCrash)
+        assert reason in results[task].reason
+    assert 'File "<string>", line 1' in results["1 / 0"].trace
 
 
 def test_worker_processes_end_when_the_caller_stops_iterating():

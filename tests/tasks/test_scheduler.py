@@ -29,7 +29,7 @@ HAS_ALL = "'kinesic.report.batch' in __import__('sys').modules"
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory):
-    """Of a scheduler with one worker."""
+    """Return the address of a scheduler with one worker."""
     folder: Path = tmp_path_factory.mktemp("dask")
     with dask_scheduler(folder) as address, dask_workers(address, folder):
         yield address
@@ -77,7 +77,7 @@ def test_scheduler_without_workers_reports_the_start_command(tmp_path, monkeypat
 
 
 def succeed_once(note: Path) -> int:
-    """Gives a result, and fails when it is asked again."""
+    """Return a result at the first call, and fail at the second."""
     if note.exists():
         raise ValueError("asked twice")
     note.touch()

@@ -36,9 +36,9 @@ def test_complete_journal_lines_become_tables(folder):
         ("1.bml", "performed"),
         ("2.bml", "performed"),
     )
-    found = ask(folder, "SELECT file, \"value\" FROM checks WHERE status = 'fail'")
-    assert found.columns == ("file", "value")
-    assert found.rows == (("2.bml", 0.2),)
+    answer = ask(folder, "SELECT file, \"value\" FROM checks WHERE status = 'fail'")
+    assert answer.columns == ("file", "value")
+    assert answer.rows == (("2.bml", 0.2),)
     assert ask(folder, "SELECT type, count(*) FROM behaviours GROUP BY type").rows == (("gesture", 2),)
 
 

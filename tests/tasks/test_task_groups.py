@@ -1,4 +1,4 @@
-"""Groups of tasks on a cluster, with a client of dask that is played."""
+"""Groups of tasks on a cluster, with a simulated dask client."""
 
 import pickle
 import sys
@@ -27,11 +27,11 @@ EVALUATE = partial(partial, eval)  # tasks are Python expressions
 
 
 class KilledWorker(Exception):  # noqa: N818 - its name in dask
-    """A worker that died."""
+    """Stand-in for dask's error of a lost worker."""
 
 
 class PlayedFuture:
-    """Group of tasks that is run when its result is wanted."""
+    """Group of tasks that runs when its result is requested."""
 
     def __init__(self, client: "PlayedClient", key: str, work: Callable[[], object]) -> None:
         self.client, self.key, self._work = client, key, work
@@ -53,7 +53,7 @@ class PlayedFuture:
 
 
 class PlayedClient:
-    """Client of dask whose workers run each group at once."""
+    """Dask client whose workers run each group at once."""
 
     def __init__(self, workers: int = 2, version: str | None = None) -> None:
         self.workers = {f"tcp://worker{k}": version or program_version() for k in range(workers)}
@@ -75,11 +75,11 @@ class PlayedClient:
 
         def run() -> object:
             self.fault(tasks)
-            found = work(code, tasks, version)
-            return type(found)(found.results, self.seconds * len(tasks)) if self.seconds else found
+            result = work(code, tasks, version)
+            return type(result)(result.results, self.seconds * len(tasks)) if self.seconds else result
 
         self.futures.append(PlayedFuture(self, f"key{len(self.futures)}", run))
-        waiting = sum(not each.is_done for each in self.futures)
+        waiting = sum(not future.is_done for future in self.futures)
         self.most_begun = max(self.most_begun, waiting)
         return self.futures[-1]
 
@@ -145,9 +145,9 @@ def run(client: PlayedClient, tasks: list[str]) -> list[tuple[str, object]]:
 
 def test_cluster_runs_every_task_once_and_releases_results(client: PlayedClient) -> None:
     tasks = [f"{k} ** 2" for k in range(200)]
-    found = run(client, tasks)
-    assert sorted(task for task, _ in found) == sorted(tasks)
-    assert dict(found) == {task: k**2 for k, task in enumerate(tasks)}
+    result = run(client, tasks)
+    assert sorted(task for task, _ in result) == sorted(tasks)
+    assert dict(result) == {task: k**2 for k, task in enumerate(tasks)}
     assert all(future.is_released for future in client.futures)
     assert client.cancelled == []
 
@@ -179,10 +179,10 @@ def test_tasks_wait_while_the_cluster_has_no_worker(client: PlayedClient) -> Non
 def test_failed_task_of_a_group_is_reported_alone(client: PlayedClient) -> None:
     client.seconds = 1e-9
     tasks = [*["1"] * 30, "1 / 0", *["2"] * 30]
-    found = run(client, tasks)
-    assert len(found) == len(tasks)
-    (crash,) = [result for _, result in found if isinstance(result, WorkerCrash)]
-    assert [task for task, result in found if result is crash] == ["1 / 0"]
+    outcome = run(client, tasks)
+    assert len(outcome) == len(tasks)
+    (crash,) = [result for _, result in outcome if isinstance(result, WorkerCrash)]
+    assert [task for task, result in outcome if result is crash] == ["1 / 0"]
     assert crash.reason == "it failed on the cluster with ZeroDivisionError: division by zero"
     assert not crash.is_killed
     assert client.groups.count(("1 / 0",)) == 1

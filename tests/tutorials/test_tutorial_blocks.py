@@ -19,7 +19,7 @@ FILE_LANGUAGES = {"xml", "python", "toml", "json"}
 
 def sources(name: str, language: str) -> list[str]:
     lexemes = [example.region.lexemes for example in read_tutorial(name)]
-    return [str(each["source"]) for each in lexemes if each.get("language") == language]
+    return [str(lexeme["source"]) for lexeme in lexemes if lexeme.get("language") == language]
 
 
 def test_three_tutorials_have_pages():
@@ -29,16 +29,16 @@ def test_three_tutorials_have_pages():
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_each_block_of_a_tutorial_is_executed_or_compared(name: str):
     fences = re.findall(r"^```", (FOLDER / f"{name}.md").read_text(encoding="utf-8"), re.MULTILINE)
-    blocks = [each.region.lexemes for each in read_tutorial(name) if "language" in each.region.lexemes]
+    blocks = [item.region.lexemes for item in read_tutorial(name) if "language" in item.region.lexemes]
     assert len(blocks) == len(fences) / 2
-    assert {each["language"] for each in blocks} <= FILE_LANGUAGES | {"bash", "text"}
-    assert all(each["title"] for each in blocks if each["language"] in FILE_LANGUAGES)
+    assert {block["language"] for block in blocks} <= FILE_LANGUAGES | {"bash", "text"}
+    assert all(block["title"] for block in blocks if block["language"] in FILE_LANGUAGES)
 
 
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_commands_of_a_tutorial_are_followed_by_their_output(name: str):
-    blocks = [each.region.lexemes for each in read_tutorial(name) if "language" in each.region.lexemes]
-    kinds = [(each["language"], str(each["source"])) for each in blocks]
+    blocks = [item.region.lexemes for item in read_tutorial(name) if "language" in item.region.lexemes]
+    kinds = [(block["language"], str(block["source"])) for block in blocks]
     silent = [source for (kind, source), (after, _) in pairwise(kinds) if kind == "bash" and after != "text"]
     assert [source for source in silent if "kinesic " in source and "git clone" not in source] == []
 
@@ -51,9 +51,9 @@ def test_commands_of_a_tutorial_have_valid_options(name: str):
     for words in commands:
         command, context = kinesic, click.Context(kinesic)
         while isinstance(command, click.Group):
-            found = command.get_command(context, words[0])
-            assert found is not None, words[0]
-            command = found
+            result = command.get_command(context, words[0])
+            assert result is not None, words[0]
+            command = result
             words.pop(0)
         command.make_context("kinesic", words, **kinesic.context_settings)
 
@@ -61,9 +61,7 @@ def test_commands_of_a_tutorial_have_valid_options(name: str):
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_documents_of_a_tutorial_are_parsed_without_a_warning(name: str):
     documents = [source for source in sources(name, "xml") if "<bml" in source]
-    documents += [
-        found for source in sources(name, "python") for found in re.findall(r"<bml.*</bml>", source, re.DOTALL)
-    ]
+    documents += [item for source in sources(name, "python") for item in re.findall(r"<bml.*</bml>", source, re.DOTALL)]
     assert documents
     assert [notice for document in documents for notice in parse(document).notices] == []
 
@@ -71,6 +69,6 @@ def test_documents_of_a_tutorial_are_parsed_without_a_warning(name: str):
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_programs_of_a_tutorial_import_only_existing_names(name: str):
     nodes = [node for source in sources(name, "python") for node in ast.walk(ast.parse(source))]
-    imports = [(node.module, each.name) for node in nodes if isinstance(node, ast.ImportFrom) for each in node.names]
+    imports = [(node.module, name.name) for node in nodes if isinstance(node, ast.ImportFrom) for name in node.names]
     assert imports
-    assert [each for each in imports if not hasattr(import_module(each[0]), each[1])] == []
+    assert [module for module in imports if not hasattr(import_module(module[0]), module[1])] == []

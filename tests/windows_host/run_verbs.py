@@ -28,11 +28,11 @@ def run(arguments: list[str]) -> tuple[int, str, str]:
 
 def import_all(package: str) -> list[str]:
     """Import every module of a package and return the names."""
-    found = [module.name for module in walk_packages(import_module(package).__path__, f"{package}.")]
-    for name in found:
+    names = [module.name for module in walk_packages(import_module(package).__path__, f"{package}.")]
+    for name in names:
         if not name.endswith("__main__"):
             import_module(name)
-    return found
+    return names
 
 
 if __name__ == "__main__":

@@ -121,8 +121,8 @@ def import_as_on_windows(
         return real_import(name, globals, locals, fromlist, level)
     if name in MISSING_MODULES:
         raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-    found = real_import(name, globals, locals, fromlist, level)
-    return STAND_INS.get(found.__name__, found)
+    result = real_import(name, globals, locals, fromlist, level)
+    return STAND_INS.get(result.__name__, result)
 
 
 builtins.__import__ = import_as_on_windows

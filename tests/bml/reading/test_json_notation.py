@@ -166,5 +166,5 @@ def test_empty_document_is_an_empty_block(text: str | bytes) -> None:
 
 def test_comma_before_a_closing_bracket_is_reported_and_ignored():
     block = parse('[\n{"type": "head", "id": "h"},\n]')
-    assert [each.id for each in block.behaviours] == ["h"]
+    assert [behaviour.id for behaviour in block.behaviours] == ["h"]
     assert "a comma before ']' in line 2, column 28 is ignored" in [notice.text for notice in block.notices]

@@ -19,8 +19,8 @@ def write(folder: Path, name: str, id: str | None = None, *, size: int = 0) -> i
 
 def read_names(folder: Path) -> tuple[list[str], int]:
     """Return the gestures that are read, in order, and the number of faults."""
-    found = read_folder(folder)
-    return [form.id for part in found.parts for form, _ in part.entries], len(found.faults)
+    result = read_folder(folder)
+    return [form.id for part in result.parts for form, _ in part.entries], len(result.faults)
 
 
 def test_gesture_files_are_read_in_order_of_name(tmp_path: Path) -> None:

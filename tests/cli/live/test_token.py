@@ -28,7 +28,7 @@ def command_lines(pid: int) -> list[bytes]:
     children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
     return [
         Path(f"/proc/{pid}/cmdline").read_bytes(),
-        *(each for child in children for each in command_lines(int(child))),
+        *(command_line for child in children for command_line in command_lines(int(child))),
     ]
 
 

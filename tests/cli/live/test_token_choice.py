@@ -34,20 +34,20 @@ def token_file(tmp_path: Path) -> Path:
 
 def run(*arguments: str) -> tuple[object, str]:
     """Return the token that a verb gets, and the text on standard error."""
-    found: list[object] = []
+    results: list[object] = []
 
     @click.command()
     @token_option("Help.")
     @click.option("--other", default=1)
     def verb(*, token: str | None, other: int) -> int:
         assert other == 2
-        found.append(token)
+        results.append(token)
         return 0
 
     result = CliRunner().invoke(verb, [*arguments, "--other", "2"], standalone_mode=False)
     if result.exception is not None:
         raise result.exception
-    return found[0], result.stderr
+    return results[0], result.stderr
 
 
 def test_token_on_the_command_line_is_hidden_with_a_warning(hidden: list[bool]) -> None:

@@ -58,8 +58,10 @@ def supervise(table, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Superviso
 
     def make(**given) -> Supervisor:
         supervisor = Supervisor(table, **given)
-        found = {Path("table"): supervisor}
-        monkeypatch.setattr(release, "find_supervisor", lambda path, joints: found[path] if joints == 22 else None)
+        supervisors = {Path("table"): supervisor}
+        monkeypatch.setattr(
+            release, "find_supervisor", lambda path, joints: supervisors[path] if joints == 22 else None
+        )
         monkeypatch.setattr(release, "time", SimpleNamespace(monotonic=lambda: supervisor.now, sleep=supervisor.sleep))
         table.energise()
         return supervisor

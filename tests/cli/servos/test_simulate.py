@@ -70,9 +70,9 @@ def until(condition: Callable[[], bool]) -> None:
 
 def test_dynamixel_sdk_finds_all_simulated_servos_except_a_silent_one(sdk: tuple[PortHandler, PacketHandler]):
     port, protocol = sdk
-    found, result = protocol.broadcastPing(port)
+    outcome, result = protocol.broadcastPing(port)
     assert result == COMM_SUCCESS
-    assert sorted(found) == sorted(FITTINGS.keys() - {SILENT_SERVO})
+    assert sorted(outcome) == sorted(FITTINGS.keys() - {SILENT_SERVO})
     assert protocol.ping(port, 1)[0] == 1130
     port.setBaudRate(57_600)
     assert protocol.ping(port, 1)[1] != COMM_SUCCESS

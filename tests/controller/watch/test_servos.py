@@ -66,7 +66,7 @@ def test_accurate_servos_keep_full_speed():
 
 def test_servo_watch_updates_its_time_scale_once_per_look_period():
     seen = watch()
-    looks = [seen.ingest([each]) for each in cycles(1.0, 0.02)]
+    looks = [seen.ingest([cycle]) for cycle in cycles(1.0, 0.02)]
     assert sum(looks) == pytest.approx(1.0 / LOOK_PERIOD, abs=1)
 
 

@@ -71,8 +71,8 @@ def soft_desk(planned: Plan, log: Path, gain: float, servos: str) -> Desk:
         if servos == "kinesic":
             return build_bus(wires, TwinPhysics(robot, wires, factors=Factors(gain=gain)))
         plant, buses = build_manual(wires)
-        for each in plant.servos:
-            each.device.firmware.pid = SoftPid(share=gain)
+        for servo in plant.servos:
+            servo.device.firmware.pid = SoftPid(share=gain)
         return plant, buses
 
     return Desk(
@@ -97,8 +97,8 @@ def performed(
     times, lags = planned.command_times, tracking_lags(robot.drives)
     # nothing weighs on the manual's servos: load that is led would lift them
     leading = FeedForward(robot, known.dynamics, delay=0.002, terms="full" if servos == "kinesic" else "lag")
-    for each in commands(planned.trajectory, times, leading.compute_setpoints(planned.trajectory, times)):
-        assert desk.channel.write(each.time, each.setpoints, lags * each.velocities)
+    for command in commands(planned.trajectory, times, leading.compute_setpoints(planned.trajectory, times)):
+        assert desk.channel.write(command.time, command.setpoints, lags * command.velocities)
     desk.channel.set("ended", 1)
     watch, angles, pace = make_clearance_watch(planned), [], 1.0
     desk.until(Stage.ACTIVE)

@@ -1,4 +1,4 @@
-"""Records of two servos, and a filter that has accepted the first ones."""
+"""Records of two servos, and a filter that has accepted the first records."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ PERIOD = 0.01  # [s]
 
 
 def make_filter(model: str = "xm430_w350") -> PlausibilityFilter:
-    """Of two servos, that knows no record."""
+    """Make a filter for two servos that has no record yet."""
     return PlausibilityFilter(RecordBounds.of((SERVO_MODELS[model],) * 2, ((1000, 3000),) * 2), PERIOD)
 
 

@@ -10,7 +10,7 @@ SPAN = (900, 3100)
 
 @pytest.mark.parametrize("model", SERVO_MODELS)
 def test_record_bounds_of_each_model_allow_its_data_sheet_values(model: str):
-    """Its factory limits, a supply that fails, and a joint that hangs a little outside."""
+    """Accept factory limits, a failing supply, and a joint slightly outside its range."""
     bounds = RecordBounds.of([SERVO_MODELS[model]], [SPAN])
     record = np.zeros(1, BLOCK_DTYPE)
     for name, value in (("temperature", 80), ("volts", 31), ("torque", 1), ("watchdog", -1)):
@@ -50,7 +50,7 @@ MOST = {
     ("model", "name", "ends"), [(model, name, ends) for model in MOST for name, ends in MOST[model].items()]
 )
 def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str, ends: tuple[int, int]):
-    """The second servo has the ends of its own model, whatever the first is."""
+    """The second servo is at its own model's bounds, which differ from the first's."""
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS[model]], [SPAN, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
         record = np.zeros(2, BLOCK_DTYPE)

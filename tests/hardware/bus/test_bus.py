@@ -221,9 +221,9 @@ def test_rebooted_servo_returns_its_record_again(rig: Make):
     made.energise()
     made.plant.servos[2].reboot(seconds=0.13)
     cycles = made.run(60, np.full(7, MID))
-    told = kinds(cycles)
-    assert ("rebooted", 3) in told
-    assert ("torque", 3) in told
+    result = kinds(cycles)
+    assert ("rebooted", 3) in result
+    assert ("torque", 3) in result
     assert cycles[-1].fresh.all()
     assert cycles[-1].raw_values("torque").tolist() == [1, 1, 0, 1, 1, 1, 1]
     assert all(cycle.raw_values("volts")[2] > 0 for cycle in cycles)
@@ -311,7 +311,7 @@ def test_reply_later_than_its_cycle_affects_only_that_cycle(rig: Make):
 
 
 def test_implausible_temperature_jump_is_reported_with_the_servo_id(rig: Make):
-    """What a servo says of its temperature leaps by 30 C within a cycle."""
+    """The reported temperature of a servo rises by 30 C within a cycle."""
     made = rig(3)
     made.run(3)
     made.plant.servos[1].electronics.celsius += 30.0

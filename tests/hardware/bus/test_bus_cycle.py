@@ -24,7 +24,7 @@ BYTE = 1e-5  # [s] at 1 Mbit/s
 
 
 def overhear(made: Rig) -> list[bytes]:
-    """Collect the writes on the wire from now on."""
+    """Collect all bytes that are written to the wire from now on."""
     written: list[bytes] = []
     write = made.wire.write
 
@@ -37,7 +37,7 @@ def overhear(made: Rig) -> list[bytes]:
 
 
 def asked(written: list[bytes], servos: tuple[int, ...]) -> int:
-    """Count the queries of exactly these servos."""
+    """Count the queries to exactly these servos."""
     cells = SERVO_MODELS["xm430_w350"].cells[0].data
     question = packet.sync_read(servos, cells, RECORD_SIZE, fast=True) if len(servos) > 1 else None
     return written.count(question or packet.read_packet(servos[0], cells, RECORD_SIZE))
@@ -67,8 +67,8 @@ def test_several_silent_servos_are_queried_in_turn(rig: Make):
     assert min(often) > 10
     assert abs(often[0] - often[1]) <= 1
     made.plant.servos[4].mute = False
-    told = [event for cycle in made.run(10) for event in cycle.events]
-    assert [(event.kind, event.servo) for event in told] == [("heard", 5)]
+    events = [event for cycle in made.run(10) for event in cycle.events]
+    assert [(event.kind, event.servo) for event in events] == [("heard", 5)]
 
 
 @on_kinesic_servos
@@ -118,7 +118,7 @@ def test_port_closed_after_a_servo_mismatch_is_reopened_after_the_mismatch_delay
 
 @pytest.mark.parametrize(("period", "end"), [(0.005, 0.00475), (0.01, 0.0095), (0.1, 0.0995)])
 def test_bus_cycle_ends_at_least_half_a_millisecond_before_the_next_one(rig: Make, period: float, end: float):
-    """Of a period below 10 ms it is a twentieth. A cycle that asks nobody listens as long as it may."""
+    """The margin is a twentieth of a period below 10 ms; a cycle without queries listens to its end."""
     made = rig(1, period=period)
     made.run(3)
     made.bus._late._stale_cycles = MAX_STALE_CYCLES
@@ -178,7 +178,7 @@ def test_port_that_is_lost_in_the_first_cycle_is_reopened_in_the_next():
     ],
 )
 def test_repeated_query_fits_into_the_cycle(rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]):
-    """Each takes 22 bytes and one to be asked for, or 29 of old firmware; the first who is missing is asked last."""
+    """Each query takes 22 bytes (29 for old firmware) plus one per servo; the first missing servo is queried last."""
     made, byte = rig(20, baud=baud, period=period, firmware=firmware), 10 / baud
     made.run(30)
     for place in mute:
@@ -229,13 +229,13 @@ def test_late_reply_that_arrives_during_a_repeated_query_is_accepted():
 
 
 def silence(made: Rig, *places: int) -> None:
-    """From now on, only the servos at these places do not answer."""
+    """Make exactly the servos at these places silent from now on."""
     for place, servo in enumerate(made.plant.servos):
         servo.mute = place in places
 
 
 def lose_question(made: Rig) -> None:
-    """Lose the next write on the wire."""
+    """Make the next write to the wire lose its bytes."""
     write, lost = made.wire.write, [True]
     made.wire.write = lambda data: lost.pop() if lost else write(data)
 
@@ -250,7 +250,7 @@ def test_reply_recovered_by_a_repeated_query_clears_the_late_reply_state(rig: Ma
 
 
 def test_repeated_query_destroys_most_late_replies(rig: Make):
-    """Nobody is heard until all were asked again, and then one of three."""
+    """No reply is received before the queries are repeated, and then one of three."""
     made = rig(3, period=0.05)
     made.run(3)
     lose_question(made)
@@ -290,7 +290,7 @@ def test_punctual_reply_after_a_silent_cycle_clears_the_late_reply_state(rig: Ma
 
 
 def test_reply_of_an_earlier_cycle_during_a_repeated_query_counts_as_late(rig: Make):
-    """Its last servo is missing, and it is of a cycle 30 ms ago."""
+    """The last servo does not reply, and the late reply is 30 ms old."""
     made = rig(3)
     made.run(3)
     made.wire.write(made.bus._question.data)

@@ -6,7 +6,7 @@ from kinesic.hardware.bus.host import AdapterLatency, Punctuality, find_stable_n
 
 
 def links(folder: Path) -> tuple[Path, Path]:
-    """A port and its lasting name."""
+    """Return a serial port and its persistent device name."""
     device, names = folder / "ttyUSB0", folder / "by-id"
     device.touch()
     names.mkdir()
@@ -43,19 +43,19 @@ def test_usb_latency_timer_is_read_through_the_stable_port_name(tmp_path: Path):
     _, names = links(tmp_path)
     setting = timer(tmp_path, "16\n")
     name = names / "usb-FTDI_U2D2_FT1-if00-port0"
-    found = read_latency(name, system=tmp_path)
-    assert found == AdapterLatency(name, 16, setting)
-    assert not found.is_good
-    assert f"{name}: USB latency timer is 16 ms, which limits the bus to about 62 Hz" in found.remedy
-    assert f"echo 1 | sudo tee {setting}" in found.remedy
-    assert "udev" in found.remedy
+    latency = read_latency(name, system=tmp_path)
+    assert latency == AdapterLatency(name, 16, setting)
+    assert not latency.is_good
+    assert f"{name}: USB latency timer is 16 ms, which limits the bus to about 62 Hz" in latency.remedy
+    assert f"echo 1 | sudo tee {setting}" in latency.remedy
+    assert "udev" in latency.remedy
 
 
 def test_latency_timer_of_one_millisecond_is_good(tmp_path: Path):
     timer(tmp_path, "1\n")
-    found = read_latency(tmp_path / "ttyUSB0", system=tmp_path)
-    assert found is not None
-    assert found.is_good
+    latency = read_latency(tmp_path / "ttyUSB0", system=tmp_path)
+    assert latency is not None
+    assert latency.is_good
 
 
 def test_pseudo_terminal_has_no_latency_timer(tmp_path: Path):
@@ -65,12 +65,12 @@ def test_pseudo_terminal_has_no_latency_timer(tmp_path: Path):
 
 
 def beat(host: Punctuality, gaps: list[float], *, now: float = 100.0) -> list[str]:
-    """Return the messages for cycles with these gaps."""
-    told = [host.note(now, excused=False)]
+    """Return the messages for cycles with these gaps between them."""
+    notes = [host.note(now, excused=False)]
     for gap in gaps:
         now += gap
-        told.append(host.note(now, excused=False))
-    return [line for line in told if line]
+        notes.append(host.note(now, excused=False))
+    return [line for line in notes if line]
 
 
 @pytest.mark.parametrize(
@@ -79,10 +79,10 @@ def beat(host: Punctuality, gaps: list[float], *, now: float = 100.0) -> list[st
 )
 def test_host_with_late_cycles_gets_longer_watchdog_times_and_slower_motion(gap: float, stretch: int, pace: float):
     host = Punctuality(0.1)
-    told = beat(host, [0.01, gap, 0.01])
+    result = beat(host, [0.01, gap, 0.01])
     assert (host.watchdog_factor, host.pace) == (stretch, pace)
-    assert len(told) == (stretch > 1)
-    assert all(f"{1e3 * gap:.0f} ms apart: bus watchdogs are {0.1 * stretch:g} s" in line for line in told)
+    assert len(result) == (stretch > 1)
+    assert all(f"{1e3 * gap:.0f} ms apart: bus watchdogs are {0.1 * stretch:g} s" in line for line in result)
 
 
 def test_host_with_punctual_cycles_gets_short_watchdog_times_again():

@@ -1,4 +1,4 @@
-"""Late replies and drifted clocks, step by step and on a bus."""
+"""Late replies and drifted servo clocks, for the filter alone and on a bus."""
 
 from collections.abc import Callable
 
@@ -38,7 +38,7 @@ class Waiting:
         self.question = make_query((1, 2, 3), (MODEL.cells[0].data,) * 3, fast=True)
 
     def ask(self, time: float) -> bytes:
-        """What the servos answer to a question at a time [s]."""
+        """Return the servos' replies to a query at a time [s]."""
         self.wire.sleep(time)
         self.listener.forget()
         self.listener.send(self.question.data)
@@ -48,7 +48,7 @@ class Waiting:
         return raw
 
     def miss(self, time: float) -> float:
-        """Until when [s] the answer to a question at a time, which does not come, is waited for."""
+        """Return until when [s] a missing reply to a query at a time [s] is awaited."""
         self.listener.sent_at = time
         self.late.note_missed(self.question)
         return time + (8 + 3 * 22) * 1e-5 + 0.05
@@ -58,7 +58,7 @@ class Waiting:
         return self.late.admit_earlier(self.question, ALL, answer)
 
     def cycle_of_the_past(self) -> None:
-        """A cycle that brings nothing but what seems to be older."""
+        """Filter a cycle whose records all seem to be older than accepted ones."""
         self.believed.begin()
         assert self.admit_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
         self.late.note(fresh=False)
@@ -73,7 +73,7 @@ def records(*times: float) -> Records:
 
 
 def whole(*times: float) -> ServoReplies:
-    """All answer with records of these times [s]."""
+    """Return a reply of every servo, with records of these times [s]."""
     return ServoReplies(records(*times), np.ones(3, dtype=np.bool_), True, 0)
 
 
@@ -118,8 +118,8 @@ def test_reply_age_tolerance_is_transmission_time_plus_a_few_milliseconds(
     waiting: Waiting, sooner: float, earlier: bool
 ):
     waiting.miss(1.03)
-    told = 1.03
-    assert waiting.admit_earlier(whole(told, told, told), told + LEEWAY - 0.0007 + sooner) is earlier
+    asked = 1.03
+    assert waiting.admit_earlier(whole(asked, asked, asked), asked + LEEWAY - 0.0007 + sooner) is earlier
 
 
 def test_reply_faster_than_its_transmission_belongs_to_an_earlier_query(waiting: Waiting):
@@ -226,7 +226,7 @@ def test_late_first_record_has_the_time_of_its_query():
 
 
 def miss_a_cycle(made: Rig) -> None:
-    """From now on, answers are suspected to be late."""
+    """Let one cycle pass without replies, so that later replies may be late ones."""
     for servo in made.plant.servos:
         servo.mute = True
     made.run(1)

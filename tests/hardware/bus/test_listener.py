@@ -52,7 +52,7 @@ def test_learned_reply_timeout_stays_within_bounds():
 
 
 class Arrivals:
-    """A wire on which bytes arrive at times set beforehand."""
+    """Wire on which bytes arrive at prescribed times."""
 
     name, baud = "arrivals", 1_000_000
 

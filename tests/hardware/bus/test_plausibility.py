@@ -94,7 +94,7 @@ def test_repeated_jump_of_joint_with_torque_is_rejected(gate: PlausibilityFilter
 
 
 def test_motion_after_rejected_jump_is_also_rejected(gate: PlausibilityFilter):
-    """It creeps on by less than it can in a cycle, and soon is far from where it leapt to."""
+    """It moves on slower than its velocity limit, so it is soon far from the rejected position."""
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(8):
         lie = blocks(1020 + 10 * k, position=3400 - 100 * k, torque=1)
@@ -225,7 +225,7 @@ def test_returned_servo_records_are_immutable(gate: PlausibilityFilter):
 
 
 def test_position_change_per_cycle_is_plausible_up_to_two_cycles_at_the_velocity_limit(gate: PlausibilityFilter):
-    """10943 ticks/s over 20 ms, and the leeway."""
+    """The limit is 10943 ticks/s times 20 ms, plus the tolerance."""
     assert told(gate, blocks(1010, position=2048 + 218 + POSITION_TOLERANCE)) == [True, True]
     assert told(gate, blocks(1020, position=2048), 1.02) == [True, True]
     assert told(gate, blocks(1030, position=2048 + 219 + POSITION_TOLERANCE), 1.03) == [True, False]
@@ -233,7 +233,7 @@ def test_position_change_per_cycle_is_plausible_up_to_two_cycles_at_the_velocity
 
 
 def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
-    """Whether the second servo is believed, asked by itself."""
+    """Return whether the second servo's record is accepted in a query of its own."""
     made.begin()
     made.admit(np.array([1]), answer(block[1:]), time)
     return bool(made.fresh[1])
@@ -241,7 +241,7 @@ def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
 
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_plausible_motion_after_silence_follows_the_velocity_limit(sign: int):
-    """8192 ticks/s; times are sums of powers of two."""
+    """The limit is 8192 ticks/s; times are sums of powers of two, so that sums are exact."""
     most = 8192 // 8 + POSITION_TOLERANCE
     for jump, believed in ((most, True), (most + 1, False)):
         made = make_filter("xm540_w270")
@@ -279,7 +279,7 @@ def test_implausible_record_is_confirmed_only_by_a_similar_next_record(
 
 
 def test_interrupted_series_of_old_records_is_not_taken_as_a_clock_restart(gate: PlausibilityFilter):
-    """Three from a clock that seems to have started anew, one in time, and three again."""
+    """Three records of a seemingly restarted clock, one in time, and three again."""
     for begin in (0, 100):
         for k in range(3):
             time = 1.01 + (10 * k + begin) / 1000
@@ -293,7 +293,7 @@ def test_restarted_servo_clock_is_accepted_at_the_fourth_record(gate: Plausibili
 
 
 def test_discarding_a_servo_history_also_discards_its_unconfirmed_records(gate: PlausibilityFilter):
-    """Neither what it said of the past, nor a surprise; also where its first record comes late."""
+    """Neither old records nor an implausible one are kept, even if the first record comes late."""
     told(gate, blocks(1010, position=3000), 1.01)
     for k in range(3):
         told(gate, blocks(1020 + 10 * k, tick=10 * k), 1.02 + 0.01 * k)
@@ -304,6 +304,6 @@ def test_discarding_a_servo_history_also_discards_its_unconfirmed_records(gate: 
 
 
 def test_servo_record_received_after_half_a_clock_period_is_new(gate: PlausibilityFilter):
-    """After 16.4 s, what seems to be older may be newer."""
+    """After 16.4 s, half the range of the clock, a record that seems older may be newer."""
     assert not alone(gate, blocks(900), 1.0 + 16.383)
     assert alone(gate, blocks(900), 1.0 + 16.385)

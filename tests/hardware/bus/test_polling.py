@@ -36,9 +36,9 @@ def test_only_the_first_servo_without_a_reply_moves_to_the_end_of_the_query_orde
 
 def test_servo_with_five_misses_is_queried_alone():
     roster = PollingPlan(3)
-    told = [roster.note(missing(3, 1)) for _ in range(MAX_MISSES)]
-    assert told[-1] == ((1,), ())
-    assert told[:-1] == [((), ())] * (MAX_MISSES - 1)
+    results = [roster.note(missing(3, 1)) for _ in range(MAX_MISSES)]
+    assert results[-1] == ((1,), ())
+    assert results[:-1] == [((), ())] * (MAX_MISSES - 1)
     assert roster.order == (0, 2)
     assert roster.silent.tolist() == [False, True, False]
 

@@ -33,7 +33,7 @@ RAW = joint()
 
 
 def found(raw: bytes) -> list[int]:
-    """Servos whose records were read, and rightly."""
+    """Return the places of the servos whose records were read, after checking the values."""
     answer = FAST.parse(raw)
     for k in np.flatnonzero(answer.received):
         assert answer.blocks[k].tobytes()[2:20] == RECORDS[k]

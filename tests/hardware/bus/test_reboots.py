@@ -1,4 +1,4 @@
-"""Detection of rebooted servos and restoration of their cells."""
+"""Detection of rebooted servos, and restoration of their indirect cells."""
 
 from collections.abc import Callable
 
@@ -16,12 +16,12 @@ TOLD = "RAM is as at power-on: torque off, no profile, no watchdog"
 
 
 def look(servo: int) -> bytes:
-    """Read the cells of a servo."""
+    """Read the indirect cells of a servo."""
     return packet.read_packet(servo, CELLS_AT, len(CELL_CONTENTS))
 
 
 def setting(servo: int) -> bytes:
-    """Sets its cells."""
+    """Return the packet that restores a servo's indirect cells."""
     return packet.write_packet(servo, CELLS_AT, CELL_CONTENTS)
 
 
@@ -33,7 +33,7 @@ def made(rig: Make) -> Rig:
 
 
 def overhear(made: Rig) -> list[bytes]:
-    """Collect the writes on the wire from now on."""
+    """Collect all bytes that are written to the wire from now on."""
     written: list[bytes] = []
     write = made.wire.write
     made.wire.write = lambda data: (written.append(bytes(data)), write(data))
@@ -43,15 +43,15 @@ def overhear(made: Rig) -> list[bytes]:
 def test_indirect_cells_of_a_rebooted_servo_are_checked_and_set_once(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
-    told = [(event.kind, event.servo, event.text) for cycle in made.run(20) for event in cycle.events]
-    assert ("rebooted", 2, TOLD) in told
-    assert [kind for kind, _, _ in told].count("rebooted") == 1
+    events = [(event.kind, event.servo, event.text) for cycle in made.run(20) for event in cycle.events]
+    assert ("rebooted", 2, TOLD) in events
+    assert [kind for kind, _, _ in events].count("rebooted") == 1
     assert (written.count(look(2)), written.count(setting(2))) == (1, 1)
     assert not made.bus._accepted.unmapped
 
 
 def test_servo_with_intact_indirect_cells_has_not_rebooted(made: Rig):
-    """A record without voltage may be an error that the CRC let pass."""
+    """A record with zero voltage can be a transmission error that the CRC missed."""
     made.bus._accepted.unmapped.add(1)
     made.plant.servos[0].mute = True
     written = overhear(made)
@@ -71,15 +71,15 @@ def test_indirect_cells_of_a_silent_servo_are_read_in_every_cycle(made: Rig):
 
 
 def test_indirect_cells_whose_write_failed_are_set_in_the_next_cycle(made: Rig):
-    """What should set them is lost on the wire."""
+    """The write that sets the cells is lost on the wire."""
     written, lost = overhear(made), [setting(2)]
     write = made.wire.write
     made.wire.write = lambda data: lost.remove(data) if data in lost else write(data)
     made.plant.servos[1].reboot(seconds=0.03)
-    told = [event.kind for cycle in made.run(20) for event in cycle.events]
+    kinds = [event.kind for cycle in made.run(20) for event in cycle.events]
     assert not lost
     assert (written.count(look(2)), written.count(setting(2))) == (2, 1)
-    assert told.count("rebooted") == 1
+    assert kinds.count("rebooted") == 1
     assert made.bus.cycle().fresh.all()
 
 
@@ -102,9 +102,9 @@ def test_reboot_is_reported_although_the_write_of_indirect_addresses_is_unacknow
 
     made.wire.read = hear
     made.plant.servos[1].reboot(seconds=0.03)
-    told = [event.kind for cycle in made.run(20) for event in cycle.events]
+    kinds = [event.kind for cycle in made.run(20) for event in cycle.events]
     assert not left
-    assert told.count("rebooted") == 1
+    assert kinds.count("rebooted") == 1
     assert made.bus.cycle().fresh.all()
 
 

@@ -29,7 +29,7 @@ SERVOS = [Servo(k + 1, SERVO_MODELS["xm430_w350"]) for k in range(4)]
 
 @pytest.fixture
 def ends(tmp_path: Path) -> Iterator[tuple[int, Path]]:
-    """Our end of a pseudo-terminal, and the name of the other."""
+    """Return our end of a pseudo-terminal, and the device name of the other end."""
     ours, hosts = os.openpty()
     tty.setraw(hosts)
     yield ours, Path(os.ttyname(hosts))
@@ -52,13 +52,13 @@ def serving(folder: Path, faults: FaultPlan) -> Iterator[tuple[Path, ShaftSimula
 
 @pytest.fixture
 def port(tmp_path: Path) -> Iterator[tuple[Path, ShaftSimulation]]:
-    """Virtual servos on a pseudo-terminal."""
+    """Serve virtual servos on a pseudo-terminal."""
     yield from serving(tmp_path, FaultPlan())
 
 
 @pytest.fixture
 def pulled(tmp_path: Path) -> Iterator[tuple[Path, ShaftSimulation]]:
-    """The same, unplugged for a while after a second and a half."""
+    """Serve virtual servos on a port that is unplugged for a while after 1.5 s."""
     yield from serving(tmp_path, FaultPlan((PlannedFault("unplug", start=1.5, seconds=0.3),)))
 
 
@@ -129,7 +129,7 @@ def test_serial_port_lost_while_reading_is_reported(tmp_path: Path):
 
 
 def fill(wire: SerialWire) -> None:
-    """Write more bytes than an unread terminal accepts."""
+    """Write more bytes than an unread terminal buffers."""
     for _ in range(1000):
         wire.write(b"old" * 100)
 
@@ -175,12 +175,12 @@ def test_servos_answer_through_a_pseudo_terminal(port: tuple[Path, ShaftSimulati
 def test_serial_port_is_reopened_after_its_return(pulled: tuple[Path, ShaftSimulation]):
     wire = SerialWire(pulled[0], 1_000_000)
     bus = open_bus(wire, SERVOS, period=0.02)
-    told: list[str] = []
+    results: list[str] = []
     limit = time.monotonic() + 10.0
-    while "port back" not in told and time.monotonic() < limit:
+    while "port back" not in results and time.monotonic() < limit:
         cycle = bus.cycle()
-        told += [event.kind for event in cycle.events if event.servo is None]
+        results += [event.kind for event in cycle.events if event.servo is None]
         wire.sleep(cycle.time + bus.period)
-    assert told == ["port lost", "port back"]
+    assert results == ["port lost", "port back"]
     assert any(bus.cycle().fresh.any() for _ in range(20))
     wire.close()

@@ -1,4 +1,4 @@
-"""Adapter that runs tests of virtual servos on the independent ones.
+"""Adapter that runs tests of kinesic's virtual servos on the independent ones.
 
 The names are those of kinesic's own virtual bus, so that one test runs on both.
 """
@@ -27,7 +27,7 @@ HEARD = 0.25  # [s] without power at most: what a servo needs to start
 
 
 class Registers:
-    """A servo's control table by kinesic's registers."""
+    """Control table of an independent servo, indexed by kinesic's registers."""
 
     def __init__(self, device: Device) -> None:
         self._device = device
@@ -44,13 +44,13 @@ class Registers:
 
 
 class Electronics:
-    """Sensors and autonomous behaviour of a servo."""
+    """Sensors and autonomous behaviour of an independent servo."""
 
     def __init__(self, device: Device) -> None:
         self._device = device
 
     def present_position(self) -> int:
-        """[ticks] where it truly stands."""
+        """Return the actual position [ticks]."""
         return round(self._device.firmware.position)
 
     def fail(self, bits: int) -> None:
@@ -58,12 +58,12 @@ class Electronics:
 
     @property
     def up(self) -> bool:
-        """Whether it hears: it does not while it reboots."""
+        """Return whether the servo receives, which it does not during a reboot."""
         return self._device.wakes <= self._device.firmware.time
 
     @property
     def latched(self) -> bool:
-        """Whether it has shut down."""
+        """Return whether the servo has shut down after a hardware error."""
         return self._device.firmware.shut
 
     @property
@@ -76,7 +76,7 @@ class Electronics:
 
 
 class Servo:
-    """One servo, as tests of kinesic's own look at it."""
+    """Independent servo with the attributes that kinesic's tests read."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
@@ -99,7 +99,7 @@ class Servo:
 
 
 class Jams:
-    """Blocked servos."""
+    """Flags of the blocked servos."""
 
     def __init__(self, shafts: Sequence[Shaft]) -> None:
         self._shafts = shafts
@@ -110,13 +110,13 @@ class Jams:
 
 @dataclass(frozen=True)
 class Turned:
-    """A shaft on kinesic's scale, where tick 0 is angle 0."""
+    """Shaft angle on kinesic's scale, where tick 0 is angle 0."""
 
     angle: float  # [rad]
 
 
 class Physics:
-    """All shafts."""
+    """Shafts of all independent servos."""
 
     def __init__(self, devices: Sequence[Device]) -> None:
         self._shafts = [device.shaft for device in devices]
@@ -130,7 +130,7 @@ class Physics:
 
 
 class Plant:
-    """All servos and their world."""
+    """Independent servos and their simulated world."""
 
     def __init__(self, devices: Sequence[Device]) -> None:
         self.world, self.servos, self.physics = World(devices), [Servo(d) for d in devices], Physics(devices)
@@ -144,7 +144,7 @@ class Plant:
 
 
 class Bus:
-    """One wire, which meets faults as kinesic plans them."""
+    """Independent wire that accepts kinesic's planned faults."""
 
     def __init__(self, line: Line) -> None:
         self.line = line
@@ -157,7 +157,7 @@ class Bus:
 
 
 class ManualWire:
-    """A wire in virtual time: nothing ever waits."""
+    """Wire in virtual time that never waits for real time."""
 
     def __init__(self, bus: Bus, *, name: str = "memory", time: float = 0.0) -> None:
         self.name, self._line, self._time, self._gone = name, bus.line, time, False
@@ -197,7 +197,7 @@ class ManualWire:
         self._line.drop()
 
     def _check(self) -> None:
-        """A port that was pulled is gone, even if it is there again."""
+        """Raise an error if the port was unplugged, even if it is plugged in again."""
         self._line.world.advance(self._time)
         self._gone = self._gone or not self._line.plugged
         if self._gone:
@@ -205,7 +205,7 @@ class ManualWire:
 
 
 def build_manual(cables: Sequence[Cable]) -> tuple[Plant, Mapping[str, Bus]]:
-    """Builds servos of the manual where `build_bus` builds kinesic's."""
+    """Build independent servos for tests that call `build_bus`."""
     groups = [[_build(fitting, cable) for fitting in cable.fittings] for cable in cables]
     plant = Plant([device for group in groups for device in group])
     buses = {}
@@ -235,7 +235,7 @@ SPOILED = {
 
 
 def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
-    """Kinesic strikes one place of a joint answer, with a chance per answer: here each servo has its share of that."""
+    """Convert a fault chance per joint reply to a chance per servo."""
     concerned = [device.id for device in line.devices if not planned.servos or device.id in planned.servos]
     if planned.way == "request" and planned.kind in SPOILED:
         return [wire.LostRequest(planned.rate, seed=seed)]
@@ -259,7 +259,7 @@ def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
 
 
 def _double(line: Line, servo: int) -> Fault:
-    """Hangs a second servo with an id on the wire."""
+    """Add a second servo with the same id to the wire."""
     model = next(name for name, known in MODELS.items() if known is line.device(servo).memory.model)
     other = Device(servo, model, baud=BAUDS[line.device(servo).memory["baud"]], angle=-1.0)
     line.world.devices += (other,)

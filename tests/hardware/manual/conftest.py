@@ -13,7 +13,7 @@ WAIT = 0.02  # [s] for answers
 
 
 class Bench:
-    """A wire, its servos, and a host that waits."""
+    """Wire with independent servos, and a host that waits for replies."""
 
     def __init__(self, ids: Sequence[int], model: str) -> None:
         self.devices = [Device(servo, model) for servo in ids]
@@ -24,23 +24,23 @@ class Bench:
         return self.devices[0]
 
     def raw(self, data: bytes, wait: float = WAIT) -> bytes:
-        """All that comes back."""
+        """Send bytes, and return all received bytes."""
         self.line.send(data, self.line.world.time)
         self.rest(wait)
         return self.line.receive(self.line.world.time)
 
     def ask(self, servo: int, instruction: int, parameters: bytes = b"") -> list[Packet]:
-        """The packets that come back."""
+        """Send bytes, and return the received packets."""
         return Decoder().feed(self.raw(p.instruct(servo, instruction, parameters)), self.line.world.time)
 
     def read(self, name: str, servo: int = 1) -> tuple[int, int]:
-        """Error byte and value of a register, asked over the wire."""
+        """Read a register over the wire, and return error byte and value."""
         item = self.device.memory.item(name)
         (said,) = self.ask(servo, p.READ, words(item.address, item.size))
         return said.parameters[0], int.from_bytes(said.parameters[1:], "little", signed=item.signed)
 
     def write(self, name: str, value: int, servo: int = 1) -> int:
-        """Writes a register over the wire; the error byte, -1 for silence."""
+        """Write a register over the wire; return the error byte, or -1 without reply."""
         item = self.device.memory.item(name)
         octets = value.to_bytes(item.size, "little", signed=value < 0)
         said = self.ask(servo, p.WRITE, words(item.address) + octets)
@@ -51,11 +51,11 @@ class Bench:
 
 
 def words(*values: int) -> bytes:
-    """Two bytes each, the low one first."""
+    """Encode 16-bit words with the low byte first."""
     return b"".join(value.to_bytes(2, "little") for value in values)
 
 
 @pytest.fixture
 def bench() -> Callable[..., Bench]:
-    """Makes a wire with servos of some ids."""
+    """Return a function that makes a wire with servos of some ids."""
     return lambda *ids, model="xm430_w210": Bench(ids or (1,), model)

@@ -1,4 +1,4 @@
-"""The independent servo does what the manual says: registers, torque, watchdog, profiles, reboot, falling arms."""
+"""Independent servo against the manual: registers, torque, watchdog, profiles, reboot, falling arms."""
 
 from collections.abc import Callable
 from math import pi
@@ -99,10 +99,10 @@ def test_sync_and_bulk_instructions_address_several_servos(bench: Make):
     assert [device.memory["goal_position"] for device in made.devices] == [2000, 2048, 2100]
     assert made.devices[1].memory["led"] == 1
     assert made.devices[2].memory["goal_current"] == 7
-    told = made.ask(p.BROADCAST, p.SYNC_READ, words(116, 4) + b"\3\1")
-    assert [(said.servo, said.parameters[1:3]) for said in told] == [(3, words(2100)), (1, words(2000))]
-    told = made.ask(p.BROADCAST, p.BULK_READ, b"\2" + words(65, 1) + b"\1" + words(116, 2))
-    assert [said.parameters for said in told] == [b"\0\1", b"\0" + words(2000)]
+    answer = made.ask(p.BROADCAST, p.SYNC_READ, words(116, 4) + b"\3\1")
+    assert [(said.servo, said.parameters[1:3]) for said in answer] == [(3, words(2100)), (1, words(2000))]
+    answer = made.ask(p.BROADCAST, p.BULK_READ, b"\2" + words(65, 1) + b"\1" + words(116, 2))
+    assert [said.parameters for said in answer] == [b"\0\1", b"\0" + words(2000)]
 
 
 def test_reference_servos_listed_after_a_silent_one_do_not_reply_to_a_sync_read(bench: Make):

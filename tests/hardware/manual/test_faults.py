@@ -17,7 +17,7 @@ RECORD = p.instruct(p.BROADCAST, p.SYNC_READ, words(132, 4) + b"\1\2")
 
 
 def record(made: Bench) -> bytes:
-    """Positions of both servos, as bytes come."""
+    """Return the reported positions of both servos as raw bytes."""
     return made.raw(RECORD)
 
 
@@ -37,7 +37,7 @@ def torque(made: Bench) -> int:
 
 
 def moves(made: Bench) -> bool:
-    """Whether servo 1 follows a goal."""
+    """Return whether servo 1 follows a goal."""
     before = made.device.shaft.ticks
     made.write("goal_position", round(before) + 50)
     made.rest(0.5)
@@ -53,7 +53,7 @@ def climbs(made: Bench) -> int:
 
 @dataclass(frozen=True)
 class Case:
-    """A fault, and what is seen only while it lasts, or only since it struck."""
+    """Fault, with an effect that is seen only while it lasts, or only after its start."""
 
     fault: Callable[[], Fault]
     seen: Callable[[Bench], bool]
@@ -163,8 +163,8 @@ def test_replay_fault_returns_an_old_reply_first(bench: Make):
     made = bench(1, 2)
     made.line.expose(faults.Replay(age=3, servos=(1,)))
     made.device.firmware.tampers.append(lambda memory: memory.__setitem__("present_position", memory["tick"]))
-    told = [position(made) for _ in range(5)]
-    assert told[2:] == [*told[:1], told[0] + 20, told[0] + 40]
+    positions = [position(made) for _ in range(5)]
+    assert positions[2:] == [*positions[:1], positions[0] + 20, positions[0] + 40]
 
 
 def test_longer_return_delay_time_delays_the_servo_reply(bench: Make):

@@ -1,4 +1,4 @@
-"""The independent servo speaks protocol 2.0 as the manual's examples do, byte by byte."""
+"""Independent servo against the manual's printed example packets of protocol 2.0."""
 
 import ast
 import sys

@@ -1,4 +1,4 @@
-"""The servos of the manual behind a port, in a process of their own: the maker's SDK finds and moves them."""
+"""Independent servos on a pseudo-terminal in their own process, driven by the maker's SDK."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ PATIENCE = 10.0  # [s]
 
 @pytest.fixture
 def port() -> Iterator[PortHandler]:
-    """An open port with two servos behind it."""
+    """Open a port with two servos in another process."""
     command = [sys.executable, "-m", "manual_servo", "1:xm430_w210", "2:xc330_t288"]
     with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdin
@@ -40,7 +40,7 @@ def test_manufacturer_sdk_drives_the_servos(port: PortHandler):
 
 
 def until(answered: Callable[[], bool]) -> None:
-    """Asks again: the SDK waits 34 ms for an answer, in which a busy host may not let another process run."""
+    """Repeat a query until it succeeds, as the SDK waits only 34 ms and the host may be busy."""
     limit = time.monotonic() + PATIENCE
     while not answered():
         assert time.monotonic() < limit

@@ -34,7 +34,7 @@ KIN_OF_WIRE = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "lat
 
 @dataclass(frozen=True)
 class Strike:
-    """Fault with its wire, time and duration."""
+    """Fault with its wire, start time and duration."""
 
     name: str
     bus: str
@@ -44,7 +44,7 @@ class Strike:
 
 
 class TrueShafts:
-    """Actual states of the servos."""
+    """Actual states of the independent servos."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
@@ -60,7 +60,7 @@ class TrueShafts:
 
 
 class Drill(Desk):
-    """A desk whose arms have weight, and whose wires are watched."""
+    """Robot whose arms have weight and whose wires are observed."""
 
     observer: Observer | None = None
 
@@ -81,7 +81,7 @@ class Drill(Desk):
         self.observer.look(self.plant.time, self.status.angles, self.status.taken)
 
     def raise_arms(self, up: Floats = RAISED) -> None:
-        """Brings the arms up, and lets them sway there."""
+        """Raise the arms, and let them sway there."""
         self.open()
         rest = self.manifest.rest
         for k in range(round(LONG / PERIOD)):
@@ -95,14 +95,14 @@ class Drill(Desk):
             assert not self.supervisor.done, self.kinds()[-12:]
 
     def suffer(self, strike: Strike, *, after: float = AFTER) -> None:
-        """Lets a fault strike and looks what comes of it, so many seconds after it has passed."""
+        """Apply a fault, and observe for some seconds after its end."""
         self.observer.watching = True
         strike.begin(self)
         self.run(strike.seconds + after)
 
     @property
     def called_stuck(self) -> bool:
-        """Whether a servo was said to be unable to move."""
+        """Return whether the supervisor reported a servo as blocked."""
         return any(line.startswith("failed") for line in self.kinds())
 
 
@@ -118,13 +118,13 @@ def _arms(plant: Plant, manifest: Manifest) -> tuple[Arm, ...]:
 
 
 def drill(servos: str, folder: Path) -> Drill:
-    """Makes a drill on one of the two kinds of virtual servos."""
+    """Make a drill on one of the two kinds of virtual servos."""
     robot = Robot.load(Path(__file__).with_name("arms.toml"))
     return Drill(Manifest.of(robot), describe_cables(robot), folder / "events.jsonl", settings=SETTINGS, servos=servos)
 
 
 def random_strike(servos: str, seed: int) -> Strike:
-    """Draws a fault for one of the two kinds of virtual servos."""
+    """Draw a random fault for one of the two kinds of virtual servos."""
     dice = Random(f"{servos} {seed}")
     bus = dice.choice(["left", "right"])
     seconds = dice.choice([0.1, 0.3, 0.3, 0.6, 0.6, 1.0, 1.5, 1.5, 2.0, 2.0, 4.0, 10.0]) * dice.uniform(0.8, 1.0)

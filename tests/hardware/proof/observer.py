@@ -34,13 +34,13 @@ BELIEF, BLUR = radians(3), 0.03  # that a belief may be wrong; [s] that its time
 
 
 class TrueServos(Protocol):
-    """Actual states of the servos, by member."""
+    """Actual states of the servos in manifest order."""
 
     def torque(self) -> Flags:
-        """Servos with torque (m,)."""
+        """Return which servos have torque, (m,)."""
 
     def ticks(self) -> Floats:
-        """(m,) where they stand."""
+        """Return the actual positions [ticks], (m,)."""
 
 
 class SpyWire:
@@ -53,14 +53,14 @@ class SpyWire:
         return getattr(self._wire, name)
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """Shows the bytes, while servos are as they were before, and writes them."""
-        time, told = self._wire.now(), len(self._observer.broken)
+        """Show the bytes to the observer before the servos change, then write them."""
+        time, count = self._wire.now(), len(self._observer.broken)
         for packet in self._decoder.feed(bytes(data), time):
             self._observer.hear(self._bus, packet, time)
         try:
             self._wire.write(data)
         except BusError:
-            del self._observer.broken[told:]  # nobody has heard it
+            del self._observer.broken[count:]  # nobody has heard it
             raise
 
 
@@ -92,17 +92,17 @@ class Observer:
 
     @property
     def rest(self) -> Floats:
-        """(m,) [rad]."""
+        """Return the rest positions of the servos [rad], (m,)."""
         return self.manifest.rest[self.manifest.joints]
 
     def angles(self, ticks: Floats) -> Floats:
-        """(m,) [rad] of joints."""
+        """Return the actual joint angles [rad]."""
         return np.asarray(self.manifest.scale.angles(ticks))
 
     # the wires
 
     def hear(self, bus: str, packet: Packet, time: float) -> None:
-        """Looks at a packet that is going out on a bus."""
+        """Check a packet that is being sent on a bus."""
         places = {member.id: k for k, member in enumerate(self.manifest.members) if member.bus == bus}
 
         def meant(servo: int) -> list[int]:
@@ -141,14 +141,14 @@ class Observer:
         self._goals[place], self._sent[place] = goal, time
 
     def _off(self, place: int, goal: float) -> float:
-        """[rad] between a goal and where its servo is."""
+        """Return the distance [rad] between a goal and its servo."""
         turns = abs(self.manifest.scale.turns[place])
         return float(abs(goal - self.true.ticks()[place]) / turns * np.pi / 2048)
 
     # every cycle
 
     def look(self, time: float, believed: Floats, taken: Floats) -> None:
-        """Looks at the servos, and at what is believed of them: (n,) [rad], (n,) [s], NaN where nothing is."""
+        """Check servos against believed angles (n,) [rad] and times (n,) [s], NaN if unknown."""
         torque, ticks = self.true.torque(), self.true.ticks()
         angles = self.angles(ticks)
         for place in np.flatnonzero(torque & ~self._energised):
@@ -161,7 +161,7 @@ class Observer:
         self._judge_beliefs(believed, taken)
 
     def _judge_standing(self, time: float) -> None:
-        """Goals that have stood for long may go to rest, and nowhere else."""
+        """Check that long-standing goals move only towards rest."""
         goals = self.angles(self._goals)
         away = np.abs(goals - self.rest)
         if np.isnan(self._held).any() or not self.watching or np.abs(goals - self._held).max() > STILL:

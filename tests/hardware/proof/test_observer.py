@@ -1,4 +1,4 @@
-"""The observer reports each rule when it is broken on purpose."""
+"""Each rule of the observer, reported when it is broken on purpose."""
 
 from collections.abc import Iterator
 
@@ -16,7 +16,7 @@ SHOULDER, ELBOW = 2, 3  # ids on both wires
 
 @pytest.fixture(scope="module", params=list(BUILDERS))
 def standing(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Drill]:
-    """A robot with raised arms for all tests, of which the last takes its torque."""
+    """Robot with raised arms, shared by all tests of this file; the last test removes its torque."""
     made = drill(request.param, tmp_path_factory.mktemp("drill"))
     made.raise_arms()
     assert made.observer.broken == []
@@ -26,7 +26,7 @@ def standing(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 @pytest.fixture
 def raised(standing: Drill) -> Drill:
-    """A robot with raised arms, that goes on after what another test has said, and of which nothing has been told."""
+    """Robot with raised arms that continues after an earlier test, with no broken rule recorded."""
     standing.run(0.2)
     standing.observer.watching = False
     standing.observer.broken.clear()
@@ -34,7 +34,7 @@ def raised(standing: Drill) -> Drill:
 
 
 def say(made: Drill, register: Register, value: int, *, bus: str = "left", servo: int = SHOULDER) -> None:
-    """Writes to a servo behind the supervisor's back."""
+    """Write to a servo without the supervisor's knowledge."""
     field = register.field
     parameters = field.address.to_bytes(2, "little") + field.pack(value)
     made.wires[bus].write(p.instruct(servo, p.WRITE, parameters))
@@ -48,10 +48,10 @@ def test_observer_reports_nothing_for_raised_arms_without_faults(raised: Drill):
 
 def test_goal_moved_to_the_servo_position_causes_no_jump(raised: Drill):
     say(raised, Register.GOAL_POSITION, 2048)
-    told = len(raised.observer.broken)
+    count = len(raised.observer.broken)
     here = int(raised.present_position[1])
     say(raised, Register.GOAL_POSITION, here)
-    assert len(raised.observer.broken) == told == 1
+    assert len(raised.observer.broken) == count == 1
     say(raised, Register.GOAL_POSITION, here + 100)
     assert len(raised.observer.broken) == 2
 

@@ -1,4 +1,4 @@
-"""Random faults with raised arms, on both virtual servos: a handful; `make soak` has two hundred of each."""
+"""Random faults with raised arms on both kinds of virtual servos; `make soak` runs two hundred of each."""
 
 from pathlib import Path
 

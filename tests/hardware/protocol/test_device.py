@@ -20,15 +20,15 @@ def cold(rig: Make) -> ServoAccess:
 
 
 def test_ping_returns_model_and_firmware(cold: ServoAccess):
-    found = cold.ping(2)
-    assert found == PingReply(2, 1020, 52)
-    assert found.name == "xm430_w350"
+    reply = cold.ping(2)
+    assert reply == PingReply(2, 1020, 52)
+    assert reply.name == "xm430_w350"
     assert PingReply(1, 77, 1).name == "model 77"
     assert cold.ping(9) is None
 
 
 def test_scan_finds_all_servos(cold: ServoAccess):
-    assert [found.id for found in cold.ping_all()] == [1, 2, 3]
+    assert [item.id for item in cold.ping_all()] == [1, 2, 3]
 
 
 def test_servo_registers_are_read_and_written(cold: ServoAccess):

@@ -96,7 +96,7 @@ def test_packet_without_parameters_has_the_length_of_the_overhead():
 
 
 def sealed_packet(servo: int, body: bytes) -> bytes:
-    """A packet of any id and length, with the CRC that belongs to it, not stuffed."""
+    """Build a packet of any id and length with the right CRC, without byte stuffing."""
     head = PACKET_HEADER + bytes((servo,)) + (len(body) + 2).to_bytes(2, "little") + body
     return head + crc16(head).to_bytes(2, "little")
 
@@ -136,7 +136,7 @@ def test_packet_length_limit_includes_stuffing():
 
 
 def test_packet_reader_discards_noise():
-    """Nobody knows how long a wire is noisy: what can be no packet any more takes no memory."""
+    """Noise may last for ever, so bytes that cannot start a packet must not be stored."""
     reader, noise = Reader(), bytes(100_000)
     tracemalloc.start()
     for _ in range(20):
@@ -156,22 +156,22 @@ def test_bytes_before_clearing_the_packet_reader_are_not_part_of_the_next_packet
 
 
 def test_truncated_packet_does_not_delay_the_next():
-    """The next header tells that it is over, long before its own length has come."""
+    """The next header ends it, long before its announced length has arrived."""
     reader = Reader()
     cut = packet.write_packet(1, 0, bytes(200))[:11]
     assert list(reader.feed(cut + packet.ping(2))) == [Packet(2, 1, b"")]
 
 
 def test_fast_reply_is_not_unstuffed():
-    """What looks like a header inside a joint reply is a record's, whether all of the reply has come or not."""
+    """Bytes that look like a header inside a joint reply are data, in partial replies too."""
     body = bytes((Instruction.STATUS, 0, 1)) + PACKET_HEADER + b"\xff\xff\xfd\xfd"
     joint, reader = sealed_packet(BROADCAST_ID, body), Reader()
-    assert [found for byte in joint for found in reader.feed(bytes((byte,)))] == [Packet(BROADCAST_ID, 0x55, body[1:])]
+    assert [item for byte in joint for item in reader.feed(bytes((byte,)))] == [Packet(BROADCAST_ID, 0x55, body[1:])]
     stuffed = b"\xff\xff\xfd\x01"
     for made in (packet.status(1, 0, stuffed), packet.sync_write(116, 4, {1: stuffed})):
-        (found,) = Reader().feed(made)
-        assert found.parameters.endswith(stuffed)
-        assert len(found.parameters) == len(made) - PACKET_OVERHEAD - 1
+        (result,) = Reader().feed(made)
+        assert result.parameters.endswith(stuffed)
+        assert len(result.parameters) == len(made) - PACKET_OVERHEAD - 1
 
 
 def test_crc_of_a_fast_reply_covers_all_previous_bytes():
@@ -200,7 +200,7 @@ def test_invalid_packets_are_skipped():
     wrong[-3] ^= 1
     stream = b"\xff\xff\xfd" + packet.ping(2)[:6] + good + bytes(wrong) + b"\xff\xff" + good
     reader = Reader()
-    assert [found for byte in stream for found in reader.feed(bytes((byte,)))] == [Packet(3, 0x55, b"\0\1\2")] * 2
+    assert [item for byte in stream for item in reader.feed(bytes((byte,)))] == [Packet(3, 0x55, b"\0\1\2")] * 2
     assert list(reader.feed(stream)) == [Packet(3, 0x55, b"\0\1\2")] * 2
 
 
@@ -236,7 +236,7 @@ def test_packet_crc_equals_that_of_the_manufacturer_sdk(parameters: bytes):
 
 
 class _Sent:
-    """A port that keeps what the SDK writes."""
+    """Port that records the bytes written by the SDK."""
 
     def __init__(self) -> None:
         self.is_using, self.data = False, b""

@@ -142,9 +142,9 @@ def test_sdk_group_reads_return_the_positions_of_all_servos(rig: Make):
 
 def test_broadcast_ping_finds_all_servos(rig: Make):
     made = rig(5)
-    found, result = Packets().broadcastPing(WirePort(made.wire))
+    outcome, result = Packets().broadcastPing(WirePort(made.wire))
     assert result == COMM_SUCCESS
-    assert found == {servo: [1020, 52] for servo in made.bus.ids}
+    assert outcome == {servo: [1020, 52] for servo in made.bus.ids}
 
 
 class Ear(Script):

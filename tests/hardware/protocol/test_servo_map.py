@@ -12,7 +12,7 @@ UPPER22 = Robot.load().path.read_text(encoding="utf-8")
 
 @pytest.fixture
 def changed(tmp_path: Path):
-    """The default robot with one piece of its file replaced."""
+    """Return the default robot with one piece of its file replaced."""
 
     def load(*changes: tuple[str, str]) -> Robot:
         text = UPPER22

@@ -37,18 +37,18 @@ MODEL = "xm430_w350"
 
 @pytest.fixture(params=["kinesic", pytest.param("manual", marks=pytest.mark.soak)])
 def servos(request: pytest.FixtureRequest) -> str:
-    """Whose virtual servos a test runs on; drills with the manual's are in every run (tests/hardware/proof)."""
+    """Name the implementation of virtual servos; each run tests the independent ones in tests/hardware/proof."""
     return str(request.param)
 
 
 @pytest.fixture(scope="session")
 def robot() -> Robot:
-    """Five servos on two wires."""
+    """Return a robot with five servos on two wires."""
     return Robot.load(Path(__file__).with_name("little.toml"))
 
 
 class Desk:
-    """Supervisor with its servos, as a planner sees them."""
+    """Supervisor with its servos, as seen by a planner."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class Desk:
         self.start()
 
     def start(self) -> None:
-        """A new supervisor on the same servos."""
+        """Start a new supervisor on the same servos."""
         joints = len(self.manifest.rest)
         self.end()
         self.journal_file = EventLog(self.log)
@@ -106,7 +106,7 @@ class Desk:
         return np.array([servo.electronics.present_position() for servo in self.plant.servos])
 
     def cycle(self) -> None:
-        """One period; a goal that differs from its servo when torque comes is a jump."""
+        """Run one period; fail if a servo gets torque with a goal away from its position."""
         supervisor, torque = self.supervisor, self.true(Register.TORQUE_ENABLE)
         due = supervisor.now() + self.settings.period
         supervisor.step()
@@ -115,7 +115,7 @@ class Desk:
         self.pass_time(0.0)
 
     def _look_at_torque(self, before: Ticks, after: Ticks) -> None:
-        """Who gets torque beside his goal; whose was taken while he was raised.
+        """Record servos that get torque away from their goals, and raised ones that lose it.
 
         Unless he has failed, reboots, or a person wanted it.
         """
@@ -156,7 +156,7 @@ class Desk:
             self.cycle()
 
     def until(self, *stages: Stage, within: float = 30.0) -> float:
-        """Runs until one of the stages; how long it took [s]."""
+        """Run until one of the stages; return the duration [s]."""
         began = self.supervisor.now()
         while self.stage not in stages and not (Stage.CLOSED in stages and self.supervisor.done):
             assert self.supervisor.now() - began < within, (self.stage, self.kinds()[-12:])
@@ -165,22 +165,22 @@ class Desk:
         return self.supervisor.now() - began
 
     def expose(self, *faults: PlannedFault, bus: str = "") -> None:
-        """Faults from now on, on the first wire or another."""
+        """Apply faults from now on, to the first wire or another."""
         self.buses[bus or next(iter(self.buses))].expose(FaultPlan(faults, seed=3))
 
     def perform(self, seconds: float, *, amplitude: float = 0.4, begin: float = 0.0) -> None:
-        """Writes a motion from rest to rest into the channel, far ahead."""
+        """Write a motion from rest to rest into the channel, far ahead."""
         for k in range(round(seconds / PERIOD) + 1):
             time = k * PERIOD
             assert self.channel.write(begin + time, self.goals(time, seconds, amplitude))
 
     def goals(self, time: float, seconds: float, amplitude: float = 0.4) -> Floats:
-        """(n,) [rad]: all joints there and back, beside rest."""
+        """Return goals (n,) [rad] that move all joints from rest and back."""
         phase = (1 - np.cos(2 * np.pi * time / seconds)) / 2
         return np.asarray(self.manifest.rest + amplitude * phase)
 
     def active(self, seconds: float = 3.0) -> "Desk":
-        """Brings it into the middle of a performance."""
+        """Bring the supervisor into the middle of a performance."""
         self.open()
         self.perform(seconds)
         self.until(Stage.ACTIVE)
@@ -200,7 +200,7 @@ class Desk:
 
 @pytest.fixture
 def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
-    """Makes a desk for the little robot, whose supervisor has not begun."""
+    """Return a function that makes a desk for the small robot before the supervisor starts."""
     desks: list[Desk] = []
 
     def made(faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = BRISK) -> Desk:
@@ -264,11 +264,11 @@ def manifest_of(count: int, baud: int) -> Manifest:
 
 @pytest.fixture
 def manifest(robot: Robot) -> Manifest:
-    """Of the little robot."""
+    """Return the manifest of the small robot."""
     return Manifest.of(robot)
 
 
 @pytest.fixture
 def room(manifest: Manifest) -> Room:
-    """A monitor of its servos."""
+    """Return a monitor of the small robot's servos."""
     return Room(manifest)

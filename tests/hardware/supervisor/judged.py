@@ -13,7 +13,7 @@ from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 
 @dataclass(frozen=True)
 class Given:
-    """A servo whose registers are these."""
+    """Servo with prescribed register values."""
 
     member: Member
     values: dict[Register, int] = field(default_factory=dict)

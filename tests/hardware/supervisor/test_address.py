@@ -1,4 +1,4 @@
-"""How another process finds the supervisor that holds a port."""
+"""Discovery of the supervisor that holds a port, from another process."""
 
 import mmap
 import os
@@ -45,7 +45,7 @@ class Held:
 
 
 def beat(clock: float) -> Status:
-    """A status of this time [s]."""
+    """Write a status of this time [s]."""
     nowhere = np.zeros(JOINTS)
     return Status(clock=clock, angles=nowhere, setpoints=nowhere, taken=nowhere)
 
@@ -69,9 +69,9 @@ def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
 
 def test_published_supervisor_is_found_and_reachable(held: Held):
     assert publish([held.port], held.memory, JOINTS) == (held.file,)
-    found = find_supervisor(held.port, JOINTS)
-    assert found is not None
-    found.set("confirm", 1)
+    channel = find_supervisor(held.port, JOINTS)
+    assert channel is not None
+    channel.set("confirm", 1)
     assert held.channel.word("confirm") == 1
     assert not list(held.folder.glob("*.*")), "no draft stays"
     assert stat.S_IMODE(held.folder.stat().st_mode) == 0o700
@@ -86,8 +86,8 @@ def test_search_without_ports_finds_each_running_supervisor_once(held: Held):
     other.write_status(Status(clock=NOW, angles=more, setpoints=more, taken=more))
     publish([held.port.with_name("ttyACM0")], memory, JOINTS + 1)
     (held.folder / f"{held.folder.name}-of-another-program").write_text("1 2 3")
-    found = find_supervisors()
-    assert sorted(len(channel.status().angles) for channel in found) == [JOINTS, JOINTS + 1]
+    channels = find_supervisors()
+    assert sorted(len(channel.status().angles) for channel in channels) == [JOINTS, JOINTS + 1]
     held.channel.write_status(beat(NOW - ALIVE_TIMEOUT))
     assert [len(channel.status().angles) for channel in find_supervisors()] == [JOINTS + 1]
     os.close(memory)
@@ -156,7 +156,7 @@ def test_systems_without_proc_publish_no_address(held: Held, monkeypatch: pytest
 
 
 def squat(path: Path, kind: str) -> None:
-    """Occupy the name of a folder, as another user can in a shared place."""
+    """Occupy the folder's name, as another user can in a shared directory."""
     match kind:
         case "file":
             path.write_text("1 2 3")
@@ -202,7 +202,7 @@ def test_robot_is_refused_without_usable_address_folder(held: Held, kind: str):
 def test_address_is_published_in_the_session_folder_and_searched_in_all_folders(
     held: Held, monkeypatch: pytest.MonkeyPatch
 ):
-    """Another shell may have another environment, and a session may begin or end meanwhile."""
+    """The other process may have another environment, and a session may start or end meanwhile."""
     session = held.port.parent / "RUNTIME_ROOT" / str(os.geteuid())
     session.mkdir()
     (file,) = publish([held.port], held.memory, JOINTS)
@@ -221,8 +221,8 @@ def test_address_is_published_in_the_session_folder_and_searched_in_all_folders(
 
 def test_supervisor_is_found_by_process_search_without_its_address_file(held: Held, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.undo()
-    found = set(address.search_processes())
-    assert (os.getpid(), held.memory, JOINTS) in found
+    processes = set(address.search_processes())
+    assert (os.getpid(), held.memory, JOINTS) in processes
     held.channel.write_status(beat(monotonic()))
     assert JOINTS in {len(channel.status().angles) for channel in find_supervisors()}
 
@@ -276,7 +276,7 @@ def test_address_file_of_another_user_is_ignored(held: Held):
 
 
 def test_shared_memory_of_other_programs_is_not_taken_for_a_supervisor(held: Held):
-    """Neither that of another program, nor a file, though it is as large and its clock runs."""
+    """Neither another program's memory nor a file counts, even of the same size with a running clock."""
     octets = memory_size(JOINTS)
     copy = bytes(map_memory(held.memory, octets))
     foreign = os.memfd_create("other")
@@ -293,7 +293,7 @@ def test_shared_memory_of_other_programs_is_not_taken_for_a_supervisor(held: Hel
 
 
 def test_only_processes_of_this_user_are_searched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Another user's process that holds such memory would hear what is meant for a supervisor."""
+    """Another user's process with such memory would receive commands meant for a supervisor."""
     for process, memory in (("123", "4"), ("124", "5"), ("self", "6")):
         (tmp_path / process / "fd").mkdir(parents=True)
         (tmp_path / process / "fd" / memory).write_bytes(bytes(memory_size(JOINTS)))

@@ -21,7 +21,7 @@ JOINTS, CAPACITY = 3, 8
 
 @pytest.fixture
 def ends() -> tuple[Channel, Channel]:
-    """Planner and supervisor."""
+    """Return the planner's and the supervisor's end of a channel."""
     memory = mmap.mmap(-1, memory_size(JOINTS, CAPACITY))
     return Channel(memory, JOINTS, CAPACITY), Channel(memory, JOINTS, CAPACITY)
 
@@ -30,10 +30,10 @@ def test_channel_returns_commands_once_and_in_order(ends):
     planner, supervisor = ends
     for k in range(5):
         assert planner.write(k / 10, np.full(JOINTS, float(k)))
-    told = supervisor.commands(3) + supervisor.commands(9)
-    assert [time for time, _, _ in told] == [0.0, 0.1, 0.2, 0.3, 0.4]
-    assert all((leads == 0.0).all() for _, _, leads in told)
-    assert [goals.tolist() for _, goals, _ in told] == [[float(k)] * JOINTS for k in range(5)]
+    result = supervisor.commands(3) + supervisor.commands(9)
+    assert [time for time, _, _ in result] == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert all((leads == 0.0).all() for _, _, leads in result)
+    assert [goals.tolist() for _, goals, _ in result] == [[float(k)] * JOINTS for k in range(5)]
     assert supervisor.commands(9) == []
 
 
@@ -74,10 +74,10 @@ def test_channel_returns_the_latest_status(ends):
                 taken=np.zeros(3),
             )
         )
-    told = planner.status()
-    assert (told.stage, told.time, told.energised) == (Stage.ACTIVE, 3.0, 4)
-    assert told.angles.tolist() == [1.0] * 3
-    assert told.time_at(7.2) == pytest.approx(3.1)
+    status = planner.status()
+    assert (status.stage, status.time, status.energised) == (Stage.ACTIVE, 3.0, 4)
+    assert status.angles.tolist() == [1.0] * 3
+    assert status.time_at(7.2) == pytest.approx(3.1)
 
 
 def test_history_returns_every_cycle_once_or_the_latest_ones(ends):
@@ -85,7 +85,7 @@ def test_history_returns_every_cycle_once_or_the_latest_ones(ends):
     vectors = {name: np.zeros(3) for name in ("angles", "setpoints", "taken")}
     for k in range(STATUS_CAPACITY + 10):
         supervisor.write_status(Status(Stage.HOLD, clock=float(k), **vectors))
-    clocks = [told.clock for told in planner.history()]
+    clocks = [item.clock for item in planner.history()]
     assert clocks == [float(k) for k in range(10, STATUS_CAPACITY + 10)]
     assert planner.history() == ()
 

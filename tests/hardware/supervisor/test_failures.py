@@ -103,14 +103,14 @@ def test_weak_supply_is_logged_once_with_lowest_voltage(watched: Watched):
 
 
 class Clock:
-    """A watch for interruptions, and its time."""
+    """Interruption watch with its time."""
 
     def __init__(self) -> None:
         self.time = 0.0
         self.watch = InterruptionWatch(STARTLE)
 
     def cycle(self, seconds: float, *, well: bool = True) -> InterruptionWatch:
-        """One cycle of a performance, so long after the one before: commands are taken, then servos are judged."""
+        """Run a performance cycle some time [s] after the last: take commands, then judge servos."""
         return self.take(seconds, Stage.ACTIVE, before=True, well=well)
 
     def take(

@@ -54,8 +54,8 @@ def test_servo_that_was_pushed_away_is_not_followed_by_a_jump():
 
 
 def test_goal_limits_apply_to_each_servo_separately():
-    """A servo that is not near its goal, or nobody has heard, makes all be looked at more closely: to the same end."""
-    rng, two = np.random.default_rng(1), GoalBounds(*(np.repeat(each, 2) for each in LIMITS))
+    """One servo away from its goal, or without a record, must not change the other goals."""
+    rng, two = np.random.default_rng(1), GoalBounds(*(np.repeat(limit, 2) for limit in LIMITS))
     for _ in range(400):
         goals, speeds = rng.uniform(100, 4000, 2), rng.uniform(-2000, 2000, 2)
         wanted = goals + rng.normal(0, rng.choice([10.0, 60.0, 1000.0], 2))
@@ -94,7 +94,7 @@ def test_goal_reaches_its_full_velocity_after_ten_milliseconds():
 
 @pytest.mark.parametrize("steps", [3, 4, 7, 10])
 def test_goal_decelerates_as_late_as_its_acceleration_limit_allows(steps: int):
-    """From 800 ticks/s it stops in 0.8 + 0.6 + 0.4 + 0.2 ticks: there 800 are still right, and nearer no more."""
+    """From 800 ticks/s it stops in 0.8 + 0.6 + 0.4 + 0.2 ticks, so it must brake below that distance."""
     speed, way = 200.0 * steps, 0.2 * steps * (steps + 1) / 2
     assert next_of(2000.0, 2000.0 + way, speed=speed)[:2] == pytest.approx((2000.0 + FINE * speed, speed))
     nearer = next_of(2000.0, 2000.0 + 0.95 * way, speed=speed)[1]
@@ -115,8 +115,8 @@ def test_goal_velocity_and_acceleration_reach_but_never_exceed_limits(way: float
 def test_goal_is_at_most_the_allowed_distance_ahead_of_its_servo(way: float):
     goal, present = 2000.0 + way * 290.0, 2000.0
     for more, granted, refused in ((10.0, 10.0, False), (10.4, 10.0, False), (10.6, 10.0, True), (50.0, 10.0, True)):
-        found = next_of(goal, goal + way * more, present=present, seconds=STEP)
-        assert found == (pytest.approx(goal + way * granted), pytest.approx(way * granted / STEP), refused)
+        result = next_of(goal, goal + way * more, present=present, seconds=STEP)
+        assert result == (pytest.approx(goal + way * granted), pytest.approx(way * granted / STEP), refused)
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
@@ -132,10 +132,10 @@ def test_goal_far_from_its_servo_may_only_approach_it(way: float):
 
 @pytest.mark.parametrize(("edge", "way"), [(4000.0, 1.0), (100.0, -1.0)])
 def test_goal_outside_its_range_moves_to_the_edge(edge: float, way: float):
-    """Be it farther outside than goals may be from servos: then the nearest place of the range counts."""
+    """A goal farther outside than the allowed goal error is replaced by the nearest edge."""
     for outside in (50.0, 900.0):
-        found = next_of(edge + way * 5.0, edge - way * 400.0, present=edge + way * outside, seconds=STEP)
-        assert found[1:] == (pytest.approx(-way * (2000.0 if outside < 300.0 else 500.0)), True)
+        result = next_of(edge + way * 5.0, edge - way * 400.0, present=edge + way * outside, seconds=STEP)
+        assert result[1:] == (pytest.approx(-way * (2000.0 if outside < 300.0 else 500.0)), True)
     assert next_of(edge, edge, present=edge, seconds=STEP) == (edge, 0.0, False)
     assert next_of(edge, edge + way, present=edge, seconds=STEP) == (edge, 0.0, True)
 

@@ -1,4 +1,4 @@
-"""Goals on the wire against where servos with profiles then are."""
+"""Goals on the wire, compared with profiled servo positions at the same time."""
 
 from math import inf
 
@@ -22,7 +22,7 @@ def manifest(robot) -> Manifest:
 
 @pytest.fixture
 def steering(manifest) -> GoalSteering:
-    """All joints at zero."""
+    """Return a goal writer with all joints at zero."""
     made = GoalSteering(manifest, DEFAULT_SETTINGS)
     made.put(range(len(manifest.members)), manifest.scale.nearest(np.zeros(len(manifest.members))))
     return made
@@ -53,7 +53,7 @@ HALF_A_TURN = 2048
 
 
 def run(steering: GoalSteering, present: np.ndarray | None = None, *, cycles: int) -> np.ndarray:
-    """Whose goals were refused in any of the cycles; servos are where their goals are if nothing else is said."""
+    """Return the servos whose goals were limited in a cycle; servos are at their goals by default."""
     refused = np.zeros(len(steering.goals), dtype=bool)
     for _ in range(cycles):
         refused |= steering.move(

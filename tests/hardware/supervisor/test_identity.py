@@ -1,4 +1,4 @@
-"""Servos behind a reopened port: the previous ones or another robot's."""
+"""Servos behind a reopened port: the same servos, or another robot's."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ LEFT = (0, 1, 2, 3)  # places of the servos behind the first port
 
 @dataclass
 class Bench:
-    """A robot whose left port was lost and is back."""
+    """Robot whose left port was lost and is open again."""
 
     axes: Axes
     tables: tuple[RegisterTable, ...]
@@ -36,7 +36,7 @@ class Bench:
         return snapshot
 
     def identify(self) -> tuple[int, str]:
-        """How many cycles it takes, and why the port is given up; empty if it is not."""
+        """Return the cycles needed, and why the port is given up (empty if it is not)."""
         procedure, cycles = identify(self.axes, self.tables, watchdog=WATCHDOG), 0
         try:
             for _ in procedure:

@@ -87,7 +87,10 @@ def test_robot_without_a_bus_is_refused(robot: Robot, tmp_path):
 def test_servo_gets_gains_and_no_profile_acceleration(robot: Robot):
     for member in Manifest.of(robot).members:
         proportional, derivative, *_ = member.gains
-        told = member.ram_values
-        assert (told[Register.POSITION_P_GAIN], told[Register.POSITION_D_GAIN]) == (proportional, derivative)
+        ram_values = member.ram_values
+        assert (ram_values[Register.POSITION_P_GAIN], ram_values[Register.POSITION_D_GAIN]) == (
+            proportional,
+            derivative,
+        )
         others = Register.POSITION_I_GAIN, Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN
-        assert {told[register] for register in (*others, Register.PROFILE_ACCELERATION)} == {0}
+        assert {ram_values[register] for register in (*others, Register.PROFILE_ACCELERATION)} == {0}

@@ -98,7 +98,7 @@ def test_performance_slows_between_half_and_four_fifths_of_the_load_limit(work: 
 
 
 def test_load_ratings_come_from_the_servo_registers(manifest):
-    """A servo without current sensor tells its load in thousandths; one whose limit is 0 bears hardly anything."""
+    """Without current sensor the load is in thousandths; a limit of 0 leaves a minimal rating."""
     tables = tables_of(manifest)
     tables[3] = Given(manifest.members[3], {Register.TEMPERATURE_LIMIT: 70, Register.CURRENT_LIMIT: 0})
     ratings = LoadRatings.of(tables)

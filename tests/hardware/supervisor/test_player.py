@@ -20,7 +20,7 @@ def run(
 
 def test_performance_time_accelerates_evenly_to_its_full_rate():
     scales = run(TimeScale(), 100)
-    assert np.allclose(np.diff([each.scale for each in scales[:41]]), STEP / 0.4)
+    assert np.allclose(np.diff([scale.scale for scale in scales[:41]]), STEP / 0.4)
     assert scales[-1].scale == 1.0
     assert np.isclose(scales[-1].time - scales[-2].time, STEP)
 
@@ -34,7 +34,7 @@ def test_performance_time_stops_within_the_given_duration():
 def test_performance_time_stops_smoothly_at_the_end_of_commands():
     scales = run(TimeScale(0.0, 1.0), 400, end=1.0)
     assert scales[-1] == TimeScale(1.0, 0.0)
-    assert max(np.abs(np.diff([each.scale for each in scales]))) <= STEP / 0.4 + 1e-9
+    assert max(np.abs(np.diff([scale.scale for scale in scales]))) <= STEP / 0.4 + 1e-9
 
 
 @given(

@@ -1,4 +1,4 @@
-"""Every register with a hostile value: its treatment and the motion."""
+"""Every register with a hostile value: how it is treated, and the motion after it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -113,7 +113,7 @@ def pair(tmp_path: Path) -> Iterator[Desk]:
 
 
 def leave(desk: Desk, register: Register, value: int) -> None:
-    """Set a register of the first servo, as an earlier owner may have done."""
+    """Set a register of the first servo, as an earlier owner may have left it."""
     servo = desk.plant.servos[0]
     servo.memory[register] = value
     servo.electronics.changed()
@@ -124,7 +124,7 @@ def leave(desk: Desk, register: Register, value: int) -> None:
 
 
 def moved(desk: Desk) -> Ticks:
-    """Return positions (k, m) during a motion that is released in its middle."""
+    """Return positions (k, m) during a motion that is stopped in its middle."""
     desk.open()
     assert desk.stage is Stage.LIMP, desk.kinds()
     desk.perform(SECONDS, amplitude=AMPLITUDE)
@@ -138,7 +138,7 @@ def moved(desk: Desk) -> Ticks:
 
 @cache
 def untouched(model: str) -> Ticks:
-    """(k, m) the same of servos as they are delivered."""
+    """Return positions (k, m) of the same motion with factory-fresh servos."""
     with TemporaryDirectory() as folder:
         made = two_servos(Path(folder), model)
         places = moved(made)
@@ -185,14 +185,14 @@ def test_register_tests_cover_every_register_that_can_be_wrong():
     sensors = {r for r in Register if not r.field.writable} - {Register.MODEL_NUMBER, Register.FIRMWARE_VERSION, *LEFT}
     tried = {r for r, _ in (*SET, *NARROWED, *REFUSED, *DRIVEN)} | set(LEFT)
     assert tried | cannot | (sensors - {Register.HARDWARE_ERROR_STATUS}) == set(Register)
-    for treatment, found in (
+    for treatment, result in (
         ("set", {r for r, _ in SET}),
         ("narrowed", {r for r, _ in NARROWED} & {r for r, _ in TOO_NARROW}),
         ("refused", {r for r, _ in REFUSED}),
         ("driven", {r for r, _ in DRIVEN} | {Register.TORQUE_ENABLE}),
     ):
-        assert {r for r in found if RULES[r].treatment != treatment} == set()
-        assert {r for r in Register if RULES[r].treatment == treatment} - sensors <= found
+        assert {r for r in result if RULES[r].treatment != treatment} == set()
+        assert {r for r in Register if RULES[r].treatment == treatment} - sensors <= result
 
 
 @pytest.mark.parametrize(("hostile", "value"), (SET | NARROWED).items(), ids=str)
@@ -263,7 +263,7 @@ def test_gains_of_an_adopted_servo_are_set(pair: Desk):
 
 
 def test_lost_writes_are_repeated_before_torque(pair: Desk, monkeypatch: pytest.MonkeyPatch):
-    """Gains are written to all at once, which nobody answers."""
+    """Gains are written by broadcast, which no servo acknowledges."""
     servo, place, lost = pair.plant.servos[0], Register.POSITION_I_GAIN.field.address, [1, 2]
     heard = servo.write
     monkeypatch.setattr(servo, "write", lambda at, data: lost.pop() if at == place and lost else heard(at, data))

@@ -11,7 +11,7 @@ from kinesic.hardware.supervisor.requests import Requests
 
 
 class Asked:
-    """Requests of a planner that lives until a test says otherwise."""
+    """Requests of a planner that lives until a test ends it."""
 
     def __init__(self) -> None:
         self.alive = True
@@ -114,7 +114,7 @@ FLAGS = [field.name for field in fields(Observation) if field.type in (bool, "bo
 
 @pytest.mark.parametrize("flag", FLAGS)
 def test_only_the_expected_observation_flags_end_a_performance_or_an_emergency_stop(flag: str):
-    """Each flag by itself, turned from what it is while all is well and nothing is performed."""
+    """Each flag alone is inverted, from its value without faults and without a performance."""
     calm = Observation()
     assert (calm.over, calm.dismissed) == (False, False)
     seen = Observation(**{flag: not getattr(calm, flag)})

@@ -53,7 +53,7 @@ def test_unwritable_log_is_reported_once_and_does_not_stop(path: str, why: str):
 
 
 def test_full_disk_leaves_no_partial_line_in_the_event_log(tmp_path: Path):
-    """The size that a file of this process may have stands for the disk."""
+    """A file size limit of this process stands for the full disk."""
     path, limits = tmp_path / "events.jsonl", getrlimit(RLIMIT_FSIZE)
     journal = EventLog(path)
     journal.write(Note(1.0, -1, "stage", "x"))

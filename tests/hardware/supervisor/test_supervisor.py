@@ -63,11 +63,11 @@ def test_all_commands_sent_in_one_cycle_are_performed(desk: Make, monkeypatch: p
     commands = made.channel.commands
 
     def then_all_is_said(most: int) -> object:
-        found = commands(most)
+        sent_commands = commands(most)
         made.perform(1.0)
         made.channel.set("ended", 1)
         monkeypatch.undo()
-        return found
+        return sent_commands
 
     monkeypatch.setattr(made.channel, "commands", then_all_is_said)
     made.until(Stage.ACTIVE)
@@ -111,7 +111,7 @@ def test_clearance_watch_slows_the_performance_and_restores_its_rate(desk: Make)
 
 
 def test_feedforward_is_reduced_in_proportion_to_a_slowed_performance(desk: Make):
-    """All joints turn at 0.5 rad/s, led by 0.1 rad: at a tenth of the pace a tenth of it is left."""
+    """All joints turn at 0.5 rad/s with 0.1 rad of feedforward; at a tenth of the speed 0.01 rad remain."""
     made = desk()
     made.open()
     for k in range(300):
@@ -221,7 +221,7 @@ def test_robot_without_commands_holds_then_folds_and_restarts_with_new_ones(desk
 
 
 def test_performance_time_waits_for_a_slow_planner(desk: Make):
-    """Never a jump of goals: time slows before the end of what is known."""
+    """Performance time slows before the last known setpoint, so that goals never jump."""
     made = desk()
     made.open()
     for k in range(60):
@@ -281,8 +281,8 @@ def test_non_finite_command_is_dropped_and_reported(desk: Make):
 def test_supervisor_writes_a_status_in_every_cycle(desk: Make):
     made = desk().active()
     history = made.channel.history()
-    assert [told.stage for told in history[-20:]] == [Stage.ACTIVE] * 20
-    clocks = [told.clock for told in history]
+    assert [item.stage for item in history[-20:]] == [Stage.ACTIVE] * 20
+    clocks = [item.clock for item in history]
     assert clocks == sorted(clocks)
     made.cycle()
     assert len(made.channel.history()) == 1

@@ -179,17 +179,17 @@ def test_moved_servo_gets_no_repeated_torque_command(bench: Bench, deaf_once: li
 
 
 def test_torque_procedure_waits_until_the_host_receives_new_records(bench: Bench, deaf_once: list[list[int]]):
-    told: list[Snapshot] = []
+    results: list[Snapshot] = []
     limp = bench.last
 
     def late(snapshot: Snapshot, cycle: int) -> Snapshot:
-        if not deaf_once or len(told) > 2 * STEP_CYCLES:
+        if not deaf_once or len(results) > 2 * STEP_CYCLES:
             return snapshot
-        told.append(replace(snapshot, records=limp.records, times=limp.times))
-        return told[-1]
+        results.append(replace(snapshot, records=limp.records, times=limp.times))
+        return results[-1]
 
     bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3), late)
-    assert len(told) > 2 * STEP_CYCLES
+    assert len(results) > 2 * STEP_CYCLES
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
 
@@ -256,7 +256,7 @@ def test_torque_is_switched_off_on_all_servos(bench: Bench):
 
 
 def test_torque_off_is_sent_twice_per_cycle(bench: Bench):
-    """What is written to all is not answered, and may be lost."""
+    """Broadcasts are not acknowledged, so one may be lost."""
     bench.energised()
     written: list[bytes] = []
     write = bench.wire.write

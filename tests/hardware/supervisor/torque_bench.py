@@ -1,4 +1,4 @@
-"""Virtual servos on which procedures that give and take torque are run, cycle by cycle."""
+"""Virtual servos for tests of procedures that switch torque, cycle by cycle."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -27,7 +27,7 @@ Change = Callable[
 
 
 class Bench:
-    """Four servos, and a procedure that is run on them."""
+    """Four servos, and a procedure that runs on them."""
 
     def __init__(self) -> None:
         cable = Cable("body", tuple(ServoFitting(k + 1, model=MODEL) for k in EVERYBODY))
@@ -59,7 +59,7 @@ class Bench:
         *,
         places: Sequence[int] = EVERYBODY,
     ) -> int:
-        """Runs a procedure for the servos at these places to its end; how many cycles that took."""
+        """Run a procedure for the servos at these places to its end; return the number of cycles."""
         self.seen = []
         given, cycles = next(procedure, None), 0
         while True:
@@ -81,7 +81,7 @@ WATCHED = (Register.TORQUE_ENABLE, Register.GOAL_PWM, Register.GOAL_POSITION, Re
 
 
 def moved(snapshot: Snapshot, ticks: float) -> Snapshot:
-    """The same with the second servo elsewhere."""
+    """Return the snapshot with the second servo moved."""
     records = snapshot.records.copy()
     records["position"][1] += round(ticks)
     return replace(snapshot, records=records)

@@ -14,14 +14,14 @@ from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 @dataclass
 class Bench:
-    """The default robot's servos on a table, in virtual time."""
+    """Default robot's servos without load, in virtual time."""
 
     manifest: Manifest
     wire: MemoryWire
     servos: Mapping[int, VirtualServo]
 
     def set(self, servo: int, register: Register, value: int) -> None:
-        """Another value than the robot wants."""
+        """Set a register to another value than the robot file requires."""
         self.servos[servo].memory[register] = value
 
     @property

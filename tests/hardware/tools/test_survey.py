@@ -10,7 +10,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 
 def port(baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS):
-    """Opens a wire with three servos at any baud rate."""
+    """Return a function that opens a wire with three servos at any baud rate."""
     _, buses = build_bus(
         [
             Cable(
@@ -33,8 +33,8 @@ def port(baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS):
 @pytest.mark.parametrize("baud", [57_600, 1_000_000, 4_000_000])
 def test_servos_are_found_at_their_baud_rate(baud: int):
     steps: list[int] = []
-    found = scan_bus(port(baud), bauds=(57_600, 1_000_000, 4_000_000), step=lambda: steps.append(1))
-    assert found == (
+    servos = scan_bus(port(baud), bauds=(57_600, 1_000_000, 4_000_000), step=lambda: steps.append(1))
+    assert servos == (
         FoundServo(PingReply(1, 1020, 52), baud, shared=False),
         FoundServo(PingReply(7, 1060, 52), baud, shared=False),
         FoundServo(PingReply(20, 1020, 52), baud, shared=False),
@@ -43,22 +43,22 @@ def test_servos_are_found_at_their_baud_rate(baud: int):
 
 
 def test_scan_pings_given_ids_one_by_one():
-    found = scan_bus(port(), bauds=(1_000_000,), ids=(7, 8))
-    assert [sighting.servo.id for sighting in found] == [1, 7, 20]
+    servos = scan_bus(port(), bauds=(1_000_000,), ids=(7, 8))
+    assert [sighting.servo.id for sighting in servos] == [1, 7, 20]
 
 
 def test_survey_reports_an_id_of_several_servos():
     faults = FaultPlan((PlannedFault("duplicate_id", servos=(20,)),))
-    found = scan_bus(port(faults=faults), bauds=(1_000_000,), ids=(20,))
-    assert [sighting.servo.id for sighting in found if not sighting.shared] == [1, 7]
+    servos = scan_bus(port(faults=faults), bauds=(1_000_000,), ids=(20,))
+    assert [sighting.servo.id for sighting in servos if not sighting.shared] == [1, 7]
 
 
 def test_survey_reads_all_servos_at_rest(bench):
     table = bench()
     seen = survey(table.manifest, {"body": table.wire})
-    assert [each.member.id for each in seen] == [member.id for member in table.manifest.members]
-    assert all(each.right and not each.torque and not each.errors for each in seen)
-    elbow = next(each for each in seen if each.member.hinge == "l_elbow_flexion")
+    assert [item.member.id for item in seen] == [member.id for member in table.manifest.members]
+    assert all(item.right and not item.torque and not item.errors for item in seen)
+    elbow = next(item for item in seen if item.member.hinge == "l_elbow_flexion")
     assert elbow.degrees == pytest.approx(18.0, abs=0.1)  # at rest
     assert (elbow.volts, elbow.celsius) == (12.0, 25)
     assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
@@ -70,20 +70,20 @@ def test_survey_of_a_wrong_servo_does_not_hide_others(bench):
     table.set(6, Register.RETURN_DELAY_TIME, 250)
     table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")
     table.wire.sleep(0.1)
-    seen = {each.member.id: each for each in survey(table.manifest, {"body": table.wire})}
+    seen = {item.member.id: item for item in survey(table.manifest, {"body": table.wire})}
     assert seen[7].model_name == ""
     assert (seen[4].model_name, seen[4].right) == ("xl430_w250", False)
     assert seen[5].errors == ("overload",)
     assert any((c.register, c.before, c.after) == (Register.RETURN_DELAY_TIME, 250, 0) for c in seen[6].differs)
     assert seen[12].torque
-    assert sum(each.right for each in seen.values()) == 21
+    assert sum(item.right for item in seen.values()) == 21
 
 
 def test_servos_without_replies_are_set_to_reply(bench):
     table = bench()
     for servo in table.servos:
         table.set(servo, Register.STATUS_RETURN_LEVEL, 0)
-    assert all(each.right for each in survey(table.manifest, {"body": table.wire}))
+    assert all(item.right for item in survey(table.manifest, {"body": table.wire}))
 
 
 def test_survey_reports_unexpected_servos(bench):

@@ -25,7 +25,7 @@ class Line:
         return self.plant.servos[0]
 
     def bytes(self, data: bytes, wait: float = WAIT) -> bytes:
-        """Everything that comes back."""
+        """Send bytes, and return all received bytes."""
         self.wire.write(data)
         limit, got = self.wire.now() + wait, b""
         while came := self.wire.read(limit):
@@ -33,7 +33,7 @@ class Line:
         return got
 
     def ask(self, data: bytes) -> list[Packet]:
-        """The packets that come back."""
+        """Send bytes, and return the received packets."""
         return list(Reader().feed(self.bytes(data)))
 
     def error(self, data: bytes) -> int:
@@ -45,7 +45,7 @@ class Line:
         return self.error(packet.write_packet(servo, register.field.address, register.field.pack(value)))
 
     def get(self, register: Register, servo: int = 1) -> int:
-        """Reads a register."""
+        """Read a register."""
         (status,) = self.ask(packet.read_packet(servo, register.field.address, register.field.size))
         return register.field.unpack(status.data)
 
@@ -62,5 +62,5 @@ def line_of(*servos: int, **changes: object) -> Line:
 
 @pytest.fixture
 def line() -> Callable[..., Line]:
-    """Makes a line of new servos with the ids given."""
+    """Return a function that makes a line of new servos with these ids."""
     return line_of

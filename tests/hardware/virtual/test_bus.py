@@ -29,18 +29,18 @@ def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:
     """
     assert reply.startswith(PACKET_HEADER + bytes((BROADCAST_ID,)))
     assert reply[7] == Instruction.STATUS
-    found = []
+    servo_blocks = []
     for start in range(8, len(reply), size + 4):
         end = start + size + 4
         assert crc16(reply[: end - 2]) == int.from_bytes(reply[end - 2 : end], "little")
-        found.append((reply[start], reply[start + 1], reply[start + 2 : end - 2]))
-    return found
+        servo_blocks.append((reply[start], reply[start + 1], reply[start + 2 : end - 2]))
+    return servo_blocks
 
 
 @pytest.mark.parametrize("baud", [57_600, 1_000_000, 4_000_000])
 @pytest.mark.parametrize("count", [7, 14, 20, 26])
 def test_bus_cycle_takes_transmission_time_plus_latency(count: int, baud: int):
-    """84 + 28 + 204 bytes for 14 servos and 10 bytes of each: the figures of the table of wire limits."""
+    """For 10 bytes of each of 14 servos: 84 + 28 + 204 bytes, as in the table of wire limits."""
     line = troubled(count=count, baud=baud, latency=0.001)
     ids = list(range(1, count + 1))
     asked = packet.sync_write(116, 4, {servo: bytes(4) for servo in ids}) + packet.sync_read(ids, 126, 10, fast=True)
@@ -162,7 +162,7 @@ def test_unplugged_port_raises_errors_until_it_is_reopened():
 
 
 def test_simultaneous_transmissions_destroy_packet_and_reply():
-    """14 bytes of a ping's answer are on the wire from 0.12 ms on; the second ping covers all but the first of them."""
+    """The ping's 14-byte reply starts at 0.12 ms; the second ping overlaps all but its first byte."""
     line = troubled(latency=0.0)
     line.wire.write(packet.ping(1))
     line.wire.sleep(0.00013)

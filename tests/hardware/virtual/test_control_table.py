@@ -1,4 +1,4 @@
-"""Indirect cells."""
+"""Indirect addresses and data cells of the control table."""
 
 from collections.abc import Callable
 

@@ -35,7 +35,7 @@ def octets(text: str) -> bytes:
 
 @pytest.fixture
 def manual(line: Lines) -> Line:
-    """The two servos of the manual's examples."""
+    """Return the two servos of the manual's examples."""
     both = line(1, 2, model="xm430_w210", firmware=38)
     both.plant.physics.turn(0, 166 * Register.PRESENT_POSITION.field.scale)
     both.plant.physics.turn(1, 2079 * Register.PRESENT_POSITION.field.scale)

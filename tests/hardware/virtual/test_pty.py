@@ -25,7 +25,7 @@ Opens = Callable[[Cable], Path]
 
 @pytest.fixture
 def opened(tmp_path: Path) -> Iterator[Opens]:
-    """Serves a wire in a thread of its own."""
+    """Serve a wire in its own thread."""
     done, threads = Event(), []
 
     def open_one(cable: Cable) -> Path:
@@ -45,13 +45,13 @@ def opened(tmp_path: Path) -> Iterator[Opens]:
 
 
 class Host:
-    """A program on the other side."""
+    """Program at the other end of the pseudo-terminal."""
 
     def __init__(self, path: Path) -> None:
         self.end = os.open(path, os.O_RDWR | os.O_NOCTTY)
 
     def ask(self, data: bytes, count: int) -> bytes:
-        """Says something and waits for so many bytes."""
+        """Send bytes, and wait for a number of reply bytes."""
         os.write(self.end, data)
         got, limit = b"", time.monotonic() + PATIENCE
         while len(got) < count and time.monotonic() < limit:
@@ -80,7 +80,7 @@ def test_program_on_the_terminal_talks_to_the_servos(opened: Opens):
 
 
 def test_bytes_on_a_pseudo_terminal_take_their_transmission_time(opened: Opens):
-    """20 reads of 100 bytes at 57600 baud are 134 bytes each: at least 0.4 s on the wire."""
+    """20 reads of 100 bytes are 134 bytes each: at least 0.4 s at 57600 baud."""
     host = Host(opened(wire(count=1, baud=57_600)))
     began = time.monotonic()
     for _ in range(20):

@@ -1,4 +1,4 @@
-"""Where a servo says it is, and how it gets elsewhere."""
+"""Reported set point of a servo, and its profile to a goal."""
 
 from collections.abc import Callable
 from math import inf, sqrt
@@ -171,7 +171,7 @@ def profiled(line: Lines, *, mode: int, acceleration: int, velocity: int, goal: 
 
 
 def test_velocity_based_profile_keeps_velocity_and_acceleration(line: Lines):
-    """100 counts are 22.9 rpm: a quarter turn in 0.66 s, and 10 counts of acceleration are 2145.77 rev/min^2."""
+    """100 counts are 22.9 rpm (a quarter turn in 0.66 s); 10 counts are 2145.77 rev/min^2."""
     one = profiled(line, mode=0, acceleration=10, velocity=100, goal=3072)
     places, speeds = watched(one, 1.5)
     assert places[-1] == 3072

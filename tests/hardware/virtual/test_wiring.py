@@ -29,8 +29,8 @@ def test_built_servos_answer_with_their_models_and_positions():
     got = b""
     while came := wire.read(0.1):
         got += came
-    found = {status.id: int.from_bytes(status.data[:2], "little") for status in Reader().feed(got)}
-    assert found == {fitting.servo: SERVO_MODELS[fitting.model].number for fitting in cable.fittings}
+    model_numbers = {status.id: int.from_bytes(status.data[:2], "little") for status in Reader().feed(got)}
+    assert model_numbers == {fitting.servo: SERVO_MODELS[fitting.model].number for fitting in cable.fittings}
     for servo, fitting in zip(plant.servos, cable.fittings, strict=True):
         assert servo.electronics.present_position() == fitting.ticks
         assert servo.memory[Register.TORQUE_ENABLE] == 0

@@ -23,7 +23,7 @@ def _hinge(name: str, axis: str, lower: float = -1.5, upper: float = 1.5) -> Hin
 
 
 def _arm(shoulder: str, elbow: str, wrist: str) -> Chain:
-    """Bones along z; a letter for each hinge's axis."""
+    """Make an arm with bones along z; letters name the axis of each hinge."""
     parts = (("s", shoulder, -0.3), ("e", elbow, -0.25), ("w", wrist, -0.08))
     joints = tuple(
         ChainJoint(name, tuple(_hinge(f"{name}{k}", a) for k, a in enumerate(axes)), sealed([0.0, 0.0, length]))

@@ -27,16 +27,16 @@ def _arm(shoulder: str, elbow: str, two_sided: bool) -> Chain:
 
 
 def _round_trips(chain: Chain, count: int) -> float:
-    """Share of random postures whose points are met to a micrometre."""
+    """Return the share of random postures whose points are met within a micrometre."""
     random, linkage = default_rng(4), linkage_of(chain)
     met = 0
     for _ in range(count):
         points = linkage.walk(random.uniform(chain.lower, chain.upper).tolist(), len(linkage.links) - 1)[1]
-        found = extract(linkage, points[1:], chain.rest.tolist())
-        back = linkage.walk(found.angles, len(linkage.links) - 1)[1]
-        assert all(p.lower <= a <= p.upper for p, a in zip(linkage.pivots, found.angles, strict=False))
+        extracted = extract(linkage, points[1:], chain.rest.tolist())
+        back = linkage.walk(extracted.angles, len(linkage.links) - 1)[1]
+        assert all(p.lower <= a <= p.upper for p, a in zip(linkage.pivots, extracted.angles, strict=False))
         miss = sum(np.linalg.norm(np.subtract(a, b)) for a, b in zip(points, back, strict=True))
-        assert found.miss == pytest.approx(miss, abs=1e-12)
+        assert extracted.miss == pytest.approx(miss, abs=1e-12)
         met += int(miss < 1e-6)
     return met / count
 
@@ -70,6 +70,6 @@ def test_angle_solution_nearest_to_the_present_angles_is_chosen() -> None:
 def test_bones_after_a_limited_joint_are_aimed_from_the_reached_position() -> None:
     chain = Robot.load().arms["l"]
     linkage = linkage_of(chain)
-    found = extract(linkage, [(0.0, 0.1, 0.09), (-0.3, 0.2, 0.2), (-0.3, 0.3, 0.3)], chain.rest.tolist())
-    assert found.miss > 0.05
-    assert all(p.lower <= a <= p.upper for p, a in zip(linkage.pivots, found.angles, strict=False))
+    extracted = extract(linkage, [(0.0, 0.1, 0.09), (-0.3, 0.2, 0.2), (-0.3, 0.3, 0.3)], chain.rest.tolist())
+    assert extracted.miss > 0.05
+    assert all(p.lower <= a <= p.upper for p, a in zip(linkage.pivots, extracted.angles, strict=False))

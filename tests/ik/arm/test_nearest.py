@@ -18,15 +18,15 @@ SHOULDER = np.array([0.0, 0.155, -0.035])
 
 
 def _beyond(count: int, *, seed: int) -> list[Floats]:
-    """Targets that no posture holds: too far, too near, behind the back."""
-    random, found = default_rng(seed), []
-    while len(found) < count:
+    """Return targets that the arm cannot reach: too far, too near or behind the back."""
+    random, results = default_rng(seed), []
+    while len(results) < count:
         direction = random.normal(size=3)
         length = random.uniform(0.1, 1.5) * LINKAGE.farthest
         target = SHOULDER + direction * length / np.linalg.norm(direction)
         if not solve(LEFT, Reach(target), start=LEFT.rest).reached:
-            found.append(target)
-    return found
+            results.append(target)
+    return results
 
 
 @pytest.mark.soak
@@ -34,8 +34,8 @@ def test_ik_residual_of_unreachable_targets_is_close_to_the_optimum():
     gaps = []
     for target in _beyond(20, seed=41):
         first = solve(LEFT, Reach(target), start=LEFT.rest)
-        found = finish(LINKAGE, vector(target), [first.angles.tolist()])
-        gaps.append(found.miss - best_posture(LEFT, Reach(target), starts=8).residual)
+        result = finish(LINKAGE, vector(target), [first.angles.tolist()])
+        gaps.append(result.miss - best_posture(LEFT, Reach(target), starts=8).residual)
     assert np.mean(np.array(gaps) < 5e-3) >= 0.95
     assert np.mean(np.array(gaps) < 1e-3) >= 0.9
 
@@ -65,24 +65,24 @@ def test_nearest_arm_posture_stays_in_range_and_never_worsens():
     random = default_rng(42)
     for target in _beyond(40, seed=43):
         start = random.uniform(LEFT.lower, LEFT.upper)
-        found = finish(LINKAGE, vector(target), [start.tolist()])
-        angles = np.array([*found.angles, *start[len(found.angles) :]])
+        result = finish(LINKAGE, vector(target), [start.tolist()])
+        angles = np.array([*result.angles, *start[len(result.angles) :]])
         assert np.all((LEFT.lower <= angles) & (angles <= LEFT.upper))
-        assert abs(np.linalg.norm(LEFT.hand(angles) - target) - found.miss) < 1e-12
-        assert found.miss <= np.linalg.norm(LEFT.hand(start) - target)
-        assert found.rounds <= 30
+        assert abs(np.linalg.norm(LEFT.hand(angles) - target) - result.miss) < 1e-12
+        assert result.miss <= np.linalg.norm(LEFT.hand(start) - target)
+        assert result.rounds <= 30
 
 
 def test_nearest_arm_posture_is_a_coordinatewise_optimum():
     for target in _beyond(15, seed=44):
-        found = finish(LINKAGE, vector(target), [LEFT.rest.tolist()])
-        for k in range(len(found.angles)):
+        result = finish(LINKAGE, vector(target), [LEFT.rest.tolist()])
+        for k in range(len(result.angles)):
             for step in (-1e-4, 1e-4):
-                moved = np.array([*found.angles, *LEFT.rest[len(found.angles) :]])
+                moved = np.array([*result.angles, *LEFT.rest[len(result.angles) :]])
                 moved[k] = np.clip(moved[k] + step, LEFT.lower[k], LEFT.upper[k])
-                assert np.linalg.norm(LEFT.hand(moved) - target) > found.miss - 1e-6
+                assert np.linalg.norm(LEFT.hand(moved) - target) > result.miss - 1e-6
 
 
 def test_arm_with_its_hand_on_target_is_unchanged():
-    found = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), [LEFT.rest.tolist()])
-    assert np.abs(np.array(found.angles) - LEFT.rest[: len(found.angles)]).max() < 1e-9
+    result = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), [LEFT.rest.tolist()])
+    assert np.abs(np.array(result.angles) - LEFT.rest[: len(result.angles)]).max() < 1e-9

@@ -15,7 +15,7 @@ LEFT = Robot.load().arms["l"]
 
 
 def _split(chain: Chain, name: str, after: int, offset: tuple[float, float, float]) -> Chain:
-    """The chain with one joint's hinges apart: the first ones, a short bone, the others."""
+    """Split a joint's hinges into two joints with a short bone between them."""
     joints: list[ChainJoint] = []
     for joint in chain.joints:
         if joint.name == name:
@@ -26,7 +26,7 @@ def _split(chain: Chain, name: str, after: int, offset: tuple[float, float, floa
 
 
 def _apart(offset: float) -> Chain:
-    """Shoulder, elbow and wrist, each with hinges that do not meet."""
+    """Return an arm whose shoulder, elbow and wrist hinges do not intersect."""
     chain = _split(LEFT, "l_shoulder", 1, (offset, offset, 0.0))
     chain = _split(chain, "l_elbow", 1, (offset, 0.0, 0.0))
     return _split(chain, "l_wrist", 1, (0.0, offset, -offset))
@@ -37,10 +37,10 @@ def test_arms_with_offset_joint_axes_reach_targets_of_random_postures(offset):
     chain, random = _apart(offset), default_rng(81)
     for _ in range(50):
         position = chain.hand(random.uniform(chain.lower, chain.upper))
-        found = solve_offset(chain, Reach(position), start=chain.rest)
-        assert np.all((chain.lower <= found.angles) & (found.angles <= chain.upper))
-        assert found.residual == pytest.approx(np.linalg.norm(chain.hand(found.angles) - position), abs=1e-12)
-        assert found.residual < 1e-4
+        solution = solve_offset(chain, Reach(position), start=chain.rest)
+        assert np.all((chain.lower <= solution.angles) & (solution.angles <= chain.upper))
+        assert solution.residual == pytest.approx(np.linalg.norm(chain.hand(solution.angles) - position), abs=1e-12)
+        assert solution.residual < 1e-4
 
 
 def test_idealised_arm_has_all_axes_of_a_joint_in_one_centre():
@@ -57,9 +57,9 @@ def test_offset_along_a_bone_lengthens_it():
 
 def test_arm_without_offsets_is_solved_like_an_ideal_arm():
     reach = Reach(np.array([0.25, 0.15, -0.05]), pointing=np.array([1.0, 0.0, 0.0]))
-    plain, found = solve(LEFT, reach, start=LEFT.rest), solve_offset(LEFT, reach, start=LEFT.rest)
-    assert np.abs(plain.angles - found.angles).max() < 1e-6
-    assert found.pointing_error == pytest.approx(plain.pointing_error, abs=1e-6)
+    plain, solution = solve(LEFT, reach, start=LEFT.rest), solve_offset(LEFT, reach, start=LEFT.rest)
+    assert np.abs(plain.angles - solution.angles).max() < 1e-6
+    assert solution.pointing_error == pytest.approx(plain.pointing_error, abs=1e-6)
 
 
 def test_pointing_and_palm_errors_are_measured_on_the_arm_with_axis_offsets():
@@ -67,8 +67,8 @@ def test_pointing_and_palm_errors_are_measured_on_the_arm_with_axis_offsets():
     posture = np.array([0.1, 0.6, 0.4, -0.3, 1.2, 0.2, 0.1, -0.1])
     rotations, centres = chain.frames(posture)
     pointing = (centres[-1] - centres[-2]) / np.linalg.norm(centres[-1] - centres[-2])
-    found = solve_offset(chain, Reach(centres[-2], pointing, rotations[-1] @ chain.palm), start=posture)
-    points = chain.frames(found.angles)[1]
+    solution = solve_offset(chain, Reach(centres[-2], pointing, rotations[-1] @ chain.palm), start=posture)
+    points = chain.frames(solution.angles)[1]
     along = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
-    assert found.pointing_error == pytest.approx(np.arccos(np.clip(along @ pointing, -1, 1)), abs=1e-6)
-    assert found.palm_error is not None
+    assert solution.pointing_error == pytest.approx(np.arccos(np.clip(along @ pointing, -1, 1)), abs=1e-6)
+    assert solution.palm_error is not None

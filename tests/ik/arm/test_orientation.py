@@ -1,4 +1,4 @@
-"""Orientations of the hand."""
+"""Orientation of the hand by the wrist's hinges."""
 
 import math
 
@@ -22,13 +22,13 @@ def test_shortest_rotation_maps_one_orientation_to_the_other(angle: float):
     for axis in [*np.eye(3), *default_rng(27).normal(size=(8, 3))]:
         turn = angle * axis / np.linalg.norm(axis)
         wanted = Rotation.from_rotvec(turn).as_matrix()
-        found = shortest_turn(_turn(np.eye(3)), _turn(wanted))
-        assert np.linalg.norm(found) == pytest.approx(angle, abs=1e-9)
-        np.testing.assert_allclose(Rotation.from_rotvec(found).as_matrix(), wanted, atol=1e-7)
+        result = shortest_turn(_turn(np.eye(3)), _turn(wanted))
+        assert np.linalg.norm(result) == pytest.approx(angle, abs=1e-9)
+        np.testing.assert_allclose(Rotation.from_rotvec(result).as_matrix(), wanted, atol=1e-7)
     present = Rotation.from_rotvec([0.3, -0.2, 0.9])
     turn = Rotation.from_rotvec([0.1, 0.5, -0.4])
-    found = shortest_turn(_turn(present.as_matrix()), _turn((turn * present).as_matrix()))
-    assert found == pytest.approx([0.1, 0.5, -0.4])
+    result = shortest_turn(_turn(present.as_matrix()), _turn((turn * present).as_matrix()))
+    assert result == pytest.approx([0.1, 0.5, -0.4])
 
 
 def test_half_turns_about_the_axes_are_exact():

@@ -20,10 +20,10 @@ def test_numerical_ik_correction_brings_a_near_hand_onto_its_target() -> None:
     for _ in range(50):
         angles = middle + 0.7 * half * random.uniform(-1, 1, 8)
         target = vector(CHAIN.hand(angles + random.uniform(-0.1, 0.1, 8)))
-        found = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
-        assert found.miss < 1e-6
-        assert found.miss == pytest.approx(distance(ARM.hand(found.angles), target), abs=1e-15)
-        assert found.rounds <= ROUNDS
+        polished = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
+        assert polished.miss < 1e-6
+        assert polished.miss == pytest.approx(distance(ARM.hand(polished.angles), target), abs=1e-15)
+        assert polished.rounds <= ROUNDS
 
 
 def test_numerical_correction_never_increases_the_error_or_leaves_ranges() -> None:
@@ -31,28 +31,28 @@ def test_numerical_correction_never_increases_the_error_or_leaves_ranges() -> No
     for _ in range(50):
         angles = random.uniform(CHAIN.lower, CHAIN.upper)
         target = tuple(random.uniform(-0.8, 0.8, 3).tolist())
-        found = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
-        assert found.miss <= distance(ARM.hand(angles.tolist()), target) + 1e-15
-        assert np.all(CHAIN.lower[:5] <= found.angles)
-        assert np.all(found.angles <= CHAIN.upper[:5])
+        polished = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
+        assert polished.miss <= distance(ARM.hand(angles.tolist()), target) + 1e-15
+        assert np.all(CHAIN.lower[:5] <= polished.angles)
+        assert np.all(polished.angles <= CHAIN.upper[:5])
 
 
 def test_joint_without_mobility_is_unchanged_by_numerical_ik_correction() -> None:
     target = vector(CHAIN.hand(CHAIN.rest + 0.1))
-    found = polish(ARM, target, HOME, posture=HOME, mobility=[0.0, *EASE[1:]])
-    assert found.angles[0] == HOME[0]
-    assert found.miss < 1e-6
+    polished = polish(ARM, target, HOME, posture=HOME, mobility=[0.0, *EASE[1:]])
+    assert polished.angles[0] == HOME[0]
+    assert polished.miss < 1e-6
 
 
 def test_posture_with_the_hand_on_target_is_not_corrected() -> None:
-    found = polish(ARM, ARM.hand(HOME), HOME, posture=HOME, mobility=EASE)
-    assert found.rounds == 0
-    assert found.angles == tuple(HOME[:5])
+    polished = polish(ARM, ARM.hand(HOME), HOME, posture=HOME, mobility=EASE)
+    assert polished.rounds == 0
+    assert polished.angles == tuple(HOME[:5])
 
 
 def test_numerical_ik_correction_compensates_for_a_joint_limit_with_other_joints() -> None:
     angles = [0.0, 0.5, 0.2, CHAIN.upper[3], 1.2, 0.0, 0.0, 0.0]
     outside = [0.0, 0.5, 0.2, CHAIN.upper[3] + 0.15, 1.2, 0.0, 0.0, 0.0]
-    found = polish(ARM, ARM.hand(outside), angles, posture=HOME, mobility=EASE)
-    assert found.miss < 1e-6
-    assert found.angles[3] <= CHAIN.upper[3]
+    polished = polish(ARM, ARM.hand(outside), angles, posture=HOME, mobility=EASE)
+    assert polished.miss < 1e-6
+    assert polished.angles[3] <= CHAIN.upper[3]

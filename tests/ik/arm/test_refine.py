@@ -15,7 +15,7 @@ AT = {"l_shoulder_flexion": (0.0, 0.0, 0.02), "l_elbow_flexion": (0.02, 0.0, 0.0
 
 
 def crooked() -> Robot:
-    """The default robot with a left arm whose axes miss one another."""
+    """Return the default robot with a left arm whose axes do not intersect."""
 
     def bent(hinge):
         axis = np.array(AXES.get(hinge.name, hinge.axis))
@@ -67,12 +67,12 @@ def test_arm_with_axis_offsets_reaches_targets_that_the_ideal_solution_misses():
         inside = frames.rotations[base].T @ (target - frames.origins[base])
         guess[list(chain.indices)] = solve(chain, Reach(inside), start=chain.rest).angles
         missed.append(np.linalg.norm(ROBOT.skeleton.frames(guess).origins[HAND] - target))
-        found = refine_posture(ROBOT, "l", Reach(target), guess, near=rest)
-        assert np.linalg.norm(ROBOT.skeleton.frames(found).origins[HAND] - target) < 1e-3
-        assert np.all(found >= ROBOT.skeleton.lower - 1e-12)
-        assert np.all(found <= ROBOT.skeleton.upper + 1e-12)
+        refined_posture = refine_posture(ROBOT, "l", Reach(target), guess, near=rest)
+        assert np.linalg.norm(ROBOT.skeleton.frames(refined_posture).origins[HAND] - target) < 1e-3
+        assert np.all(refined_posture >= ROBOT.skeleton.lower - 1e-12)
+        assert np.all(refined_posture <= ROBOT.skeleton.upper + 1e-12)
         others = [k for k in range(len(rest)) if k not in joints]
-        assert found[others] == pytest.approx(rest[others])
+        assert refined_posture[others] == pytest.approx(rest[others])
     assert np.median(missed) > 0.01
 
 

@@ -23,7 +23,7 @@ def test_start_postures_cover_the_joint_ranges() -> None:
 def test_start_postures_are_cached_and_sorted_by_distance() -> None:
     arm = linkage_of(CHAIN)
     assert seeds(arm) is seeds(arm)
-    found = nearest_seeds(ARM, (0.2, 0.1, 0.0), 5)
-    spans = [distance(seed.hand, (0.2, 0.1, 0.0)) for seed in found]
+    result = nearest_seeds(ARM, (0.2, 0.1, 0.0), 5)
+    spans = [distance(seed.hand, (0.2, 0.1, 0.0)) for seed in result]
     assert spans == sorted(spans)
-    assert len(found) == 5
+    assert len(result) == 5

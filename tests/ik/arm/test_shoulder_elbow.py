@@ -71,10 +71,10 @@ def test_requested_swivel_is_met_within_the_ranges() -> None:
 def test_infeasible_swivel_is_met_as_nearly_as_possible() -> None:
     place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     bend = bend_elbow(ARM, place, near=REST, swivel=2.5)
-    found = swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:])
+    swivel_angle = swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:])
     assert bend.exact
-    assert found is not None
-    assert 1.2 < found < 2.5
+    assert swivel_angle is not None
+    assert 1.2 < swivel_angle < 2.5
     stops = [min(a - p.lower, p.upper - a) for p, a in zip(ARM.pivots, bend.angles, strict=False)]
     assert min(stops[1:]) < 0.02
 

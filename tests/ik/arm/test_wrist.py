@@ -36,8 +36,8 @@ def test_feasible_wrist_directions_are_met() -> None:
             HandDirection("pointing", LINK.along, rotated(behind, LINK.along)),
             HandDirection("palm", PALM, rotated(behind, PALM)),
         ]
-        found = orient(LINK, before, wishes, REST)
-        assert math.acos(min(1.0, _agreement(before, wishes, found) - 1.0)) < math.radians(0.1)
+        result = orient(LINK, before, wishes, REST)
+        assert math.acos(min(1.0, _agreement(before, wishes, result) - 1.0)) < math.radians(0.1)
 
 
 @pytest.mark.parametrize("named", [("pointing",), ("palm",), ("pointing", "palm")])
@@ -52,9 +52,9 @@ def test_no_wrist_posture_on_a_grid_has_a_smaller_error(named: tuple[str, ...]) 
             HandDirection("palm", PALM, unit(across(aside, along))),
         ]
         wishes = [wish for wish in all_wishes if wish.name in named]
-        found = orient(LINK, frame, wishes, REST)
-        assert all(p.lower <= a <= p.upper for p, a in zip(LINK.pivots, found, strict=True))
-        assert _agreement(frame, wishes, found) >= max(_agreement(frame, wishes, a) for a in grid) - 1e-3
+        result = orient(LINK, frame, wishes, REST)
+        assert all(p.lower <= a <= p.upper for p, a in zip(LINK.pivots, result, strict=True))
+        assert _agreement(frame, wishes, result) >= max(_agreement(frame, wishes, a) for a in grid) - 1e-3
 
 
 def test_wrist_solution_is_a_coordinatewise_optimum() -> None:
@@ -63,11 +63,11 @@ def test_wrist_solution_is_a_coordinatewise_optimum() -> None:
         frame = ARM.walk(random.uniform(CHAIN.lower, CHAIN.upper).tolist(), 3)[0]
         along, aside = (unit(tuple(random.normal(size=3).tolist())) for _ in range(2))
         wishes = [HandDirection("pointing", LINK.along, along), HandDirection("palm", PALM, unit(across(aside, along)))]
-        found = orient(LINK, frame, wishes, REST)
-        height = _agreement(frame, wishes, found)
+        result = orient(LINK, frame, wishes, REST)
+        height = _agreement(frame, wishes, result)
         for k, pivot in enumerate(LINK.pivots):
             for step in (-0.02, 0.02):
-                aside_of = [angle + step * (j == k) for j, angle in enumerate(found)]
+                aside_of = [angle + step * (j == k) for j, angle in enumerate(result)]
                 if pivot.lower <= aside_of[k] <= pivot.upper:
                     assert _agreement(frame, wishes, tuple(aside_of)) < height
 
@@ -84,12 +84,12 @@ def test_wrist_is_unchanged_if_directions_are_already_met() -> None:
 
 
 def one_hinge(lower: float, upper: float) -> Link:
-    """A hand that turns about z."""
+    """Make a hand with one hinge about z."""
     return Link((Pivot((0.0, 0.0, 1.0), lower, upper, 0.0),), (0.1, 0.0, 0.0), (1.0, 0.0, 0.0), 0.1, 0)
 
 
 def level(angle: float) -> Vector:
-    """The direction in the plane that turns with the hand."""
+    """Return the unit vector in the xy plane at this angle to x."""
     return math.cos(angle), math.sin(angle), 0.0
 
 
@@ -112,7 +112,7 @@ def test_one_axis_wrist_turns_to_the_direction_or_the_nearer_limit(wanted: float
 
 @pytest.mark.parametrize(("rest", "found"), [(-0.5, (-1.0, -1.0)), (0.5, (1.0, 1.0))])
 def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: tuple[float, float]) -> None:
-    """Two hinges about one axis cannot turn to the back; by the left they come as near as by the right."""
+    """Two hinges about one axis cannot turn backwards, and both stops are equally near."""
     hinge = one_hinge(-1.0, 1.0)
     twice = replace(hinge, pivots=hinge.pivots * 2)
     wishes = [HandDirection("pointing", (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))]
@@ -123,7 +123,7 @@ def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: 
 def test_wrist_search_ends_after_a_round_with_little_change(
     rest: float, rounds: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of a hinge that stands at its stop, or comes there in the first round, and wants no more than 1e-3 beyond."""
+    """The hinge reaches its stop in the first round, and the target is 1e-3 beyond it."""
     looked = []
     monkeypatch.setattr(wrist, "_best", lambda *asked: (looked.append(asked), best(*asked))[1])
     wishes = [HandDirection("pointing", level(0.0), level(1e-3))]
@@ -144,20 +144,20 @@ def test_wrist_ignores_directions_along_its_axis() -> None:
 
 @pytest.mark.parametrize("rest", [(0.4, 0.0, 0.0), (-1.2, 0.0, 0.0)])
 def test_wrist_hinges_without_effect_on_the_directions_rest(rest: tuple[float, float, float]) -> None:
-    """The hand hangs along the first hinge, so that any twist points as well."""
+    """The hand lies along the first hinge, so its twist does not change the direction."""
     wishes = [HandDirection("pointing", LINK.along, LINK.along)]
     assert orient(LINK, IDENTITY_ROTATION, wishes, rest) == pytest.approx(rest, abs=1e-6)
 
 
 def test_requested_directions_override_the_wrist_rest_posture() -> None:
     wishes = [HandDirection("pointing", level(0.0), level(1.9))]
-    (found,) = orient(one_hinge(-2.0, 2.0), IDENTITY_ROTATION, wishes, (-1.0,))
-    assert found == pytest.approx(1.9 - math.atan(2e-4 * math.sin(2.9)), abs=1e-5)  # and no more than that back
+    (result,) = orient(one_hinge(-2.0, 2.0), IDENTITY_ROTATION, wishes, (-1.0,))
+    assert result == pytest.approx(1.9 - math.atan(2e-4 * math.sin(2.9)), abs=1e-5)  # and no more than that back
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, -2.5])
 def test_wrist_solution_accounts_for_the_orientation_of_the_forearm(turn: float) -> None:
-    """Directions are wanted in the base; the hinge counts from the frame that it turns in."""
+    """Directions are given in the base frame, hinge angles in the forearm's frame."""
     wishes = [HandDirection("pointing", level(0.0), level(turn + 0.3))]
     frame = after(IDENTITY_ROTATION, (0.0, 0.0, 1.0), turn)
     assert orient(one_hinge(-1.0, 1.0), frame, wishes, (0.0,)) == pytest.approx((0.3,), abs=1e-3)
@@ -172,6 +172,6 @@ def test_direction_errors_are_angles_to_their_targets() -> None:
         HandDirection("longer by rounding", (1.0 + 1e-12, 0.0, 0.0), level(0.5)),
         HandDirection("longer, and opposite", (-1.0 - 1e-12, 0.0, 0.0), level(0.5)),
     ]
-    found = direction_errors(frame, wishes)
-    assert list(found) == [wish.name for wish in wishes]
-    assert list(found.values()) == pytest.approx([0.0, 1.2, math.pi, 0.0, math.pi], abs=1e-7)
+    result = direction_errors(frame, wishes)
+    assert list(result) == [wish.name for wish in wishes]
+    assert list(result.values()) == pytest.approx([0.0, 1.2, math.pi, 0.0, math.pi], abs=1e-7)

@@ -1,4 +1,4 @@
-"""The three ways to rest, on chains of 3 to 32 joints."""
+"""The three methods of the thesis, on chains of 3 to 32 joints."""
 
 from functools import cache
 

@@ -19,7 +19,7 @@ REST = standing_limbs(LIMBS)
 
 
 def _pair(random: Generator) -> dict[str, Floats]:
-    """Where both hands are in a random posture of torso and arms."""
+    """Return both hand positions in a random posture of torso and arms."""
     torso = CHAINS["torso"]
     bend = Rotation.from_rotvec(random.uniform(-0.4, 0.4, (len(torso.lengths), 3))).as_matrix()
     end = stance_of(torso, bend, Carrier.at_rest(torso)).end
@@ -134,7 +134,7 @@ def _yaw(angle: float):
 
 
 def _postured(left: float, right: float, pulls, priority=()):
-    """Both arms as the masses would have them when each is turned about the sub-base joint alone."""
+    """Solve for both arms after turning each about the sub-base joint alone."""
     centre = REST["torso"].points[-1]
     points = {name: stance.points for name, stance in REST.items()}
     points["l_arm"] = centre + (points["l_arm"] - centre) @ _yaw(left).T
@@ -143,7 +143,7 @@ def _postured(left: float, right: float, pulls, priority=()):
 
 
 def _turn(stances, name: str) -> float:
-    """How far the first bone of a limb is turned about the vertical [rad]."""
+    """Return the turn of a limb's first bone about the vertical [rad]."""
     turn = stances[name].frames[0] @ REST[name].frames[0].T
     return float(Rotation.from_matrix(turn).as_rotvec()[2])
 

@@ -41,11 +41,11 @@ def test_undamped_masses_keep_oscillating():
 
 def test_verlet_relaxation_ends_at_its_criterion_without_changing_the_input():
     before = POINTS.copy()
-    told: list[float] = []
+    results: list[float] = []
 
     def arrived(points) -> bool:
-        told.append(float(points[1, 0]))
-        return len(told) == 4
+        results.append(float(points[1, 0]))
+        return len(results) == 4
 
     rest = swing_to_rest(_springs(), POINTS, damping=None, effort=Effort(threshold=0.0), arrived=arrived)
     assert rest.iterations == 3

@@ -60,9 +60,9 @@ def reach(chain: Chain, target, angles) -> float:
     linkage, home = _packed(chain)
     angles[:] = np.clip(angles, chain.lower, chain.upper)
     place = vector(mirror_place(target) if is_right(chain) else target)
-    found = approach(linkage, place, angles.tolist(), posture=home, mobility=linkage.mobility)
-    angles[: len(found.angles)] = found.angles
-    return found.miss
+    solution = approach(linkage, place, angles.tolist(), posture=home, mobility=linkage.mobility)
+    angles[: len(solution.angles)] = solution.angles
+    return solution.miss
 
 
 def reach_many(chain: Chain, targets, start, *, rounds: int = ROUNDS):
@@ -73,9 +73,9 @@ def reach_many(chain: Chain, targets, start, *, rounds: int = ROUNDS):
     near = angles[0].tolist() if len(angles) else []
     for row, target in enumerate(targets):
         place = vector(mirror_place(target) if is_right(chain) else target)
-        found = polish(linkage, place, near, posture=home, mobility=linkage.mobility, rounds=rounds)
-        angles[row, : len(found.angles)] = found.angles
-        residuals[row] = found.miss
+        polished = polish(linkage, place, near, posture=home, mobility=linkage.mobility, rounds=rounds)
+        angles[row, : len(polished.angles)] = polished.angles
+        residuals[row] = polished.miss
     return angles, residuals
 
 

@@ -54,10 +54,10 @@ def _swing(chain: Chain, reach: Reach, home: Floats, angles: Floats, max_swivel:
         return own, sum(direction_errors(last.turn(frame, own), directions).values())
 
     place, begin = place_of(linkage, near, vector(reach.position)), present_swivel(linkage, near)
-    found = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), max_swivel)
-    frame = linkage.walk(found.angles, len(linkage.links) - 1)[0]
-    errors = direction_errors(last.turn(frame, found.angles[last.first :]), directions)
-    return sealed(found.angles), found.miss, errors.get("pointing"), errors.get("palm")
+    result = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), max_swivel)
+    frame = linkage.walk(result.angles, len(linkage.links) - 1)[0]
+    errors = direction_errors(last.turn(frame, result.angles[last.first :]), directions)
+    return sealed(result.angles), result.miss, errors.get("pointing"), errors.get("palm")
 
 
 def _swung(linkage: Linkage, at: Callable[[float], Cell], max_swivel: float) -> Cell:

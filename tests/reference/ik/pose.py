@@ -71,8 +71,8 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
         for begin in _beginnings(linkage, target, hand, seen):
             descent = descend(errors, np.array(begin), box, tolerance=TOLERANCE)
             rounds += descent.rounds
-            found = _solution(linkage, target, wanted, descent.angles.tolist())
-            best = min(best, found, key=lambda one: one.residual / linkage.farthest + one.turn)
+            result = _solution(linkage, target, wanted, descent.angles.tolist())
+            best = min(best, result, key=lambda one: one.residual / linkage.farthest + one.turn)
             if best.reached:
                 break
     return PoseSolution(best.angles, best.residual, best.turn, best.reached, len(seen), rounds)

@@ -129,8 +129,8 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
 
     span = distance(place.shoulder, place.target)
     least = inf if point else _least_miss(linkage, span) + TIED * linkage.farthest
-    found, exact = _nearest_exact(at, towards, EXACT * linkage.farthest, least)
-    return Bend(found.angles, exact, settled.iterations)
+    result, exact = _nearest_exact(at, towards, EXACT * linkage.farthest, least)
+    return Bend(result.angles, exact, settled.iterations)
 
 
 def _nearest_exact(
@@ -148,11 +148,11 @@ def _nearest_exact(
         for side in (towards, -towards):
             if best.miss <= least:
                 return best, False
-            found = at(side * step * pi / SEARCH_STEPS)
-            if fits(found):
+            result = at(side * step * pi / SEARCH_STEPS)
+            if fits(result):
                 outside, inside = side * (step - 1) * pi / SEARCH_STEPS, side * step * pi / SEARCH_STEPS
-                return bisect_edge(at, outside, inside, found, fits=fits, rounds=BISECTIONS), True
-            best = min(best, found, key=lambda candidate: candidate.miss)
+                return bisect_edge(at, outside, inside, result, fits=fits, rounds=BISECTIONS), True
+            best = min(best, result, key=lambda candidate: candidate.miss)
     return best, False
 
 

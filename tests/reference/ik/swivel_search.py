@@ -60,11 +60,11 @@ def cells(
 def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: WristSolver, *, near: Sequence[float]) -> Cell:
     """Return the posture of one swivel [rad]."""
     elbow = elbow_at(linkage, place.shoulder, place.target, swivel)
-    found = extract(linkage, (*place.girdle, elbow, place.target), near)
-    frame, points = linkage.walk(found.angles, len(linkage.links) - 1)
+    extracted = extract(linkage, (*place.girdle, elbow, place.target), near)
+    frame, points = linkage.walk(extracted.angles, len(linkage.links) - 1)
     own, error = hand(frame)
     miss = distance(points[-1], place.target)
-    return Cell(found.angles + own, miss, error, error + MISS_COST * miss / linkage.farthest)
+    return Cell(extracted.angles + own, miss, error, error + MISS_COST * miss / linkage.farthest)
 
 
 def present_swivel(linkage: Linkage, near: Sequence[float]) -> float:

@@ -37,16 +37,16 @@ def _attempted(
         attempts.append(descend(_errors(robot, targets), begun, box, tolerance=TOLERANCE))
         if attempts[-1].miss <= TOLERANCE:
             break
-    found = min(attempts, key=lambda attempt: attempt.miss).angles
+    angles = min(attempts, key=lambda attempt: attempt.miss).angles
     rounds = sum(attempt.rounds for attempt in attempts)
     if priority is not None and attempts[-1].miss > TOLERANCE:
         for weight in YIELDING:
-            yielded = descend(_errors(robot, targets, priority, weight), found, box, tolerance=TOLERANCE)
-            found, rounds = yielded.angles, rounds + yielded.rounds
-    residuals = {side: float(np.linalg.norm(_hand(robot, side, found)[0] - targets[side])) for side in SIDES}
+            yielded = descend(_errors(robot, targets, priority, weight), angles, box, tolerance=TOLERANCE)
+            angles, rounds = yielded.angles, rounds + yielded.rounds
+    residuals = {side: float(np.linalg.norm(_hand(robot, side, angles)[0] - targets[side])) for side in SIDES}
     torso_joints = list(robot.joints("torso"))
-    travel = float(np.abs(found - present)[torso_joints].sum())
-    return Both(found, residuals, travel, max(residuals.values()) <= REACHED_DISTANCE, rounds)
+    travel = float(np.abs(angles - present)[torso_joints].sum())
+    return Both(angles, residuals, travel, max(residuals.values()) <= REACHED_DISTANCE, rounds)
 
 
 def _torsos(robot: Robot, present: Floats, weight: float) -> Iterator[Floats]:
@@ -69,9 +69,9 @@ def _with_arms(robot: Robot, posture: Floats, targets: Mapping[Side, Floats]) ->
         base = robot.skeleton.segment(chain.base)
         target_in_base = frames.rotations[base].T @ (targets[side] - frames.origins[base])
         joints = list(chain.indices)
-        found = solve(chain, Reach(target_in_base), start=posture[joints]).angles
+        angles = solve(chain, Reach(target_in_base), start=posture[joints]).angles
         moving = linkage_of(chain).links[-1].first
-        solved[joints[:moving]] = found[:moving]
+        solved[joints[:moving]] = angles[:moving]
     return solved
 
 

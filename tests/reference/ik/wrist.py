@@ -48,15 +48,15 @@ def orient(
     for start in product(*((pivot.lower, pivot.upper) for pivot in link.pivots)):
         if height > len(directions) - PERFECT:
             break
-        found, agreement = _climbed(link, frame, directions, rest, start)
+        result, agreement = _climbed(link, frame, directions, rest, start)
         if agreement > height:
-            best, height = found, agreement
+            best, height = result, agreement
     return best
 
 
 def direction_errors(frame: Rotation, directions: Sequence[HandDirection]) -> dict[str, float]:
     """Return the angle of each direction to its target [rad]."""
-    agreements = {each.name: dot(rotated(frame, each.own), each.wanted) for each in directions}
+    agreements = {direction.name: dot(rotated(frame, direction.own), direction.wanted) for direction in directions}
     return {name: arccosine(max(-1.0, min(1.0, agreement))) for name, agreement in agreements.items()}
 
 

@@ -66,9 +66,9 @@ def read_response(text: str) -> str:
     try:
         block = parse(text, source="f")
         utterances = {
-            each.id: Utterance(1.0, {mark.name: 0.5 for mark in each.action.script.marks})
-            for each in block.behaviours
-            if isinstance(each.action, Speech)
+            behaviour.id: Utterance(1.0, {mark.name: 0.5 for mark in behaviour.action.script.marks})
+            for behaviour in block.behaviours
+            if isinstance(behaviour.action, Speech)
         }
         timeline = schedule(block, utterances, {})
     except BmlError as error:
@@ -97,7 +97,9 @@ def test_any_json_is_parsed_or_refused(tree: object) -> None:
 
 @given(st.lists(BEHAVIOUR_ITEMS, max_size=4))
 def test_xml_fragments_are_parsed_or_refused(behaviours: list[dict[str, object]]) -> None:
-    is_parsed_or_refused("".join(f"<{each['type']} {' '.join(map(attribute, each.items()))}/>" for each in behaviours))
+    is_parsed_or_refused(
+        "".join(f"<{behaviour['type']} {' '.join(map(attribute, behaviour.items()))}/>" for behaviour in behaviours)
+    )
 
 
 def attribute(item: tuple[str, object]) -> str:

@@ -32,7 +32,7 @@ def test_higher_activation_never_lowers_the_parameters_that_it_affects(manner, a
 
 @given(manners)
 def test_folding_activation_keeps_expressivity_parameters_in_range(manner):
-    found = fold_activation(manner)
-    assert found.activation == 0.0
+    folded = fold_activation(manner)
+    assert folded.activation == 0.0
     for name, (least, most) in EXPRESSIVITY_RANGES.items():
-        assert least <= getattr(found, name) <= most
+        assert least <= getattr(folded, name) <= most

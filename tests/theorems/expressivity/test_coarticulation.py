@@ -70,21 +70,21 @@ def same(found: HandArrangement, other: HandArrangement) -> bool:
 @given(st.floats(0.0, 5.0), gaps, usual, windows)
 def test_gesture_alone_in_a_block_uses_a_free_hand(start, phases, side, busy_hands):
     one = stroke("g", start, phases, side, either=True)
-    found = arrange_hands([one], HAND_PACE, busy_hands=busy_hands)
-    busy = {each.side for each in busy_hands if each.meets(one.times, LEAST_TIME)}
+    arrangement = arrange_hands([one], HAND_PACE, busy_hands=busy_hands)
+    busy = {busy_hand.side for busy_hand in busy_hands if busy_hand.meets(one.times, LEAST_TIME)}
     free = [option for option in (side, *(set(SIDES) - {side})) if option not in busy]
-    assert found.sides == {"g": {free[0] if free else side}}
-    assert (found.outcomes != {}) == (bool(free) and free[0] != side)
+    assert arrangement.sides == {"g": {free[0] if free else side}}
+    assert (arrangement.outcomes != {}) == (bool(free) and free[0] != side)
 
 
 @given(st.floats(0.0, 5.0), gaps, windows)
 def test_two_handed_gesture_uses_the_only_free_hand(start, phases, busy_hands):
     both = Poses({side: POSE_OPTIONS[side].hands[side] for side in SIDES}, 1)
     one = replace(stroke("g", start, phases, "r", either=False), options=(both,), may_split=True)
-    found = arrange_hands([one], HAND_PACE, busy_hands=busy_hands)
-    free = set(SIDES) - {each.side for each in busy_hands if each.meets(one.times, LEAST_TIME)}
-    assert found.sides == {"g": free or set(SIDES)}
-    assert (found.outcomes != {}) == (len(free) == 1)
+    arrangement = arrange_hands([one], HAND_PACE, busy_hands=busy_hands)
+    free = set(SIDES) - {busy_hand.side for busy_hand in busy_hands if busy_hand.meets(one.times, LEAST_TIME)}
+    assert arrangement.sides == {"g": free or set(SIDES)}
+    assert (arrangement.outcomes != {}) == (len(free) == 1)
 
 
 @given(rows, windows)
@@ -96,19 +96,22 @@ def test_busy_hands_do_not_affect_gestures_with_a_prescribed_hand(row, busy_hand
 @given(rows, windows)
 def test_busy_hands_after_all_gestures_have_no_effect(row, busy_hands):
     strokes = made(row, either=True)
-    later = [BusyHand(each.side, each.begin + LATE_SHIFT, each.end + LATE_SHIFT, each.by) for each in busy_hands]
+    later = [
+        BusyHand(busy_hand.side, busy_hand.begin + LATE_SHIFT, busy_hand.end + LATE_SHIFT, busy_hand.by)
+        for busy_hand in busy_hands
+    ]
     assert same(arrange_hands(strokes, HAND_PACE, busy_hands=later), arrange_hands(strokes, HAND_PACE))
 
 
 @given(rows, windows)
 def test_every_gesture_uses_allowed_hands_or_is_reported_dropped(row, busy_hands):
     strokes = made(row, either=True)
-    found = arrange_hands(strokes, HAND_PACE, busy_hands=busy_hands)
+    arrangement = arrange_hands(strokes, HAND_PACE, busy_hands=busy_hands)
     for one in strokes:
-        dropped = one.id in found.outcomes and found.outcomes[one.id].kind == "dropped"
-        assert dropped != (one.id in found.sides)
+        dropped = one.id in arrangement.outcomes and arrangement.outcomes[one.id].kind == "dropped"
+        assert dropped != (one.id in arrangement.sides)
         if not dropped:
-            assert any(found.sides[one.id] == set(option.hands) for option in one.options)
+            assert any(arrangement.sides[one.id] == set(option.hands) for option in one.options)
 
 
 @given(rows, st.integers(0, 3))
@@ -116,10 +119,12 @@ def test_most_important_gesture_is_unaffected_by_dropped_ones(row, place):
     strokes = made(row, either=False)
     first = place % len(strokes)
     strokes = [replace(one, importance=int(k == first)) for k, one in enumerate(strokes)]
-    found = arrange_hands(strokes, HAND_PACE)
-    assert found.sides[f"g{first}"] == set(strokes[first].options[0].hands)
-    dropped = {id for id, outcome in found.outcomes.items() if outcome.kind == "dropped"}
-    assert same_but_for_outcomes(found, arrange_hands([one for one in strokes if one.id not in dropped], HAND_PACE))
+    arrangement = arrange_hands(strokes, HAND_PACE)
+    assert arrangement.sides[f"g{first}"] == set(strokes[first].options[0].hands)
+    dropped = {id for id, outcome in arrangement.outcomes.items() if outcome.kind == "dropped"}
+    assert same_but_for_outcomes(
+        arrangement, arrange_hands([one for one in strokes if one.id not in dropped], HAND_PACE)
+    )
 
 
 def same_but_for_outcomes(found: HandArrangement, other: HandArrangement) -> bool:

@@ -50,17 +50,17 @@ def timelines(draw: st.DrawFn) -> Timeline:
         timed.append(TimedBehaviour(Behaviour(f"f{number}", "face", action, Place(1, 1)), times))
     speech = Behaviour("s", "speech", Speech(Script("x")), Place(1, 1))
     timed.append(TimedBehaviour(speech, {"start": draw(seconds), "end": 6.0}))
-    return Timeline(Block("b", tuple(each.behaviour for each in timed)), tuple(timed))
+    return Timeline(Block("b", tuple(item.behaviour for item in timed)), tuple(timed))
 
 
 @st.composite
 def utterances(draw: st.DrawFn) -> Utterance:
-    now, found = 0.0, []
+    now, results = 0.0, []
     for symbol in draw(st.text("pbmaiuoftsʃw \u02c8\u02d0☃", max_size=12)):
         duration = draw(st.floats(0.0, 0.3))
-        found.append(Phoneme(symbol, now, duration))
+        results.append(Phoneme(symbol, now, duration))
         now += duration
-    return Utterance(now, {}, tuple(found))
+    return Utterance(now, {}, tuple(results))
 
 
 def show(timeline: Timeline, said: Utterance, times: Floats = SAMPLE_TIMES, **eyes) -> Channels:
@@ -72,9 +72,9 @@ def show(timeline: Timeline, said: Utterance, times: Floats = SAMPLE_TIMES, **ey
 def test_face_track_intensities_are_finite_and_between_0_and_1(
     timeline: Timeline, said: Utterance, looks: list[GazeDirection], seed: int
 ):
-    found = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed), looks=looks)
-    assert found.keys() <= set(FACE_CHANNELS)
-    for values in found.values():
+    result = show(timeline, said, SAMPLE_TIMES, habits=Habits(seed), looks=looks)
+    assert result.keys() <= set(FACE_CHANNELS)
+    for values in result.values():
         assert values.shape == SAMPLE_TIMES.shape
         assert np.all(np.isfinite(values))
         assert values.min() >= 0.0
@@ -99,9 +99,9 @@ def test_face_intensities_at_a_time_do_not_depend_on_other_sample_times(timeline
 @given(timelines(), utterances())
 def test_lips_close_on_bilabials_in_every_expression(timeline: Timeline, said: Utterance):
     begin = timeline.timed[-1].times["start"]
-    found = show(timeline, said, SAMPLE_TIMES)
+    result = show(timeline, said, SAMPLE_TIMES)
     for sound in said.phonemes:
         since, last = SAMPLE_TIMES - begin - sound.start, sound.duration - RELEASE_ADVANCE  # Start of the opening
         during = (since >= min(0.0, last - MIN_PRESS_TIME)) & (since <= last)
         if sound.symbol in ("p", "b", "m") and during.any():
-            np.testing.assert_allclose(found["24"][during], 1.0, atol=0.06)
+            np.testing.assert_allclose(result["24"][during], 1.0, atol=0.06)

@@ -106,21 +106,21 @@ def same(a: Hand, b: Hand) -> bool:
 @examples(100)
 @given(timelines(), styles)
 def test_each_sync_point_of_a_moving_behaviour_has_a_key_frame(timeline, style):
-    found = performed(timeline, style)
-    on = {sync: frame.time for frame in found.frames for sync in frame.syncs}
+    result = performed(timeline, style)
+    on = {sync: frame.time for frame in result.frames for sync in frame.syncs}
     asked, moved = (
         {
             (timed.behaviour.id, sync): time
             for timed in of.timed
-            if found.uses[timed.behaviour.id]
+            if result.uses[timed.behaviour.id]
             for sync, time in timed.times.items()
         }
-        for of in (timeline, found.timeline)
+        for of in (timeline, result.timeline)
     )
-    still = {id for id, outcome in found.outcomes.items() if "upright head" in outcome.why}
+    still = {id for id, outcome in result.outcomes.items() if "upright head" in outcome.why}
     again = {(id, sync) for id, sync in asked if id in still and sync.startswith("stroke:")}
     assert set(on) == set(moved) == set(asked) - again
-    assert sum(len(frame.syncs) for frame in found.frames) == len(moved)
+    assert sum(len(frame.syncs) for frame in result.frames) == len(moved)
     strokes = sorted(time for (_, sync), time in moved.items() if sync.partition(":")[0] == "stroke")
     for (behaviour, sync), time in moved.items():
         assert abs(on[behaviour, sync] - time) < SAME_FRAME
@@ -138,26 +138,26 @@ def test_each_sync_point_of_a_moving_behaviour_has_a_key_frame(timeline, style):
 @examples(100)
 @given(timelines(), styles)
 def test_key_frames_contain_all_body_parts_keep_a_minimum_gap_and_start_at_rest(timeline, style):
-    found = performed(timeline, style)
-    assert set(found.outcomes) == {behaviour.id for behaviour in timeline.block.behaviours}
-    assert set(found.uses) == set(found.outcomes)
-    for frame in found.frames:
+    result = performed(timeline, style)
+    assert set(result.outcomes) == {behaviour.id for behaviour in timeline.block.behaviours}
+    assert set(result.uses) == set(result.outcomes)
+    for frame in result.frames:
         assert set(frame.hands) == set(SIDES)
         assert frame.given <= BODY_PARTS
-    assert all(b.time - a.time >= SAME_FRAME - 1e-9 for a, b in pairwise(found.frames))
-    if found.frames:
-        first = found.frames[0]
+    assert all(b.time - a.time >= SAME_FRAME - 1e-9 for a, b in pairwise(result.frames))
+    if result.frames:
+        first = result.frames[0]
         assert all(first.hands[side].reach is None for side in SIDES)
         assert vars(first.head) == vars(first.torso) == {"torsion": 0, "tilt": 0, "roll": 0}
         if not any(stays(behaviour) for behaviour in timeline.block.behaviours):
-            last = found.frames[-1]
+            last = result.frames[-1]
             assert all(last.hands[side].reach is None for side in SIDES)
             assert max(map(abs, (*vars(last.head).values(), *vars(last.torso).values()))) < 1e-9
-    for id, outcome in found.outcomes.items():
+    for id, outcome in result.outcomes.items():
         if outcome.kind == "dropped":
             assert outcome.why
-            assert not found.uses[id]
-            assert any(notice.id == f"bml1:{id}" for notice in found.notices)
+            assert not result.uses[id]
+            assert any(notice.id == f"bml1:{id}" for notice in result.notices)
 
 
 @examples(50)

@@ -41,7 +41,7 @@ def timed(id: str, action, spans_: list[float]) -> TimedBehaviour:
 def performed(
     *behaviours: TimedBehaviour, style: Style = NO_WHOLE_BODY, lexicon: Lexicon = BUILTIN_LEXICON
 ) -> KeyFrames:
-    timeline = Timeline(Block("b", tuple(each.behaviour for each in behaviours)), behaviours)
+    timeline = Timeline(Block("b", tuple(behaviour.behaviour for behaviour in behaviours)), behaviours)
     return make_keyframes(timeline, BlockContext(timeline.block, Context(style, lexicon, HAND_PACE)))
 
 
@@ -73,16 +73,16 @@ def hand_values(frame: KeyFrame) -> list[object]:
 @given(names, spans, styles)
 def test_only_hands_move_if_the_whole_body_weight_is_zero(name, spans_, style):
     gesture, off = timed("g", Gesture(name), spans_), style.changed(["whole_body=0"])
-    found = performed(gesture, style=off)
-    assert frame_values(found) == frame_values(performed(gesture, style=off, lexicon=HANDS_ONLY))
-    assert found.bodies == {}
+    result = performed(gesture, style=off)
+    assert frame_values(result) == frame_values(performed(gesture, style=off, lexicon=HANDS_ONLY))
+    assert result.bodies == {}
 
 
 @examples(40)
 @given(names, spans, styles)
 def test_body_motion_changes_no_sync_point_and_no_hand(name, spans_, style):
     gesture = timed("g", Gesture(name), spans_)
-    with_body, alone = (performed(gesture, style=style, lexicon=each) for each in (BUILTIN_LEXICON, HANDS_ONLY))
+    with_body, alone = (performed(gesture, style=style, lexicon=item) for item in (BUILTIN_LEXICON, HANDS_ONLY))
     assert with_body.timeline.timed == alone.timeline.timed
     assert with_body.outcomes == alone.outcomes
     frames = {frame.time: frame for frame in with_body.frames}
@@ -102,7 +102,7 @@ def test_body_motion_changes_no_sync_point_and_no_hand(name, spans_, style):
 @given(names, spans, styles)
 def test_mirrored_gesture_has_mirrored_body_motion(name, spans_, style):
     gesture = timed("g", Gesture(name), spans_)
-    right, left = (performed(gesture, style=style, lexicon=each) for each in (BUILTIN_LEXICON, MIRRORED_LEXICON))
+    right, left = (performed(gesture, style=style, lexicon=item) for item in (BUILTIN_LEXICON, MIRRORED_LEXICON))
     assert [frame.time for frame in left.frames] == pytest.approx([frame.time for frame in right.frames])
     for a, b in zip(right.frames, left.frames, strict=True):
         for here, there in ((a.head, b.head), (a.torso, b.torso)):
@@ -116,9 +116,9 @@ def test_mirrored_gesture_has_mirrored_body_motion(name, spans_, style):
 @given(names, spans, spans, styles, st.sampled_from(("NOD", "SHAKE")))
 def test_head_behaviours_replace_accompanying_head_motion(name, spans_, nodding, style, lexeme):
     gesture, head = timed("g", Gesture(name), spans_), timed("h", Head(lexeme), nodding)
-    found, asked = (performed(gesture, head, style=style, lexicon=each) for each in (BUILTIN_LEXICON, HANDS_ONLY))
+    result, asked = (performed(gesture, head, style=style, lexicon=item) for item in (BUILTIN_LEXICON, HANDS_ONLY))
     axis = "tilt" if lexeme == "NOD" else "torsion"
-    heads = {frame.time: frame.head for frame in found.frames}
+    heads = {frame.time: frame.head for frame in result.frames}
     gesturing = max(gesture.times["start"], head.times["start"]), min(gesture.times["end"], head.times["end"])
     if gesturing[0] < gesturing[1]:  # Gesture and nod overlap
         for frame in asked.frames:
@@ -130,7 +130,7 @@ def test_head_behaviours_replace_accompanying_head_motion(name, spans_, nodding,
 @examples(40)
 @given(names, spans, styles)
 def test_body_motion_is_in_range_and_returns_to_rest(name, spans_, style):
-    found = performed(timed("g", Gesture(name), spans_), style=style)
-    assert turn_angles(found.frames[0].head) == turn_angles(found.frames[-1].head) == (0.0, 0.0, 0.0)
+    result = performed(timed("g", Gesture(name), spans_), style=style)
+    assert turn_angles(result.frames[0].head) == turn_angles(result.frames[-1].head) == (0.0, 0.0, 0.0)
     if not BUILTIN_LEXICON.forms_by_id[name].rest:
-        assert all(hand.lift == 0.0 for hand in found.frames[-1].hands.values())
+        assert all(hand.lift == 0.0 for hand in result.frames[-1].hands.values())

@@ -22,9 +22,9 @@ pressed = st.builds(lambda told, seal: {**told, seal: 1.0}, units, st.sampled_fr
 @examples(60)
 @given(units)
 def test_weights_are_between_0_and_1_and_the_mesh_stays_bounded(told: dict[str, float]):
-    found = compute_shape_weights(FEMALE_MESH, told)
-    assert found.min() >= 0.0
-    assert found.max() <= 1.0
+    shape_weights = compute_shape_weights(FEMALE_MESH, told)
+    assert shape_weights.min() >= 0.0
+    assert shape_weights.max() <= 1.0
     away = np.linalg.norm(deform(FEMALE_MESH, told) - FEMALE_MESH.positions, axis=1)
     assert np.all(np.isfinite(away))
     assert away.max() < 0.08
@@ -60,7 +60,7 @@ def test_small_changes_of_pressed_lips_give_small_displacements(
 
 def farthest(mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float) -> float:
     """Return the largest displacement [m] for a change of an action unit."""
-    before, after = (deform(mesh, {**told, channel: each}) for each in (value, value + step))
+    before, after = (deform(mesh, {**told, channel: item}) for item in (value, value + step))
     return float(np.linalg.norm(after - before, axis=1).max())
 
 

@@ -36,17 +36,17 @@ def toml(tables: Tables) -> str:
 def places(value: object, *, above: tuple[object, ...] = ()) -> Iterator[tuple[object, ...]]:
     """Return the paths to all items nested in a value."""
     entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, each in entries:
+    for key, item in entries:
         yield (*above, key)
-        yield from places(each, above=(*above, key))
+        yield from places(item, above=(*above, key))
 
 
 def altered(tables: Tables, choose: random.Random) -> Tables:
     """Return a copy with up to three values altered."""
-    found: Tables = json.loads(json.dumps(tables))
+    data: Tables = json.loads(json.dumps(tables))
     for _ in range(choose.choice((1, 1, 1, 2, 3))):
-        *way, last = choose.choice(list(places(found)) or [("x",)])
-        inside: object = found
+        *way, last = choose.choice(list(places(data)) or [("x",)])
+        inside: object = data
         for key in way:
             inside = inside[key]
         assert isinstance(inside, dict | list)
@@ -65,25 +65,27 @@ def altered(tables: Tables, choose: random.Random) -> Tables:
                 )
             case _:
                 inside[last] = deepcopy(choose.choice(ODD_VALUES))
-    return found
+    return data
 
 
 def damaged(data: bytes, choose: random.Random) -> bytes:
     """Return a copy with bytes changed, removed or inserted."""
-    found = bytearray(data)
+    results = bytearray(data)
     for _ in range(choose.choice((1, 1, 2, 4, 16))):
-        at = choose.randrange(len(found) + 1) if choose.random() < 0.5 else choose.randrange(min(len(found), 80) + 1)
+        at = (
+            choose.randrange(len(results) + 1) if choose.random() < 0.5 else choose.randrange(min(len(results), 80) + 1)
+        )
         match choose.choice(("flip", "flip", "set", "cut", "lose", "insert", "number")):
-            case "flip" if at < len(found):
-                found[at] ^= 1 << choose.randrange(8)
-            case "set" if at < len(found):
-                found[at] = choose.choice((0, 1, 127, 128, 255))
+            case "flip" if at < len(results):
+                results[at] ^= 1 << choose.randrange(8)
+            case "set" if at < len(results):
+                results[at] = choose.choice((0, 1, 127, 128, 255))
             case "cut":
-                del found[at:]
+                del results[at:]
             case "lose":
-                del found[at : at + choose.randrange(1, 40)]
+                del results[at : at + choose.randrange(1, 40)]
             case "number":
-                found[at : at + 4] = choose.choice((0, 1, 2**31 - 1, 2**31, 2**32 - 1)).to_bytes(4, "little")
+                results[at : at + 4] = choose.choice((0, 1, 2**31 - 1, 2**31, 2**32 - 1)).to_bytes(4, "little")
             case _:
-                found[at:at] = choose.randbytes(choose.randrange(1, 9))
-    return bytes(found)
+                results[at:at] = choose.randbytes(choose.randrange(1, 9))
+    return bytes(results)

@@ -54,13 +54,13 @@ def grow(root: Path, tree: list[tuple[list[str], str, list[str]]]) -> None:
 
 def letters(root: Path) -> set[str]:
     """Return the content of all user files outside marked folders."""
-    found = set()
+    results = set()
     for folder, folders, files in os.walk(root):
         if MARKER_FILE in files:
             folders.clear()
             continue
-        found |= {os.path.join(folder, name) for name in (*folders, *files)}
-    return {name for name in found if not (Path(name) / MARKER_FILE).exists() or Path(name).is_symlink()}
+        results |= {os.path.join(folder, name) for name in (*folders, *files)}
+    return {name for name in results if not (Path(name) / MARKER_FILE).exists() or Path(name).is_symlink()}
 
 
 @given(FOLDER_TREES, ITEM_PATHS, st.booleans(), st.booleans())

@@ -140,8 +140,8 @@ class Host:
             self.wire.sleep(self.wire.now() + MAX_START_TIME)
         if data[7] in FAST_READS:
             return [StatusReply(p.BROADCAST, 0, raw)]
-        found = self._decoder.feed(raw, self.wire.now())
-        return [StatusReply(s.servo, s.parameters[0], s.parameters[1:]) for s in found]
+        result = self._decoder.feed(raw, self.wire.now())
+        return [StatusReply(s.servo, s.parameters[0], s.parameters[1:]) for s in result]
 
 
 def whole(data: bytes) -> bool:
@@ -151,9 +151,9 @@ def whole(data: bytes) -> bool:
 
 def compare(own: Host, manual: Host, data: bytes) -> None:
     """Send an instruction to both implementations and compare the answers."""
-    told, expected = own.ask(data), manual.ask(data)
-    assert len(told) == len(expected), data.hex()
-    for one, other in zip(told, expected, strict=True):
+    answer, expected = own.ask(data), manual.ask(data)
+    assert len(answer) == len(expected), data.hex()
+    for one, other in zip(answer, expected, strict=True):
         assert one.agrees(other, exact=whole(data)), (data.hex(), one, other)
 
 

@@ -43,7 +43,7 @@ def test_packets_are_decoded_for_any_split_of_the_stream(
     cuts = sorted(data.draw(st.lists(st.integers(0, len(stream)), max_size=5)))
     reader = Reader()
     pieces = [stream[a:b] for a, b in zip([0, *cuts], [*cuts, len(stream)], strict=True)]
-    assert [found for piece in pieces for found in reader.feed(piece)] == [Packet(*one) for one in asked]
+    assert [item for piece in pieces for item in reader.feed(piece)] == [Packet(*one) for one in asked]
 
 
 @given(SERVO_IDS, PACKET_BODIES, st.integers(0, 1000), st.integers(1, 255))
@@ -105,8 +105,8 @@ def test_changed_byte_in_a_fast_answer_loses_at_most_two_records(
     raw[where % len(raw)] ^= change
     answer = FastQuery(tuple(servos), (224,) * len(servos)).parse(bytes(raw))
     assert answer.received.sum() >= len(servos) - 2
-    for block, found, record in zip(answer.blocks, answer.received, records, strict=True):
-        assert not found or block.tobytes()[2:20] == record
+    for block, result, record in zip(answer.blocks, answer.received, records, strict=True):
+        assert not result or block.tobytes()[2:20] == record
 
 
 @given(st.lists(st.integers(1, 250), min_size=1, max_size=20, unique=True), st.data())

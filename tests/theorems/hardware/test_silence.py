@@ -22,7 +22,7 @@ def delays(silences, builder: str, *faults: PlannedFault, latency: float = 0.001
     """Measure the time [s] from each silence to a complete reading."""
     made = rig_of(SERVO_COUNT, servos=builder, latency=latency, faults=FaultPlan(faults, seed=1))
     made.energise()
-    found = []
+    results = []
     for silent, cycles, moved in silences:
         places = [k - 1 for k in silent]
         _mute(made, places, mute=True)
@@ -32,9 +32,9 @@ def delays(silences, builder: str, *faults: PlannedFault, latency: float = 0.001
         while waiting and made.wire.now() < ended + 2 * MAX_DELAY:
             (cycle,) = made.run(1, np.full(SERVO_COUNT, MID_TICKS + moved))
             waiting -= set(np.flatnonzero(cycle.fresh | cycle.late).tolist())
-        found.append(made.wire.now() - ended)
+        results.append(made.wire.now() - ended)
         made.run(3, np.full(SERVO_COUNT, MID_TICKS))
-    return found
+    return results
 
 
 def _mute(made, places, *, mute: bool) -> None:

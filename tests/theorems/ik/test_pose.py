@@ -35,9 +35,9 @@ def _posture(share: Floats) -> Floats:
 @given(share=inner, start=shares)
 def test_poses_of_postures_in_range_are_reached(share, start):
     rotations, centres = LEFT_ARM.frames(_posture(share))
-    found = solve_pose(LEFT_ARM, centres[-2], rotations[-1], start=_posture(start))
-    assert found.residual < 1e-3
-    assert found.turn < 1e-2
+    solution = solve_pose(LEFT_ARM, centres[-2], rotations[-1], start=_posture(start))
+    assert solution.residual < 1e-3
+    assert solution.turn < 1e-2
 
 
 @settings(max_examples=15, deadline=None, derandomize=True)
@@ -58,9 +58,9 @@ def test_any_pose_is_solved_in_range_and_arms_are_mirror_images(place, turn, sta
 @given(left=places, right=places, weight=st.floats(0.0, 1.0))
 def test_any_pair_of_targets_is_solved_in_range(left, right, weight):
     rest = DEFAULT_ROBOT.skeleton.rest
-    found = reach_both(DEFAULT_ROBOT, {"l": left, "r": right}, start=rest, torso_weight=weight)
-    assert np.all((DEFAULT_ROBOT.skeleton.lower <= found.angles) & (found.angles <= DEFAULT_ROBOT.skeleton.upper))
-    assert np.all(np.isfinite(found.angles))
+    solution = reach_both(DEFAULT_ROBOT, {"l": left, "r": right}, start=rest, torso_weight=weight)
+    assert np.all((DEFAULT_ROBOT.skeleton.lower <= solution.angles) & (solution.angles <= DEFAULT_ROBOT.skeleton.upper))
+    assert np.all(np.isfinite(solution.angles))
 
 
 @examples(100, derandomize=True)
@@ -68,7 +68,7 @@ def test_any_pair_of_targets_is_solved_in_range(left, right, weight):
 def test_ik_refinement_never_increases_the_residual(place, start, far):
     linkage, posture = linkage_of(LEFT_ARM), _posture(start)
     x, y, z = (far * place).tolist()
-    found = finish(linkage, (x, y, z), [posture.tolist()])
-    assert found.miss <= np.linalg.norm(LEFT_ARM.hand(posture) - far * place) * (1 + 1e-12)
-    angles = np.array(found.angles)
+    result = finish(linkage, (x, y, z), [posture.tolist()])
+    assert result.miss <= np.linalg.norm(LEFT_ARM.hand(posture) - far * place) * (1 + 1e-12)
+    angles = np.array(result.angles)
     assert np.all((LEFT_ARM.lower[: len(angles)] <= angles) & (angles <= LEFT_ARM.upper[: len(angles)]))

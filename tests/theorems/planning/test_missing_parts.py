@@ -30,12 +30,12 @@ def planned(tmp_path) -> Callable[..., Plan]:
     "missing", [("neck",), ("torso",), ("clavicles",), ("neck", "torso", "clavicles")], ids="-".join
 )
 def test_robot_without_some_body_parts_drops_only_their_behaviours(planned, missing):
-    found = planned(*missing)
-    lacking = {id: each.why for id, each in found.keyframes.outcomes.items() if each.kind == "dropped"}
+    result = planned(*missing)
+    lacking = {id: each.why for id, each in result.keyframes.outcomes.items() if each.kind == "dropped"}
     expected = {"neck": ("look", "nod"), "torso": ("lean",), "clavicles": ()}
     assert set(lacking) == {id for part in missing for id in expected[part]}
     assert all("has no" in why for why in lacking.values())
-    assert ("no neck" in found.keyframes.outcomes["bow"].why) == ("neck" in missing)
+    assert ("no neck" in result.keyframes.outcomes["bow"].why) == ("neck" in missing)
 
 
 def test_robot_without_neck_looks_from_shoulders(tmp_path):

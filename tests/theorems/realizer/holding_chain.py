@@ -122,7 +122,7 @@ class Chain:
 
     def do(self, deed: str, choice: int) -> "Chain":
         """Interrupt a block or a behaviour, or change the style."""
-        playing = [each for each in self.scene.playing if each.merged is not None and each.times]
+        playing = [item for item in self.scene.playing if item.merged is not None and item.times]
         if not playing:
             return self
         running = playing[choice % len(playing)]

@@ -54,7 +54,7 @@ def planned(index: int, *, quickly: bool) -> Plan:
 
 def check(before: Trajectory, after: Trajectory, time: float) -> None:
     count = knot_at(time) + 3
-    same = [extend_controls(each.controls, count)[:count] for each in (before, after)]
+    same = [extend_controls(item.controls, count)[:count] for item in (before, after)]
     np.testing.assert_allclose(*same, atol=1e-8)
     for name, peak in check_limits(after, known().limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
@@ -71,8 +71,8 @@ def test_any_merge_keeps_limits_continuity_and_clearance(deeds, quickly):
         time += later
         needs = [need for _, each in playing for need in each.occupancy]
         if what == "instead":
-            found = replace_motion(motion, time, planned(index, quickly=quickly))
-            after, playing = found.trajectory, [(index, found)]
+            replaced = replace_motion(motion, time, planned(index, quickly=quickly))
+            after, playing = replaced.trajectory, [(index, replaced)]
         elif what == "back" and playing:
             _, gone = playing.pop(0)
             others = [need for _, each in playing for need in each.occupancy]
@@ -82,15 +82,15 @@ def test_any_merge_keeps_limits_continuity_and_clearance(deeds, quickly):
         elif what == "otherwise" and playing:
             own, gone = playing.pop()
             others = [need for _, each in playing for need in each.occupancy]
-            found = replan(motion, time, gone, planned(own, quickly=not quickly), others=others) or gone
-            after = motion if found is gone else found.trajectory
-            playing.append((own, found))
+            replaced = replan(motion, time, gone, planned(own, quickly=not quickly), others=others) or gone
+            after = motion if replaced is gone else replaced.trajectory
+            playing.append((own, replaced))
         else:
-            found = merge(
+            replaced = merge(
                 motion, time, planned(index, quickly=quickly), begin=time, occupied=remaining_occupancy(needs, time)
             )
-            after = found.trajectory
-            playing.append((index, found))
+            after = replaced.trajectory
+            playing.append((index, replaced))
         check(motion, after, time)
         motion = after
 

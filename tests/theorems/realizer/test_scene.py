@@ -55,10 +55,10 @@ def made(inside: str) -> PreparedBlock:
 
 def named(id: str, inside: str, composition: Composition, order: BlockOrder) -> PreparedBlock:
     """Return a copy of a plan with another block id."""
-    found = made(inside)
-    block = replace(found.plan.timeline.block, id=id, composition=composition, order=order)
-    plan = replace(found.plan, timeline=replace(found.plan.timeline, block=block))
-    return replace(found, plan=plan, request=replace(found.request, block=block))
+    result = made(inside)
+    block = replace(result.plan.timeline.block, id=id, composition=composition, order=order)
+    plan = replace(result.plan, timeline=replace(result.plan.timeline, block=block))
+    return replace(result, plan=plan, request=replace(result.request, block=block))
 
 
 ids = st.integers(0, 11).map("b{}".format)
@@ -160,9 +160,9 @@ def check(told: list[ScheduledFeedback]) -> None:
 
 
 def written(xml: str, attribute: str) -> str:
-    found = re.search(rf' {attribute}="([^"]*)"', xml)
-    assert found is not None
-    return found[1]
+    result = re.search(rf' {attribute}="([^"]*)"', xml)
+    assert result is not None
+    return result[1]
 
 
 def test_realizer_scene_is_deterministic() -> None:

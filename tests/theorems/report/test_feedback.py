@@ -36,6 +36,6 @@ def test_warnings_name_exactly_the_moved_sync_points(known, asked, nod):
     ]
     planned = plan(BLOCK_XML.format("".join([*lines, f'<head id="h" lexeme="NOD" start="{nod}"/>'])), known)
     messages = [ElementTree.fromstring(message) for message in feedback(planned)]
-    told = Counter((m.get("id"), m.text.split()[0]) for m in messages if m.text and " is planned at " in m.text)
+    counts = Counter((m.get("id"), m.text.split()[0]) for m in messages if m.text and " is planned at " in m.text)
     moved = [sync for sync in planned.syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN]
-    assert told == Counter((f"b:{sync.behaviour}", sync.sync) for sync in moved)
+    assert counts == Counter((f"b:{sync.behaviour}", sync.sync) for sync in moved)

@@ -34,16 +34,16 @@ def test_line_segment_distance_equals_an_exhaustive_search(ends):
     second = b0 + SEGMENT_FRACTIONS[:, None] * (b1 - b0)
     searched = np.linalg.norm(first[:, None] - second[None], axis=-1).min()
     spacing = (np.linalg.norm(a1 - a0) + np.linalg.norm(b1 - b0)) / 80
-    found = distance(a0, a1, b0, b1)
-    assert found <= searched + 1e-7
-    assert found >= searched - spacing - 1e-7
+    result = distance(a0, a1, b0, b1)
+    assert result <= searched + 1e-7
+    assert result >= searched - spacing - 1e-7
 
 
 @given(SEGMENT_ENDS)
 @examples(200)
 def test_line_segment_distance_is_independent_of_segment_order_and_direction(ends):
     a0, a1, b0, b1 = ends
-    found = distance(a0, a1, b0, b1)
-    assert distance(b0, b1, a0, a1) == pytest.approx(found, abs=1e-7)
-    assert distance(a1, a0, b0, b1) == pytest.approx(found, abs=1e-7)
-    assert distance(a0, a1, b1, b0) == pytest.approx(found, abs=1e-7)
+    result = distance(a0, a1, b0, b1)
+    assert distance(b0, b1, a0, a1) == pytest.approx(result, abs=1e-7)
+    assert distance(a1, a0, b0, b1) == pytest.approx(result, abs=1e-7)
+    assert distance(a0, a1, b1, b0) == pytest.approx(result, abs=1e-7)

@@ -41,8 +41,8 @@ def test_mirror_postures_have_equal_torques_and_distances(shares):
     mirrored = MIRROR_SIGNS * angles[MIRROR_HINGES]
     held = DYNAMICS.holding(np.array([angles, mirrored]))
     assert held[1] == pytest.approx(MIRROR_SIGNS * held[0][MIRROR_HINGES], abs=1e-9)
-    found = DISTANCES.clearance(np.array([angles, mirrored])).distances
-    assert found[0] == pytest.approx(found[1], abs=1e-12)
+    distances = DISTANCES.clearance(np.array([angles, mirrored])).distances
+    assert distances[0] == pytest.approx(distances[1], abs=1e-12)
 
 
 @given(RANGE_FRACTIONS, RANGE_FRACTIONS)
@@ -50,7 +50,7 @@ def test_mirror_postures_have_equal_torques_and_distances(shares):
 def test_distance_changes_no_faster_than_the_segments_move(one, other):
     """The approach of a pair is bounded by the motion of both."""
     a, b = posture(one), posture(one + 0.05 * (other - one))
-    found = DISTANCES.clearance(np.array([a, b])).distances
+    distances = DISTANCES.clearance(np.array([a, b])).distances
     moved = 0.0
     frames = [ROBOT_SKELETON.frames(a), ROBOT_SKELETON.frames(b)]
     for k, segment in enumerate(ROBOT_SKELETON.segments):
@@ -58,7 +58,7 @@ def test_distance_changes_no_faster_than_the_segments_move(one, other):
             for end in (capsule.start, capsule.end):
                 points = [frame.origins[k] + frame.rotations[k] @ end for frame in frames]
                 moved = max(moved, float(np.linalg.norm(points[1] - points[0])))
-    assert abs(found[1] - found[0]) <= 2 * moved + 1e-12
+    assert abs(distances[1] - distances[0]) <= 2 * moved + 1e-12
 
 
 @given(RANGE_FRACTIONS, RANGE_FRACTIONS, RANGE_FRACTIONS)

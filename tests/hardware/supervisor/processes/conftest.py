@@ -49,11 +49,11 @@ class Record:
 
     @property
     def stopped(self) -> bool:
-        """Whether all were stopped by their bus watchdogs in the end."""
+        """Return whether the bus watchdogs stopped all servos in the end."""
         return bool((self.watchdogs[-1] == -1).all())
 
     def stall(self, start: float, end: float) -> float:
-        """[s] the longest time that the servos' own process did nothing."""
+        """Return the longest pause [s] of the servos' own process."""
         return longest_gap(self.times, start, end)
 
 
@@ -65,7 +65,7 @@ def longest_gap(times: Iterable[float], start: float, end: float) -> float:
 
 def lateness(history: Iterable[Status], start: float, end: float) -> float:
     """Return the largest delay [s] of a supervisor cycle."""
-    return max(0.0, longest_gap((told.clock for told in history), start, end) - SETTINGS.period)
+    return max(0.0, longest_gap((item.clock for item in history), start, end) - SETTINGS.period)
 
 
 class Table:
@@ -85,7 +85,7 @@ class Table:
         self._process.stdin.flush()
 
     def record(self, since: float) -> Record:
-        """From a time [s] until now."""
+        """Return the record from a time [s] until now."""
         assert self._process.stdout is not None
         self.tell("show")
         assert self._process.stdout.readline() == b"shown\n"
@@ -123,7 +123,7 @@ class Rig:
         return time.monotonic()
 
     def moving(self, servos: Servos) -> None:
-        """Waits until the performance runs."""
+        """Wait until the performance runs."""
         self.wait(lambda: self.goes_on(servos) and servos.state().time > 0.4)
 
     def raised(self) -> bool:
@@ -143,7 +143,7 @@ class Rig:
         return status.stage is Stage.ACTIVE
 
     def write(self, servos: Servos, seconds: float) -> None:
-        """A motion that begins at rest and goes on."""
+        """Write a motion that starts at rest and continues."""
         rest = self.robot.skeleton.rest
         still = np.zeros(len(rest))
         for tick in range(round(seconds * 100) + 1):
@@ -174,9 +174,9 @@ class Rig:
 
     def supervisor(self) -> Channel:
         """Return the channel of the supervisor, even after its end."""
-        found = find_supervisor(self.ports["left"], JOINTS)
-        assert found is not None
-        return found
+        channel = find_supervisor(self.ports["left"], JOINTS)
+        assert channel is not None
+        return channel
 
     def freeze(self, servos: Servos) -> float:
         """Suspend the supervisor in its performance, and return the time [s].
@@ -204,16 +204,16 @@ class Rig:
         """Assert that the arms end at rest without torque."""
         record, manifest = self.record(), Manifest.of(self.robot)
         rest = manifest.scale.ticks(manifest.rest[manifest.joints])
-        told = "\n".join(text for _, _, text in self.events()[-20:])
-        assert not record.torque[-1].any(), told
-        assert np.abs(record.places[-1] - rest).max() <= NEAR, f"{record.places[-1] - rest}\n{told}"
+        last_events = "\n".join(text for _, _, text in self.events()[-20:])
+        assert not record.torque[-1].any(), last_events
+        assert np.abs(record.places[-1] - rest).max() <= NEAR, f"{record.places[-1] - rest}\n{last_events}"
 
     def events(self) -> list[tuple[float, str, str]]:
         lines = [json.loads(line) for line in self.log.read_text().splitlines()] if self.log.exists() else []
         return [(line["time"], line["kind"], line["text"]) for line in lines]
 
     def entered(self, stage: Stage, after: float = 0.0) -> float | None:
-        """[s] when a stage was entered first after a time."""
+        """Return when a stage was first entered after a time [s]."""
         for moment, kind, text in self.events():
             if kind == "stage" and moment >= after and f"-> {stage.value} " in text:
                 return moment
@@ -239,7 +239,7 @@ class Rig:
 
 @pytest.fixture(scope="session")
 def tables(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Table]]:
-    """The table of the test before, or a new one."""
+    """Return the previous test's table if it is in order, or a new one."""
     made: list[Table] = []
 
     def table() -> Table:
@@ -250,8 +250,8 @@ def tables(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
         return made[-1]
 
     yield table
-    for each in made:
-        each.close()
+    for item in made:
+        item.close()
 
 
 @pytest.fixture

@@ -20,11 +20,11 @@ def open_servos(robot: Robot, folder: Path, *, settings: SupervisorSettings, log
     """
     ports = {name: folder / name for name in BUSES}
     for tries in range(1, TRIES + 1):
-        told = log.stat().st_size if log.exists() else 0
+        st_size = log.stat().st_size if log.exists() else 0
         try:
             return Servos(robot, ports, settings=settings, log=log)
         except BusError as error:
             if tries == TRIES or not any(text in str(error) for text in LATE):
                 raise
-            os.truncate(log, told)
+            os.truncate(log, st_size)
     raise AssertionError

@@ -27,8 +27,8 @@ def test_performance_ends_at_rest_without_torque(rig):
     assert np.isfinite(servos.positions()).all()
     time.sleep(0.2)
     history = servos.history()
-    assert all(np.abs(told.angles - told.setpoints).max() < 0.2 for told in history if told.stage is Stage.ACTIVE)
-    assert len({told.time for told in history}) > 30
+    assert all(np.abs(item.angles - item.setpoints).max() < 0.2 for item in history if item.stage is Stage.ACTIVE)
+    assert len({item.time for item in history}) > 30
     servos.close()
     assert not servos.running
     assert servos.state().stage is Stage.CLOSED
@@ -40,7 +40,7 @@ def test_performance_ends_at_rest_without_torque(rig):
 
 
 def test_writing_never_waits_for_the_supervisor(rig):
-    """More commands than fit, while nobody takes any."""
+    """Write more commands than fit while nobody reads any."""
     servos = rig.opened()
     os.kill(servos.pid, signal.SIGSTOP)
     rig.write(servos, 180.0)

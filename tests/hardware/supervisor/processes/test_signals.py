@@ -56,7 +56,7 @@ def test_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig):
 
 
 @pytest.mark.parametrize(
-    "number", [signal.SIGTERM, *(pytest.param(each, marks=pytest.mark.soak) for each in (signal.SIGINT, signal.SIGHUP))]
+    "number", [signal.SIGTERM, *(pytest.param(item, marks=pytest.mark.soak) for item in (signal.SIGINT, signal.SIGHUP))]
 )
 def test_signal_to_an_idle_supervisor_releases_the_servos_before_it_ends(rig, number: signal.Signals):
     servos = rig.opened()
@@ -113,7 +113,7 @@ def test_servos_of_a_suspended_supervisor_hold_with_torque_until_a_resume_reques
 
 
 def test_full_disk_does_not_interrupt_the_performance(rig):
-    """/dev/full opens, and refuses every byte."""
+    """/dev/full can be opened, but each write to it fails."""
     servos = Servos(rig.robot, rig.ports, settings=SETTINGS, log=Path("/dev/full"))
     rig.write(servos, 20.0)
     rig.moving(servos)

@@ -52,7 +52,7 @@ def test_servo_that_reboots_rejoins_without_a_jump(rig):
     servos.close()
     record = rig.record()
     window = (record.times >= struck) & (record.times < released)
-    torque, goals, places = (each[window][:, 2] for each in (record.torque, record.goals, record.places))
+    torque, goals, places = (item[window][:, 2] for item in (record.torque, record.goals, record.places))
     back = int(np.flatnonzero(np.diff(torque) > 0)[0]) + 1
     assert abs(goals[back] - places[back]) <= 2
     assert np.abs(places[back : back + 10] - places[back - 1]).max() <= 2

@@ -28,7 +28,7 @@ def test_watchdogs_are_longer_and_time_is_slower_while_cycles_are_late(
 
 
 def test_punctual_host_gets_its_watchdogs_back(desk: Make, monkeypatch: pytest.MonkeyPatch):
-    """After ten seconds (tests/hardware/bus/test_host.py), of which one is enough here."""
+    """It takes ten seconds (tests/hardware/bus/test_host.py), shortened here to one."""
     monkeypatch.setattr(host, "GAP_MEMORY", 1.0)
     made = desk().active(20.0)
     made.pass_time(0.03)

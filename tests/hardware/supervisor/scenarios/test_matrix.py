@@ -36,7 +36,7 @@ def settings(count: int, baud: int) -> SupervisorSettings:
 
 
 def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> None:
-    """A performance under a fault, to its end."""
+    """Run a whole performance under a fault."""
     built = FaultPlan(tuple(m for m in case.faults if m.kind in BUILD_KINDS), seed)
     later = tuple(m for m in case.faults if m.kind not in BUILD_KINDS)
     desk = make(count, baud=baud, faults=built, settings=settings(count, baud))

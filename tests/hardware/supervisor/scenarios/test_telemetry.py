@@ -22,10 +22,10 @@ def test_telemetry_contains_the_values_of_each_servo(desk: Callable):
         servo.electronics.celsius, servo.electronics.volts = 30.0 + k, 11.5 + k / 10
     made.open()
     made.run(0.3)
-    told = made.channel.telemetry()
-    assert told.celsius.tolist() == [30.0, 31.0, 32.0, 33.0, 34.0]
-    assert told.volts == pytest.approx([11.5, 11.6, 11.7, 11.8, 11.9], abs=0.051)
-    assert not told.torque.any()
+    result = made.channel.telemetry()
+    assert result.celsius.tolist() == [30.0, 31.0, 32.0, 33.0, 34.0]
+    assert result.volts == pytest.approx([11.5, 11.6, 11.7, 11.8, 11.9], abs=0.051)
+    assert not result.torque.any()
     made.expose(PlannedFault("alert", (made.manifest.members[2].id,), value=HardwareError.OVERLOAD.value))
     made.run(0.3)
     assert made.channel.telemetry().errors.tolist() == [0.0, 0.0, HardwareError.OVERLOAD.value, 0.0, 0.0]
@@ -35,8 +35,8 @@ def test_loads_are_relative_to_the_limit_in_hinge_direction():
     records = np.zeros(3, dtype=RECORD_DTYPE)
     records["current"] = [455, 455, -910]
     everybody, full = np.ones(3, dtype=np.bool_), np.full(3, 910.0)
-    told = Telemetry.of(2.0, records, everybody, full=full, turns=np.array([1.0, -1.2, -1.0]))
-    assert told.load.tolist() == [0.5, -0.5, 1.0]
+    result = Telemetry.of(2.0, records, everybody, full=full, turns=np.array([1.0, -1.2, -1.0]))
+    assert result.load.tolist() == [0.5, -0.5, 1.0]
 
 
 def test_telemetry_of_a_silent_servo_is_nan(desk: Callable):
@@ -45,8 +45,8 @@ def test_telemetry_of_a_silent_servo_is_nan(desk: Callable):
     made.run(0.3)
     made.expose(PlannedFault("silent", (made.manifest.members[1].id,), seconds=1.0))
     made.run(0.5)
-    told = made.channel.telemetry()
-    assert np.isnan(told.figures).sum(axis=0).tolist() == [0, 5, 0, 0, 0]
+    result = made.channel.telemetry()
+    assert np.isnan(result.figures).sum(axis=0).tolist() == [0, 5, 0, 0, 0]
 
 
 def test_telemetry_is_updated_twenty_times_a_second_cheaply(crowd: Callable):
