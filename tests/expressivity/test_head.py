@@ -1,5 +1,6 @@
 from math import degrees
 
+import numpy as np
 import pytest
 
 from kinesic.bml.block import Head, HeadDirectionShift
@@ -247,6 +248,17 @@ def test_nods_without_given_time_are_spread_evenly_between_timed_nods(robot, pac
     times = {**nod_times, "stroke": 1.0, "stroke:2": 1.001, "stroke:3": 3.0, "strokeEnd": 6.0, "relax": 6.0, "end": 6.0}
     peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]
     assert peaks == pytest.approx([1.0, 2.0, 3.0, 5.0])
+
+
+def test_nod_that_ends_too_early_returns_in_its_natural_time(robot, pace, nod_times):
+    form = head_form(Head("NOD", repetition=2), robot, Expressivity())
+    early = {**nod_times, "stroke": 1.0, "strokeEnd": 1.0, "relax": 1.0, "end": 1.0}
+    times = [key.time for key in head_layer(form, early, pace, Expressivity())]
+    natural = times[-1] - times[-2]
+    assert np.diff(times[-4:]) == pytest.approx([natural] * 3)
+    pinned = {**early, "stroke:2": 2.0, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
+    times = [key.time for key in head_layer(form, pinned, pace, Expressivity())]
+    assert times[-4:] == pytest.approx([1.0, 1.5, 2.0, 2.0 + natural])
 
 
 def test_nod_strokes_keep_their_order(robot, pace, nod_times):

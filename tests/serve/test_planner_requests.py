@@ -8,6 +8,7 @@ import pytest
 
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
+from kinesic.realizer.scene import Scene
 from kinesic.serve.idling import IDLE_SPELL_DURATION, REST_BEFORE_IDLING
 from kinesic.serve.messages import (
     FeedbackNotice,
@@ -17,6 +18,7 @@ from kinesic.serve.messages import (
     Resumption,
 )
 from kinesic.serve.planner import MIN_POLL_PERIOD
+from kinesic.serve.shared_scene import MAX_EXPECTED_DURATION, PROPOSAL_MARGIN
 
 from .planning_bench import LONG_GESTURE_BML, NOD_BML, Planning
 from .simulated import feedback_of
@@ -140,6 +142,20 @@ def test_interrupted_block_leaves_the_other_running(planning: Planning):
     ends = [each.xml for each in feedback_of(proposal) if 'id="a:end"' in each.xml]
     assert any("INTERRUPTED" in end for end in ends)
     assert not any("INTERRUPTED" in each.xml and 'id="b' in each.xml for each in feedback_of(proposal))
+
+
+def test_expected_planning_time_decays_after_one_slow_plan(planning: Planning):
+    shared = planning.state._shared
+    leads: list[float] = []
+    for seconds in (0.5, 0.0, 0.0, 0.0, 9.0, 0.0):
+
+        def change(scene: Scene, now: float, seconds: float = seconds) -> Scene:
+            leads.append(scene.ahead - PROPOSAL_MARGIN)
+            planning.time += seconds
+            return scene
+
+        shared.propose(change)
+    assert leads == pytest.approx([0.0, 0.5, 0.35, 0.245, 0.1715, MAX_EXPECTED_DURATION])
 
 
 def test_planner_has_no_due_event_at_rest(planning: Planning):

@@ -165,6 +165,7 @@ def test_planner_reports_readiness_executes_requests_and_ends_with_the_server(kn
     thread = Thread(
         target=run_planner,
         args=(lambda: known, requests[1], loop[1], refiner[1], LoopProperties(Clock(), NO_ACCOMPANIMENT), TEST_QUOTAS),
+        daemon=True,
     )
     thread.start()
 
@@ -174,6 +175,10 @@ def test_planner_reports_readiness_executes_requests_and_ends_with_the_server(kn
 
     requests[0].send(LoopStart(stay(known.robot.skeleton.rest, start=0.0), 0, ()))
     assert isinstance(heard(), PlannerReady)
+    request = read_request(Message(BLOCK_BML.format("gone", NOD_BML)), known)
+    refiner[0].send_bytes(pack(RefinedPlan("gone", prepare_block(request, known).plan)))
+    assert isinstance(heard(), Proposal), "refined plans are received"
+    loop[0].send(ProposalVerdict(accepted=True, stops=0, time=0.0))
     for name in ("a", "b"):
         requests[0].send(DocumentRequest(Message(BLOCK_BML.format(name, NOD_BML), 7), 0))
         said = [heard(), heard()]
