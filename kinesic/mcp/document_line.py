@@ -69,6 +69,11 @@ class DocumentLine:
         return bool(self._playing) or self._is_talking
 
     @property
+    def accepted_blocks(self) -> frozenset[str]:
+        """Blocks of this connection that have not ended."""
+        return frozenset(self._playing.copy())
+
+    @property
     def is_talking(self) -> bool:
         """Whether a streamed text of this connection is not spoken completely."""
         return self._is_talking

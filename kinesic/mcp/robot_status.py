@@ -1,20 +1,23 @@
 """Compact robot status for a language model: playing blocks, remaining seconds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import cast
 
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import Json
 
+STARTING_STATE = "starting"  # state of a resting robot that soon performs
+TORQUE_NOTE = "the servos hold their posture with torque on, until a person at the robot resumes or disarms them"
 TIME_DIGITS = 1  # decimal places of the times [s] in a robot status
 
 
-def summarise(status: RobotAnswer, warnings: Sequence[str]) -> RobotAnswer:
+def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[str] = ()) -> RobotAnswer:
     """Return a compact robot status for a language model.
 
     Args:
         status: the server's answer to `status`.
         warnings: last warnings about documents of this connection.
+        accepted: blocks of this connection that have not ended.
     """
     blocks = list_blocks(status)
     answer: dict[str, Json] = {
@@ -22,12 +25,22 @@ def summarise(status: RobotAnswer, warnings: Sequence[str]) -> RobotAnswer:
         "state": status["state"],
         "playing": [_playing(block) for block in blocks if not block["starts_in"]],
     }
-    if waiting := [block for block in blocks if block["starts_in"]]:
-        answer["next"] = [{**_playing(block), "starts_in": _rounded(block["starts_in"])} for block in waiting]
-    if unplanned := cast(int, status.get("waiting", 0)) + bool(status.get("planning")):
+    unplanned = cast(int, status.get("waiting", 0)) + bool(status.get("planning"))
+    waiting: list[Json] = [
+        {**_playing(block), "starts_in": _rounded(block["starts_in"])} for block in blocks if block["starts_in"]
+    ]
+    if unplanned:  # otherwise an accepted block that is not listed has just ended
+        listed = {block["block"] for block in blocks}
+        waiting += [{"block": block} for block in sorted(accepted) if block not in listed]
         answer["documents_not_planned_yet"] = unplanned
+    if waiting:
+        answer["next"] = waiting
+    if status["state"] == "resting" and (waiting or unplanned):
+        answer["state"] = STARTING_STATE
     if status.get("servos") is not None:
         answer["servos"] = status["servos"]
+        if status["state"] == "stopped" and status["servos"] == "armed":
+            answer["note"] = TORQUE_NOTE
     if warnings:
         answer["last_warnings"] = list(warnings)
     return answer

@@ -184,12 +184,14 @@ def _add_quiet_tools(
     async def status() -> str:
         """Report running and next blocks with seconds left, and the last warnings.
 
-        `state` is resting, playing or stopped (by an emergency stop).
+        `state` is resting, starting (a performance is planned or begins soon), playing or stopped (by an emergency
+        stop).
         """
 
         async def ask() -> RobotAnswer:
             line = await gate.line()
-            return summarise(await line.status(), line.documents.warnings)
+            accepted = line.documents.accepted_blocks  # before the status, in which one of them may have ended
+            return summarise(await line.status(), line.documents.warnings, accepted)
 
         return await _answer_json(ask())
 

@@ -63,9 +63,32 @@ def test_status_names_playing_and_next_blocks_with_seconds():
     }
 
 
-def test_status_counts_the_document_that_the_planner_works_on():
+def test_status_names_an_accepted_block_that_is_being_planned():
     status = {"robot": "upper22", "state": "resting", "waiting": 0, "planning": True, "blocks": []}
-    assert summarise(status, [])["documents_not_planned_yet"] == 1
+    answer = summarise(status, [], ["b", "a"])
+    assert answer["documents_not_planned_yet"] == 1
+    assert answer["next"] == [{"block": "a"}, {"block": "b"}]
+    assert answer["state"] == "starting"
+    assert summarise({**status, "state": "stopped"}, [])["state"] == "stopped"
+
+
+def test_status_names_each_accepted_block_once():
+    status = {"robot": "upper22", "state": "resting", "waiting": 0, "blocks": [NEXT]}
+    assert summarise(status, [], ["b"])["next"] == [{"block": "b", "seconds_left": 4.0, "starts_in": 2.3}]
+    assert summarise({**status, "planning": True}, [], ["b"])["next"] == summarise(status, [])["next"]
+    assert summarise(status, [])["state"] == "starting"
+
+
+def test_status_omits_an_accepted_block_that_has_just_ended():
+    resting = summarise({"robot": "upper22", "state": "resting", "waiting": 0, "blocks": []}, [], ["a"])
+    assert resting == {"robot": "upper22", "state": "resting", "playing": []}
+
+
+def test_status_explains_that_stopped_servos_have_torque():
+    status = {"robot": "upper22", "state": "stopped", "servos": "armed", "waiting": 0, "blocks": []}
+    assert "torque on" in str(summarise(status, [])["note"])
+    assert "note" not in summarise({**status, "servos": "limp"}, [])
+    assert "note" not in summarise({**status, "state": "playing"}, [])
 
 
 def test_status_tool_answer_of_a_resting_robot_is_short():
