@@ -12,8 +12,9 @@ from kinesic.body.skeleton import Capsule, Coupling, Hinge
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
 from kinesic.sim.filming.face_screen import Sheet, build_face_screen
+from kinesic.sim.part_colours import parts, shell_parts
 from kinesic.sim.scene_layout import CAMERA_DIRECTION, Rod, find_scene_view
-from kinesic.sim.scene_style import SERVO_DRAWN_SCALE, eyeballs, list_drawn_rods, parts, shell_parts
+from kinesic.sim.scene_style import SERVO_DRAWN_SCALE, eyeballs, list_drawn_rods
 from kinesic.sim.shells.shell import Shell
 from kinesic.sim.shells.variant import find_shell
 

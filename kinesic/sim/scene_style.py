@@ -5,16 +5,16 @@ All of them are massless.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
 
 import mujoco
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import Robot
 from kinesic.sim.filming.drawn_face import SCREEN_SIZE, paint_face
 from kinesic.sim.filming.scene_screen import add_screen, has_screen, put_face
 from kinesic.sim.model import capsule_name, describe
+from kinesic.sim.part_colours import PART_COLOURS, parts, shell_parts
 from kinesic.sim.scene_layout import (
     CAMERA_DIRECTION,
     SUN_DIRECTION,
@@ -31,13 +31,6 @@ from kinesic.sim.shells.variant import find_shell
 
 CAMERA_NAME = "audience"  # name of the MuJoCo model's camera
 FLOOR_GROUP = 5  # MuJoCo geom group of the floor
-RodPart = Literal["trunk", "limb", "l_hand", "r_hand"]
-PART_COLOURS: dict[RodPart, tuple[float, ...]] = {
-    "trunk": (0.34, 0.42, 0.52, 1.0),
-    "limb": (0.93, 0.92, 0.89, 1.0),
-    "l_hand": (0.95, 0.55, 0.22, 1.0),
-    "r_hand": (0.16, 0.56, 0.66, 1.0),
-}
 SERVO_COLOUR = (0.17, 0.18, 0.21, 1.0)  # RGBA colour of servo boxes
 SERVO_DRAWN_SCALE = 0.94  # drawn size / real size: protruding corners would look like dark specks on a limb
 SKY_COLOUR = (0.62, 0.74, 0.84)  # RGB colour of the sky
@@ -95,24 +88,6 @@ class Eyeball:
     centre: Floats  # (3,) [m] in the segment's frame
     radius: float  # [m]
     dark: bool  # whether this is a pupil
-
-
-def parts(robot: Robot) -> dict[str, RodPart]:
-    """Return the body part of each segment, which determines its colour."""
-    limbs = {segment for side in SIDES for segment in robot.arm(side).segments}
-    limbs |= set(robot.chains.get("neck", ()))
-    painted: dict[str, RodPart] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
-    colours: dict[Side, RodPart] = {"l": "l_hand", "r": "r_hand"}
-    hands = {side: (robot.arm(side).segments[-1], *robot.fingers(side)) for side in SIDES}
-    return painted | {name: colours[side] for side, names in hands.items() for name in names}
-
-
-def shell_parts(robot: Robot) -> dict[str, RodPart]:
-    """Return the body part of each segment for shells.
-
-    The trunk is painted like the limbs.
-    """
-    return {name: "limb" if part == "trunk" else part for name, part in parts(robot).items()}
 
 
 def list_drawn_rods(robot: Robot, shell: Shell | None) -> tuple[Rod, ...]:

@@ -15,8 +15,8 @@ from kinesic.sim.film import FilmError, film, write_still
 from kinesic.sim.filming.drawn_face import paint_face
 from kinesic.sim.filming.face_screen import build_face_screen
 from kinesic.sim.filming.framing import find_capsule_balls, find_motion_view, project_points
+from kinesic.sim.part_colours import PART_COLOURS
 from kinesic.sim.scene_layout import find_scene_view
-from kinesic.sim.scene_style import PART_COLOURS
 
 ROBOT = Robot.load()
 REST_POSTURE = ROBOT.skeleton.rest

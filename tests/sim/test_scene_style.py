@@ -6,7 +6,8 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.sim.model import build_model
-from kinesic.sim.scene_style import CAMERA_NAME, eyeballs, parts, styled_model
+from kinesic.sim.part_colours import parts
+from kinesic.sim.scene_style import CAMERA_NAME, eyeballs, styled_model
 
 ROBOT = Robot.load()
 MODEL = styled_model(ROBOT, width=320, height=240)

@@ -13,6 +13,7 @@ from kinesic.planning.captions import make_captions
 from kinesic.planning.plan import Plan
 from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 from kinesic.report.labels import label
+from kinesic.sim.part_colours import PART_COLOURS, shell_parts
 from kinesic.sim.shells.shell import SegmentShell
 from kinesic.sim.shells.variant import find_shell
 
@@ -48,7 +49,7 @@ class Surface:
     vertices: Floats  # (v, 3) [m] in the segment
     normals: Floats  # (v, 3) outward
     triangles: NDArray[np.integer]  # (t, 3)
-    colour: tuple[float, float, float]  # sRGB, 0..1
+    colour: tuple[float, ...]  # red, green, blue in sRGB, 0..1
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +94,10 @@ def surfaces(robot: Robot) -> Iterator[Surface]:
     """Yield a robot's surfaces: its shell, or capsules if it has none."""
     shell = find_shell(robot)
     if shell is not None:
+        parts = shell_parts(robot)
         for name, part in shell.segments.items():
-            for triangles, colour in ((part.shell, LIGHT_COLOUR), (part.joint, DARK_COLOUR)):
+            housing = PART_COLOURS[parts[name]][:3] if parts[name] in ("l_hand", "r_hand") else LIGHT_COLOUR
+            for triangles, colour in ((part.shell, housing), (part.joint, DARK_COLOUR)):
                 if len(triangles):
                     yield _compact(name, part, triangles, colour)
         return
@@ -106,9 +109,7 @@ def surfaces(robot: Robot) -> Iterator[Surface]:
             yield Surface(segment.name, mesh.positions, mesh.normals, mesh.corners, colour)
 
 
-def _compact(
-    name: str, part: SegmentShell, triangles: NDArray[np.integer], colour: tuple[float, float, float]
-) -> Surface:
+def _compact(name: str, part: SegmentShell, triangles: NDArray[np.integer], colour: tuple[float, ...]) -> Surface:
     """Create a surface from triangles, without unused vertices."""
     used, corners = np.unique(triangles, return_inverse=True)
     return Surface(name, part.vertices[used], part.normals[used], corners.reshape(-1, 3), colour)

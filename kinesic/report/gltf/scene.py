@@ -23,6 +23,7 @@ from kinesic.report.gltf.capsule_mesh import capsule_mesh, join_surfaces
 from kinesic.report.gltf.drawn_face import add_drawn_face
 from kinesic.report.gltf.skin import add_skin
 from kinesic.report.segment_motion import segment_motions, smooth_quaternions
+from kinesic.sim.part_colours import PART_COLOURS, RodPart, shell_parts
 from kinesic.sim.shells.shell import SegmentShell
 from kinesic.sim.shells.variant import find_shell
 from kinesic.version import __version__
@@ -31,7 +32,8 @@ SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
 KEY_FRAME_RATE = 30.0  # [Hz] key frames of the animation
 FRAME_QUATERNION = [-0.5, -0.5, -0.5, 0.5]  # rotation (x, y, z, w) from kinesic's axes x, y, z to glTF's z, x, y
 # Linear RGBA colours of light housings and dark parts.
-SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])
+SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear RGBA of housings and of joints
+HAND_PARTS: tuple[RodPart, ...] = ("l_hand", "r_hand")  # parts with a colour of their own
 MIN_TRANSLATION = 1e-9  # [m] smaller translations of a segment are not animated
 MIN_END_GAP = 0.01  # smallest time between the last two key frames, in key frame intervals
 
@@ -153,23 +155,35 @@ def _move_skeleton(channels: _Channels, nodes: list[int], robot: Robot, angles: 
 def _add_surfaces(file: GltfFile, nodes: list[int], robot: Robot) -> None:
     """Add shell or capsule meshes to the segments' nodes."""
     shell = find_shell(robot)
-    materials = [
-        file.add("materials", pbrMetallicRoughness={"baseColorFactor": colour, "metallicFactor": 0.0})
-        for colour in SURFACE_COLOURS
-    ]
+    parts = shell_parts(robot)
+    light, dark = (_add_material(file, colour) for colour in SURFACE_COLOURS)
+    hands = {part: _add_material(file, _linear(PART_COLOURS[part])) for part in HAND_PARTS if part in parts.values()}
     limbs = {name for chain, members in robot.chains.items() if chain != "torso" for name in members}
     for node, segment in zip(nodes, robot.skeleton.segments, strict=True):
         name = segment.name
         if shell is not None:
+            materials = [hands.get(parts[name], light), dark]
             primitives = _shell_primitives(file, shell.segments[name], materials) if name in shell.segments else []
         elif segment.capsules:
             surface = join_surfaces([capsule_mesh(capsule) for capsule in segment.capsules])
             attributes = _attributes(file, surface.positions, surface.normals)
-            primitives = [_primitive(file, attributes, surface.corners, materials[name not in limbs])]
+            primitives = [
+                _primitive(file, attributes, surface.corners, hands.get(parts[name], light if name in limbs else dark))
+            ]
         else:
             primitives = []
         if primitives:
             file.entry("nodes", node)["mesh"] = file.add("meshes", name=name, primitives=primitives)
+
+
+def _add_material(file: GltfFile, colour: Sequence[float]) -> int:
+    return file.add("materials", pbrMetallicRoughness={"baseColorFactor": list(colour), "metallicFactor": 0.0})
+
+
+def _linear(colour: Sequence[float]) -> list[float]:
+    """Convert an sRGB colour with opacity to linear RGBA."""
+    *rgb, opacity = colour
+    return [*(value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4 for value in rgb), opacity]
 
 
 def _shell_primitives(file: GltfFile, surface: SegmentShell, materials: list[int]) -> list[dict[str, object]]:

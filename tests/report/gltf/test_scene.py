@@ -2,6 +2,7 @@
 
 import json
 import struct
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
@@ -9,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
 from kinesic.report.gltf.scene import (
@@ -73,13 +74,17 @@ def test_shell_meshes_are_read_by_another_gltf_library(trimesh: ModuleType, name
     shell = load_shell(robot)
     assert shell is not None
     scene = trimesh.load(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
-    counts = {kind: sum(len(getattr(s, kind)) for s in shell.segments.values()) for kind in ("shell", "joint")}
+    hands = {side: {robot.arm(side).segments[-1], *robot.fingers(side)} for side in SIDES}
+    parts = {name: next((side for side in SIDES if name in hands[side]), "body") for name in shell.segments}
+    counts = Counter[str]()
+    for name, surface in shell.segments.items():
+        counts.update({parts[name]: len(surface.shell), "joint": len(surface.joint)})
     assert min(counts.values()) > 500
     meshes = [mesh for mesh in scene.geometry.values() if mesh.visual.material.name != "face"]
     results = {tuple(mesh.visual.material.baseColorFactor): 0 for mesh in meshes}
     for mesh in meshes:
         results[tuple(mesh.visual.material.baseColorFactor)] += len(mesh.faces)
-    assert sorted(results.values()) == sorted(counts.values())
+    assert sorted(results.values()) == sorted(counts.values()), "hands have colours of their own"
     np.testing.assert_allclose(scene.extents[1], 0.62 + 0.5, atol=0.15)  # y is up
 
 
