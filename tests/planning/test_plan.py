@@ -241,6 +241,14 @@ def test_empty_block_is_planned_as_rest(planned):
     np.testing.assert_allclose(motion.angles(np.array([0.0]))[0], planned("").setup.robot.skeleton.rest, atol=1e-12)
 
 
+def test_summary_of_a_plan_names_its_file_or_its_block(planned):
+    made = planned("")
+    block = made.timeline.block
+    for source, name in (("wave.bml", "wave.bml"), ("<text>", f"block {block.id}")):
+        summary = str(plan_block(replace(block, source=source), made.setup))
+        assert summary.startswith(f"plan of {name} on upper22")
+
+
 def test_performance_lasts_until_both_motion_and_speech_have_ended(planned):
     nod, speech = (
         '<head id="h" lexeme="NOD" start="{}"/>',
