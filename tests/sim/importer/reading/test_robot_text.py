@@ -270,3 +270,8 @@ def test_include_must_name_a_file_and_be_empty(refused):
 def test_composite_bodies_are_rejected_with_their_line(refused, tag: str):
     assert f"robot.xml:2: holds a <{tag}>" in refused(f"<mujoco><worldbody>\n<{tag}/></worldbody></mujoco>")
     assert "is a macro; expand the file first" in refused("<robot xmlns:xacro='x'><xacro:if/></robot>")
+
+
+@pytest.mark.parametrize("declared", ["mujoco", 'mujoco [<!ENTITY a "aaaa">]', 'mujoco SYSTEM "file:///etc/passwd"'])
+def test_document_types_are_rejected_with_their_line(refused, declared: str):
+    assert f"robot.xml:2: {model_text.DOCTYPE_REASON}" in refused(f"\n<!DOCTYPE {declared}><mujoco/>")
