@@ -34,7 +34,7 @@ def _import(path: Path) -> ImportedRobot:
     with TemporaryDirectory(dir=".") as folder:
         toml, mesh = Path(folder) / "robot.toml", Path(folder) / "robot.npz"
         toml.write_text(text, encoding="utf-8")
-        shell = build_imported_shell(mapped, Robot.load(toml, calibrated=False))
+        shell = build_imported_shell(mapped, Robot.load(toml))
         if shell is not None:
             write_shell(shell, mesh)
         packed = b"" if shell is None else mesh.read_bytes()
