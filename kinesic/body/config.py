@@ -237,7 +237,7 @@ def _enter(schema: object, part: str) -> Iterator[object]:
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):
-        yield from (found for inner in get_args(schema) for found in _enter(inner, part))
+        yield from (item for inner in get_args(schema) for item in _enter(inner, part))
     elif part.startswith("["):
         yield from get_args(schema)
 

@@ -34,7 +34,7 @@ def read_robot(path: Path, schema: type[T]) -> T:
 
 
 def find_extended(path: Path) -> Path | None:
-    """Return the path of the file that a robot's file extends, if any.
+    """Return the path of the extended robot file, if any.
 
     Raises:
         ConfigError: a file is missing or invalid.

@@ -182,9 +182,12 @@ def merge_directed(
         since: time of the first word [s].
     """
     ordered = sorted([*chosen, *directed], key=lambda each: (each.intent.stroke.seconds, each.channel))
-    first = next((each for each in ordered if each.channel == "gesture"), None)
+    first = next((behaviour for behaviour in ordered if behaviour.channel == "gesture"), None)
     is_on_word = first is not None and first.intent.word >= 0
-    return tuple(hurry_first_gesture(each, since) if is_on_word and each is first else each for each in ordered)
+    return tuple(
+        hurry_first_gesture(behaviour, since) if is_on_word and behaviour is first else behaviour
+        for behaviour in ordered
+    )
 
 
 def reachable(intent: Intent, since: float = 0.0) -> Intent:
@@ -198,7 +201,7 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
     """
     if intent.word < 0:
         return intent
-    is_directed_wave = intent.name == DIRECTION_INTENT and any("wave" in each for each in intent.lexemes)
+    is_directed_wave = intent.name == DIRECTION_INTENT and any("wave" in lexeme for lexeme in intent.lexemes)
     is_wave = intent.name == GREETING_INTENT or is_directed_wave
     least = since + (MIN_WAVE_DELAY if is_wave else MIN_STROKE_DELAY)
     return replace(intent, stroke=intent.stroke.later(max(least - intent.stroke.seconds, 0.0)))

@@ -103,13 +103,13 @@ def choose_behaviours(
         )
         drawn = list(draw(kept))
         if budget.tempo and beats:
-            strokes = [*fixed, *(each.earlier for each in kept if each.earlier), *drawn]
-            pictures = sum(not is_beat(each.lexeme) for each in strokes if each.intent.stroke.seconds >= since)
-            duration = max(each.intent.stroke.seconds for each in beats) - since
+            strokes = [*fixed, *(item.earlier for item in kept if item.earlier), *drawn]
+            pictures = sum(not is_beat(stroke.lexeme) for stroke in strokes if stroke.intent.stroke.seconds >= since)
+            duration = max(beat.intent.stroke.seconds for beat in beats) - since
             past = [time - offset for time in memory.times if time - offset < since]
             placed = place_beats(
                 beats,
-                [*past, *(each.intent.stroke.seconds for each in strokes)],
+                [*past, *(stroke.intent.stroke.seconds for stroke in strokes)],
                 limit_beats(budget.tempo, earlier.pictures + pictures, earlier.seconds + duration),
                 since=since,
                 earlier_strokes=earlier.strokes,
@@ -127,9 +127,17 @@ def _divide(candidates: Sequence[Candidate], budget: MovementBudget) -> tuple[li
     Without a tempo, the main accents compete with the others and there are no further beats.
     """
     if budget.tempo is None:
-        return [], [each for each in candidates if each.intent.name != RHYTHM_INTENT]
-    beats = [each for each in candidates if each.intent.name in BEAT_INTENTS and each.signal.channel == "gesture"]
-    others = [each for each in candidates if each.intent.name not in BEAT_INTENTS or each.signal.channel != "gesture"]
+        return [], [candidate for candidate in candidates if candidate.intent.name != RHYTHM_INTENT]
+    beats = [
+        candidate
+        for candidate in candidates
+        if candidate.intent.name in BEAT_INTENTS and candidate.signal.channel == "gesture"
+    ]
+    others = [
+        candidate
+        for candidate in candidates
+        if candidate.intent.name not in BEAT_INTENTS or candidate.signal.channel != "gesture"
+    ]
     return beats, others
 
 
@@ -146,9 +154,9 @@ def _recall(
     uses = GestureUses(budget.repeat_window)
     for past in memory.gestures:
         uses.add(past)
-    for each in fixed:
-        at = memory.seconds + each.intent.stroke.seconds - since
-        uses.add(PastGesture(each.lexeme, at, each.intent.reason))
+    for behaviour in fixed:
+        at = memory.seconds + behaviour.intent.stroke.seconds - since
+        uses.add(PastGesture(behaviour.lexeme, at, behaviour.intent.reason))
     return uses
 
 

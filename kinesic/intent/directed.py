@@ -65,7 +65,7 @@ def find_act(direction: str, lexicon: Lexicon) -> tuple[Channel, str] | None:
     known = acts.find(direction)
     if known is not None:
         channel, _, lexeme = known.partition(" ")
-        return next(((each, lexeme) for each in get_args(Channel) if each == channel), None)
+        return next(((name, lexeme) for name in get_args(Channel) if name == channel), None)
     for name in _names(direction):
         match = lexicon.find(name)
         if match is not None and not match.substitute:

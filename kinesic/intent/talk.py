@@ -167,7 +167,7 @@ def next_part(
     if style.name != PLAIN_STYLE:
         intents = [replace(intent, style="") for intent in intents]
     directed = find_directed(passage, lexicon, words, is_last=ends)
-    asked = tuple(reach_directed(each, passage.starts[words.start]) for each in directed.behaviours)
+    asked = tuple(reach_directed(behaviour, passage.starts[words.start]) for behaviour in directed.behaviours)
     since = passage.starts[words.start]
     duration = passage.starts[words.stop - 1] + word_duration(passage.words[words.stop - 1]) - since
     free_behaviours = tuple(behaviour for id, behaviour in talk.shown if id in free)

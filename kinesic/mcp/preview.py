@@ -115,7 +115,7 @@ def choose_figures(planned: RobotAnswer, hinges: int) -> "tuple[list[StrokeFigur
     figures = []
     for sync in chosen:
         time = cast(float, sync["planned"])
-        spoken = next((str(each["text"]) for each in words if _contains(each, time)), "")
+        spoken = next((str(word["text"]) for word in words if _contains(word, time)), "")
         row = rows[min(round(time * rate), len(rows) - 1)]
         figures.append(StrokeFigure(row, f"{sync['behaviour']}  {time:.2f} s", spoken.strip()))
     return figures, total

@@ -57,7 +57,7 @@ def _describe(tool: str, parameter: str, errors: list[ErrorDetails]) -> str:
             return f"{parameter}: {value} is not one of {choices}{near if 'did you mean' in near else ''}"
         case "greater_than_equal" | "less_than_equal":
             return f"{parameter}: {value} is out of range; {error['msg'].lower()}"
-    kinds = " or ".join(dict.fromkeys(_kind(each["type"]) for each in errors))
+    kinds = " or ".join(dict.fromkeys(_kind(error["type"]) for error in errors))
     return f"{parameter}: {value} is not {kinds}"
 
 

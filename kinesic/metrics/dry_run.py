@@ -73,7 +73,7 @@ class DryRun:
 
     @property
     def duration(self) -> float:
-        """Duration of the plan [s], or the time of a stop; the body settles afterwards."""
+        """Duration of the plan [s], shortened by a stop."""
         return min(self.plan.duration, float(self.measured.times[-1]))
 
     @property

@@ -19,7 +19,7 @@ STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name
 MAX_DRAW = 1.8  # [standard deviations] largest random draw
 SOLVER_STEPS = 8  # Gauss-Newton steps of an arm
 HINGE_WEIGHT = 0.06  # weight of a hinge's distance from the start [1/rad], compared with directions
-DIFFERENCE_STEP = 1e-4  # [rad] step of the numeric derivatives
+DIFFERENCE_STEP = 1e-4  # [rad] angle step of numeric derivatives
 SMALLEST_SINE = 1e-6  # of the angle between forearm and vertical, which avoids division by zero
 
 
@@ -61,7 +61,7 @@ def read_stances() -> StanceFile:
 
 
 def spread_features(values: Mapping[str, float], right_sign: float = 1.0) -> Floats:
-    """Return a stance (s,) [deg] from features of trunk, head and one arm.
+    """Return a stance (s,) [deg] whose arms have equal or opposite features.
 
     Args:
         values: by feature; missing ones are zero.
@@ -82,7 +82,7 @@ def draw_deviation(table: StanceTable, chance: np.random.Generator) -> Floats:
 
 
 def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
-    """Return the directions (..., 6) [deg] of an arm's links, in the order of `ARM_FEATURES`."""
+    """Return the `ARM_FEATURES` (..., 6) [deg] of an arm."""
     directions = _link_directions(robot, side, angles)
     outward = directions[..., 1] * (1.0 if side == "l" else -1.0)
     forward_angle = np.arctan2(directions[..., 0], -directions[..., 2])
@@ -91,7 +91,7 @@ def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
 
 
 def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Floats:
-    """Return a posture (n,) [rad] with an arm's links in given directions, as far as its hinges allow.
+    """Return the posture (n,) [rad] whose arm is nearest to given `ARM_FEATURES`.
 
     Args:
         robot: with the arm.
@@ -116,14 +116,14 @@ def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Float
 
 
 def _to_directions(side: Side, features: Floats) -> Floats:
-    """Convert angles from straight down to directions (3, 3) of the links, in axes of the shoulders."""
+    """Return the link directions (3, 3) of `ARM_FEATURES`, in shoulder axes."""
     forward, outward = np.radians(np.asarray(features).reshape(-1, 2)).T
     across = np.sin(outward) * (1.0 if side == "l" else -1.0)
     return np.stack([np.cos(outward) * np.sin(forward), across, -np.cos(outward) * np.cos(forward)], axis=-1)
 
 
 def _link_directions(robot: Robot, side: Side, angles: Floats) -> Floats:
-    """Return the directions (..., 3, 3) of an arm's links, in axes ahead, left and up of the shoulders."""
+    """Return an arm's link directions (..., 3, 3) in shoulder axes."""
     skeleton, arm = robot.skeleton, robot.arm(side)
     needed = frozenset({arm.wrist, *(robot.arm(which).shoulder for which in SIDES)})
     frames = skeleton.frames(angles, without=skeleton.segments_off_path(needed))

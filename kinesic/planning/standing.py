@@ -63,7 +63,7 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
 
 
 def take_block_posture(block: Block, setup: Setup) -> Setup:
-    """Return the setup with the standing posture of the style that a block names.
+    """Return the setup with the standing posture of a block's style.
 
     Args:
         block: whose style replaces the posture of the performance's style, unless a setting fixes the posture.
@@ -78,7 +78,7 @@ def take_block_posture(block: Block, setup: Setup) -> Setup:
 
 
 def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
-    """Return the robot with a random rest posture, distributed as in captured people.
+    """Return the robot with a random rest posture like those of captured people.
 
     People lean a little, stand with their weight on one leg, and no hand hangs as the other does. A style with a
     posture of its own is the mean of its persons, otherwise captured people are.
@@ -109,7 +109,7 @@ def _stands_upright(style: Style) -> bool:
 
 
 def _take_stance(robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None) -> Floats:
-    """Return the rest posture (n,) [rad] with a deviation from the mean stance, or from the robot's own."""
+    """Return the rest posture (n,) [rad] with a deviation from a mean."""
     angles = np.array(robot.skeleton.rest)
     torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
     own = np.degrees([torso[1], torso[2], head[0] - torso[0], head[1], head[2]])

@@ -128,7 +128,7 @@ def stand(robot: Robot) -> Iterator[Rod]:
 
 
 def _list_balls(robot: Robot) -> list[tuple[Floats, float, str]]:
-    """Return the ends of all shapes with hanging arms, the same in all styles.
+    """Return the ends of all shapes in a posture with hanging arms.
 
     Returns:
         Centre (3,) [m] in the world, radius [m] and segment of each end.

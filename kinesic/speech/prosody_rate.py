@@ -25,9 +25,9 @@ def _read_rate(text: str) -> float:
     word = text.strip().lower()
     if word in RATE_WORDS:
         return RATE_WORDS[word]
-    found = _NUMBER_PATTERN.fullmatch(word)
-    if found is None:
+    match = _NUMBER_PATTERN.fullmatch(word)
+    if match is None:
         return 1.0
-    sign, number, percent = found.groups()
+    sign, number, percent = match.groups()
     value = float(number) / (100.0 if percent else 1.0)
     return 1.0 + value * (-1.0 if sign == "-" else 1.0) if sign else value

@@ -112,9 +112,9 @@ def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
     indices, at = list[int](), 0
     for word in passage.words:
         plain = "".join(read_tokens(word.plain)) or word.plain
-        found = next((k for k in range(at, len(tokens)) if plain in tokens[k].replace("\u2019", "'")), at)
-        indices.append(found)
-        at = found
+        index = next((k for k in range(at, len(tokens)) if plain in tokens[k].replace("\u2019", "'")), at)
+        indices.append(index)
+        at = index
     return indices
 
 
@@ -127,13 +127,13 @@ def summarise(results: Sequence[tuple[Utterance, Judgement]]) -> dict[str, float
     marks = [mark for result in plain for mark in result.gestures]
     return {
         **{
-            verdict: _percent(each.verdict == verdict for each in everything)
+            verdict: _percent(result.verdict == verdict for result in everything)
             for verdict in ("right", "neutral", "wrong")
         },
-        "hits": _percent(each.has_hit for each in calls),
-        "merit": 100.0 * sum(each.merit for each in everything) / max(len(everything), 1),
-        "plain_wrong": _percent(each.verdict == "wrong" for each in plain),
-        "trap_wrong": _percent(each.verdict == "wrong" for each in trap),
+        "hits": _percent(call.has_hit for call in calls),
+        "merit": 100.0 * sum(result.merit for result in everything) / max(len(everything), 1),
+        "plain_wrong": _percent(result.verdict == "wrong" for result in plain),
+        "trap_wrong": _percent(result.verdict == "wrong" for result in trap),
         "plain_precision": _percent(mark == "right" for mark in marks),
     }
 

@@ -110,13 +110,13 @@ def _read_utterance(row: Mapping[str, str], kinds: Mapping[str, frozenset[str]])
         misleading_heads=frozenset(heads),
         accepts_beat=row["beat_ok"] == "1",
         accepts_nothing=row["none_ok"] == "1",
-        tags=frozenset(each.strip() for each in row["tags"].split(",")),
+        tags=frozenset(tag.strip() for tag in row["tags"].split(",")),
     )
 
 
 def _split_items(cell: str) -> Iterator[tuple[str, str]]:
     """Yield gesture names and words of a table cell (`name@word, name`)."""
-    for item in (each.strip() for each in cell.split(",")):
+    for item in (part.strip() for part in cell.split(",")):
         if item:
             name, _, word = item.partition("@")
             yield name, word
@@ -125,14 +125,14 @@ def _split_items(cell: str) -> Iterator[tuple[str, str]]:
 def _find_word(word: str, tokens: Sequence[str]) -> list[int]:
     """Return the indices of a word, or of its numbered occurrence (`word#2`)."""
     bare, _, number = word.lower().partition("#")
-    found = list[int]()
+    positions = list[int]()
     for part in read_tokens(bare):
         places = [k for k, token in enumerate(tokens) if token == part]
         places = places or [k for k, token in enumerate(tokens) if part in re.split(r"[-'\u2019]", token)]
         if number.isdigit() and 0 < int(number) <= len(places):
             places = [places[int(number) - 1]]
-        found += places
-    return found
+        positions += places
+    return positions
 
 
 def judge(

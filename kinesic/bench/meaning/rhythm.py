@@ -124,7 +124,9 @@ def measure_story(text: str, style: str, robot: str) -> StoryRhythm:
 
 def measure_plan(planned: Plan) -> StoryRhythm:
     """Measure the rhythm of a planned text."""
-    gestures = {each.id: each.action for each in planned.timeline.block.behaviours if each.type == "gesture"}
+    gestures = {
+        behaviour.id: behaviour.action for behaviour in planned.timeline.block.behaviours if behaviour.type == "gesture"
+    }
     strokes = [
         PlannedStroke(
             sync.planned,
@@ -138,7 +140,7 @@ def measure_plan(planned: Plan) -> StoryRhythm:
         if sync.sync == "stroke" and sync.behaviour in gestures
     ]
     strokes.sort(key=lambda stroke: stroke.time)
-    speech = [each.times["end"] for each in planned.timeline.timed if each.behaviour.type == "speech"]
+    speech = [timed.times["end"] for timed in planned.timeline.timed if timed.behaviour.type == "speech"]
     outcomes = planned.keyframes.outcomes
     lost = sum(id in outcomes and outcomes[id].kind == "dropped" for id in gestures)
     return StoryRhythm(max(speech, default=planned.duration), tuple(strokes), lost, tuple(_returns(planned, strokes)))

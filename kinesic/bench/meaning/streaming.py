@@ -61,7 +61,7 @@ def measure_first_command(client: Client, phrase: str) -> float:
 
 
 def _receive(client: Client, timeout: float, messages: list[tuple[str, float]]) -> bool:
-    """Add the next message and its arrival time; return whether one came."""
+    """Add the next message with its arrival time; return success."""
     message = client.receive(timeout)
     if message is not None:
         messages.append((message, monotonic()))
@@ -69,7 +69,7 @@ def _receive(client: Client, timeout: float, messages: list[tuple[str, float]]) 
 
 
 def _compute_delay(sent: Sequence[float], messages: Iterable[tuple[str, float]]) -> float:
-    """Return the delay of the first block [ms], or infinity if it does not start.
+    """Return the delay of the first block [ms], infinite without start.
 
     Args:
         sent: times of the words [s].
@@ -86,6 +86,6 @@ def _compute_delay(sent: Sequence[float], messages: Iterable[tuple[str, float]])
 
 
 def _read_reply(message: str) -> dict[str, str]:
-    """Return the fields of a JSON message, or none of a BML message."""
+    """Return the fields of a JSON message, empty for a BML message."""
     reply: dict[str, str] = json.loads(message) if message.startswith("{") else {}
     return reply

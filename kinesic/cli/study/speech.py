@@ -39,7 +39,7 @@ def make_speech_study(
         spoken = plan_spoken_motions(texts, setup, systems, lambda system: stage(f"planning with {system}"))
         count = write_speech_page(temporary / "index.html", setup.robot, spoken, post_to=post_to)
     click.echo(f"{len(texts)} texts, {len(systems) + 1} systems, {count} trials for each participant")
-    if all(each.sound is None for each in spoken):
+    if all(item.sound is None for item in spoken):
         click.echo("warning: the voice is silent, so that participants read the words: --voice espeak", err=True)
     _print_power(participants, len(texts), bool(systems))
     click.echo(f"page: {folder / 'index.html'}")

@@ -251,7 +251,7 @@ class _Hands:
                 self.outcomes[stroke.id] = one_hand_outcome(free[0], self._conflict_message(stroke))
                 self._take(stroke, option.only(free[0]))
                 return True
-            works = [work for found in clashes.values() for work in found]
+            works = [work for side_works in clashes.values() for work in side_works]
             halved = all(len(work.poses.hands) == 2 and work.id not in self.outcomes for work in works)
             if len(option.hands) == 1 and halved:
                 (side,) = option.hands

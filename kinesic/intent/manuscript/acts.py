@@ -42,17 +42,19 @@ class Acts:
         parts = self.content(words)
         for verb in base_forms(parts[0]) if parts else ():
             for count in range(min(len(parts), 3), 0, -1):
-                found = self.behaviours.get(" ".join((verb, *parts[1:count])))
-                if found is not None:
-                    return found
+                behaviour = self.behaviours.get(" ".join((verb, *parts[1:count])))
+                if behaviour is not None:
+                    return behaviour
         return None
 
     def content(self, words: str) -> list[str]:
         """Return the words of a stage direction that carry its meaning."""
-        found = [word.lower() for word in _WORD_PATTERN.findall(words)]
-        if len(found) > 2 and found[0] == "the" and found[2].endswith("s"):  # the robot waves
-            found = found[2:]
-        return [word for word in found if not self.has("skipped", word) and not (word.endswith("ly") and len(word) > 4)]
+        tokens = [word.lower() for word in _WORD_PATTERN.findall(words)]
+        if len(tokens) > 2 and tokens[0] == "the" and tokens[2].endswith("s"):  # the robot waves
+            tokens = tokens[2:]
+        return [
+            word for word in tokens if not self.has("skipped", word) and not (word.endswith("ly") and len(word) > 4)
+        ]
 
     def is_pause(self, words: str) -> bool:
         """Return whether a stage direction requests a pause."""

@@ -23,9 +23,9 @@ def read_address(state: Manuscript, *, ends: bool) -> Step | None:
     if rest[0] == "_" and state.spoken[-1:].isalnum():
         return _keep_user_name(rest, ends=ends)
     lowered = rest[: len("https://")].lower()
-    if any(lowered.startswith(each) for each in _ADDRESS_STARTS):
+    if any(lowered.startswith(address_start) for address_start in _ADDRESS_STARTS):
         return _skip(rest, WEB_ADDRESS.match(rest), "an address", ends=ends)
-    if not ends and any(each.startswith(lowered) for each in _ADDRESS_STARTS):
+    if not ends and any(address_start.startswith(lowered) for address_start in _ADDRESS_STARTS):
         return None
     return Step(0)
 

@@ -100,15 +100,15 @@ def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
     Returns:
         -1 without closing signs, None if they may follow in text that has not arrived yet.
     """
-    for found in re.finditer(re.escape(sign) + "+", text[:MAX_STRESS_LENGTH]):
-        if "\n" in text[: found.start()]:
+    for match in re.finditer(re.escape(sign) + "+", text[:MAX_STRESS_LENGTH]):
+        if "\n" in text[: match.start()]:
             return -1
-        if len(found[0]) == count and found.start() and not text[found.start() - 1].isspace():
-            after = text[found.end() : found.end() + 1]
+        if len(match[0]) == count and match.start() and not text[match.start() - 1].isspace():
+            after = text[match.end() : match.end() + 1]
             if not after and not ends:
                 return None
             if sign == "*" or not after.isalnum():
-                return found.start()
+                return match.start()
     is_over = ends or "\n" in text or len(text) >= MAX_STRESS_LENGTH
     return -1 if is_over else None
 
@@ -172,27 +172,27 @@ def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
 
 def _read_link(rest: str, begin: int, *, ends: bool) -> Step | None:
     """Read a link or picture whose text begins with a bracket."""
-    found = re.match(r"\[([^\]\n]*)\]", rest)
-    if found is None:
+    match = re.match(r"\[([^\]\n]*)\]", rest)
+    if match is None:
         is_over = ends or "\n" in rest or "]" in rest or len(rest) > MAX_BRACKET_LENGTH
         return Step(1 + begin, "!" * begin if begin else "[") if is_over else None
-    opening = rest[found.end() : found.end() + 1]
+    opening = rest[match.end() : match.end() + 1]
     if not opening and not ends:
         return None
     if opening not in ("(", "["):
         return Step(begin, "!") if begin else Step(1, "[")
-    end, closing = found.end() + 1, {"(": ")", "[": "]"}[opening]
+    end, closing = match.end() + 1, {"(": ")", "[": "]"}[opening]
     depth = 1
-    while depth and end < len(rest) and end - found.end() < MAX_LINK_LENGTH and rest[end] != "\n":
+    while depth and end < len(rest) and end - match.end() < MAX_LINK_LENGTH and rest[end] != "\n":
         depth += (rest[end] == opening) - (rest[end] == closing)
         end += 1
     if depth:
         is_over = ends or end < len(rest)
         return Step(begin + 1, "" if begin else "[") if is_over else None
-    text = re.sub(r"[<>*_`^|~#\\&]", " ", found[1])
+    text = re.sub(r"[<>*_`^|~#\\&]", " ", match[1])
     if begin:
-        return Step(end + 1, " ", f"a picture is not shown: {found[1].strip() or 'without description'}")
-    is_address = WEB_ADDRESS.match(found[1])
+        return Step(end + 1, " ", f"a picture is not shown: {match[1].strip() or 'without description'}")
+    is_address = WEB_ADDRESS.match(match[1])
     return Step(end, "" if is_address else text)
 
 
@@ -211,71 +211,71 @@ def _read_code(rest: str, *, ends: bool) -> Step | None:
 
 def _read_command(rest: str, *, ends: bool) -> Step | None:
     """Read a command of NAOqi's animated speech, such as `^start(animation)`."""
-    found = _NAOQI_COMMAND.match(rest)
-    if found is None:
+    match = _NAOQI_COMMAND.match(rest)
+    if match is None:
         is_open = re.fullmatch(r"\^([A-Za-z]*|[A-Za-z]+\([^\n]*)", rest) and len(rest) <= MAX_COMMAND_LENGTH
         return None if is_open and not ends else Step(1, " ")
-    name, argument = found[1], found[2].split(",")[0].strip()
+    name, argument = match[1], match[2].split(",")[0].strip()
     if name in _PLAYED_COMMANDS:
-        return Step(found.end(), direct(argument.rpartition("/")[2]))
-    warning = "" if name in _SILENT_COMMANDS else f"command of another system is not performed: {found[0]}"
-    return Step(found.end(), "", warning)
+        return Step(match.end(), direct(argument.rpartition("/")[2]))
+    warning = "" if name in _SILENT_COMMANDS else f"command of another system is not performed: {match[0]}"
+    return Step(match.end(), "", warning)
 
 
 def _read_slashed(rest: str, *, ends: bool) -> Step | None:
     """Read a command between backslashes, or a character escaped by a backslash."""
-    found = _VOICE_TAG.match(rest)
-    if found is None:
+    match = _VOICE_TAG.match(rest)
+    if match is None:
         if re.fullmatch(r"\\{1,2}([A-Za-z]*(=[^\\\s]*)?)?", rest) and not ends and len(rest) <= MAX_COMMAND_LENGTH:
             return None
         escaped = rest[1:2]
         is_sign = bool(escaped) and escaped in "*_`[]()#+-.!<>|~\\"
         return Step(1 + is_sign, escaped if is_sign and escaped in "().!-[]" else " ")
-    if not ends and found.end() == len(rest):
+    if not ends and match.end() == len(rest):
         return None  # a second sign may follow
-    if found[1] == "pau" and (found[2] or "").isdecimal():
-        return Step(found.end(), pause(min(int(found[2]) / 1000, 10.0)))
-    name, value = found[1].lower(), found[2] or ""
+    if match[1] == "pau" and (match[2] or "").isdecimal():
+        return Step(match.end(), pause(min(int(match[2]) / 1000, 10.0)))
+    name, value = match[1].lower(), match[2] or ""
     if name == "rst":
-        return Step(found.end(), f"<{VOICE_TAG}/>")
+        return Step(match.end(), f"<{VOICE_TAG}/>")
     if name in _VOICE_COMMANDS and re.fullmatch(r"\d{1,3}", value):
-        return Step(found.end(), write_tag(VOICE_TAG, {_VOICE_COMMANDS[name]: f"{value}%"}, is_alone=True))
-    return Step(found.end(), "", f"command of another system is not performed: {found[0]}")
+        return Step(match.end(), write_tag(VOICE_TAG, {_VOICE_COMMANDS[name]: f"{value}%"}, is_alone=True))
+    return Step(match.end(), "", f"command of another system is not performed: {match[0]}")
 
 
 def _read_entity(rest: str, *, ends: bool) -> Step | None:
-    found = _HTML_ENTITY.match(rest)
-    if found is None:
+    match = _HTML_ENTITY.match(rest)
+    if match is None:
         is_open = re.fullmatch(r"&(#?[A-Za-z0-9]{0,9})?", rest)
         return None if is_open and not ends else Step(1, "&")
-    text = html.unescape(found[0])
-    return Step(found.end(), "" if text == found[0] or text in "*_`^|~#\\\xad" else text.replace("\xa0", " "))
+    text = html.unescape(match[0])
+    return Step(match.end(), "" if text == match[0] or text in "*_`^|~#\\\xad" else text.replace("\xa0", " "))
 
 
 def _read_short_code(rest: str, *, ends: bool) -> Step | None:
     """Read the name of an emoji between colons."""
-    found = _SHORT_CODE.match(rest)
-    if found and (ends or found.end() < len(rest)):
+    match = _SHORT_CODE.match(rest)
+    if match and (ends or match.end() < len(rest)):
         return Step(
-            found.end(), direct(found[1].replace("_", " ").replace("+1", "thumbs up").replace("-1", "thumb down"))
+            match.end(), direct(match[1].replace("_", " ").replace("+1", "thumbs up").replace("-1", "thumb down"))
         )
     is_open = re.fullmatch(r":(?:[a-z_]{0,29}|[+-]1?):?", rest)
     return None if is_open and not ends else Step(1, ":")
 
 
 def _read_emoji(rest: str, *, ends: bool) -> Step | None:
-    found = _EMOJI.match(rest)
-    assert found is not None  # the first character is a pictograph
-    if not ends and found.end() == len(rest):
+    match = _EMOJI.match(rest)
+    assert match is not None  # the first character is a pictograph
+    if not ends and match.end() == len(rest):
         return None  # a joiner or a skin tone may follow
-    first = found[0][0]
+    first = match[0][0]
     if "\U0001f1e6" <= first <= "\U0001f1ff":
-        return Step(found.end(), " ", "emoji is not shown: flag")
+        return Step(match.end(), " ", "emoji is not shown: flag")
     if load_acts().has("feelings", first):
-        return Step(found.end(), first)
+        return Step(match.end(), first)
     if load_acts().find(first):
-        return Step(found.end(), direct(first))
-    return Step(found.end(), " ", f"emoji is not shown: {unicodedata.name(first, first).lower()}")
+        return Step(match.end(), direct(first))
+    return Step(match.end(), " ", f"emoji is not shown: {unicodedata.name(first, first).lower()}")
 
 
 def _read_sign(state: Manuscript, *, ends: bool) -> Step | None:
@@ -297,11 +297,11 @@ def _read_sign(state: Manuscript, *, ends: bool) -> Step | None:
 
 def _read_words(rest: str) -> Step:
     """Read the next word or punctuation sign of a manuscript line."""
-    found = re.match(r"\w+|[^\S\n]+|.", rest, re.DOTALL)
-    assert found is not None
-    if found[0][0].isalnum():
+    match = re.match(r"\w+|[^\S\n]+|.", rest, re.DOTALL)
+    assert match is not None
+    if match[0][0].isalnum():
         plain = re.match(r"[^\W_]+", rest)
         return Step(plain.end() if plain else 1, plain[0] if plain else rest[0])
     if unicodedata.category(rest[0]) in ("Cf", "Cc", "Mn", "Me") and rest[0] in "\u200b\u200d\ufe0e\ufe0f\u20e3\xad":
         return Step(1)
-    return Step(found.end(), found[0])
+    return Step(match.end(), match[0])

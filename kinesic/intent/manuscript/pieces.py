@@ -49,7 +49,7 @@ class Step:
 
 def direct(words: str) -> str:
     """Return the XML tag of a stage direction."""
-    safe = "".join(" " if each in "<>&\"'" else each for each in words)
+    safe = "".join(" " if character in "<>&\"'" else character for character in words)
     return f'<kinesic:act words="{" ".join(safe.split())}"/>'
 
 

@@ -58,7 +58,7 @@ def _find_matches(context: Context, table: CueTable) -> Iterator[Candidate]:
 
 
 def _match(context: Context, pattern: Pattern, first: int) -> Span | None:
-    """Match a pattern from a word on, across punctuation only where that is usual."""
+    """Match a pattern from a word on, usually within one clause."""
     stop = context.sentence(first)[-1] + 1
     span = pattern.match(context.plain, first, stop, context.is_number)
     if span is None or pattern.at_start or not _crosses_punctuation(context, span):

@@ -95,9 +95,11 @@ class Pattern:
             return Span(first, at - 1, stroke) if at > first else None
         slot = self.slots[slot_index]
         if at < stop and slot.accepts(words[at], is_number=is_number(words[at])):
-            found = self._match(words, at + 1, stop, is_number, slot_index + 1, first, at if slot.is_stroke else stroke)
-            if found is not None:
-                return found
+            result = self._match(
+                words, at + 1, stop, is_number, slot_index + 1, first, at if slot.is_stroke else stroke
+            )
+            if result is not None:
+                return result
         return self._match(words, at, stop, is_number, slot_index + 1, first, stroke) if slot.is_optional else None
 
 
@@ -133,6 +135,13 @@ def read_pattern(text: str) -> Pattern:
 def _read_slot(part: str, *, is_optional: bool) -> Slot:
     is_stroke = part.startswith(STROKE_SIGN)
     alternatives = part.removeprefix(STROKE_SIGN).split("/")
-    stems = frozenset(word_stem(each.removesuffix(STEM_SIGN)) for each in alternatives if each.endswith(STEM_SIGN))
-    words = frozenset(each for each in alternatives if not each.endswith(STEM_SIGN)) - {ANY_WORD, ANY_NUMBER}
+    stems = frozenset(
+        word_stem(alternative.removesuffix(STEM_SIGN))
+        for alternative in alternatives
+        if alternative.endswith(STEM_SIGN)
+    )
+    words = frozenset(alternative for alternative in alternatives if not alternative.endswith(STEM_SIGN)) - {
+        ANY_WORD,
+        ANY_NUMBER,
+    }
     return Slot(words, stems, is_optional, is_stroke, ANY_WORD in alternatives, ANY_NUMBER in alternatives)

@@ -135,7 +135,7 @@ def choose_pictures(
         if candidate.cue.shows
     ]
     ranked = sorted(
-        (each for each in scored if each.score >= threshold(each.candidate.cue.shows, categories)),
+        (entry for entry in scored if entry.score >= threshold(entry.candidate.cue.shows, categories)),
         key=lambda each: (-each.score, each.candidate.first),
     )
     kept, clauses, near = list[Picture](), set[int](), set[int]()

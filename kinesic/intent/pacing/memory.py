@@ -32,7 +32,7 @@ class ChoiceMemory:
     @property
     def times(self) -> tuple[float, ...]:
         """Stroke times of the remembered gestures, in total speaking time [s]."""
-        return tuple(each.seconds for each in self.gestures)
+        return tuple(gesture.seconds for gesture in self.gestures)
 
     def extend(
         self,
@@ -53,18 +53,20 @@ class ChoiceMemory:
             pause: silence after it [s].
         """
         new = [
-            PastGesture(each.lexeme, self.seconds + each.intent.stroke.seconds - since, each.intent.reason)
-            for each in behaviours
-            if each.channel == "gesture"
+            PastGesture(
+                behaviour.lexeme, self.seconds + behaviour.intent.stroke.seconds - since, behaviour.intent.reason
+            )
+            for behaviour in behaviours
+            if behaviour.channel == "gesture"
         ]
         now = self.seconds + duration + pause
-        kept = [each for each in (*self.forget(replaced).gestures, *new) if now - each.seconds < REPEAT_WINDOW]
+        kept = [item for item in (*self.forget(replaced).gestures, *new) if now - item.seconds < REPEAT_WINDOW]
         return ChoiceMemory(tuple(kept), now, self.parts + 1)
 
     def forget(self, replaced: Collection[ChosenBehaviour]) -> "ChoiceMemory":
         """Return the memory without gestures that were not performed."""
-        dropped = {(each.lexeme, each.intent.reason) for each in replaced}
-        kept = tuple(each for each in self.gestures if (each.lexeme, each.reason) not in dropped)
+        dropped = {(behaviour.lexeme, behaviour.intent.reason) for behaviour in replaced}
+        kept = tuple(gesture for gesture in self.gestures if (gesture.lexeme, gesture.reason) not in dropped)
         return replace(self, gestures=kept) if dropped else self
 
 

@@ -55,8 +55,8 @@ class Progress:
 
 def _count(behaviours: Iterable[ChosenBehaviour]) -> tuple[int, int]:
     """Count all chosen gestures, and those that are not beats."""
-    hands = [each for each in behaviours if each.channel == "gesture"]
-    return len(hands), sum(not is_beat(each.lexeme) for each in hands)
+    hands = [behaviour for behaviour in behaviours if behaviour.channel == "gesture"]
+    return len(hands), sum(not is_beat(hand.lexeme) for hand in hands)
 
 
 NO_PROGRESS = Progress()  # progress before the first word of a text

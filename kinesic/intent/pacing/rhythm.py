@@ -43,7 +43,7 @@ def place_beats(
         earlier_seconds: speech before this word [s].
     """
     ordered = sorted(accents, key=lambda each: each.intent.stroke.seconds)
-    times = [each.intent.stroke.seconds for each in ordered]
+    times = [item.intent.stroke.seconds for item in ordered]
     others = sorted(strokes)
     run = _Run(others, tempo, since, earlier_seconds, earlier_strokes)
     kept = list[Candidate]()

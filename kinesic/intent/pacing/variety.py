@@ -57,8 +57,8 @@ class GestureUses:
             return fresh
         reason, name = candidate.intent.reason, candidate.intent.name
         is_repeated = name not in FUNCTION_INTENTS and name not in BEAT_INTENTS
-        repeated = [each for each in choices if is_repeated and (each.lexeme, reason) in self._reasons]
-        again = [each for each in repeated if each.lexeme not in self._recent]
+        repeated = [choice for choice in choices if is_repeated and (choice.lexeme, reason) in self._reasons]
+        again = [item for item in repeated if item.lexeme not in self._recent]
         return self.oldest(choices if name in BEAT_INTENTS else again, at)
 
     def oldest(self, choices: Sequence[Choice], at: float) -> Sequence[Choice]:
@@ -82,10 +82,12 @@ def prefer(choices: Sequence[Choice], preferences: Mapping[str, float], intent: 
         preferences: gesture -> factor on its probability.
         intent: its name; preferred beats are further alternatives of intents that show beats.
     """
-    weighted = [replace(each, probability=each.probability * preferences.get(each.lexeme, 1.0)) for each in choices]
+    weighted = [
+        replace(choice, probability=choice.probability * preferences.get(choice.lexeme, 1.0)) for choice in choices
+    ]
     if intent in BEAT_INTENTS and choices:
-        present = {each.lexeme for each in choices}
-        usual = sum(each.probability for each in choices) / len(choices)
+        present = {choice.lexeme for choice in choices}
+        usual = sum(choice.probability for choice in choices) / len(choices)
         added = ((name, factor) for name, factor in preferences.items() if factor > 1.0 and is_beat(name))
         weighted += [Choice(name, factor * usual) for name, factor in added if name not in present]
     return tuple(weighted)
@@ -135,7 +137,7 @@ def draw_lexemes(
         if not free:
             omitted.append(Omission(intent, channel, uses.explain(candidate)))
             continue
-        choice = generator.choices(free, [max(each.probability, 1e-6) for each in free])[0]
+        choice = generator.choices(free, [max(item.probability, 1e-6) for item in free])[0]
         if channel == "gesture":
             uses.add(PastGesture(choice.lexeme, at, intent.reason))
         manner = agent.manner(intent.name, channel, intent.strength)

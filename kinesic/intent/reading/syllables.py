@@ -125,9 +125,9 @@ def _vowel_groups(word: str, *, has_hiatus: bool) -> list[str]:
     composed = unicodedata.normalize("NFC", word)
     plain = "".join(unicodedata.normalize("NFD", letter)[0] for letter in composed)
     groups: list[str] = []
-    for found in _VOWELS.finditer(plain):
-        letters = composed[found.start() : found.end()]
-        if found.start() and plain[found.start() - 1] in "qg" and len(letters) > 1 and letters[0] == "u":
+    for match in _VOWELS.finditer(plain):
+        letters = composed[match.start() : match.end()]
+        if match.start() and plain[match.start() - 1] in "qg" and len(letters) > 1 and letters[0] == "u":
             letters = letters[1:]
         pieces = _STRONG_HIATUS.split(letters) if has_hiatus and not _NASAL_DIPHTHONG.fullmatch(letters) else [letters]
         groups += [piece for piece in pieces if piece]

@@ -130,8 +130,8 @@ def _write_texts(topic: str, texts: tuple[TimedText, ...], context: "Context") -
     from foxglove.channels import LogChannel  # noqa: PLC0415 - an extra
 
     channel = LogChannel(topic, context=context)
-    for each in texts:
-        channel.log(_log(each), log_time=_nanoseconds(each.time))
+    for entry in texts:
+        channel.log(_log(entry), log_time=_nanoseconds(entry.time))
 
 
 def _log(each: TimedText) -> "Log":

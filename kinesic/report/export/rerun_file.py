@@ -101,6 +101,6 @@ def _write_texts(entity: str, texts: tuple[TimedText, ...], recording: "Recordin
     import rerun  # noqa: PLC0415 - an extra
 
     if texts:
-        times = rerun.TimeColumn(TIMELINE, duration=[each.time for each in texts])
-        columns = rerun.TextLog.columns(text=[f"{each.source}: {each.text}" for each in texts])
+        times = rerun.TimeColumn(TIMELINE, duration=[entry.time for entry in texts])
+        columns = rerun.TextLog.columns(text=[f"{entry.source}: {entry.text}" for entry in texts])
         recording.send_columns(entity, indexes=[times], columns=columns)

@@ -56,14 +56,14 @@ def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneV
 
 
 def _find_usual_balls(robot: Robot) -> tuple[Floats, Floats]:
-    """Return the balls that every film contains: the head, and hands that hang or are held in front of the thighs."""
+    """Return the balls of head and resting hands, which every film contains."""
     places, radii = find_capsule_balls(robot, np.zeros((1, len(robot.skeleton.hinges))), list_watched_segments(robot))
     forward = np.array([FORWARD_HANDS * robot.arm_length, 0.0, 0.0])
     return sealed(np.concatenate([places, places + forward])), radii
 
 
 def _find_extents(places: Floats, radii: Floats, slopes: Floats) -> Floats:
-    """Return how far balls extend in the picture, projected to the camera's plane.
+    """Return the extents of balls in the picture, in the camera's plane.
 
     Args:
         places: (m, k, 3) [m] centres in the world.

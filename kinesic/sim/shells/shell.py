@@ -95,7 +95,7 @@ def describe_segments(robot: Robot) -> Mapping[str, str]:
 
 
 def _describe(robot: Robot) -> Iterator[tuple[Collection[str], list[str]]]:
-    """Yield the segments to which parts of the description belong, and these parts."""
+    """Yield segments with the words that describe them."""
     skeleton, eyes = robot.skeleton, robot.sites.get("eyes")
     for segment in skeleton.segments:
         words = [segment.name, str(segment.parent), _spell(segment.origin_in_parent)]

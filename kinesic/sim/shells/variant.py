@@ -38,7 +38,7 @@ def _adapt_extended(robot: Robot) -> Shell | None:
 
 
 def adapt_shell(shell: Shell, extended: Robot, robot: Robot) -> Shell:
-    """Return the shell of a robot, with new surfaces where it differs from another.
+    """Return a robot's shell, with new surfaces where the robots differ.
 
     Args:
         shell: shell of the other robot.
@@ -62,7 +62,7 @@ def adapt_shell(shell: Shell, extended: Robot, robot: Robot) -> Shell:
 
 
 def _touch(robot: Robot, name: str) -> Iterator[str]:
-    """Yield the segments whose surfaces a segment can change: itself, its children and all that carry it rigidly."""
+    """Yield the segments whose surfaces a changed segment affects."""
     segments = {segment.name: segment for segment in robot.skeleton.segments}
     moving = {hinge.segment for hinge in robot.skeleton.hinges}
     moving |= {coupling.segment for coupling in robot.skeleton.couplings}

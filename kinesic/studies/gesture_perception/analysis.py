@@ -129,7 +129,7 @@ def analyse_preference(answers: Sequence[Preference]) -> PreferenceResult | None
 
 @dataclass(frozen=True)
 class MatchResult:
-    """Rate of participants who match a motion with its speech, by system."""
+    """Fraction of answers that match a motion with its speech, by system."""
 
     systems: Mapping[str, Fraction]  # best matched first; chance is one half
     first: Fraction  # fraction of answers that choose the first speech

@@ -50,7 +50,7 @@ def write_speech_page(path: Path, robot: Robot, spoken: Sequence[SpokenMotion], 
     for own in spoken:
         foil = spoken[numbers[foils[own.text], own.system]]
         motion: Json = dict.fromkeys((own.text, foil.text), numbers[own.text, own.system])
-        speeches: Json = {each.text: numbers[each.text, each.system] for each in (own, foil)}
+        speeches: Json = {item.text: numbers[item.text, item.system] for item in (own, foil)}
         trial = _trial("mismatching", own.text, own.system, [own.text, foil.text], motion)
         trials.append({**trial, "speeches": speeches, "until": round(shown_duration(own, foil), 3)})
     pairs = list(combinations(systems, 2))
@@ -63,7 +63,7 @@ def write_speech_page(path: Path, robot: Robot, spoken: Sequence[SpokenMotion], 
     content: dict[str, Json] = {
         "trials": trials,
         "meanings": {},
-        "motions": motion_data([each.motion for each in spoken]),
+        "motions": motion_data([item.motion for item in spoken]),
         "speeches": [
             {"begin": round(each.begin, 3), "sound": number} for each, number in zip(spoken, sound_numbers, strict=True)
         ],
@@ -86,7 +86,7 @@ def write_speech_page(path: Path, robot: Robot, spoken: Sequence[SpokenMotion], 
         script="\n".join((read_scripts(SCENE_SCRIPTS), (TEMPLATE_FOLDER / "gestures.js").read_text(encoding="utf-8"))),
         post_to=post_to,
         shown=count,
-        variables={"heard": any(each.sound is not None for each in spoken)},
+        variables={"heard": any(item.sound is not None for item in spoken)},
     )
     return count
 
@@ -106,8 +106,8 @@ def _pack_sounds(spoken: Sequence[SpokenMotion]) -> tuple[list[Json], list[int]]
     """Return the distinct sounds and each motion's sound index, -1 if silent."""
     numbers: dict[tuple[int, bytes], int] = {}
     order = []
-    for each in spoken:
-        key = None if each.sound is None else (each.sound.rate, _pack(each.sound))
+    for item in spoken:
+        key = None if item.sound is None else (item.sound.rate, _pack(item.sound))
         order.append(-1 if key is None else numbers.setdefault(key, len(numbers)))
     return [{"rate": rate, "samples": b64encode(data).decode()} for rate, data in numbers], order
 

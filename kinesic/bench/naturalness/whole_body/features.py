@@ -51,8 +51,8 @@ class MeasuredSet:
 
     def values(self, name: str) -> Floats:
         """Return the available values (m,) of one measure."""
-        found = (getattr(measures, name) for measures in self.gestures)
-        return np.array([value for value in found if value is not None], dtype=np.float64)
+        results = (getattr(measures, name) for measures in self.gestures)
+        return np.array([value for value in results if value is not None], dtype=np.float64)
 
     def posture_values(self, name: str) -> Floats:
         """Return the values (m,) of one posture feature."""

@@ -1,4 +1,4 @@
-"""Fit the distribution of standing postures to the first frames of captured clips."""
+"""Fit of a standing posture distribution to first frames of captured clips."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import sqrt
@@ -14,11 +14,11 @@ SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that 
 ASYMMETRIC_BODY = tuple(name for name in BODY_FEATURES if name not in SYMMETRIC_BODY)
 FIRST_ARM = STANCE_FEATURES.index(f"l_{ARM_FEATURES[0]}")
 MAX_HANGING = {"upper_arm_forward": 30.0, "upper_arm_outward": 30.0, "forearm_forward": 45.0}  # [deg] of hanging arms
-MIN_DEVIATION = 0.05  # [deg] smaller components are left out
+MIN_DEVIATION = 0.05  # [deg] size below which components are left out
 
 
 def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
-    """Measure trunk, head and both arms in one frame, (s,) [deg] in the order of `STANCE_FEATURES`."""
+    """Measure the `STANCE_FEATURES` (s,) [deg] in one frame."""
     axes = posture_axes(motion, frame)
     up = axes @ motion.chest_rotations[frame, :, 2]
     head = axes @ motion.head_rotations[frame]
@@ -39,7 +39,7 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
 
 
 def group_hanging(clips: Iterable[BodyMotion]) -> Mapping[str, Floats]:
-    """Return the stances (k, s) [deg] of hanging arms, by set and initial pose."""
+    """Return the stances (k, s) [deg] with hanging arms, by clip group."""
     groups: dict[str, list[Floats]] = {}
     for clip in clips:
         if starts_at_rest(clip) and _is_hanging(stance := measure_stance(clip)):
