@@ -14,7 +14,7 @@ from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
 from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
 from kinesic.intent.greta.agent import Agent, read_agent
 from kinesic.intent.greta.lexicon import read_lexicon
-from kinesic.intent.manuscript.decoding import decode_text, read_text_file
+from kinesic.intent.manuscript.decoding import decode_text, is_subtitles, read_subtitles, read_text_file
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
 from kinesic.planning.setup import Setup
 
@@ -123,7 +123,8 @@ def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY
         setup: style, seed and language.
         memory: gestures of earlier texts, which are not repeated for a minute of speech.
     """
-    spoken, warnings = (text, ()) if isinstance(text, str) else read_text_file(text)
+    spoken, warnings = (text, ()) if isinstance(text, str) else decode_text(text)
+    spoken = read_subtitles(spoken) if is_subtitles(spoken) else spoken
     written = author_text(
         spoken,
         setup.lexicon,

@@ -13,6 +13,9 @@ MIN_WRAPPED_LENGTH = 55  # [characters] shortest line of wrapped text, whose end
 _MARKER = re.compile(r"[ \t]*(?:#{1,6}[ \t]+|[-+\u2022\u2023\u25e6*][ \t]+|\d{1,3}[.)][ \t]+|(?:>[ \t]?)+)")
 _TASK = re.compile(r"\[[ xX]\][ \t]+")
 MIN_RULE_LENGTH = 3  # smallest number of signs in a horizontal rule, or below the head of a table
+FRONT_MATTER_SIGN = "---"  # line before and after the settings of a document
+_SETTING = re.compile(r"\w[\w-]*:(?:[ \t]|$)")
+_OPEN_SETTING = re.compile(r"[\w-]*:?")
 _FENCE = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`]*)")
 _REFERENCE = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
 _LABEL = re.compile(r"(\*\*|__|\[)?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
@@ -30,6 +33,10 @@ def read_line_start(state: Manuscript, *, ends: bool) -> Step | None:
     head = line.lstrip(" \t")
     if not head:
         return Step(len(line)) if is_whole else None
+    if line == FRONT_MATTER_SIGN and not state.spoken.strip():
+        matter = _read_front_matter(state.rest, ends=ends)
+        if matter is None or matter.length:
+            return matter
     if head[0] in "-*_=~+|:" and re.fullmatch(r"[-*_=~+|:\s]*", line):
         if not is_whole:
             return None
@@ -49,6 +56,19 @@ def read_line_start(state: Manuscript, *, ends: bool) -> Step | None:
     if head[0] == "|":
         return Step(len(line) - len(head) + 1, is_block=True)
     return _read_marker(state, line, is_whole=is_whole)
+
+
+def _read_front_matter(rest: str, *, ends: bool) -> Step | None:
+    """Skip the settings (YAML) before the text of a document.
+
+    Returns:
+        Length 0 without settings, None if the second line may be incomplete.
+    """
+    second, newline, _ = rest[len(FRONT_MATTER_SIGN) + 1 :].partition("\n")
+    if _SETTING.match(second):
+        length = len(FRONT_MATTER_SIGN)
+        return Step(length, "", "settings before the text are not spoken", mode="skipped", closing=f"\n{rest[:length]}")
+    return Step(0) if newline or ends or not _OPEN_SETTING.fullmatch(second) else None
 
 
 def _read_marker(state: Manuscript, line: str, *, is_whole: bool) -> Step | None:

@@ -21,6 +21,9 @@ _TAG = re.compile(r"<(/?)([A-Za-z][\w:.-]*)((?:\s[^<>]*)?)(/?)>")
 _ATTRIBUTE = re.compile(r"([\w:-]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 _AUTOLINK = re.compile(r"<(?:https?|ftp|mailto):[^<>\s]*>", re.IGNORECASE)
 _MAIL_LINK = re.compile(r"<([\w.+-]{1,64}@[A-Za-z0-9.-]{3,120})>")
+_CUT_TAG = re.compile(
+    r"</[A-Za-z][^<>\n]*|<[A-Za-z][\w.-]*(?::[^<>\n]*|\s+[\w:-]+\s*=[^<>\n]*)"
+)  # a closing tag, or one with a prefix or attribute
 _NUMBERED = re.compile(r"[-_.]?\d+$")
 
 
@@ -42,6 +45,8 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
     end = rest.find(">")
     if end < 0 or "<" in rest[1:end]:
         is_open = re.fullmatch(r"</?([A-Za-z][^<>]*)?", rest) and len(rest) <= MAX_TAG_LENGTH
+        if is_open and ends and _CUT_TAG.fullmatch(rest):
+            return Step(len(rest), "", f"a tag without its end is not spoken: {rest}")
         return None if is_open and not ends else Step(1, "<")
     found = _TAG.match(rest[: end + 1])
     if found is None:

@@ -15,12 +15,14 @@ from kinesic.intent.meaning.lexicon_names import find_names
 from kinesic.intent.meaning.matching import Candidate, match_cues
 from kinesic.intent.meaning.rhythm import place_beats, place_stroke
 from kinesic.intent.meaning.scoring import Picture, choose_pictures
-from kinesic.intent.meaning.structure import find_persons, find_structures
+from kinesic.intent.meaning.structure import find_persons, find_structures, find_topics
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
 
 HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures, which cues replace
+MIN_TOPIC_LIVELINESS = 0.5  # liveliness from which open hands present a sentence without another gesture
+MIN_TOPIC_DURATION = 8.0  # [s] shortest text with such gestures
 HAND_INTENTS = frozenset(
     {"emphasis-strong", "listing-left", "listing-right"}
 )  # intents whose hand gestures are kept in addition to those of cues
@@ -100,7 +102,12 @@ def _find_pictures(
     persons = [
         each for each in find_persons(context, idioms) if context.passage.words[each.stroke].sentence not in sentences
     ]
-    return [*pictures, *choose_pictures(context, persons, harmless, categories)]
+    pictures += choose_pictures(context, persons, harmless, categories)
+    if liveliness < MIN_TOPIC_LIVELINESS or context.passage.starts[-1] < MIN_TOPIC_DURATION:
+        return pictures
+    sentences = {context.passage.words[each.candidate.stroke].sentence for each in pictures}
+    topics = [each for each in find_topics(context) if context.passage.words[each.stroke].sentence not in sentences]
+    return [*pictures, *choose_pictures(context, topics, harmless, categories)]
 
 
 @lru_cache(maxsize=4)

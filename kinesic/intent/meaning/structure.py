@@ -14,6 +14,10 @@ COUNT_CERTAINTY = 0.68  # certainty of the gesture that counts things
 LISTED_COUNT_BONUS = 0.12  # added certainty if the number announces a list (`there are three`)
 PERSON_CERTAINTY = 0.46  # certainty of a gesture to speaker or listener, in sentences without another one
 MIN_PERSON_WORDS = 3  # words of the shortest sentence with a gesture to speaker or listener
+MIN_TOPIC_WORDS = 7  # words of the shortest statement that open hands present
+TOPIC_CERTAINTY = 0.52  # certainty of open hands that present a statement
+TOPIC_GESTURES = ("conduit", "inform_spread", "open_low", "present")  # open hands that present a statement
+GRAVE_CLASSES = ("denial", "sad", "stern")  # word classes of statements that are not presented
 COUNT_GESTURES = {  # gesture by number word or digit
     "two": "count_two",
     "three": "count_three",
@@ -95,6 +99,19 @@ def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate
             yield _candidate("me_low", speakers[-1], "is the speaker", "idiom", PERSON_CERTAINTY)
 
 
-def _candidate(gesture: str, k: int, says: str, kind: CueKind, certainty: float) -> Candidate:
-    cue = Cue(says, (), (gesture,), kind, certainty, PICTURE_INTENT, "any")
+def find_topics(context: Context) -> Iterator[Candidate]:
+    """Yield open hands that present the first thing of long statements.
+
+    A lively speaker offers what is said to the listener, unless it is denied, sad or stern.
+    """
+    for sentence, indices in enumerate(context.passage.sentences):
+        content = [k for k in indices if context.passage.words[k].is_content]
+        is_grave = any(context.language.has(name, context.plain[k]) for k in indices for name in GRAVE_CLASSES)
+        if context.passage.kinds[sentence] == "statement" and len(indices) >= MIN_TOPIC_WORDS and not is_grave:
+            yield from (_candidate(TOPIC_GESTURES, k, "is presented", "idiom", TOPIC_CERTAINTY) for k in content[1:2])
+
+
+def _candidate(gesture: str | tuple[str, ...], k: int, says: str, kind: CueKind, certainty: float) -> Candidate:
+    shows = (gesture,) if isinstance(gesture, str) else gesture
+    cue = Cue(says, (), shows, kind, certainty, PICTURE_INTENT, "any")
     return Candidate(cue, k, k, k)

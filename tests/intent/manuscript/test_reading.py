@@ -213,3 +213,32 @@ def test_reading_time_is_linear_in_the_text_length():
     spoken, _ = read_manuscript("The garden needs water today. " * 3000 + "-" * 4000 + "*" + "(" * 4000)
     assert spoken.startswith("The garden")
     assert time.process_time() - began < 5.0
+
+
+def read_in_pieces(text: str, length: int) -> tuple[str, tuple[str, ...]]:
+    """Return spoken text and warnings of a text that comes in pieces."""
+    state, spoken, warnings = Manuscript(), "", ()
+    for begin in range(0, len(text), length):
+        state, said, named = read_more(state, text[begin : begin + length])
+        spoken, warnings = spoken + said, (*warnings, *named)
+    _, said, named = read_more(state, "", ends=True)
+    return spoken + said, (*warnings, *named)
+
+
+@pytest.mark.parametrize(
+    ("text", "spoken", "warning"),
+    [
+        ("---\ntitle: Rain\ntags: [a, b]\n---\nIt rains.", "It rains", "settings"),
+        ("---\nIt rains: a lot.\n---\nGood.", "It rains a lot Good", ""),
+        ("It rains.</spea", "It rains", "</spea"),
+        ("It rains. <prosody rate='sl", "It rains", "<prosody"),
+        ("<details><summary>Rain</summary>It rains.</details>", "Rain It rains", ""),
+    ],
+)
+def test_settings_cut_tags_and_elements_of_pages_are_not_spoken(text: str, spoken: str, warning: str):
+    whole = read_manuscript(text)
+    assert " ".join(word.text for word in read_text(whole[0], ENGLISH).words) == spoken
+    assert [warning in each for each in whole[1]] == [True] * bool(warning)
+    assert "kinesic:act" not in whole[0]
+    for length in (1, 2, 3, 7):
+        assert read_in_pieces(text, length) == whole

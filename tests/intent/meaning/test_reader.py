@@ -137,3 +137,17 @@ def test_beat_replaces_a_repeated_pictorial_gesture():
     _, selection = plan_behaviours("I have no idea. I have no clue. Who knows. I don't know why.", LEXICON, NEUTRAL)
     gestures = [behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == "gesture"]
     assert len(gestures) == len(set(gestures)) > 1
+
+
+def test_open_hands_present_statements_of_long_lively_texts_only():
+    story = "The tower leaned a little further every day. The captain carried a heavy box along the river. " * 2
+    topics = {"conduit", "inform_spread", "open_low", "present"}
+
+    def presented(text: str, style: str) -> list[str]:
+        _, selection = plan_behaviours(text, LEXICON, Style.load(style))
+        return [each.lexeme for each in selection.behaviours if "is presented" in each.intent.reason]
+
+    assert set(presented(story, "joyful")) & topics
+    assert not presented(story, "neutral")
+    assert not presented("The captain carried a box along the river.", "joyful")
+    assert not presented("Nobody carried the box along the river for him. " * 4, "joyful")

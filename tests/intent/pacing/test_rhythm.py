@@ -130,3 +130,9 @@ def test_clause_in_a_lively_style_may_have_two_illustrating_gestures() -> None:
     }
     assert len(pictures["neutral"]) == 1
     assert len(pictures["joyful"]) > 1
+
+
+@pytest.mark.parametrize("story", STORIES)
+def test_lively_stories_have_at_most_sixty_percent_of_beats(story: str) -> None:
+    gestures = gestures_of(story, "joyful")
+    assert 0.4 <= sum(is_beat(each.lexeme) for each in gestures) / len(gestures) <= 0.6
