@@ -1,10 +1,11 @@
-"""Return of freed memory to the system in long-lived processes.
+"""Memory of long-lived processes: return of freed memory to the system, and short garbage collections.
 
 By default glibc raises its thresholds with the largest block that was ever freed, and gives every thread an arena. A
 server that has once read a document of 4 MB then never returns memory, and its heap grows by fragments.
 """
 
 import ctypes
+import gc
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -19,6 +20,15 @@ MAX_UNUSED_TOP = 1 << 20  # [bytes] largest free memory at the heap end, above w
 MIN_MAPPED_BLOCK = 1 << 17  # [bytes] smallest block that is mapped separately and returned when freed
 MAX_ARENAS = 2  # largest number of heaps, which all threads share
 TRIM_PERIOD = 10.0  # [s] time between two returns of free pages within the heap
+
+
+def freeze_heap() -> None:
+    """Exclude all present objects from garbage collections.
+
+    A collection holds the interpreter's lock, and would take a third of a second for the modules and data of a server:
+    control ticks and emergency stops would wait for it.
+    """
+    gc.freeze()
 
 
 def bound_heap() -> None:

@@ -1,9 +1,12 @@
 """Freed memory is returned to the system despite fragmentation."""
 
+import gc
 import subprocess
 import sys
 
 import pytest
+
+from kinesic import heap
 
 HEAP_PROGRAM = """
 import sys
@@ -29,6 +32,7 @@ sleep(1.0)
 print((resident() - before) // 1_000_000)
 """
 MAX_RETAINED = 10  # [MB] of 100 MB freed
+MIN_FROZEN_OBJECTS = 10_000  # the imports of this test alone
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only glibc is configured")
@@ -36,3 +40,13 @@ MAX_RETAINED = 10  # [MB] of 100 MB freed
 def test_freed_heap_memory_is_returned_to_the_system(size: int) -> None:
     run = subprocess.run([sys.executable, "-c", HEAP_PROGRAM, str(size)], capture_output=True, text=True, check=True)
     assert int(run.stdout) < MAX_RETAINED
+
+
+def test_frozen_objects_cost_no_collection_time() -> None:
+    heap.freeze_heap()
+    try:
+        count = gc.get_freeze_count()
+        assert count > MIN_FROZEN_OBJECTS
+        assert len(gc.get_objects()) < count / 10
+    finally:
+        gc.unfreeze()

@@ -14,6 +14,7 @@ from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
 from kinesic.child import PipeEnd
 from kinesic.expressivity.style.style import Style, style_preset
+from kinesic.heap import freeze_heap
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import with_busy_hands
 from kinesic.realizer.realizer import (
@@ -90,6 +91,7 @@ def run_planner(
     try:
         setup = make_setup()
         warm_up(setup, properties.accompaniment)
+        freeze_heap()
         renewed = partial(renew_setup, make_setup)
         state = PlannerState(setup, renewed, loop, refiner, properties, beginning=requests.recv(), rules=rules)
         loop.send(PlannerReady())

@@ -22,6 +22,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.live.addresses import read_address
 from kinesic.cli.options import Performers, Planning
 from kinesic.expressivity.lexicon.categories import GESTURE_CATEGORIES
+from kinesic.heap import freeze_heap
 from kinesic.importing import import_at_once
 from kinesic.mcp.errors import RobotError
 from kinesic.serve.address import Address
@@ -59,7 +60,7 @@ def serve_tools(
 
         has_own_gestures = planning.options.get("lexicon") is not None
         categories = load_lexicon().categories if has_own_gestures else GESTURE_CATEGORIES
-        setup = ThreadPoolExecutor(1, thread_name_prefix="setup").submit(_load_setup, planning, opened)
+        setup = ThreadPoolExecutor(1, thread_name_prefix="setup").submit(load_setup, planning, opened)
         sys.setswitchinterval(SWITCH_INTERVAL)
         resumes = "servos" not in performers.sinks and connect is None
         server = make_server(RobotGate(opened, setup), load_lexicon, resumes=resumes, categories=categories)
@@ -82,7 +83,7 @@ def _load_lexicon(planning: Planning) -> "Lexicon":
     return Lexicon.load(None if path is None else Path(path))
 
 
-def _load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
+def load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
     """Load the planning setup once the server listens.
 
     The first answers then need not wait.
@@ -94,7 +95,9 @@ def _load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
 
     if (error := opened.exception()) is not None:
         raise ConfigError(str(error))
-    return warm_up(planning.set_up())
+    setup = warm_up(planning.set_up())
+    freeze_heap()
+    return setup
 
 
 def _report_invalid(setup: "Future[Setup]") -> None:

@@ -25,6 +25,7 @@ from kinesic.controller.learned_gains import Identification
 from kinesic.controller.servo_performance import BUS_DELAY
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.heap import freeze_heap
 from kinesic.host import ENDING_SIGNALS
 from kinesic.planning.plan import Plan
 from kinesic.serve.address import Address
@@ -188,6 +189,7 @@ async def _serve(
         with show_stages() as stage:
             stage("starting the planner")
             serving = await closing.enter_async_context(server)
+            freeze_heap()
         for number in (number for number in ENDING_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN):
             asyncio.get_running_loop().add_signal_handler(number, end)
         source = f"listening at {serving.address}" if serving.address is not None else "reading standard input"

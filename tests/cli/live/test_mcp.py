@@ -1,22 +1,25 @@
 """Start of `kinesic mcp`: answers before the robot's server, and an error line if that does not start."""
 
+import gc
 import json
 import subprocess
 import sys
+from concurrent.futures import Future
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-pytestmark = [
-    pytest.mark.soak,
-    pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'"),
-]
+from kinesic.cli.live.mcp import load_setup
+from kinesic.cli.options import Planning
+
+pytestmark = pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'")
 
 CLIENT = {"name": "test", "version": "1"}
 INITIALISE = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": CLIENT}
 
 
+@pytest.mark.soak  # starts two processes
 def test_tools_answer_without_a_robot_and_one_line_reports_why(tmp_path: Path):
     (tmp_path / "wrong.toml").write_text("targets = 7")
     command = [sys.executable, "-m", "kinesic", "mcp", "--targets", "wrong.toml"]
@@ -40,3 +43,15 @@ def test_tools_answer_without_a_robot_and_one_line_reports_why(tmp_path: Path):
     assert lines[0].startswith("kinesic: the server of the robot does not start: ")
     assert "wrong.toml" in lines[0]
     assert lines[0].removeprefix("kinesic: ") in stopped["content"][0]["text"]
+
+
+def test_loaded_setup_is_never_collected_while_an_emergency_stop_may_come():
+    opened: Future[object] = Future()
+    opened.set_result(None)
+    before = gc.get_freeze_count()
+    try:
+        setup = load_setup(Planning("upper22", "neutral", {}), opened)
+        assert gc.get_freeze_count() > before
+        assert not any(each is setup for each in gc.get_objects())
+    finally:
+        gc.unfreeze()
