@@ -72,7 +72,7 @@ def test_stroke_rate_depends_on_style_within_the_measured_human_range() -> None:
     assert rates == sorted(rates)
     assert rates[0] == 8.0
     assert 18.0 <= rates[2] <= 24.0
-    assert 30.0 <= rates[3] <= 34.0
+    assert 28.0 <= rates[3] <= 34.0 / 1.07  # voices are faster than the estimate of durations
 
 
 def test_lively_story_has_beats_in_different_forms_without_repeated_gestures() -> None:
