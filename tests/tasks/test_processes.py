@@ -8,6 +8,7 @@ from kinesic.tasks.processes import WorkerCrash, run_pool
 EVALUATE = partial(partial, eval)  # tasks are Python expressions
 DIES = {
     "__import__('os')._exit(3)": "exit code 3: it wrote nothing",
+    "__import__('os')._exit(0)": "exit code 0: it wrote nothing",
     "1 / 0": "exit code 1: ZeroDivisionError: division by zero",
     "__import__('os').kill(__import__('os').getpid(), 9)": "signal SIGKILL",
     "__import__('os').abort()": "signal SIGABRT: Fatal Python error: Aborted",

@@ -48,6 +48,13 @@ def test_options_unsupported_by_several_robots_are_refused(kinesic_in, folder, a
     assert message in ended.err
 
 
+def test_options_of_one_robot_are_taken_if_one_is_named(kinesic_in, folder):
+    ended = kinesic_in(folder, "perform", "missing.bml", "--robot", "upper22", "--json")
+    assert ended.code == 2
+    assert "missing.bml" in ended.err
+    assert "one robot" not in ended.err
+
+
 def test_combined_film_aligns_the_start_of_the_block(tmp_path):
     """Each film turns from black to its colour at block zero, and so must both parts of the combined film."""
     for name, zero, width, colour in (("a", 0.5, 16, (250, 0, 0)), ("b", 0.25, 30, (0, 0, 250))):
