@@ -6,6 +6,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer import release as module
 from kinesic.realizer.merge import merge
 from kinesic.realizer.occupancy import arm_hinges, freed_hinges
 from kinesic.realizer.release import motion_from_knot, release_motion
@@ -35,6 +36,16 @@ def test_release_returns_to_rest_from_any_time(planned, known, rest, time):
     certified(released, known, running, time)
     np.testing.assert_allclose(released.controls[-1], rest.controls[-1], atol=1e-9)
     assert released.duration < time + 2.5
+
+
+@pytest.mark.parametrize(
+    ("duration", "delays"), [(20.0, [0, 10, 20, 40, 80, 160, 320]), (1.41, [0, 10, 20, 40]), (1.4, [0, 10, 20])]
+)
+def test_release_that_collides_is_tried_later_until_the_motion_ends(known, monkeypatch, duration, delays):
+    running, tried = stay(known.robot.skeleton.rest, duration), list[int]()
+    monkeypatch.setattr(module, "_release_from", lambda _running, knot, *_: tried.append(knot - 100))
+    assert release_motion(running, 1.0, np.ones(22, dtype=bool), known) is running
+    assert tried == delays
 
 
 def test_releasing_hinges_at_rest_keeps_the_rest_posture(known, rest):
