@@ -97,6 +97,19 @@ def test_restyled_block_can_be_removed(known, playing, others):
     np.testing.assert_allclose(gone.controls[-1], known.robot.skeleton.rest, atol=1e-6)
 
 
+def test_block_whose_new_plan_has_ended_returns_to_rest(known):
+    long, short = (
+        plan_quickly(parse(ROOT.format(f'<head id="n" lexeme="NOD" repetition="{count}"/>')), known) for count in (4, 1)
+    )
+    nodding = merge(stay(known.robot.skeleton.rest), 0.0, long, begin=0.0)
+    time = short.trajectory.duration + 0.5
+    assert time < nodding.occupancy[0].relax
+    found = replan(nodding.trajectory, time, nodding, short)
+    certified(found.trajectory, known, nodding.trajectory, time)
+    np.testing.assert_allclose(found.trajectory.controls[-1], known.robot.skeleton.rest, atol=1e-6)
+    assert found.trajectory.duration < nodding.trajectory.duration
+
+
 def test_block_with_a_motionless_new_plan_is_removed(known, block):
     nod = parse(ROOT.format('<head id="n" lexeme="NOD" repetition="3"/>'))
     nodding = merge(stay(known.robot.skeleton.rest), 0.0, plan_block(nod, known), begin=0.0)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import VELOCITY_UNIT, Register
-from kinesic.hardware.supervisor.manifest import GOAL_MARGIN, Manifest
+from kinesic.hardware.supervisor.manifest import GOAL_MARGIN, Manifest, describe_raised_joints
 
 
 def test_manifest_lists_servos_bus_by_bus(robot: Robot):
@@ -48,6 +48,17 @@ def test_joint_without_a_servo_has_no_angle(robot: Robot):
     manifest = replace(whole, members=whole.members[:4])
     for is_whole in (False, True):
         assert np.isnan(manifest.angles(np.full(4, 2048.0), whole=is_whole)).tolist() == [False, False, False, True]
+
+
+def test_joints_away_from_rest_and_silent_ones_are_described(robot: Robot):
+    manifest = Manifest.of(robot)
+    rest = np.degrees(manifest.rest).round()
+    offsets = np.radians([4.9, 30.0, -30.0, np.nan])
+    assert describe_raised_joints(manifest, manifest.rest + offsets) == (
+        f"l_flexion at {rest[1] + 30:.0f} deg (rest: {rest[1]:.0f})",
+        f"l_twist at {rest[2] - 30:.0f} deg (rest: {rest[2]:.0f})",
+        "r_flexion (silent)",
+    )
 
 
 def test_servo_answers_to_one_id_only(robot: Robot):

@@ -1,5 +1,7 @@
 from pathlib import Path
 
+import pytest
+
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.tools.diagnosis import Finding, diagnose
@@ -40,6 +42,14 @@ def test_each_faulty_servo_has_a_line_and_healthy_ones_are_counted(bench):
         (line,) = [line for line in lines if line.startswith(start)]
         assert remedy in line
     assert found(table)[-1].text == "17 of 23 are ready"
+
+
+@pytest.mark.parametrize(("margin", "is_hot"), [(10, False), (9, True)])
+def test_servo_is_hot_within_less_than_ten_kelvin_of_its_limit(bench, margin: int, is_hot: bool):
+    table = bench()
+    servo = table.servos[15]
+    servo.electronics.celsius = float(servo.memory[Register.TEMPERATURE_LIMIT] - margin)
+    assert ["let it cool" in line for line in to_mend(table)] == [True] * is_hot
 
 
 def test_unanswered_bus_is_reported_in_one_line(bench):
