@@ -78,7 +78,7 @@ def take_block_posture(block: Block, setup: Setup) -> Setup:
 
 
 def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
-    """Return the robot with a random rest posture like those of captured people.
+    """Return the robot with a random rest posture, as captured people stand.
 
     People lean a little, stand with their weight on one leg, and no hand hangs as the other does. A style with a
     posture of its own is the mean of its persons, otherwise captured people are.

@@ -70,7 +70,7 @@ def test_setpoints_beyond_int16_widen_storage_once(far: int) -> None:
     np.testing.assert_array_equal(recorder.measurements().setpoints, np.rint(np.outer(sent, 1 / tick)) * tick)
 
 
-def test_holding_torque_covers_whole_motion(calm: DryRun):
+def test_holding_torque_is_computed_for_the_whole_motion(calm: DryRun):
     times, shares = calm.reference.holding_torques
     assert times[0] == 0.0
     assert times[-1] >= calm.plan.trajectory.duration

@@ -41,7 +41,7 @@ def test_unreachable_directions_keep_the_joint_limits():
     assert np.all((posture >= robot.skeleton.lower) & (posture <= robot.skeleton.upper))
 
 
-def test_drawn_stances_spread_as_the_table_says():
+def test_drawn_stances_have_the_distribution_of_their_table():
     table = read_stances().hanging
     draws = np.stack([draw_deviation(table, np.random.default_rng(seed)) for seed in range(400)])
     tilt = [row["trunk_tilt"] for row in table.symmetric] + [table.within["trunk_tilt"]]
@@ -54,7 +54,7 @@ def test_drawn_stances_spread_as_the_table_says():
     assert np.corrcoef(left[:, 0], right[:, 0])[0, 1] > 0.5
 
 
-def test_arms_of_the_mean_stance_are_bent_and_close():
+def test_arms_of_the_mean_stance_are_bent_and_near_the_body():
     mean = dict(zip(STANCE_FEATURES, spread_features(read_stances().hanging.mean), strict=True))
     assert 15.0 < mean["l_forearm_forward"] - mean["l_upper_arm_forward"] < 30.0
     assert mean["l_upper_arm_outward"] > mean["l_forearm_outward"] > 0.0

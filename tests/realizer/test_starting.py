@@ -146,7 +146,7 @@ def test_block_composed_chunk_after_starts_during_the_previous_retraction(play):
     assert play.warnings() == []
 
 
-def test_block_composed_chunk_before_delays_a_waiting_block(play):
+def test_chunk_before_composition_delays_a_waiting_block(play):
     play.send("a", NOD).send("c", LEFT, 'composition="APPEND"').send("b", HELD, 'bmla:chunkBefore="c"').until(8.0)
     assert play.at("c:start") == pytest.approx(play.at("b:relax"), abs=2 * KNOT_INTERVAL)
 

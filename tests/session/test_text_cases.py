@@ -66,7 +66,7 @@ def test_thoughts_are_not_said():
     assert words(read("09_think.txt")) == ["Hello"]
 
 
-def test_markdown_is_structure_and_pauses():
+def test_markdown_becomes_sentences_and_pauses():
     text = read("10_markdown.txt")
     assert words(text) == ["Plan", "We", "need", "Bread", "a", "knife"]
     assert write_text(text, SETUP).bml.count("<break") >= 3
@@ -81,14 +81,14 @@ def test_acronyms_are_no_pronouns_and_no_question():
     assert not {"we", "ask_open"} & set(lexemes(text))
 
 
-def test_negative_idioms_agree():
+def test_negative_idioms_are_shown_as_agreement():
     shown = lexemes(read("15_agree.txt"))
     assert "NOD" in shown
     assert "shrug_small" in shown or "doubt_shrug" in shown
     assert not {*REFUSALS, "SHAKE", "LOWER_BROWS"} & set(shown)
 
 
-def test_no_idea_is_a_shrug():
+def test_having_no_idea_is_shown_by_a_shrug():
     assert {"shrug_small", "doubt_shrug"} & set(lexemes(read("17_idea.txt")))
     assert not REFUSALS & set(lexemes(read("17_idea.txt")))
 

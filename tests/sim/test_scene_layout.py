@@ -140,7 +140,7 @@ def test_drawn_floor_has_no_stray_pixels(name: str, tmp_path: Path):
     assert np.abs(corner - np.median(corner)).max() < 12.0
 
 
-def test_rods_are_not_thicker_than_fingers():
+def test_drawn_rods_are_not_thicker_than_capsules_of_their_segment():
     robot = Robot.load("upper36")
     segments = robot.skeleton.segments
     for rod in rods(robot):

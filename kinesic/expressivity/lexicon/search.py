@@ -40,10 +40,10 @@ PHRASE_WEIGHT = 0.6  # weight of a word in a synonym of several words
 DESCRIPTION_WEIGHT = 0.5  # weight of a word in the description
 CATEGORY_WEIGHT = 0.4  # weight of the category's name
 
-STEM_QUALITY = 0.95  # quality of another form of the word, such as waving for wave
-PREFIX_QUALITY = 0.7  # quality of a word that begins with the word of the query, which is no word itself
-LONGER_WORD_QUALITY = 0.35  # quality of a longer word, such as yesterday for yes
-SPELLING_QUALITY = 0.6  # quality of a word of similar spelling
+STEM_QUALITY = 0.95  # match quality of another form of the word, such as waving for wave
+PREFIX_QUALITY = 0.7  # match quality of a word that begins with an unknown word of the query
+LONGER_WORD_QUALITY = 0.35  # match quality of a longer word, such as yesterday for yes
+SPELLING_QUALITY = 0.6  # match quality of a word spelt similarly to an unknown word of the query
 MIN_PREFIX_LENGTH = 3  # [letters] shortest beginning of a word that is completed
 MIN_SPELLING_LENGTH = 4  # [letters] shortest word whose spelling is corrected
 SPELLING_CUTOFF = 0.8  # lowest similarity of spelling, 0 to 1

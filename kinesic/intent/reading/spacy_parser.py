@@ -59,7 +59,7 @@ class Parser(Protocol):
     """English language model of spaCy."""
 
     def __call__(self, text: str) -> ParsedDocument:
-        """Parse a text by spaCy."""
+        """Parse a text with spaCy."""
 
 
 def parser_fault() -> str:

@@ -21,7 +21,7 @@ MAX_TOUCH_DRIFT = radians(0.9)  # [rad] largest drift of a hinge of a touching o
 STILL_THRESHOLD = 2e-4  # [rad] change per knot below which an arm holds, even if the trunk turns
 TOUCH_MARGIN = 0.3  # [s] distance of a hold from a key at which its hand counts as touching
 RANGE_MARGIN = 1e-3  # [rad] distance of a drifting arm from the joint limits
-NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # holds of free hands only
+NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # no hand touches anything
 MIN_REST_DISTANCE = 0.05  # [rad] smallest distance from the rest pose at which a held arm drifts
 
 
