@@ -1,7 +1,9 @@
-"""Commands and their outputs on documentation pages."""
+"""Commands, programs and their outputs on documentation pages."""
 
 import re
 import shlex
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +21,12 @@ PAGES = [
     *sorted((ROOT / "skills").glob("*/SKILL.md")),
 ]
 SHELL_ENDS = ("|", "&", "&&", ";", ">", "<", "2>")  # words at which a command ends
+PROGRAM_PAGES = (
+    "how-to/use-from-python.md",
+    "how-to/export-a-motion.md",
+    "explanation/virtual-human.md",
+    "explanation/inverse-kinematics.md",
+)
 OUTPUT_TOLERANCE = 0.02  # [s] by which a shown time may differ
 
 
@@ -79,3 +87,16 @@ def test_example_of_the_certificate_page_gives_the_shown_warning():
     assert actual
     assert (actual[1], actual[3]) == (before, reason)
     assert float(actual[2]) == pytest.approx(float(time), abs=OUTPUT_TOLERANCE)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("page", PROGRAM_PAGES)
+def test_python_examples_of_a_page_run_in_an_empty_folder(page: str, tmp_path: Path):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / page).read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "example.py").write_text("\n".join(blocks), encoding="utf-8")
+    ended = subprocess.run([sys.executable, "example.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    if page == "how-to/use-from-python.md":
+        listed = ended.stdout.splitlines()[0]
+        assert listed.startswith("True ["), "nothing fails"
+        assert "limits.speed" not in listed, "only checks that do not pass are listed"
