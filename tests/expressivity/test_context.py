@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.bml.block import Behaviour, Block, Gaze, Gesture, Head, Manner, Place, Torso
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.style.style import Expressivity, Style, style_preset
 
 TEST_STYLE = Style("mine", Expressivity(power=0.1), Expressivity(power=0.2), Expressivity(power=0.3))
 LAMP_POSITION = sealed([0.5, -1.0, 1.0])
@@ -25,6 +25,15 @@ def test_behaviour_has_expressivity_of_its_modality(context, action, power):
 def test_document_parameters_override_the_style(context):
     here = context(block(Head("NOD"), Manner(power=0.7), {"head": Manner(power=0.6, spatial=0.4)}), TEST_STYLE)
     assert here.manner(here.block.behaviours[0]) == Expressivity(power=0.7, spatial=0.4)
+
+
+def test_block_has_the_bearing_of_its_own_style_unless_the_posture_is_set(context):
+    joyful = block(Gesture("beat"), manners={"gesture": Manner(style="joyful")})
+    assert context(joyful, TEST_STYLE).bearing == style_preset("joyful")
+    assert context(block(Gesture("beat")), TEST_STYLE).bearing is TEST_STYLE
+    slumped = TEST_STYLE.changed(["posture=0.5"])
+    assert context(joyful, slumped).bearing is slumped
+    assert context(joyful, TEST_STYLE.changed(["power=0.5"])).bearing == style_preset("joyful")
 
 
 def test_behaviour_styles_are_resolved_once_per_block(context):

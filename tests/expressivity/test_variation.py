@@ -7,6 +7,7 @@ from kinesic.bml.block import Behaviour, Block, Gaze, Gesture, Place
 from kinesic.expressivity.behaviours import gesture_move
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.durations import natural_durations
+from kinesic.expressivity.lexicon.space import spread_hands
 from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.variation import (
@@ -144,6 +145,17 @@ def test_fixed_axes_and_touching_hands_do_not_vary(lexicon, robot):
                 np.testing.assert_array_equal(change[list(pose.fixed)], 0.0)
                 moved += bool(np.abs(change).max() > 0.01)
     assert moved > 200
+
+
+@pytest.mark.parametrize("name", ["adjust_cuff", "obstacle", "fold_over"])
+def test_random_variation_keeps_a_gap_between_one_free_and_one_fixed_hand(lexicon, robot, name):
+    form = lexicon.find(name).form
+    for seed in range(20):
+        (deviation,) = deviations(beats(1), Variation(2.0, seed)).values()
+        for key in deviation.form(form, robot).keys:
+            apart = spread_hands(key)
+            for side, pose in key.hands.items():
+                np.testing.assert_allclose(apart.hands[side].position, pose.position, atol=1e-9)
 
 
 def test_random_variation_keeps_meeting_hands_mirrored(lexicon, robot):
