@@ -75,6 +75,7 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     proposals, notices = planning.said()
     (result,) = saying(notices)
     assert (result["told"], result["text"], result["block"]) == ("saying", "Hello there.", "said7-1")
+    assert len(proposals) == 1, "nothing of an earlier phrase is replaced"
     assert {block for block, _ in proposals[-1].moving} <= {"said7-1"}
     assert {notice.sender for notice in notices} == {7}
     planning.state.plan_phrases()

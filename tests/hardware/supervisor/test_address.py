@@ -44,9 +44,9 @@ class Held:
         return find_supervisor(self.port, JOINTS) is not None
 
 
-def beat(clock: float) -> Status:
+def beat(clock: float, *, joints: int = JOINTS) -> Status:
     """Write a status of this time [s]."""
-    nowhere = np.zeros(JOINTS)
+    nowhere = np.zeros(joints)
     return Status(clock=clock, angles=nowhere, setpoints=nowhere, taken=nowhere)
 
 
@@ -82,8 +82,7 @@ def test_search_without_ports_finds_each_running_supervisor_once(held: Held):
     octets = memory_size(JOINTS + 1)
     memory = memory_file(octets)
     other = Channel(map_memory(memory, octets), JOINTS + 1)
-    more = np.zeros(JOINTS + 1)
-    other.write_status(Status(clock=NOW, angles=more, setpoints=more, taken=more))
+    other.write_status(beat(NOW, joints=JOINTS + 1))
     publish([held.port.with_name("ttyACM0")], memory, JOINTS + 1)
     (held.folder / f"{held.folder.name}-of-another-program").write_text("1 2 3")
     channels = find_supervisors()
@@ -236,8 +235,15 @@ def test_supervisor_with_stopped_clock_is_ignored(held: Held, since: float, aliv
 
 def test_supervisor_of_robot_with_other_joints_is_ignored(held: Held):
     publish([held.port], held.memory, JOINTS)
-    assert find_supervisor(held.port, JOINTS + 1) is None
-    assert find_supervisor(held.port, JOINTS - 1) is None
+    assert [find_supervisor(held.port, joints) for joints in (JOINTS + 1, JOINTS - 1)] == [None, None]
+
+
+def test_supervisor_of_a_robot_with_one_joint_is_found(held: Held):
+    memory = memory_file(memory_size(1))
+    Channel(map_memory(memory, memory_size(1)), 1).write_status(beat(NOW, joints=1))
+    publish([held.port], memory, 1)
+    assert find_supervisor(held.port, 1) is not None
+    os.close(memory)
 
 
 def test_process_that_has_ended_is_not_found(held: Held):
