@@ -84,6 +84,22 @@ def test_lost_gains_and_profile_are_rewritten_before_torque(bench: Bench):
         assert bench.true(register) == [member.ram_values[register] for member in members]
 
 
+def test_torque_waits_until_every_servo_has_stored_its_goal(bench: Bench):
+    """A servo with a wrong goal would jump as soon as it has torque."""
+
+    def lose_goal(snapshot: Snapshot, cycle: int) -> Snapshot:
+        if cycle <= 10:
+            bench.plant.servos[1].memory[Register.GOAL_POSITION] += 300
+        return snapshot
+
+    here = bench.true(Register.PRESENT_POSITION)
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    bench.run(procedure, lose_goal)
+    first = next(k for k, seen in enumerate(bench.seen) if any(seen[Register.TORQUE_ENABLE]))
+    assert first >= 10
+    assert bench.seen[first][Register.GOAL_POSITION] == here
+
+
 def test_only_chosen_servos_get_torque(bench: Bench):
     bench.energised(0, 2)
     assert bench.true(Register.TORQUE_ENABLE) == [1, 0, 1, 0]
@@ -204,6 +220,19 @@ def test_servos_with_torque_are_adopted_with_their_goals(bench: Bench):
     assert all(seen[Register.TORQUE_ENABLE] == [1] * COUNT for seen in bench.seen)
     assert bench.true(Register.GOAL_PWM) == [FULL] * COUNT
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
+
+
+def test_servo_whose_watchdog_does_not_come_on_is_not_adopted(bench: Bench):
+    bench.energised()
+
+    def deny(snapshot: Snapshot, cycle: int) -> Snapshot:
+        records = snapshot.records.copy()
+        records["watchdog"][1] = 0
+        return replace(snapshot, records=records)
+
+    with pytest.raises(BusError, match=r"servo 2 \(hinge1\): its bus watchdog does not come on"):
+        bench.run(adopt(bench.axes, bench.last, bench.last.positions, bench.power, watchdog=WATCHDOG), deny)
+    assert len(bench.seen) == 1 + STEP_CYCLES
 
 
 def test_stopped_servo_is_adopted_at_its_position(bench: Bench):
