@@ -45,3 +45,22 @@ def test_words_of_place_and_comparison_get_an_illustrating_gesture(text: str, ge
 )
 def test_other_senses_of_place_words_get_no_illustrating_gesture(text: str, gesture: str):
     assert gesture not in gestures(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "gesture"),
+    [
+        ("It all boils down to trust.", "focus"),
+        ("I beg to differ.", "open_low"),
+        ("On top of that, the roof leaks.", "layers"),
+        ("You have to admit it works.", "you_low"),
+        ("Follow the river to the mill.", "path_along"),
+        ("Go back the way you came.", "past_over_shoulder"),
+        ("Keep left at the pub.", "left"),
+        ("A kite circled over the field.", "circle_drawn"),
+        ("The balloon drifted slowly across the sky.", "slow_glide"),
+        ("She pushed the heavy gate open.", "open_door"),
+    ],
+)
+def test_arguments_directions_and_movements_have_gestures(text: str, gesture: str):
+    assert gesture in gestures(text)
