@@ -57,7 +57,7 @@ def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: 
 
 def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> bool:
     at = intent.word
-    if intent.name == "negation" and (context.is_question(at) or context.is_reported(at)):
+    if intent.name == "negation" and not _is_denied_here(context, _first_word(intent)):
         return False
     if (at in idioms and _first_word(intent) in idioms) or intent.name in FORMAL_INTENTS:
         return False
@@ -71,6 +71,19 @@ def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: 
     if intent.name in NOD_INTENTS:
         return not _is_grave(context, at) and not (intent.name == "affirmation" and context.is_question(at))
     return True
+
+
+def _is_denied_here(context: Context, at: int) -> bool:
+    """Return whether the speaker denies something that is not bad.
+
+    A question, a report, a condition (`if you don't`), and a bad thing denied (`not a single mistake`) do not count.
+    """
+    clause = context.clause_words(at)
+    is_condition = any(context.language.has("condition", context.plain[k]) for k in range(clause.start, at))
+    denies_bad = any(
+        context.language.has(name, context.plain[k]) for k in range(at + 1, clause.stop) for name in ("sad", "stern")
+    )
+    return not (context.is_question(at) or context.is_reported(at) or is_condition or denies_bad)
 
 
 def _is_unreal(context: Context, at: int, harmless: Collection[int]) -> bool:

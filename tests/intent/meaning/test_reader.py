@@ -36,7 +36,8 @@ def test_negative_words_that_deny_nothing_get_no_refusal_gesture(text: str):
     "text",
     ["Nobody bakes a nicer pie than my aunt.", "Not a bad start for a small team.", "I'm not saying it's cheap.",
      "The nurse says it won't take long.", "I haven't slept so well in months.", "It might never snow.",
-     "Thank goodness nobody was hurt."],
+     "Thank goodness nobody was hurt.", "If you don't run, the train leaves.", "She found no error in it.",
+     "I never thought I'd do it."],
 )  # fmt: skip
 def test_head_is_not_shaken_where_the_speaker_denies_nothing(text: str):
     assert "SHAKE" not in shown(text, "head")
