@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from kinesic.session.plan import plan
     from kinesic.version import __version__
 
-_MODULES = ("client", "ik", "motion")
-_PLACES = {
+_LAZY_MODULES = ("client", "ik", "motion")
+_LAZY_NAMES = {
     "BmlError": ("kinesic.bml.block", "BmlError"),
     "BusError": ("kinesic.hardware.protocol.wire", "BusError"),
     "Client": ("kinesic.client", "Client"),
@@ -60,13 +60,13 @@ _PLACES = {
 
 def __getattr__(name: str) -> object:
     """Import public names at first use, so that `import kinesic` stays fast."""
-    if name in _MODULES:
+    if name in _LAZY_MODULES:
         return import_at_once(f"kinesic.{name}")
-    if name not in _PLACES:
+    if name not in _LAZY_NAMES:
         raise AttributeError(f"module kinesic has no attribute {name}")
-    module, attribute = _PLACES[name]
+    module, attribute = _LAZY_NAMES[name]
     return getattr(import_at_once(module), attribute)
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_MODULES})
+    return sorted({*__all__, *_LAZY_MODULES})

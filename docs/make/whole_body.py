@@ -6,10 +6,10 @@ from pathlib import Path
 from kinesic.bench.metric import Metric
 from kinesic.bench.naturalness import COMPARED_ROBOTS, people_metrics
 from kinesic.bench.naturalness.whole_body.comparison import (
+    CLASSIFIER_SCORERS,
     COMPARED_MEASURES,
+    FEATURE_SUMMARIES,
     METRIC_PREFIX,
-    SCORERS,
-    SUMMARIES,
     compare_sets,
     split_sets,
 )
@@ -85,13 +85,13 @@ def _table(metrics: Mapping[str, Metric]) -> Iterator[str]:
 
 
 def _rows() -> Iterator[tuple[str, str]]:
-    for name, summary in SUMMARIES.items():
+    for name, summary in FEATURE_SUMMARIES.items():
         yield name, summary.label
     for people in ("tuned", "unseen"):
         for name in COMPARED_MEASURES:
             yield f"ks_{people}_{name}", f"Kolmogorov-Smirnov distance from {people} sets: {KS_LABELS[name]}"
     for kind, label in SEPARATIONS.items():
-        for suffix in SCORERS:
+        for suffix in CLASSIFIER_SCORERS:
             for tested, words in TESTED.items():
                 yield f"{kind}_{tested}{suffix}", f"{label}: {SUFFIXES[suffix]}, {words}"
 

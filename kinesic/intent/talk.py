@@ -37,7 +37,7 @@ PART_PAUSE = 0.3  # [s] silence assumed between two parts of a text
 CONTEXT_WORDS = 60  # [words] spoken part of a sentence that is kept as context
 _WORD_END = re.compile(rf"<[^<>]*>|\s|[{UNSPACED_STOPS}]")  # pattern of a tag or character that ends a word
 _OPEN_TAG = re.compile(r"<[^<>]*$")
-_DIRECTION = re.compile(r"<kinesic:act[^<>]*>")
+_DIRECTION_PATTERN = re.compile(r"<kinesic:act[^<>]*>")
 
 
 @dataclass(frozen=True)
@@ -226,7 +226,7 @@ def _trailing_directions(talk: Talk, passage: Passage) -> tuple[str, ...]:
 def _forget_directions(talk: Talk, passage: Passage) -> Talk:
     """Remove the performed stage directions after the last word."""
     end = passage.words[-1].end if passage.words else 0
-    return replace(talk, text=talk.text[:end] + _DIRECTION.sub(" ", talk.text[end:]))
+    return replace(talk, text=talk.text[:end] + _DIRECTION_PATTERN.sub(" ", talk.text[end:]))
 
 
 def is_all_said(talk: Talk, language: Language) -> bool:

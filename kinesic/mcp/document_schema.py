@@ -31,12 +31,12 @@ def _choice(values: Sequence[str], description: str) -> dict[str, Json]:
     return {"type": "string", "enum": list(values), "description": description}
 
 
-_TIME: Mapping[str, Json] = {"type": ["number", "string"]}
-_AMOUNT: Mapping[str, Json] = {"type": "number", "minimum": 0, "maximum": 1, "description": "Strength."}
+_TIME_SCHEMA: Mapping[str, Json] = {"type": ["number", "string"]}
+_AMOUNT_SCHEMA: Mapping[str, Json] = {"type": "number", "minimum": 0, "maximum": 1, "description": "Strength."}
 
 
 def _behaviour(kind: str, required: Sequence[str], **properties: Json) -> dict[str, Json]:
-    times = dict.fromkeys(("start", "end") if kind in UNSTRESSED_TYPES else ("start", "stroke", "end"), _TIME)
+    times = dict.fromkeys(("start", "end") if kind in UNSTRESSED_TYPES else ("start", "stroke", "end"), _TIME_SCHEMA)
     return {
         "type": "object",
         "properties": {"type": {"const": kind}, "id": {"type": "string"}, **properties, **times},
@@ -44,17 +44,17 @@ def _behaviour(kind: str, required: Sequence[str], **properties: Json) -> dict[s
     }
 
 
-_MARK: Mapping[str, Json] = {"type": "object", "properties": {"sync": {"type": "string"}}, "required": ["sync"]}
-_SPOKEN: Mapping[str, Json] = {
-    "anyOf": [{"type": "string"}, {"type": "array", "items": {"anyOf": [{"type": "string"}, _MARK]}}],
+_MARK_SCHEMA: Mapping[str, Json] = {"type": "object", "properties": {"sync": {"type": "string"}}, "required": ["sync"]}
+_SPOKEN_SCHEMA: Mapping[str, Json] = {
+    "anyOf": [{"type": "string"}, {"type": "array", "items": {"anyOf": [{"type": "string"}, _MARK_SCHEMA]}}],
     "description": 'Words, or a list of words and marks: ["It is ", {"sync": "m1"}, "large."]. A mark stands right '
     "before the word on which a stroke shall fall.",
 }
-_GESTURE = _text("Name of a gesture, such as 'welcome'; find_gesture finds names by meaning.")
-_HANDS = _choice(HAND_MODES, "Hands that gesture; without it the gesture decides.")
-_TARGET = _text("What to point at: 'left', 'right', or 'x y z' in metres (x forward, y left, z up).")
-_GAZE = _choice(GAZE_TARGETS, "Where to look, seen from the robot.")
-_POSE: Mapping[str, Json] = {
+_GESTURE_SCHEMA = _text("Name of a gesture, such as 'welcome'; find_gesture finds names by meaning.")
+_HANDS_SCHEMA = _choice(HAND_MODES, "Hands that gesture; without it the gesture decides.")
+_TARGET_SCHEMA = _text("What to point at: 'left', 'right', or 'x y z' in metres (x forward, y left, z up).")
+_GAZE_SCHEMA = _choice(GAZE_TARGETS, "Where to look, seen from the robot.")
+_POSE_SCHEMA: Mapping[str, Json] = {
     "type": "array",
     "items": {
         "type": "object",
@@ -79,20 +79,20 @@ BML_SCHEMA: Mapping[str, Json] = {
             "description": f"Every id once. {TIME_TEXT}",
             "items": {
                 "oneOf": [
-                    _behaviour("speech", ["text"], text=_SPOKEN),
-                    _behaviour("gesture", ["lexeme"], lexeme=_GESTURE, mode=_HANDS),
+                    _behaviour("speech", ["text"], text=_SPOKEN_SCHEMA),
+                    _behaviour("gesture", ["lexeme"], lexeme=_GESTURE_SCHEMA, mode=_HANDS_SCHEMA),
                     _behaviour(
                         "head",
                         ["lexeme"],
                         lexeme=_choice(HEAD_MOVEMENTS, "Movement of the head."),
-                        amount=_AMOUNT,
+                        amount=_AMOUNT_SCHEMA,
                         repetition={"type": "integer", "minimum": 0, "description": "Repetitions after the first."},
                     ),
-                    _behaviour("face", ["lexeme"], lexeme=_choice(FACES, "Expression."), amount=_AMOUNT),
-                    _behaviour("gaze", ["target"], target=_GAZE),
-                    _behaviour("gazeShift", ["target"], target=_GAZE),
-                    _behaviour("pointing", ["target"], target=_TARGET, mode=_HANDS),
-                    _behaviour("postureShift", ["pose"], pose=_POSE),
+                    _behaviour("face", ["lexeme"], lexeme=_choice(FACES, "Expression."), amount=_AMOUNT_SCHEMA),
+                    _behaviour("gaze", ["target"], target=_GAZE_SCHEMA),
+                    _behaviour("gazeShift", ["target"], target=_GAZE_SCHEMA),
+                    _behaviour("pointing", ["target"], target=_TARGET_SCHEMA, mode=_HANDS_SCHEMA),
+                    _behaviour("postureShift", ["pose"], pose=_POSE_SCHEMA),
                 ]
             },
         },

@@ -21,7 +21,7 @@ from kinesic.planning.setup import Setup
 MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
 MAX_TEXT_DURATION = 2400.0  # [s] longest plan of a text
 TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)  # maximum size of a text's BML
-_WORD = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
+_WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
 TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files that are spoken
 
 
@@ -88,7 +88,7 @@ def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
 def _describe_length(text: str | bytes, words: int, source: str) -> str:
     """Report that a text exceeds one plan, and where it is cut."""
     written = text if isinstance(text, str) else read_text_file(text)[0]
-    counts = list(accumulate(len(_WORD.findall(line)) for line in written.splitlines()))
+    counts = list(accumulate(len(_WORD_PATTERN.findall(line)) for line in written.splitlines()))
     line = bisect_left(counts, counts[-1] * MAX_TEXT_WORDS / words) + 1
     place = "" if len(counts) == 1 else f", up to about line {line}"
     remedy = "divide the text, or stream it with `kinesic say - < FILE`, without a report"

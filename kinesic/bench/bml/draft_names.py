@@ -25,7 +25,7 @@ class DraftScenario:
     strict: bool = False  # read as a strict draft
 
 
-_SPEECH = (
+_SPEECH_BML = (
     '<speech id="s" {}="1"><text>Hello there, my dear friend</text></speech><head id="h" lexeme="NOD" start="s:{}"/>'
 )
 
@@ -76,8 +76,8 @@ DRAFT_SCENARIOS: Mapping[str, DraftScenario] = {
         {"g:relax": 3.0, "h:start": 3.0},
     ),
     "capitals": DraftScenario('<GESTURE id="g" TYPE="beat" STROKE_START="2"/>', {"g:strokeStart": 2.0}),
-    "speech-stroke_start": DraftScenario(_SPEECH.format("start", "stroke_start"), {"s:start": 1.0, "h:start": 1.0}),
-    "speech-ready": DraftScenario(_SPEECH.format("start", "ready"), {"s:start": 1.0, "h:start": 1.0}),
+    "speech-stroke_start": DraftScenario(_SPEECH_BML.format("start", "stroke_start"), {"s:start": 1.0, "h:start": 1.0}),
+    "speech-ready": DraftScenario(_SPEECH_BML.format("start", "ready"), {"s:start": 1.0, "h:start": 1.0}),
     "strict": DraftScenario(
         '<gesture id="g" type="beat" stroke_start="2.0"/><head id="h" type="NOD" stroke="g:stroke_start"/>',
         {"g:strokeStart": 2.0, "h:stroke": 2.0},

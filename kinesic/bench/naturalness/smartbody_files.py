@@ -21,14 +21,14 @@ SYNC_NAMES: Mapping[str, str] = {  # BML sync points by the time's name in a mot
 }
 MAX_FILE_SIZE = 64_000_000  # [bytes] largest accepted SmartBody file
 
-_NUMBER = r"\s+([-+\d.eE]+)"
-_JOINT = re.compile(
-    rf"(?P<end>\}})|(?:root|joint)\s+(?P<name>\S+)\s*\{{\s*offset{3 * _NUMBER}"
-    rf"(?:\s+prerot\s+axis{3 * _NUMBER}\s+ang{_NUMBER})?"
+_NUMBER_PATTERN = r"\s+([-+\d.eE]+)"
+_JOINT_PATTERN = re.compile(
+    rf"(?P<end>\}})|(?:root|joint)\s+(?P<name>\S+)\s*\{{\s*offset{3 * _NUMBER_PATTERN}"
+    rf"(?:\s+prerot\s+axis{3 * _NUMBER_PATTERN}\s+ang{_NUMBER_PATTERN})?"
 )
-_CHANNELS = re.compile(r"^channels\s+(\d+)\s*$", re.MULTILINE)
-_FRAME = re.compile(r"^kt\s+(\S+)\s+fr\s+(.*)$", re.MULTILINE)
-_TIME = re.compile(r"^(\w+) time:\s*(\S+)", re.MULTILINE)
+_CHANNELS_PATTERN = re.compile(r"^channels\s+(\d+)\s*$", re.MULTILINE)
+_FRAME_PATTERN = re.compile(r"^kt\s+(\S+)\s+fr\s+(.*)$", re.MULTILINE)
+_TIME_PATTERN = re.compile(r"^(\w+) time:\s*(\S+)", re.MULTILINE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def read_skeleton(path: Path) -> tuple[CapturedJoint, ...]:
     """
     joints: list[CapturedJoint] = []
     ancestors: list[str] = []
-    for match in _JOINT.finditer(re.sub(r"#.*", "", _read(path))):
+    for match in _JOINT_PATTERN.finditer(re.sub(r"#.*", "", _read(path))):
         if match["end"]:
             ancestors = ancestors[:-1]
             continue
@@ -79,7 +79,7 @@ def read_motion(path: Path) -> CapturedMotion:
         ConfigError: the file is missing or not a motion.
     """
     text = _read(path)
-    head, frames = _CHANNELS.search(text), _FRAME.findall(text)
+    head, frames = _CHANNELS_PATTERN.search(text), _FRAME_PATTERN.findall(text)
     if head is None or len(frames) < 2:
         raise ConfigError(f"{path}: not a motion: it needs channels and at least two frames")
     columns, width = {}, 0
@@ -98,7 +98,7 @@ def read_motion(path: Path) -> CapturedMotion:
         raise ConfigError(f"{path}: its frames are not in order of time")
     syncs = {
         SYNC_NAMES[name]: float(_parse_numbers([time], path)[0])
-        for name, time in _TIME.findall(text)
+        for name, time in _TIME_PATTERN.findall(text)
         if name in SYNC_NAMES
     }
     return CapturedMotion(times, columns, sealed(rows), syncs)

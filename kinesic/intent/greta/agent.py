@@ -27,7 +27,7 @@ def _clip(value: float, least: float, most: float) -> float:
     return min(max(value, least), most)
 
 
-OPERATORS: Mapping[
+MODULATION_OPERATORS: Mapping[
     str, Callable[[float, float, float, float], float]
 ] = {  # arguments: value, first and second operand, intensity
     "ADD": lambda _, one, other, __: one + other,
@@ -107,7 +107,7 @@ class Agent:
         for step in self.qualifiers[qualifier]:
             parameters = values.setdefault(step.modality, {})
             first, second = step.first.read(values), step.second.read(values)
-            parameters[step.parameter] = OPERATORS[step.operator](
+            parameters[step.parameter] = MODULATION_OPERATORS[step.operator](
                 parameters.get(step.parameter, 0.0), first, second, strength
             )
         return values
@@ -155,8 +155,10 @@ def _qualifiers(path: Path) -> dict[str, tuple[Modulation, ...]]:
 def _modulation(element: Element, path: Path) -> Modulation:
     parts = {child.local: child for child in element.children}
     operator = parts["operator"].text.strip() if "operator" in parts else ""
-    if operator not in OPERATORS:
-        raise ConfigError(f"{path}:{element.place.line}: operator {operator!r}{suggestion(operator, list(OPERATORS))}")
+    if operator not in MODULATION_OPERATORS:
+        raise ConfigError(
+            f"{path}:{element.place.line}: operator {operator!r}{suggestion(operator, list(MODULATION_OPERATORS))}"
+        )
     missing = {"destination", "parameter"} - set(parts)
     if missing:
         raise ConfigError(f"{path}:{element.place.line}: <modulation> has no <{min(missing)}>")

@@ -20,7 +20,7 @@ _SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1):(?!\w)")
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
 _HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")
 _JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
-_EMOJI = re.compile(
+_EMOJI_PATTERN = re.compile(
     f"[\U0001f1e6-\U0001f1ff]{{1,2}}|[{PICTOGRAPH_RANGES}][{_JOINABLE_RANGES}]*(?:\u200d[{PICTOGRAPH_RANGES}]?[{_JOINABLE_RANGES}]*)*"
 )
 _SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ends of animations, which end by themselves
@@ -264,7 +264,7 @@ def _read_short_code(rest: str, *, ends: bool) -> Step | None:
 
 
 def _read_emoji(rest: str, *, ends: bool) -> Step | None:
-    match = _EMOJI.match(rest)
+    match = _EMOJI_PATTERN.match(rest)
     assert match is not None  # the first character is a pictograph
     if not ends and match.end() == len(rest):
         return None  # a joiner or a skin tone may follow

@@ -10,15 +10,15 @@ MAX_LABEL_LENGTH = 40  # [characters] longest name of a speaker
 MAX_MARKER_LENGTH = 12  # [characters] longest indent and marker of a list item
 MAX_SKIPPED_LENGTH = 2000  # [characters] longest piece of another speaker's line that is skipped at once
 MIN_WRAPPED_LENGTH = 55  # [characters] shortest line of wrapped text, whose end is no pause
-_MARKER = re.compile(r"[ \t]*(?:#{1,6}[ \t]+|[-+\u2022\u2023\u25e6*][ \t]+|\d{1,3}[.)][ \t]+|(?:>[ \t]?)+)")
-_TASK = re.compile(r"\[[ xX]\][ \t]+")
+_MARKER_PATTERN = re.compile(r"[ \t]*(?:#{1,6}[ \t]+|[-+\u2022\u2023\u25e6*][ \t]+|\d{1,3}[.)][ \t]+|(?:>[ \t]?)+)")
+_TASK_PATTERN = re.compile(r"\[[ xX]\][ \t]+")
 MIN_RULE_LENGTH = 3  # smallest number of signs in a horizontal rule, or below the head of a table
 FRONT_MATTER_SIGN = "---"  # line before and after the settings of a document
-_SETTING = re.compile(r"\w[\w-]*:(?:[ \t]|$)")
+_SETTING_PATTERN = re.compile(r"\w[\w-]*:(?:[ \t]|$)")
 _OPEN_SETTING = re.compile(r"[\w-]*:?")
-_FENCE = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`]*)")
-_REFERENCE = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
-_LABEL = re.compile(r"(\*\*|__|\[)?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
+_FENCE_PATTERN = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`]*)")
+_REFERENCE_PATTERN = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
+_LABEL_PATTERN = re.compile(r"(\*\*|__|\[)?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
 _OPEN_LABEL = re.compile(r"(\*\*|\*|__|_|\[)?([^\W\d_][\w .'\u2019()-]*)?(\*\*|\*|__|_|\])?:?(\*\*|\*|__|_)?[ \t]*")
 
 
@@ -44,14 +44,14 @@ def read_line_start(state: Manuscript, *, ends: bool) -> Step | None:
             return Step(len(line), is_block=True)
     if head[0] in "`~" and not is_whole and re.fullmatch(r"[`~]+[^\n`]*", head):
         return None
-    fence = _FENCE.match(line)
+    fence = _FENCE_PATTERN.match(line)
     if fence:
         warning = f"code is not spoken{f': {fence[2].strip()}' if fence[2].strip() else ''}"
         return Step(len(line), "", warning, mode="code", closing=fence[1], is_block=True)
     if head[0] == "[" and re.match(r"\[[^\]\n]*(\](:.*)?)?$", head):
         if not is_whole:
             return None
-        if _REFERENCE.fullmatch(line):
+        if _REFERENCE_PATTERN.fullmatch(line):
             return Step(len(line))
     if head[0] == "|":
         return Step(len(line) - len(head) + 1, is_block=True)
@@ -65,26 +65,26 @@ def _read_front_matter(rest: str, *, ends: bool) -> Step | None:
         Length 0 without settings, None if the second line may be incomplete.
     """
     second, newline, _ = rest[len(FRONT_MATTER_SIGN) + 1 :].partition("\n")
-    if _SETTING.match(second):
+    if _SETTING_PATTERN.match(second):
         length = len(FRONT_MATTER_SIGN)
         return Step(length, "", "settings before the text are not spoken", mode="skipped", closing=f"\n{rest[:length]}")
     return Step(0) if newline or ends or not _OPEN_SETTING.fullmatch(second) else None
 
 
 def _read_marker(state: Manuscript, line: str, *, is_whole: bool) -> Step | None:
-    marker = _MARKER.match(line)
+    marker = _MARKER_PATTERN.match(line)
     if marker is None and not is_whole and re.fullmatch(r"[ \t]*(#{1,6}|[-+\u2022*]|\d{1,3}[.)]?|[> ]+)?", line):
         return None
     if marker:
         length = marker.end()
         if line[length:] == "" and not is_whole:
             return None
-        task = _TASK.match(line, length)
+        task = _TASK_PATTERN.match(line, length)
         if task is None and not is_whole and re.fullmatch(r"\[([ xX](\][ \t]*)?)?", line[length:]):
             return None
         return Step(task.end() if task else length, is_block=line.lstrip()[0] != ">")
     indent = len(line) - len(line.lstrip(" \t"))
-    label = _LABEL.match(line, indent)
+    label = _LABEL_PATTERN.match(line, indent)
     if label and len(label[2]) <= MAX_LABEL_LENGTH and _is_speaker(label[2], state):
         name = _upper(label[2])
         if not state.character or name == state.character:
@@ -131,7 +131,7 @@ def skip_other_speaker(state: Manuscript, *, ends: bool) -> Step | None:
     line, newline, _ = state.rest.partition("\n")
     if not newline and not ends and len(line) < MAX_SKIPPED_LENGTH:
         return None
-    label = _LABEL.match(line, len(line) - len(line.lstrip(" \t")))
+    label = _LABEL_PATTERN.match(line, len(line) - len(line.lstrip(" \t")))
     if label and _upper(label[2]) == state.character:
         return Step(label.end())
     if label and _upper(label[2]) not in state.others and _is_speaker(label[2], state):
@@ -147,7 +147,7 @@ def find_speakers(text: str) -> frozenset[str]:
     A text is a dialogue if two names begin its lines, and no line has none.
     """
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    labels = [_LABEL.match(line) for line in lines]
+    labels = [_LABEL_PATTERN.match(line) for line in lines]
     names = [" ".join(label[2].split()).upper() for label in labels if label and len(label[2].split()) <= 3]
     is_dialogue = len(lines) > 1 and len(names) == len(lines) and len({*names}) > 1
     return frozenset(names) if is_dialogue else frozenset()
@@ -155,22 +155,22 @@ def find_speakers(text: str) -> frozenset[str]:
 
 def end_line(state: Manuscript, *, ends: bool) -> Step | None:
     """Read the end of a line with all empty lines after it."""
-    found = re.match(r"\s+", state.rest)
-    assert found is not None  # the rest begins with a line end
-    following = state.rest[found.end() : found.end() + 1]
+    match = re.match(r"\s+", state.rest)
+    assert match is not None  # the rest begins with a line end
+    following = state.rest[match.end() : match.end() + 1]
     if not following and not ends:
         return None
     if not following or not state.spoken.strip() or state.spoken.rstrip(" \t").endswith("\n"):
-        return Step(found.end(), "\n" if following else "")
+        return Step(match.end(), "\n" if following else "")
     last = state.spoken.rstrip(" \t\"')\u201d\u2019*>")[-1:]
-    is_paragraph = found[0].count("\n") > 1
+    is_paragraph = match[0].count("\n") > 1
     ends_sentence = last in END_OF_SENTENCE or last in ",;:\u2014-"
     if is_paragraph or state.is_block:
         seconds = PARAGRAPH_PAUSE if is_paragraph else LINE_PAUSE
-        return Step(found.end(), ("" if ends_sentence else ".") + pause(seconds) + "\n")
+        return Step(match.end(), ("" if ends_sentence else ".") + pause(seconds) + "\n")
     if ends_sentence:
-        return Step(found.end(), "\n")
+        return Step(match.end(), "\n")
     if state.line_length >= MIN_WRAPPED_LENGTH:
-        return Step(found.end(), "\n")
+        return Step(match.end(), "\n")
     is_new = not following.islower()
-    return Step(found.end(), ("." if is_new else ",") + pause(LINE_PAUSE) + "\n")
+    return Step(match.end(), ("." if is_new else ",") + pause(LINE_PAUSE) + "\n")

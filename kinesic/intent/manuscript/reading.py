@@ -13,7 +13,7 @@ from kinesic.intent.manuscript.pieces import Manuscript, Step
 CHUNK_LENGTH = 2048  # [characters] read at once, so that long texts take time in proportion to their length
 KEPT_CHARACTERS = 40  # [characters] end of the spoken text that is kept as context of later markup
 MAX_FENCE_LENGTH = 200  # [characters] longest incomplete line that may close a code block
-_TAG = re.compile(r"<[^<>]*>")
+_TAG_PATTERN = re.compile(r"<[^<>]*>")
 _UNUSUAL_SPACES = str.maketrans({"\r": None, "\xa0": " ", "\u2028": "\n", "\u2029": "\n", "\ufeff": None})
 
 
@@ -80,7 +80,7 @@ def _read_step(state: Manuscript, *, ends: bool) -> Step | None:
 def _advance(state: Manuscript, step: Step) -> Manuscript:
     """Return the reader's state after one word or markup."""
     taken = state.rest[: step.length]
-    visible = _TAG.sub(" " if "kinesic:" not in step.text else "", step.text)
+    visible = _TAG_PATTERN.sub(" " if "kinesic:" not in step.text else "", step.text)
     is_over = "\n" in taken and state.mode == "text"
     is_marker = state.is_line_start and not visible.strip() and not is_over
     is_new_line = is_over or (state.is_line_start and (is_marker or state.mode != "text"))

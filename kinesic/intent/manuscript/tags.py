@@ -17,14 +17,14 @@ BREAK_DURATIONS: Mapping[str, float] = {  # [s] duration of a break by its stren
     "strong": 0.7,
     "x-strong": 1.2,
 }
-_TAG = re.compile(r"<(/?)([A-Za-z][\w:.-]*)((?:\s[^<>]*)?)(/?)>")
-_ATTRIBUTE = re.compile(r"([\w:-]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
-_AUTOLINK = re.compile(r"<(?:https?|ftp|mailto):[^<>\s]*>", re.IGNORECASE)
+_TAG_PATTERN = re.compile(r"<(/?)([A-Za-z][\w:.-]*)((?:\s[^<>]*)?)(/?)>")
+_ATTRIBUTE_PATTERN = re.compile(r"([\w:-]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
+_AUTOLINK_PATTERN = re.compile(r"<(?:https?|ftp|mailto):[^<>\s]*>", re.IGNORECASE)
 _MAIL_LINK = re.compile(r"<([\w.+-]{1,64}@[A-Za-z0-9.-]{3,120})>")
 _CUT_TAG = re.compile(
     r"</[A-Za-z][^<>\n]*|<[A-Za-z][\w.-]*(?::[^<>\n]*|\s+[\w:-]+\s*=[^<>\n]*)"
 )  # a closing tag, or one with a prefix or attribute
-_NUMBERED = re.compile(r"[-_.]?\d+$")
+_NUMBERED_PATTERN = re.compile(r"[-_.]?\d+$")
 
 
 def read_tag(rest: str, *, ends: bool) -> Step | None:
@@ -39,7 +39,7 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
     mail = _MAIL_LINK.match(rest)
     if mail:
         return Step(mail.end(), mail[1])
-    address = _AUTOLINK.match(rest)
+    address = _AUTOLINK_PATTERN.match(rest)
     if address:
         return Step(address.end(), " ", f"an address is not spoken: {address[0][1:-1]}")
     end = rest.find(">")
@@ -48,14 +48,16 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
         if is_open and ends and _CUT_TAG.fullmatch(rest):
             return Step(len(rest), "", f"a tag without its end is not spoken: {rest}")
         return None if is_open and not ends else Step(1, "<")
-    found = _TAG.match(rest[: end + 1])
-    if found is None:
+    match = _TAG_PATTERN.match(rest[: end + 1])
+    if match is None:
         words = rest[1:end]
         is_words = re.fullmatch(r"[A-Za-z][\w' ,.-]*", words)
         return Step(end + 1, direct(words)) if is_words else Step(1, "<")
-    attributes = {name.lower(): html.unescape(one or other) for name, one, other in _ATTRIBUTE.findall(found[3])}
-    is_alone = bool(found[4]) or found[3].rstrip().endswith("/")
-    return _read_element(found[2], attributes, found.end(), is_end=bool(found[1]), is_alone=is_alone)
+    attributes = {
+        name.lower(): html.unescape(one or other) for name, one, other in _ATTRIBUTE_PATTERN.findall(match[3])
+    }
+    is_alone = bool(match[4]) or match[3].rstrip().endswith("/")
+    return _read_element(match[2], attributes, match.end(), is_end=bool(match[1]), is_alone=is_alone)
 
 
 def _read_token(rest: str, *, ends: bool) -> Step | None:
@@ -106,7 +108,9 @@ def _read_element(name: str, attributes: Mapping[str, str], length: int, *, is_e
 def _read_mark(name: str, length: int, *, is_bookmark: bool) -> Step:
     """Read a mark tag as a stage direction, or warn."""
     words = (
-        _NUMBERED.sub("", name.removeprefix("gesture.").removeprefix("gesture:")).replace("-", " ").replace("_", " ")
+        _NUMBERED_PATTERN.sub("", name.removeprefix("gesture.").removeprefix("gesture:"))
+        .replace("-", " ")
+        .replace("_", " ")
     )
     if is_bookmark or name.startswith("gesture") or load_acts().find(words) is not None:
         return Step(length, direct(words))

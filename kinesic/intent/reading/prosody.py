@@ -9,8 +9,8 @@ PROSODY_TAG = "kinesic:prosody"  # name of the tag around words with a prosody o
 VOICE_TAG = "kinesic:voice"  # name of the tag that sets the voice until the next such tag
 PROSODY_ATTRIBUTES = ("rate", "pitch", "range", "volume")  # attributes that the voice follows
 MAX_OPEN_ELEMENTS = 16  # largest depth of nested prosody elements; deeper ones are ignored
-_ATTRIBUTE = re.compile(r'(\w+)="([^"<>]*)"')
-_VALUE = re.compile(r"[+-]?\d{1,4}(?:\.\d{1,3})?\s?(?:%|st|Hz|dB)?|[a-z]{3,7}|x-[a-z]{3,6}", re.IGNORECASE)
+_ATTRIBUTE_PATTERN = re.compile(r'(\w+)="([^"<>]*)"')
+_VALUE_PATTERN = re.compile(r"[+-]?\d{1,4}(?:\.\d{1,3})?\s?(?:%|st|Hz|dB)?|[a-z]{3,7}|x-[a-z]{3,6}", re.IGNORECASE)
 
 Prosody = tuple[tuple[str, str], ...]  # attributes of one element
 Layers = tuple[Prosody, ...]  # settings of the voice, then the prosody of each open element
@@ -21,13 +21,13 @@ NO_LAYERS: Layers = ((),)  # prosody of text without prosody elements
 def write_tag(tag: str, attributes: Mapping[str, str], *, is_alone: bool = False) -> str:
     """Write a tag with its valid prosody attributes, or nothing without any."""
     valid = {name: attributes[name].strip() for name in PROSODY_ATTRIBUTES if name in attributes}
-    written = "".join(f" {name}={quote(value)}" for name, value in valid.items() if _VALUE.fullmatch(value))
+    written = "".join(f" {name}={quote(value)}" for name, value in valid.items() if _VALUE_PATTERN.fullmatch(value))
     return f"<{tag}{written}{'/' * is_alone}>" if written or is_alone else ""
 
 
 def take_tag(layers: Layers, name: str, tag: str, *, is_end: bool) -> Layers:
     """Return the stack of open prosody elements after a tag."""
-    attributes = tuple(_ATTRIBUTE.findall(tag))
+    attributes = tuple(_ATTRIBUTE_PATTERN.findall(tag))
     if name == VOICE_TAG:
         settings = dict(layers[0]) | dict(attributes) if attributes else {}
         return (tuple(settings.items()), *layers[1:])

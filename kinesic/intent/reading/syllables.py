@@ -31,7 +31,7 @@ _LATIN_VOWELS = "aeiouy\u00e6\u0153\u00f8\u0131\u0259\u025b\u0254"
 _OTHER_VOWELS = (  # Greek, Georgian, Armenian
     "\u03b1\u03b5\u03b7\u03b9\u03bf\u03c5\u03c9\u10d0\u10d4\u10d8\u10dd\u10e3\u0561\u0565\u0567\u0568\u056b\u0585"
 )
-_VOWELS = re.compile(f"[{_LATIN_VOWELS}{_OTHER_VOWELS}]+")
+_VOWEL_PATTERN = re.compile(f"[{_LATIN_VOWELS}{_OTHER_VOWELS}]+")
 _STRONG_HIATUS = re.compile(r"(?<=[aeo])(?=[aeo])|(?<=[aeoiu])(?=[íúìù])|(?<=[íúìù])(?=[aeo])")
 _NASAL_DIPHTHONG = re.compile("ã[oe]|õe")
 _CYRILLIC_VOWELS = re.compile(
@@ -125,7 +125,7 @@ def _vowel_groups(word: str, *, has_hiatus: bool) -> list[str]:
     composed = unicodedata.normalize("NFC", word)
     plain = "".join(unicodedata.normalize("NFD", letter)[0] for letter in composed)
     groups: list[str] = []
-    for match in _VOWELS.finditer(plain):
+    for match in _VOWEL_PATTERN.finditer(plain):
         letters = composed[match.start() : match.end()]
         if match.start() and plain[match.start() - 1] in "qg" and len(letters) > 1 and letters[0] == "u":
             letters = letters[1:]

@@ -24,7 +24,7 @@ UNITS_PER_RADIAN = 1e5  # BAP angle units per radian
 FORMAT_VERSION = "3.2"  # BAP version in the header of written files
 MAX_FRAME_RATE = 1000.0  # [frames/s] highest accepted frame rate of a BAP file
 
-_PAIRS = (
+_LEFT_NUMBERS = (  # joint and number of its left parameter; the right one follows
     ("sternoclavicular_abduct", 24),
     ("sternoclavicular_rotate", 26),
     ("acromioclavicular_abduct", 28),
@@ -38,7 +38,7 @@ _PAIRS = (
     ("wrist_pivot", 44),
     ("wrist_twisting", 46),
 )
-_SPINE = (
+_SPINE_BONES = (
     "skullbase",
     *(f"vc{k}" for k in range(1, 8)),
     *(f"vt{k}" for k in range(1, 13)),
@@ -47,18 +47,18 @@ _SPINE = (
 
 # Number of each parameter, from 1: pairs left then right, then the spine from the skull down (roll, torsion, tilt).
 PARAMETER_NUMBERS = (
-    {f"l_{name}": number for name, number in _PAIRS}
-    | {f"r_{name}": number + 1 for name, number in _PAIRS}
+    {f"l_{name}": number for name, number in _LEFT_NUMBERS}
+    | {f"r_{name}": number + 1 for name, number in _LEFT_NUMBERS}
     | {
         f"{bone}_{turn}": 48 + 3 * k + j
-        for k, bone in enumerate(_SPINE)
+        for k, bone in enumerate(_SPINE_BONES)
         for j, turn in enumerate(("roll", "torsion", "tilt"))
     }
 )
 
 # Axis of a positive angle, in the robot's axes (x forward, y left, z up) with the arms hanging. Both sides have the
 # same axes, so that mirror images differ in sign unless the axis is lateral.
-_AXES: Mapping[str, tuple[float, float, float]] = {
+_ROTATION_AXES: Mapping[str, tuple[float, float, float]] = {
     "wrist_flexion": (-1.0, 0.0, 0.0),
     "flexion": (0.0, -1.0, 0.0),
     "pivot": (0.0, -1.0, 0.0),
@@ -106,7 +106,7 @@ def _columns(robot: Robot) -> tuple[_Column, ...]:
     parameters = []
     for k, hinge in enumerate(robot.skeleton.hinges):
         if hinge.name in PARAMETER_NUMBERS:
-            axis = next(axis for kind, axis in _AXES.items() if hinge.name.endswith(kind))
+            axis = next(axis for kind, axis in _ROTATION_AXES.items() if hinge.name.endswith(kind))
             parameters.append(
                 _Column(PARAMETER_NUMBERS[hinge.name], k, -1.0 if float(np.dot(hinge.axis, axis)) < 0.0 else 1.0)
             )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from foxglove import Context
     from foxglove.messages import JointStates, Log, SceneEntity
 
-NANOSECONDS = 1_000_000_000  # nanoseconds per second
+NANOSECONDS_PER_SECOND = 1_000_000_000  # nanoseconds per second
 JOINT_TOPICS = {"planned": "/joint_states", "measured": "/measured/joint_states"}  # topics by joint track
 TRANSFORM_TOPIC = "/tf"  # MCAP topic of segment poses
 SCENE_TOPIC = "/scene"  # MCAP topic of the segments' surfaces
@@ -95,7 +95,7 @@ def _joint_states(motion: ExportedMotion, track: JointTrack, row: int) -> "Joint
         motion.robot.skeleton.names, track.angles[row].tolist(), track.velocities[row].tolist(), efforts, strict=True
     )
     return JointStates(
-        timestamp=Timestamp(*divmod(_nanoseconds(float(motion.times[row])), NANOSECONDS)),
+        timestamp=Timestamp(*divmod(_nanoseconds(float(motion.times[row])), NANOSECONDS_PER_SECOND)),
         joints=[
             JointState(name=name, position=angle, velocity=velocity, effort=effort)
             for name, angle, velocity, effort in columns
@@ -112,7 +112,7 @@ def _write_transforms(motion: ExportedMotion, context: "Context") -> None:
     moves = list(segment_motions(motion.robot, motion.shown.angles[::TRANSFORM_STEP]))
     channel = FrameTransformsChannel(TRANSFORM_TOPIC, context=context)
     for k, time in enumerate(motion.times[::TRANSFORM_STEP].tolist()):
-        stamp = Timestamp(*divmod(_nanoseconds(time), NANOSECONDS))
+        stamp = Timestamp(*divmod(_nanoseconds(time), NANOSECONDS_PER_SECOND))
         transforms = [
             FrameTransform(
                 timestamp=stamp,
@@ -137,7 +137,7 @@ def _write_texts(topic: str, texts: tuple[TimedText, ...], context: "Context") -
 def _log(each: TimedText) -> "Log":
     from foxglove.messages import Log, LogLevel, Timestamp  # noqa: PLC0415 - an extra
 
-    stamp = Timestamp(*divmod(_nanoseconds(each.time), NANOSECONDS))
+    stamp = Timestamp(*divmod(_nanoseconds(each.time), NANOSECONDS_PER_SECOND))
     return Log(timestamp=stamp, level=LogLevel.Info, message=each.text, name=each.source)
 
 
@@ -147,4 +147,4 @@ def _xyz(values: Floats) -> dict[str, float]:
 
 
 def _nanoseconds(time: float) -> int:
-    return round(time * NANOSECONDS)
+    return round(time * NANOSECONDS_PER_SECOND)

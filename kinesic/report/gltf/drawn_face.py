@@ -29,7 +29,7 @@ from kinesic.sim.filming.face_screen import FaceScreen, ScreenSurface, Sheet, bu
 FRAME_COLOUR: Colour = (24, 26, 30)  # RGB colour of the screen's frame
 LAYER_DISTANCE = 3e-4  # [m] distance between shapes drawn over one another
 MIN_CONTROL_CHANGE = 1e-3  # [pixels] smaller changes of a control are not animated
-EMISSION = 0.8  # emitted light / colour of the face
+FACE_EMISSION = 0.8  # emitted light / colour of the face
 COLOUR_STEPS = 1024  # steps of the table that converts screen colours to linear ones
 
 
@@ -98,7 +98,7 @@ class _Materials:
                 "materials",
                 name="face",
                 pbrMetallicRoughness=look,
-                emissiveFactor=[EMISSION * value for value in linear],
+                emissiveFactor=[FACE_EMISSION * value for value in linear],
             )
         return self._indices[colour]
 

@@ -55,7 +55,7 @@ def drag_part(
         the part could reach without obstacles; for the gaze, the distance of the line of sight from the target.
     """
     near = sealed(robot.skeleton.clamp(start))
-    joints, rows, scale = _PARTS[part](robot, side, np.asarray(target, dtype=np.float64), near)
+    joints, rows, scale = _PART_SOLVERS[part](robot, side, np.asarray(target, dtype=np.float64), near)
     posture = _solve(robot, joints, rows, near)
     posture, contact = _keep_clear(robot, distances, near, posture)
     residual = float(np.linalg.norm(rows(robot.skeleton.frames(posture[None]))[0, :3]))
@@ -115,7 +115,7 @@ def _gaze(robot: Robot, _side: Side, target: Floats, near: Floats) -> tuple[tupl
     return robot.joints("neck"), rows, distance
 
 
-_PARTS = {"elbow": _elbow, "trunk": _trunk, "gaze": _gaze}
+_PART_SOLVERS = {"elbow": _elbow, "trunk": _trunk, "gaze": _gaze}
 
 
 def _solve(robot: Robot, joints: tuple[int, ...], rows: Rows, near: Floats) -> Floats:

@@ -38,7 +38,7 @@ def export(plan: Plan, format_: Format, more: Writers = NO_WRITERS) -> str:
         ConfigError: there is nothing to write, the file would be too large, or there is no writer for the format.
         OSError: temporary files cannot be written.
     """
-    writer = {**_WRITERS, **more}.get(format_)
+    writer = {**_FORMAT_WRITERS, **more}.get(format_)
     if writer is None:
         raise ConfigError(f"this server writes no .{format_}; `kinesic plan --out scene.{format_}` does")
     with TemporaryDirectory() as folder:
@@ -70,7 +70,7 @@ def _write_voice(plan: Plan, path: Path) -> None:
     write_wav(audio, path)
 
 
-_WRITERS: Writers = {
+_FORMAT_WRITERS: Writers = {
     "npz": _write_motion,
     "csv": _write_motion,
     "bap": _write_bap,

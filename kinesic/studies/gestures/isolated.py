@@ -20,7 +20,7 @@ STROKE_TIME = 2.0  # [s] requested stroke time of a single gesture, late enough 
 BEHAVIOUR_ID = "gesture"  # id of the only behaviour in a gesture's document
 _PATH_POINTS = 80  # number of samples of a hand path
 BLINK_UNIT = "45"  # action unit of the blink
-_MODES: dict[HandMode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
+_BML_MODES: dict[HandMode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Show:
 
 def write_document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE_TIME) -> str:
     """Return BML with one gesture and its stroke time [s]."""
-    hands = f" mode={quoteattr(_MODES[mode])}" if _MODES[mode] else ""
+    hands = f" mode={quoteattr(_BML_MODES[mode])}" if _BML_MODES[mode] else ""
     gesture = (
         f"<gesture id={quoteattr(BEHAVIOUR_ID)} lexeme={quoteattr(lexeme)}{hands} stroke={quoteattr(f'{stroke:g}')}/>"
     )

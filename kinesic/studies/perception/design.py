@@ -41,7 +41,7 @@ FACIAL_ACTIONS = (
     FacialAction("12", "lower", "The lips are extended, corners up", {"12": 1.0}),
     FacialAction("20", "lower", "The lips are extended straight", {"20": 1.0}),
 )
-DISTRACTORS = (
+DISTRACTOR_ACTIONS = (
     (FacialAction("5", "upper", units={"5": 1.0}), ("low", "high")),
     (FacialAction("7", "upper", units={"7": 1.0}), ("high",)),
     (FacialAction("none", "upper"), ("high",)),
@@ -89,7 +89,7 @@ def list_stimuli() -> tuple[Stimulus, ...]:
     )
     distractors = (
         Stimulus(action, agent, strength, True, presentation)
-        for action, strengths in DISTRACTORS
+        for action, strengths in DISTRACTOR_ACTIONS
         for agent, strength, presentation in product(agents, get_args(Strength), moving)
         if strength in strengths
     )

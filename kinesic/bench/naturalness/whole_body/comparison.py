@@ -33,7 +33,10 @@ MAX_KS_DISTANCE = 0.3  # goal for Kolmogorov-Smirnov distances
 MAX_AUC = 0.85  # goal for the area under the ROC curve of whole-body motion
 MAX_ACCURACY = 0.65  # goal for the accuracy of classifying first frames
 COMPARED_MEASURES = ("trunk", "stroke_speed", "flow", "path")  # measures whose distributions are compared
-SCORERS: Mapping[str, Scorer] = {"": score_logistic, "_neighbours": score_neighbours}  # by suffix of the metric
+CLASSIFIER_SCORERS: Mapping[str, Scorer] = {
+    "": score_logistic,
+    "_neighbours": score_neighbours,
+}  # by metric suffix
 SPEED_UNIT = "arm lengths/s"
 REST_AXES = ("out", "forward", "down")  # posture features of the wrist position
 
@@ -77,7 +80,7 @@ def measure_rest_spread(measured: MeasuredSet) -> float:
     return float(np.linalg.norm(spreads))
 
 
-SUMMARIES: Mapping[str, Summary] = {
+FEATURE_SUMMARIES: Mapping[str, Summary] = {
     "trunk": Summary("largest rotation of the trunk", "deg", 3.0, "higher", _median("trunk")),
     "trunk_still": Summary(
         "gestures with a trunk under 0.5 deg", "", 0.05, "lower", _fraction_below("trunk", MIN_TRUNK_ROTATION)
@@ -133,7 +136,7 @@ def compare_body(ours: MeasuredSet, captured: Sequence[MeasuredSet]) -> list[Met
     tuned, unseen = split_sets(captured)
     both = merge_sets("tuned", tuned), merge_sets("unseen", unseen)
     return [
-        *(_summary_metric(f"{part}.{name}", summary, ours, *both) for name, summary in SUMMARIES.items()),
+        *(_summary_metric(f"{part}.{name}", summary, ours, *both) for name, summary in FEATURE_SUMMARIES.items()),
         *(_distance(part, name, ours, people) for people in both for name in COMPARED_MEASURES),
         *separation_metrics(part, ours, tuned, unseen, MAX_AUC, MAX_ACCURACY),
     ]
@@ -151,7 +154,7 @@ def compare_sets(captured: Sequence[MeasuredSet], known: Sequence[MeasuredSet]) 
         part = f"{METRIC_PREFIX}.{measured.name.replace(' ', '_')}"
         tag = "tuned on" if measured.name in TUNED_SETS else "unseen"
         metrics.append(Metric(f"{part}.gestures", float(len(measured.gestures)), "gestures", None, "higher", tag))
-        for name, summary in SUMMARIES.items():
+        for name, summary in FEATURE_SUMMARIES.items():
             value = _finite(summary.value_of(measured))
             metrics.append(Metric(f"{part}.{name}", value, summary.unit, None, summary.better, tag))
         others = [other for other in known if other.name != measured.name]
@@ -186,7 +189,7 @@ def separation_metrics(
     Each classifier is tried twice: trained on tuned sets and tested on unseen ones, and tested on every left-out set.
     """
     metrics: list[Metric] = []
-    for suffix, scorer in SCORERS.items():
+    for suffix, scorer in CLASSIFIER_SCORERS.items():
         is_goal = suffix == ""
         for tested, result in _separations(motion_sample, ours, tuned, unseen, scorer).items():
             goal = goal_auc if is_goal else None
