@@ -170,6 +170,12 @@ def test_tracking_delay_of_the_twin_is_measured_and_warned(done, ticks, status):
     assert verdicts["timing.twin"].where.split(" at ")[0] in ("stroke of offer (g)", "stroke of NOD (h)")
 
 
+def test_passed_tracking_checks_have_the_limits_of_the_reference_page(done):
+    verdicts = [found(done)[f"tracking.{name}"] for name in ("rmse", "p95", "max", "lateness")]
+    assert {check.status for check in verdicts} == {"pass"}
+    assert [check.limit for check in verdicts] == [0.2, 2.5, 5.0, 0.030]
+
+
 def test_missing_strokes_are_counted_and_named(done):
     still = {side: np.repeat(path[:1], len(path), axis=0) for side, path in done.measured.hands.items()}
     check = found(with_measured(done, hands=still))["timing.arrival"]
