@@ -193,6 +193,17 @@ def test_provisional_warnings_are_sent_without_refinement(play):
     assert len(play.warnings()) == len(coming.plan.notices) > 0
 
 
+@pytest.mark.parametrize("delay", [0.2, 1.5])
+def test_warnings_that_remain_after_a_refinement_are_sent_once(play, delay: float):
+    """Provisional warnings are withdrawn in time, or have been sent already."""
+    coming = play.ready("a", HURRIED)
+    play.take(begin(play.scene, coming, play.now)).until(delay)
+    after = improve_block(play.scene, "a", coming.plan, play.now)
+    assert after is not None
+    play.take(after).until(8.0)
+    assert len(play.warnings()) == len(coming.plan.notices) > 0
+
+
 def test_waiting_block_is_refined(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
     play.scene, (request,) = take_replans(play.scene)

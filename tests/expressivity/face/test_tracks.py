@@ -69,6 +69,17 @@ def test_permanent_expression_is_replaced_by_the_next():
     assert at(result["L15"], 7.0) == pytest.approx(0.9)
 
 
+def test_standing_affect_is_shown_while_the_document_shows_no_expression():
+    timeline, said = scheduled(
+        '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.6" start="2" attackPeak="2.5" relax="4" end="5"/>'
+    )
+    styles = resolve_styles(Style(), timeline.block)
+    result = face_track(timeline, said, SAMPLE_TIMES, styles=styles, affect={"joy": 0.4})
+    for time, intensity in ((1.0, 0.4), (3.0, 0.0), (6.0, 0.4)):
+        assert at(result["L12"], time) == pytest.approx(intensity, abs=1e-6)
+    assert at(result["L1"], 3.0) == pytest.approx(0.6)
+
+
 def test_expression_uses_face_expressivity_only():
     asked = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
     wide = Expressivity(spatial=0.5)

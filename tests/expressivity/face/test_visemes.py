@@ -74,6 +74,14 @@ def test_lips_open_at_the_burst_of_a_plosive():
     assert at(early, "26", 1.02) > 0.05
 
 
+def test_tongue_and_bitten_lip_are_hidden_behind_closed_lips():
+    found = visemes([Phoneme("f", 1.0, 0.15), Phoneme("p", 1.15, 0.15)], SAMPLE_TIMES)
+    assert at(found, "32", 1.05) > 0.5
+    closed = found["24"] == 1.0
+    assert closed.any()
+    assert found["32"][closed].max() == 0.0
+
+
 def test_lips_open_after_a_final_plosive():
     mouth_units = visemes([Phoneme("a", 1.0, 0.2), Phoneme("p", 1.2, 0.1, onset=1.15, release=1.2)], SAMPLE_TIMES)
     assert at(mouth_units, "26", 1.17) == pytest.approx(0.0, abs=0.01)
