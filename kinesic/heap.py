@@ -1,4 +1,4 @@
-"""Memory of long-lived processes: return of freed memory to the system, and short garbage collections.
+"""Return of freed memory to the system, and short garbage collections.
 
 By default glibc raises its thresholds with the largest block that was ever freed, and gives every thread an arena. A
 server that has once read a document of 4 MB then never returns memory, and its heap grows by fragments.

@@ -80,7 +80,7 @@ def make_server(
 
 
 def warm_up(setup: "Setup") -> "Setup":
-    """Run gesture search and document check once, to make later calls fast, and import what previews need.
+    """Import and run the slow parts of the tools in advance.
 
     A slow first call would delay a stop.
     """

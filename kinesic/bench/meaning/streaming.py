@@ -61,7 +61,7 @@ def measure_first_command(client: Client, phrase: str) -> float:
 
 
 def _receive(client: Client, timeout: float, messages: list[tuple[str, float]]) -> bool:
-    """Add the next message with its arrival time; return success."""
+    """Add the next message, and return whether one arrived in time."""
     message = client.receive(timeout)
     if message is not None:
         messages.append((message, monotonic()))

@@ -102,7 +102,7 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
 
 
 def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:
-    """Return the rotation of the joint that several limbs share."""
+    """Return the rotation of the common joint of several limbs."""
     turns: dict[str, Floats] = {}
     for limb in siblings:
         rest = limb.chain.frames[0]

@@ -181,7 +181,7 @@ def habits(answers: Sequence[ParticipantAnswer]) -> dict[str, Habit]:
 
 
 def find_position_choosers(answers: Answers) -> dict[str, Habit]:
-    """Return participants who choose by position rather than content.
+    """Return participants whose choices depend on the position of the answers.
 
     Each has the clearer one of the two tasks' habits.
     """

@@ -85,7 +85,7 @@ def rate_systems(choices: Sequence[PairChoice], confidence: float, *, seed: int 
 
 
 def preference_probability(points: float) -> float:
-    """Return the probability that a system is preferred, given its rating lead."""
+    """Return the probability that a system is preferred, given its rating difference."""
     return float(1.0 / (1.0 + 10.0 ** (-points / 400.0)))
 
 
