@@ -8,7 +8,9 @@ import os
 import select
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import serial
 
@@ -24,7 +26,36 @@ else:
     PORT_ERRORS = (OSError, ValueError)
 
 READ_SIZE = 4096  # [bytes] read from the port per system call
+TERMINAL_FOLDER = "/dev/pts/"  # folder of pseudo-terminals
 STALL_TIMEOUT = 0.05  # [s] longest stall beyond the transmission time before the port counts as lost
+
+
+@dataclass(frozen=True)
+class TerminalIdentity:
+    """Identity of a pseudo-terminal, whose number may later belong to another robot or to a shell."""
+
+    device: tuple[int, int] | None  # number and creation time [ns]; None for other ports
+    link: tuple[int, int] | None  # file number and creation time [ns] of a link to it
+
+    @classmethod
+    def of(cls, path: Path) -> Self:
+        """Read the identity of a port.
+
+        Raises:
+            OSError: the port is missing.
+        """
+        device = link = None
+        if sys.platform != "win32":
+            properties, entry = path.stat(), path.lstat()
+            if os.path.realpath(path).startswith(TERMINAL_FOLDER):
+                device = properties.st_rdev, properties.st_ctime_ns
+            if path.is_symlink():
+                link = entry.st_ino, entry.st_ctime_ns
+        return cls(device, link)
+
+    def is_reused_by(self, later: "TerminalIdentity") -> bool:
+        """Return whether a path leads to another terminal, although its link is unchanged."""
+        return later.device not in (None, self.device) and later.link == self.link
 
 
 class SerialWire:
@@ -41,7 +72,7 @@ class SerialWire:
             BusError: the port is missing, not permitted, or in use by another program.
         """
         self._path, self._baud = find_stable_name(Path(path)), baud
-        self._port = self._opened()
+        self._port, self._identity = self._opened()
         self._file = self._port.fileno()
 
     @property
@@ -96,16 +127,21 @@ class SerialWire:
             time.sleep(wait)
 
     def reopen(self) -> bool:
-        """Try once to reopen the port and return success."""
+        """Try once to reopen the port and return success.
+
+        A terminal that has taken over the number of a vanished one is not opened.
+        """
         self.close()
         if (
             find_stable_name(self._path) != self._path
         ):  # the name now belongs to another adapter with its own by-id name
             return False
         try:
-            self._port = self._opened()
+            if self._identity.is_reused_by(TerminalIdentity.of(self._path)):
+                return False
+            self._port, self._identity = self._opened()
             self._file = self._port.fileno()
-        except BusError:
+        except (BusError, OSError):
             return False
         return True
 
@@ -117,14 +153,15 @@ class SerialWire:
         except PORT_ERRORS:
             return  # the device is gone, and the descriptor with it
 
-    def _opened(self) -> serial.Serial:
+    def _opened(self) -> tuple[serial.Serial, TerminalIdentity]:
         try:
+            identity = TerminalIdentity.of(self._path)
             port = serial.Serial(str(self._path), self._baud, timeout=0, exclusive=True)
             _lock_terminal(port.fileno())
             port.reset_input_buffer()
         except PORT_ERRORS as error:
             raise _refusal(self._path, self._baud, error) from None
-        return port
+        return port, identity
 
     def _gone(self, error: Exception) -> BusError:
         return BusError(f"{self._path}: the port is gone ({error})")

@@ -184,3 +184,38 @@ def test_serial_port_is_reopened_after_its_return(pulled: tuple[Path, ShaftSimul
     assert results == ["port lost", "port back"]
     assert any(bus.cycle().fresh.any() for _ in range(20))
     wire.close()
+
+
+def test_terminal_that_takes_over_the_number_of_a_vanished_one_is_not_opened(tmp_path: Path):
+    """As when the simulation of another robot starts after this one was killed, or a shell."""
+    first, second = os.openpty(), os.openpty()
+    number, link = tmp_path / "number", tmp_path / "port"  # a number, and the link of a killed simulation to it
+    number.symlink_to(os.ttyname(first[1]))
+    link.symlink_to(number)
+    wire = SerialWire(link, 57_600)
+    for end in first:
+        os.close(end)
+    number.unlink()
+    number.symlink_to(os.ttyname(second[1]))
+    assert not wire.reopen()
+    link.unlink()  # a restarted simulation of this robot makes its own link
+    link.symlink_to(os.ttyname(second[1]))
+    assert wire.reopen()
+    assert wire.reopen(), "the same terminal, after a stall"
+    wire.close()
+    for end in second:
+        os.close(end)
+
+
+def test_reused_number_of_a_terminal_without_a_link_is_not_opened():
+    first = os.openpty()
+    path = os.ttyname(first[1])
+    wire = SerialWire(path, 57_600)
+    time.sleep(0.02)  # longer than the resolution of creation times
+    for end in first:
+        os.close(end)
+    second = os.openpty()
+    if os.ttyname(second[1]) == path:  # otherwise another program has taken the number
+        assert not wire.reopen()
+    for end in second:
+        os.close(end)
