@@ -77,6 +77,13 @@ def test_clearance_watch_ends_at_once_if_measured_clearance_uses_the_reserve():
     assert not seen(ClearanceWatch(), 0.02, 0.0, strayed=0.0).over  # what is only to come can still be slowed down
 
 
+def test_clearance_watch_ends_by_the_latest_tracking_error():
+    watch = ClearanceWatch()
+    for strayed, near in ((0.0, False), (-0.0175, True), (0.0, False), (0.0, False), (-0.0175, True)):
+        watch = seen(watch, 0.02, strayed=strayed)
+        assert watch.near is near
+
+
 def test_clearance_watch_at_minimum_speed_applies_the_error_only_with_its_sign():
     watch, looks = ClearanceWatch(), 0
     while watch.pace <= CREEP_PACE or not looks:
