@@ -129,6 +129,14 @@ def test_sdk_port_reports_the_number_of_unread_bytes():
     assert port.getBytesAvailable() == 0
 
 
+def test_clearing_the_sdk_port_discards_bytes_that_were_not_read_yet():
+    wire = Script(b"late")
+    port = WirePort(wire)
+    wire.write(b"")
+    port.clearPort()
+    assert port.getBytesAvailable() == 0
+
+
 def test_sdk_group_reads_return_the_positions_of_all_servos(rig: Make):
     made = rig(4)
     port = WirePort(made.wire)
