@@ -107,6 +107,17 @@ def test_report_page_contains_all_tables(text: str, data: dict[str, Json]) -> No
     assert "No film: not recorded" in words
 
 
+def test_page_names_the_hands_of_gestures(text: str, data: dict[str, Json]) -> None:
+    rows = data["behaviours"]
+    assert isinstance(rows, list)
+    hands = [row["hands"] for row in rows if isinstance(row, dict) and row["type"] == "gesture"]
+    assert any(hands)
+    for sides in hands:
+        assert isinstance(sides, list)
+        names = f", {' and '.join(map(str, sides))} hand{'s' * (len(sides) > 1)}" if sides else ""
+        assert f"<td>gesture{names}</td>" in text
+
+
 def test_most_severe_checks_are_listed_first_on_the_report_page(text: str) -> None:
     outline = Outline(text[text.index("All ") :])
     statuses = [word for word in outline.words if word in ("fail", "warn", "pass")]

@@ -33,3 +33,8 @@ def test_emphasis_tag_stresses_words_and_other_tags_are_ignored() -> None:
 def test_reading_time_is_linear_in_tag_count(piece: str) -> None:
     language = load_language()
     assert growth(lambda text: read_text(text, language), lambda size: f"<break {size * piece}") < LINEAR_GROWTH_LIMIT
+
+
+def test_names_with_digits_are_no_shouting() -> None:
+    words = read_text("WW2, 3D, H2O, CO2, 5G, A4 and B2B.", load_language()).words
+    assert "W W 2" in [word.text for word in words]
