@@ -33,6 +33,12 @@ def test_behaviour_set_is_found_by_name_or_category(name: str, found: str | None
     assert (None if behaviour_set is None else behaviour_set.name) == found
 
 
+def test_longest_category_of_a_name_is_found_first() -> None:
+    found = sets_of("emotion-*", "emotion-joy-mild-*").find("emotion-joy-mild-late")
+    assert found is not None
+    assert found.name == "emotion-joy-mild-*"
+
+
 def test_behaviour_set_missing_in_a_lexicon_is_found_in_its_fallback() -> None:
     sets = sets_of("emotion-joy", fallback=sets_of("emotion-*", "deictic-you"))
     assert [sets.find(name).name for name in ("emotion-joy", "emotion-fear", "deictic-you")] == [

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
+from kinesic.motion.double_s import least_stop
 from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer import release as module
@@ -46,6 +47,15 @@ def test_release_that_collides_is_tried_later_until_the_motion_ends(known, monke
     monkeypatch.setattr(module, "_release_from", lambda _running, knot, *_: tried.append(knot - 100))
     assert release_motion(running, 1.0, np.ones(22, dtype=bool), known) is running
     assert tried == delays
+
+
+def test_released_hinges_have_the_time_to_stop_from_their_velocity(known):
+    velocities = np.linspace(-1.0, 1.0, 22)  # [rad/s]
+    moving = np.arange(5)[:, None] * KNOT_INTERVAL * velocities
+    times = module._minimum_times(moving, moving, 2, known.limits)
+    stops = least_stop(velocities, np.zeros(22), known.limits.acceleration, known.limits.jerk)
+    assert (times >= stops - 1e-9).all()
+    np.testing.assert_allclose(times[[0, -1]], stops[[0, -1]])
 
 
 def test_releasing_hinges_at_rest_keeps_the_rest_posture(known, rest):
