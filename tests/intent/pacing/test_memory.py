@@ -5,6 +5,8 @@ import pytest
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author_text
+from kinesic.intent.behaviours import ChosenBehaviour
+from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.pacing.memory import NO_MEMORY, REPEAT_WINDOW, ChoiceMemory, PastGesture
 
 DENIALS = ("I did not say that.", "She never called me.", "We cannot sell the house.", "Nobody saw the dog.")
@@ -44,3 +46,15 @@ def test_gesture_memory_forgets_after_a_minute_of_speech_and_omits_unperformed_g
     later = memory.extend((), REPEAT_WINDOW - 50.0, pause=5.5)
     assert [past.lexeme for past in later.gestures] == ["large"]
     assert (later.seconds, later.parts) == (70.5, 3)
+
+
+def test_gestures_that_were_not_performed_are_forgotten() -> None:
+    moment = Moment("s:w1", 1.0)
+    beat, large = (
+        ChosenBehaviour("gesture", lexeme, Intent("rhythm", moment, moment, moment, 0.5, "a test"))
+        for lexeme in ("beat", "large")
+    )
+    memory = NO_MEMORY.extend((beat, large), 5.0)
+    assert [past.lexeme for past in memory.forget((beat,)).gestures] == ["large"]
+    assert [past.lexeme for past in memory.extend((), 1.0, replaced=(large,)).gestures] == ["beat"]
+    assert memory.forget(()) is memory
