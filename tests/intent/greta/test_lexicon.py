@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.intent import choosing
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
+from kinesic.intent.greta.agent import Agent
 from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.sequences import draw_sequence
@@ -50,6 +52,15 @@ def shown(sets, seed):
     budget = MovementBudget(10, STROKE_SPACINGS, {})
     chosen = choose_behaviours([intent("emotion-odd")], sets, budget, seed=seed).behaviours
     return {item.channel: item for item in chosen}
+
+
+def test_core_signals_have_a_higher_weight_than_others(sets):
+    behaviour_set = sets.find("emotion-odd")
+    candidates = list(choosing._list_candidates(intent("emotion-odd"), behaviour_set, Agent(), random.Random(1)))
+    bonus = {candidate.signal.id: candidate.weight - 1.0 for candidate in candidates}
+    assert bonus.pop("2") == pytest.approx(choosing.CORE_BONUS)
+    assert bonus
+    assert set(bonus.values()) == {0.0}
 
 
 def test_random_greta_signals_obey_the_constraints_of_their_behaviour_set(sets):
