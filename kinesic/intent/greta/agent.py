@@ -98,6 +98,8 @@ class Agent:
         return _clip(self._values(intent, 1.0).get(channel, {}).get(f"{name}.value", 1.0), 0.0, 1.0)
 
     def _values(self, intent: str, strength: float) -> Values:
+        if not self.qualifiers:
+            return self.baseline
         kind = f"{intent.partition('-')[0]}-*"
         names = {name.lower(): name for name in self.qualifiers}
         qualifier = names.get(intent.lower()) or names.get(kind.lower())

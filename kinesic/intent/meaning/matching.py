@@ -50,11 +50,13 @@ def _find_matches(context: Context, table: CueTable) -> Iterator[Candidate]:
                 keys.append(ANY_NUMBER)
             for key in keys:
                 for cue, pattern in table.starts.get(key, ()):
-                    if any(present.isdisjoint(words) for words in pattern.required):
-                        continue
-                    span = _match(context, pattern, first)
-                    if span is not None and _holds(context, cue, pattern, span):
-                        yield Candidate(cue, span.first, span.last, _stroke_word(context, span))
+                    for words in pattern.required:  # faster than `any` in the innermost loop
+                        if present.isdisjoint(words):
+                            break
+                    else:
+                        span = _match(context, pattern, first)
+                        if span is not None and _holds(context, cue, pattern, span):
+                            yield Candidate(cue, span.first, span.last, _stroke_word(context, span))
 
 
 def _match(context: Context, pattern: Pattern, first: int) -> Span | None:
