@@ -15,6 +15,7 @@ from kinesic.body.command import State
 
 KNOT_INTERVAL = 0.01  # [s] time between two knots
 KNOT_TOLERANCE = 1e-6  # [knot intervals] smaller deviations of a time from its knot are ignored
+REST_TOLERANCE = 1e-9  # [rad] smaller deviations from the last posture are rounding errors
 DERIVATIVE_SCALES = sealed(  # powers of the knot interval
     [KNOT_INTERVAL**order for order in range(3)]
 )  # powers of the knot interval, by order of the derivative
@@ -46,6 +47,15 @@ class Trajectory:
     def end(self) -> float:
         """Performance time of the final rest [s]."""
         return self.start + self.duration
+
+    @cached_property
+    def rest_start(self) -> float:
+        """Time from which the motion holds its last posture [s].
+
+        It is earlier than the end after an interruption of a long motion.
+        """
+        moving = np.flatnonzero(np.abs(self.controls - self.controls[-1]).max(axis=1) > REST_TOLERANCE)
+        return self.start + (moving[-1] + 1.0) * KNOT_INTERVAL if len(moving) else self.start
 
     def since(self, time: float) -> "Trajectory":
         """Return the motion that remains after a time.

@@ -96,3 +96,14 @@ def test_motion_of_one_posture_stays_still():
     angles, speeds, _ = still.sample(np.array([-1.0, 0.0, 0.05, 9.0]))
     np.testing.assert_allclose(angles, np.tile([0.1, 0.2], (4, 1)))
     assert not speeds.any()
+
+
+def test_rest_starts_after_the_last_movement():
+    held = np.vstack((CONTROLS, np.repeat(CONTROLS[-1:] + 1e-12, 50, axis=0)))
+    motion = Trajectory(held, zero=0.0, start=2.0)
+    assert motion.end - motion.rest_start == pytest.approx(48 * KNOT_INTERVAL)
+    times = motion.rest_start + np.append(-0.5, np.arange(48)) * KNOT_INTERVAL
+    before, *after = np.abs(motion.sample(times)[1]).max(axis=1)
+    assert before > 1e-3
+    assert max(after) < 1e-9
+    assert stay(CONTROLS[0], 7.0, start=3.0).rest_start == 3.0

@@ -1,5 +1,6 @@
 """Ticks of the control loop: clock, sinks and time sources."""
 
+from dataclasses import replace
 from math import floor
 
 import numpy as np
@@ -210,9 +211,26 @@ def test_control_loop_is_settled_when_motion_and_feedback_have_ended(simulation:
     assert list(settled.values()) == [False, False, False, True], settled
 
 
+def test_control_loop_is_settled_before_the_end_of_a_motion_that_rests(simulation: Simulation):
+    """An interrupted block leaves such a motion, and the server would wait for its end before it folds."""
+    loop = simulation.make()
+    planner = simulation.link()
+    short, settled = nod(simulation.setup, 0.1, 1.0), []
+    resting = replace(short, controls=np.vstack((short.controls, np.repeat(short.controls[-1:], 900, axis=0))))
+
+    def script():
+        planner.send(proposal(motion=resting, cut=0.1))
+        for time in (0.5, short.end + SETTLE_DURATION + 0.03):
+            yield time
+            settled.append(loop.is_settled())
+
+    simulation.run(script())
+    assert settled == [False, True]
+
+
 def test_control_loop_without_feedback_is_settled_shortly_after_the_motion_end(simulation: Simulation):
     loop = simulation.make()
-    end, settled = loop.motion.end, []
+    end, settled = loop.motion.rest_start, []
 
     def script():
         for time in (end + SETTLE_DURATION - 0.03, end + SETTLE_DURATION + 0.03):
