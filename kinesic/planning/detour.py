@@ -19,6 +19,8 @@ DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one
 WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the way to the rest pose, tried in turn
 WITHDRAWAL_PENALTY = 0.1  # relative improvement required per further step towards rest
 KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried for a key of a detour
+SWING_RATIO = 0.5  # fraction of the swing that remains where less overshoot suffices
+CALM_TOLERANCE = 0.1  # missing clearance left by less overshoot / that removed with the whole overshoot
 ACCEPT_RATIO = 0.98  # largest remaining fraction of the missing clearance with which a detour is accepted
 
 
@@ -58,9 +60,9 @@ def add_detours(
 ) -> PostureCourse:
     """Add detours to key postures wherever the motion nearly hits the body.
 
-    Colliding intervals are handled one after the other. Overshoot and accents of the arms are removed first if that
-    helps. Otherwise the change with the smallest remaining violation is taken: an arm without a close key gets one, in
-    the nearest clear posture or in one nearer to rest; an existing key moves away.
+    Colliding intervals are handled one after the other. Overshoot of the arms is halved first, or removed with their
+    accents, if that helps. Otherwise the change with the smallest remaining violation is taken: an arm without a close
+    key gets one, in the nearest clear posture or in one nearer to rest; an existing key moves away.
 
     Args:
         course: at least two keys, the first and the last at rest.
@@ -82,6 +84,11 @@ def add_detours(
         if (calm_keys := course.calmed(time)) is not course:
             calm_scan = scan.after(calm_keys, distances, least)
             if calm_scan.lacking.sum() < scan.lacking.sum():
+                reduced = course.calmed(time, SWING_RATIO)
+                reduced_scan = scan.after(reduced, distances, least)
+                remaining, gain = calm_scan.lacking.sum(), scan.lacking.sum() - calm_scan.lacking.sum()
+                if reduced_scan.lacking.sum() <= remaining + CALM_TOLERANCE * gain:
+                    calm_keys, calm_scan = reduced, reduced_scan
                 course, scan, stuck = calm_keys, calm_scan, calm_scan.same(stuck, scan)
                 continue
         best, best_scan, allowed, lacking = course, scan, ACCEPT_RATIO * scan.lacking.sum(), scan.lacking.sum()

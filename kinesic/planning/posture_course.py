@@ -102,10 +102,14 @@ class PostureCourse:
             matches[keys] = (*matches.get(keys, ()), *arm)
         return list(matches.values())
 
-    def calmed(self, time: float) -> "PostureCourse":
+    def calmed(self, time: float, swing_ratio: float = 0.0) -> "PostureCourse":
         """Remove overshoot and accents from arm keys near a block time.
 
         The course itself is returned if there are none.
+
+        Args:
+            time: block time [s].
+            swing_ratio: remaining fraction of the swing; accents are removed with the whole swing only.
         """
         calm_keys = set[tuple[int, int]]()
         for joints in (self.robot.arm(side).joints for side in SIDES):
@@ -117,7 +121,9 @@ class PostureCourse:
         return replace(
             self,
             postures=tuple(
-                replace(posture, passages=_calmed(posture.passages, {j for key, j in calm_keys if key == k}))
+                replace(
+                    posture, passages=_calmed(posture.passages, {j for key, j in calm_keys if key == k}, swing_ratio)
+                )
                 for k, posture in enumerate(self.postures)
             ),
         )
@@ -150,5 +156,12 @@ def _is_lively(posture: KeyPosture, joint: int) -> bool:
     return posture.passages[joint] != posture.passages[joint].without_accent
 
 
-def _calmed(passages: tuple[KeyPassage, ...], joints: set[int]) -> tuple[KeyPassage, ...]:
-    return tuple(passage.without_accent if k in joints else passage for k, passage in enumerate(passages))
+def _calmed(passages: tuple[KeyPassage, ...], joints: set[int], swing_ratio: float) -> tuple[KeyPassage, ...]:
+    return tuple(
+        passage
+        if k not in joints
+        else replace(passage, swing=swing_ratio * passage.swing)
+        if swing_ratio > 0.0
+        else passage.without_accent
+        for k, passage in enumerate(passages)
+    )

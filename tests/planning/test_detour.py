@@ -58,8 +58,8 @@ def test_detour_search_checks_collisions_only_in_changed_motion_samples(monkeypa
     assert least(led) >= LEAST - 1e-3
 
 
-def test_overshoot_near_a_collision_is_removed_before_the_path_is_changed():
-    """Overshoot is removed only from keys near the collision."""
+def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
+    """Overshoot is reduced only at keys near the collision, and no more than needed."""
     inner, outer = np.radians([-6, 30, 11, -32, 104, -72, 37, 30]), np.radians([-6, 22, 28, 2, 104, -66, 36, 1])
 
     def swinging(time, arm):
@@ -77,7 +77,8 @@ def test_overshoot_near_a_collision_is_removed_before_the_path_is_changed():
     led = add_detours(near, DISTANCES, least=LEAST)
     assert least(led) > LEAST
     assert [posture.time for posture in led.postures] == [posture.time for posture in near.postures]
-    assert swings(led)[1] == 0.0
+    assert swings(led)[1] == 0.5
+    assert swings(near.calmed(0.45, 0.5)) == [None, 0.5, 1.0, 1.0, None]
     assert swings(led)[3] == 1.0
     plain = course(key(0.0), key(0.5, left=inner), key(6.0))
     assert plain.calmed(0.45) is plain

@@ -138,7 +138,14 @@ def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> H
 
 
 def path_keys_between(
-    keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float, power: float, late: bool = False
+    keys: Sequence[HandKey],
+    k: int,
+    path: HandPath | None,
+    *,
+    unit: float,
+    power: float,
+    late: bool = False,
+    start_velocity: float = 0.0,
 ) -> list[HandKey]:
     """Sample a curved hand path as intermediate keys between two stroke keys.
 
@@ -152,6 +159,7 @@ def path_keys_between(
         unit: the arm length [m].
         power: of the gesture.
         late: whether the peak velocity is at the end of the path, as a word sounds there.
+        start_velocity: of a hand that arrives along the path, relative to the constant velocity.
     """
     a, b = keys[k - 1], keys[k]
     start, end = a.hand.reach, b.hand.reach
@@ -160,7 +168,7 @@ def path_keys_between(
     parameters = path.samples(start.position, end.position, PATH_TOLERANCE * unit, PATH_STEP * unit)
     brake = WORD_BRAKE_TIME / (b.time - a.time) if late else None
     times = a.time + (b.time - a.time) * _time_fractions(
-        parameters, path.swings(start.position, end.position), power, brake
+        parameters, path.swings(start.position, end.position), power, brake, start_velocity
     )
     positions = path.at(start.position, end.position, parameters)
     path_keys: list[HandKey] = []
@@ -184,7 +192,9 @@ def _inverse_jacobians(rotations: Floats) -> Floats:
     return np.asarray(np.eye(3) + cross / 2 + coefficient * cross @ cross)
 
 
-def _time_fractions(parameters: Floats, swings: int, power: float, brake: float | None) -> Floats:
+def _time_fractions(
+    parameters: Floats, swings: int, power: float, brake: float | None, start_velocity: float
+) -> Floats:
     """Return the time fractions (m,) at which the hand passes path parameters.
 
     The hand accelerates in half a swing and decelerates in the last half, later and more suddenly without power.
@@ -192,9 +202,9 @@ def _time_fractions(parameters: Floats, swings: int, power: float, brake: float 
     hand accelerates all the way, and decelerates in the fraction `brake` of the time.
     """
     ramp = min(0.5, 0.5 * (1.0 + POWER_RAMP_GAIN * power) / swings)
-    brake, start_speed = (ramp, 1.0) if brake is None else (min(brake, WORD_BRAKE_FRACTION * ramp), LATE_PEAK_RATIO)
+    brake, ramp_velocity = (ramp, 1.0) if brake is None else (min(brake, WORD_BRAKE_FRACTION * ramp), LATE_PEAK_RATIO)
     time = np.linspace(0.0, 1.0, 501)
-    speed = np.interp(time, [0.0, ramp, 1.0 - brake, 1.0], [0.0, start_speed, 1.0, 0.0])
+    speed = np.interp(time, [0.0, ramp, 1.0 - brake, 1.0], [start_velocity, ramp_velocity, 1.0, 0.0])
     path_keys_between = np.concatenate([[0.0], np.cumsum(speed[1:] + speed[:-1])])
     return np.interp(parameters, path_keys_between / path_keys_between[-1], time)
 

@@ -201,12 +201,19 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace, time_ratio: float = 1.
         for k, stroke, *adjacent_paths in zip(kept_keys, strokes, (None, *paths), (*paths, None), strict=True)
         for phase in ("stroke" if k else "preparation",)
     ]
-    keys = poses[:1]
+    keys, waits = poses[:1], poses[0].time - work.at("ready") >= MIN_KEY_SPACING
     for k, path in enumerate(paths, 1):
-        late = work.stroke.spoken and strokes[k]
-        keys += path_keys_between(poses, k, path, unit=pace.robot.arm_length, power=work.stroke.manner.power, late=late)
-        keys.append(poses[k])
-    if keys[0].time - work.at("ready") >= MIN_KEY_SPACING:
+        path_keys = path_keys_between(
+            poses,
+            k,
+            path,
+            unit=pace.robot.arm_length,
+            power=work.stroke.manner.power,
+            late=work.stroke.spoken and strokes[k],
+            start_velocity=0.0 if waits or k > 1 else effort.path_start_velocity(poses[0].passage),
+        )
+        keys += [*path_keys, poses[k]]
+    if waits:
         keys.insert(0, HandKey(work.at("ready"), hands[0], effort.passage("preparation", time_ratio=0.0)))
     if work.at("strokeEnd") - keys[-1].time >= MIN_KEY_SPACING:
         keys.append(HandKey(work.at("strokeEnd"), hands[-1], effort.passage("hold")))

@@ -54,7 +54,9 @@ STROKE_START_SWING = 0.9  # overshoot parameter at the key where a stroke begins
 STROKE_KEY_SWING = 0.8  # overshoot parameter at stroke keys after the first one
 SPOKEN_START_SWING = 0.4  # overshoot parameter at the start of a stroke on a word, low for a late velocity peak
 MIN_SPOKEN_TENSION = -0.15  # smallest spline tension in the preparation of a stroke on a word
-PATH_END_SWING = 0.4  # overshoot parameter at both ends of a path, low so that the hand stays on it
+PATH_START_SWING = 0.6  # overshoot parameter where a path begins; the preparation ends along it
+PATH_START_VELOCITY = 0.5  # velocity at the start of a path without a word / its constant velocity
+PATH_END_SWING = 0.4  # overshoot parameter at the end of a path, low so that the hand stays on it
 MIN_LEISURE = 0.7  # available / natural time below which keys have neither swing nor accent
 RETRACTION_STEEPNESS = 7.5  # steepness of the linear easing in the retraction: peak / mean velocity 4/3
 FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
@@ -204,11 +206,33 @@ class Effort:
                     manner, fluidity=min(manner.fluidity, 0.0), tension=max(manner.tension, MIN_SPOKEN_TENSION)
                 )
         free = self.traits.weight * min(max((time_ratio - MIN_LEISURE) / (1.0 - MIN_LEISURE), 0.0), 1.0)
-        onward = SPOKEN_START_SWING if self.spoken else STROKE_START_SWING
-        swing = self._swing_factor * (PATH_END_SWING if led else onward if phase == "preparation" else STROKE_KEY_SWING)
         accent = self._accent(is_spoken_key=self.spoken and stroke) if phase == "stroke" and not led else 0.0
-        swing = free * swing if self.traits.dynamic else 0.0
-        return passage_of(manner, phase, accent=free * accent, late=self.spoken, swing=swing)
+        swing = self._swing_factor * self._largest_swing(phase, led=led) if self.traits.dynamic else 0.0
+        passed = passage_of(manner, phase, accent=free * accent, late=self.spoken, swing=free * swing)
+        if self.traits.dynamic or phase == "stroke":
+            return passed
+        return replace(passed, continuity=passed.continuity * (1.0 - free * self._pose_flow))
+
+    def path_start_velocity(self, passage: KeyPassage) -> float:
+        """Return the initial velocity of a path / its constant velocity.
+
+        Args:
+            passage: of the key where the path begins after a preparation.
+        """
+        return 0.0 if self.spoken else PATH_START_VELOCITY * min(passage.swing / PATH_START_SWING, 1.0)
+
+    def _largest_swing(self, phase: Phase, *, led: bool) -> float:
+        """Return the overshoot parameter at a key of a loose and timely gesture."""
+        if phase == "stroke":
+            return PATH_END_SWING if led else STROKE_KEY_SWING
+        if led:
+            return PATH_END_SWING if self.spoken else PATH_START_SWING
+        return SPOKEN_START_SWING if self.spoken else STROKE_START_SWING
+
+    @property
+    def _pose_flow(self) -> float:
+        """Fraction of the usual stop that a hand omits where a pose begins."""
+        return self._swing_factor * (SPOKEN_START_SWING / STROKE_START_SWING if self.spoken else 1.0)
 
     @property
     def plain(self) -> "Effort":

@@ -110,6 +110,16 @@ def test_hand_path_with_a_late_accent_is_fastest_in_its_last_turn(turns):
     assert fastest[1] > fastest[0]
 
 
+def test_hand_that_arrives_along_its_path_begins_it_with_velocity():
+    ends = [HandKey(time, Hand(Reach(np.array([0.3, -0.2, 1.0 + time / 10])))) for time in (0.0, 2.0)]
+    path = shape_path("circle", amplitude=(0.1, 0.0, 0.1))
+    lengths = []
+    for velocity in (0.0, 0.4, 0.8):
+        first = path_keys_between(ends, 1, path, unit=0.42, power=0.0, start_velocity=velocity)[0]
+        lengths.append(np.linalg.norm(first.hand.reach.position - ends[0].hand.reach.position) / first.time)
+    assert lengths[0] < lengths[1] < lengths[2]
+
+
 def facing(time: float, x: float, angle: float) -> HandKey:
     """Return a hand key rotated about the vertical axis."""
     pointing, palm = np.array([np.cos(angle), np.sin(angle), 0.0]), np.array([0.0, 0.0, 1.0])

@@ -9,6 +9,7 @@ from kinesic.expressivity.style.effort import (
     CATEGORY_PROFILES,
     LOOSENESS_REDUCTION,
     MIN_LEISURE,
+    PATH_START_VELOCITY,
     STROKE_ACCENT,
     TEMPO_FACTORS,
     Effort,
@@ -142,16 +143,26 @@ def test_hold_time_depends_on_stroke_duration_except_for_poses(pace):
     assert pose.hold_time(0.1) == pose.hold_time(2.0) > stroke.hold_time(0.6)
 
 
-def test_hand_passes_stroke_keys_without_stopping_but_stops_at_pose_keys(pace):
+def test_hand_passes_stroke_keys_without_stopping_and_slows_at_poses(pace):
     stroke, pose = Effort(pace), Effort(pace, POSE_TRAITS)
     assert stroke.passage("preparation").flow > 1.0
     assert stroke.passage("stroke").flow > 1.0
-    assert pose.passage("preparation") == pose.passage("stroke") == passage_of(Expressivity(), "stroke")
+    assert pose.passage("preparation").flow == 1.0
+    assert pose.passage("preparation", time_ratio=0.0) == pose.passage("stroke") == passage_of(Expressivity(), "stroke")
+    assert pose.passage("preparation").swing == 0.0
     assert stroke.passage("hold") == pose.passage("hold") == passage_of(Expressivity(), "hold")
 
 
 def test_full_tension_removes_all_overshoot_at_keys(pace):
     assert Effort(pace, manner=Expressivity(tension=1.0)).passage("preparation").flow == 0.0
+
+
+def test_hand_enters_a_path_with_its_velocity_unless_tense_or_spoken(pace):
+    efforts = [Effort(pace, manner=Expressivity(tension=tension)) for tension in (0.0, 0.25, 0.5)]
+    velocities = [effort.path_start_velocity(effort.passage("preparation", led=True)) for effort in efforts]
+    assert PATH_START_VELOCITY == velocities[0] > velocities[1] > velocities[2] == 0.0
+    spoken = Effort(pace, spoken=True)
+    assert spoken.path_start_velocity(spoken.passage("preparation", led=True)) == 0.0
 
 
 def test_overshoot_and_accent_fade_if_time_is_short(pace):
