@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
-from kinesic.expressivity.style.standing import Standing
+from kinesic.expressivity.style.standing import OTHER_HAND_PROBABILITY, Standing
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Style
 from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.expressivity.variation import Variation
@@ -20,6 +20,7 @@ from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.setup import Setup
 from kinesic.planning.stance import (
+    ARM_FEATURES,
     StanceDeviation,
     draw_deviation,
     measure_arm,
@@ -50,7 +51,7 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
         distances: self-distances of the robot.
     """
     standing, weight = style.standing, style.posture
-    if weight == 0.0 or standing == Standing(face=standing.face, gaze=standing.gaze):
+    if weight == 0.0 or not standing.moves_body:
         return robot
     rest = _close_hands(_turn_body(robot, standing, weight), robot, standing, weight)
     arms = _take_rest_gesture(rest, robot, standing, lexicon, distances) if standing.rest else None
@@ -75,6 +76,28 @@ def take_block_posture(block: Block, setup: Setup) -> Setup:
     robot = standing_robot(setup.unstyled, style, setup.lexicon, setup.distances)
     robot = vary_standing(robot, style, setup.variation, setup.distances)
     return replace(setup, robot=robot, shared_limits=setup.limits)
+
+
+def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | None:
+    """Return the rest posture (n,) [rad] of a setup with the hands in another rest gesture.
+
+    Args:
+        name: rest gesture, or empty for arms that hang.
+        setup: with the posture of the trunk.
+        chance: random generator that chooses the hand.
+
+    Returns:
+        None if the body cannot take it.
+    """
+    robot, standing = setup.robot, Standing(rest=name, mirrored=bool(chance.uniform() < OTHER_HAND_PROBABILITY))
+    rest = np.array(robot.skeleton.rest)
+    if name:
+        return _take_rest_gesture(rest, robot, standing, setup.lexicon, setup.distances)
+    hanging = spread_features(read_stances().hanging.mean)
+    for side in SIDES:
+        rest = set_arm(robot, side, hanging[-len(ARM_FEATURES) :], rest)
+    angles = _inside(rest, robot)
+    return angles if _is_clear(angles, robot, setup.distances) else None
 
 
 def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
@@ -104,8 +127,7 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
 
 def _stands_upright(style: Style) -> bool:
     """Return whether a style keeps the robot's own posture."""
-    standing = style.standing
-    return style.posture == 0.0 or standing == Standing(face=standing.face, gaze=standing.gaze)
+    return style.posture == 0.0 or not style.standing.moves_body
 
 
 def _take_stance(robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None) -> Floats:

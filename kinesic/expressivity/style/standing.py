@@ -5,9 +5,13 @@ from dataclasses import dataclass
 from math import radians
 
 import msgspec
+import numpy as np
 
 from kinesic.expressivity.keyframes import Turn
 
+HANGING = "hanging"  # name of the rest without a gesture
+OTHER_HAND_PROBABILITY = 0.4  # probability that the other hand performs a rest gesture
+USUAL_PAUSES = (("hanging", 2.0), ("hands_folded_low", 3.0), ("hand_on_hip", 1.5), ("arms_crossed", 0.7))
 UPRIGHT_TURN = Turn()  # zero rotation of head and trunk
 
 
@@ -33,6 +37,7 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers of the resting hands
     rest: str = ""  # rest gesture of the lexicon that the hands take where the body can; empty: arms hang
     mirrored: bool = False  # whether the other hand performs the rest gesture
+    pauses: dict[str, float] = {}  # rest gesture, or "hanging" -> weight, to which the hands change in long pauses
     face: dict[str, float] = {}  # lexeme of an expression -> amount, shown all the time
     gaze_down: float = 0.0  # [deg] of an averted gaze
     gaze_aside: float = 0.0  # [deg] of an averted gaze, to alternating sides
@@ -61,12 +66,14 @@ class Standing:
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers
     rest: str = ""  # rest gesture of the lexicon; empty: arms hang
     mirrored: bool = False  # whether the other hand performs it
+    pauses: tuple[tuple[str, float], ...] = ()  # (rest gesture or `HANGING`, weight) in long pauses
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
     gaze: GazeHabit = FRONTAL_GAZE
 
     @classmethod
     def of(cls, table: StandingTable) -> "Standing":
-        """Convert the table of a style file."""
+        """Convert the table of a style file; a style that poses its arms has only the rests that it names."""
+        is_posed = bool(table.rest or table.arms)
         return cls(
             head=table.head.turn,
             trunk=table.trunk.turn,
@@ -74,13 +81,33 @@ class Standing:
             fist=table.fist,
             rest=table.rest,
             mirrored=table.mirrored,
+            pauses=tuple(table.pauses.items()) or (() if is_posed else USUAL_PAUSES),
             face=tuple(table.face.items()),
             gaze=GazeHabit(radians(table.gaze_down), radians(table.gaze_aside), table.averted),
         )
+
+    @property
+    def moves_body(self) -> bool:
+        """Whether head, trunk, arms or fingers leave the robot's own rest posture."""
+        return (self.head, self.trunk) != (UPRIGHT_TURN, UPRIGHT_TURN) or bool(self.arms or self.fist or self.rest)
 
     def affect(self, weight: float) -> Mapping[str, float]:
         """Return the intensity of each permanent expression, scaled by a style weight."""
         return {lexeme: min(weight * amount, 1.0) for lexeme, amount in self.face if weight > 0.0}
 
 
-NEUTRAL_STANDING = Standing()  # the robot's own rest posture, an unmoved face and a frontal gaze
+def choose_rest(weights: tuple[tuple[str, float], ...], chance: np.random.Generator) -> str | None:
+    """Return a random rest gesture, empty for hanging arms.
+
+    Returns:
+        None without weights.
+    """
+    if not weights:
+        return None
+    names, amounts = zip(*weights, strict=True)
+    chosen: str = names[int(chance.choice(len(names), p=np.array(amounts) / sum(amounts)))]
+    return "" if chosen == HANGING else chosen
+
+
+NEUTRAL_STANDING = Standing.of(StandingTable())  # the robot's own rest posture, an unmoved face and a frontal gaze
+UNPOSED_STANDING = Standing()  # the same, with hanging arms in all performances and pauses

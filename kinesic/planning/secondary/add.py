@@ -12,7 +12,9 @@ from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot
 from kinesic.body.utterance import Utterance
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.expressivity.style.standing import UNPOSED_STANDING
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import find_overloaded_times
@@ -173,7 +175,9 @@ def _idle_offsets(
         for side in SIDES
     }
     changing = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode()), REST_STREAM))
-    yield from make_rest_changes(motion, whole, idling.amount, robot, changing)
+    bearing = BlockContext(timeline.block, setup.context).bearing
+    standing = bearing.standing if bearing.posture > 0.0 else UNPOSED_STANDING
+    yield from make_rest_changes(motion, whole, setup, standing, changing)
     yield from make_drifts(motion, idling.amount, robot, chance, touching)
     yield from (change.later(zero) for change in make_speech_motion(timeline, utterances, part, robot, chance))
     nods = [

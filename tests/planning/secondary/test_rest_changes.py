@@ -1,9 +1,12 @@
 """Changes of the rest posture in long pauses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.style.standing import UNPOSED_STANDING
 from kinesic.motion.trajectory import stay
 from kinesic.planning.secondary.rest_changes import MIN_REST_SPAN, make_rest_changes
 from kinesic.session.plan import plan
@@ -13,21 +16,33 @@ ROBOT = Robot.load()
 WAIT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><wait id="w" duration="{}"/></bml>'
 
 
-def changes(duration, seed=0):
+SETUP = set_up(ROBOT, idle=1.0)
+
+
+def changes(duration, seed=0, standing=UNPOSED_STANDING):
     motion = stay(ROBOT.skeleton.rest, duration)
-    return [*make_rest_changes(motion, (0.0, duration), 1.0, ROBOT, np.random.default_rng(seed))]
+    return [*make_rest_changes(motion, (0.0, duration), SETUP, standing, np.random.default_rng(seed))]
 
 
 def test_long_rest_changes_its_posture_every_10_to_20_seconds():
-    result = changes(60.0)
-    begins = np.array([change.begin for change in result])
+    found = changes(60.0)
+    begins = np.array([change.begin for change in found])
     assert np.all((np.diff(begins) > 10.0) & (np.diff(begins) < 20.0))
-    assert result[0].begin >= 0.3
-    assert result[-1].end <= 60.0
+    assert found[0].begin >= 0.3
+    assert found[-1].end <= 60.0
     arms = [joint for side in SIDES for joint in ROBOT.arm(side).joints]
-    assert all(np.degrees(np.abs(change.away[arms]).max()) > 4.0 for change in result)
+    assert all(np.degrees(np.abs(change.away[arms]).max()) > 4.0 for change in found)
     roll = ROBOT.skeleton.joint("vl5_roll")
-    assert all(1.0 < abs(np.degrees(change.away[roll])) < 3.0 for change in result)
+    assert all(1.0 < abs(np.degrees(change.away[roll])) < 3.0 for change in found)
+
+
+def test_hands_change_to_another_rest_of_the_style():
+    folding = replace(UNPOSED_STANDING, pauses=(("hands_folded_low", 1.0),))
+    found = [change for seed in range(4) for change in changes(30.0, seed, folding)]
+    rest, wrist = ROBOT.skeleton.rest, ROBOT.arm("l").wrist
+    places = [ROBOT.skeleton.frames(rest + change.away).origins[wrist, 1] for change in found]
+    folded = [place for place in places if place < 0.3 * ROBOT.arm_length]
+    assert 0.2 < len(folded) / len(found) < 0.8
 
 
 def test_short_rest_keeps_its_posture():
