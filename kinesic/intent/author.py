@@ -129,7 +129,7 @@ def plan_behaviours(
     memory: ChoiceMemory = NO_MEMORY,
     character: str = "",
 ) -> tuple[Passage, Selection]:
-    """Choose the behaviours of a text.
+    """Return the words of a text, and the behaviours chosen for it.
 
     See `author`.
     """
@@ -158,14 +158,17 @@ def plan_behaviours(
 
 
 def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:
-    """Add an intent for each accent without one, in time order."""
+    """Add the missing beat intents of accented words, sorted by stroke time."""
     taken = frozenset(intent.word for intent in intents if intent.name in BEAT_INTENTS)
     ordered = sorted([*intents, *find_accents(passage, taken)], key=lambda intent: intent.stroke.seconds)
     return tuple(ordered)
 
 
 def reach_directed(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
-    """Delay a directed gesture until the hand can reach it."""
+    """Delay a stage direction's gesture until the hand can reach its stroke.
+
+    Behaviours of other channels are returned unchanged.
+    """
     if behaviour.channel != "gesture":
         return behaviour
     return replace(behaviour, intent=reachable(behaviour.intent, since))
@@ -208,9 +211,9 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
 
 
 def hurry_first_gesture(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
-    """Start an early gesture just before the first word.
+    """Start a gesture with an early stroke just before the first word.
 
-    It does not delay the speech.
+    The gesture then does not delay the speech. Other behaviours are returned unchanged.
     """
     if behaviour.channel != "gesture" or behaviour.intent.stroke.seconds > since + EARLY_STROKE_TIME:
         return behaviour

@@ -41,7 +41,7 @@ class Selection:
 
 @dataclass(frozen=True)
 class Earlier:
-    """Behaviours chosen for the preceding words."""
+    """Behaviours, gesture counts and duration of the preceding words."""
 
     fixed: tuple[ChosenBehaviour, ...] = ()  # finished or begun
     free: tuple[ChosenBehaviour, ...] = ()  # may still be replaced

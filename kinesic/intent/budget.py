@@ -22,7 +22,7 @@ MIN_CERTAINTIES: Mapping[Channel, float] = {"gaze": 0.3}  # smallest certainty o
 
 @dataclass(frozen=True)
 class MovementBudget:
-    """Number, smallest spacings and tempo of a text's gestures."""
+    """Limits on a text's movements: number of gestures, spacings, certainty and tempo."""
 
     gestures: int
     gaps: Mapping[Channel, float]  # [s] smallest spacing of strokes
@@ -37,7 +37,7 @@ class MovementBudget:
 def budget_of(seconds: float, style: Style) -> MovementBudget:
     """Return the movement budget of a text.
 
-    A lively expressivity has more gestures with shorter intervals.
+    A lively style has more gestures with shorter intervals.
 
     Args:
         seconds: estimated duration of its words.

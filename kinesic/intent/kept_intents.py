@@ -39,7 +39,7 @@ class KeptIntents:
         """Return the first chosen intent that conflicts with a new one.
 
         Args:
-            intent: the other one.
+            intent: the new one.
             gap: smallest spacing of strokes [s].
             covering: whether an emotion excludes others on its channel while it lasts.
 

@@ -34,7 +34,7 @@ LETTERS_PER_WINDOW = 800  # number of letters of streamed text that are read at 
 LONGEST_PHRASE = 16  # [words] longest incomplete phrase that waits for its end
 SHORT_PHRASE = 3  # [words] complete phrases below this length wait briefly for more input
 PART_PAUSE = 0.3  # [s] silence assumed between two parts of a text
-CONTEXT_WORDS = 60  # [words] spoken part of a sentence that is kept as context
+CONTEXT_WORDS = 60  # [words] longest spoken part of a sentence that is kept as context
 _WORD_END = re.compile(rf"<[^<>]*>|\s|[{UNSPACED_STOPS}]")  # pattern of a tag or character that ends a word
 _OPEN_TAG = re.compile(r"<[^<>]*$")
 _DIRECTION_PATTERN = re.compile(r"<kinesic:act[^<>]*>")
@@ -205,7 +205,10 @@ def next_part(
 
 
 def _perform_trailing(talk: Talk, passage: Passage, lexicon: Lexicon, quiet: float) -> Part | None:
-    """Return a part that performs the stage directions after the last word."""
+    """Return a part that performs the trailing stage directions, or None.
+
+    They follow the last word, and wait until the text is complete or the sender has been silent for `MAX_SILENCE`.
+    """
     directions = _trailing_directions(talk, passage)
     if not directions or not (talk.is_over or quiet >= MAX_SILENCE):
         return None
@@ -230,7 +233,7 @@ def _forget_directions(talk: Talk, passage: Passage) -> Talk:
 
 
 def is_all_said(talk: Talk, language: Language) -> bool:
-    """Return whether a finished talk has been spoken completely."""
+    """Return whether a complete streamed text has been spoken and performed."""
     if not talk.is_over:
         return False
     rest, passage, _ = _drop_sentences(talk, language, MAX_SILENCE)

@@ -8,8 +8,8 @@ import numpy as np
 
 from kinesic.body.utterance import Phoneme, Sound
 
-WINDOW_DURATION = 0.01  # [s] window of the loudness of a recording
-AUDIBLE_RATIO = 0.03  # amplitude / loud amplitude of the recording (30 dB below it) above which a window is audible
+WINDOW_DURATION = 0.01  # [s] duration of the windows in which a recording's amplitude is measured
+AUDIBLE_RATIO = 0.03  # amplitude of a window / loud amplitude of the recording (-30 dB) above which it is audible
 LOUD_PERCENTILE = 99  # percentile of the windows' amplitudes that counts as loud
 MAX_BRIDGED_GAP = 0.12  # [s] longest silence within a word, such as before a plosive
 MIN_AUDIBLE_TIME = 0.05  # [s] shortest audible part that sounds are placed in
@@ -40,7 +40,7 @@ def find_audible_spans(sound: Sound) -> tuple[Span, ...]:
 def align_phonemes(
     phonemes: Sequence[Phoneme], anchors: Sequence[Span], audible: Sequence[Span]
 ) -> tuple[tuple[Phoneme, ...], Callable[[float], float]]:
-    """Place estimated sounds in the audible spans between known times.
+    """Place estimated phonemes in a recording's audible spans between known times.
 
     Args:
         phonemes: estimated sounds, in order.
@@ -48,7 +48,7 @@ def align_phonemes(
         audible: spans of the recording [s].
 
     Returns:
-        Sounds at their times in the recording, and the actual time of any estimated time [s].
+        Phonemes at their times in the recording, and a function from estimated to actual times [s].
     """
     placed: list[Phoneme] = []
     points: list[Span] = list(anchors)
@@ -70,7 +70,10 @@ def align_phonemes(
 
 
 def order_anchors(times: Sequence[Span], estimated_end: float, actual_end: float) -> tuple[Span, ...]:
-    """Return (estimated, actual) times in order, without contradictions."""
+    """Return (estimated, actual) times [s] in order, with start and end.
+
+    Times that contradict the order, or lie after the end, are dropped.
+    """
     anchors: list[Span] = [(0.0, 0.0)]
     for estimated, actual in sorted(times):
         if estimated > anchors[-1][0] and actual_end >= actual >= anchors[-1][1]:

@@ -111,7 +111,7 @@ def _estimate_word(kind: str, text: str, language: str) -> tuple[tuple[str, ...]
 
 
 def _distribute(sounds: Sequence[str], start: float, duration: float) -> list[Phoneme]:
-    """Divide a duration [s] among successive sounds."""
+    """Return phonemes that fill a duration [s], vowels longer than consonants."""
     weights = [VOWEL_RATIO if sound in VOWEL_SOUNDS else 1.0 for sound in sounds]
     total = sum(weights)
     ends = [start + duration * part / total for part in accumulate(weights, initial=0.0)]

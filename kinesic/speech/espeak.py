@@ -46,7 +46,7 @@ _CLOSING_PATTERN = re.compile(rf"^[\s\"'\u2019\u201d\u00bb)\]]*[{SENTENCE_STOPS}
 
 
 class Espeak:
-    """Voices of espeak-ng, with phonemes of the International Phonetic Alphabet."""
+    """Voice that synthesises speech and its IPA phonemes with espeak-ng."""
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
         """Synthesise a script with espeak-ng.
@@ -70,14 +70,18 @@ class Espeak:
 
 @lru_cache(maxsize=4)
 def list_voices(data: Path) -> Mapping[str, str]:
-    """List espeak-ng's voices by lower-case language tag, from its data folder."""
+    """Return the names of espeak-ng's voices by lower-case language tag.
+
+    A name is the path of the voice's file, such as `gmw/en-US`.
+    """
     folder = data / "espeak-ng-data" / "lang"
     return {path.name.lower(): path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
 def find_voice(language: str, data: Path) -> tuple[str, str]:
-    """Find a voice for a language, with a remark on replacements.
+    """Return espeak-ng's voice for a language, and a remark if replaced.
 
+    A language without a voice is read as English. The remark is empty otherwise.
     A tag that is too specific is shortened: `de-AT` is spoken by `de`.
 
     Args:
@@ -157,7 +161,7 @@ def _convert_reply(script: Script, reply: EngineReply) -> Utterance:
 def _find_samples(
     script: Script, reply: EngineReply, onsets: Sequence[int], spoken: int
 ) -> tuple[list[int], list[str]]:
-    """Find the sample index of every mark and pause, and unreported marks.
+    """Return the sample index of each mark and pause, and unreported marks.
 
     A mark moves on to the onset of the next word, unless a pause or closing punctuation lies between.
     """

@@ -1,7 +1,5 @@
 """Pool of espeak-ng processes, one per utterance.
 
-One per utterance, with the next one started in advance.
-
 Starting a process and loading the library takes most of the time of a short utterance. The process of the next
 utterance is therefore started while one is spoken.
 """

@@ -7,12 +7,15 @@ from kinesic.body.utterance import Script
 RATE_WORDS = {
     "x-slow": 0.6, "slow": 0.8, "medium": 1.0, "default": 1.0, "fast": 1.25, "x-fast": 1.6,
 }  # relative to normal speech, as in espeak-ng  # fmt: skip
-MIN_RATE, MAX_RATE = 0.2, 5.0  # limits of the rate of nested elements
+MIN_RATE, MAX_RATE = 0.2, 5.0  # limits of the speech rate of nested elements, relative to normal speech
 _NUMBER_PATTERN = re.compile(r"([+-]?)(\d+(?:\.\d+)?)(%?)")
 
 
 def rate_at(script: Script, position: int) -> float:
-    """Return the product of all `prosody` rates around a character."""
+    """Return the speech rate at a character, relative to normal speech.
+
+    It is the product of the rates of all `prosody` elements around the character, limited to `MIN_RATE` and `MAX_RATE`.
+    """
     rate = 1.0
     for section in script.emphases:
         if section.element == "prosody" and section.begin <= position < section.end:
@@ -21,7 +24,10 @@ def rate_at(script: Script, position: int) -> float:
 
 
 def _read_rate(text: str) -> float:
-    """Parse a rate such as `slow`, `80%` or `1.2`, by default 1."""
+    """Parse a rate such as `slow`, `80%` or `1.2`, or return 1.
+
+    A signed number is added to 1: `+20%` is 1.2.
+    """
     word = text.strip().lower()
     if word in RATE_WORDS:
         return RATE_WORDS[word]

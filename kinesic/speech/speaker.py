@@ -37,11 +37,11 @@ class Speaker:
 
     @property
     def latency(self) -> float:
-        """Last measured delay [s] of the audible sound."""
+        """Last measured delay [s] from requesting samples to hearing them."""
         return self._device.latency
 
     def play(self, sound: Sound, at: float) -> None:
-        """Play a sound at a time on the speaker's clock.
+        """Schedule a sound for a time [s] on the speaker's clock.
 
         The part before the current time is left out.
         """

@@ -66,7 +66,7 @@ _SILENT_E_LANGUAGES = ("en", "fr")
 
 
 def word_sounds(word: str, *, language: str = "en") -> tuple[str, ...]:
-    """Return the sounds of a word, at least one vowel.
+    """Return the approximate sounds of a word, at least one vowel.
 
     Args:
         word: letters of one word; accents are ignored.

@@ -1,6 +1,6 @@
 """Selection of the speech engine, and playback of recordings.
 
-A recording, else an engine, else the duration model.
+A recording has precedence over an engine, and an engine over the duration model.
 """
 
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recording import RecordingError, read_wav
 
-MAX_UNREMARKED_SHIFT = 0.05  # [s] largest distance of a mark from its word without a remark
+MAX_UNREMARKED_SHIFT = 0.05  # [s] largest shift of a mark from its word that causes no remark
 
 
 def voice(name: VoiceName = "durations") -> Voice:
@@ -41,12 +41,12 @@ def voice(name: VoiceName = "durations") -> Voice:
 
 @dataclass(frozen=True)
 class RecordedVoice:
-    """Voice that plays recordings and otherwise uses another voice."""
+    """Voice that uses a script's recording, or another voice without one."""
 
     voice: Voice
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
-        """Play a script's recording if it exists, or synthesise the script.
+        """Return the utterance of a script's recording, or synthesise the script.
 
         Mark times that are not given, and lip sounds, come from the duration model, and are placed in the audible parts
         of the recording, each word between the given times around it. An unreadable recording is spoken by the other

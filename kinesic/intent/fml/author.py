@@ -168,7 +168,10 @@ def _all(element: Element) -> Iterator[Element]:
 
 
 def _start_attributes(root: Element, bml: Element) -> dict[str, str]:
-    """Return the BML block's attributes, with those of the FML root."""
+    """Return the attributes of the generated <bml>, by name.
+
+    They are its own, and the namespaces and `composition` of the FML root, unless the <bml> has its own.
+    """
     composed = {
         name: text for name, text in root.attributes.items() if name.startswith("xmlns") or name == "composition"
     }

@@ -65,7 +65,7 @@ class Modulation:
 
 @dataclass(frozen=True, eq=False)
 class Agent:
-    """Expressivity of an agent by intention."""
+    """Expressivity and channel preferences of a Greta agent, by intention."""
 
     baseline: Values = field(default_factory=dict)
     qualifiers: Mapping[str, tuple[Modulation, ...]] = field(default_factory=dict)
@@ -91,7 +91,7 @@ class Agent:
         return {name: _clip(value, -1.0, 1.0) for name, value in parameters.items()}
 
     def weight(self, intent: str, channel: str, name: str) -> float:
-        """Return `preference` or `OAC` of a channel, 0 to 1.
+        """Return `preference` or `OAC` (overall activity) of a channel, 0..1.
 
         The default is 1.
         """

@@ -95,7 +95,7 @@ def _read_emphasis(state: Manuscript, *, ends: bool) -> Step | None:
 
 
 def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
-    """Find the asterisks or underscores that close an emphasis.
+    """Return the index of the signs that close an emphasis or code.
 
     Returns:
         -1 without closing signs, None if they may follow in text that has not arrived yet.

@@ -9,7 +9,7 @@ MAX_LABEL_WORDS = 3  # largest number of words in a speaker's name
 MAX_LABEL_LENGTH = 40  # [characters] longest name of a speaker
 MAX_MARKER_LENGTH = 12  # [characters] longest indent and marker of a list item
 MAX_SKIPPED_LENGTH = 2000  # [characters] longest piece of another speaker's line that is skipped at once
-MIN_WRAPPED_LENGTH = 55  # [characters] shortest line of wrapped text, whose end is no pause
+MIN_WRAPPED_LENGTH = 55  # [characters] shortest line that counts as wrapped text; its end causes no pause
 _MARKER_PATTERN = re.compile(r"[ \t]*(?:#{1,6}[ \t]+|[-+\u2022\u2023\u25e6*][ \t]+|\d{1,3}[.)][ \t]+|(?:>[ \t]?)+)")
 _TASK_PATTERN = re.compile(r"\[[ xX]\][ \t]+")
 MIN_RULE_LENGTH = 3  # smallest number of signs in a horizontal rule, or below the head of a table
@@ -144,7 +144,8 @@ def skip_other_speaker(state: Manuscript, *, ends: bool) -> Step | None:
 def find_speakers(text: str) -> frozenset[str]:
     """Return the speakers' names of a dialogue, in capitals.
 
-    A text is a dialogue if two names begin its lines, and no line has none.
+    A text is a dialogue if every line begins with a name and there are at least two names. Otherwise the result is
+    empty.
     """
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     labels = [_LABEL_PATTERN.match(line) for line in lines]

@@ -5,7 +5,7 @@ from typing import Literal
 
 from kinesic.body.scripts import SENTENCE_STOPS
 
-Mode = Literal["text", "thought", "code", "skipped", "other"]  # what the reader is inside of
+Mode = Literal["text", "thought", "code", "skipped", "other"]  # kind of text that the reader is in
 END_OF_SENTENCE = SENTENCE_STOPS  # punctuation signs at the end of a sentence
 LINE_PAUSE = 0.25  # [s] silence at the end of a line, in addition to that of its punctuation
 PARAGRAPH_PAUSE = 0.45  # [s] silence between paragraphs, in addition to that of punctuation

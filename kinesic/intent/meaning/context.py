@@ -9,7 +9,7 @@ from kinesic.body.scripts import PHRASE_STOPS
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 
-NEGATION_REACH = 5  # [words] number of words that a negating word denies after it
+NEGATION_REACH = 5  # [words] largest distance of a denied word after the negating word
 FRAGMENT_LENGTH = 4  # [words] length up to which a sentence is an exclamation rather than a report
 NUMBER_DIGITS = frozenset("0123456789")  # characters with which a number in digits begins
 
@@ -97,7 +97,10 @@ class Context:
         return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)
 
     def is_reported(self, k: int) -> bool:
-        """Return whether reported speech precedes a word."""
+        """Return whether a reporting verb about others precedes a word.
+
+        The verb stands earlier in the sentence and does not follow `I` or `we`.
+        """
         before = [j for j in self.sentence(k) if j < k]
         others = any(self.plain[j] in ("he", "she", "they") or self.passage.words[j].is_content for j in before)
         return others and any(
@@ -138,7 +141,7 @@ class Context:
         return False
 
     def is_asked_within(self, k: int) -> bool:
-        """Return whether a word stands within a yes-no question, not first."""
+        """Return whether a word follows the first word of a yes-no question."""
         if not self.is_question(k):
             return False
         clause = self.clause_words(k)

@@ -33,7 +33,7 @@ FORMAL_INTENTS = frozenset(
 
 
 def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> Intent | None:
-    """Remove the face and head signals of an intent where they mislead.
+    """Mute or drop an intent whose face and head signals mislead.
 
     Idioms say something else than their words. A feeling is shown only by the speaker who has it, not in a question, a
     wish, a denial or a report. The head does not nod where something is denied, sad or stern.
@@ -43,6 +43,9 @@ def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: 
         intent: of a rule.
         idioms: words of idioms.
         harmless: words of idioms that deny nothing.
+
+    Returns:
+        The intent, without its nod where a nod misleads; None if it is dropped.
     """
     if "emoticon" in intent.reason:
         return intent

@@ -33,7 +33,7 @@ def _names_by_stem(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...]
 
 
 def find_names(context: Context, lexicon: Lexicon) -> Iterator[Candidate]:
-    """Yield the gesture names that occur in a text."""
+    """Yield a candidate for each gesture name that occurs in a text."""
     names = _names_by_stem(lexicon)
     stems = [word_stem(word.replace("'", "")) for word in context.plain]
     for first, stem in enumerate(stems):

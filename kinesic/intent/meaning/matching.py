@@ -60,7 +60,10 @@ def _find_matches(context: Context, table: CueTable) -> Iterator[Candidate]:
 
 
 def _match(context: Context, pattern: Pattern, first: int) -> Span | None:
-    """Match a pattern from a word on, usually within one clause."""
+    """Return the match of a pattern from a word on, or None.
+
+    A match that crosses the punctuation between clauses is replaced by one within the first clause.
+    """
     stop = context.sentence(first)[-1] + 1
     span = pattern.match(context.plain, first, stop, context.is_number)
     if span is None or pattern.at_start or not _crosses_punctuation(context, span):
@@ -124,7 +127,7 @@ def _has_class(context: Context, k: int, near: int, names: frozenset[str], borde
 
 
 def _stroke_word(context: Context, span: Span) -> int:
-    """Return the word of a match that carries the stroke."""
+    """Return the index of a match's word that carries the stroke."""
     if span.stroke >= 0:
         return span.stroke
     words = context.passage.words

@@ -92,7 +92,10 @@ def _find_pictures(
     lexicon: Lexicon,
     liveliness: float,
 ) -> list[Picture]:
-    """Return the candidate gestures of cues, gesture names, questions and numbers."""
+    """Choose illustrating gestures by cues, gesture names and sentence structure.
+
+    A lively speaker also has open hands that present long statements.
+    """
     categories = _categories(lexicon)
     taken = {k for each in cues for k in range(each.first, each.last + 1)}
     names = [each for each in find_names(context, lexicon) if taken.isdisjoint(range(each.first, each.last + 1))]
@@ -121,7 +124,10 @@ def _builtin_names() -> frozenset[str]:
 
 
 def _mute(intent: Intent, lexicon: Lexicon) -> Intent:
-    """Remove the hand gesture from a rule's intent."""
+    """Mute a rule's hand gesture where gestures of cues replace it.
+
+    Gestures of accents, emoticons and `HAND_INTENTS` remain, and illustrations by gestures that are not built in.
+    """
     if intent.name in HAND_INTENTS or intent.name == "accent" or "emoticon" in intent.reason:
         return intent
     if intent.name in ILLUSTRATION_INTENTS and not set(intent.lexemes) <= _builtin_names():

@@ -17,7 +17,10 @@ HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures
 
 
 def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[int]) -> Iterator[Intent]:
-    """Yield one beat per sentence, and two in long sentences.
+    """Yield all intents, with one or two likely beats per sentence.
+
+    The accent on the last content word of a sentence becomes more certain, and a long sentence gets a further beat. The
+    accents of short sentences show no gesture unless they are emphasised.
 
     Args:
         context: the text.
@@ -70,7 +73,11 @@ def _beat(context: Context, k: int) -> Intent:
 
 
 def place_stroke(passage: Passage, k: int) -> int:
-    """Return the content word at or next to a beat."""
+    """Return the index of the content word at or near `k`.
+
+    Only the next and the previous word of the same phrase count as near. The result is `k` for an emphasised word, and
+    if no content word is near.
+    """
     words = passage.words
     if words[k].is_content or words[k].emphatic:
         return k

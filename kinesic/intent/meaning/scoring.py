@@ -63,7 +63,7 @@ LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Candidate gesture whose score is high enough to be performed."""
+    """Candidate gesture with its score, 0..1."""
 
     candidate: Candidate
     score: float

@@ -100,7 +100,7 @@ def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate
 
 
 def find_topics(context: Context) -> Iterator[Candidate]:
-    """Yield open hands that present the first thing of long statements.
+    """Yield a presenting gesture on each long statement's second content word.
 
     A lively speaker offers what is said to the listener, unless it is denied, sad or stern.
     """

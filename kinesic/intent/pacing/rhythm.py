@@ -13,7 +13,7 @@ BEAT_PREFIX = "beat"  # start of the ids of all beats in the lexicon
 INITIAL_DUE_STROKES = 0.3  # strokes that are already due at the first word of a text
 RUN_START_STROKES = 0.3  # number of due strokes at which a run of beats begins
 MAX_SURPLUS_STROKES = 0.7  # strokes ahead of the rate up to which a run of beats continues
-TEXT_END_FRACTION = 0.5  # fraction of the mean stroke interval without accents after which a text counts as ended
+TEXT_END_FRACTION = 0.5  # time assumed from the last accent to the next stroke / mean interval of strokes
 LOOK_AHEAD_TIME = 4.0  # [s] time ahead in which coming gestures count as strokes already made
 CHOICE_WINDOW = 0.5  # [s] time after an accent within which a stronger one takes its beat
 

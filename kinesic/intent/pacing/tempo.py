@@ -40,7 +40,9 @@ class Tempo:
 
 
 def limit_beats(tempo: Tempo, pictures: int, seconds: float) -> Tempo:
-    """Return a tempo whose rate leaves at most `MAX_BEAT_FRACTION` of beats.
+    """Return a tempo with its rate limited by the fraction of beats.
+
+    The fraction of beats is at most `MAX_BEAT_FRACTION`, but the rate does not fall below `min_rate`.
 
     Args:
         tempo: of the style.

@@ -38,7 +38,7 @@ class GestureUses:
         self._recent = [*self._recent, past.lexeme][-(NO_REPEAT_WINDOW - 1) :]
 
     def interval(self, lexeme: str, at: float) -> float:
-        """Return the time from a stroke to the nearest equal one [s]."""
+        """Return the time [s] to the gesture's nearest stroke, or infinity."""
         times = self._times.get(lexeme, [])
         place = bisect_left(times, at)
         return min((abs(at - time) for time in times[max(place - 1, 0) : place + 1]), default=float("inf"))
@@ -62,7 +62,7 @@ class GestureUses:
         return self.oldest(choices if name in BEAT_INTENTS else again, at)
 
     def oldest(self, choices: Sequence[Choice], at: float) -> Sequence[Choice]:
-        """Return the alternative shown longest ago, unless that is too recent."""
+        """Return the alternative shown longest ago, empty if all are recent."""
         free = [choice for choice in choices if self.interval(choice.lexeme, at) >= MIN_REPEAT_INTERVAL]
         return [max(free, key=lambda choice: self.interval(choice.lexeme, at))] if free else []
 
@@ -106,7 +106,7 @@ def draw_lexemes(
     beat_manner: Mapping[str, float] = NEUTRAL_MANNER,
     preferences: Mapping[str, float] = NO_PREFERENCES,
 ) -> Iterable[ChosenBehaviour]:
-    """Choose randomly a lexeme for each candidate, without recently used gestures.
+    """Choose a random lexeme for each candidate, without recently used gestures.
 
     Args:
         kept: candidates in the order of their strokes.

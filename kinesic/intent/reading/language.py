@@ -142,7 +142,7 @@ def check_tag(tag: str) -> None:
     """Check that a text is a language tag.
 
     Raises:
-        ConfigError: it is none.
+        ConfigError: the text is not a language tag.
     """
     if not _TAG_PATTERN.fullmatch(tag):
         raise ConfigError(f"language {tag!r} is not a language tag such as en, en-GB, pt-BR or zh")

@@ -26,7 +26,7 @@ class PhrasePart:
 
 
 def accent_of(passage: Passage, phrase: int) -> int:
-    """Return the accented word of a phrase: its last content word.
+    """Return the index of a phrase's accented word.
 
     It is the last word that the writer emphasises, otherwise the last content word. A phrase without content words has
     its accent on the last word.
@@ -37,7 +37,7 @@ def accent_of(passage: Passage, phrase: int) -> int:
 
 
 def stressed_near(passage: Passage, index: int) -> int:
-    """Return the word near which an intent's stroke is best placed.
+    """Return the index of the word that carries an intent's stroke.
 
     A content word, an emphasised one, and one in a phrase without content words, keeps it. Other words (`you`, `my`,
     `not`) are weak: the stroke falls on the next content word of their phrase, otherwise on the last one before them.
@@ -93,7 +93,7 @@ def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iter
 
 
 def clause_ends(passage: Passage, language: Language) -> list[int]:
-    """Return the last word of each word's clause.
+    """Return the index of the last word of each word's clause.
 
     A clause ends at punctuation, or before a word that begins another clause.
     """

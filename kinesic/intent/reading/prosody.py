@@ -19,7 +19,10 @@ NO_LAYERS: Layers = ((),)  # prosody of text without prosody elements
 
 
 def write_tag(tag: str, attributes: Mapping[str, str], *, is_alone: bool = False) -> str:
-    """Write a tag with its valid prosody attributes, or nothing without any."""
+    """Return a tag with its valid prosody attributes, empty without any.
+
+    A tag that stands alone is also written without attributes.
+    """
     valid = {name: attributes[name].strip() for name in PROSODY_ATTRIBUTES if name in attributes}
     written = "".join(f" {name}={quote(value)}" for name, value in valid.items() if _VALUE_PATTERN.fullmatch(value))
     return f"<{tag}{written}{'/' * is_alone}>" if written or is_alone else ""

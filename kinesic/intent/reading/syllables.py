@@ -7,7 +7,7 @@ from functools import lru_cache
 from kinesic.body.scripts import HAN_LETTERS
 from kinesic.intent.reading import stress
 
-WORD_CACHE_SIZE = 8192  # [words] whose syllables are cached
+WORD_CACHE_SIZE = 8192  # [words] largest number of words whose syllables are cached
 LETTERS_PER_SYLLABLE = 2.5  # mean letters per syllable in scripts of unknown structure
 CONSONANTS_PER_SYLLABLE = 2.0  # letters per syllable of scripts without vowels
 ENGLISH_RULES = frozenset({"en", "ja"})  # languages whose syllables `stress` counts
@@ -16,8 +16,9 @@ _FINAL_TAGS = "az ba cmn fa fr he hi ht hy kk km ky lo my th tk tr tt ug ur uz v
 _ACCENTED_TAGS = "ca es eu gl oc pt ro"
 INITIAL_STRESS = frozenset(_INITIAL_TAGS.split())  # languages with stressed first syllables
 FINAL_STRESS = frozenset(_FINAL_TAGS.split())  # languages with stressed last syllables
-CONSONANT_END_STRESS = frozenset(_ACCENTED_TAGS.split())  # a final consonant moves the stress to the end
-ACCENTED_STRESS = CONSONANT_END_STRESS | {"el", "it"}  # a written accent marks the stressed syllable
+# Languages in which most final consonants move the stress to the last syllable.
+CONSONANT_END_STRESS = frozenset(_ACCENTED_TAGS.split())
+ACCENTED_STRESS = CONSONANT_END_STRESS | {"el", "it"}  # languages in which a written accent marks the stress
 GERMANIC_PREFIXES = {  # unstressed first syllables
     "de": re.compile(r"(be|ge|er|ver|zer|ent|emp)(?=[^aeiouäöüy]*[aeiouäöüy].)(?![^aeiouäöü]e[lnrst]{0,2}$)"),
     "nl": re.compile(r"(be|ge|er|her|ver|ont)(?=[^aeiouy]*[aeiouy].)(?![^aeiou]e[lnrst]{0,2}$)"),
@@ -91,7 +92,7 @@ def _is_english(word: str, language: str) -> bool:
 
 
 def _find_accent(word: str, syllables: list[str], language: str) -> int:
-    """Return the stressed syllable of a language with written accents."""
+    """Return the index of the stressed syllable, in languages with written accents."""
     last = max(len(syllables) - 1, 0)
     for marks in (_STRESS_MARKS, _TILDE_MARK):
         marked = [k for k, each in enumerate(syllables) if set(marks) & set(unicodedata.normalize("NFD", each))]
@@ -102,7 +103,7 @@ def _find_accent(word: str, syllables: list[str], language: str) -> int:
 
 
 def _split(word: str, language: str) -> list[str]:
-    """Return a letter group for each syllable: its vowels, or an estimate."""
+    """Return the vowels of each syllable, empty if syllables are estimated."""
     if language == "fr":
         word = _SILENT_E.sub("", word) if len(_vowel_groups(word, has_hiatus=False)) > 1 else word
     groups = (

@@ -119,7 +119,7 @@ def _find_illustrations(passage: Passage, lexicon: Lexicon) -> Iterator[Intent]:
 
 @lru_cache(maxsize=WORD_CACHE_SIZE)
 def _find_illustration(lexicon: Lexicon, word: str) -> tuple[str, str] | None:
-    """Return the gesture with a word as its name, and its category."""
+    """Return id and category of a word's illustrating gesture, or None."""
     intents = lexicon.find(word)
     if intents is None or intents.substitute or intents.form.category not in CATEGORY_CERTAINTIES:
         return None
