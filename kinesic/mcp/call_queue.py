@@ -10,7 +10,7 @@ from typing import TypeVar
 from kinesic.mcp.errors import RefusedError
 
 MAX_CALLS = 64  # largest number of pending calls, including the current one
-MIN_CALL_INTERVAL = 0.1  # [s] shortest time between two calls; each sends two of 50 accepted messages per second
+MIN_CALL_INTERVAL = 0.1  # [s] shortest time between two calls, as the server accepts 50 messages per second
 REFUSAL_DELAY = 0.1  # [s] delay of answers to discarded calls, so that the emergency stop is answered first
 CLIENT_GONE = "the client is gone"  # answer to a call whose client has disconnected
 

@@ -49,9 +49,9 @@ class DirectLine(Generic[C, T]):
         self._earliest = 0.0  # [s] monotonic clock time at which it may start
 
     async def request(self) -> T:
-        """Wait for the result of a request that starts after this call.
+        """Return the result of the next request, shared by all waiting callers.
 
-        It is executed even if the caller is cancelled.
+        The request starts after this call, and is executed even if the caller is cancelled.
 
         Raises:
             OSError: two attempts failed.

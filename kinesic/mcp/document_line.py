@@ -37,7 +37,10 @@ class _Verdict:
 
 
 class DocumentLine:
-    """Connection for documents and questions, one call at a time."""
+    """Connection to the robot's server for BML documents and queries.
+
+    One call of `perform` or `speak` at a time.
+    """
 
     def __init__(self, connect: Callable[[], Client]) -> None:
         """Open the connection for documents.
@@ -52,7 +55,7 @@ class DocumentLine:
         self._verdict: _Verdict | None = None  # of the last document
         self._playing = set[str]()  # blocks of this connection that have not ended
         self._phrase: Future[str] | None = None  # block of the first phrase of a streamed text, once it is spoken
-        self._is_talking = False  # whether a streamed text is not spoken completely
+        self._is_talking = False  # whether streamed text waits or is being spoken
         self._gone: RobotError | None = None  # set when the server has closed the connection
         self._warnings = deque[str](maxlen=MAX_KEPT_WARNINGS)
         self._outcomes: dict[str, str] = {}  # of ended blocks, the latest last
@@ -75,7 +78,7 @@ class DocumentLine:
 
     @property
     def is_talking(self) -> bool:
-        """Whether a streamed text of this connection is not spoken completely."""
+        """Whether streamed text of this connection waits or is being spoken."""
         return self._is_talking
 
     def outcome(self, block: str) -> str | None:
@@ -131,7 +134,7 @@ class DocumentLine:
             style: its name; empty: that of the server.
 
         Returns:
-            Block of the first phrase; empty if it waits for what plays.
+            Block of the first phrase; empty if it waits for running blocks.
 
         Raises:
             RefusedError: the server refuses the text.
@@ -224,7 +227,7 @@ class DocumentLine:
                 self._is_talking = False
 
     def _judge(self, feedback: Feedback) -> None:
-        """Pass a document's acceptance or refusal to the waiting call."""
+        """Record a feedback message and answer the calls that wait for it."""
         if feedback.kind == "predictionFeedback":
             self._playing.add(feedback.subject)
         if feedback.kind == "warningFeedback":

@@ -1,6 +1,6 @@
 """JSON schema of BML documents for language models.
 
-It lists the values that perform.
+It lists only values that the robot performs.
 """
 
 from collections.abc import Mapping, Sequence

@@ -6,4 +6,4 @@ class RefusedError(ValueError):
 
 
 class RobotError(RuntimeError):
-    """Missing answer of the server, with the remedy."""
+    """Missing or failed answer of the robot's server, with the remedy."""

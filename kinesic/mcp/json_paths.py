@@ -19,7 +19,7 @@ class _Level:
 
 
 def find_json_path(text: str, line: int, column: int, *, problem: str = "") -> str:
-    """Return the path of a JSON value by its text place.
+    """Return the path of the JSON value at a line and column.
 
     Args:
         text: the document; it may be invalid after the place.

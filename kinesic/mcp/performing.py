@@ -180,7 +180,7 @@ def _planned_block(planned: RobotAnswer, document: str) -> str:
 
 
 def list_deviations(planned: RobotAnswer) -> Json:
-    """Return the deviations from the request, the first ones in words."""
+    """List the first deviations from the request, and count the others."""
     notices = planned["notices"]
     assert isinstance(notices, list)  # as docs/reference/wire-protocol.md says
     texts: list[Json] = [f"{notice['id']}: {notice['text']}" for notice in notices[:MAX_NOTICES]]

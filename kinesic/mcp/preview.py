@@ -27,14 +27,14 @@ NO_PICTURE_NOTE = "no picture: no behaviour has a stroke"
 
 @dataclass(frozen=True)
 class Preview:
-    """Result of a dry run."""
+    """Answer and stroke picture of a dry run."""
 
     answer: RobotAnswer
     picture: bytes | None  # PNG
 
 
 class Previewer:
-    """Executor of dry runs, apart from the documents that are performed."""
+    """Executor of dry runs, independent of the documents being performed."""
 
     def __init__(self, gate: RobotGate) -> None:
         """Create an executor for a robot that may still be starting."""

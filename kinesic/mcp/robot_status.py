@@ -6,7 +6,7 @@ from typing import cast
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import Json
 
-STARTING_STATE = "starting"  # state of a resting robot that soon performs
+STARTING_STATE = "starting"  # state reported for a resting robot with blocks waiting
 TORQUE_NOTE = "the servos hold their posture with torque on, until a person at the robot resumes or disarms them"
 TIME_DIGITS = 1  # decimal places of the times [s] in a robot status
 
@@ -47,7 +47,7 @@ def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[s
 
 
 def list_blocks(status: RobotAnswer) -> list[Mapping[str, Json]]:
-    """Return the blocks of the server's status that have not ended."""
+    """Return the unfinished blocks that a server status lists."""
     return cast(list[Mapping[str, Json]], status.get("blocks", []))
 
 

@@ -64,13 +64,13 @@ def make_server(
     resumes: bool,
     categories: Sequence[str] = GESTURE_CATEGORIES,
 ) -> ToolServer:
-    """Create the tool server.
+    """Create the MCP server with its tools, resources and prompt.
 
     Args:
         gate: access to the server that performs, which may still be starting.
         load_lexicon: returns the gestures to find; called in other threads, because its first call is slow.
         resumes: whether a model may resume after a stop; on servos only a person may.
-        categories: of these gestures, in alphabetical order.
+        categories: categories of these gestures, in alphabetical order.
     """
     server = ToolServer("kinesic", instructions=MODEL_INSTRUCTIONS, version=__version__, log_level="WARNING")
     _add_moving_tools(server, gate, resumes=resumes)
@@ -288,7 +288,7 @@ def write_speech(text: str, style: str, setup: "Setup", memory: "ChoiceMemory | 
     """Write BML that speaks a text with gestures in a style.
 
     Args:
-        text: to speak.
+        text: text to speak.
         style: its name; empty: that of the setup.
         setup: robot, language and seed.
         memory: gestures of earlier texts; None: there are none.

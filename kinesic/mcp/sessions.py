@@ -16,7 +16,7 @@ MAX_SESSIONS = 16  # largest number of HTTP sessions without pending calls
 
 @dataclass(eq=False)
 class _Session:
-    """Pending requests and open streams of an HTTP session."""
+    """Numbers of pending requests and open streams of an HTTP session."""
 
     pending_calls: int = 0
     streams: int = 0  # open streams of the client

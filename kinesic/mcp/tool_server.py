@@ -16,12 +16,12 @@ MAX_SHOWN_VALUE = 60  # [characters] longest part of an invalid value shown in a
 
 
 class ToolServer(MCPServer[None]):
-    """MCP server with plain argument errors."""
+    """MCP server that explains invalid arguments in sentences."""
 
     async def call_tool(
         self, name: str, arguments: Mapping[str, object], context: Context[None, object] | None = None
     ) -> CallToolResult | InputRequiredResult:
-        """Call a tool by name.
+        """Call a tool, and explain invalid arguments in the error.
 
         Raises:
             ToolError: the tool is unknown, an argument is invalid, or the tool refuses the call.

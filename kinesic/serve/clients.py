@@ -117,9 +117,9 @@ class ClientRegistry:
         return client
 
     def place(self, client: ConnectedClient) -> bool:
-        """Reserve one of the limited client places for an admitted client.
+        """Reserve a client place and return whether the client has one.
 
-        Return False if none is free.
+        A client that is not admitted, or comes when all places are taken, has none.
         """
         if not client.placed and client.admitted and self._taken < self.rules.clients:
             client.placed = True
@@ -136,7 +136,10 @@ class ClientRegistry:
         client.output.discard()
 
     def is_token(self, token: str | None) -> bool:
-        """Return whether a token is correct."""
+        """Return whether a text equals the server's token.
+
+        False if the server has no token.
+        """
         correct = self.access.token
         shown = (token or "").encode(errors="surrogateescape")  # a header may hold any bytes
         return correct is not None and compare_digest(shown, correct.encode())
@@ -198,7 +201,7 @@ class ClientRegistry:
         return client.open and client.number in self._clients
 
     def _free(self, client: ConnectedClient) -> None:
-        """Turn a client's connection into an emergency-stop connection."""
+        """Mark a connection as an emergency-stop line, or refuse standard input."""
         client.stops_only = client.movable
         if not client.movable:
             self._refuse(client, json_answer("refused", why="standard input cannot become a stop line; send stop here"))

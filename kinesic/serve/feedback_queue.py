@@ -65,7 +65,10 @@ class FeedbackQueue:
         return True
 
     def pending_blocks(self) -> list[PendingBlock]:
-        """Return the blocks that have not ended, by their end (any thread)."""
+        """Return the blocks that have not ended, sorted by end time.
+
+        Any thread may call this.
+        """
         messages = self.messages
         starts = {message.key[0]: message.time for message in messages if message.is_block_start}
         return [
@@ -75,11 +78,11 @@ class FeedbackQueue:
         ]
 
     def hand_over(self, agenda: Sequence[ScheduledFeedback]) -> None:
-        """Restrict later feedback changes to messages that a new planner knows of."""
+        """Let a new planner change only the messages of its agenda."""
         self._agenda = {message.key for message in agenda}
 
     def due(self, now: float) -> ScheduledFeedback | None:
-        """Return the next message if it is due."""
+        """Return the next message if it is due, otherwise None."""
         return self.messages[0] if self.messages and self.messages[0].time <= now else None
 
     def sent(self) -> ScheduledFeedback:

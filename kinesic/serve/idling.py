@@ -34,7 +34,7 @@ class IdleScheduler:
         self._until = -inf
 
     def postpone(self, now: float) -> None:
-        """Delay the next idle motion after a rejected proposal."""
+        """Delay the next spell by `IDLE_SPELL_DURATION` after a rejected proposal."""
         self._earliest = now + IDLE_SPELL_DURATION
 
     def next_time(self, scene: Scene) -> float:

@@ -176,7 +176,7 @@ ClientRequest = DocumentRequest | Interruption | Restyling | Resumption | Renewa
 
 @dataclass(frozen=True, eq=False)
 class LoopStart:
-    """State of the control loop from which a planner plans on."""
+    """State of the control loop from which a new planner continues."""
 
     motion: Trajectory
     stops: int  # executed emergency stops

@@ -114,7 +114,10 @@ def run_planner(
 
 
 class PlannerState:
-    """Scene of running blocks, changed only by proposals that the loop accepts."""
+    """Planner state: running blocks, streamed texts, idling and refinements.
+
+    The scene of running blocks changes only by proposals that the loop accepts.
+    """
 
     def __init__(
         self,
@@ -196,14 +199,14 @@ class PlannerState:
             self._tell(json_answer("all_said", block=block), sender)
 
     def _queue_words(self, words: Words) -> None:
-        """Queue streamed text, and mark its client as having unfinished work."""
+        """Queue streamed text, or tell its client why it is refused."""
         refusal = self._talks.take(words, self._clock.now())
         if refusal:
             self._tell(quota_feedback("waiting", refusal), words.sender)
         self._shared.propose(advance)
 
     def request_refinement(self) -> None:
-        """Send the next block to be replanned to the refiner, if idle."""
+        """Send the next block to replan to the refiner, unless busy."""
         if self._refining or (replan := self._shared.pop_replan()) is None:
             return
         self._refiner.send_bytes(pack(RefinementJob(replan, self._scene.setup.style, self._renewals)))

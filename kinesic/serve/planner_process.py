@@ -44,7 +44,7 @@ class PlannerProcess:
 
 
 class Planner:
-    """Planner as seen by the server.
+    """Manager of the planner processes: the working one and its spare.
 
     Used only in the server's asyncio loop.
     """
@@ -142,9 +142,10 @@ class Planner:
         return child_context(planner.__name__, session_setup.__name__, self._make_setup.__module__)
 
     def send(self, request: ClientRequest) -> None:
-        """Send a request to the planner.
+        """Send a request to the planner, which must be free.
 
-        It must be free.
+        Raises:
+            RuntimeError: the planner is not warm or has a request.
         """
         if self._working is None or not self.is_free:
             raise RuntimeError("the planner is busy; send only when it is free")

@@ -20,9 +20,10 @@ PROGRESS_PREFIX = "<syncPointProgress"  # beginning of messages that a full queu
 
 
 def join_words(earlier: Message, later: Message) -> Words | None:
-    """Join queued text with the text that follows it.
+    """Return two successive pieces of streamed text as one, if possible.
 
-    Return None if impossible.
+    Return None if one is a document, their styles differ, the earlier one ends its text, the later one replaces it, or
+    the result is too long.
     """
     if not (isinstance(earlier, Words) and isinstance(later, Words)) or later.style != earlier.style:
         return None
@@ -51,9 +52,9 @@ class FairQueue:
         return sender in self._queues
 
     def add(self, document: Message) -> bool:
-        """Add a document.
+        """Add a document, or return False if the client's queue is full.
 
-        Return False if the client's queue is full.
+        Streamed text is joined with queued text where possible.
         """
         queue = self._queues.setdefault(document.sender, deque())
         joined = join_words(queue[-1], document) if queue else None
@@ -136,7 +137,10 @@ class OutputQueue:
         return len(self._messages)
 
     def put(self, message: str) -> None:
-        """Add a message without blocking."""
+        """Add a message, dropping old ones if the queue is full.
+
+        This never blocks. After `end`, messages are ignored.
+        """
         if self._ended:
             return
         size = getsizeof(message)

@@ -50,7 +50,7 @@ class PendingConnection:
         self.watch: TimerHandle | None = None  # closes the connection if it stays silent
 
     def dismiss(self) -> None:
-        """Close the connection."""
+        """Close the connection, or cancel the task that serves it."""
         if self.watch is not None:
             self.watch.cancel()
         if self.task is None:
@@ -148,7 +148,7 @@ class Reception:
             self._await_first(connection, ":".join(map(str, address[:2])))
 
     def _drop_pending(self, *, min_count: int) -> None:
-        """Close the oldest pending connections down to the limit."""
+        """Close `min_count` of the oldest connections, and more above the limit."""
         while self._pending and (min_count > 0 or len(self._pending) >= self._max_pending):
             self._dismiss(next(iter(self._pending)))
             min_count -= 1
@@ -209,9 +209,10 @@ class Reception:
             self._stop_lines.take(socket.socket(fileno=pending.socket.detach()), wire)
 
     def _notice(self, pending: PendingConnection, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
-        """Remove a client from the pending connections once it is admitted.
+        """Lift the initial limits of a client that is admitted or placed.
 
-        Afterwards it may send more data, and new connections do not replace it.
+        An admitted client may send more data. The connection of a client with a place is no longer pending, so that new
+        ones do not replace it.
         """
         if client.admitted:
             line.admit()

@@ -54,7 +54,7 @@ async def open_serving(
     folder: Path | None = None,
     writers: Writers = NO_WRITERS,
 ) -> AsyncIterator[Serving]:
-    """Open a server after planner warm-up.
+    """Open a server within the context, once its planner is warm.
 
     Fold the robot at the end.
 

@@ -38,7 +38,7 @@ RENEWAL_PERIOD = 1.0  # [s] minimum time between two lexicon reloads
 
 
 class Session:
-    """Performer of client documents and requests."""
+    """Control loop, planner and queues that perform documents of clients."""
 
     def __init__(
         self,
@@ -101,9 +101,9 @@ class Session:
         self.loop.late_ticks = 0  # delays of the start do not count
 
     def perform(self, document: Message) -> str | None:
-        """Queue a document.
+        """Queue a document, or return the BML feedback that refuses it.
 
-        Return BML feedback if it is refused, else None.
+        None if the document is accepted.
         """
         if self._is_stopped:
             return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(document.text))
@@ -143,14 +143,14 @@ class Session:
             self._request(Resumption(self.loop.stop_count))
 
     def interrupt(self, block: str | None) -> None:
-        """End one block softly, or all running and waiting blocks."""
+        """End one block, or all for None, with a smooth return motion."""
         if block is None:
             for document in self._documents.clear():
                 self._refuse(document, "interrupted", "everything was interrupted before this was planned")
         self._request(Interruption(block))
 
     def restyle(self, restyling: Restyling) -> None:
-        """Change the style of running and future blocks."""
+        """Change the style of one block, or of running and future ones."""
         self._request(restyling)
 
     def status(self) -> dict[str, object]:

@@ -39,7 +39,7 @@ class Verdict(Enum):
 
 
 class SharedScene:
-    """Scene of the planner whose motion the loop plays."""
+    """Scene of the planner, changed only by proposals that the loop accepts."""
 
     def __init__(
         self,
@@ -90,9 +90,9 @@ class SharedScene:
         return first
 
     def propose(self, change: Change, *, moves: bool = True) -> Verdict:
-        """Propose a change repeatedly until the loop accepts it.
+        """Propose a change until the loop accepts it or attempts run out.
 
-        The number of attempts is limited.
+        The number of attempts is `MAX_PROPOSAL_ATTEMPTS`.
 
         Args:
             change: computes the next scene from the current one and a time [s].

@@ -86,7 +86,7 @@ class Talks:
     def take(self, words: Words, now: float) -> str:
         """Add streamed words that a client sent at a time [s].
 
-        Return the reason if they are refused.
+        Return why they are refused, or an empty text.
         """
         speech = self._texts.get(words.sender, StreamedText(self._empty, now))
         text = words.text if isinstance(words.text, str) else words.text.decode(errors="replace")
@@ -104,7 +104,7 @@ class Talks:
         self._texts.clear()
 
     def next_time(self, scene: Scene) -> float:
-        """Return the next possible phrase start [s], or infinity."""
+        """Return when [s] the next phrase may become ready, or infinity."""
         last_speech = _last_speech(scene)
         times = [speech.heard + quiet for speech in self._texts.values() for quiet in (SETTLING_TIME, MAX_SILENCE)]
         if self._texts and last_speech is not None:
@@ -112,7 +112,10 @@ class Talks:
         return min((time for time in times if time > self._last_check), default=inf)
 
     def next_phrase(self, scene: Scene, now: float) -> Phrase | None:
-        """Return the next complete phrase, or None while speech runs."""
+        """Return the next complete phrase if it is time to plan it.
+
+        None if no phrase is complete, or while speech runs for longer than `PHRASE_PLANNING_TIME`.
+        """
         self._last_check = now
         last_speech = _last_speech(scene)
         if any(block.state is BlockState.LURKING and block.speeches for block in scene.blocks):

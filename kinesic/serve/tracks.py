@@ -48,15 +48,12 @@ Version = tuple[int, float, float, int]  # identity of the inputs of a block's t
 
 
 def track_version(running: RunningBlock) -> Version:
-    """Return a version of a block's face and sound track.
-
-    A new value needs a new track.
-    """
+    """Return a key that changes when a block needs a new track."""
     return id(running.prepared.plan), running.zero, running.end, len(running.times)
 
 
 def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
-    """Compute the track of a running block."""
+    """Compute the face and sound track of a running block."""
     plan, zero = running.prepared.plan, running.zero
     begin = zero - plan.trajectory.zero
     sounds = tuple(
@@ -70,7 +67,7 @@ def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
 def changed_tracks(
     scene: Scene, old_versions: Mapping[str, Version], accompaniment: SoundAndFace
 ) -> tuple[dict[str, Version], dict[str, Track | None]]:
-    """Compute changed face and sound tracks, and the versions of all.
+    """Return the versions of all tracks, and the changed tracks.
 
     Args:
         scene: running blocks.
@@ -135,7 +132,7 @@ class Effects:
         self.take(dict.fromkeys(self._tracks))
 
     def face(self, time: float) -> dict[str, float]:
-        """Return the maximum action unit intensities at a clock time [s]."""
+        """Return each action unit's maximum over the tracks at a time [s]."""
         intensities: dict[str, float] = {}
         for track in self._tracks.values():
             for unit, value in track.at(time).items():

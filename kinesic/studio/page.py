@@ -57,10 +57,7 @@ def page_files(
 
 
 def body_data(robot: Robot) -> dict[str, Json]:
-    """Return the page's data of a robot.
-
-    Shapes, joints with ranges, hands and gesture space.
-    """
+    """Return shapes, joints, hands and gesture space of a robot as JSON."""
     skeleton, neck = robot.skeleton, robot.chains.get("neck")
     return {
         **scene_data(robot),

@@ -31,7 +31,7 @@ def is_document_name(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Listing:
-    """Sorted names of documents."""
+    """Sorted document names, and whether the list is complete."""
 
     names: tuple[str, ...]
     is_whole: bool  # whether the listing is complete
@@ -48,7 +48,10 @@ class DocumentFolder:
         self._folder = folder
 
     def list(self) -> Listing:
-        """List the documents, up to a maximum number of folder entries."""
+        """Return the sorted document names and whether the list is complete.
+
+        At most `MAX_SCANNED_ENTRIES` folder entries are examined, and at most `MAX_LISTED_NAMES` names are returned.
+        """
         if self._folder is None:
             return Listing((), is_whole=True)
         with os.scandir(self._folder) as entries:
@@ -63,7 +66,7 @@ class DocumentFolder:
         """Read a document.
 
         Raises:
-            ConfigError: the document does not exist or is too large.
+            ConfigError: the name is invalid, or the document does not exist or is too large.
         """
         raw = _read_regular(self._path(name))
         if raw is None:
@@ -118,7 +121,7 @@ def _is_regular(entry: "os.DirEntry[str]") -> bool:
 def _read_regular(path: Path) -> bytes | None:
     """Read a regular file, up to one byte beyond the size limit.
 
-    Return None otherwise.
+    Return None if it is missing, unreadable or not a regular file.
     """
     try:
         file = os.open(path, OPEN_FLAGS)

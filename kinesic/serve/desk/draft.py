@@ -108,7 +108,10 @@ def draft_json(plan: Plan) -> dict[str, Json]:
 
 
 def locate_error(text: str) -> dict[str, Json]:
-    """Split an error message into line, column and text."""
+    """Split an error message into line, column and text.
+
+    A message without a place gets line 1, column 1.
+    """
     match = ERROR_PATTERN.fullmatch(text)
     if match is None:
         return {"line": 1, "column": 1, "text": text}
@@ -124,7 +127,7 @@ def _words(plan: Plan) -> Iterator[dict[str, Json]]:
 
 
 def _phonemes(plan: Plan) -> Iterator[list[Json]]:
-    """Yield symbol and start [s] of every phoneme."""
+    """Yield each phoneme's symbol and start [s after the first command]."""
     for timed in plan.timeline.timed:
         if (utterance := plan.utterances.get(timed.behaviour.id)) is not None:
             begin = plan.trajectory.zero + timed.times["start"]
@@ -133,7 +136,7 @@ def _phonemes(plan: Plan) -> Iterator[list[Json]]:
 
 
 def _loudness(plan: Plan) -> str:
-    """Return the speech's peak loudness per row of angles, in base64.
+    """Return the speech's peak amplitude per row of angles, in base64.
 
     Values are 0 to 255, relative to the loudest row; empty without sound.
     """

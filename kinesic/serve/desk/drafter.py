@@ -59,7 +59,7 @@ def answer_draft(question: DraftQuestion, setup: Setup, rules: Quotas, *, writer
 
 
 def draft_failure(question: ClientQuestion, why: Unanswered, rules: Quotas) -> str:
-    """Return the error answer to a plan query that was not processed."""
+    """Return the answer to a drafting query that was not processed."""
     if why is Unanswered.OUTDATED:
         return _answer_json(question, {"outdated": True})
     return _answer_json(question, _failure(timeout_message(rules)))

@@ -15,7 +15,7 @@ ANSWER_DIGITS = 4  # decimal places of angles [rad] and lengths [m]
 
 
 def answer_reach(question: ReachQuestion, setup: Setup, _rules: Quotas) -> str:
-    """Answer a reach query with the posture and its obstacles."""
+    """Return the reached posture with its obstacles, or a refusal, as JSON."""
     robot, rest = setup.robot, setup.robot.skeleton.rest
     start = rest if question.posture is None else np.array(question.posture, dtype=np.float64)
     if start.shape != rest.shape:

@@ -53,7 +53,7 @@ def gesture_text(lexeme: str, lexicon: Lexicon) -> str:
 
 
 def draft_gesture(toml: str, changes: tuple[str, ...], setup: Setup) -> dict[str, Json]:
-    """Plan the first gesture of a TOML file alone.
+    """Plan a TOML file's first gesture alone and return its preview.
 
     Args:
         toml: text of the file.
@@ -82,17 +82,13 @@ def plan_alone(form: GestureForm, setup: Setup) -> Plan:
     """Plan a block with this gesture only.
 
     Raises:
-        BmlError: the gesture cannot be plan.
+        BmlError: the gesture cannot be planned.
     """
     return plan_block(parse(SINGLE_GESTURE_BML.format(quoteattr(form.id))), setup)
 
 
 def read_gesture_file(toml: str, setup: Setup) -> tuple[tuple[GestureForm, ...], Lexicon]:
-    """Read a gesture file.
-
-    Return its gestures and a lexicon with them.
-
-    There is at least one gesture.
+    """Return a file's gestures (at least one) and a lexicon with them.
 
     Raises:
         ConfigError: the file is invalid or has no gesture.
@@ -123,7 +119,7 @@ def _key_times(plan: Plan, form: GestureForm) -> Sequence[float]:
 
 
 def _checks(plan: Plan, form: GestureForm) -> list[Mapping[str, Json]]:
-    """Return the results of all checks for the gesture's author."""
+    """Check reach, clearance, distinctness and duration of a planned gesture."""
     robot, rest = plan.setup.robot, plan.setup.robot.skeleton.rest
     clearance = float(plan.clearance.distances.min())
     checks: list[Mapping[str, Json]] = []
@@ -161,7 +157,7 @@ def _check_distinct(setup: Setup, form: GestureForm) -> Mapping[str, Json]:
 
 @lru_cache(maxsize=1)
 def _stroke_appearances(pace: Pace) -> Mapping[str, StrokeAppearance]:
-    """Return the stroke appearance of all built-in gestures.
+    """Return the stroke appearance of each built-in gesture, by id.
 
     The first call takes a second.
     """

@@ -18,9 +18,9 @@ MAX_GESTURE_FILE_SIZE = 200_000  # [bytes] largest gesture file; about the size 
 
 
 def find_fault(text: str, present: str | None, setup: Setup) -> str:
-    """Return why a gesture file is invalid.
+    """Return why a gesture file must not be saved.
 
-    Empty if it is valid.
+    Empty if it may be saved.
 
     Args:
         text: text of the file.

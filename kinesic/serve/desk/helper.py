@@ -127,9 +127,9 @@ class Helper(Generic[Q]):
             reply(Unanswered.FAILED if answer is None else answer)
 
     async def _try(self, action: Callable[[], Coroutine[None, None, R]]) -> R | None:
-        """Await a process exchange, and kill the process on failure.
+        """Return the result of a process exchange, or None on failure.
 
-        On failure or timeout, kill the process and return None.
+        After a failure or timeout, the process is killed.
 
         The next query starts another process.
         """

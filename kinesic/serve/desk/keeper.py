@@ -34,7 +34,7 @@ class _RequestQueue:
 
 
 class DocumentKeeper:
-    """Executor of document requests of all clients."""
+    """Executor of all clients' requests to save and open documents."""
 
     def __init__(
         self,
@@ -58,7 +58,10 @@ class DocumentKeeper:
         self._tasks: set[Task[None]] = set()
 
     def take(self, requester: Requester, request: Request) -> None:
-        """Execute a request after all earlier ones of the same client."""
+        """Execute a request after all earlier ones of the same client.
+
+        Refuse it if `MAX_WAITING_REQUESTS` of this client are pending.
+        """
         queue = self._queues.setdefault(requester.number, _RequestQueue())
         if queue.count >= MAX_WAITING_REQUESTS:
             requester.send(

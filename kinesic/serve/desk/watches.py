@@ -39,7 +39,7 @@ class Watches:
         self._task: Task[None] | None = None
 
     def set(self, requester: Requester, rate: float) -> None:
-        """Subscribe a client to joint states at a rate [Hz].
+        """Subscribe a client to robot state reports at a rate [Hz].
 
         0 ends its subscription.
         """

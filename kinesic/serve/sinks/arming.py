@@ -46,7 +46,7 @@ class MotionControl(Protocol):
         """
 
     def interrupt(self, block: str | None) -> None:
-        """End one block, or all, softly."""
+        """End one block, or all for None, with a smooth return motion."""
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,10 @@ class ServoLearner:
         self._attempts = 0
 
     def see(self, cycles: Iterable[Status]) -> None:
-        """Add new servo cycles without blocking."""
+        """Add new servo cycles without blocking.
+
+        Enough motion, followed by rest, starts the identification.
+        """
         if self._result is None and self._attempts < MAX_ATTEMPTS:
             for cycle in cycles:
                 self._add(cycle)

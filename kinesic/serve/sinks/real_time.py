@@ -71,7 +71,7 @@ class TelemetrySink(Protocol):
     """Sink that records servo cycles."""
 
     def take_cycles(self) -> Iterable[Status]:
-        """Return setpoints and angles of all cycles since the last call."""
+        """Return the servo status of every cycle since the last call."""
 
 
 @runtime_checkable
@@ -94,7 +94,7 @@ class ServoSink(Protocol):
         """Return the latest telemetry of the servos."""
 
     def arm(self) -> None:
-        """Forward commands to the servos from now on."""
+        """Forward commands to the servos, of which the first enables torque."""
 
     def disarm(self) -> None:
         """Fold and disable the torque, which takes seconds."""
@@ -107,7 +107,7 @@ class ServoSink(Protocol):
 
 
 class RealTwin:
-    """Twin for a server, with bounded memory for unlimited run time."""
+    """Simulated robot for a server, with bounded memory for any run time."""
 
     def __init__(self, robot: Robot, *, factors: Factors = NOMINAL_FACTORS) -> None:
         """Create a twin at rest with the given servo deviations."""
@@ -127,7 +127,10 @@ class RealTwin:
         )
 
     def take_cycles(self) -> tuple[Status, ...]:
-        """Return setpoints and angles of all commands since the last call."""
+        """Return the servo status after each command since the last call.
+
+        At most the last `LOG_CAPACITY`.
+        """
         cycles = tuple(self._cycles)
         self._cycles.clear()
         return cycles
@@ -168,7 +171,7 @@ class RealTimeSink:
         self._next = 0  # tick of the next command
 
     def follow(self, motion: Trajectory, now: float, setup: Setup, face: Face) -> None:
-        """Send all commands that are due at a time [s]."""
+        """Send all commands due until a clock time [s] plus `ahead`."""
         last = floor((now + self.ahead) * COMMAND_RATE + TICK_TOLERANCE)
         if last < self._next:
             return

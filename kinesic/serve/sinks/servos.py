@@ -153,7 +153,10 @@ class RealServos:
         return None if isnan(status.time) else status.time_at(clock)
 
     def take_cycles(self) -> tuple[Status, ...]:
-        """Return setpoints and angles of all supervisor cycles since the last call."""
+        """Return the servo status of every cycle since the last call.
+
+        At most the last `LOG_CAPACITY`.
+        """
         cycles = tuple(self._cycles)
         self._cycles.clear()
         return cycles

@@ -32,7 +32,7 @@ class WebFile:
     body: bytes
 
 
-NO_FILES: Mapping[str, WebFile] = MappingProxyType({})
+NO_FILES: Mapping[str, WebFile] = MappingProxyType({})  # files of a server without a page, by path
 
 
 def asks_for_file(request: Request) -> bool:
@@ -41,10 +41,7 @@ def asks_for_file(request: Request) -> bool:
 
 
 def file_response(path: str, files: Mapping[str, WebFile]) -> Response:
-    """Return the HTTP response for a path.
-
-    Only listed files are content.
-    """
+    """Return the HTTP response for a path, 404 if not listed."""
     file = files.get(path.partition("?")[0])
     status = HTTPStatus.OK if file is not None else HTTPStatus.NOT_FOUND
     content = file or WebFile("text/plain; charset=utf-8", b"there is no such page\n")

@@ -54,9 +54,7 @@ class Transport:
         self._left = None
 
     async def read(self, *, hurry: bool) -> bytes:
-        """Read the next bytes.
-
-        Return empty bytes at the end.
+        """Read the next bytes, empty once the client has ended sending.
 
         Args:
             hurry: whether the time limit applies.

@@ -53,9 +53,7 @@ class WebSocket:
         authorities: frozenset[str],
         files: Mapping[str, WebFile] = NO_FILES,
     ) -> bool:
-        """Read and answer the HTTP request.
-
-        Return whether it contained the token.
+        """Answer the HTTP request and return whether it contained the token.
 
         Args:
             access: token and allowed origins.
