@@ -7,4 +7,4 @@ VoiceName = Literal["auto", "espeak", "durations"]  # speech engine; durations i
 GrammarName = Literal["rules", "spacy"]  # parser of phrases and clauses in plain text
 InvertedTerms = Literal["full", "lag", "none"]  # inverted terms of the servo model: all; velocity lag only; none
 Variant = Literal["female", "male"]  # face model
-Skin = Literal["female"]  # skin of the whole figure
+Skin = Literal["female"]  # skin mesh of a virtual human's whole body

@@ -77,7 +77,7 @@ class Sink(Protocol):
         """
 
     def close(self) -> None:
-        """End the performance that the commands make up.
+        """End the performance after the last command.
 
         Called once, in `finally`.
         """

@@ -22,10 +22,10 @@ MAX_FILE_SIZE = 4_000_000  # [bytes] largest accepted configuration file
 MAX_KEY_PARTS = 32  # Largest number of parts of a dotted TOML key
 MAX_NESTING = 32  # Largest depth of nested lists and tables in a TOML file
 
-_KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # part of a key, or a value
+_KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # pattern of a key part, or of a value on one line
 _KEY_DOT = r"[ \t]*+\.[ \t]*+"  # separator of the parts of a dotted key
-_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # TOML strings of several lines
-_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # literal TOML strings of several lines
+_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # pattern of basic multi-line strings, even open
+_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # pattern of literal multi-line strings, even open
 _DEEP_KEY = rf"(?P<deep>{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART}){{{MAX_KEY_PARTS}}})"
 _OTHER_TEXT = r"""[^\w+"'#\[\]{}-]++|."""  # text without effect on nesting
 _TOKEN_PATTERN = re.compile(
@@ -136,7 +136,7 @@ def fit_schema(data: object, schema: type[T], path: Path) -> T:
 
 
 def locate_config(kind: str, name: str | Path) -> Path:
-    """Return the file of a robot or style.
+    """Return the path of a robot or style file.
 
     A path ends in .toml; a name is searched in `configs/KINDs/`.
 
@@ -181,7 +181,7 @@ def names_of(kind: str) -> tuple[str, ...]:
 
 
 def suggestion(word: str, valid_names: Iterator[str] | list[str] | tuple[str, ...]) -> str:
-    """Suggest the valid name nearest to an unknown one.
+    """Return a hint with the valid name nearest to an unknown one.
 
     Returns:
         '; did you mean X?', or a list of all valid names if none is near.
@@ -221,7 +221,10 @@ def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
 
 
 def _suggest_key(message: str, schema: object) -> str:
-    """Suggest the valid keys for an unknown or malformed TOML field."""
+    """Return a hint with the valid keys for a schema error.
+
+    Empty if the error is about a value.
+    """
     place = re.search(r" at `\$([^`]*)`", message)
     schemas = [schema]
     for part in re.findall(r"\.[^.\[]+|\[[^\]]*\]", place.group(1) if place else ""):

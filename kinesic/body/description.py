@@ -33,7 +33,7 @@ class Exclusion:
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """Named point on a segment."""
+    """Named point on a segment, with a facing direction."""
 
     segment: str
     position: Floats  # (3,) [m] in the segment

@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats
 class Load:
     """Largest holding torque and inertia of each hinge over all postures.
 
-    Of a left and a right hinge, both have the larger value.
+    Mirrored hinges share the larger value of both sides.
     """
 
     holding: Floats  # (n,) [Nm] torque against gravity

@@ -45,7 +45,7 @@ class Limits:
         )
 
     def part(self, hinges: Indices) -> "Limits":
-        """Select the limits of some hinges."""
+        """Return the limits of the hinges with given indices."""
         return Limits(*(sealed(values[hinges]) for values in vars(self).values()))
 
     @classmethod

@@ -158,7 +158,7 @@ class Robot(Description, NotebookView):
         return frozenset(self.skeleton.segment(name) for side in SIDES for name in self.fingers(side))
 
     def body_frames(self, angles: Floats) -> Frames:
-        """Compute the forward kinematics without the fingers.
+        """Compute the world frames of all segments except fingers.
 
         The angles are (..., n) [rad]; the frames of finger segments are undefined.
         """

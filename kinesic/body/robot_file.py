@@ -19,8 +19,8 @@ from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Coupling, Hinge, Segment, Skeleton
 
 FINGER_CHAINS = {"l_fingers", "r_fingers"}  # Chains that form one body each in collision checks
-MAX_AXIS_LENGTH = 1e6  # Longest axis before normalisation; the shortest is its inverse
-RANGE_TOLERANCE = 1e-6  # [deg] excess of a coupling over its range that is accepted
+MAX_AXIS_LENGTH = 1e6  # Largest accepted length of an axis in the file; the smallest is its inverse
+RANGE_TOLERANCE = 1e-6  # [deg] accepted excess of a coupled rotation over its range
 
 
 def servo_models() -> dict[str, ServoModel]:
@@ -118,7 +118,7 @@ def _hinge(hinge: HingeTable, rest: float) -> Hinge:
 
 
 def _mount(hinge: HingeTable, models: Mapping[str, ServoModel]) -> Mount:
-    """Return the servos of a hinge, and their mounting place.
+    """Return a hinge's drive with the mounting place of its servos.
 
     A hinge with limits gets a massless drive made from them.
     """

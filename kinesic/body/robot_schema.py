@@ -172,7 +172,7 @@ class RobotFile(Strict):
 
 
 def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str, str]) -> str:
-    """Return a robot without mirror and buses as TOML text.
+    """Return a robot's tables as TOML text, except mirror and buses.
 
     Args:
         file: the tables.
@@ -214,7 +214,7 @@ def changes_text(
     robot: Mapping[str, str],
     heading: Sequence[str],
 ) -> str:
-    """Write the tables of a robot that extends another as TOML.
+    """Return the tables of a robot that extends another as TOML.
 
     Values that equal their default are written, too.
 

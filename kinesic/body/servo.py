@@ -18,7 +18,10 @@ USABLE_VELOCITY_FRACTION = 0.8  # Maximum planned velocity / no-load velocity
 
 @dataclass(frozen=True)
 class ServoModel:
-    """One row of `configs/servos.toml`, at the servo's own output shaft."""
+    """Data of one servo model, at the servo's own output shaft.
+
+    One table of `configs/servos.toml` or of a robot file's `[servos]`.
+    """
 
     name: str
     model: int  # model number in the servo's control table

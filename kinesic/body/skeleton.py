@@ -40,7 +40,7 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Hinge:
-    """One degree of freedom, with an MPEG-4 BAP name.
+    """Rotational joint with one degree of freedom and an MPEG-4 BAP name.
 
     The axes of the hinges of one segment pass through its origin or near it.
     """
@@ -171,7 +171,7 @@ class Skeleton:
 
     @lru_cache(maxsize=64)  # noqa: B019  a process has few skeletons and keeps them until it ends
     def segments_off_path(self, ends: frozenset[int]) -> frozenset[int]:
-        """Return the segments off all paths from the root to some segments.
+        """Return the indices of segments outside the paths from root to `ends`.
 
         Args:
             ends: indices of the segments at which the paths end; they count as on their path.

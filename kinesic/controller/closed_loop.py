@@ -104,7 +104,10 @@ def _report_progress(progress: Callable[[float], None], done: float, loops: int,
 
 
 class CompiledLoop:
-    """Compiled loop of one twin, which resumes at each call."""
+    """Compiled control loop of one simulated robot.
+
+    Each call of `perform` continues from the state at the end of the previous one.
+    """
 
     def __init__(self, twin: Twin, parts: TwinParts, observer: Observer | None) -> None:
         """Prepare the compiled loop, before its first command.

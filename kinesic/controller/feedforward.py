@@ -41,7 +41,7 @@ class FeedForwardSetpoints:
 
 @dataclass(frozen=True, eq=False)
 class FeedForward:
-    """Feed-forward of a robot by its inverted servo model.
+    """Feed-forward that inverts the servo model of a robot.
 
     A servo gives torque = stall (gain e) - (stall / no_load) velocity - rate_gain velocity for an error
     e = setpoint - angle, so the error that yields a torque and a velocity is

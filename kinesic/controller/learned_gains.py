@@ -59,7 +59,7 @@ class LearnedGains:
         )
 
     def towards(self, other: "LearnedGains", shares: Floats) -> "LearnedGains":
-        """Interpolate towards other gains, with one fraction per time (m,)."""
+        """Interpolate from these gains (0) to others (1) by fractions (m,)."""
         rows = shares[:, None]
         return LearnedGains(
             sealed(self.load + rows * (other.load - self.load)),
@@ -106,7 +106,7 @@ def _models(robot: Robot) -> tuple[str, ...]:
 
 
 def describe_estimate(believed: Factors) -> str:
-    """Describe a servo estimate relative to the data sheet."""
+    """Return a servo estimate as text: factors on data sheet values, latency."""
     rows = {name: _format_factors(factors) for name, factors in sorted(believed.servos.items())} or {
         "all servos": _format_factors(believed)
     }
@@ -157,7 +157,7 @@ def identify_servos(log: Log, robot: Robot, believed: Factors = NOMINAL_FACTORS)
 
 
 def _find_motion(log: Log, robot: Robot) -> Flags:
-    """Return whether any setpoint moves in each interval, (m - 1,)."""
+    """Return for each log interval, (m - 1,), whether any setpoint moves."""
     speeds = np.abs(np.diff(log.setpoints, axis=0)) / np.diff(log.times)[:, None]
     moving: Flags = np.any(speeds > MOVING_FRACTION * robot.drives.no_load, axis=1)
     return moving

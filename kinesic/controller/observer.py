@@ -93,10 +93,10 @@ class ObserverInputs:
     highest: Floats  # (m, n) [rad] largest corrected setpoint
     loads: Floats  # (m, n) [rad] setpoint offsets for torque
     noticed: Floats  # (m, n) [rad] torque offsets, delayed as their effects
-    trust: Floats  # (m, n) [1/rad] gain from push to the load error
+    trust: Floats  # (m, n) [1/rad] gain from the disturbance to the load error
     leads: Floats  # (m, n) [rad] setpoint offsets for velocity
     noticed_leads: Floats  # (m, n) [rad] velocity offsets, delayed as their effects
-    trust_leads: Floats  # (m, n) [1/rad] gain from push to the velocity error
+    trust_leads: Floats  # (m, n) [1/rad] gain from the disturbance to the velocity error
 
     @cached_property
     def rows(self) -> Floats:
@@ -108,7 +108,7 @@ class ObserverInputs:
 class Observer:
     """Disturbance observer for the hinges of one or more robots."""
 
-    forecast: Floats  # (3, 3, n) transition of deviation, velocity and push over one tick
+    forecast: Floats  # (3, 3, n) transition of deviation, velocity and disturbance over one tick
     gain: Floats  # (3, n) gain of the innovation
     period: float  # [s] of a tick
     arrival: Floats  # (h,) fraction of each setpoint in flight that acts in this tick, the newest first
@@ -149,7 +149,7 @@ class Observer:
 
     @cached_property
     def compiled(self) -> kernel.Observer:
-        """Observer gains for the kernel."""
+        """Observer constants, packed for the compiled kernel."""
         return pack_observer(self.forecast, self.gain, self.step, self.full, self.arrival, self.restoring)
 
     def begin(self) -> LoadEstimate:
@@ -216,7 +216,7 @@ class Observer:
 
 
 def detection_rate(period: float) -> float:
-    """Return the fraction of a disturbance detected after one tick [s]."""
+    """Return the fraction of a disturbance detected after one period [s]."""
     return 1.0 / (1.0 + 3.0 / (OBSERVER_BANDWIDTH * period))
 
 

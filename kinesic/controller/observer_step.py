@@ -16,15 +16,15 @@ PUSH_DECAY = 0.95  # factor per tick on the estimated disturbance of a servo tha
 def pack_observer(
     forecast: Floats, gain: Floats, step: Floats, full: Floats, arrival: Floats, restoring: float
 ) -> kernel.Observer:
-    """Pack the gains of an observer for the kernel.
+    """Pack an observer's gains and limits for the compiled kernel.
 
     Args:
-        forecast: (3, 3, n) of deviation, velocity and push, one tick on.
+        forecast: (3, 3, n) transition of deviation, velocity and disturbance over one tick.
         gain: (3, n) of the innovation.
         step: (n,) [rad] of correction per tick.
         full: (n,) [rad] error of full duty.
-        arrival: (h,) fraction of each goal under way.
-        restoring: fraction of `RESTORING` that is used.
+        arrival: (h,) fraction of each setpoint in flight that acts in this tick.
+        restoring: fraction of `RESTORING_GAINS` that is used.
     """
     constants = np.array([*(restoring * RESTORING_GAINS), *LOAD_ERROR_RANGE, PUSH_DECAY])
     return kernel.make_observer(forecast, gain, step, full, arrival, constants)

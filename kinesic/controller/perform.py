@@ -13,7 +13,7 @@ NEW_PATHS = {
 
 
 def __getattr__(name: str) -> object:
-    """Import a moved name with a deprecation warning."""
+    """Return a moved function by its old name, with a deprecation warning."""
     if name not in NEW_PATHS:
         raise AttributeError(f"module {__name__} has no attribute {name}")
     module, new_name = NEW_PATHS[name].rsplit(".", 1)

@@ -33,7 +33,7 @@ def commands(
 
 
 def pace_commands(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
-    """Yield commands in real time, starting with the first one.
+    """Yield each command at its time [s] after the iteration begins.
 
     Late commands follow at once.
 

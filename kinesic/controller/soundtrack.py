@@ -19,7 +19,7 @@ from kinesic.speech.speaker import Speaker
 
 MAX_SAMPLE_VALUE = 32767  # largest value of a 16-bit sample
 MAX_SAMPLE_RATE = 48_000  # [Hz] highest rate of the mix, which bounds the memory
-MAX_SYNC_ERROR = 0.03  # [s] larger delays between robot and sound restart the sound in sync
+MAX_SYNC_ERROR = 0.03  # [s] time error of the sound above which it restarts at the robot's position
 
 
 def sound(plan: Plan) -> Sound | None:

@@ -49,7 +49,7 @@ class TwinPhysics:
 
     @property
     def body(self) -> Shafts:
-        """Simulated shaft of each hinge."""
+        """Physics of all hinges, driven by the virtual servos."""
         return self._body
 
     def shafts(self) -> Sequence[Shaft]:
@@ -61,7 +61,7 @@ class TwinPhysics:
         return [Shaft(*values) for values in np.stack(rows, axis=1).tolist()]
 
     def advance(self, seconds: float, demands: Sequence[Demand]) -> None:
-        """Advance the simulation with constant motor commands of the servos."""
+        """Advance the simulation by a time [s] with constant servo demands."""
         if seconds < MIN_TIME_STEP:
             return
         body = self._body

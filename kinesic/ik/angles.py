@@ -11,7 +11,7 @@ TAN_PI_8 = 0.41421356237309504880  # tangent of pi / 8, the largest argument of 
 
 
 def cosine_sine(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of a moderate angle [rad].
+    """Return cosine and sine of an angle [rad], equal on all machines.
 
     Cody and Waite's reduction to an eighth of a turn, then the minimax polynomials of fdlibm.
     """

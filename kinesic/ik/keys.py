@@ -15,8 +15,8 @@ from kinesic.ik.arm.compiled import arm_of
 class ArmMode(IntEnum):
     """Kind of arm target at a key."""
 
-    REST = 0  # it takes the key's rest
-    STILL = 1  # it stays as it is
+    REST = 0  # the key's rest posture
+    STILL = 1  # the posture of the previous key
     REACH = 2
 
 
@@ -25,15 +25,15 @@ class Key:
     """Target of one hand at a key, in the arm's base frame."""
 
     mode: ArmMode
-    rest: Floats  # (k,) [rad] of whatever the reach leaves open
-    reach: Reach | None = None  # of `Mode.REACH`
-    openness: float = 0.0  # how far the elbow turns from where the hand lets it hang to `Manner.open`
+    rest: Floats  # (k,) [rad] rest posture, preferred for angles that the reach leaves free
+    reach: Reach | None = None  # hand target of `ArmMode.REACH`
+    openness: float = 0.0  # fraction of the way from the hanging elbow to the swivel `ReachManner.open`
     passing: bool = False  # on a path: the swivel is kept, and the nearest posture to where the path began is taken
 
 
 @dataclass(frozen=True)
 class ReachManner:
-    """Limits on elbow and hinge changes between keys."""
+    """Limits of elbow and hinge changes between keys, and the open swivel."""
 
     widest: float  # [rad] that an elbow swings aside for the palm and the pointing of its hand
     leap: float  # [rad] of a hinge from key to key, at most, where the elbow need not swing for these
@@ -45,8 +45,8 @@ class KeyArms:
     """Solved postures of an arm at all its keys."""
 
     angles: Floats  # (m, k) [rad]
-    beginnings: Floats  # (m, k) [rad] the arm as the path began that it is then on
-    swivels: Floats  # (m,) [rad] that were asked; NaN where none was
+    beginnings: Floats  # (m, k) [rad] posture at the start of the path to which each key belongs
+    swivels: Floats  # (m,) [rad] requested swivels; NaN without
 
 
 def pose_keys(
@@ -57,7 +57,7 @@ def pose_keys(
     now: Floats,
     began: Floats | None,
 ) -> KeyArms:
-    """Solve an arm for each of its keys.
+    """Solve the arm posture at each key, starting from the previous one.
 
     Args:
         chain: the arm.

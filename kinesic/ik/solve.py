@@ -22,7 +22,7 @@ class Solution(Struct, frozen=True, eq=False):
     pointing_error: float | None  # [rad]; None without a requested pointing
     palm_error: float | None  # [rad]; None without a requested palm
     reached: bool  # residual within 1 mm
-    iterations: int  # of masses and of polish, in all attempts
+    iterations: int  # of all solver stages, in all attempts
     target: Floats  # (3,) [m] after clamping to the reach, in the base
     pulled_in: float  # [rad] largest distance of a start angle outside its range
 

@@ -121,7 +121,7 @@ def _arm(robot: Robot, side: Side, target: Floats) -> _Arm:
 
 @lru_cache(maxsize=8)
 def _turns(robot: Robot) -> tuple[_Turn, ...]:
-    """Return one torso hinge each for torsion, tilt and roll."""
+    """Return the first torso hinge of each kind: torsion, tilt, roll."""
     skeleton = robot.skeleton
     origins = skeleton.zero_frames.origins
     first_turns: dict[int, _Turn] = {}

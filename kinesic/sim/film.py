@@ -72,7 +72,7 @@ def film(
     progress: Callable[[float], None] = lambda fraction: None,
     guarded: bool = True,
 ) -> None:
-    """Render a motion as a film.
+    """Render a motion as a film file, with optional captions and sound.
 
     The camera frames the hands and the head.
 

@@ -64,7 +64,7 @@ def missing_libraries() -> str | None:
 
 @cache
 def opengl_fault() -> str | None:
-    """Test whether OpenGL draws, in another process.
+    """Return why OpenGL cannot draw, as tested in another process, or None.
 
     A missing driver may end the process that tries.
 

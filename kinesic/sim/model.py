@@ -131,7 +131,7 @@ def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
 
 
 def find_turn_indices(robot: Robot, model: mujoco.MjModel) -> Indices:
-    """Return the `qpos` indices of hinges and couplings for pictures.
+    """Return the `qpos` indices of hinges and couplings in a drawn model.
 
     Hinges come first, then couplings; the shape is (n + c,).
     """

@@ -79,7 +79,7 @@ def _find_least_height(seen: Iterable[tuple[Floats, float]], middle: Floats) -> 
 
 
 def rods(robot: Robot) -> tuple[Rod, ...]:
-    """Connect shapes and child segments of each segment by rods.
+    """Return the rods that connect each segment's shapes and child segments.
 
     A column connects the robot to the floor. No rod is thicker than the thinnest shape that it joins, so that rods hide
     no finger.

@@ -23,7 +23,7 @@ from kinesic.sim.stepping.simulation import Simulation, build_simulation
 from kinesic.sim.stepping.step_log import StepLog, StepRecord
 
 MAX_PHYSICS_STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
-TIME_TOLERANCE = 1e-9  # [s] largest difference of equal times
+TIME_TOLERANCE = 1e-9  # [s] difference up to which two times count as equal
 
 
 class Twin:

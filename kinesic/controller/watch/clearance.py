@@ -17,15 +17,15 @@ from kinesic.body.dynamics import Distances
 from kinesic.body.robot import Robot
 from kinesic.metrics.clearance_forecast import ERROR_MEMORY, LOOK_PERIOD, LOOKS_PER_ERROR
 
-LOOKAHEAD_TIME = 0.3  # [s] checked future motion, as long as slowing down takes
-SLOWING_FRACTION = 0.9  # fraction of the required clearance below which time slows down
-CREEP_FRACTION = 0.4  # fraction of the required clearance below which time nearly stops
+LOOKAHEAD_TIME = 0.3  # [s] duration of planned motion that is checked ahead, as long as slowing down takes
+SLOWING_FRACTION = 0.9  # fraction of the required clearance below which the motion is slowed down
+CREEP_FRACTION = 0.4  # fraction of the required clearance below which the motion nearly stops
 RESERVE_FRACTION = 0.3  # fraction of the required clearance below which the robot stops at once
 CREEP_PACE = 0.02  # time scale of a nearly stopped motion, while tracking errors decay
 SETTLING_TIME = 0.3  # [s] creeping time after which servos no longer oscillate
 MAX_CREEP_TIME = 2.0  # [s] creeping time before the performance ends, longer than `ERROR_MEMORY`
-_LOOKAHEAD_LOOKS = round(LOOKAHEAD_TIME / LOOK_PERIOD)  # evaluations per lookahead
-_MEMORY_LOOKS = round(ERROR_MEMORY / LOOK_PERIOD)  # evaluations per error memory
+_LOOKAHEAD_LOOKS = round(LOOKAHEAD_TIME / LOOK_PERIOD)  # number of intervals `LOOK_PERIOD` in the lookahead time
+_MEMORY_LOOKS = round(ERROR_MEMORY / LOOK_PERIOD)  # number of earlier evaluations whose tracking errors are kept
 
 
 @dataclass(frozen=True)
@@ -92,5 +92,5 @@ def lookahead_times(time: float, end: float) -> Floats:
 
 
 def needs_slowing(rooms: Floats, robot: Robot) -> bool:
-    """Return whether any predicted clearance (k,) [m] requires slower time."""
+    """Return whether any predicted clearance (k,) [m] requires a slower motion."""
     return bool(rooms.min() < SLOWING_FRACTION * robot.min_clearance)

@@ -21,7 +21,7 @@ from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 MAX_STORED_CYCLES = 100  # bus cycles with stored times: 1 s, longer than the age of any used reading
 MIN_LOOK_INTERVAL = 0.9 * LOOK_PERIOD  # [s] shortest time between clearance checks; tolerates bus jitter
 POSTURE_MEMORY = 3.0  # [s] duration of stored commanded postures, longer than the age of any used reading
-TRIM_COUNT = 100  # outdated commands that are deleted together
+TRIM_COUNT = 100  # number of outdated commands above which all of them are deleted
 MAX_READING_AGE = 2 * LOOK_PERIOD  # [s] oldest position reading used for the tracking error
 
 

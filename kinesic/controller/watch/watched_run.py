@@ -42,7 +42,10 @@ class SlowedMotion:
     pace: float  # time scale
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return angles, velocities and accelerations, (k, n) each, after times (k,)."""
+        """Return angles, velocities and accelerations at times (k,) from now.
+
+        Each is (k, n), in [rad] and its time derivatives. The motion advances by `pace` times `times` [s].
+        """
         angles, speeds, accelerations = self.trajectory.sample(self.time + self.pace * times)
         return angles, self.pace * speeds, self.pace**2 * accelerations
 

@@ -55,7 +55,7 @@ def accept_chain(chain: Chain) -> Chain:
 
 
 def _slid(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
-    """Move a joint's first hinge to its parent if bone-parallel."""
+    """Move first hinges that lie along the parent's bone to the parent."""
     slid = [joints[0]]
     for joint in joints[1:]:
         parent = slid[-1]

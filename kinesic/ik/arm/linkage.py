@@ -27,7 +27,7 @@ from kinesic.ik.scalar3 import (
 )
 
 PARALLEL_SINE = 1e-9  # sine of the angle below which a hinge lies along its bone
-GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges, so that they move last
+GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges (other hinges: 1), so that they move last
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Pivot:
 
 @dataclass(frozen=True)
 class Link:
-    """A bone with the hinges that aim it, innermost first."""
+    """Bone with the hinges that set its direction, innermost first."""
 
     pivots: tuple[Pivot, ...]
     bone: Vector  # [m]
@@ -79,7 +79,7 @@ class Linkage:
     links: tuple[Link, ...]
     side: float  # +1: an arm on the left; -1: on the right
     farthest: float  # [m] shoulder to hand with the elbow as straight as it goes
-    closest: float  # [m] likewise with the elbow as bent as it goes
+    closest: float  # [m] shoulder to hand with the elbow as bent as it goes
 
     @cached_property
     def pivots(self) -> tuple[Pivot, ...]:
@@ -98,11 +98,11 @@ class Linkage:
         return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
 
     def walk(self, angles: Sequence[float], links: int) -> tuple[Rotation, list[Vector]]:
-        """Compute the first joint centres [m] and the last link's frame.
+        """Compute the forward kinematics of the first links.
 
         Args:
             angles: [rad] of at least their hinges.
-            links: how many.
+            links: number of links, counted from the base.
 
         Returns:
             Frame after their hinges, and their joints' centres [m] in the base, one more than links.
@@ -138,7 +138,7 @@ def linkage_of(chain: Chain) -> Linkage:
     hinges of the next bone. So an elbow's plane (twist of the upper arm, flexion) is solved like a shoulder.
 
     Raises:
-        ConfigError: the chain is no arm that can be solved; says which rule it breaks.
+        ConfigError: the chain is not a solvable arm; the message names the broken rule.
     """
     chain = accept_chain(chain)
     links: list[Link] = []

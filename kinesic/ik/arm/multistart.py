@@ -52,7 +52,7 @@ def approach(
 
 
 def reach(chain: Chain, target: Floats, angles: Floats) -> float:
-    """Solve for a hand position, overwriting the given angles.
+    """Solve for a hand position in place and return the remaining distance.
 
     Args:
         chain: the arm.

@@ -61,7 +61,7 @@ def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
 
     Raises:
         ValueError: a shape is wrong or a number is not finite.
-        ConfigError: the nominal arm is none that the solver takes.
+        ConfigError: the solver does not accept the nominal arm.
     """
     if is_right(chain):
         solution = _solve_left(mirror_chain(chain), mirror_reach(reach), start)

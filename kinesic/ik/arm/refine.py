@@ -20,9 +20,9 @@ from kinesic.ik.box_lm import Box, ErrorFunction, descend
 DIRECTION_WEIGHT = 0.05  # weight of a direction error [rad] relative to a position error in arm lengths
 ELBOW_WEIGHT = 0.02  # weight of the elbow's position if a swivel is requested
 ARRIVAL_TOLERANCE = 1e-5  # [arm lengths] error at which the solver stops
-RETRY_DISTANCE = 2e-3  # [arm lengths] error above which other start postures are tried
+RETRY_DISTANCE = 2e-3  # [arm lengths] miss above which a solution is penalised and more start postures are tried
 TRAVEL_WEIGHT = 0.03  # cost of joint travel [1/rad] relative to the errors
-MISS_PENALTY = 1e3  # cost of missing the hand target
+MISS_PENALTY = 1e3  # cost added to a solution that misses the hand target by more than `RETRY_DISTANCE`
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +32,10 @@ class TrueArm:
     joints: tuple[int, ...]  # in the skeleton's order
     anchors: Floats  # (k, 3) [m]
     axes: Floats  # (k, 3) unit
-    elbow: int  # so many hinges may move the elbow, its own included
+    elbow: int  # number of hinges that may move the elbow, its own included
     places: Floats  # (2, 3) [m] elbow and hand
     directions: Floats  # (2, 3) unit, in the last segment: along the hand, and out of the palm
-    exact: bool  # the ideal arm is this one
+    exact: bool  # whether the ideal arm has the same hinges
 
     def posture(self, angles: Floats) -> tuple[Floats, Floats, Floats]:
         """Compute elbow, hand and directions with their Jacobians.

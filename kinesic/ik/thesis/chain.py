@@ -20,10 +20,10 @@ class BallChain:
     """Chain of ball joints in its rest posture."""
 
     points: Floats  # (n + 1, 3) [m] the base, the joints between the bones, the end effector
-    ups: Floats  # (n, 3) unit, perpendicular to each bone: they tell its twist
+    ups: Floats  # (n, 3) unit, perpendicular to each bone; they define its twist
     masses: Floats  # (n + 1,) of the points; only their ratios matter
     stiffness: Floats  # (n,) of the bones; only their ratios matter
-    damping: float | None = None  # share of its speed that a mass loses per iteration; None: as theory advises
+    damping: float | None = None  # fraction of its velocity that a mass loses per iteration; None: recommended value
     limits: EulerBoxes | None = None  # of the joints' rotations away from rest
 
     @classmethod
@@ -41,7 +41,7 @@ class BallChain:
 
         Args:
             points: (n + 1, 3) [m].
-            up: (3,) one wish for all up vectors; what lies along a bone is taken away.
+            up: (3,) preferred up vector of all bones; its component along a bone is removed.
             masses: one for all, or (n + 1,).
             stiffness: one for all, or (n,).
             damping: in [0, 1); None derives it.

@@ -49,10 +49,10 @@ class Relaxed:
     rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
     ups: Floats  # (n, 3) unit, where the up vectors went
     target: Floats  # (3,) [m] after the clamp of eq. 7.3.7
-    residual: float  # [m] from the hand to the target that was asked
+    residual: float  # [m] from the hand to the requested target
     iterations: int  # of all relaxations together
     rounds: int  # of relaxation and limits
-    energy: float  # what is left in the springs: sum of the forces per stiffness and length of the chain
+    energy: float  # remaining sum of the spring forces, per stiffness and length of the chain
 
 
 def solve_ball_chain(

@@ -15,8 +15,8 @@ from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA_NAME, FLOOR_GROUP
 
 MAX_SCENE_GEOMS = 4000  # largest number of geoms in a MuJoCo scene
-GL_RGBA = 0x1908  # OpenGL constant of gl.h
-GL_UNSIGNED_BYTE = 0x1401  # OpenGL constant of gl.h
+GL_RGBA = 0x1908  # OpenGL pixel format of four colour channels, as in gl.h
+GL_UNSIGNED_BYTE = 0x1401  # OpenGL data type of one byte per channel, as in gl.h
 DRAWING_ERROR_MESSAGE = "MuJoCo cannot draw ({}): import kinesic.sim before mujoco, or set MUJOCO_GL=egl"
 
 

@@ -26,7 +26,7 @@ EYE_TOP_DISTANCE = 106.0  # [pixels] distance of the eyes' centres from the top 
 EYE_MIDLINE_DISTANCE = 68.0  # [pixels] distance of an eye's centre from the midline
 PUPIL_HALF_AXES = (18.0, 23.0)  # [pixels] horizontal and vertical half axis of a pupil
 PUPIL_TRAVEL = (13.0, 15.0)  # [pixels] largest horizontal and vertical motion of a pupil
-GLINT_OFFSET = (-6.0, -0.42)  # position of the reflection: [pixels] to the right, and pupil heights down
+GLINT_OFFSET = (-6.0, -0.42)  # reflection's offset from the pupil's centre: [pixels] right, [pupil heights] down
 GLINT_HALF_AXES = (5.5, 0.28)  # half axes of the reflection: [pixels] horizontally, and pupil heights vertically
 LID_OVERLAP = 3.0  # [pixels] distance by which an open lid clears the eye on all sides
 LID_DEPTH = 14.0  # [pixels] extent of a lid beyond the open eye
@@ -45,8 +45,8 @@ MOUTH_SAG = 5.0  # [pixels] by which the relaxed mouth's middle is below its cor
 MOUTH_HALF_WIDTH = 46.0  # [pixels] distance of a relaxed mouth corner from the midline
 MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
 MOUTH_DROP = 46.0  # [pixels] height of a wide open mouth
-STRIP_POINTS = 25  # points of each row of a strip
-EYE_STRIPS = 6  # shapes of one eye with lids and brow, which lie over one another
+STRIP_POINTS = 25  # number of points in each row of a strip
+EYE_STRIPS = 6  # number of overlaid strips that draw one eye with its lids and brow
 SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # the face's right side is left in the picture
 
 

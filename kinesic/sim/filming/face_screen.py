@@ -11,7 +11,7 @@ from kinesic.body.skeleton import Capsule
 from kinesic.sim.shells.shell import SegmentShell
 from kinesic.sim.shells.variant import find_shell
 
-SCREEN_WIDTHS = (0.238, 0.300)  # [arm lengths] smallest and largest width of the face screen, 126 mm on upper22
+SCREEN_WIDTHS = (0.238, 0.300)  # [arm lengths] smallest and largest width of the face screen (upper22: 126 mm wide)
 SCREEN_TO_HEAD_WIDTH = 0.72  # width of the face screen / width of the head
 SCREEN_ASPECT = 4 / 3  # width / height of the face screen
 SCREEN_RADIUS = 0.26  # [arm lengths] radius of the face screen's cylinder around a vertical axis
@@ -71,7 +71,7 @@ class FaceScreen:
 
 
 def build_face_screen(robot: Robot) -> FaceScreen | None:
-    """Build the face screen of a robot.
+    """Build the face screen of a robot, or return None.
 
     Returns:
         None if the robot has a skin, or no site `eyes`, or one that is not on the neck chain.
@@ -167,6 +167,8 @@ def _add_side_walls(front: Sheet, deep: Floats, middle: Floats) -> Sheet:
 
 def _count_steps(places: Floats, shapes: tuple[Capsule, ...], step: Floats, clearance: float) -> int:
     """Return the count of forward steps that move points off the head.
+
+    0 if `MAX_FORWARD_STEPS` are not enough.
 
     Args:
         places: (v, 3) [m] points.

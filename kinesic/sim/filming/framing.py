@@ -9,7 +9,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.files.film_file import PixelBox
 from kinesic.sim.scene_layout import CAMERA_DIRECTION, VIEW_ANGLE, SceneView, find_scene_view, rods
 
-FRAME_MARGIN = 1.2  # picture size / size of hands and head, which leaves 10 % free on each side
+FRAME_MARGIN = 1.2  # picture size / extent of hands and head: a margin of 10 % of that extent on each side
 SHADOW_MARGIN = 4.0  # [pixels] margin around the shadow's region, because shadows are drawn at low resolution
 FORWARD_HANDS = 0.35  # [arm lengths] distance of usual resting hands in front of hanging ones
 MIN_RISE = 1e-9  # [m] smallest height difference of a capsule's ends used as a divisor
@@ -56,7 +56,7 @@ def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneV
 
 
 def _find_usual_balls(robot: Robot) -> tuple[Floats, Floats]:
-    """Return the balls of head and resting hands, which every film contains."""
+    """Return centres and radii of head and hands at rest, always shown."""
     places, radii = find_capsule_balls(robot, np.zeros((1, len(robot.skeleton.hinges))), list_watched_segments(robot))
     forward = np.array([FORWARD_HANDS * robot.arm_length, 0.0, 0.0])
     return sealed(np.concatenate([places, places + forward])), radii

@@ -70,7 +70,7 @@ def fit_factors(
     free: tuple[ServoParameter, ...] = DEFAULT_PARAMETERS,
     progress: Callable[[int], None] = lambda count: None,
 ) -> Fit:
-    """Fit servo factors to a log.
+    """Fit servo factors so that a simulated robot reproduces a log.
 
     Args:
         log: Setpoints and angles of the whole robot.

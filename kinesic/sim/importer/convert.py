@@ -22,8 +22,8 @@ from kinesic.sim.importer.tables import name_servo, robot_tables
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, analyse_geometry
 
 REVIEW_CONFIDENCE = 0.6  # confidence in the joint mapping below which a person must review it
-ZERO_CONFIDENCE_LIKENESS = 1.0  # similarity score to a human arm at which the confidence is 0
-FULL_CONFIDENCE_LIKENESS = 3.0  # similarity score to a human arm at which the confidence is 1
+ZERO_CONFIDENCE_LIKENESS = 1.0  # score of `likeness` (higher: more like a human arm) up to which the confidence is 0
+FULL_CONFIDENCE_LIKENESS = 3.0  # score of `likeness` from which on it does not reduce the confidence
 LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divides the confidence by e
 ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
 GUESSED_SIDE_FACTOR = 0.7  # factor on the confidence if the left side is guessed

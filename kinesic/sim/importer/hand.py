@@ -76,7 +76,7 @@ class _Axes:
 
 
 def find_hand(figure: HumanoidGeometry, side: Side) -> MappedHand | None:
-    """Find the fingers of a hand.
+    """Find the fingers and the palm of a hand, or return None.
 
     Returns:
         None if there are too few fingers of sufficient length.

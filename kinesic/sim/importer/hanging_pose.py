@@ -12,14 +12,14 @@ from kinesic.sim.importer.hinge_row import HingeRow, unit_vector
 RANDOM_STARTS = 10  # number of random start postures of the search
 MAX_EVALUATIONS = 60  # largest number of evaluations in one least-squares search
 BOX_SLACK = 1e-9  # [rad] margin added to bounds, so that a fixed hinge has a box of positive size
-EQUAL_COST_RATIO = 1.02  # cost / least cost up to which the first solution is preferred
+EQUAL_COST_RATIO = 1.02  # cost / least cost up to which a solution from an earlier start is preferred
 ELBOW_WEIGHT = 0.5  # weight of the elbow's axis relative to the directions of the bones
 HAND_WEIGHT = 0.1  # weight of the hand's direction relative to the directions of the bones
 SEARCH_STAY_WEIGHT = 0.1  # [1/rad] weight of the distance from the file's pose during the search
 REFINEMENT_STAY_WEIGHT = 0.05  # [1/rad] weight of the distance from the chosen solution during refinement
-DISTAL_STAY_FACTOR = 3.0  # factor on the stay weights of forearm and wrist, which hardly move the bones
+DISTAL_STAY_FACTOR = 3.0  # factor on the two weights above for hinges beyond the elbow, which hardly move the bones
 OUTSIDE_WEIGHT = 0.3  # [1/rad] weight of the angle outside a hinge's range
-SYMMETRIC_RANGE_FRACTION = 0.05  # elbows whose mid-range is closer to straight than this may bend both ways
+SYMMETRIC_RANGE_FRACTION = 0.05  # |mid-range - straight| / range below which an elbow may bend both ways
 FULL_TURN = 2 * np.pi  # [rad] angle of one revolution
 
 
@@ -121,7 +121,7 @@ def _unwind(angles: Floats, ranges: Ranges) -> Floats:
 
 
 class _Arm:
-    """Least-squares residuals of an arm's pose."""
+    """Least-squares problem of bringing an arm into a desired pose."""
 
     def __init__(self, limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges) -> None:
         self._limb, self._split, self._target, self._ranges = limb, split, target, ranges

@@ -131,7 +131,7 @@ class Equalities:
 
 
 def _read_equalities(spec: mujoco.MjSpec) -> Equalities:
-    """Read couplings of joints.
+    """Read joint couplings from a model's equality constraints.
 
     A polynomial coupling is approximated by its constant and linear terms.
     """

@@ -86,7 +86,7 @@ def _centre(rows: list[MappedHinge], near: Floats) -> Floats:
 
 
 def bodies(figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
-    """Create the [[body]] tables."""
+    """Create the [[body]] tables of all segments."""
     carried = assign_parts(figure, layout, hinges)
     tables = []
     for name, parent in layout.parents.items():

@@ -7,7 +7,7 @@ from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_RADIAN, USABLE_VELOCITY_
 from kinesic.sim.importer.model_tree import Joint
 
 SUPPLY_VOLTAGE = 48.0  # [V] supply voltage of imported servos
-DEFAULT_STATIC_RATIO = 0.35  # default torque of the worst static posture / stall torque
+DEFAULT_STATIC_RATIO = 0.35  # torque in the worst static posture / stall torque, if the file gives no effort
 MAX_STATIC_RATIO = 0.38  # highest plausible static load / stall torque; lower stall torques are raised
 MAX_MEANINGFUL_EFFORT = 1000.0  # [Nm] largest joint effort in the file that is used
 DEFAULT_ACCELERATION = 25.0  # [rad/s^2] acceleration of a servo of unknown strength

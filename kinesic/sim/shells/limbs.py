@@ -22,7 +22,7 @@ from kinesic.sim.shells.part import (
     enclose_in_drum,
 )
 
-HUB_DISTANCE = 0.01  # [m] distance from the joint within which a servo turns with it and is enclosed in a ball
+HUB_DISTANCE = 0.01  # [m] distance from the joint below which a servo is enclosed in a ball
 END_MARGIN = 0.008  # [m] length of a sleeve beyond the servos inside, as its edges are round
 JOINT_OVERLAP = 0.010  # [m] length by which a sleeve begins before its joint
 SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint

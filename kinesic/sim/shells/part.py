@@ -45,7 +45,7 @@ class ServoBox:
 
 @dataclass(frozen=True, eq=False)
 class Housing:
-    """Distance fields that define one surface."""
+    """Shell design of one segment: solid, dark region and panel lines."""
 
     solid: DistanceField
     dark: DistanceField | None  # negative in the dark region of a joint

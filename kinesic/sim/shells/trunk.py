@@ -35,13 +35,13 @@ from kinesic.sim.shells.part import (
     enclose_in_drum,
 )
 
-MIDLINE_TOLERANCE = 0.004  # [m] largest distance of a point on the midline
+MIDLINE_TOLERANCE = 0.004  # [m] distance from the midline below which a point counts as on it
 MIN_SHAPE_SPACING = 0.005  # [m] smallest height difference of two lateral shapes
 UP_AXIS = sealed([0.0, 0.0, 1.0])  # unit vector in the world and in trunk segments
 TRUNK_CLEARANCE = 0.0045  # [m] distance of a trunk from a servo's corners, as its triangles are large
-HEAD_HALF_SIZE = sealed([1.10, 1.20, 1.16])  # half depth, width and height of the head / its shape's half size
+HEAD_HALF_SIZE = sealed([1.10, 1.20, 1.16])  # half depth, width and height of the head's shell / those of its capsule
 HEAD_ROUNDING = 1.02  # [head radii] radius of the head's edges
-CHIN_DROP = 0.008  # [m] by which the head's centre is below that of its shape, so that it hides the neck
+CHIN_DROP = 0.008  # [m] lowering of the head's shell below the centre of the head's capsule, so that it hides the neck
 EAR_SIZE = (0.36, 1.27)  # [head radii] radius of the ears, and their distance from the midline
 EAR_CENTRE = (-0.15, 0.0)  # [head radii] position of the ears ahead of and above the head's centre
 COLLAR_LEVELS = sealed(

@@ -38,11 +38,13 @@ def _adapt_extended(robot: Robot) -> Shell | None:
 
 
 def adapt_shell(shell: Shell, extended: Robot, robot: Robot) -> Shell:
-    """Return a robot's shell, with new surfaces where the robots differ.
+    """Adapt the shell of a robot to another robot that extends it.
+
+    Surfaces are built anew where the robots differ.
 
     Args:
-        shell: shell of the other robot.
-        extended: the other robot.
+        shell: shell of the extended robot.
+        extended: robot whose file the other one extends.
         robot: robot that gets the shell.
     """
     old, new = describe_segments(extended), describe_segments(robot)

@@ -46,7 +46,7 @@ class LoggedSteps:
 
 
 class StepLog:
-    """Postures, velocities and setpoints of all steps and commands."""
+    """Log of postures, velocities and setpoints at all steps and commands."""
 
     def __init__(self, angles: Floats, velocities: Floats, goals: Floats) -> None:
         """Start the log with the initial posture.
@@ -84,7 +84,7 @@ class StepLog:
         self._aims.append(goals[None])
 
     def stepped(self, count: int, span: float) -> None:
-        """Record the count and the duration [s] of new steps."""
+        """Record new steps, given their count and the duration [s] of each."""
         self._steps.extend([span] * count)
 
     def mark(self, time: float, goals: Floats) -> None:
@@ -137,7 +137,7 @@ class StepLog:
     def forget(self) -> None:
         """Discard all steps except the last one.
 
-        Arrays from `kept` stay valid, since thread profilers may still refer to them.
+        Arrays from `steps` stay valid, since thread profilers may still refer to them.
         """
         count = len(self._live[0])
         self._redirect_log(self._angles[-count:], self._velocities[-count:], self._steps[-1:], self._supplied[-1:])

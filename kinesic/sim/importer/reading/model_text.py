@@ -54,7 +54,7 @@ class _Open:
 
 
 class ModelText:
-    """The elements of one model, screened while they are parsed."""
+    """Parser of one model's XML that screens each element."""
 
     def __init__(self, path: Path, read: Read, attach: Attach, tokens: Iterator[int]) -> None:
         """Prepare the parsing of one model, without any elements yet.
@@ -89,7 +89,7 @@ class ModelText:
         """Parse a model file, omitting the root element of an included file.
 
         Raises:
-            ConfigError: the file holds or makes what no robot needs.
+            ConfigError: the file has a document type, elements beyond the limits or an include that repeats.
             xml.parsers.expat.ExpatError: the file is not well-formed.
         """
         parser, depth = expat.ParserCreate(), 0
@@ -182,7 +182,7 @@ class ModelText:
         self.parse(place, data, is_included=True)
 
     def _token(self, file: str, name: str) -> str:
-        """Return the token of a mesh file, one per file."""
+        """Return the placeholder token of a mesh, one per file and name."""
         if (file, name) not in self._meshes:
             self._meshes[file, name] = f"mesh-{next(self._tokens)}.stl"
         return self._meshes[file, name]

@@ -37,7 +37,7 @@ def read_robot_files(path: Path) -> RobotFiles:
     """Read a robot's file and its includes, but no meshes.
 
     Raises:
-        ConfigError: a file is outside the robot's folder or missing, or they make more than any robot needs.
+        ConfigError: a file is outside the robot's folder or missing, or the files exceed the limits.
         xml.parsers.expat.ExpatError: a file is not well-formed.
         OSError: a file cannot be read.
     """

@@ -45,7 +45,7 @@ def is_unused(tag: str, parents: Iterable[str]) -> bool:
 
 
 def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
-    """Return the attributes of an element that MuJoCo may see.
+    """Return the attributes of an element that are passed to MuJoCo.
 
     Raises:
         UnfitError: a value exceeds the limits.
