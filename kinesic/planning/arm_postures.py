@@ -78,10 +78,7 @@ class ArmKey:
 
     @classmethod
     def same(cls, robot: Robot, side: Side, hand: Hand) -> "ArmKey":
-        """Make a key at which the arm keeps its previous posture.
-
-        The arm stays as it is.
-        """
+        """Make a key at which the arm keeps its previous posture."""
         return cls(Key(ArmMode.STILL, robot.skeleton.rest[list(robot.arms[side].indices)], passing=hand.passing))
 
 
@@ -185,7 +182,7 @@ class ArmsTask:
 def solve_arms(
     tasks: Sequence[ArmsTask], bodies: Floats, robot: Robot, distances: Distances
 ) -> tuple[Floats, list[Mapping[Side, Reach | None]]]:
-    """Solve the arms of all keys without collisions.
+    """Solve the inverse kinematics of both arms at all keys without collisions.
 
     Args:
         tasks: of the keys, in their order.
@@ -217,7 +214,10 @@ def solve_arms(
 
 
 def _ahead(tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
-    """Select the arm tasks up to the next hand that must point.
+    """Return the next tasks that can be solved together.
+
+    These are at most `count`, and end before the next task with a pointing hand after the first one. The target of a
+    pointing hand depends on the posture at the key before; that of the first task is set here.
 
     Args:
         tasks: of all keys.

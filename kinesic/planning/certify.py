@@ -18,7 +18,7 @@ from kinesic.planning.setup import Setup
 
 MAX_DUTY = 0.995  # largest duty at the knots, as a fraction of full PWM; slightly higher between them
 LOW_DUTY = 0.5  # duty at a knot below which full duty cannot occur within two knots, because jerk is limited
-TIGHTENING_FACTOR = 0.93  # extra reduction of an overloaded servo's duty limit, beyond its measured excess
+TIGHTENING_FACTOR = 0.93  # factor that lowers an overloaded servo's duty limit, beyond its measured excess
 MAX_TIGHTENINGS = 6  # largest number of replanning rounds with lower duty limits
 KNOTS_PER_WINDOW = 4096  # knots whose torques are computed together, which bounds the memory
 STATE_TOLERANCE = 1e-5  # [rad, rad/s, rad/s^2] states that differ by less are evaluated once
@@ -36,7 +36,7 @@ def certify(
 ) -> Conditioned:
     """Plan a motion through keys without overloading any servo.
 
-    After `MAX_TIGHTENINGS` attempts the last motion is returned.
+    After `MAX_TIGHTENINGS` attempts the last motion is returned, even if it still overloads a servo.
 
     Args:
         keys: at least two, the first and the last keyed in all hinges.
@@ -78,10 +78,10 @@ def compute_peak_duties(trajectory: Trajectory, setup: Setup) -> Floats:
 
 
 def find_overloaded_times(motion: Trajectory, changed: Trajectory, times: Floats, setup: Setup) -> Floats:
-    """Find times (m,) [s] at which a changed motion overloads a servo.
+    """Return times [s] at which a changed motion newly overloads a servo.
 
-    A drive counts if its duty exceeds 1 and the duty without the change. Jerk is limited, so that a time between two
-    others is skipped if all drives have little duty at both.
+    A drive counts if its duty exceeds `MAX_DUTY` and its duty without the change. Jerk is limited, so that a time
+    between two others is skipped if all drives have little duty at both.
     """
     now = _duty_at_each(changed, times[::2], setup)
     is_low, count = now.max(axis=1) <= LOW_DUTY, len(times) // 2

@@ -29,7 +29,7 @@ VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes above whic
 MAX_EXACT_SEARCHES = 12  # exact searches per block; remaining pairs are judged by an estimate
 MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # with more candidate pairs, only the estimate is used
 SEARCH_BUDGET = 100_000  # spline segments that all exact searches of a block may evaluate
-NEGLIGIBLE_CLASH = 0.02  # [s] timing error between two strokes that never drops a gesture
+NEGLIGIBLE_CLASH = 0.02  # [s] growth of the interval between two strokes up to which no gesture yields
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,9 @@ class ClashFinder:
 
 
 def sum_chains(pairs: Sequence[Neighbours], separations: Sequence[float]) -> list[float]:
-    """Sum stroke delays [s] along chains of gestures in timing conflict.
+    """Return each pair's summed separation [s] along its longest chain of conflicts.
+
+    The separation of a pair is the growth of the interval between its strokes.
 
     Args:
         pairs: in the order of their strokes.
@@ -206,7 +208,10 @@ def _gaps(keys: Keys) -> dict[Pair, float]:
 
 
 def _monotone_intervals(angles: Sequence[float], rows: Sequence[int]) -> list[Pair]:
-    """Split a hinge's keys where it reverses or holds."""
+    """Return the first and last row of each monotone run of keys.
+
+    A hold is a run of its own.
+    """
     steps = [after - before for before, after in pairwise(angles)]
     intervals = [0 if abs(step) < HOLD_TOLERANCE else 1 if step > 0.0 else -1 for step in steps]
     turned = (k for k, (before, after) in enumerate(pairwise(intervals), 1) if before != after)
@@ -235,7 +240,7 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
 def _search(
     pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget, memory: PlaneMemory
 ) -> float:
-    """Compute the delay [s] between two strokes by planning their hands alone.
+    """Compute the growth [s] of the interval between two planned strokes.
 
     Only the hands of both gestures move, from rest before to rest after.
     """

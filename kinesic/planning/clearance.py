@@ -65,7 +65,7 @@ def keep_clear(
     """Plan a motion through postures with detours around the body.
 
     Detours are first searched in the desired motion, which is cheap. If the conditioned motion comes nearer, detours
-    are searched there and it is conditioned again, with more time if no detour helps.
+    are searched there and it is conditioned again, with more time if no detour helps. It may still be too close.
 
     Args:
         solved: postures of a block.

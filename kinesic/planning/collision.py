@@ -44,7 +44,7 @@ class Spacing:
 def separate(
     angles: Floats, joints: Sequence[int], robot: Robot, distances: Distances, spacing: Spacing
 ) -> Floats | None:
-    """Find the nearest posture without collisions.
+    """Return the nearest posture with the required distances, or None.
 
     Every pair of segments that the joints move keeps its distance. Each round takes the smallest step that satisfies
     all gaps to first order. The step size weights hinge rotation, and above all displacement of wrists and palms, so
@@ -113,8 +113,8 @@ def _metric(probes: Floats, robot: Robot) -> Floats:
 def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
     """Find the cheapest joint step that satisfies linear distance constraints.
 
-    The constraints are rows @ step >= needed. Uses least distance programming (Lawson and Hanson). Contradictory rows
-    are halved, three times at most.
+    The constraints are rows @ step >= needed. Uses least distance programming (Lawson and Hanson). If they
+    contradict each other, positive `needed` are halved, three times at most; then the result is None.
     """
     root = np.linalg.cholesky(metric)
     within = np.linalg.solve(root, rows.T)
@@ -171,7 +171,7 @@ def clear_hands(
 
 
 def touched_pair(side: Side, touch: Touch, robot: Robot, gaps: Floats) -> int | None:
-    """Find the segments of a hand and the body part it touches.
+    """Return the index of the nearest pair of hand and touched part.
 
     Args:
         side: of the hand.

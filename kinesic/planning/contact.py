@@ -29,7 +29,10 @@ class SurfaceTouch:
 
     @classmethod
     def of(cls, side: Side, hand: Hand, robot: Robot) -> "SurfaceTouch | None":
-        """Return the contact of a hand that names a touching surface."""
+        """Return a hand's contact, or None without a touching surface.
+
+        None also if the robot lacks this surface or the touched part.
+        """
         if hand.touch is None or hand.tip is None:
             return None
         own, opposite = (find_surface(hand.tip, which, robot) for which in (side, OTHER_SIDE[side]))
@@ -108,7 +111,7 @@ def _distances(points: Floats, start: Floats, end: Floats) -> Floats:
 
 
 def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
-    """Return the segment of a touched body part, if any."""
+    """Return the segment of a touched body part, None if missing."""
     arm, torso, neck = robot.arm(OTHER_SIDE[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
     match touch:
         case "hand":
@@ -126,7 +129,7 @@ def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
 
 
 def touched_pairs(side: Side, touch: Touch, robot: Robot) -> Iterator[int]:
-    """Yield the checked pairs of a hand and the touched body part."""
+    """Yield the index of each counted pair of hand and touched part."""
     part, other = touched_segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
     hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, *_rigid_children(part, robot)}
     if touch == "hand":

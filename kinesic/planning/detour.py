@@ -20,7 +20,7 @@ WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the way to the rest
 WITHDRAWAL_PENALTY = 0.1  # relative improvement required per further step towards rest
 KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried for a key of a detour
 SWING_RATIO = 0.5  # fraction of the swing that remains where less overshoot suffices
-CALM_TOLERANCE = 0.1  # missing clearance left by less overshoot / that removed with the whole overshoot
+CALM_TOLERANCE = 0.1  # loss accepted for keeping some overshoot / clearance gained by removing all of it
 ACCEPT_RATIO = 0.98  # largest remaining fraction of the missing clearance with which a detour is accepted
 
 
@@ -42,7 +42,7 @@ class ClearPostures:
         self._known: dict[tuple[bytes, ArmHinges, Spacing], Floats | None] = {}
 
     def near(self, angles: Floats, joints: ArmHinges, spacing: Spacing) -> Floats | None:
-        """Return the nearest collision-free posture, moving only the given joints.
+        """Return the nearest collision-free posture for given joints, or None.
 
         Args:
             angles: (n,) [rad].
@@ -122,7 +122,10 @@ class _Scan:
         return cls(angles, np.maximum(least - distances.clearance(angles).distances, 0.0))
 
     def after(self, change: PostureCourse, distances: Distances, least: float) -> "_Scan":
-        """Recompute the missing clearance at samples whose posture has changed."""
+        """Return the scan of a changed course.
+
+        Only samples with a changed posture are measured again.
+        """
         angles = change.samples()
         other = np.flatnonzero((angles != self.angles).any(axis=1))
         lacking = self.lacking.copy()
@@ -130,9 +133,9 @@ class _Scan:
         return _Scan(angles, lacking)
 
     def same(self, samples: set[int], before: "_Scan") -> set[int]:
-        """Keep the samples that a detour elsewhere has not improved.
+        """Return the samples whose missing clearance is the same as before.
 
-        No change helps there after changes elsewhere.
+        A detour elsewhere has not helped there.
         """
         return {k for k in samples if self.lacking[k] == before.lacking[k]}
 
@@ -146,7 +149,7 @@ def _most_changes(duration: float) -> int:
 
 
 def _closest(lacking: Floats) -> Iterator[int]:
-    """Return the sample with the least clearance of each colliding interval."""
+    """Yield the sample with the least clearance of each colliding interval."""
     stretches = np.split(np.arange(len(lacking)), np.flatnonzero(np.diff(lacking > 0)) + 1)
     return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
 

@@ -30,7 +30,7 @@ def certify_optimal(
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
-    """Certify the motion with the least key shifts found by IPOPT.
+    """Plan a motion without overload, with minimum key shifts found by IPOPT.
 
     Args:
         keys: at least two, the first and the last keyed in all hinges.
@@ -58,9 +58,9 @@ def certify_optimal(
 def _certify_at(
     times: Floats, keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...], ease: float, budget: Budget
 ) -> Conditioned:
-    """Certify a motion through the same keys at other times.
+    """Plan a motion without overload through the keys at new times.
 
-    The result reports shifts from the times of the keys.
+    `certify` may shift the new times further. The result reports shifts from the requested times of the keys.
 
     Args:
         times: (m,) [s] new key times.

@@ -31,7 +31,10 @@ class PostureCourse:
 
     @cached_property
     def motion(self) -> DesiredMotion:
-        """Requested motion through the keys, starting at performance time zero."""
+        """Desired motion through the keys at their planned times.
+
+        Block time 0 is at time `motion.zero` [s] of it.
+        """
         return join_keys(self.planned, Keys.of(self.postures, self.limits, margin=0.0))
 
     def at(self, time: float) -> Floats:
@@ -57,13 +60,16 @@ class PostureCourse:
         return replace(self, stray=sealed(performed - self.motion.angles(times)))
 
     def near(self, arm: ArmHinges, time: float) -> int | None:
-        """Return an arm's nearest key within `MIN_KEY_INTERVAL` of a time."""
+        """Return the index of an arm's key nearest to a block time.
+
+        None if it is `MIN_KEY_INTERVAL` or more away.
+        """
         keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
         return nearest if abs(self.planned[nearest] - time) < MIN_KEY_INTERVAL else None
 
     def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
-        """Find the detour keys next to a block time."""
+        """Return the indices of detour keys next to a block time."""
         matches = set[int]()
         for arm in arms:
             keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
@@ -72,14 +78,17 @@ class PostureCourse:
         return matches
 
     def _is_detour(self, key: int, joints: list[int]) -> bool:
-        """Return whether a key was added by a detour."""
+        """Return whether an arm's posture at a key comes from a detour.
+
+        It does if the arm has another posture at all keys with sync points.
+        """
         here = self.postures[key].angles[joints]
         return not any(posture.syncs and np.array_equal(posture.angles[joints], here) for posture in self.postures)
 
     def moved(self, key: int, angles: Floats, arm: ArmHinges) -> "PostureCourse":
-        """Replace an arm's posture at a key and at its holds.
+        """Return the course with an arm's posture at a key replaced.
 
-        Holds remain holds.
+        All keys of the arm with the same posture change, so that holds remain holds.
         """
         joints, old = list(arm), self.postures[key].angles[list(arm)]
         is_arm = np.zeros(len(angles), dtype=bool)
@@ -103,13 +112,14 @@ class PostureCourse:
         return list(matches.values())
 
     def calmed(self, time: float, swing_ratio: float = 0.0) -> "PostureCourse":
-        """Remove overshoot and accents from arm keys near a block time.
+        """Reduce overshoot and remove accents at arm keys around a block time.
 
+        Of each arm's keys with overshoot or an accent, the last one before and the first one after the time change.
         The course itself is returned if there are none.
 
         Args:
             time: block time [s].
-            swing_ratio: remaining fraction of the swing; accents are removed with the whole swing only.
+            swing_ratio: remaining fraction of the overshoot; accents are removed only if it is 0.
         """
         calm_keys = set[tuple[int, int]]()
         for joints in (self.robot.arm(side).joints for side in SIDES):
@@ -129,7 +139,9 @@ class PostureCourse:
         )
 
     def extended(self, time: float, angles: Floats, arm: ArmHinges) -> "PostureCourse":
-        """Insert a key for one arm, or for two with equal keys.
+        """Return the course with another key of one arm, or of two.
+
+        Two arms must have equal key times.
 
         Args:
             time: block time of the key.

@@ -54,7 +54,7 @@ def rest_at_keys(
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
-    """Return a certified motion that stops at every key.
+    """Return a motion within all limits that stops at every key.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
@@ -86,7 +86,7 @@ def _resting(times: Floats, keys: Keys) -> DesiredMotion:
 
 
 def _rest_times(keys: Keys, limits: Limits) -> IntervalDurations:
-    """Compute each hinge's minimum rest-to-rest time between successive keys."""
+    """Compute each hinge's minimum rest-to-rest time [s] between successive keys."""
     result, hinge_limits = dict[KeyInterval, float](), [_Hinge.of(limits, hinge) for hinge in range(len(limits.lower))]
     for hinge, rows in enumerate(keys.exact_rows):
         angles = keys.angles[rows, hinge].tolist()
@@ -96,7 +96,7 @@ def _rest_times(keys: Keys, limits: Limits) -> IntervalDurations:
 
 
 def compute_quintic_duration(travel: float, limits: Limits, hinge: int) -> float:
-    """Compute the shortest rest-to-rest quintic [s] within all limits.
+    """Compute the duration [s] of the shortest rest-to-rest quintic within limits.
 
     Its duty is bounded by the sum of those of peak velocity and peak acceleration.
 
@@ -125,7 +125,7 @@ class _Hinge:
         return cls(speed, acceleration, jerk, inertial / duty, viscous / duty)
 
     def duration(self, travel: float) -> float:
-        """Compute the shortest rest-to-rest quintic [s] for a rotation [rad]."""
+        """Compute the shortest rest-to-rest duration [s] of a rotation [rad]."""
         distance = abs(travel)
         if distance == 0.0:
             return 0.0

@@ -12,15 +12,15 @@ from kinesic.body.config import CONFIGS, read_toml
 from kinesic.body.robot import SIDES, Robot, Side
 
 STANCE_FILE = CONFIGS / "standing.toml"
-BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll")  # [deg] of trunk and head
+BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll")  # angles [deg] of trunk and head
 LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm whose directions a stance sets
-ARM_FEATURES = tuple(f"{link}_{way}" for link in LINK_NAMES for way in ("forward", "outward"))  # [deg] from down
+ARM_FEATURES = tuple(f"{link}_{way}" for link in LINK_NAMES for way in ("forward", "outward"))  # [deg] of a link
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
 MAX_DRAW = 1.8  # [standard deviations] largest random draw
 SOLVER_STEPS = 8  # Gauss-Newton steps of an arm
 HINGE_WEIGHT = 0.06  # weight of a hinge's distance from the start [1/rad], compared with directions
 DIFFERENCE_STEP = 1e-4  # [rad] angle step of numeric derivatives
-SMALLEST_SINE = 1e-6  # of the angle between forearm and vertical, which avoids division by zero
+SMALLEST_SINE = 1e-6  # [m] smallest divisor, a horizontal shoulder distance, which avoids division by zero
 
 
 class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -31,7 +31,7 @@ from kinesic.planning.stance import (
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
 POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arm offsets, tried until no body parts are too close
-RANGE_MARGIN = 0.01  # [rad] distance of a standing posture from the joint limits
+RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the joint limits
 STANDING_STREAM = 7  # index of the random stream for standing postures
 MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk
 HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
@@ -79,7 +79,7 @@ def take_block_posture(block: Block, setup: Setup) -> Setup:
 
 
 def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | None:
-    """Return the rest posture (n,) [rad] of a setup with the hands in another rest gesture.
+    """Return a setup's posture with hands in another rest gesture, or None.
 
     Args:
         name: rest gesture, or empty for arms that hang.
@@ -87,7 +87,7 @@ def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | 
         chance: random generator that chooses the hand.
 
     Returns:
-        None if the body cannot take it.
+        (n,) [rad]; None if the body cannot take it.
     """
     robot, standing = setup.robot, Standing(rest=name, mirrored=bool(chance.uniform() < OTHER_HAND_PROBABILITY))
     rest = np.array(robot.skeleton.rest)
@@ -131,7 +131,10 @@ def _stands_upright(style: Style) -> bool:
 
 
 def _take_stance(robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None) -> Floats:
-    """Return the rest posture (n,) [rad] with a deviation from a mean."""
+    """Return the rest posture (n,) [rad] with a deviation from a mean.
+
+    Without a mean, the deviation is from the robot's own rest posture.
+    """
     angles = np.array(robot.skeleton.rest)
     torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
     own = np.degrees([torso[1], torso[2], head[0] - torso[0], head[1], head[2]])
@@ -164,7 +167,7 @@ def _turn_body(robot: Robot, standing: Standing, weight: float) -> Floats:
 
 
 def _close_hands(angles: Floats, robot: Robot, standing: Standing, weight: float) -> Floats:
-    """Flex the fingers (n,) [rad] towards a fist."""
+    """Return a posture (n,) [rad] with fingers flexed towards a fist."""
     skeleton, closed = robot.skeleton, np.array(angles)
     fraction = min(weight * standing.fist, 1.0)
     for side in SIDES:
@@ -214,6 +217,9 @@ def _inside(angles: Floats, robot: Robot) -> Floats:
 
 
 def _is_clear(angles: Floats, robot: Robot, distances: Distances) -> bool:
-    """Return whether a posture keeps the required clearance or that at rest."""
+    """Return whether a posture keeps the required clearance, or that at rest.
+
+    Pairs of segments that are too close at rest must not come nearer.
+    """
     gaps, own_gaps = distances.gaps(np.stack([angles, robot.skeleton.rest]))
     return bool(np.all(gaps >= np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps)))

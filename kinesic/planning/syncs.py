@@ -106,7 +106,10 @@ def _bond(earlier: SyncRef, later: SyncRef) -> Bond:
 
 
 def list_keyed_syncs(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:
-    """List requested and planned times of all sync points in key frames."""
+    """List requested and planned times of all sync points in key frames.
+
+    Rows are (behaviour, sync point, requested, planned), with block times [s].
+    """
     at = dict(zip(motion.requested_times, motion.planned, strict=True))
     requested = {timed.behaviour.id: timed.times for timed in frames.timeline.timed}
     return [
@@ -145,7 +148,7 @@ def list_sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
 def describe_shifts(
     block: Block, syncs: tuple[SyncTime, ...], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
-    """Return a warning for each sync point that moved."""
+    """Return a warning for each sync point shifted beyond `SHIFT_TO_WARN`."""
     results = []
     for sync in syncs:
         if abs(sync.planned - sync.requested) > SHIFT_TO_WARN:
@@ -157,7 +160,7 @@ def describe_shifts(
 
 
 def find_limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
-    """Find the motion limit binding closest in time to a sync point.
+    """Return the limit binding nearest in time to a sync, or None.
 
     Limits of the behaviour's own hinges are preferred.
     """
@@ -201,7 +204,10 @@ def describe_path_changes(
 
 
 def _on_path(postures: Sequence[KeyPosture], timed: TimedBehaviour, robot: Robot, side: Side) -> list[int]:
-    """Return the key indices of a hand path during a stroke."""
+    """Return the key indices of a hand path during a stroke.
+
+    The result is empty if the hand must pass exactly through all of them.
+    """
     start, end = (timed.times.get(sync, inf) for sync in ("strokeStart", "strokeEnd"))
     arm = robot.arm(side).joints[0]
     rows = [k for k, posture in enumerate(postures) if posture.keyed[arm] and start <= posture.time <= end]

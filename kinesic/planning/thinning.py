@@ -44,7 +44,7 @@ def drop_by_priority(frames: KeyFrames, about: Collection[str], share: float = 1
 
 
 def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], about: Collection[str]) -> set[str]:
-    """Return each behaviour with those that overlap it on a body part.
+    """Return given behaviours and those that overlap them on a body part.
 
     The overlap may be direct or through others.
     """

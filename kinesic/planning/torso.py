@@ -95,7 +95,7 @@ class GestureVolume:
 
 @lru_cache(maxsize=64)
 def find_gesture_volume(robot: Robot, turn: Turn) -> GestureVolume | None:
-    """Return the cached gesture volume for a torso rotation.
+    """Return the gesture volume of a torso rotation, or None.
 
     None for an upright torso or a robot without torso hinges.
     """

@@ -86,7 +86,10 @@ def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
 
 
 def _describe_length(text: str | bytes, words: int, source: str) -> str:
-    """Report that a text exceeds one plan, and where it is cut."""
+    """Return the error message for a text too long for one plan.
+
+    It names the line up to which the text would fit.
+    """
     written = text if isinstance(text, str) else read_text_file(text)[0]
     counts = list(accumulate(len(_WORD_PATTERN.findall(line)) for line in written.splitlines()))
     line = bisect_left(counts, counts[-1] * MAX_TEXT_WORDS / words) + 1

@@ -79,7 +79,7 @@ class Sampled(Protocol):
         """Duration of the motion [s]."""
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return angles, velocities and accelerations, each (m, n), at (m,) times."""
+        """Return angles [rad], velocities and accelerations, each (m, n), at times [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ def make_bap_heading(path: Path) -> str:
 
 
 def read_bap(path: Path, robot: Robot) -> BapFrames:
-    """Read a motion for the hinges that the robot has.
+    """Read a BAP file's motion for the robot's hinges.
 
     Angles are those of the file, exactly. A parameter is at rest until a frame sets it.
 
@@ -196,7 +196,11 @@ def _header(path: Path, line: str) -> tuple[float, int]:
 
 
 def _frames(path: Path, lines: Sequence[str]) -> Iterator[tuple[int, dict[int, int]]]:
-    """Yield frame numbers with the parameters that each frame sets."""
+    """Yield frame numbers with the parameters that each frame sets.
+
+    Raises:
+        ConfigError: a line is invalid; the message names it.
+    """
     last = -1
     numbered = [(number, line) for number, line in enumerate(lines[1:], start=2) if line.strip()]
     for (at, mask), (below, values) in zip(numbered[::2], numbered[1::2], strict=False):

@@ -119,7 +119,7 @@ def _way(setup: Setup, start: Floats, end: Floats) -> float:
 
 
 def _notices(frames: BapFrames, motion: Conditioned, setup: Setup) -> tuple[Notice, ...]:
-    """Warn of unknown parameters, exceeded joint ranges and shifted times."""
+    """Return notices about unknown parameters, exceeded joint ranges and shifted times."""
     texts = []
     if frames.strangers:
         numbers = ", ".join(str(number) for number in frames.strangers)

@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot
 from kinesic.files.output_file import new_file
 from kinesic.planning.files.bap import Sampled, make_bap_heading, write_bap
 
-MOTION_SUFFIXES = (".npz", ".csv", ".bap")
+MOTION_SUFFIXES = (".npz", ".csv", ".bap")  # suffixes of the motion files that can be written
 NPZ_ARRAYS = ("times", "names", "angles", "speeds", "accelerations")  # array names in npz files
 TIME_COLUMN = "time_s"  # first column of csv files
 HEADER_SIZE = 512  # [bytes] beginning of a file that is read to recognise kinesic's own files

@@ -33,7 +33,7 @@ from kinesic.planning.setup import Setup
 
 MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss where the clearance is already too small
 REST_STREAM = 5  # index of the random stream for changes of the rest posture
-MAX_BODY_WEIGHT = 1.5  # largest whole-body weight of a style that scales secondary motion
+MAX_BODY_WEIGHT = 1.5  # upper bound of a style's whole-body weight as factor on secondary motion
 
 
 def add_secondary_motion(
@@ -93,7 +93,10 @@ class _ChangeSpans:
         return np.asarray(self.changes.moved[:, joints].any(axis=1))
 
     def under_way(self, times: Floats) -> Indices:
-        """Return first and last time index of each offset, (c, 2)."""
+        """Return the range of time indices of each offset, (c, 2).
+
+        The columns are the first index, and one past the last.
+        """
         begins, ends = np.array([(change.begin, change.end) for change in self.changes.offsets]).T
         return np.stack([times.searchsorted(begins, side="right"), times.searchsorted(ends)], axis=1)
 
@@ -196,7 +199,7 @@ def _hindered(
     chosen: Flags,
     setup: Setup,
 ) -> Flags:
-    """Return times (m,) with too little clearance or overloaded servos.
+    """Flag the times (m,) with too little clearance or overloaded servos.
 
     Times that violate without the changes do not count. Drives are checked at the `chosen` times.
     """

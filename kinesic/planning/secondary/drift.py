@@ -20,7 +20,7 @@ MAX_DRIFT = radians(5.0)  # [rad] largest drift of a hinge of a free hand, about
 MAX_TOUCH_DRIFT = radians(0.9)  # [rad] largest drift of a hinge of a touching or pointing hand, about 5 mm
 STILL_THRESHOLD = 2e-4  # [rad] change per knot below which an arm holds, even if the trunk turns
 TOUCH_MARGIN = 0.3  # [s] distance of a hold from a key at which its hand counts as touching
-RANGE_MARGIN = 1e-3  # [rad] distance of a drifting arm from the joint limits
+RANGE_MARGIN = 1e-3  # [rad] smallest distance of a drifting arm from the joint limits
 NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # no hand touches anything
 MIN_REST_DISTANCE = 0.05  # [rad] smallest distance from the rest pose at which a held arm drifts
 

@@ -25,7 +25,7 @@ MIN_RETURN_TIME = 0.3  # [s] shorter return paths are not varied
 MIN_REST_TIME = 0.2  # [s] shortest rest between gestures whose rest pose is varied
 PEAK_FRACTIONS = 0.35, 0.65  # range of the time of the largest offset, as fractions of the path
 MAX_REST_DEVIATION = 0.05  # [rad] largest deviation from rest of a hanging arm
-RANGE_MARGIN = 1e-3  # [rad] distance of varied rest poses from the joint limits
+RANGE_MARGIN = 1e-3  # [rad] smallest distance of varied rest poses from the joint limits
 LEFT_AXIS = 1  # index of the world axis to the left
 
 

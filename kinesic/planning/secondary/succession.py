@@ -26,7 +26,7 @@ MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion
 MIN_VISIBLE_OFFSET = 1e-3  # [rad] angle offset below which a joint's delay is not applied
 OFFSET_TOLERANCE = 1e-9  # [rad] smaller angle offsets count as zero
 
-NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # row of `_late_at` without a delay
+NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # start, duration, delay and its growth [s] of an interval without delay
 
 Lateness = Sequence[tuple[float, float]]  # times [s] and delays [s], smoothly interpolated
 
@@ -111,7 +111,7 @@ def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
 
 
 def _coming(late: float, gap: Gap, start: float) -> Lateness:
-    """Return a wrist's delay over time during the approach to a stroke.
+    """Return a joint's delay over time during the approach to a stroke.
 
     It is zero at the stroke.
     """
@@ -124,7 +124,10 @@ def _coming(late: float, gap: Gap, start: float) -> Lateness:
 
 
 def _going(late: float, gap: Gap) -> Lateness:
-    """Return a wrist's delay over time during the return to rest."""
+    """Return a joint's delay over time during the return to rest.
+
+    It is empty if the arm does not return to rest.
+    """
     if gap.way_home is None:
         return ()
     leave, there = gap.way_home
