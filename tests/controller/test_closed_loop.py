@@ -110,7 +110,7 @@ def test_unexpected_mujoco_version_uses_python_loop(calm, monkeypatch):
     assert Twin(calm.plan.setup.robot).parts() is None
 
 
-def test_batch_size_does_not_change_performance(calm, warm_motors, monkeypatch):
+def test_window_size_does_not_change_simulation_results(calm, warm_motors, monkeypatch):
     plan = replace(calm.plan, setup=replace(calm.plan.setup, robot=warm_motors))
     twins = (NOMINAL_FACTORS, LATE_AND_LOOSE)
     whole = dry_runs(plan, twins, watch=False)

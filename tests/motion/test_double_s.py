@@ -158,7 +158,7 @@ def keys_of(limits, *angles):
     )
 
 
-def test_key_intervals_last_at_least_the_required_durations(limits):
+def test_rest_and_velocity_durations_of_key_intervals_follow_from_the_limits(limits):
     keys = keys_of(limits, 0.0, 0.2, 0.05)
     resting, fastest = compute_rest_durations(keys, limits), compute_velocity_durations(keys, limits)
     assert (

@@ -103,7 +103,7 @@ def test_shift_cost_is_the_minimised_cost():
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_relative_shifts_are_bounded_by_the_total_gap_excess(seed):
+def test_key_times_shift_relative_to_each_other_by_at_most_the_total_deficit(seed):
     chance = np.random.default_rng(seed)
     syncs = chance.choice(["start", "ready", "stroke", "strokeEnd", "relax", "end"], 9)
     asked = np.cumsum(chance.uniform(0.05, 0.6, len(syncs)))

@@ -40,7 +40,7 @@ def farthest(play: Play, since: float) -> float:
     return float(np.abs(angles - play.scene.setup.robot.skeleton.rest).max())
 
 
-def test_idle_robot_moves_without_feedback(idling: Play):
+def test_idle_motion_sends_no_feedback_messages(idling: Play):
     assert np.degrees(farthest(idling, 1.0)) > 1.0
     assert not idling.until(14.0).told
     assert idling.scene.states == {}

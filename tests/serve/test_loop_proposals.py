@@ -276,7 +276,7 @@ def test_barely_moving_hinges_report_planned_times(simulation: Simulation):
     assert when < 3.0 + 2 * TICK_PERIOD
 
 
-def test_feedback_awaiting_arrival_delays_later_feedback_and_is_kept_by_new_plans(simulation: Simulation):
+def test_bml_feedback_that_waits_for_the_robot_delays_later_messages_and_survives_replanning(simulation: Simulation):
     simulation.make([RealTimeSink(Frozen())])
     planner = simulation.link()
     every = np.ones(len(simulation.setup.robot.drives), dtype=bool)

@@ -76,7 +76,7 @@ def test_smartbody_posture_is_reached_at_its_ready_time_or_immediately() -> None
     assert {sync: ref.offset for sync, ref in two.syncs.items()} == {"end": 2.0}
 
 
-def test_unsupported_elements_give_a_notice_with_their_name() -> None:
+def test_unsupported_attributes_give_a_notice_with_their_name() -> None:
     block = parse('<gaze target="t" sbm:joint-speed="800"/><head type="NOD" velocity="2"/>')
     assert [notice.text.split()[2] for notice in block.notices] == ["sbm:joint-speed", "velocity"]
 

@@ -110,7 +110,7 @@ def test_hand_path_with_a_late_accent_is_fastest_in_its_last_turn(turns):
     assert fastest[1] > fastest[0]
 
 
-def test_hand_that_arrives_along_its_path_begins_it_with_velocity():
+def test_faster_arrival_at_a_path_gives_a_faster_first_segment():
     ends = [HandKey(time, Hand(Reach(np.array([0.3, -0.2, 1.0 + time / 10])))) for time in (0.0, 2.0)]
     path = shape_path("circle", amplitude=(0.1, 0.0, 0.1))
     lengths = []

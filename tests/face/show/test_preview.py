@@ -109,7 +109,7 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
-def test_preview_sink_returns_quickly_even_after_the_window_closed(portrait: Portrait, robot: Robot):
+def test_preview_sink_takes_less_time_than_drawing_and_still_returns_after_closing(portrait: Portrait, robot: Robot):
     """A command costs a small part of a picture, so that pictures are dropped and commands are not.
 
     In the end nothing is drawn any more, as after somebody has closed the window.

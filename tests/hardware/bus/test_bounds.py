@@ -9,7 +9,7 @@ SPAN = (900, 3100)
 
 
 @pytest.mark.parametrize("model", SERVO_MODELS)
-def test_record_bounds_of_each_model_allow_its_data_sheet_values(model: str):
+def test_record_bounds_allow_factory_limits_a_failing_supply_and_a_joint_beyond_its_range(model: str):
     """Accept factory limits, a failing supply, and a joint slightly outside its range."""
     bounds = RecordBounds.of([SERVO_MODELS[model]], [SPAN])
     record = np.zeros(1, BLOCK_DTYPE)

@@ -221,7 +221,7 @@ def test_files_included_by_included_files_are_screened(robot: Path):
     assert "two.xml:1: reads ../../secret.xml" in refused(robot, mjcf('<include file="parts/one.xml"/>'))
 
 
-def test_file_that_includes_itself_is_read_once(robot: Path):
+def test_file_that_includes_itself_is_refused(robot: Path):
     (robot.parent / "loop.xml").write_text('<mujoco><include file="loop.xml"/></mujoco>')
     refused(robot, mjcf('<include file="loop.xml"/>'))  # rejected by MuJoCo
 
