@@ -26,12 +26,12 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
 
 
 def unused_axes(turn: Turn, used_axes: Spans, span: Span) -> Turn:
-    """Return the rotation without axes that other behaviours use."""
+    """Set a rotation to zero about axes used within a time span."""
     return Turn(
         *(0.0 if overlap(spans, span) else angle for angle, spans in zip(turn_angles(turn), used_axes, strict=True))
     )
 
 
 def overlap(spans: Sequence[Span], span: Span) -> bool:
-    """Return whether any time span overlaps another one."""
+    """Return whether any of several time spans overlaps the given one."""
     return any(start < span[1] and span[0] < end for start, end in spans)

@@ -33,7 +33,7 @@ from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, layers_of_holds, set
 REALISED_OUTCOME = Outcome("realised")  # outcome of a behaviour that is performed as requested
 POINTING_SHAPE = "index"  # hand shape of pointing hands
 POINTING_CATEGORY = "deictic"  # category of gestures that point
-EXTENT_GAIN = 0.5  # relative change of the body motion at a spatial extent of 1 or -1
+EXTENT_GAIN = 0.5  # relative increase of the body motion at a spatial extent of 1, decrease at -1
 HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
 # Modalities whose style weights scale body motion.
 SCALED_MODALITIES: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
@@ -68,7 +68,8 @@ def drop_behaviour(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIO
 def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) -> Move:
     """Convert a gesture of the lexicon to hand strokes.
 
-    A one-handed gesture without a requested hand may use either hand. A deictic gesture with a target points at it.
+    An unknown gesture is dropped with a warning. A one-handed gesture without a requested hand may use either hand. A
+    deictic gesture with a target points at it.
     """
     match = context.find_gesture(timed.behaviour, action)
     if match is None:
@@ -115,9 +116,9 @@ def _apply_fallback(match: Match, action: Gesture, context: BlockContext) -> Mat
 
 
 def _match_outcome(match: Match, shape: str, robot: Robot) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
-    """Return the outcome of a lexicon match: realised, partial or substituted.
+    """Return the outcome and warnings of a lexicon match.
 
-    It is partial when the robot lacks fingers for the hand shapes.
+    The outcome is realised, substituted, or partial if the robot lacks fingers for the hand shapes or one is unknown.
     """
     synonym_text = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
     lacking_text, unknown_text = _lacking_fingers(match.form.shapes, robot), unknown_shape(shape)
@@ -156,7 +157,7 @@ def _target_warnings(action: Gesture, form: GestureForm, context: BlockContext) 
 def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext) -> Move:
     """Convert a pointing behaviour to hand strokes.
 
-    The nearer hand is the default.
+    The nearer hand is the default. A behaviour with an unknown target is dropped with a warning.
     """
     place = context.find_target(action.target)
     if place is None:

@@ -57,7 +57,7 @@ def natural_durations(
 
 
 def stroke_durations(work: Poses, effort: Effort, *, holds: bool = True) -> dict[str, float]:
-    """Return the duration of each phase of a gesture [s].
+    """Return the natural duration of each phase of a gesture [s].
 
     The hold depends on temporal extent, but not on power.
 
@@ -81,7 +81,7 @@ def stroke_durations(work: Poses, effort: Effort, *, holds: bool = True) -> dict
 
 
 def _rest_distance(work: Poses, key: int, pace: Pace) -> float:
-    """Return the larger distance of the hands from their rest poses [m]."""
+    """Return the larger distance of a hand from rest [m]."""
     rest = resting_hands(pace.robot)
     return max(pose_distance(REST_HAND, row[key], rest[side]) for side, row in work.hands.items())
 
@@ -130,7 +130,9 @@ def _behaviour_durations(behaviour: Behaviour, context: BlockContext) -> Mapping
 def _end_nod(
     natural: Mapping[str, float], head: Head, time_left: float, context: BlockContext, behaviour: Behaviour
 ) -> Mapping[str, float]:
-    """Extend a nod on a word until its accented syllable ends.
+    """Return a nod's durations [s], ending with the word's accented syllable.
+
+    Repeated nods and other head movements keep their natural durations.
 
     Args:
         natural: durations of the nod [s].

@@ -46,22 +46,25 @@ class FrameMoment:
     """Time of a key frame with the sync points merged into it."""
 
     time: float  # [s] of the frame
-    first: float  # [s]
-    last: float  # [s]
+    first: float  # [s] earliest time merged into the frame
+    last: float  # [s] latest time merged into the frame
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the merged time nearest to the frame's time.
+        """Return the time within the frame's span nearest to the frame [s].
+
+        Args:
+            times: sorted [s].
 
         Returns:
-            None if no time belongs to the frame.
+            None if no time lies between `first` and `last`.
         """
         inside = times[bisect_left(times, self.first) : bisect_right(times, self.last)]
         return _nearest(inside, self.time) if inside else None
 
 
 def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[SyncPoint]) -> list[FrameMoment]:
-    """Group close times into frames, those around strokes first.
+    """Group times closer than `SAME_FRAME` into key frames, strokes first.
 
     Args:
         times: of the keys of each part, sorted [s].

@@ -38,7 +38,7 @@ _READY_FRACTION = 0.85  # fraction of a head direction that is reached at `ready
 
 @dataclass(frozen=True)
 class HeadForm:
-    """Head movement of one stroke."""
+    """Form of a head movement: kind, peak rotation and repetitions."""
 
     kind: HeadKind
     peak: Turn

@@ -105,7 +105,10 @@ def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], co
 
 
 def _from_standing(aim: gaze.Aim, context: BlockContext) -> gaze.Aim:
-    """Return a gaze relative to the standing head posture."""
+    """Subtract a fraction of the standing head posture from a gaze.
+
+    The fraction is `GAZE_HEAD_FRACTION`. A gaze with an upright head stays unchanged.
+    """
     if aim.head == UPRIGHT_TURN:
         return aim
     return replace(aim, head=add_turns(aim.head, scale_turn(rest_head_turn(context.robot), -GAZE_HEAD_FRACTION)))

@@ -37,12 +37,12 @@ from kinesic.expressivity.turns import (
     set_passages,
 )
 
-LEAN_AMOUNT = 0.5  # amount of a lean that is part of a posture
+LEAN_AMOUNT = 0.5  # factor on trunk and head rotations that are part of a posture
 
 _ARM_PARTS: Mapping[str, HandMode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
 _TRUNK_PARTS = ("BODY", "TORSO", "SPINE", "TRUNK")  # pose parts that move the trunk
 _WHOLE_BODY = "WHOLEBODY"  # pose part of trunk and arms
-_GESTURE_POSES = {"open": "welcome"}  # gesture whose final pose performs an arm pose, by word
+_GESTURE_POSES = {"open": "welcome"}  # word of an arm pose -> gesture whose final pose shows it
 _HANGING_WORDS = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
 
 Arms = GestureForm | HandMode  # a rest form, or the mode of arms that hang
@@ -261,5 +261,5 @@ def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tu
 
 
 def _instant_syncs(start: float, arrive: float) -> dict[str, float]:
-    """Return sync points of an arm motion, all at its arrival."""
+    """Return sync points of an arm motion, all but `start` at arrival."""
     return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)

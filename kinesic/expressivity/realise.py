@@ -58,7 +58,7 @@ from kinesic.expressivity.trunk import turn_trunk_along
 from kinesic.expressivity.turns import add_turns
 from kinesic.expressivity.whole_body import AccompaniedGesture, BodyDemands, WholeBody, accompany_gestures
 
-NONE_DROPPED: Mapping[str, str] = MappingProxyType({})  # dropped behaviours of a block without any
+NONE_DROPPED: Mapping[str, str] = MappingProxyType({})  # no dropped behaviours; otherwise id -> reason
 
 
 def make_keyframes(
@@ -117,7 +117,7 @@ def make_keyframes(
 
 
 def _held_turns(timeline: Timeline, moves: Mapping[str, Move]) -> dict[str, HeldTurns]:
-    """Collect the permanently held rotations of each behaviour by start."""
+    """Return the rotations held permanently after each behaviour, by id."""
     totals: dict[str, HeldTurns] = {"look": HeldTurns("look"), "posture": HeldTurns("posture")}
     held: dict[str, HeldTurns] = {}
     for timed in sorted(timeline.timed, key=lambda timed: timed.times["start"]):
@@ -178,7 +178,7 @@ def _sequences(
 
 
 def _upright_stroke_counts(moves: Mapping[str, Move]) -> dict[str, int]:
-    """Limit head behaviours without motion to one stroke sync point, by id."""
+    """Return a stroke count of 1 for head behaviours without motion."""
     return {id: 1 for id, move in moves.items() if move.head and not any(map(without_upright, move.head))}
 
 

@@ -103,9 +103,10 @@ def limit_trunk(turn: Turn, robot: Robot) -> Lean:
 
 
 def turn_trunk_along(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
-    """Return the torso rotations that follow the hands of one gesture.
+    """Return the torso layer that follows the hands of one gesture.
 
-    It begins and ends upright. Each step fits the time between the hand keys, so that no stroke waits for the trunk.
+    The layer begins and ends upright. Each step fits the time between the hand keys, so that no stroke waits for
+    the trunk.
 
     Args:
         work: stroke of the hands.

@@ -58,5 +58,5 @@ def follow_hands(poses: Poses, key: int, rest: Mapping[Side, Reach], robot: Robo
 
 
 def turn_head_along(trunk: Turn) -> Turn:
-    """Return the head rotation that goes with a following trunk."""
+    """Return the head rotation for a trunk that follows the hands."""
     return Turn(torsion=HEAD_TO_TRUNK_TORSION * trunk.torsion, roll=-HEAD_ROLL_PER_TORSION * trunk.torsion)

@@ -73,7 +73,7 @@ def add_turns(a: Turn, b: Turn) -> Turn:
 
 
 def turn_angles(turn: Turn) -> tuple[float, float, float]:
-    """Return torsion, tilt and roll [rad], in the order of `AXES`."""
+    """Return torsion, tilt and roll [rad], in the order of `TURN_AXES`."""
     return turn.torsion, turn.tilt, turn.roll
 
 
@@ -196,7 +196,7 @@ def layers_of_holds(holds: Sequence[Hold]) -> tuple[Layer, ...]:
 
 
 def _yield_to(layer: Layer, other: Hold) -> Layer:
-    """Return a rotation layer to zero while a later held rotation begins."""
+    """Fade a rotation layer to zero while a later hold begins."""
     before = tuple(key for key in layer if key.time < other.start)
     return (*before, TurnKey(other.start, turn_at(layer, other.start)), TurnKey(other.arrive, UPRIGHT_TURN))
 

@@ -17,7 +17,7 @@ from kinesic.sim.kinematics import body_frames
 HAND_PARTS: tuple[PartName, PartName] = ("l_hand", "r_hand")  # parts measured by position, not by angle
 ENTRY_WINDOW = 0.3  # [s] search range before and after the planned time
 MIN_ARRIVAL_RADIUS = 0.005  # [m] smallest radius of a hand's target ball
-MIN_ARRIVAL_ANGLE = np.radians(0.5)  # [rad] smallest target region of head and torso
+MIN_ARRIVAL_ANGLE = np.radians(0.5)  # [rad] smallest radius of the target region of head and torso
 ARRIVAL_PATH_FRACTION = 0.05  # radius of the target ball, relative to the path length of the behaviour
 POSTURES_PER_WINDOW = 1024  # postures evaluated together, which bounds the memory
 
@@ -141,7 +141,10 @@ def _interpolate(at: float, times: Sequence[float], path: Floats) -> Floats:
 
 
 def _find_first_entry(at: float, times: Floats, path: Floats, centre: Floats, radius: float) -> float | None:
-    """Find when a path first enters a ball near a time [s]."""
+    """Return the time [s] when a path enters a ball, or None.
+
+    Only times within `ENTRY_WINDOW` of `at` are searched.
+    """
     return kernel.first_entry(times, np.ascontiguousarray(path), at, ENTRY_WINDOW, centre, radius)
 
 

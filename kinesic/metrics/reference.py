@@ -70,7 +70,7 @@ class Reference:
     def motions(self) -> Iterator[tuple[slice, tuple[Floats, Floats, Floats]]]:
         """Yield batches of command indices with angles, velocities and accelerations.
 
-        A short motion is one window.
+        A short motion is one batch.
         """
         if len(self.times) <= MAX_CACHED_COMMANDS:
             yield slice(None), self._motion

@@ -16,7 +16,7 @@ from kinesic.metrics.servo_log import interpolate_angles, select_usable
 from kinesic.planning.syncs import SyncTime
 
 FULL_TIME_SCALE = 0.999  # time scale from which time counts as running at full speed
-RAMP_TIME = DEFAULT_SETTINGS.slow + 0.05  # [s] time in which time starts or stops gently, with a few cycles of margin
+RAMP_TIME = DEFAULT_SETTINGS.slow + 0.05  # [s] ramp of the time scale at start and stop, plus a few bus cycles
 Ending = Literal["performed", "ended", "stopped", "failed"]
 
 
@@ -52,7 +52,7 @@ class ServoRun:
 
     @cached_property
     def taken(self) -> Floats:
-        """Time of each angle measurement, (k, n) [s], on the same clock."""
+        """Measurement time of each angle, (k, n) [s], since the first status."""
         return sealed(self._table("taken") - (self._rows[0].clock if self._rows else 0.0))
 
     @cached_property

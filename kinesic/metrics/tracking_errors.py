@@ -15,9 +15,9 @@ class TrackingErrors:
     rmse: float
     p95: float
     max: float
-    row: int  # of the largest, among the samples
-    hinge: int  # whose is the largest
-    most: int  # the hinge whose squares sum up to most
+    row: int  # sample with the largest error
+    hinge: int  # hinge with the largest error
+    most: int  # hinge with the largest sum of squared errors
 
 
 def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:

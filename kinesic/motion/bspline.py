@@ -15,14 +15,14 @@ Indices = NDArray[np.int32]
 FIXED_ROW_BOUND = 2.0  # bound for limit rows that fixed spline ends determine, as a multiple of the limit
 MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
 JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
-CALMNESS_REGULARISATION = 1e-10  # value on the diagonal that makes the calmness form positive definite
+CALMNESS_REGULARISATION = 1e-10  # added to the diagonal of the acceleration and jerk cost, to make it positive definite
 STENCIL_WIDTHS = (2, 3, 4, 3)  # control points per row of velocity, acceleration, jerk and duty
-TIME_POWERS = (  # rows of these kinds fall with these powers of a stretched duration
+TIME_POWERS = (  # exponents of 1 / duration in the limit ratios of velocity, acceleration, jerk and duty
     1.0,
     2.0,
     3.0,
     2.0,
-)  # exponents by which velocity, acceleration, jerk and duty fall when time is stretched
+)
 GRID_CACHE_SIZE = 128  # cached grids of 40 kB each; durations vary too much for a hit rate above 95 %
 ACCELERATION_WEIGHT = 1e-9  # [s^4] weight of squared acceleration relative to squared distance
 

@@ -37,7 +37,7 @@ _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and s
 MAX_SWING = 0.05  # [rad] overshoot beyond a key that is always allowed
 OVERSHOOT_VELOCITY = 5.0  # key velocity, in distance / duration, at which a quintic overshoots by that distance
 OVERSHOOT_ACCELERATION = 58.0  # key acceleration, in distance / duration^2, that overshoots by that distance
-HULL_VELOCITY = 2.5  # key velocity, in distance / duration, whose quintic keeps its control points in the distance
+HULL_VELOCITY = 2.5  # key velocity, in distance / duration, at which control points overshoot by that distance
 MONOTONE_VELOCITY = 2.0  # largest key velocity without overshoot / velocity of the slower chord
 TURNING_ACCELERATION = 6.0  # key acceleration, in distance / duration^2, of a reversal without overshoot
 STEEPNESS_STEP = 0.25  # reduction of an easing curve's steepness per step until limits hold
@@ -185,11 +185,11 @@ def _change(easing: Easing, overshoot: float, steepness: float) -> Floats:
 
 
 def _is_allowed(states: Floats, limit_rows: Floats) -> bool:
-    """Return whether sampled states keep velocity, acceleration and duty limits.
+    """Return whether sampled states stay below `MAX_EASED_RATIO` times the limits.
 
     Args:
         states: of the hinges.
-        limit_rows: (5, h) these limits, and the duty per acceleration and per velocity.
+        limit_rows: (5, h) limits of velocity, acceleration and duty, and the duty per acceleration and per velocity.
     """
     inertial, viscous = limit_rows[3:, :, None]
     loads = np.stack([states[1], states[2], inertial * states[2] + viscous * states[1]])

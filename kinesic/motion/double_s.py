@@ -1,6 +1,6 @@
 """Minimum-time double-S velocity profiles, from rest to rest or to a stop.
 
-And so the times that hinges need from one of their keys to the next: at full speed, and from rest to rest.
+The durations of key intervals are computed as well: at full velocity, and from rest to rest.
 """
 
 from collections.abc import Mapping

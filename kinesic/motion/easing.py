@@ -18,7 +18,8 @@ QUADRATURE_POINTS = 1024  # sample points of a window average
 MIN_LATE_WINDOW = 0.18  # smoothing window of the easing `late`, relative to its duration
 LATE_WINDOW_EXPONENT = 1.5  # exponent of steepness by which the smoothing window of `late` shrinks
 DEFAULT_OVERSHOOT = 0.1  # overshoot of the easing OutBack, relative to the distance
-_BOUNCE_ARCS = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625, 0.984375))  # end, middle, bottom
+# Arcs of OutBounce: end and middle [normalised time x 2.75], and lowest progress.
+_BOUNCE_ARCS = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625, 0.984375))
 
 
 def minimum_jerk(normalised_times: Floats) -> Floats:

@@ -23,9 +23,9 @@ from kinesic.motion.trajectory import spline_weights
 Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
 LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of a grid's rows
-EASY_DEFICIT = -0.2  # log(required / available time) below which it is not computed exactly: time is ample
+EASY_DEFICIT = -0.2  # log(required / available time) below which the deficit is not computed exactly: time is ample
 ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at rest with acceleration 1 / step^2
-MIN_SLOPE_DEFICIT = -0.01  # log(required / available time) below which its slopes are not needed
+MIN_SLOPE_DEFICIT = -0.01  # log(required / available time) below which the deficit's slopes are not needed
 MAX_SLOPE_IMBALANCE = 0.1  # largest relative sum of deficit slopes, ideally 0 as shifting all keys changes nothing
 MIN_RELIABLE_SLOPE = 0.5  # [1/s] deficit slope below which finite differences replace the analytic slope
 DEFICIT_MARGIN = 0.002  # [log time] extra time demanded by cutting planes, so that the search ends soon

@@ -80,7 +80,7 @@ class KeyPassage:
 
     @property
     def without_accent(self) -> "KeyPassage":
-        """Return the same passage without overshoot and accent.
+        """The same passage without overshoot and accent.
 
         Overshooting easings become no steeper than full power makes them. An accent at the end of the interval, which
         a word needs, stays: it leaves the path as it is.
@@ -230,7 +230,7 @@ class Keys:
         return _map_columns(self.keyed, lambda column: np.flatnonzero(column & self.is_exact).tolist())
 
     def has_path(self, hinge: int) -> Flags:
-        """Return whether a path connects a hinge's keys passed exactly, per interval."""
+        """Return for each exact key interval whether the hinge follows a path."""
         return self._path_flags[hinge]
 
     @cached_property

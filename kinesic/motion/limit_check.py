@@ -18,7 +18,7 @@ INTERVALS_PER_CHUNK = 128  # knot intervals per block, so that arrays fit in the
 SAMPLE_PARAMETERS = np.linspace(0.0, 1.0, round(CHECK_RATE * KNOT_INTERVAL) + 1)  # normalised sample times
 SAMPLE_WEIGHTS = tuple(
     spline_weights(SAMPLE_PARAMETERS, 1, order)[1] for order in range(3)
-)  # (s, 4 - order) of the control points
+)  # weights (s, 4 - order) of the control points at the sample times, by order of the derivative
 CHECKED_QUANTITIES = (  # limited quantities of a hinge, in the order of check results
     "position",
     "speed",
@@ -26,9 +26,9 @@ CHECKED_QUANTITIES = (  # limited quantities of a hinge, in the order of check r
     "jerk",
     "duty",
 )
-DERIVATIVE_SCALES = sealed(  # powers of the knot interval
+DERIVATIVE_SCALES = sealed(  # [s^order] powers of the knot interval, which convert differences to derivatives
     [KNOT_INTERVAL**order for order in range(4)]
-)  # powers of the knot interval, by order of the derivative
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ def find_beyond(controls: Floats, before: Floats, limits: Limits, hinges: Indice
 
 @lru_cache(maxsize=16)
 def _bounds(limits: Limits) -> Floats:
-    """Return scale factors from control points to limit ratios, (8, n)."""
+    """Return each hinge's limits as rows for the compiled check, (8, n)."""
     middle, half = (limits.upper + limits.lower) / 2, np.maximum(limits.upper - limits.lower, MIN_RANGE) / 2
     rows = (limits.speed, limits.acceleration, limits.jerk, limits.inertial, limits.viscous)
     return sealed(np.stack([middle, half, *rows, grid(1, KNOT_INTERVAL).duty(limits)]))

@@ -1,6 +1,6 @@
 """Piecewise polynomials of time.
 
-They give the bits of SciPy's `PPoly`, without the third of a second of processor time that it takes to import.
+Results equal those of SciPy's `PPoly` bit for bit, without the third of a second that its import takes.
 """
 
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class QuinticSpline:
         return derivatives
 
     def _around(self, times: Floats) -> PiecewisePolynomial:
-        """Return the range of intervals around the given times."""
+        """Return the polynomials of the intervals around the given times."""
         if len(self.times) <= TIMES_PER_EVALUATION:
             return self._whole
         first, last = self.times[1:-1].searchsorted([times.min(), times.max()], side="right").tolist()

@@ -22,10 +22,10 @@ MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter on
 LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
 MIN_KNOT_INTERVALS = 4  # smallest number of knot intervals of a motion
 AMPLE_TIME_FACTOR = 2.5  # multiple of the rest-to-rest duration above which a key interval is split
-PLACE_TOLERANCE = 0.02  # [knot intervals] time before a rest in which a hinge moves less than 1e-7 rad
+PLACE_TOLERANCE = 0.02  # [knot intervals] a key closer to a segment's end coincides with it: error below 1e-7 rad
 NO_KNOT_POSITIONS = sealed([])  # empty key positions of a segment without inner keys
-START_WEIGHTS = np.eye(3, 4)  # weights of the first three control points
-END_WEIGHTS = np.eye(3, 4, 1)  # weights of the last three control points
+START_WEIGHTS = np.eye(3, 4)  # rows that select the first three of four control points
+END_WEIGHTS = np.eye(3, 4, 1)  # rows that select the last three of four control points
 
 
 class RestPoint(NamedTuple):

@@ -75,7 +75,7 @@ def smoothest(segment: SplineSegment) -> Floats:
 
 
 def nearest_within_limits(segment: SplineSegment, desired: Floats, limits: Limits) -> Floats | None:
-    """Return the result of `nearest_motion` for a motion beyond limits."""
+    """Return control points nearest to a desired motion within limits, or None."""
     corridor = segment.corridor(limits, desired)
     grid, fixed = segment.grid, segment.fixed
     stencils = grid.stencils(limits, segment.hinge)

@@ -60,7 +60,7 @@ def _stop_hinge(hinge: int, controls: Floats, min_intervals: int, limits: Limits
 def _find_shortest(solve: Callable[[int], Floats | None], max_extra: int) -> tuple[int, Floats] | None:
     """Return the fewest extra knot intervals that permit a stop, with solution.
 
-    The number is doubled until there is one, then bisected.
+    The number is doubled until there is one, then bisected. None if it would exceed `max_extra`.
     """
     low, high, solution = -1, 0, solve(0)
     while solution is None:

@@ -16,9 +16,9 @@ from kinesic.body.command import State
 KNOT_INTERVAL = 0.01  # [s] time between two knots
 KNOT_TOLERANCE = 1e-6  # [knot intervals] smaller deviations of a time from its knot are ignored
 REST_TOLERANCE = 1e-9  # [rad] smaller deviations from the last posture are rounding errors
-DERIVATIVE_SCALES = sealed(  # powers of the knot interval
+DERIVATIVE_SCALES = sealed(  # [s^order] powers of the knot interval, which convert differences to derivatives
     [KNOT_INTERVAL**order for order in range(3)]
-)  # powers of the knot interval, by order of the derivative
+)
 MIN_CONTROLS = 4  # number of control points of one knot interval
 SAMPLES_PER_WINDOW = 4096  # times sampled at once, which bounds memory
 

@@ -21,10 +21,10 @@ from kinesic.motion.easing import ease
 EXPRESSION_FILE = CONFIGS / "faces" / "expressions.toml"
 
 MIN_RISE_TIME = 0.06  # [s] shortest rise of an expression, by the speed of facial muscles
-EXTENT_GAIN = 0.5  # relative change of the intensity at a spatial extent of 1 or -1
+EXTENT_GAIN = 0.5  # relative increase of the intensity at a spatial extent of 1, decrease at -1
 OVERSHOOT_RATIO = 0.25  # overshoot / held intensity at a power of 1
 SETTLING_TIME = 0.35  # [s] time from the overshoot to the held intensity
-FADE_RATIO = 0.4  # loss of intensity during the hold at a power of -1
+FADE_RATIO = 0.4  # fraction of the intensity lost during the hold at a power of -1
 MAX_FADE_TIME = 2.0  # [s] duration of the fading during the hold
 MAX_BRIDGED_GAP = 1.0  # [s] longest gap between two expressions that are joined at a fluidity of 1
 
@@ -145,9 +145,9 @@ def _entry(lexeme: str, path: Path) -> _LexemeMatch | None:
 
 @dataclass(frozen=True)
 class Envelope:
-    """Rise and decay times of an expression.
+    """Start, peak, relaxation and end times of an expression [s].
 
-    An expression that stays never relaxes.
+    It rises from `start` to `peak`, and decays from `relax` to `end`. The last two are infinite if it stays.
     """
 
     start: float  # [s]
@@ -193,7 +193,10 @@ class Envelope:
         return np.asarray((1.0 + EXTENT_GAIN * manner.spatial) * fractions * self._level(times, manner.power))
 
     def _level(self, times: Floats, power: float) -> Floats | float:
-        """Return the held intensity (m,) relative to the requested one."""
+        """Return the intensity factor (m,) of overshoot or fading by power.
+
+        A single 1 at a power of 0.
+        """
         if power > 0:
             return 1.0 + OVERSHOOT_RATIO * power * (1.0 - ease("minimum_jerk", (times - self.peak) / SETTLING_TIME))
         holding = min(max(self.relax - self.peak, MIN_RISE_TIME), MAX_FADE_TIME)
@@ -201,7 +204,7 @@ class Envelope:
 
 
 def _warp_rise(fractions: Floats, power: float) -> Floats:
-    """Let powerful expressions rise early and weak ones late.
+    """Warp the rise of an expression, 0 to 1, by its power.
 
     Power makes the expression rise early, weakness late.
     """

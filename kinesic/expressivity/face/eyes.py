@@ -46,7 +46,7 @@ MEAN_SACCADE_INTERVAL = 1.6  # [s] mean time between two spontaneous saccades
 
 @dataclass(frozen=True)
 class GazeDirection:
-    """Gaze direction, temporary or permanent."""
+    """Gaze direction in the world, with the time span of the gaze."""
 
     start: float  # [s]
     left: float  # [rad] in the world, + left
@@ -192,7 +192,7 @@ def blink_times(
 
 
 def blink_units(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
-    """Convert blinks to action units at (m,) times [s].
+    """Convert blink start times to action units at (m,) times [s].
 
     Returns:
         Key of Command.face -> (m,) 0..1.

@@ -36,9 +36,9 @@ MIN_INTENSITY = 1e-3  # weaker action units are omitted
 
 SPEAKING_INTENSITY = 0.3  # intensity of speech units at which expressions no longer close the mouth
 CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
-BLINK_LEAD_TIME = 0.15  # [s] from the begin of a blink to the begin of a speech
+BLINK_LEAD_TIME = 0.15  # [s] from the start of a blink to the start of a speech
 STILL_EYES = Eyes()  # eyes that look straight ahead, without spontaneous motion
-NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # face without a standing affect
+NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # no permanent facial expression from the style
 NO_BODY_MOVES: Mapping[str, BodyMove] = MappingProxyType({})  # gestures without accompanying body motion
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
@@ -128,7 +128,7 @@ def face_outcome(action: Face) -> Outcome:
 
 
 def _open_lips(expressed: Channels, spoken: Channels) -> Channels:
-    """Release pressed lips where speech opens the mouth."""
+    """Scale down mouth-closing action units while speech opens the mouth."""
     opening = [values for channel, values in spoken.items() if channel != SEAL_UNIT]
     if not opening:
         return expressed

@@ -22,8 +22,8 @@ from kinesic.expressivity.face.expressions import Envelope
 from kinesic.expressivity.face.opening import LIP_OPENINGS, limit_lip_opening, lip_opening
 
 MOUTH_STEP = 0.005  # [s] time step of the mouth track
-SHAPE_LEAD_TIME = 0.07  # [s] from the begin of a mouth shape to its sound
-ROUND_LEAD_TIME = 0.12  # [s] from the begin of lip rounding to its sound
+SHAPE_LEAD_TIME = 0.07  # [s] from the start of a mouth shape to its sound
+ROUND_LEAD_TIME = 0.12  # [s] from the start of lip rounding to its sound
 PRESS_TIME = 0.025  # [s] time in which closed lips are pressed together
 RELEASE_TIME = 0.03  # [s] time in which closed lips are released
 RELEASE_ADVANCE = 0.028  # [s] from the release of closed lips to its sound, as soft lips stick together
@@ -168,7 +168,7 @@ class _Sound:
 
 
 def _grid(sounds: Sequence[_Sound], times: Floats) -> Floats:
-    """Return uniform time steps (n,) [s] that cover the mouth motion."""
+    """Return uniformly spaced times (n,) [s] that cover the mouth motion."""
     first = max(sounds[0].begin, times[0]) - VISEME_WINDOW
     last = min(sounds[-1].end, times[-1]) + VISEME_WINDOW
     return MOUTH_STEP * np.arange(np.floor(first / MOUTH_STEP), np.ceil(max(first, last) / MOUTH_STEP) + 1)

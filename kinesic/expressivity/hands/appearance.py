@@ -87,7 +87,7 @@ def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
 
 
 def nearest(seen: StrokeAppearance, others: Mapping[str, StrokeAppearance]) -> tuple[str, float]:
-    """Return the gesture with the most similar hand paths, and the distance.
+    """Return the gesture with the nearest hand paths, and their distance [m].
 
     Args:
         seen: appearance of the gesture.

@@ -126,7 +126,10 @@ class _Hands:
         return replace(stroke, options=tuple(o for o in stroke.options if o.hands.keys() == hands) or stroke.options)
 
     def _halves(self, stroke: Stroke) -> tuple[Poses, ...]:
-        """Return a divisible two-handed stroke as performed by either hand alone."""
+        """Return the right- and left-handed versions of a two-handed stroke.
+
+        Empty for a stroke that one hand must not perform alone.
+        """
         both = [option for option in stroke.options if stroke.may_split and len(option.hands) == len(SIDES)]
         return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
 
@@ -185,7 +188,7 @@ class _Hands:
         return sorted(conflicting, key=lambda other: other.begin)
 
     def _travel_time(self, option: Poses, side: Side) -> float:
-        """Return a typical minimum time of a hand to a stroke [s]."""
+        """Return a hand's minimum time from rest to a stroke [s]."""
         return self.pace.least_hand_time(
             pose_distance(REST_HAND, option.hands[side][0], resting_hands(self.pace.robot)[side])
         )
@@ -309,6 +312,6 @@ class _Hands:
         return remedy(stroke.times["stroke"] + later)
 
     def _missing_delay(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
-        """Return how much too early a stroke starts [s]."""
+        """Return the delay with which a stroke could follow another one [s]."""
         between = stroke.times["strokeStart"] - work.at("strokeEnd")
         return self._delay(work, stroke) or self.spacing.transition_time(work, stroke, option, side) - between

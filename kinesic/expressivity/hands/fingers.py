@@ -30,7 +30,7 @@ EXTENSION_TOLERANCE = 0.35  # largest extension error of a passive finger in a r
 
 
 def finger_joints(robot: Robot, side: Side) -> tuple[int, ...]:
-    """Return the finger joints of a hand, in joint order."""
+    """Return the indices of a hand's finger joints, in joint order."""
     return robot.arm(side).fingers
 
 

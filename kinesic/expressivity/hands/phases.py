@@ -24,7 +24,7 @@ from kinesic.motion.keys import PLAIN_PASSAGE
 NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand does not return to rest
 ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touched parts of the other arm
 LOWERING_FRACTION = 0.5  # fraction of the way to rest by which a waiting hand is lowered
-WAITING_OPENNESS = 0.2  # elbow openness of a waiting hand, which keeps the elbow off the body
+WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand, which keeps the elbow off the body
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one
 ALL_FIXED: FixedSyncs = MappingProxyType({})  # a behaviour that is not listed has all its sync points fixed
 
@@ -157,12 +157,12 @@ def _retraction(holding: HandStroke, pose: Hand, others: Sequence[HandStroke]) -
 
 
 def _clashing_neighbours(row: Sequence[HandStroke], k: int, clashes: Clashes) -> list[str]:
-    """Return the adjacent strokes that conflict with a stroke."""
+    """Return the ids of adjacent strokes that conflict with a stroke."""
     return [other.id for other in row[max(k - 1, 0) : k + 2] if frozenset((row[k].id, other.id)) in clashes]
 
 
 def _deferral_remarks(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tuple[str, ...]]:
-    """Return remarks for rest poses that clash with gestures."""
+    """Return remarks about rest poses that clash with gestures, by id."""
     poses = [(work.id, _clashing_neighbours(row, k, clashes)) for k, work in enumerate(row) if work.stroke.rest]
     lacking = {pair: f"{clash.late:.2f} s lack between both" for pair, clash in clashes.items()}
     return {

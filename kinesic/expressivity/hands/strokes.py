@@ -259,7 +259,10 @@ def _drop_repetitions(poses: Poses, times: Mapping[str, float], pace: Pace) -> P
 
 
 def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
-    """Reduce the periods of paths to the servo limits, with remarks."""
+    """Reduce the periods of hand paths that exceed the servos' velocity.
+
+    The remarks name the reduced paths.
+    """
     paths, remarks = dict(poses.paths), []
     for side, row in poses.paths.items():
         slowed_row = list(row)

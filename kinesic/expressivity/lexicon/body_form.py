@@ -60,9 +60,7 @@ class BodyForm:
     def __str__(self) -> str:
         """Return a short description of the body motion.
 
-        Such as `nod 4, shoulders 3 deg; eyes on the hands; raise_brows 0.2`, empty when only the hands move.
-
-        It is empty when only the hands move.
+        It is like `nod 4, shoulders 3 deg; eyes on the hands; raise_brows 0.2`. It is empty when only the hands move.
         """
         angles = {
             **_named("head", self.head),

@@ -179,7 +179,7 @@ class Lexicon:
         return tuple(name for name, meant in self.synonyms if meant == gesture)
 
     def named_hands(self, form: GestureForm) -> HandMode:
-        """Return the hands that a name requests, if unusual for the gesture."""
+        """Return a form's hands if unusual for its gesture, otherwise `unspecified`."""
         usual_form = self.forms_by_id.get(form.id)
         if usual_form is None or form.sides == usual_form.sides:
             return "unspecified"

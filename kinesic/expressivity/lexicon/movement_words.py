@@ -141,7 +141,8 @@ def read_head_name(name: str) -> HeadName | None:
 def _kind(words: Sequence[str]) -> HeadKind | None:
     """Return the kind of head movement described by some words.
 
-    Up and down is a nod; left and right, or side to side, is a shake.
+    Up and down is a nod; left and right, or side to side, is a shake. None if no word, or both a nod and a shake, is
+    described.
     """
     meaningful = frozenset(words)
     nods = bool(meaningful & (_NOD_WORDS | {"nod"}) or {"up", "down"} <= meaningful)

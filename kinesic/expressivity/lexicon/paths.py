@@ -93,7 +93,10 @@ class HandPath:
         return max(1, round(float(turned / np.pi)))
 
     def slowed(self, turns: float) -> "HandPath":
-        """Return the path with fewer periods and the same amplitude."""
+        """Return the path with at most the given number of periods.
+
+        Its amplitude stays the same.
+        """
         return self if self.turns <= turns else replace(self, frequency=sealed(self.frequency * turns / self.turns))
 
     def mapped(self, amplitude: Floats, moved: Callable[[Floats], Floats]) -> "HandPath":

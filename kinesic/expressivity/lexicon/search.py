@@ -17,10 +17,10 @@ from kinesic.expressivity.lexicon.word_stems import word_stem
 HitKind = Literal["all", "name", "synonym", "class", "words", "near"]
 
 DEFAULT_HIT_COUNT = 10  # gestures in one answer
-MAX_QUERY_LENGTH = 200  # [characters] beginning of a query that is read
+MAX_QUERY_LENGTH = 200  # [characters] length to which a query is cut
 INDEX_CACHE_SIZE = 4  # lexicons whose index is kept
 MIN_SCORE = 0.2  # lowest score of a gesture in an answer
-NEAR_SCORE = 0.5  # score below which a gesture only comes near the query
+NEAR_SCORE = 0.5  # score below which a gesture counts as merely similar to the query
 
 NAME_SCORE = 1.0  # score of the gesture that the query names
 SYNONYM_SCORE = 0.98  # score of the gesture of which the query is a synonym
@@ -95,7 +95,7 @@ def _rank(index: "_Index", lexicon: Lexicon, query: str) -> list[GestureHit]:
 
 
 def _find_named(lexicon: Lexicon, query: str, words: Sequence[str]) -> GestureHit | None:
-    """Return the gesture that a document performs for the query."""
+    """Return the gesture that the query names as a lexeme, or None."""
     match = lexicon.find(query)
     if match is None:
         return None

@@ -46,7 +46,7 @@ _SHRINKING_FACTORS = sealed([0.25, 0.7, 0.35])  # relative shrinking forward, ou
 
 
 def sector(axis: Axis, name: str) -> float:
-    """Return the centre of a sector on one axis.
+    """Return the centre of a sector on one axis [arm lengths].
 
     Raises:
         ValueError: the axis has no such sector.

@@ -25,7 +25,7 @@ _NEGATION_WORDS = frozenset({"no", "not", "dont", "never", "none", "without"})
 
 @dataclass(frozen=True)
 class GestureClass:
-    """Class of names that one gesture represents."""
+    """Class of gesture names, with the gesture that represents it."""
 
     name: str
     gesture: str  # id of the representative
@@ -33,27 +33,30 @@ class GestureClass:
     not_in: tuple[tuple[str, ...], ...] = ()  # excluded phrases with another meaning, such as beat, it
 
     def others(self, words: Sequence[str]) -> tuple[str, ...] | None:
-        """Return the words of a name that are not class words.
+        """Return the words of a name outside this class's phrases.
 
         Returns:
-            None if no word names the class.
+            None if no phrase of the class, or an excluded one, occurs.
         """
         named = self._named(words)
         return tuple(word for k, word in enumerate(words) if k not in named) if named else None
 
     def before(self, words: Sequence[str]) -> frozenset[str]:
-        """Return the words of a name before its first class word."""
+        """Return the words of a name before the class's first phrase."""
         return frozenset(words[: min(self._named(words), default=0)])
 
     def _named(self, words: Sequence[str]) -> set[int]:
-        """Return the positions of class words in a name, if not excluded."""
+        """Return the positions of this class's words in a name.
+
+        Empty if the name contains an excluded phrase.
+        """
         if any(_places(phrase, words) for phrase in self.not_in):
             return set()
         return set().union(*(_places(phrase, words) for phrase in self.words))
 
 
 def _places(phrase: Sequence[str], words: Sequence[str]) -> set[int]:
-    """Return the start indices of all occurrences of a phrase."""
+    """Return the word positions covered by all occurrences of a phrase."""
     length = len(phrase)
     starts = (k for k in range(len(words) - length + 1) if tuple(words[k : k + length]) == tuple(phrase))
     return {k for start in starts for k in range(start, start + length)}

@@ -21,8 +21,8 @@ Tempo = Literal["sudden", "neutral", "sustained"]
 
 TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factor on durations
 POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture that only takes a pose
-RETRACTION_EXPONENT = 0.5  # exponent of slowness in the retraction; fast gestures retract no faster
-STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of slowness in the stroke, whose duration mostly follows from its meaning
+RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction; fast ones are not faster
+STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of the gesture's duration factor in the stroke
 
 PREPARATION_TIME = 0.56  # [s] natural preparation over the reference distance
 RETRACTION_TIME = 0.96  # [s] natural retraction over the reference distance
@@ -48,15 +48,15 @@ REFERENCE_STROKE_TIME = 0.6  # [s] stroke duration to which the hold times of ca
 POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
 STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 
-STROKE_ACCENT = 1.9  # easing steepness, beyond the softest, of dynamic strokes without a word
-SPOKEN_ACCENT = 6.4  # easing steepness, beyond the softest, of strokes that are fastest at an accented word
-STROKE_START_SWING = 0.9  # overshoot parameter at the key where a stroke begins
-STROKE_KEY_SWING = 0.8  # overshoot parameter at stroke keys after the first one
-SPOKEN_START_SWING = 0.4  # overshoot parameter at the start of a stroke on a word, low for a late velocity peak
+STROKE_ACCENT = 1.9  # added to the softest easing steepness, 1, in dynamic strokes without a word
+SPOKEN_ACCENT = 6.4  # added to the softest easing steepness, 1, in strokes that are fastest at an accented word
+STROKE_START_SWING = 0.9  # overshoot (0 none .. 1 full) at the key where a stroke begins
+STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first one
+SPOKEN_START_SWING = 0.4  # overshoot (0 .. 1) at the start of a stroke on a word, low for a late velocity peak
 MIN_SPOKEN_TENSION = -0.15  # smallest spline tension in the preparation of a stroke on a word
-PATH_START_SWING = 0.6  # overshoot parameter where a path begins; the preparation ends along it
+PATH_START_SWING = 0.6  # overshoot (0 .. 1) where a path begins; the preparation ends along it
 PATH_START_VELOCITY = 0.5  # velocity at the start of a path without a word / its constant velocity
-PATH_END_SWING = 0.4  # overshoot parameter at the end of a path, low so that the hand stays on it
+PATH_END_SWING = 0.4  # overshoot (0 .. 1) at the end of a path, low so that the hand stays on it
 MIN_LEISURE = 0.7  # available / natural time below which keys have neither swing nor accent
 RETRACTION_STEEPNESS = 7.5  # steepness of the linear easing in the retraction: peak / mean velocity 4/3
 FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
@@ -222,7 +222,10 @@ class Effort:
         return 0.0 if self.spoken else PATH_START_VELOCITY * min(passage.swing / PATH_START_SWING, 1.0)
 
     def _largest_swing(self, phase: Phase, *, led: bool) -> float:
-        """Return the overshoot parameter at a key of a loose and timely gesture."""
+        """Return the largest overshoot at a key, 0 none to 1 full.
+
+        Firmness and lack of time reduce it.
+        """
         if phase == "stroke":
             return PATH_END_SWING if led else STROKE_KEY_SWING
         if led:
@@ -231,7 +234,10 @@ class Effort:
 
     @property
     def _pose_flow(self) -> float:
-        """Fraction of the usual stop that a hand omits where a pose begins."""
+        """Fraction of a pose key's negative continuity that looseness removes.
+
+        At 1 the hand runs through the key where its pose begins.
+        """
         return self._swing_factor * (SPOKEN_START_SWING / STROKE_START_SWING if self.spoken else 1.0)
 
     @property
@@ -280,7 +286,7 @@ class Effort:
         return natural_time(natural, minimum, self.manner.temporal, weakness)
 
     def _blend(self, effort_value: float, plain: float) -> float:
-        """Interpolate between the neutral and the expressive value by the style weight."""
+        """Interpolate between plain and effort value by the gesture's weight."""
         return plain + self.traits.weight * (effort_value - plain)
 
     def _relative_distance(self, distance: float, usual: float) -> float:

@@ -23,11 +23,11 @@ _POSTURE_COUNT = 32  # number of start postures of an arm
 _RANGE_FRACTION = 0.5  # central part of each joint range from which the start postures are drawn
 _POSTURE_QUANTILE = 0.25  # quantile of the durations over postures: planning chooses favourable elbows
 _PROBE_ANGLE = 1e-5  # [rad] step of finite differences of the Jacobian
-_JACOBIAN_DAMPING = 1e-3  # damping for arms that can hardly move along some axis
+_JACOBIAN_DAMPING = 1e-3  # added to the diagonal of J A J^T, for arms that can hardly move along some axis
 
 
 def scale_time(ease: float, least: float, extent: float, most: float) -> float:
-    """Scale a duration [s] by a temporal extent from slow to fast.
+    """Scale a duration [s] by temporal extent, above the servo minimum.
 
     The fastest extent divides the duration by `most`, the slowest multiplies it. Where the minimum duration forbids the
     whole factor, extent 1 gives the minimum duration, and extents between 0 and 1 are scaled accordingly.
@@ -62,7 +62,7 @@ def natural_time(ease: float, least: float, temporal: float, power: float, *, ma
 class _AxisJoints:
     """Joints of a chain with the rotation axis of each."""
 
-    axes: Indices  # (k,) indices into `AXES`
+    axes: Indices  # (k,) indices into `TURN_AXES`
     joint_ranges: Floats  # (k,) [rad]
     axis_ranges: Floats  # (k,) [rad] sum of the ranges of all joints of the same axis
     limits: Limits  # of the k joints

@@ -9,7 +9,7 @@ import numpy as np
 
 from kinesic.expressivity.keyframes import Turn
 
-HANGING = "hanging"  # name of the rest without a gesture
+HANGING = "hanging"  # name of the rest pose in which the arms hang, without a gesture
 OTHER_HAND_PROBABILITY = 0.4  # probability that the other hand performs a rest gesture
 USUAL_PAUSES = (("hanging", 2.0), ("hands_folded_low", 3.0), ("hand_on_hip", 1.5), ("arms_crossed", 0.7))
 UPRIGHT_TURN = Turn()  # zero rotation of head and trunk
@@ -46,7 +46,7 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class GazeHabit:
-    """Where the eyes look without a gaze behaviour."""
+    """Direction and time fraction of averted gazes outside gaze behaviours."""
 
     down: float = 0.0  # [rad] of an averted gaze
     aside: float = 0.0  # [rad] of an averted gaze
@@ -72,7 +72,10 @@ class Standing:
 
     @classmethod
     def of(cls, table: StandingTable) -> "Standing":
-        """Convert the table of a style file; a style that poses its arms has only the rests that it names."""
+        """Convert the table of a style file to a standing posture.
+
+        A style that poses its arms has only the rest gestures that it names.
+        """
         is_posed = bool(table.rest or table.arms)
         return cls(
             head=table.head.turn,
