@@ -17,7 +17,10 @@ INSTALL_WINDOWS = "pip install 'kinesic[face]'"  # command that installs the win
 
 
 class DisplayError(RuntimeError):
-    """Error if nothing can be drawn on this machine, with the remedy."""
+    """Failure to draw a face, with the reason and the remedy.
+
+    OpenGL or a file is missing, or an argument is invalid.
+    """
 
 
 @contextmanager

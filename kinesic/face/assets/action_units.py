@@ -31,7 +31,7 @@ from kinesic.face.display import DisplayError
 
 SIDE_NAMES = {"L": "Left", "R": "Right"}
 
-# SIDE stands for Left and Right.
+# Weights of expression shapes by action unit; SIDE stands for Left and Right.
 UNIT_SHAPES: Mapping[int, Mapping[str, float]] = {
     1: {"browInnerUpSIDE": 1.0},
     2: {"browOuterUpSIDE": 1.0},
@@ -217,7 +217,7 @@ def compute_gaze_rotation(channels: Floats, number: int) -> Floats:
 
     Args:
         channels: (c,) intensity of each of `FACE_CHANNELS`.
-        number: number of the eyeball.
+        number: 0 for the left eyeball, 1 for the right one.
     """
     left, right, up, down, inward = (channels[_CHANNEL_INDICES[name]] for name in ("61", "62", "63", "64", "66"))
     aside = MAX_EYE_YAW * (left - right) + MAX_EYE_CONVERGENCE * inward * (2 * number - 1)

@@ -210,11 +210,9 @@ def read_variant(archive: ZipFile, source: SourceFigure, sex: str) -> Floats:
 
 
 def _measure_tips(positions: Floats, parts: Integers) -> Floats:
-    """Return (v,) positions along the lash for lash vertices.
+    """Return (v,) positions of lash vertices along their lash, 0..1.
 
-    It is 0 at the lid, 1 at the tip.
-
-    Other vertices have 0.
+    The position is 0 at the lid and 1 at the tip. Other vertices have 0.
     """
     lashes = parts == MESH_PARTS.index("lashes")
     away, _ = scipy.spatial.cKDTree(positions[parts == MESH_PARTS.index("skin")]).query(positions[lashes])

@@ -134,7 +134,7 @@ def _read_bone_weights(archive: ZipFile, count: int) -> Columns:
 def _merge_bones(bones: Columns) -> Columns:
     """Merge bone weights by parts of kinesic's skeleton.
 
-    They sum to 1.
+    The weights of each vertex sum to 1.
     """
     merged: Columns = {}
     for bone, column in bones.items():
@@ -200,7 +200,7 @@ def _find_hand_faces(faces: Integers, points: Floats, centres: Centres, parts: C
 
 
 def _smooth_weights(parts: Columns, faces: Integers) -> None:
-    """Smooth the shoulder weights along mesh edges, keeping their sum."""
+    """Smooth shoulder weights along mesh edges in place, keeping their sum."""
     names = [part for part in parts if re.search(r"(vl5|skullbase_1|sternoclavicular|_shoulder)", part)]
     ends = np.concatenate([np.stack([faces[:, k], faces[:, (k + 1) % 4]], axis=1) for k in range(4)])
     count = len(parts[names[0]])

@@ -34,7 +34,7 @@ TUCK_RAMP = 0.014  # [m] distance below the neckline over which `TUCK_DEPTH` is 
 COLLAR_RAMP = 0.045  # [m] distance below the neckline within which the suit is drawn to the neck
 COLLAR_GAP = 0.0015  # [m] distance of the suit from the neck at the neckline; the shirt lies outside the suit
 COLLAR_NEIGHBOURS = 4  # nearest skin points that are averaged for the neck's surface
-MAX_FRAMES_PER_VERTEX = 8  # skinning frames per vertex
+MAX_FRAMES_PER_VERTEX = 8  # largest number of skinning frames that move a vertex
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ def _round_weights(weights: Floats) -> Floats:
 
 
 def _fit_collar(points: Floats, suit: Indices, centres: Mapping[str, Floats], top: Mesh) -> Floats:
-    """Move the suit's neckline close to the neck, positions (v, 3) [m]."""
+    """Return (v, 3) positions [m] with the suit's neckline at the neck."""
     skin = top.vertices("skin")
     skin = skin[np.isin(skin, top.faces)]
     near = suit[measure_neckline_distance(points[suit], centres) > -COLLAR_RAMP]
@@ -179,7 +179,7 @@ def _tuck_skin(top: Mesh, centres: Mapping[str, Floats]) -> Mesh:
 
 
 def _drop_unused(mesh: Mesh, weights: Floats) -> tuple[Mesh, Floats]:
-    """Remove mesh vertices without faces."""
+    """Remove vertices without faces from a mesh and its skinning weights."""
     used, faces = np.unique(mesh.faces, return_inverse=True)
     rows = (3 * used[:, None] + np.arange(3)).ravel()
     assert mesh.plain is not None  # set for all pieces of a figure

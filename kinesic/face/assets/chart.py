@@ -33,12 +33,12 @@ HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between t
     (140.0, -0.75),
     (180.0, -1.0),
 )
-MOUTH_REGION = (0.6, -1.45, -0.8)  # search region of the mouth: half width, lowest and highest position
-THROAT_DEPTH = -1.0  # rearmost forward position in the mouth; the neck lies behind it
+MOUTH_REGION = (0.6, -1.45, -0.8)  # [eye distances] search region of the mouth: half width, lowest and highest position
+THROAT_DEPTH = -1.0  # [eye distances] rearmost forward position in the mouth; the neck lies behind it
 MOUTH_DEPTH_UNIT = 0.1  # unit of depth in the mouth, in distances between the eyes
 LIP_DEPTH = 0.35  # depth up to which the inside of the mouth counts as lip, in MOUTH_DEPTH_UNIT
 MAX_MOUTH_DEPTH = 6.0  # depth from which the mouth is equally dark, in MOUTH_DEPTH_UNIT
-CROWN_CENTRE = -1.15  # forward position of the centre of the hairline
+CROWN_CENTRE = -1.15  # [eye distances] forward position of the axis of the angles in HAIRLINE_POINTS
 
 
 def compute_chart_window() -> tuple[float, float, float, float]:

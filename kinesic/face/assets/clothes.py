@@ -11,7 +11,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 
-Colour = tuple[float, float, float]  # linear
+Colour = tuple[float, float, float]  # linear RGB
 
 SHIRT_COLOUR = (0.20, 0.30, 0.42)  # linear RGB colour of the shirt
 TROUSER_COLOUR = (0.07, 0.08, 0.10)  # linear RGB colour of the trousers
@@ -41,7 +41,7 @@ class Garment:
 
 
 def cut_garments(points: Floats, centres: Mapping[str, Floats]) -> tuple[Garment, ...]:
-    """Return the garments of a suit.
+    """Return shirt, trousers and shoes that are cut from a suit.
 
     Args:
         points: (v, 3) [m] vertices of the suit.
@@ -70,9 +70,9 @@ def _ramp_to_border(beyond: Floats) -> Floats:
 
 
 def measure_neckline_distance(points: Floats, centres: Mapping[str, Floats]) -> Floats:
-    """Return the signed height (v,) of points above the neckline [m].
+    """Return the signed distance (v,) [m] of points from the neckline plane.
 
-    Negative values are covered by the shirt.
+    It is positive above the sloping plane. The shirt covers points with a negative distance.
     """
     away = points - centres["vt1"]
     return np.asarray((away[:, 2] + NECKLINE_SLOPE * away[:, 0] - COLLAR_HEIGHT) / np.hypot(1.0, NECKLINE_SLOPE))

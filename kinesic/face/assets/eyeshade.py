@@ -21,7 +21,7 @@ FACES_ACROSS = 6  # mesh faces of the eyeshade from inner to outer edge
 
 @dataclass(frozen=True, eq=False)
 class Eyeshade:
-    """Double-sided triangle mesh in the head's frame."""
+    """Double-sided triangle mesh of an eyeshade in the head's frame."""
 
     positions: Floats  # (v, 3) [m]
     normals: Floats  # (v, 3) unit, upward
@@ -58,7 +58,7 @@ def make_eyeshade(mesh: Mesh) -> Eyeshade:
 def _measure_forehead(skin: Floats, angles: Floats) -> Floats:
     """Return the (n,) distance of the forehead in each direction.
 
-    Distances are from the axis of the brim.
+    Distances are from the axis of the brim, in distances between the eyes.
     """
     forward, left, up = skin.T
     band = np.abs(up - BRIM_HEIGHT) < FOREHEAD_BAND

@@ -27,12 +27,12 @@ EAR_REGION = (
     -0.9,
     0.25,
     1.15,
-)  # forward range, vertical range, minimum distance aside of an ear
+)  # [eye distances] forward range, vertical range, minimum distance aside of an ear
 NORMAL_LEAN = 0.35  # sideways component of the normals at the edges of a lock, relative to the outward one
 HAIR_SEED = 11  # seed of the random generator for hair
-SCALP_HEIGHT = 0.06  # [eye distances] distance of the painted hair from the scalp
+SCALP_HEIGHT = 0.06  # [eye distances] smallest distance of locks from the scalp, at SCALP_RAMP
 PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp at SCALP_RAMP
-SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which the painted hair reaches SCALP_HEIGHT
+SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reaches its distance from the scalp
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 INSIDE_VISIBLE_HEIGHT = 0.1  # [eye distances] height below which the inside of hanging locks is visible
 INSIDE_STRIDE = 2  # every n-th lock is drawn from inside
@@ -139,12 +139,12 @@ def _find_ear_points(points: Floats) -> NDArray[np.bool_]:
 
 
 def _rate_root_height(roots: Floats) -> Floats:
-    """Rate (r,) hair roots from 0 (temple, neck) to 1 (top)."""
+    """Return (r,) relative heights of hair roots, 0 (temple) to 1 (top)."""
     return np.asarray(np.clip((roots[:, 2] + 0.1) / 1.2, 0.0, 1.0))
 
 
 class _Skull:
-    """Skull radius in each direction as the support of hair."""
+    """Skull surface that supports hair, as a radius for each direction."""
 
     def __init__(self, skin: Floats, style: HairStyle) -> None:
         skin = skin[skin[:, 2] > -1.6]
@@ -232,9 +232,10 @@ def _comb_locks(skull: _Skull, roots: Floats, style: HairStyle, random: np.rando
 
 
 def _cut_locks(lines: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
-    """Cut locks' centre lines (r, s + 1, 3) to their length.
+    """Cut the centre lines of locks at a minimum height and ears.
 
-    All lines keep the same number of points.
+    Lines have the shape (r, s + 1, 3). Locks shorter than `MIN_LOCK_STEPS` are removed. All lines keep the same number
+    of points.
     """
     count, rows = lines.shape[:2]
     heights = np.full((count, 1), style.cut) + random.uniform(*CUT_VARIATION, (count, 1))

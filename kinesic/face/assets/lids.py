@@ -17,7 +17,7 @@ from kinesic.face.assets.mesh import MESH_PARTS, Indices, Mesh
 from kinesic.face.assets.paint import IRIS_RADIUS
 
 LID_REGION_RADIUS = 1.8  # radius of the skin around an eye, in radii of the eyeball
-SKIN_CLEARANCE = 0.0004  # [m] minimum distance of skin from the eyeball, unless less at rest
+SKIN_CLEARANCE = 0.0004  # [m] minimum distance of skin from the eyeball, unless it is smaller at rest
 BURIED_DEPTH = 0.001  # [m] depth in the eyeball at rest from which skin is never visible
 LID_OVERLAP = 0.02  # fraction by which a closed upper lid overlaps the lower one
 PROTRUSION_WEIGHT = 20.0  # [rad/m] weight of protrusion relative to height in the search for the lid edge

@@ -21,7 +21,7 @@ MOUTH_HALF_WIDTH = 0.40  # [eye distances] distance from the midline to the oute
 MIN_LIP_FORWARD = 0.28  # [eye distances] forward position of lip skin; skin further back lies inside the mouth
 YIELDING_SKIN_RANGE = 0.42  # [eye distances] height above and below the mouth up to which the skin moves with the lips
 EDGE_RANGE = 0.22  # [eye distances] height above and below the mouth within which the edge of a lip is searched
-MIDDLE_RANGE = 0.2  # [eye distances] from the midline within which the lower lip gives the mouth's height
+MIDDLE_RANGE = 0.2  # [eye distances] distance from the midline within which the lower lip defines the mouth's height
 COLUMN_COUNT = 25  # columns between the corners of the mouth
 ASIDE_SLOPE = 6.0  # [m/m] extra lip distance of a point per distance from a column
 LOWER_LIP_FRACTION = 0.75  # fraction of the correction that moves the lower lip
@@ -43,7 +43,7 @@ class Lips:
     contact_overlap: Floats  # (c,) [m] overlap of closed lips
 
     def part(self, positions: Floats, seal: float) -> None:
-        """Separate penetrating lips by moving mesh vertices in place.
+        """Separate or seal the lips by moving mesh vertices in place.
 
         Args:
             positions: (v, 3) [m] vertices after the shapes.
@@ -61,11 +61,11 @@ class Lips:
         return -np.asarray(self._measure_column_edges(aside, away).sum(axis=0))
 
     def _measure_column_edges(self, aside: Floats, away: Floats) -> Floats:
-        """Return the (2, c) smallest distances [m] at lip columns' edges.
+        """Return (2, c) smallest distances [m] of both lips in each column.
 
         Args:
             aside: (n,) [m] lateral positions of points.
-            away: (n,) [m] distances of the points.
+            away: (n,) [m] heights of the points, negated on the lower lip.
         """
         wide, count = self.middles[1] - self.middles[0], len(self.middles) + 2  # plus one outer column at each end
         right, left = self.middles - 0.5 * wide, self.middles + 0.5 * wide

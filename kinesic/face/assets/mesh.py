@@ -100,7 +100,7 @@ class Mesh:
         )
 
     def _find_eye_centres(self, positions: Floats) -> Floats:
-        """Return each point's (k, 3) eyeball centre [m] on its side."""
+        """Return the (k, 3) eyeball centre [m] on each point's side."""
         return self.eyes[np.where(positions[:, 1] > 0.0, 0, 1)]
 
     @cached_property
@@ -222,7 +222,9 @@ def _build_corner_stencil(
 ) -> "scipy.sparse.csr_array":
     """Return the Catmull-Clark weights (v, v) of the original vertices.
 
-    Inner vertices: (F + 2 R + (n - 3) P) / n; border vertices: (R + P) / 2; flat vertices stay.
+    Inner vertices: (F + 2 R + (n - 3) P) / n; border vertices: (R + P) / 2; flat vertices stay. F is
+    the mean of the adjacent face centres, R that of the midpoints of adjacent edges (on a border: border edges), P the
+    vertex and n its number of edges.
     """
     vertices, count, total = len(flat), len(faces), len(ends)
     faces_at = _build_incidence(faces.ravel(), np.repeat(np.arange(count), 4), (vertices, count))

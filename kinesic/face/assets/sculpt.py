@@ -51,13 +51,13 @@ EVENED_CENTRE = (0.68, -1.0)  # [eye distances] centre of the smoothing, aside a
 EVENED_RADIUS = 0.5  # [eye distances] radius of the smoothing, which fades from half of it
 EVENED_START = (0.42, 0.56)  # [eye distances] aside positions between which smoothing sets in, off the mouth's corner
 MIN_SMOOTHED_FORWARD = -0.3  # [eye distances] forward position from which skin is smoothed
-LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = (
-    MappingProxyType(  # [m] forward and up by either side's shape, at the
-        {  # middle of the mouth, and how far aside that ends, in distances between the eyes
-            "mouthSmile": (-0.0018, 0.0, 0.38),
-            "mouthUpperUp": (0.0, 0.0012, 0.32),
-        }
-    )
+# Displacement by the shape of one side: forward and up at the middle of the mouth [m], and the distance to either side
+# at which the displacement becomes zero [eye distances].
+LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
+    {
+        "mouthSmile": (-0.0018, 0.0, 0.38),
+        "mouthUpperUp": (0.0, 0.0012, 0.32),
+    }
 )
 LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
 LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line of full and of no lip correction

@@ -167,9 +167,9 @@ def _multiply(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def _scale_turn(q: Quaternion, fraction: float) -> Quaternion:
-    """Return a fraction of a joint's rotation, keeping its sign.
+    """Return the quaternion of a fraction of a rotation.
 
-    The sign is kept, also beyond half a turn.
+    The direction of rotation stays the same, also beyond half a turn.
     """
     sine = math.hypot(*q[1:])
     if fraction == 1.0 or sine < MIN_HALF_ANGLE_SINE:
@@ -193,7 +193,7 @@ def _to_matrix(q: Quaternion) -> Floats:
 def _blend_dual_quaternions(
     positions: Floats, weights: "scipy.sparse.csr_array", turns: Floats, translations: Floats
 ) -> Floats:
-    """Blend rigid motions as dual quaternions.
+    """Return (v, 3) positions [m] moved by blended dual quaternions.
 
     Each quaternion has the sign that is nearer to the strongest one of its vertex.
     """

@@ -156,7 +156,7 @@ class GlContext:
         self.functions.Viewport(*within)
 
     def clear_screen(self, red: float, green: float, blue: float) -> None:
-        """Fill a part of the window with a colour."""
+        """Fill the window, or the part set by `confine`, with a colour."""
         self.bind(0)
         self.functions.ClearColor(red, green, blue, 1.0)
         self.functions.Clear(n.GL_COLOR_BUFFER_BIT)

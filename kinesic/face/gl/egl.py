@@ -137,10 +137,7 @@ class Egl:
             raise GraphicsError("EGL has no OpenGL")
 
     def _read_version(self) -> str:
-        """Return the OpenGL version of this machine, or "".
-
-        Empty when there is none.
-        """
+        """Return the OpenGL version of this machine, empty if there is none."""
         context, version = self._create(self._display, self._config, None, None), b""
         if not context:
             return ""

@@ -82,9 +82,9 @@ class Functions:
         return function
 
     def new(self, kind: str) -> int:
-        """Create an OpenGL object of a kind such as `Textures`.
+        """Create an OpenGL object and return its number.
 
-        Return its number.
+        The kind is a plural as in OpenGL's function names, such as `Textures`.
         """
         number = ctypes.c_uint()
         getattr(self, f"Gen{kind}")(1, ctypes.byref(number))

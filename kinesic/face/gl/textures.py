@@ -153,7 +153,7 @@ Depth = DepthBuffer | DepthTexture
 
 
 class Framebuffer:
-    """Textures that are drawn together, with an optional depth buffer."""
+    """Framebuffer that draws into textures, with an optional depth buffer."""
 
     def __init__(
         self, context: "GlContext", colours: Sequence[Texture], depth: DepthBuffer | DepthTexture | None

@@ -40,8 +40,10 @@ OCCLUSION_RADIUS = 0.05  # [m] radius of ambient occlusion on figures
 class FigurePortrait:
     """Reusable renderer of a whole figure.
 
-    A context manager that frees its resources. with FigurePortrait(Robot.load("human").skeleton) as portrait:
-    pixels = portrait.draw(angles, {"12": 0.8})
+    Use it as a context manager, which frees its resources:
+
+        with FigurePortrait(Robot.load("human").skeleton) as portrait:
+            pixels = portrait.draw(angles, {"12": 0.8})
     """
 
     def __init__(
@@ -110,7 +112,10 @@ class FigurePortrait:
 
 
 def scale_preset_to_figure(preset: Preset) -> Preset:
-    """Adapt the lengths in a preset from a head to a figure."""
+    """Return a face preset adapted to a whole figure.
+
+    Occlusion and shadow have the lengths of a figure. Focus and eyeshade are off.
+    """
     return replace(
         preset,
         focus=None,

@@ -28,7 +28,7 @@ EYESHADE_TRANSMITTANCE = (0.30, 0.95, 0.45)  # fraction of light through the eye
 EYESHADE_COVERAGE = 0.5  # fraction of the eyeshade's pixels that are drawn
 EYESHADE_GLOSS = 0.5  # specular strength of the eyeshade
 DEFAULT_HAIR_COLOUR: Colour = (0.0, 0.0, 0.0)  # linear RGB
-PART_DEPTH_RANGE = 8.0  # depth range per part of the mesh; equal to form.frag.glsl
+PART_DEPTH_RANGE = 8.0  # [m] depth range per part of the mesh; equal to form.frag.glsl
 
 
 class Geometry:

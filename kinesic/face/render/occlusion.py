@@ -81,7 +81,7 @@ def count_samples(occlusion: Occlusion) -> int:
 def compute_wendland_weight(t: Floats) -> Floats:
     """Return the Wendland weight, falling from 1 to 0 (thesis 3.3.3).
 
-    It reaches 0 at t = 1.
+    t is the distance / radius; the weight reaches 0 at t = 1.
     """
     return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
 

@@ -19,7 +19,8 @@ SHADER_FOLDER = Path(__file__).parent / "shaders"
 VERSION_LINE = "#version 330 core\n"
 
 PassRegion = Literal["head", "marked", "marking", "everywhere"]
-DEPTH_TESTS: Mapping[PassRegion, str] = MappingProxyType(  # test of the far plane's depth, 1, against the depth buffer
+# By region: OpenGL comparison of the drawn depth (far plane, 1.0) with the depth buffer; "1" always passes.
+DEPTH_TESTS: Mapping[PassRegion, str] = MappingProxyType(
     {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
 )
 TextureFormat: TypeAlias = Literal["f1", "f2", "f4"]  # of a component: a byte for 0..1, or a float of 2 or 4 bytes

@@ -149,7 +149,10 @@ class Pipeline:
         yield from self._finish.stages(picture, camera)
 
     def draw_openness(self, camera: Camera) -> Texture:
-        """Draw each pixel's received fraction of ambient light."""
+        """Draw the received fraction 0..1 of ambient light at each pixel.
+
+        It is 1 everywhere if the preset has no occlusion.
+        """
         if self.occlusion is None:
             return self._white
         return self.occlusion.draw(compute_pixel_scale(camera, self._drawn[1]) / self._preset.coarse).textures[0]

@@ -30,8 +30,10 @@ CHART_VARIANT: Variant = "female"  # head whose texture chart all variants use; 
 class Portrait:
     """Reusable renderer of a head.
 
-    A context manager that frees its resources. with Portrait("male") as portrait:     pixels = portrait.draw({"12":
-    0.8, "6": 0.6}, Camera(yaw_deg=30))
+    Use it as a context manager, which frees its resources:
+
+        with Portrait("male") as portrait:
+            pixels = portrait.draw({"12": 0.8, "6": 0.6}, Camera(yaw_deg=30))
     """
 
     def __init__(

@@ -52,7 +52,7 @@ def compute_light_on_eyes(lights: Lights, units: Mapping[str, float], camera: Ca
 
 
 class Pupils:
-    """Pupils of a face over time."""
+    """Pupils of a face, whose diameter adapts to light over time."""
 
     def __init__(self) -> None:
         self.diameter: float | None = None  # [m]; None before the first call of `follow`

@@ -117,9 +117,9 @@ def _show_face(shared: SharedCommand, answer: PipeEnd, look: PreviewSettings) ->
 
 
 def _wait_for_answer(pipe: PipeEnd) -> str:
-    """Wait for the preview's first picture.
+    """Wait for the preview's first picture, and return an error text.
 
-    Return an error text, or "".
+    The text is empty without an error.
     """
     if not pipe.poll(OPENING_TIMEOUT):
         return f"nothing was drawn within {OPENING_TIMEOUT:g} s"

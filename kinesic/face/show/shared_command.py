@@ -32,9 +32,9 @@ class SharedCommand:
         self._over = context.Event()
 
     def write(self, shown: ShownFace, *, wait: bool = False) -> bool:
-        """Write the newest command to shared memory.
+        """Write the newest command to shared memory, unless the reader is busy.
 
-        Return False if the reader is busy.
+        The result tells whether it was written.
 
         Args:
             shown: face to draw.
