@@ -271,11 +271,11 @@ def _block_id(bml: str) -> str:
 
 
 class _BlockFound(Exception):  # noqa: N818 - ends the parser, not an error
-    """Id of the first <bml>, raised to end the parser."""
+    """Exception with the first <bml>'s id, raised to end the parser."""
 
 
 def _xml_id(bml: str) -> str:
-    """Return the id of the first <bml> of an XML document.
+    """Return the id of an XML document's first <bml>, or `block`.
 
     Raises:
         ExpatError: the document is broken before its <bml>.

@@ -13,9 +13,9 @@ from functools import cache
 from threading import Thread
 from time import sleep
 
-TRIM_THRESHOLD = -1  # M_TRIM_THRESHOLD of mallopt in <malloc.h>
-MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD of mallopt in <malloc.h>
-ARENA_MAX = -8  # M_ARENA_MAX of mallopt in <malloc.h>
+TRIM_THRESHOLD = -1  # number of mallopt's parameter M_TRIM_THRESHOLD in <malloc.h>
+MMAP_THRESHOLD = -3  # number of mallopt's parameter M_MMAP_THRESHOLD in <malloc.h>
+ARENA_MAX = -8  # number of mallopt's parameter M_ARENA_MAX in <malloc.h>
 MAX_UNUSED_TOP = 1 << 20  # [bytes] largest free memory at the heap end, above which it is returned
 MIN_MAPPED_BLOCK = 1 << 17  # [bytes] smallest block that is mapped separately and returned when freed
 MAX_ARENAS = 2  # largest number of heaps, which all threads share

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 
-NO_LINK_FLAG: int = getattr(os, "O_NOFOLLOW", 0)  # refuses a link as last part of a path; 0 on Windows
-NO_WAIT_FLAG: int = getattr(os, "O_NONBLOCK", 0)  # does not wait for the other end of a pipe; 0 on Windows
-FOLDER_FLAG: int = getattr(os, "O_DIRECTORY", 0)  # refuses all but folders; 0 on Windows
+NO_LINK_FLAG: int = getattr(os, "O_NOFOLLOW", 0)  # open flag: refuse a link as last part of a path; 0 on Windows
+NO_WAIT_FLAG: int = getattr(os, "O_NONBLOCK", 0)  # open flag: do not wait for a pipe's other end; 0 on Windows
+FOLDER_FLAG: int = getattr(os, "O_DIRECTORY", 0)  # open flag: refuse all but folders; 0 on Windows
 HAS_FOLDER_DESCRIPTORS = os.open in os.supports_dir_fd  # whether paths can be relative to an open folder
 WINDOWS_OPEN_FILES = 8192  # largest count of open files in the C library of Windows
 ENDING_SIGNALS = tuple(
@@ -28,7 +28,7 @@ class HostFeature:
     remedy: str
 
     def require(self) -> None:
-        """Refuse a system without the feature.
+        """Raise an error if this system lacks the feature.
 
         Raises:
             ConfigError: this system lacks it; the message has the remedy.

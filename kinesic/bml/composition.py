@@ -108,7 +108,10 @@ def find_prerequisites(block: Block, present: Mapping[str, BlockState]) -> dict[
 
 
 def find_waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
-    """Return the blocks not yet started that must wait for this block."""
+    """Return the blocks not yet started that must wait for this block.
+
+    The values are the points of this block for which they wait.
+    """
     order = block.order
     waits: dict[str, Until] = {
         **dict.fromkeys(order.chunk_before, "relax"),
@@ -133,9 +136,7 @@ def is_waiting_for_itself(waits: Mapping[str, Mapping[str, Until]], start: str) 
 
 
 def read_command(ids: BehaviourElement, reading: DocumentReading) -> BlockCommand | None:
-    """Read a command to another block.
-
-    None for all other elements.
+    """Return an element's command to another block, or None.
 
     Raises:
         BmlError: the command has no target.

@@ -104,6 +104,9 @@ class _ActiveSet:
         """Drop a behaviour or ignore a constraint.
 
         A speech is kept without the failing sync point, unless this is its start.
+
+        Raises:
+            BmlError: the behaviour or the constraint is required.
         """
         if isinstance(culprit, str):
             behaviour = self.behaviours.get(culprit)
@@ -118,7 +121,11 @@ class _ActiveSet:
             self.add_notice(kind, f"a constraint (line {culprit.place.line}) is ignored: {reason}")
 
     def drop(self, name: str, kind: NoticeType, reason: str) -> None:
-        """Drop a behaviour and all behaviours that depend on it alone."""
+        """Drop a behaviour and all behaviours that depend on it alone.
+
+        Raises:
+            BmlError: one of them is required.
+        """
         pending = [(name, kind, reason)]
         for dropped_id, kind, reason in pending:  # the list grows during the iteration
             behaviour = self.behaviours.pop(dropped_id, None)
@@ -170,7 +177,11 @@ class _ActiveSet:
         return True
 
     def _remove_from_constraint(self, constraint: Constraint, dropped_id: str) -> Iterable[Constraint]:
-        """Return a constraint without a behaviour's sync points, if enough remain."""
+        """Return a constraint without a behaviour's sync points, if enough remain.
+
+        Raises:
+            BmlError: the constraint is required and has such points.
+        """
         if not any(self._refers_to(ref, dropped_id) for ref in _list_refs(constraint)):
             return [constraint]
         if constraint.required:
@@ -203,6 +214,9 @@ class _ActiveSet:
         """Resolve contradicting times by removing a time constraint on a speech.
 
         The last of its times in the loop is removed, or a constraint on it.
+
+        Returns:
+            False if no constraint on a speech could be removed.
         """
         points = [point for edge in loop for point in (edge.tail, edge.head)]
         reason = _describe_loop(loop, self.block.id)
@@ -219,7 +233,7 @@ class _ActiveSet:
         return False
 
     def resolve(self, loops: list[list[Edge]]) -> None:
-        """Resolve contradictory times: move a speech, or drop a behaviour."""
+        """Resolve contradictory times by removing a constraint or dropping a behaviour."""
         for loop in loops:
             names = {point.behaviour for edge in loop for point in (edge.tail, edge.head)} - {"bml"}
             if self._release_speech(loop):
@@ -233,7 +247,7 @@ class _ActiveSet:
     def _drop_rank(self, name: str) -> int:
         """Return the drop priority of a behaviour, the highest dropped first.
 
-        The highest is dropped first. Required behaviours have rank 0, speech 1, others 2, behaviours of other agents 3.
+        Required behaviours have rank 0, speech 1, others 2, behaviours of other agents 3.
         """
         behaviour = self.behaviours[name]
         if behaviour.agent is not None:

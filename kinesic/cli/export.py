@@ -22,7 +22,7 @@ from kinesic.report.export.rerun_file import save_rerun
 
 ExportKind = Literal["mcap", "rerun"]
 FILE_SUFFIXES: Mapping[ExportKind, str] = {"mcap": ".mcap", "rerun": ".rrd"}  # suffix of the files of each kind
-PACKAGE_NAMES: Mapping[ExportKind, str] = {"mcap": "foxglove", "rerun": "rerun"}  # package of an extra, by import name
+PACKAGE_NAMES: Mapping[ExportKind, str] = {"mcap": "foxglove", "rerun": "rerun"}  # import name of each kind's package
 MAX_NAME_LENGTH = 100  # [bytes] longest default file name without its suffix
 
 

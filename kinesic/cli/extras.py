@@ -1,6 +1,6 @@
 """Error lines with install commands for missing optional packages."""
 
-EXTRA_OF_PACKAGE = {  # extra by the package that it installs, by import name
+EXTRA_OF_PACKAGE = {  # import name of a package -> extra that installs it
     "cryptography": "cluster",
     "dask": "cluster",
     "distributed": "cluster",

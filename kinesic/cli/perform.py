@@ -173,7 +173,10 @@ def _print_report(performances: tuple[DryRun, ...], servo_run: ServoRun | None, 
 
 
 def _identify_run(servo_run: ServoRun, memory: ServoMemory) -> Identification | None:
-    """Identify servo parameters from a run, unless learning is off."""
+    """Return servo parameters identified from a run, or None.
+
+    None if learning is off, or if the run has fewer than two samples.
+    """
     if not memory.learns or len(servo_run.times) < 2:
         return None
     with show_stages() as stage:

@@ -144,7 +144,7 @@ def part_size(film_size: tuple[int, int], count: int) -> tuple[int, int]:
 
 
 def _crop(picture: Picture, width: int) -> Picture:
-    """Crop a picture to its centre of some width [pixels]."""
+    """Return the centre of a picture, at most `width` [pixels] wide."""
     width = min(width, picture.shape[1])
     left = (picture.shape[1] - width) // 2
     return picture[:, left : left + width]

@@ -29,7 +29,7 @@ _SMARTBODY_BEHAVIOURS = ("animation", "body")
 
 
 def fold_capitals(element: Element, folded: set[str]) -> Element:
-    """Convert capital names such as <BML> or <SPEECH> to BML's spelling.
+    """Return the element with capital names such as <SPEECH> in BML's spelling.
 
     Args:
         element: element with its content.

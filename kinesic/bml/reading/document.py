@@ -70,9 +70,9 @@ def is_bml_start(start: bytes) -> bool:
 
 
 def _decode_utf8(text: str | bytes) -> str | None:
-    """Decode the text as UTF-8.
+    """Return the text decoded as UTF-8, or None.
 
-    None if it is not UTF-8 and so can only be XML.
+    A text that is not UTF-8 can only be XML.
     """
     if isinstance(text, str):
         return text

@@ -37,10 +37,8 @@ from kinesic.bml.reading.vocabulary import HAND_SHAPE_NAMES, NOTATION_TYPES
 
 MAX_HEAD_STROKES = 100  # largest number of strokes per head movement
 MAX_ACTION_UNIT = 99  # largest number in the Facial Action Coding System
-# types of descriptions that supplement the core form
-SUPPLEMENTARY_TYPES = frozenset(
-    {"gretabml", "kinesic", "application/ssml+xml", "audio/x-wav", "audio/wav"}
-)  # descriptions
+# types of descriptions that supplement the core form instead of replacing it
+SUPPLEMENTARY_TYPES = frozenset({"gretabml", "kinesic", "application/ssml+xml", "audio/x-wav", "audio/wav"})
 
 GAZE_INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE", "AUTO")
 OFFSET_DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
@@ -237,9 +235,9 @@ def _read_influence(node: BehaviourElement, reading: DocumentReading) -> str | N
 
 
 def _read_choice(choices: tuple[str, ...], node: BehaviourElement, reading: DocumentReading, *names: str) -> str | None:
-    """Return an attribute's value in capitals.
+    """Return an attribute's value in capitals, or None if missing or invalid.
 
-    Add a notice and return None if it is invalid.
+    An invalid value adds a notice.
     """
     text = node.attribute(*names).upper()
     choice = text.replace("_", "")
@@ -250,7 +248,10 @@ def _read_choice(choices: tuple[str, ...], node: BehaviourElement, reading: Docu
 
 
 def _read_mode(node: BehaviourElement, reading: DocumentReading, *, name: str = "") -> HandMode:
-    """Return a gesture's hands, as given or implied by its name."""
+    """Return a gesture's hands, as given or implied by its name.
+
+    An unknown mode adds a notice and counts as unspecified.
+    """
     if not node.attribute("mode", "hand"):
         return infer_hands(name)
     text = node.attribute("mode", "hand", default="unspecified")

@@ -34,7 +34,7 @@ _FAULT_REMEDIES = (  # first characters of a faulty JSON value -> remedy
     ("None", "write null"),
     ("...", "write the value itself"),
 )
-_SHORTHAND_ATTRIBUTES = {  # behaviour name -> attribute that its plain value would be
+_SHORTHAND_ATTRIBUTES = {  # behaviour name -> attribute meant by a plain value: {"gesture": "wave"}
     "gesture": "lexeme",
     "head": "lexeme",
     "face": "lexeme",
@@ -208,7 +208,7 @@ def _suggest_document(block: _Object) -> str:
 
 
 def _suggest_behaviour(value: _Object) -> str | None:
-    """Guess the behaviour meant by an object such as {"gesture": "wave"}."""
+    """Return the behaviour that {"gesture": "wave"} means as JSON, or None."""
     fields = {key: item for key, item in value.fields.items() if _is_scalar(item)}
     if isinstance(fields.get("type"), str):
         return json.dumps(fields, ensure_ascii=False)

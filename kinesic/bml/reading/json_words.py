@@ -21,7 +21,10 @@ _MAX_COUNT_DIGITS = 4  # digits of a number of strokes; longer numbers are ignor
 
 
 def rewrite_json_behaviour(element: Element) -> Element:
-    """Translate a web realizer's behaviour into the equivalent BML element."""
+    """Translate a web realizer's behaviour into the equivalent BML element.
+
+    Other elements are returned unchanged.
+    """
     rewrite = JSON_REWRITERS.get(element.name)
     return element if rewrite is None else rewrite(element)
 

@@ -54,7 +54,10 @@ class Names:
         return name == self.block or name in self.behaviours or name in self.marks or name in self.blocks
 
     def sync_of(self, owner: str, sync_text: str) -> str:
-        """Return the sync point or speech mark that a name denotes."""
+        """Return the sync point or speech mark that a name denotes.
+
+        An unknown name is returned unchanged.
+        """
         is_mark = sync_text in self.speeches.get(owner, ())
         return sync_text if is_mark else find_sync_name(sync_text) or sync_text
 
@@ -160,9 +163,9 @@ def _resolve(text: str, parts: list[str], offset: float, names: Names) -> SyncRe
 
 
 def _is_iterated(parts: list[str], names: Names) -> bool:
-    """Return whether a three-part reference is unambiguously behaviour:sync:iteration.
+    """Return whether a three-part reference can only mean behaviour:sync:iteration.
 
-    An iteration is invalid in that form.
+    Valid ones, with `stroke` and a number, are read before; the caller rejects the others.
     """
     block, sync, last = parts
     is_own = block in names.behaviours and block != names.block and block not in names.blocks

@@ -25,8 +25,8 @@ BREAK_DURATIONS = {
     "medium": 0.25,
     "strong": 0.5,
     "x-strong": 1.0,
-}  # [s] by strength
-MAX_BREAK_DURATION = 60.0  # [s] longest break in a speech
+}  # [s] duration of a break by its SSML strength
+MAX_BREAK_DURATION = 60.0  # [s] longest accepted break in a speech; a longer one is invalid
 WAV_TYPES = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
 PAUSE_ATTRIBUTE = "pause"  # kinesic attribute with the longest pause before a word
 MAX_AUTOMATIC_PAUSE = 2.0  # [s] longest pause for `kinesic:pause="true"`

@@ -15,7 +15,7 @@ from kinesic.bml.reading.prologue import find_first_tag
 ONE_BLOCK_REMEDY = (
     "a document is one block: perform each <bml> as a separate document, or send them one after another to "
     'kinesic serve, where a block with composition="APPEND" starts when those before it have ended'
-)  # remedy
+)  # remedy in the error message for several <bml>
 
 
 @dataclass(frozen=True)

@@ -171,7 +171,7 @@ def _blank(text: str) -> str:
 
 
 def _describe(before: str, after: str) -> Iterator[str]:
-    """Yield the texts before and after a document, each with its name."""
+    """Yield notice texts about the ignored parts around a document."""
     thought = _THOUGHT_ELEMENT.match(before)
     if thought:
         yield "thoughts before the document are ignored"

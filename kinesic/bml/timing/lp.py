@@ -77,7 +77,7 @@ class _Rows:
 
 
 class TimingProgram:
-    """Linear program of behaviours and precedence constraints."""
+    """Linear program for the times of behaviours under precedence constraints."""
 
     def __init__(self, potentials: Potentials, fixed_times: Mapping[Point, float]) -> None:
         self._potentials, self._known = potentials, fixed_times

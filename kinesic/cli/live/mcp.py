@@ -101,7 +101,7 @@ def load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
 
 
 def _report_invalid(setup: "Future[Setup]") -> None:
-    """Print the setup error that prevents all motion."""
+    """Print the setup's configuration error, if any, which prevents all motion."""
     if isinstance(error := setup.exception(), ConfigError):
         click.echo(f"kinesic: {error}", err=True)
 

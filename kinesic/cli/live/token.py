@@ -16,8 +16,8 @@ SHOWN_WARNING = (
     "warn: --token: other users may have seen the token in the process list; "
     "give --token-file FILE, or set KINESIC_TOKEN"
 )
-ARGUMENT_START_FIELD = 47  # of /proc/self/stat, counted from 0: address of the first argument
-ARGUMENT_END_FIELD = 48  # same file: address after the last argument
+ARGUMENT_START_FIELD = 47  # field of /proc/self/stat, counted from 0: address of the first argument
+ARGUMENT_END_FIELD = 48  # field of the same file: address after the last argument
 
 Verb = Callable[..., int]
 
@@ -60,7 +60,7 @@ def _without_token(arguments: bytes) -> bytes:
 
 
 def _choose_token(token: str | None, token_file: Path | None) -> str | None:
-    """Return the token of the command line, the file or the environment.
+    """Return the token of the command line, file or environment, or None.
 
     Raises:
         UsageError: --token and --token-file are both given.

@@ -81,7 +81,11 @@ def search_designs(
 
 
 def _prepare_folder(output: Output) -> Path | None:
-    """Create the output folder, or return the folder of an interrupted search."""
+    """Return the output folder, new or of an interrupted search, or None.
+
+    Raises:
+        ConfigError: the folder holds a finished search, or other files.
+    """
     if output.out is None:
         return None
     if not output.force and is_made(output.out) and (output.out / SEARCH_JOURNAL_FILE).exists():
@@ -186,7 +190,11 @@ def _format_cell(value: float, step: float, *, more: bool) -> str:
 
 
 def _compare(steps: np.ndarray) -> str:
-    """Describe the criteria in which a robot design is better or worse."""
+    """Describe the criteria in which a design beats or trails the base.
+
+    Args:
+        steps: differences from the base design for each criterion; negative is better.
+    """
     better = [goal.head for goal, step in zip(DESIGN_CRITERIA.values(), steps, strict=True) if step < 0]
     worse = [goal.head for goal, step in zip(DESIGN_CRITERIA.values(), steps, strict=True) if step > 0]
     if not worse:

@@ -47,7 +47,7 @@ def make_speech_study(
 
 
 def _print_power(participants: int, text_count: int, is_compared: bool) -> None:
-    """Print the effects that the planned participants can show."""
+    """Print the smallest effects detectable with the planned number of participants."""
     answers = participants * min(text_count, MATCHES_PER_SYSTEM)
     rate = find_detectable_rate(answers)
     click.echo(
