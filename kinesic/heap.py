@@ -32,7 +32,10 @@ def freeze_heap() -> None:
 
 
 def bound_heap() -> None:
-    """Make glibc return freed memory to the system."""
+    """Make glibc return freed memory to the system.
+
+    Other C libraries stay unchanged.
+    """
     if sys.platform == "linux":
         with suppress(AttributeError, OSError):  # another C library
             configure = ctypes.CDLL(None).mallopt

@@ -90,7 +90,10 @@ def account_home(user: int) -> Path | None:
 
 
 def max_open_files() -> int:
-    """Return the soft limit on open descriptors of this process, sockets included."""
+    """Return the soft limit on open descriptors of this process, sockets included.
+
+    On Windows it is `WINDOWS_OPEN_FILES`.
+    """
     limit = WINDOWS_OPEN_FILES
     if sys.platform != "win32":
         import resource  # noqa: PLC0415 - Windows has none

@@ -16,7 +16,7 @@ _STANDARD_SYNCS = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})
 def write_prediction(
     block: Block, start: float, end: float, times: Mapping[str, Mapping[str, float]], *, zero: float = 0.0
 ) -> str:
-    """Write a predictionFeedback with the predicted times of block and behaviours.
+    """Return a predictionFeedback (XML) with the times of block and behaviours.
 
     Sync points named in BML are attributes; marks of a speech and repeated strokes are nested <sync> elements.
 
@@ -52,7 +52,7 @@ def write_block_progress(
     state: str | None = None,
     measured: float | None = None,
 ) -> str:
-    """Write a blockProgress: a block has reached a point.
+    """Return a blockProgress (XML): a block has reached a point.
 
     Args:
         block: id of the block.
@@ -74,7 +74,7 @@ def write_block_progress(
 def write_sync_point_progress(
     point: Point, time: float, global_time: float, *, character: str | None = None, measured: float | None = None
 ) -> str:
-    """Write a syncPointProgress: a behaviour has reached a sync point.
+    """Return a syncPointProgress (XML): a behaviour has reached a sync point.
 
     Args:
         point: the reached point.
@@ -92,7 +92,7 @@ def write_sync_point_progress(
 
 
 def write_warning(notice: Notice, *, character: str | None = None) -> str:
-    """Write a warningFeedback."""
+    """Return a warningFeedback (XML) with a notice."""
     root = _make_root("warningFeedback", character)
     root.attrib.update(id=notice.id, type=notice.type.value)
     root.text = notice.text

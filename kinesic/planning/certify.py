@@ -67,7 +67,7 @@ def certify(
 def compute_peak_duties(trajectory: Trajectory, setup: Setup) -> Floats:
     """Compute each servo's peak duty (n,) during a motion.
 
-    Duties are sampled at the knots; repeated states count once.
+    Duties are fractions of full PWM, sampled at the knots. Repeated states are evaluated once.
     """
     times = trajectory.start + np.arange(0.0, trajectory.duration, KNOT_INTERVAL)
     windows = (

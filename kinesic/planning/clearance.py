@@ -113,7 +113,7 @@ def _course(postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup) -> 
 
 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
-    """Compute the clearance of a motion at 100 Hz times (m,) [s]."""
+    """Return performance times (m,) [s] at 100 Hz, and the clearance there."""
     times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
     return times, distances.clearance(trajectory.angles(times))
 

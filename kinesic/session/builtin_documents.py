@@ -25,7 +25,7 @@ def locate_document(name: str | Path) -> Path:
 
 
 def suggest_document(name: str | Path) -> str:
-    """Suggest built-in documents for the name of a missing file.
+    """Return a hint at built-in documents for a missing file's name.
 
     The result is empty without a suggestion.
     """

@@ -99,7 +99,7 @@ def parse_ref(text: str, names: Names) -> SyncRef:
 
 
 def write_reference(ref: SyncRef, *, relative_to: str | None = None) -> str:
-    """Write a sync reference as text, relative to a block."""
+    """Return a sync reference as text, relative to a block."""
     if relative_to == ref.block and (ref.behaviour, ref.sync) == ("bml", "start"):
         return repr(ref.offset)
     path = [ref.behaviour, ref.sync] if relative_to == ref.block else [ref.block, ref.behaviour, ref.sync]

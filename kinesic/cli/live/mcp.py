@@ -110,7 +110,7 @@ def _report_invalid(setup: "Future[Setup]") -> None:
 def _open_robot(
     connect: str | None, planning: Planning, performers: Performers, token: str | None
 ) -> "Iterator[Future[RobotLine]]":
-    """Yield a future of connections to a running or newly started server.
+    """Yield a future of the connection to a running or new server.
 
     The server that was started, and the connections, end with the context.
     """
@@ -128,7 +128,11 @@ def _open_robot(
 
 
 def _read_server(connect: str) -> Address:
-    """Parse the address of a running server."""
+    """Parse the address HOST:PORT of a running server.
+
+    Raises:
+        ConfigError: the text is not an address.
+    """
     host, _, port = connect.rpartition(":")
     if not host or not port.isdecimal():
         raise ConfigError(f"--connect {connect}: give HOST:PORT, such as 127.0.0.1:8864")
@@ -146,7 +150,7 @@ def _connect(address: Address, token: str | None, connect: str) -> "RobotLine":
 
 @contextmanager
 def _start_server(planning: Planning, performers: Performers, token: str | None) -> "Iterator[Future[RobotLine]]":
-    """Start a server and yield a future of its connections."""
+    """Start a server and yield a future of the connection to it."""
     command = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", "--end-with-input"]
     command += _list_arguments(planning, performers)
     # Standard input of the server closes when this process ends in any way; the server then folds the arms and ends.
