@@ -212,7 +212,7 @@ def servo_runs(monkeypatch) -> list[kinesic.Performance]:
 
 def test_servos_do_not_move_after_a_failed_twin_check(performer, servo_runs):
     wave = '<bml id="b"><gesture id="g" lexeme="greet_wave" mode="RIGHT_HAND" stroke="1.5"/></bml>'
-    failed = performer.perform(wave, on="servos", twin=Factors(stall=0.05, gain=0.05))
+    failed = performer.perform(wave, on="servos", twin=Factors(stall=0.02, gain=0.02))
     assert not failed.ok
     assert servo_runs == []
     assert failed.servos is None
