@@ -22,6 +22,7 @@ INTERNAL_SCHEMAS = {  # of files that only kinesic itself has
     "_File": "expressions and visemes of the face",
     "_HandsFile": "hand shapes",
     "LegibilityTable": "requirements of tests",
+    "StanceFile": "standing postures of captured people",
     "BodyTable": "captured whole bodies",
     "CapturedTable": "captured gestures",
     "_PlainLanguages": "words of the rules for plain text",
