@@ -25,23 +25,23 @@ PASSAGE_BML = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="pass
   <gaze id="z1" target="left" start="{8:.3f}" end="{9:.3f}"/>
 </bml>
 """
-PASSAGE_TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s] start, stroke and end times of the passage
+PASSAGE_TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s] times of PASSAGE_BML before any shift
 CROWD_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="crowd">{}</bml>'
 HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
 CORPUS_SEED = 50  # seed of the random order of corpus documents
-MAX_BLOCK_DURATION = 60.0  # [s] longest corpus document that is planned
+MAX_BLOCK_DURATION = 60.0  # [s] corpus documents with a longer plan are skipped
 
 
 def write_passage(repetition: int) -> str:
-    """Write the benchmark passage with all times shifted slightly by the repetition.
+    """Return the benchmark passage as BML, its times shifted by the repetition.
 
-    The shift prevents planning from reusing cached results.
+    The shift of 3 ms per repetition prevents planning from reusing cached results.
     """
     return PASSAGE_BML.format(*(time + 0.003 * (repetition % 17) for time in PASSAGE_TIMES))
 
 
 def write_overlapping_block(seed: int, lexemes: Sequence[str]) -> str:
-    """Write a block of overlapping gestures and head gestures.
+    """Return a random BML block of overlapping gestures and head gestures.
 
     Args:
         seed: seed of all random choices.
@@ -66,7 +66,7 @@ def write_overlapping_block(seed: int, lexemes: Sequence[str]) -> str:
 
 
 def write_crammed_block(seed: int, lexemes: Sequence[str], count: int) -> str:
-    """Write many gestures and nods at random times within ten seconds.
+    """Return a BML block of many gestures and nods within 10 s.
 
     No sensible author would write such a block; it bounds the cost of planning.
 
@@ -85,9 +85,9 @@ def write_crammed_block(seed: int, lexemes: Sequence[str], count: int) -> str:
 
 
 def write_rapid_head_block(seed: int) -> str:
-    """Write a head gesture with more strokes than fit into its time.
+    """Return a BML block of one head gesture with too many strokes.
 
-    It has three to six strokes.
+    The three to six strokes do not fit into its time.
 
     Args:
         seed: seed of all random choices.
@@ -110,7 +110,7 @@ def find_corpus() -> Path | None:
 
 
 def plan_corpus(folder: Path, setup: Setup, count: int) -> tuple[Plan, ...]:
-    """Plan `count` corpus documents with strokes, in seeded random order.
+    """Plan up to `count` corpus documents with strokes, in seeded order.
 
     Documents with errors, without strokes or longer than `MAX_BLOCK_DURATION` are skipped.
 

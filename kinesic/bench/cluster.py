@@ -39,7 +39,7 @@ PRINT_CPU_TIME = "\nimport time; print(time.process_time())"
 
 @dataclass(frozen=True)
 class CompletedTask:
-    """A task that a worker completed."""
+    """CPU times and verdict of a task that a worker completed."""
 
     worker: int
     began: float  # [s] CPU time of the worker at the start of the task

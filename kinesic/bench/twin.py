@@ -83,8 +83,8 @@ METRIC_GOALS: dict[str, float | None] = {  # goals by metric; None: reported wit
 }
 METRIC_UNITS = dict.fromkeys(("rmse", "p95", "max"), "deg") | {
     "stroke_lost": "strokes"
-}  # of metrics that are not in ms
-CLEARANCE_METRIC = "clearance"  # [mm] higher is better; the only goal that holds in every twin
+}  # units of the metrics that are not in ms
+CLEARANCE_METRIC = "clearance"  # smallest distance [mm], higher is better; the only metric with a goal in every twin
 MIN_CLEARANCE = 0.0  # [mm] goal of the clearance in every twin
 MAX_NOMINAL_RMSE = 0.2  # [deg] goal for the nominal twin's tracking error
 PASSAGE_RUNS = 7  # number of timed dry runs of the passage
@@ -204,7 +204,7 @@ def bench() -> list[Metric]:
 
 
 def _time_dry_run(planned: Plan, twins: tuple[Factors, ...]) -> tuple[float, tuple[DryRun, ...]]:
-    """Perform dry runs and return their real-time factor."""
+    """Perform dry runs and return their real-time factor and results."""
     began = process_time()
     performances = dry_runs(planned, twins)
     for performance in performances:

@@ -28,7 +28,7 @@ def bench() -> list[Metric]:
 
 
 def verdicts() -> Iterator[ExpectationVerdict]:
-    """Judge every expectation of kinesic's own suite and of the corpus suites."""
+    """Yield verdicts on kinesic's own suite and the available corpus suites."""
     yield from judge_draft_names(set_up())
     if (scenarios := read_expectations(SCENARIO_SUITE, ScenarioSuite)) is not None:
         yield from play_suite(SCENARIO_SUITE, *scenarios, set_up())

@@ -17,9 +17,9 @@ from kinesic.body.arrays import Floats
 from kinesic.expressivity.context import read_targets
 from kinesic.planning.setup import Setup
 
-DRAFT_PREFIX = "draft"  # prefix of suites in the draft's dialect
-FIRST_TARGET = (1.5, 0.4, 1.2)  # [m] position of the first generated target
-TARGET_SPACING = 0.1  # [m] distance between generated targets
+DRAFT_PREFIX = "draft"  # prefix of scenario dialects that are read strictly as BML drafts
+FIRST_TARGET = (1.5, 0.4, 1.2)  # [m] world position of the first generated target
+TARGET_SPACING = 0.1  # [m] distance from one generated target to the next, to the right
 
 Check = Callable[[Step, Feedback], str]
 
@@ -46,9 +46,9 @@ def play_suite(suite: str, folder: Path, expected: ScenarioSuite, setup: Setup) 
 
 
 def place_targets(texts: list[bytes], setup: Setup) -> Mapping[str, Floats]:
-    """Return world positions (3,) [m] of targets missing in the robot file.
+    """Assign world positions (3,) [m] to targets that the robot lacks.
 
-    They are read from a generated targets file.
+    The targets named in the texts lie in a row. They are read from a generated targets file.
     """
     names = sorted({name for text in texts for name in _targets(text)} - setup.robot.targets.keys())
     x, y, z = FIRST_TARGET

@@ -47,7 +47,7 @@ class Constraints:
         return other in self._connected_behaviours(one)
 
     def directly_grounded(self, behaviour: str) -> bool:
-        """Return whether a behaviour is tied to the block's start."""
+        """Return whether a behaviour's sync point has a fixed block time."""
         return any(self._start in self.classes[index] for index in self._classes_of.get(behaviour, ()))
 
     def directly_after_grounded(self, behaviour: str) -> bool:
@@ -60,7 +60,10 @@ class Constraints:
         return any(self.directly_grounded(other) for other in self._connected_behaviours(behaviour))
 
     def ungrounded_loops(self, behaviour: str) -> list[list[str]]:
-        """Return shortest constraint loops of a behaviour without a fixed time."""
+        """Return shortest constraint loops through a behaviour that avoid grounded behaviours.
+
+        A grounded behaviour has a fixed block time. A loop is a list of behaviours.
+        """
         loops: dict[frozenset[str], list[str]] = {}
         for index in self._classes_of.get(behaviour, ()):
             for other in self._members[index]:

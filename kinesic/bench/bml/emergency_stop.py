@@ -47,7 +47,7 @@ FLOOD_START_TIME = 1.0  # [s] wait after a flood starts, before the first stop
 
 @dataclass(frozen=True)
 class StopDelay:
-    """Delays of one emergency stop after it was sent [ms]."""
+    """Delays [ms] from sending an emergency stop to acknowledgement and standstill."""
 
     acknowledged: float
     still: float | None  # until the last goal that differs from the final one; None: nothing moved
@@ -63,7 +63,10 @@ class WatchedServer:
     joints: int
 
     def is_moving(self) -> bool:
-        """Return whether the servo goals changed in the last commands."""
+        """Return whether a servo goal changed within the last three commands.
+
+        Changes up to `MOTION_THRESHOLD` do not count.
+        """
         last = read_goals(self.goals, self.joints, 3)[:, 1:]
         return len(last) == 3 and float(np.abs(last[-1] - last[0]).max()) > MOTION_THRESHOLD
 
@@ -90,7 +93,7 @@ def stop_metrics(name: str, stops: list[StopDelay]) -> list[Metric]:
 
 @contextmanager
 def watched_server() -> Iterator[WatchedServer]:
-    """Start a recording server on a free port.
+    """Start a server that records its servo goals, on a free port.
 
     Kill it on exit.
     """
@@ -121,7 +124,7 @@ def flooding(name: str, port: int) -> Iterator[None]:
 
 
 def measure_stops(server: WatchedServer, name: str, stops: int) -> list[StopDelay]:
-    """Stop the moving robot repeatedly, alternating between the stop channels."""
+    """Measure delays of repeated emergency stops through each channel in turn."""
     random, numbers, delays = Random(7), count(), list[StopDelay]()
     with Client(port=server.port) as client, _open_channels(server) as channels, flooding(name, server.port):
         for k in range(stops):

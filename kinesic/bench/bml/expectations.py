@@ -48,7 +48,7 @@ class Step(msgspec.Struct, frozen=True):
 
 
 class NamedCase(msgspec.Struct, frozen=True):
-    """Steps to run only if a warning named a certain behaviour."""
+    """Checks to make only if a warning names a certain behaviour."""
 
     when_named: str
     then: tuple[Step, ...]
@@ -61,9 +61,9 @@ class Scenario(msgspec.Struct, frozen=True):
 
 
 class ScenarioSuite(msgspec.Struct, frozen=True):
-    """A suite of scenarios over documents.
+    """Conformance scenarios, and the BML documents that they send.
 
-    Names have the form `suite/test`.
+    Scenario names have the form `dialect/test`. A document's value names the scenarios that use it.
     """
 
     tolerance: float  # [s]
@@ -87,7 +87,7 @@ class AfterExpectation(msgspec.Struct, frozen=True):
 
 
 class DocumentExpectation(msgspec.Struct, frozen=True):
-    """Expectations about one document."""
+    """Expected parse result, constraints and behaviours of one BML document."""
 
     parse: str
     block: str | None = None
@@ -100,7 +100,10 @@ class DocumentExpectation(msgspec.Struct, frozen=True):
 
 
 class BehaviourFact(msgspec.Struct, frozen=True):
-    """Expected fact about behaviours of a block, such as being linked."""
+    """Expected value of one constraint query about behaviours of a block.
+
+    `fact` names the query, such as `connected`; `behaviours` are its arguments.
+    """
 
     fact: str
     value: bool | tuple[str | tuple[str, ...], ...]
@@ -118,7 +121,7 @@ class InlineExpectation(msgspec.Struct, frozen=True):
 
 
 class ParsingSuite(msgspec.Struct, frozen=True):
-    """A suite about the constraints that documents express."""
+    """Expected parse results and constraints of BML documents and inline blocks."""
 
     documents: dict[str, DocumentExpectation | None]
     inline: tuple[InlineExpectation, ...]
@@ -142,7 +145,7 @@ class ReferenceExpectation(msgspec.Struct, frozen=True):
 
 
 class ReferenceSuite(msgspec.Struct, frozen=True):
-    """A suite about the grammar of sync references."""
+    """Expected results of parsing, comparing and writing sync references."""
 
     tolerance: float  # [s]
     accepted: tuple[ReferenceExpectation, ...]
@@ -153,9 +156,7 @@ class ReferenceSuite(msgspec.Struct, frozen=True):
 
 
 def read_expectations(name: str, shape: type[Shape]) -> tuple[Path, Shape] | None:
-    """Read the file of expectations with a given name.
-
-    Return None if it does not exist.
+    """Read a suite's expectations from the corpus, None if missing.
 
     Returns:
         The folder of the documents and the expectations about them.
@@ -168,7 +169,7 @@ def read_expectations(name: str, shape: type[Shape]) -> tuple[Path, Shape] | Non
 
 @dataclass(frozen=True)
 class ExpectationVerdict:
-    """Result of one expectation."""
+    """Whether one expectation was met, with the reason of a failure."""
 
     suite: str
     name: str

@@ -102,7 +102,7 @@ def open_connections(port: int) -> None:
 
 
 def send_blocks(port: int) -> None:
-    """Send forty small blocks per second."""
+    """Send `BLOCK_RATE` small BML blocks per second on one connection."""
     number = 0
     while True:
         try:
@@ -118,7 +118,7 @@ def send_blocks(port: int) -> None:
 
 
 def send_documents(port: int) -> None:
-    """Send documents of four megabytes."""
+    """Send malformed BML documents of four megabytes, each on a new connection."""
     head = b'<bml id="large"><gesture id="g" lexeme="'
     document = head + b"x" * (DOCUMENT_SIZE - len(head)) + b"\0"
     while True:

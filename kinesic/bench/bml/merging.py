@@ -36,7 +36,7 @@ LARGE_BLOCKS = (
 
 @dataclass(frozen=True)
 class MergeCut:
-    """Replacement of a running motion by a block at one time."""
+    """Limits, clearance and delay after one replacement of a running motion."""
 
     time: float  # [s] performance time
     ratio: float  # largest value / limit at 1 kHz after the cut
@@ -61,7 +61,7 @@ def bench() -> list[Metric]:
 
 
 def replace_at_random(setup: Setup, count: int, *, seed: int = 0) -> list[MergeCut]:
-    """Replace the motion of the passage by blocks at random times.
+    """Measure replacements of the passage's motion by blocks at random times.
 
     Args:
         setup: robot, style and options.

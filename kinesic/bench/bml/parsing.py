@@ -24,7 +24,7 @@ _OFFSET_DECIMALS = 6  # decimal places of compared time offsets
 
 
 def judge_parsing(suite: str, folder: Path, expected: ParsingSuite) -> Iterator[ExpectationVerdict]:
-    """Compare the parsed constraints of BML blocks with expected ones.
+    """Yield verdicts on the parsed constraints of documents and inline blocks.
 
     Args:
         suite: name of the suite.
@@ -39,7 +39,7 @@ def judge_parsing(suite: str, folder: Path, expected: ParsingSuite) -> Iterator[
 
 
 def judge_references(suite: str, expected: ReferenceSuite) -> Iterator[ExpectationVerdict]:
-    """Compare parsed sync references with expected ones.
+    """Yield verdicts on parsing, comparing and writing sync references.
 
     Args:
         suite: name of the suite.

@@ -34,10 +34,10 @@ SMALL_BEHAVIOURS = (
     '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
 BLOCK_INTERVAL = 1.0  # [s] between blocks of the latency measurement
-END_TIMEOUT = 5.0  # [s] wait for the next message after the endurance run
+END_TIMEOUT = 5.0  # [s] wait for further ended blocks, or the status, after the endurance run
 POLL_INTERVAL = 0.05  # [s] between checks whether the server is listening
 ENDURANCE_RATE = 10  # [1/s] block rate of the endurance run
-SETTLED_FRACTION = 0.25  # fraction of the endurance run before the first memory sample
+SETTLED_FRACTION = 0.25  # fraction of the endurance run after which the initial memory is measured
 MAX_COMMAND_LATENCY = 100.0  # [ms] 95th percentile from a block to its first command
 MAX_FEEDBACK_LATENCY = 20.0  # [ms] 95th percentile from a block to its first feedback
 MAX_MEMORY_GROWTH = 5.0  # [%] goal of the server's memory growth in the endurance run
@@ -84,7 +84,7 @@ class Endurance:
 
 
 def bench() -> list[Metric]:
-    """Measure feedback latencies and endurance of the server."""
+    """Measure latencies, lost blocks and memory growth of the server."""
     with open_server() as server:
         latencies = measure_latencies(server, LATENCY_BLOCKS)
         run = run_endurance(server, ENDURANCE_SECONDS)
@@ -121,7 +121,11 @@ def open_server(*options: str, cwd: Path | None = None, verb: Verb = "serve") ->
 
 
 def _wait_for_port(process: subprocess.Popen[bytes], stderr: IO[str]) -> int:
-    """Return the server's port once the server reports it."""
+    """Wait until the server reports its port, and return it.
+
+    Raises:
+        RuntimeError: the server ended before.
+    """
     while True:
         stderr.seek(0)
         text = stderr.read()
@@ -133,7 +137,7 @@ def _wait_for_port(process: subprocess.Popen[bytes], stderr: IO[str]) -> int:
 
 
 def measure_latencies(server: Server, blocks: int) -> list[FeedbackLatency]:
-    """Send small blocks, one per second, while another block plays."""
+    """Measure latencies of small blocks, one per second, while another block plays."""
     latencies: list[FeedbackLatency] = []
     with Client(port=server.port) as other, Client(port=server.port) as client:
         for k in range(blocks):
@@ -159,7 +163,10 @@ def _measure_latency(client: Client, name: str, behaviours: str) -> FeedbackLate
 
 
 def run_endurance(server: Server, seconds: float) -> Endurance:
-    """Send ten small blocks per second and count the completed ones."""
+    """Measure lost blocks, memory growth and late ticks under steady small blocks.
+
+    Blocks are sent at `ENDURANCE_RATE` for `seconds`. A block without a reported end is lost.
+    """
     ended, late = set[str](), 0
     memory: list[tuple[float, int]] = []
     with Client(port=server.port) as client:
@@ -194,7 +201,7 @@ def _receive_ends(client: Client, deadline: float, ended: set[str], *, max_count
 
 
 def _compute_memory_growth(memory: list[tuple[float, int]], seconds: float) -> float | None:
-    """Return the memory growth [%] between early and last samples."""
+    """Return memory growth [%] between early and last samples, None if missing."""
     early = [size for time, size in memory if SETTLED_FRACTION <= time / seconds <= SETTLED_FRACTION + 0.1]
     last = [size for time, size in memory if time / seconds >= 0.9]
     return 100.0 * (float(np.median(last)) / float(np.median(early)) - 1.0) if early and last else None

@@ -83,7 +83,7 @@ def _metrics(kind: str, errors: list[float], why: str) -> list[Metric]:
 
 
 def mark_errors(count: int) -> Iterator[float]:
-    """Yield the errors of mark times against audible silences [s].
+    """Yield mark times minus the audible ends of their silences [s].
 
     The sentences are in several languages and at several rates.
     """

@@ -58,12 +58,18 @@ class Feedback:
         return [block for block, _, name in reported if name == point]
 
     def block_time(self, block: str, point: str) -> float | None:
-        """Return the global time [s] of a block's start or end feedback."""
+        """Return the global time [s] of a block's start or end feedback.
+
+        The result is None before that feedback.
+        """
         point_id = f"{block}:{point}"
         return next((message.global_time for message in self.of("blockProgress") if message.id == point_id), None)
 
     def sync_time(self, sync: str) -> float | None:
-        """Return the time of `block:behaviour:sync` since the start of its block [s]."""
+        """Return the time of `block:behaviour:sync` since the start of its block [s].
+
+        The result is None before its feedback.
+        """
         return next((message.time for message in self.of("syncPointProgress") if message.id == sync), None)
 
     def syncs(self, behaviour: str) -> list[str]:

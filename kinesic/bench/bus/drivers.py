@@ -26,10 +26,10 @@ LEROBOT_BUS_MODULE = "lerobot.motors.dynamixel"
 
 @dataclass(frozen=True, eq=False)
 class DriverReading:
-    """Servo positions and errors estimated by a driver after a cycle."""
+    """Servo positions, their times and hardware errors reported by a driver."""
 
     positions: Ticks  # (n,)
-    times: Floats  # (n,) [s] on the wire's clock when each position was taken; NEVER if none was
+    times: Floats  # (n,) [s] on the wire's clock when each position was taken; NEVER_READ if none was
     fresh: Flags  # (n,) whether the position was taken in this cycle
     late: Flags  # (n,) whether a position of an earlier cycle arrived in this one with its correct time
     alerts: Flags  # (n,) whether a hardware error is reported

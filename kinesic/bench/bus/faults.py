@@ -122,7 +122,7 @@ def compare_drivers(
     bauds: Sequence[int] = MATRIX_BAUD_RATES,
     seeds: Sequence[int] = FAULT_SEEDS,
 ) -> Iterator[DriverTrials]:
-    """Run the whole fault matrix for every installed driver.
+    """Yield the fault-matrix results of each driver, or why it is missing.
 
     This takes many minutes.
     """

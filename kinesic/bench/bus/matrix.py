@@ -72,7 +72,7 @@ class TrialResult:
 
 
 def list_cases() -> tuple[FaultCase, ...]:
-    """List the faults of the matrix that concern the bus alone."""
+    """List all fault cases of the matrix, with one without faults."""
     rates = [
         FaultCase(f"{kind} {rate:.0%}", (PlannedFault(kind, rate=rate),))
         for rate in FAULT_RATES
@@ -253,7 +253,7 @@ class _TrialObserver:
 def run_matrix(
     make_driver: DriverFactory, *, sizes: Sequence[int], bauds: Sequence[int], seeds: Sequence[int]
 ) -> Iterator[TrialResult]:
-    """Run all cases of the matrix with one driver."""
+    """Yield the result of every fault case, size, baud rate and seed."""
     for case in list_cases():
         for servos in sizes:
             for baud in bauds:

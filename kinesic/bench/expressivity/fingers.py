@@ -26,7 +26,7 @@ MIN_COMPLETE = 95.0  # [%] goal of hands whose shape is complete at strokeStart
 
 @dataclass(frozen=True)
 class FingerResult:
-    """Finger shapes and clearance in one gesture."""
+    """Hand-shape errors and finger clearance of one planned gesture."""
 
     gesture: str
     dropped: bool
@@ -35,7 +35,7 @@ class FingerResult:
 
 
 def bench() -> list[Metric]:
-    """Plan each gesture of the lexicon and measure its fingers."""
+    """Plan each gesture and measure hand-shape errors and finger clearance."""
     setup = set_up(FINGER_ROBOT)
     return finger_metrics([judge_fingers(form, setup) for form in setup.lexicon.forms])
 
@@ -60,7 +60,7 @@ def finger_metrics(results: Sequence[FingerResult]) -> list[Metric]:
 
 
 def judge_fingers(form: GestureForm, setup: Setup) -> FingerResult:
-    """Plan one gesture and measure its fingers."""
+    """Plan one gesture and measure its hand-shape errors and finger clearance."""
     planned = plan_gesture(form, setup)
     dropped = planned.keyframes.outcomes[BEHAVIOUR_ID].kind == "dropped"
     return FingerResult(
@@ -69,7 +69,7 @@ def judge_fingers(form: GestureForm, setup: Setup) -> FingerResult:
 
 
 def _measure_shape_errors(form: GestureForm, planned: Plan) -> tuple[float, ...]:
-    """Return the shape error (k,) [rad] of each shaped hand."""
+    """Return each shaped hand's largest finger angle error [rad] at strokeStart."""
     starts = [sync.planned for sync in planned.syncs if sync.sync == "strokeStart"]
     if not starts or not form.keys:
         return ()

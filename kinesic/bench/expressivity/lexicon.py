@@ -85,7 +85,7 @@ def play_gestures(tasks: Sequence[GestureTask]) -> Iterable[GestureResult]:
 
 
 def judge_gesture(gesture: str, style: str, setup: Setup) -> GestureResult:
-    """Perform one gesture in one style in the nominal twin."""
+    """Measure one gesture in one style, planned and in the nominal twin."""
     styled = replace(setup, style=Style.load(style))
     form = next(form for form in styled.lexicon.forms if form.id == gesture)
     planned = plan_gesture(form, styled)

@@ -41,7 +41,7 @@ PLOT_DPI = 100  # [pixels/inch]
 
 @cache
 def sweep_all() -> tuple[Series, ...]:
-    """Sweep every gesture over five values of every parameter.
+    """Measure each swept gesture at five values of every parameter.
 
     The result is cached.
     """
@@ -81,7 +81,10 @@ def _stroke_metric(parameter: str, series: Sequence[Series]) -> Metric:
 
 
 def effect_metrics(parameter: str, series: Sequence[Series]) -> list[Metric]:
-    """Return the smallest effect of a parameter over the gestures."""
+    """Return metrics of a parameter's smallest effect over the gestures.
+
+    Only `spatial`, `openness` and `power` have such metrics.
+    """
     if parameter == "spatial":
         ratios = {one.gesture: _ratio(one, -1.0, 1.0) for one in series}
         return [_smallest("expressivity.spatial_ratio", ratios, "x", 2.0)]
@@ -124,7 +127,10 @@ def _shift(series: Series) -> float | None:
 
 
 def _may_double_speed(series: Series) -> bool:
-    """Return whether limits allow a gesture to double its plain stroke speed."""
+    """Return whether limits allow a gesture to double its plain stroke speed.
+
+    The plain speed is that at parameter value 0.
+    """
     plain = next(played.measures for played in series.played if abs(played.value) < 1e-9)
     return plain.allowed_speed >= 2.0 * plain.stroke_speed
 

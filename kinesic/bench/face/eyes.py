@@ -40,7 +40,7 @@ def measure_eyes(expressions: int = 500) -> dict[str, float]:
 
 
 def _measure_unevenness(portrait: Portrait) -> float:
-    """Return the largest deviation of the visible iris from linear closing."""
+    """Return the largest deviation of the visible iris fraction from linear closing."""
     seen = np.array([_iris_pixels(portrait, {"43": k / CLOSING_STEPS}) for k in range(CLOSING_STEPS + 1)])
     return float(np.abs(seen / seen[0] - np.linspace(1.0, 0.0, CLOSING_STEPS + 1)).max())
 

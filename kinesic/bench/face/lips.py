@@ -41,7 +41,7 @@ BAND_EDGES = (
     1500.0,
     3500.0,
     8000.0,
-)  # [Hz] band edges; nasals keep the power between the second and third
+)  # [Hz] edges of the loudness bands; nasals stay loud from 900 to 1500 Hz, which is not used
 USED_BANDS = (0, 2, 3)  # indices of the BAND_EDGES bands whose loudness is measured
 SPECTRUM_WINDOW = 0.012  # [s] length of a short-time spectrum
 HOP_TIME = 0.001  # [s] between successive spectra
@@ -69,7 +69,7 @@ class Closing(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Talk:
-    """Lip motion and lip closures of one utterance."""
+    """Lip closures and largest lip speed of one utterance."""
 
     closings: tuple[Closing, ...]
     fastest: float  # [mm/s] largest speed between the lips
@@ -126,7 +126,7 @@ def loudness_steps(sound: Sound) -> tuple[Floats, Floats]:
 
 
 def _measure_lip_gap(head: Mesh, mouth: Lips, units: dict[str, float]) -> float:
-    """Return the gap in the middle of the lips [mm]."""
+    """Return the largest gap in the middle of the lips [mm]."""
     return float(-1000.0 * mouth.overlap(deform(head, units))[MIDDLE_COLUMNS].min())
 
 
@@ -164,7 +164,7 @@ def _find_runs(phonemes: Sequence[Phoneme]) -> Iterator[_Run]:
 
 
 def _measure_closing(run: _Run, mouth: tuple[Floats, Floats], loudness: tuple[Floats, Floats]) -> Closing:
-    """Measure the lip closure nearest to an audible opening."""
+    """Measure one lip closure in motion and sound from its bilabial sounds."""
     (times, gap), (step_times, steps) = mouth, loudness
     begin, end = run.sounds[0].start, run.sounds[-1].end
     is_near = (step_times > begin - BURST_WINDOW) & (step_times < end + BURST_WINDOW)

@@ -48,7 +48,7 @@ def measure_scattering() -> dict[str, float]:
 
 
 def _draw(settings: Scattering | None) -> tuple[Picture, float, Flags]:
-    """Draw the head with its filtered skin fraction and skin mask."""
+    """Draw the head and return picture, filtered skin fraction and skin mask."""
     with Portrait(preset=_make_preset(settings)) as portrait:
         pixels, pipeline = portrait.draw(SMILE_UNITS), portrait.pipeline
         with pipeline.geometry.context:

@@ -100,7 +100,7 @@ def draw(folder: Path) -> list[Path]:
 
 @cache
 def cost_by_length() -> tuple[Cost, ...]:
-    """Plan and perform documents of increasing length on upper22.
+    """Measure the cost of documents of increasing length on upper22.
 
     Each runs in a process of its own that has already performed a document of ten seconds. The memory is that of the
     whole process, with Python and all libraries.
@@ -116,7 +116,7 @@ def _measure_apart(length: float) -> Cost:
 
 @cache
 def cost_by_joints() -> tuple[Cost, ...]:
-    """Plan and perform one document on robots with more and more joints."""
+    """Measure the cost of one document on robots of increasing joint count."""
     warm_up(set_up())
     return tuple(measure_cost(set_up(robot), COMMON_LENGTH, float(len(robot.drives))) for robot in make_robots())
 
@@ -129,7 +129,7 @@ def warm_up(setup: Setup) -> None:
 
 
 def write_document(length: float) -> str:
-    """Return a document of evenly spaced gestures and nods."""
+    """Return a BML document of evenly spaced gestures and nods."""
     strokes = np.arange(min(1.0, length / 2), length, STROKE_INTERVAL)
     lines = [
         f'<gesture id="g{k}" lexeme="{GESTURE_LEXEMES[k % len(GESTURE_LEXEMES)]}" stroke="{stroke:.3f}"/>'

@@ -200,7 +200,7 @@ def _polish_from(arm: AblationArm, target: Floats, start_angles: Sequence[float]
 
 @dataclass(frozen=True)
 class AblationRow:
-    """One selection of solver stages."""
+    """One selection of IK solver stages with its plot label."""
 
     words: str  # label in the plot
     answer: ArmSolver

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 Solver = Callable[[Floats], Floats]  # (3,) [m] in the chain's base -> (k,) [rad] joint angles
 
 STOP_DISTANCE = 5e-4  # [m] hand error at which a peer's search may stop
-MAX_STEPS = 100  # iterations of differential IK libraries
-TIME_LIMIT = 0.1  # [s] time limit of IK libraries with random restarts
+MAX_STEPS = 100  # maximum iterations per target of differential IK libraries
+TIME_LIMIT = 0.1  # [s] time limit per target of IK libraries with random restarts
 QP_DAMPING = 1e-6  # damping of the peers' quadratic programs
 
 
 @dataclass(frozen=True, eq=False)
 class WristHinge:
-    """A joint that moves the wrist, and its offset from the previous."""
+    """A wrist-moving joint and its offset from the previous joint."""
 
     hinge: Hinge
     offset: Floats  # (3,) [m] from the previous joint, in that joint's segment

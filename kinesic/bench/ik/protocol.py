@@ -51,7 +51,7 @@ def _success_rate(chain: Chain, start: Floats, goals: Floats) -> float:
 
 
 def _measure_starts(chain: Chain) -> list[Metric]:
-    """Measure the IK success of starts from extreme postures (P2)."""
+    """Measure the IK success rate from four extreme start postures."""
     goals = draw_targets(default_rng(2), chain, TARGET_COUNT)
     out = np.zeros(len(chain.rest))
     out[2] = np.pi / 2
@@ -63,7 +63,7 @@ def _measure_starts(chain: Chain) -> list[Metric]:
 
 
 def _measure_travel(chain: Chain) -> list[Metric]:
-    """Measure the IK solver's joint travel relative to the smallest possible (P3)."""
+    """Measure the solver's joint travel relative to the best of many starts."""
     rng = default_rng(3)
     total, largest = [], []
     for target in draw_targets(rng, chain, TRAVEL_TARGETS):
@@ -79,7 +79,10 @@ def _measure_travel(chain: Chain) -> list[Metric]:
 
 
 def _measure_narrowed(chain: Chain) -> list[Metric]:
-    """Measure the IK success of an arm with narrowed joint ranges (P8)."""
+    """Measure the IK success rate with narrowed joint ranges.
+
+    The ranges have 60 % and 35 % of their size.
+    """
     metrics = []
     for fraction in (0.6, 0.35):
         narrow = _with_ranges(chain, fraction)
@@ -110,14 +113,20 @@ def _track_second_lap(chain: Chain, rate: int) -> Floats:
 
 
 def _compare_rates(chain: Chain) -> list[Metric]:
-    """Compare joint angles of a closed path tracked at three rates (P4)."""
+    """Compare joint angles of a closed path tracked at `TRACKING_RATES`.
+
+    The metric is the largest difference on the second lap / the largest range of a joint.
+    """
     slow, *others = (_track_second_lap(chain, rate)[:: rate // TRACKING_RATES[0]] for rate in TRACKING_RATES)
     difference = max(float(np.abs(lap - slow).max()) for lap in others) / float(np.ptp(slow, axis=0).max())
     return [Metric("ik.tracking_rates_differ", difference, "share", 0.01, "lower", "50, 200 and 1000 Hz")]
 
 
 def _measure_swivel(chain: Chain) -> list[Metric]:
-    """Measure the elbow's swivel on a closed hand path (P5)."""
+    """Measure spread and largest step of the elbow's swivel on a path.
+
+    It is the second lap of a closed hand path at 200 Hz.
+    """
     swivels = np.unwrap([angle for row in _track_second_lap(chain, 200) if (angle := swivel(chain, row)) is not None])
     return [
         Metric("ik.swivel_spread", float(np.std(swivels)), "rad", None, "lower", "standard deviation over a lap"),

@@ -73,7 +73,7 @@ def _measure_poses(robot: Robot) -> Metric:
 
 
 def _measure_directions(robot: Robot) -> list[Metric]:
-    """Measure position, pointing and palm of one hand in one call.
+    """Measure IK success and time for hand position, pointing and palm together.
 
     The body's own forward kinematics judges the result.
     """

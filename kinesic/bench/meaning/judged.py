@@ -108,7 +108,7 @@ def _stroke_word(behaviour: ChosenBehaviour) -> int:
 
 
 def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
-    """Return the token of each word of a passage."""
+    """Return the index of the token that matches each passage word."""
     indices, at = list[int](), 0
     for word in passage.words:
         plain = "".join(read_tokens(word.plain)) or word.plain

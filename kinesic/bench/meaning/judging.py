@@ -73,7 +73,7 @@ def read_tokens(text: str) -> tuple[str, ...]:
 
 
 def load_judged(folder: Path) -> JudgedSet:
-    """Read `sentences.tsv` and `kinds.tsv` of a folder."""
+    """Read judged utterances from `sentences.tsv` and gesture kinds from `kinds.tsv`."""
     kinds = {row["kind"]: frozenset(row["ids"].split()) for row in _rows(folder / "kinds.tsv")}
     return JudgedSet(tuple(_read_utterance(row, kinds) for row in _rows(folder / "sentences.tsv")), kinds)
 

@@ -26,7 +26,7 @@ from kinesic.session.setup import set_up
 STORY_STYLES: Mapping[str, str] = {"restrained": "shy", "neutral": "neutral", "lively": "joyful"}  # level -> style
 MIN_HUMAN_RATE = 7.7  # [1/min] 5th percentile of the gesture rate of people who retell a cartoon
 MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people who retell a cartoon
-MAX_STROKE_DELAY = 0.1  # [s] delay above which a stroke counts as late
+MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a stroke counts as late
 RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
 SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
 MAX_LOSSES = 2.0  # goal for dropped gestures, and for late strokes, in three stories
@@ -45,7 +45,7 @@ class PlannedStroke:
 
 @dataclass(frozen=True)
 class StoryRhythm:
-    """Rhythm of one planned story."""
+    """Strokes, dropped gestures and hand returns of one planned story."""
 
     seconds: float  # [s] duration of the speech
     strokes: tuple[PlannedStroke, ...]  # in time order
@@ -54,7 +54,7 @@ class StoryRhythm:
 
     @property
     def rate(self) -> float:
-        """Strokes in a minute of speech."""
+        """Gesture strokes per minute of speech [1/min]."""
         return 60.0 * len(self.strokes) / self.seconds
 
     @property
@@ -80,7 +80,7 @@ class StoryRhythm:
 
     @property
     def late(self) -> int:
-        """Number of strokes that miss their word."""
+        """Number of strokes over `MAX_STROKE_DELAY` off their requested time."""
         return sum(abs(stroke.delay) > MAX_STROKE_DELAY for stroke in self.strokes)
 
 

@@ -49,7 +49,7 @@ SHORT_ASIDES = (
     "It was apples, bread, cheese and wine.", "Look over there!", "You must be very careful.", "I am so happy :)",
 )  # fmt: skip
 ASIDE_INTERVAL = 6  # [sentences] every sixth sentence is a short aside
-DEICTIC_TEMPLATES = (  # sentence template and its deictic intent, or none
+DEICTIC_TEMPLATES = (  # sentence template and its deictic intent; empty: no deictic word
     ("Put the {thing} over there.", "world-place-there"),
     ("There was a {thing} in the garden.", ""),
     ("There are many kinds of {thing}.", ""),
@@ -68,7 +68,7 @@ DEICTIC_OBJECTS = (
 
 
 def prose(count: int, seed: int = 0) -> Sequence[str]:
-    """Return sentences as they follow one another in a talk."""
+    """Generate random sentences with occasional short asides, as in a talk."""
     rng = random.Random(seed)
     sentences = []
     for number in range(count):
@@ -88,6 +88,6 @@ def prose(count: int, seed: int = 0) -> Sequence[str]:
 def deictic_sentences() -> Sequence[tuple[str, str]]:
     """Return 200 sentences with their deictic intents.
 
-    The result is empty if there is none.
+    The intent is empty for a sentence without a deictic word.
     """
     return [(text.format(thing=thing), intent) for text, intent in DEICTIC_TEMPLATES for thing in DEICTIC_OBJECTS]

@@ -28,7 +28,7 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.legibility_table import legibility_table
 
 VARIATION_SEEDS = (1, 2)  # random seeds of varied gestures that must remain legible
-COMPARED_ROBOTS = ("human", "upper22", "upper36")  # bodies that are compared with people as a whole
+COMPARED_ROBOTS = ("human", "upper22", "upper36")  # robots whose whole-body motion is compared with people's
 CAPTURE_FOLDER = "capture"  # corpus folder of captured gestures
 
 
@@ -108,7 +108,7 @@ def lexicon_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Met
 
 
 def document_metrics() -> list[Metric]:
-    """Measure strokes, nods and rests of spoken documents."""
+    """Measure stroke and nod timing, and stillness, of spoken documents."""
     return [*synchrony_metrics(METRIC_PREFIX), *story_metrics(METRIC_PREFIX)]
 
 

@@ -29,7 +29,7 @@ COMPARED_ROWS = (
     "hold_time",
     "path",
     "largest_speed",
-)  # rows compared with captured distributions
+)  # hand-motion measures whose distributions are compared with captured ones
 
 
 def bar_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:

@@ -18,7 +18,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 
 NO_ROTATION = sealed(np.zeros(3))  # (3,) [rad] rotation vector of a BVH joint before the motion
-MAX_FIRST_STEP = np.radians(30.0)  # [rad] larger rotations after the first frame mean that it is a T-pose
+MAX_FIRST_STEP = np.radians(30.0)  # [rad] joint rotation after the first frame, above which this frame is a T-pose
 
 _FRAME_BLOCK = re.compile(r"MOTION\s+Frames:\s*\d+\s+Frame Time:\s*(\S+)\s*\n(.*)", re.DOTALL)
 _HIERARCHY_WORD = re.compile(r"End\s+Site|[{}]|[^\s{}]+")
@@ -81,7 +81,10 @@ def _make_motion(joints: Sequence[CapturedJoint], channels: Channels, rows: Floa
 
 
 def _starts_in_other_pose(joints: Sequence[CapturedJoint], motion: CapturedMotion) -> bool:
-    """Return whether some joint leaps between the first two frames."""
+    """Return whether the first frame shows a T-pose before the motion.
+
+    A joint then rotates by more than `MAX_FIRST_STEP` to the second frame.
+    """
     start = CapturedMotion(motion.times[:2], motion.columns, motion.frames[:2], {})
     for rotations in joint_frames(joints, start).rotations.values():
         cosine = (float(np.trace(rotations[0].T @ rotations[1])) - 1.0) / 2.0

@@ -12,11 +12,14 @@ from kinesic.expressivity.lexicon.legibility_table import LegibilityTable
 ALIKE_DISTANCE = 0.05  # [m] distance below which two gestures look alike
 LISTING_DISTANCE = 0.08  # [m] largest distance of pairs of similar gestures in the list
 HEAD_ALIKE_DISTANCE = 0.08  # [m] distance below which gestures at the head look alike
-NAMED_PAIRS = 5  # pairs of similar gestures named in notes
+NAMED_PAIRS = 5  # maximum number of gesture pairs, or gestures, named in the note of a metric
 
 
 def different_pairs(seen: Mapping[str, Floats], table: LegibilityTable) -> list[Pair]:
-    """List the most similar gestures with different meanings, nearest first."""
+    """List similar gesture pairs with different meanings, nearest first.
+
+    Their distance is at most `LISTING_DISTANCE`.
+    """
     return [pair for pair in nearest_pairs(seen, LISTING_DISTANCE) if not table.may_be_alike(pair.a, pair.b)]
 
 

@@ -92,7 +92,7 @@ def group_by_style(gestures: Iterable[MeasuredGesture]) -> dict[str, list[Measur
 
 
 def measure_gesture(form: GestureForm, setup: Setup) -> MeasuredGesture:
-    """Plan one gesture alone and measure it."""
+    """Plan one gesture alone and measure its motion."""
     planned = plan_gesture(form, setup, stroke=STROKE_TIME)
     late = stroke_error(planned)
     return MeasuredGesture(
@@ -138,7 +138,7 @@ def _measure_plan(planned: Plan) -> GestureMeasures:
 
 
 def _measure_stroke(planned: Plan) -> Floats:
-    """Return the visible body points during the stroke."""
+    """Return the visible body points (m, p, 3) [m] during the stroke."""
     syncs = _find_sync_times(planned)
     times = np.linspace(syncs["strokeStart"], syncs["strokeEnd"], STROKE_SAMPLES)
     return measure_appearance(planned.setup.robot, planned.trajectory.sample(times)[0])

@@ -31,7 +31,7 @@ def measure_appearance(robot: Robot, angles: Floats) -> Floats:
     """Return visible points (m, p, 3) [m] of hands, elbows and head.
 
     Each arm gives its elbow, wrist, finger tips and a point in front of the palm; the head gives the eyes and a point
-    above them.
+    above them. Depths are multiplied by `DEPTH_WEIGHT`.
 
     Args:
         robot: robot that performs the motion.

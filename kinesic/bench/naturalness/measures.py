@@ -64,7 +64,7 @@ class GestureMeasures:
 
 
 def ratio(value: float | None, other: float | None) -> float | None:
-    """Return value / other, or None if undefined."""
+    """Return value / other, None if missing or divided by zero."""
     return value / other if value is not None and other else None
 
 
@@ -172,7 +172,10 @@ class _Profile:
         return within
 
     def largest(self, begin: str, end: str) -> float | None:
-        """Return the hand's largest speed between two sync points [arm lengths/s]."""
+        """Return the hand's largest speed between two sync points [arm lengths/s].
+
+        The result is None if one is missing.
+        """
         within = self.speeds[self.samples(begin, end)]
         return float(within.max()) if within.size else None
 
@@ -186,7 +189,10 @@ class _Profile:
 
 
 def _measure_preparation_smoothness(speeds: Floats) -> float | None:
-    """Return the spectral arc length of a preparation from motion onset."""
+    """Return the spectral arc length of a preparation from motion onset.
+
+    The result is None if it is shorter than `MIN_PREPARATION_TIME`.
+    """
     moving = speeds[int((speeds > ONSET_RATIO * speeds.max(initial=0.0)).argmax()) :] if speeds.size else speeds
     return spectral_arc_length(moving) if len(moving) > MIN_PREPARATION_TIME * PROFILE_RATE else None
 

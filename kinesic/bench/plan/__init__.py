@@ -27,7 +27,7 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
 PASSAGE_REPETITIONS = 9  # number of timed plans of the passage
-CROWDED_BLOCKS = 4  # number of blocks of overlapping gestures whose key times are shifted
+CROWDED_BLOCKS = 4  # number of overlapping blocks whose time shifts are compared with the optimum
 CPU_BLOCKS = 200  # blocks of overlapping gestures timed for CPU; one in twenty takes four times as long as most
 REPEATED_BLOCKS = 6  # blocks with more strokes than fit, whose times must be shifted
 MAX_STRETCH = 1.15  # goal for shift cost / optimal shift cost, in total and at the median

@@ -161,7 +161,7 @@ HOSTILE_DOCUMENTS: Mapping[str, DocumentWriter] = {
 
 
 def measure_plan(name: str) -> Cost:
-    """Plan a hostile document in a separate process with a time limit.
+    """Measure the cost to plan a hostile document in another process.
 
     Raises:
         subprocess.CalledProcessError: the process failed.

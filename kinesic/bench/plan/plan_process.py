@@ -37,7 +37,7 @@ def measure_cost(name: str) -> Cost:
 def peak_memory() -> float:
     """Return the peak memory of this process [MB].
 
-    The usage reported for a child process would include its parent's at the start.
+    The usage reported for a child process would include its parent's at the start. The result is NaN on Windows.
     """
     if STATUS_FILE.exists():
         status = dict(line.split(":", 1) for line in STATUS_FILE.read_text(encoding="utf-8").splitlines())

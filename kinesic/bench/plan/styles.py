@@ -31,7 +31,7 @@ MAX_P95_ERROR = 60.0  # [ms] goal for the 95th percentile of stroke errors
 
 @dataclass(frozen=True, eq=False)
 class StrokeErrors:
-    """Stroke times of one style on one body."""
+    """Stroke errors, losses and shifts of one style on one body."""
 
     errors: Floats  # (s,) [s] deviation of each stroke's arrival from its requested time
     lost: int  # strokes that never arrived
@@ -62,7 +62,7 @@ def metrics(part: str, strokes: StrokeErrors) -> Iterator[Metric]:
 
 
 def measure_style(setup: Setup, documents: int = DOCUMENT_COUNT) -> StrokeErrors:
-    """Plan and perform the first texts in the style of a setup."""
+    """Measure stroke errors of the first texts with a setup."""
     return measure_plans([plan(write_text(text, setup).bml, setup) for text in write_documents()[:documents]])
 
 

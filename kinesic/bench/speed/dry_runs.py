@@ -41,7 +41,7 @@ MIN_RATIO_BOTH = 0.7  # goal for bare physics time / dry run time with two twins
 MAX_VARIANT_TIME = 20.0  # [ms] goal for the time of one servo variant
 VARIANT_GROUPS = 3  # number of timed groups of servo variants; the first warms up
 FLOAT_BYTES = 8  # size of a float [bytes]
-MEASURED_ARRAYS = 12  # arrays of all steps' postures that measurements read or write
+MEASURED_ARRAYS = 12  # number of posture arrays over all steps that measurements read or write
 COPY_SIZE = 32 * 1024 * 1024  # [bytes] size of the array copied to measure memory bandwidth
 
 T = TypeVar("T")
@@ -139,7 +139,7 @@ STAGE_LIMITS: Mapping[str, str] = {
 
 
 def _time_stages(planned: Plan) -> tuple[dict[str, float], dict[str, float]]:
-    """Return CPU time [s] and lower limit of each dry-run stage."""
+    """Return CPU time [s] and its lower limit [s] by dry-run stage."""
     setup, trajectory = planned.setup, planned.trajectory
     times = planned.command_times
     feed_forward = FeedForward(setup.robot, setup.dynamics)

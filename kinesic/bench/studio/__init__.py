@@ -34,7 +34,8 @@ MAX_EDIT_TIME = 700.0  # [ms] goal for the 95th percentile of replanning after a
 MAX_REACH_TIME = 33.0  # [ms] goal for the 95th percentile of answers while a hand is dragged
 MAX_WATCH_LOAD = 5.0  # [% of a core] goal for the extra CPU load of a watching client
 MAX_BUNDLE_SIZE = 200.0  # [kB] goal for the compressed size of the page's scripts
-PAGE_GOALS = {"studio.drag_p95": 33.0, "studio.first_paint_p95": 1000.0, "studio.first_robot_p95": None}  # [ms]
+# [ms] goals of the page metrics; None: measured without a goal.
+PAGE_GOALS = {"studio.drag_p95": 33.0, "studio.first_paint_p95": 1000.0, "studio.first_robot_p95": None}
 EDIT_SHIFT = 0.01  # [s] shift of a stroke per edit
 CIRCLE_RADIUS = 0.08  # [m] radius of the dragged hand's circle
 WATCH_RATE = 20  # [1/s] body states sent to a watching client

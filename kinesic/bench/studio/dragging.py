@@ -26,9 +26,9 @@ DRAWN_SCRIPT = (
 
 
 def time_first_paints(browser: Browser, url: str, count: int) -> tuple[list[float], list[float]]:
-    """Measure cold loads [ms] of the studio page.
+    """Return first-paint and robot-drawing times [ms] of cold page loads.
 
-    First paint and first drawing of the robot.
+    Each load opens the page with a fresh browser profile.
     """
     painted, drawn = list[float](), list[float]()
     for _ in range(count):

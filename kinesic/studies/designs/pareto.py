@@ -39,7 +39,7 @@ DESIGN_CRITERIA: Mapping[str, DesignCriterion] = {
 
 
 def values_of(trials: Sequence[Trial]) -> Floats:
-    """Return the criteria of design trials in whole comparison steps, (m, g).
+    """Return each trial's criteria (m, g), rounded to comparison steps.
 
     Smaller is better.
     """
@@ -48,7 +48,7 @@ def values_of(trials: Sequence[Trial]) -> Floats:
 
 
 def beaten_by(trials: Sequence[Trial]) -> list[list[int]]:
-    """List the dominating trials of each design trial.
+    """List for each design trial the indices of trials that dominate it.
 
     Such a trial is no worse in any criterion and better in at least one.
     """

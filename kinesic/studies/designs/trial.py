@@ -38,7 +38,7 @@ class BodyFigures:
 
 @dataclass(frozen=True)
 class DocumentFigures:
-    """Performance of one document in the twin."""
+    """Stroke errors and failed checks of one document in the twin."""
 
     file: str
     strokes: int

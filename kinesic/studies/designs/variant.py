@@ -93,9 +93,9 @@ def build(file: RobotFile, design: Design, path: Path) -> Robot:
 
 
 def apply_design(file: RobotFile, design: Design, path: Path) -> RobotFile:
-    """Apply a design to a robot file.
+    """Return a robot file with the changes of a design.
 
-    The mirrored side follows.
+    The mirrored right side changes alike.
 
     Raises:
         ConfigError: a body or joint does not exist, or a value is invalid.
@@ -159,7 +159,7 @@ def _change_length(file: RobotFile, name: str, length: float, path: Path) -> Rob
 def body_end(file: RobotFile, name: str, path: Path) -> Floats:
     """Return the end point of a body (3,) [m].
 
-    The origin of its only child, or its site.
+    It is the origin of its only child, or else its site, in the body's frame.
 
     Raises:
         ConfigError: the body does not exist, or it branches and has no length.

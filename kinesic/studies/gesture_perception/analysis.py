@@ -183,7 +183,7 @@ def habits(answers: Sequence[ParticipantAnswer]) -> dict[str, Habit]:
 def find_position_choosers(answers: Answers) -> dict[str, Habit]:
     """Return participants whose choices depend on the position of the answers.
 
-    Each has the clearer one of the two tasks' habits.
+    Each has the clearest one of the tasks' habits.
     """
     result: dict[str, Habit] = {}
     for group in map(habits, (answers.recognitions, answers.preferences, answers.matches, answers.realisms)):

@@ -62,7 +62,7 @@ def draw_meanings(lexicon: Lexicon, count: int, seed: int, named: Sequence[str] 
 
     Args:
         lexicon: lexicon of gestures.
-        count: maximum number of gestures, from `CATEGORIES`.
+        count: maximum number of gestures, from `MEANING_CATEGORIES`.
         seed: seed of the draw.
         named: ids of gestures to use instead.
 

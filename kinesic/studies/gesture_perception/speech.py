@@ -82,7 +82,10 @@ def choose_foils(durations: Mapping[str, float]) -> dict[str, str]:
 
 
 def shown_duration(own: SpokenMotion, other: SpokenMotion) -> float:
-    """Return the display time [s] of a motion, enough for either speech."""
+    """Return the display time [s] until the shorter speech ends.
+
+    `MAX_TAIL_TIME` is added. The motion's own duration is the maximum.
+    """
     spoken = min(own.end - own.begin, other.end - other.begin)
     return min(own.begin + spoken + MAX_TAIL_TIME, own.motion.duration)
 

@@ -148,9 +148,7 @@ def plan_pairs(
 def motion_data(motions: Sequence[SampledMotion]) -> list[Json]:
     """Return packed motions and captions for the study page's script.
 
-    Packed angles, one row per frame, and captions.
-
-    Angles are 16-bit integers in base64.
+    Angles are 16-bit integers in base64, one row per frame.
     """
     return [_pack(motion) for motion in motions]
 

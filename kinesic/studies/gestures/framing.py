@@ -46,7 +46,7 @@ class Viewpoint:
 
 @dataclass(frozen=True, eq=False)
 class Balls:
-    """Balls around moving body segments, all to be visible in pictures."""
+    """Bounding balls of moving body segments that pictures must show."""
 
     centres: Floats  # (k, 3) [m] in the world
     radii: Floats  # (k,) [m]

@@ -33,10 +33,10 @@ if TYPE_CHECKING:
 
 MAX_POSTURES = 6  # largest number of key postures in the strip of one gesture
 
-_FIGURE_HEIGHT = 0.97  # [paper units] height of a figure, equal for robots of all heights
-_LABEL_HEIGHT = 0.08  # [paper units] height of the name below a figure
-_HEADING_HEIGHT = 0.16  # [paper units] height of a category's heading
-_FOOTER_HEIGHT = 0.20  # [paper units] height of the footer of a strip
+_FIGURE_HEIGHT = 0.97  # [paper units of `scale` inches] height of a figure, for robots of all heights
+_LABEL_HEIGHT = 0.08  # [paper units of `scale` inches] height of the name below a figure
+_HEADING_HEIGHT = 0.16  # [paper units of `scale` inches] height of a category's heading
+_FOOTER_HEIGHT = 0.20  # [paper units of `scale` inches] height of the footer of a strip
 _SHEET_COLUMNS = 16  # number of figures in a row of a contact sheet
 _TITLE_COLOUR = "#222222"  # colour of titles
 _NOTE_COLOUR = "#777777"  # colour of the names under the drawn gestures

@@ -15,7 +15,7 @@ from kinesic.sim.kinematics import compute_motion_frames
 from kinesic.studies.sweep.geometry import count_visits, hull_volume, length, mean_curvature, peak_speed, rms_jerk
 
 MAX_HAND_DISTANCE = 0.8  # shoulder-hand distance / arm length up to which the elbow's offset is measured
-BEND_LENGTH = 0.03  # step along a hand path for measuring its curvature / arm length
+BEND_LENGTH = 0.03  # step of a hand path over which its curvature is measured / arm length
 MIN_STROKE_SIZE = 0.02  # [m] hand motion below which only the body sways
 NEAR_RATIO = 0.25  # distance from the stroke position / stroke size below which the hand has arrived
 FAR_RATIO = 0.5  # distance from the stroke position / stroke size above which the hand has left
@@ -24,7 +24,7 @@ FAR_RATIO = 0.5  # distance from the stroke position / stroke size above which t
 def kinetic_energy(dynamics: Dynamics, angles: Floats, speeds: Floats) -> Floats:
     """Return the kinetic energy of a robot's links and rotors.
 
-    V^T M v / 2.
+    The energy is v^T M v / 2 with the joint velocities v and the mass matrix M.
 
     M v is the torque that accelerates the resting robot by v per second, beyond the torque that holds it.
 
@@ -102,7 +102,7 @@ class _Window:
     syncs: Mapping[str, SyncTime]
 
     def time(self, sync: str) -> float:
-        """Return the time of a sync point, performed if measured [s]."""
+        """Return a sync point's performed time [s], planned if not measured."""
         sums = self.syncs[sync]
         return self.performance.plan.trajectory.zero + sums.planned + (self.performance.lags.get(sums) or 0.0)
 
@@ -166,7 +166,7 @@ def _measure_curvature(paths: list[Floats], step: float) -> float | None:
 
 
 def _compute_allowed_speed(window: _Window, side: Side) -> float:
-    """Return the hand speed that the joint limits allow.
+    """Estimate the largest hand speed [m/s] that limits allow a stroke.
 
     A rest-to-rest motion that uses its limits well has a peak of at most twice its mean speed. A joint that reverses
     stops in between.
@@ -200,7 +200,7 @@ def sum_turns(steps: Floats) -> Floats:
 
 
 def _measure_overshoot(performance: DryRun) -> float:
-    """Return the largest joint overshoot of a gesture [rad]."""
+    """Return the largest joint excess [rad] over the range of keys."""
     postures = performance.plan.postures.postures
     keys = np.stack([posture.angles for posture in postures])
     keyed = np.array([posture.keyed for posture in postures])

@@ -287,7 +287,7 @@ def _check(gesture: str, setup: Setup) -> None:
 def _perform(gesture: str, setup: Setup, condition: str, value: float) -> Played:
     """Perform a gesture in the twin and measure it.
 
-    `where` names the condition in an error message.
+    `condition` appears in error messages.
     """
     performance = dry_run(
         plan(GESTURE_TEMPLATE.format(id=GESTURE_ID, lexeme=gesture, stroke=STROKE_TIME), setup, source=gesture)

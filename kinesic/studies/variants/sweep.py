@@ -80,6 +80,8 @@ def _prepare(make_setup: Callable[[], Setup], text: str, step: float) -> Callabl
 def perform_variants(planned: Plan, variants: Group, *, step: float = PHYSICS_STEP) -> Floats:
     """Perform one plan with all servo variants and return results (k, 5).
 
+    The columns are the arrays of `ServoSweep` in order.
+
     Args:
         planned: plan to perform.
         variants: servo variants.

@@ -11,7 +11,7 @@ from scipy.stats import rankdata
 from kinesic.body.arrays import Flags, Floats, Indices
 
 RIDGE_WEIGHT = 1.0  # penalty on squared logistic weights, relative to the mean loss per clip
-NEIGHBOUR_COUNT = 9  # clips that vote in the nearest-neighbour classifier
+NEIGHBOUR_COUNT = 9  # nearest clips of each class, whose mean distances give the score
 MAX_ITERATIONS = 200  # steps of the logistic regression
 MAX_FOLDS = 5  # folds of the cross-validation
 
@@ -39,7 +39,7 @@ Scorer = Callable[[Floats, Flags, Floats], Floats]  # training features, their l
 
 
 def separate(ours: Sample, others: Sample, scorer: "Scorer | None" = None) -> Separation:
-    """Return the accuracy of a classifier of two samples of clips.
+    """Return cross-validated AUC and accuracy of a classifier of two samples.
 
     Scores of a fold come from a classifier that saw no performance of this fold. AUC and accuracy are means over folds.
 
@@ -56,7 +56,7 @@ def separate(ours: Sample, others: Sample, scorer: "Scorer | None" = None) -> Se
 
 
 def separate_unseen(ours: Sample, seen: Sample, unseen: Sample, scorer: "Scorer | None" = None) -> Separation:
-    """Return the accuracy of a trained classifier on other sets.
+    """Return AUC and accuracy of a classifier on unseen negative clips.
 
     Args:
         ours: clips labelled as positive, cross-validated by performance.
@@ -124,14 +124,20 @@ def assign_folds(performances: Sequence[str]) -> Indices:
 
 
 def area_under_curve(ours: Floats, others: Floats) -> float:
-    """Return the probability that a score of the first sample is larger."""
+    """Return the probability that a score of the first sample is larger.
+
+    Equal scores count half.
+    """
     ranks = rankdata(np.concatenate([ours, others]))
     wins = float(ranks[: len(ours)].sum()) - len(ours) * (len(ours) + 1) / 2
     return wins / (len(ours) * len(others))
 
 
 def score_logistic(train: Floats, labels: Flags, test: Floats) -> Floats:
-    """Score clips by logistic regression with balanced classes."""
+    """Score clips by logistic regression with balanced classes.
+
+    A positive score (n,) decides for the class labelled True.
+    """
     train, test = _standardise(train, test)
     signs = np.where(labels, 1.0, -1.0)
     balance = np.where(labels, 0.5 / labels.sum(), 0.5 / (~labels).sum())
@@ -151,7 +157,10 @@ def score_logistic(train: Floats, labels: Flags, test: Floats) -> Floats:
 
 
 def score_neighbours(train: Floats, labels: Flags, test: Floats) -> Floats:
-    """Score clips by the distance of their nearest neighbours in each class."""
+    """Score clips by the distance of their nearest neighbours in each class.
+
+    A positive score (n,) decides for the class labelled True.
+    """
     train, test = _standardise(train, test)
     distances = np.linalg.norm(test[:, None] - train[None], axis=-1)
 

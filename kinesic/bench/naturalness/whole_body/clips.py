@@ -28,7 +28,7 @@ OTHER_CLIPS = re.compile(r"catch|walk")  # names of BVH clips that show no gestu
 GESTURE_SET = "bvh gestures"  # name of the set of all BVH files with gestures
 OTHER_SET = "bvh other"  # name of the set of all other BVH files
 SET_FOLDERS = ("motions",)  # subfolders of a set that hold its clips
-MAX_ARM_LENGTH = 3.0  # [m] longer arms are given in centimetres
+MAX_ARM_LENGTH = 3.0  # [m] arm length above which a skeleton counts as given in centimetres
 METRES_PER_CENTIMETRE = 0.01  # [m/cm]
 STRAIGHT_RATIO = 0.95  # wrist distance from the shoulder / arm length, above which an arm counts as straight
 LEVEL_HEIGHT = 0.2  # [arm lengths] largest height of the wrists from the shoulders in a T-pose
@@ -38,7 +38,7 @@ TO_Z_UP = sealed([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # from y 
 
 @dataclass(frozen=True)
 class JointNames:
-    """Names of the joints that count in one family of skeletons."""
+    """Names of the measured joints in one family of skeletons."""
 
     chest: str
     head: str

@@ -115,7 +115,7 @@ def split_sets(captured: Sequence[MeasuredSet]) -> tuple[list[MeasuredSet], list
 
 
 def merge_sets(name: str, sets: Sequence[MeasuredSet]) -> MeasuredSet:
-    """Merge sets into one."""
+    """Merge measured sets into one with a new name."""
     return MeasuredSet(
         name,
         tuple(gesture for measured in sets for gesture in measured.gestures),
@@ -143,7 +143,7 @@ def compare_body(ours: MeasuredSet, captured: Sequence[MeasuredSet]) -> list[Met
 
 
 def compare_sets(captured: Sequence[MeasuredSet], known: Sequence[MeasuredSet]) -> list[Metric]:
-    """Measure captured sets and the accuracy of their classification.
+    """Compare each captured set with all others, without goals.
 
     Args:
         captured: measured sets.
@@ -184,7 +184,7 @@ def separation_metrics(
     goal_auc: float | None,
     goal_accuracy: float | None,
 ) -> list[Metric]:
-    """Return how well classifiers tell a set from captured sets.
+    """Return metrics of classifiers that tell a set from captured sets.
 
     Each classifier is tried twice: trained on tuned sets and tested on unseen ones, and tested on every left-out set.
     """

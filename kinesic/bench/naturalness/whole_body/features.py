@@ -21,7 +21,7 @@ from kinesic.bench.naturalness.whole_body.posture import (
 )
 from kinesic.body.arrays import Floats
 
-SMALLEST_VALUES: Mapping[str, float] = {  # measures compared by their logarithm, with the smallest value before it
+SMALLEST_VALUES: Mapping[str, float] = {  # measure compared by logarithm -> smallest value, used for smaller ones
     "trunk": 0.1,
     "trunk_speed": 0.1,
     "head": 0.1,

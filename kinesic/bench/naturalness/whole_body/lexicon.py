@@ -30,7 +30,7 @@ def list_gestures(every: int = 1) -> list[GestureTask]:
 
 
 def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:
-    """Plan each gesture alone on a robot, omitting dropped ones.
+    """Plan each gesture alone and return its motion, dropped ones omitted.
 
     Raises:
         RuntimeError: a worker process crashed.
@@ -49,7 +49,7 @@ def _prepare(robot: str, style: str) -> Callable[[GestureTask], BodyMotion | Non
 
 
 def _perform(robot: str, style: str, gesture: str, seed: int) -> BodyMotion | None:
-    """Plan one gesture alone with its own random seed."""
+    """Plan one gesture and return its motion, None if dropped."""
     setup = set_up(robot, style=style, idle=1.0, variation=1.0, seed=seed)
     form = next(form for form in setup.lexicon.forms if form.id == gesture)
     planned = plan_gesture(form, setup, stroke=STROKE_TIME)

@@ -19,16 +19,16 @@ from kinesic.bench.naturalness.whole_body.motion import BodyMotion, smooth_frame
 from kinesic.body.arrays import Floats
 from kinesic.studies.sweep.geometry import length
 
-RETURN_TIME = 1 / 3  # [s] compared beginning of the return, as most captured clips end there
+RETURN_TIME = 1 / 3  # [s] compared part of the return after `relax`, as most captured clips end there
 WINDOW_TIME = 2.7  # [s] length of the windows of clips without sync points, that of the median gesture
-MIN_WINDOW_TIME = 1.4  # [s] shortest compared clip
-MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] slower windows hold no gesture
+MIN_WINDOW_TIME = 1.4  # [s] shortest compared window of a clip
+MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] windows whose largest hand speed is not above it contain no gesture
 STILL_RATIO = 0.1  # hand speed / largest hand speed, below which a hand counts as still
 
 
 @dataclass(frozen=True)
 class WholeBodyMeasures:
-    """Motion [deg] of hands, trunk, head and collar bones in a clip."""
+    """Motion measures of hands, trunk, head and collar bones in one clip."""
 
     trunk: float  # [deg] largest rotation of the chest since the first frame
     trunk_speed: float  # [deg/s] largest
@@ -54,7 +54,10 @@ MEASURE_NAMES = tuple(field.name for field in fields(WholeBodyMeasures))
 
 
 def cut_clips(motion: BodyMotion) -> Iterator[BodyMotion]:
-    """Yield a clip's gesture, or windows without sync points."""
+    """Yield a clip's gesture, or moving windows if `relax` is missing.
+
+    A gesture ends `RETURN_TIME` after `relax`. Windows last `WINDOW_TIME`; those without motion are left out.
+    """
     begin, end = motion.syncs["start"], motion.syncs["end"]
     if "relax" in motion.syncs:
         yield motion.clip(begin, min(end, motion.syncs["relax"] + RETURN_TIME))
@@ -71,7 +74,7 @@ def cut_clips(motion: BodyMotion) -> Iterator[BodyMotion]:
 
 
 def measure_whole_body(motion: BodyMotion) -> WholeBodyMeasures:
-    """Measure the whole body in one clip."""
+    """Measure the motion of the whole body in one clip."""
     relative = [smooth_frames(wrist - motion.chest) for wrist in motion.wrists]
     paths = [length(path) for path in relative]
     main = int(np.argmax(paths))

@@ -13,8 +13,9 @@ from kinesic.planning.stance import ARM_FEATURES, BODY_FEATURES, STANCE_FEATURES
 SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
 ASYMMETRIC_BODY = tuple(name for name in BODY_FEATURES if name not in SYMMETRIC_BODY)
 FIRST_ARM = STANCE_FEATURES.index(f"l_{ARM_FEATURES[0]}")
-MAX_HANGING = {"upper_arm_forward": 30.0, "upper_arm_outward": 30.0, "forearm_forward": 45.0}  # [deg] of hanging arms
-MIN_DEVIATION = 0.05  # [deg] size below which components are left out
+# [deg] largest angles of a hanging arm, by feature.
+MAX_HANGING = {"upper_arm_forward": 30.0, "upper_arm_outward": 30.0, "forearm_forward": 45.0}
+MIN_DEVIATION = 0.05  # [deg] principal components with smaller deviations are dropped
 
 
 def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:

@@ -18,7 +18,7 @@ LINE_WIDTH = 118  # characters of a written line
 
 
 class SetTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Columns of one captured set."""
+    """TOML columns with the measures of one captured set."""
 
     performances: tuple[str, ...]
     measures: Mapping[str, tuple[float, ...]]
