@@ -26,7 +26,7 @@ from kinesic.expressivity.variation import NO_VARIATION, Deviation, Variation, d
 
 
 def read_targets(path: Path) -> Mapping[str, Floats]:
-    """Read a file of named gaze and pointing targets.
+    """Read named gaze and pointing targets from a file, (3,) [m] each.
 
     Raises:
         ConfigError: the file is missing or invalid.

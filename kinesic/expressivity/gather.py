@@ -84,7 +84,7 @@ def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[Sync
 
 
 def _spaced_times(times: Sequence[float]) -> list[float]:
-    """Drop sorted times less than `SAME_FRAME` after the last kept time."""
+    """Drop sorted times [s] less than `SAME_FRAME` after a kept one."""
     kept_times: list[float] = []
     for time in times:
         if not kept_times or time - kept_times[-1] >= SAME_FRAME:
@@ -100,7 +100,7 @@ def _near_anchor(anchors: Sequence[float], time: float) -> float | None:
 
 
 def _nearest(times: Sequence[float], time: float) -> float:
-    """Return the time closest to a reference time, the earlier of ties."""
+    """Return the time [s] closest to a given one, earlier if tied."""
     return min(times, key=lambda other: abs(other - time))
 
 

@@ -261,5 +261,5 @@ def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tu
 
 
 def _instant_syncs(start: float, arrive: float) -> dict[str, float]:
-    """Return sync points of an arm motion, all but `start` at arrival."""
+    """Return an arm motion's sync times [s], all but `start` at arrival."""
     return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)

@@ -266,7 +266,11 @@ def _uses(id: str, move: Move, hands: HandArrangement) -> frozenset[PartName]:
 
 
 def _check_required(block: Block, outcomes: Mapping[str, Outcome]) -> None:
-    """Reject the block if a required behaviour is dropped."""
+    """Reject the block if a required behaviour is dropped.
+
+    Raises:
+        BmlError: a required behaviour is dropped.
+    """
     for behaviour in block.behaviours:
         outcome = outcomes.get(behaviour.id)
         if behaviour.required and outcome is not None and outcome.kind == "dropped":

@@ -232,9 +232,9 @@ def _head_course(gesture: AccompaniedGesture, move: BodyMove, pace: Pace) -> _Co
 
 
 def _shake_keys(work: HandStroke, move: BodyMove, pace: Pace) -> dict[float, Turn]:
-    """Return the keys of head shakes in a stroke.
+    """Return the head rotations of shakes in a stroke by time [s].
 
-    There are as many as fit.
+    There are as many shakes as fit.
 
     After a short stroke the head may continue while the hands retract.
     """

@@ -156,7 +156,7 @@ def _merge_shifts(moved: Iterable[SyncShift]) -> tuple[SyncShift, ...]:
 
 
 def _find_stroke_bounds(syncs: list[SyncTime]) -> tuple[SyncTime, SyncTime] | None:
-    """Return the first and last sync point of the stroke, if any."""
+    """Return first and last sync point of the stroke, None without one."""
     sync_by_name = {sync.sync: sync for sync in syncs}
     if STROKE_SYNCS[0] in sync_by_name and STROKE_SYNCS[1] in sync_by_name:
         return sync_by_name[STROKE_SYNCS[0]], sync_by_name[STROKE_SYNCS[1]]

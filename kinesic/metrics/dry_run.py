@@ -110,7 +110,7 @@ class DryRun:
 
     @property
     def median_stroke_lag(self) -> float | None:
-        """Median absolute lag of strokes to words [s], if any."""
+        """Median absolute lag of strokes to words [s], None without strokes."""
         return compute_median_lag(self.stroke_lags)
 
     @cached_property

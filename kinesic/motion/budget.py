@@ -20,7 +20,7 @@ class Budget:
 
     @property
     def left(self) -> float:
-        """Remaining work, never negative."""
+        """Remaining work [knot intervals], never negative."""
         return max(self._left, 0.0)
 
     @property

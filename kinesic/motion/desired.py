@@ -152,7 +152,7 @@ def _ease(remaining: Floats, states: Floats, steps: Floats, keys: Keys) -> Float
 
 
 def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
-    """Return an easing with the overshoot that the joint range permits."""
+    """Return an easing and its relative overshoot, within the joint range."""
     if easing == "out_back" and max_overshoot < MIN_OVERSHOOT:
         return "out_quart", DEFAULT_OVERSHOOT
     return easing, OVERSHOOT_STEP * int(

@@ -209,7 +209,7 @@ def _compute_difference(segment: SplineSegment, limits: Limits, key: int, amount
 def _find_binding_limits(
     gaps: np.ndarray, kinds: np.ndarray, multipliers: Floats, count: int
 ) -> tuple[Quantity | None, ...]:
-    """Return the binding limit of each gap between keys, if any.
+    """Return the binding limit of each gap between keys, None without one.
 
     One entry for each of m + 1 gaps.
     """

@@ -130,7 +130,7 @@ def solve_exactly(problem: KeyTimeProblem) -> Floats:
 
 
 def _delay_keys(problem: KeyTimeProblem) -> Floats:
-    """Delay each key as far as the gaps before it require.
+    """Return key times [s] delayed as the gaps before each require.
 
     Bonds are kept as far as a few sweeps can. The work is linear in the number of keys. Planes are not used for the
     search, only checked.
@@ -154,7 +154,10 @@ def _delay_keys(problem: KeyTimeProblem) -> Floats:
 
 
 def _solve_small(problem: KeyTimeProblem) -> Floats | None:
-    """Solve a small problem in compiled code, or return None."""
+    """Return a small problem's key times [s], or None.
+
+    None for a large problem, or if rounding errors make the times violate constraints.
+    """
     keys, pairs = problem.keys, [*problem.gaps, *problem.keys.bonds]
     count = len(keys.requested_times)
     if count * (len(pairs) + len(problem.planes) + count) > MAX_DENSE_ENTRIES:
@@ -179,7 +182,11 @@ def _solve_small(problem: KeyTimeProblem) -> Floats | None:
 
 
 def _solve_large(problem: KeyTimeProblem) -> Floats:
-    """Solve a large problem with HiGHS, whose matrices are sparse."""
+    """Return the key times [s] by HiGHS, which uses sparse matrices.
+
+    Raises:
+        ArithmeticError: the planes exclude all times.
+    """
     program = build_program(problem)
     result = scipy.optimize.milp(  # which has no integers here, and reads a program in half the time of `linprog`
         program.costs,
@@ -200,7 +207,10 @@ def extend_gaps(gaps: Mapping[Pair, float], durations: IntervalDurations) -> dic
 
 
 def shift_cost(keys: Keys, times: Floats) -> float:
-    """Return the weighted cost of shifting keys to given times."""
+    """Return the cost of shifting keys to times [s], late ones more.
+
+    Violated bonds add to it.
+    """
     shifts = times - keys.requested_times
     bond_deficit = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())
     return (

@@ -76,7 +76,7 @@ def _find_infeasible(times: Floats, keys: Keys, limits: Limits) -> set[int]:
 
 
 def _separate_requested_times(keys: Keys) -> Floats:
-    """Return the requested times, spaced by a minimum gap."""
+    """Return the requested times [s], delayed to keep a minimum gap."""
     times = np.array(keys.requested_times)
     for before, after in pairwise(np.argsort(keys.requested_times, kind="stable")):
         times[after] = max(times[after], times[before] + 2 * TARGET_INTERVAL)
@@ -233,7 +233,7 @@ class _HingeMotion:
         return states, jerks
 
     def excess(self, times: Floats, values: list[Floats]) -> float:
-        """Return the largest limit ratio on a dense time grid."""
+        """Return the hinge's largest limit ratio on a dense time grid."""
         angle, speed, bend, jerk = values
         top, limits, n = self._derivative_limits, self.limits, self.hinge
         h = np.repeat(np.diff(times[self.rows]) / self.counts, self.counts)[:, None]

@@ -44,7 +44,10 @@ def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
 
 
 def _stop_hinge(hinge: int, controls: Floats, min_intervals: int, limits: Limits) -> Floats:
-    """Return a hinge's shortest stop, or its unchanged control points."""
+    """Return control points [rad] of a hinge's shortest stop.
+
+    They are unchanged if no shorter stop is possible.
+    """
     if np.ptp(controls[:3]) == 0.0:
         return controls[:3]
 

@@ -103,7 +103,7 @@ def stretch_until_enough(
 
 
 def _solve_exactly(problem: KeyTimeProblem, times: Floats, previous: _Candidate) -> Floats:
-    """Return optimal key times that keep given segment durations."""
+    """Return optimal key times [s] that keep given segment durations."""
     gaps = dict(problem.gaps)
     for segment, _ in previous.deficits:
         for i, j in segment.pairs:

@@ -78,9 +78,9 @@ def cross_over(
 
 
 def join_columns(columns: Iterable[Floats | None]) -> Floats | None:
-    """Stack the control points of several hinges as columns.
+    """Stack the control points of several hinges as columns, or None.
 
-    Return None if one is missing, or without hinges.
+    None if one is missing, or without hinges.
     """
     present: list[Floats] = []
     for column in columns:
@@ -121,7 +121,7 @@ def _find_violations(controls: Floats, first: int, last: int, limits: Limits, hi
 
 
 def _correct_between(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
-    """Move control points between two knots to within the limits."""
+    """Correct control points between two knots, None if limits cannot hold."""
     part = controls[first : last + FEWEST_PIECES]
     segment = SplineSegment.between(hinge, last - first, part[:FEWEST_PIECES], part[-FEWEST_PIECES:])
     corrected = nearest_motion(segment, segment.grid.at_knots @ part, limits)

@@ -98,7 +98,7 @@ def merge_tracks(parts: Iterable[Channels]) -> Channels:
 
 
 def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
-    """Yield the visible action unit intensities at each command time.
+    """Yield the intensities, 0..1, of visible action units per command.
 
     Args:
         shown: of `face_track`, at as many times.

@@ -54,9 +54,9 @@ def interpolate_hands(a: Hand, b: Hand, fraction: float, rest: Reach) -> Hand:
 def _interpolate_direction(
     a: Floats | None, b: Floats | None, fraction: float, nearest: Floats | None
 ) -> Floats | None:
-    """Interpolate two directions on the great circle.
+    """Interpolate two unit directions (3,) on the great circle.
 
-    The nearest one is returned if one is missing or they are opposite.
+    `nearest` is returned if one is missing (None), or if they are equal or opposite.
     """
     if a is None or b is None:
         return nearest

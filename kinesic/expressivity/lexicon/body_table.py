@@ -76,7 +76,11 @@ def _turn(part: str, table: TurnTable | None) -> Turn:
 
 
 def _angle(name: str, value: float | None, least: float) -> float:
-    """Convert an angle from degrees to radians, and check its range."""
+    """Convert an angle from degrees to radians, and check its range.
+
+    Raises:
+        ValueError: the angle is out of range.
+    """
     angle = value or 0.0
     if not least <= angle <= LARGEST_ANGLE:
         raise ValueError(f"body: {name} is {angle:g} deg, outside [{least:g}, {LARGEST_ANGLE:g}]")

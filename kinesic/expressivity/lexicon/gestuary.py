@@ -198,7 +198,7 @@ def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -
 def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bool, bool, bool]] | None:
     """Read a hand position and the axes exempt from spatial extent.
 
-    The position is (3,) forward, outward, up [arm lengths].
+    The position is (3,) forward, outward, up [arm lengths]. None if the hand has no position.
     """
     touch = _first(hand, "touchPosition")
     if touch is not None:

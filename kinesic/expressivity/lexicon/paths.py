@@ -76,7 +76,7 @@ class HandPath:
         return np.asarray(base + self._swing(t) - (1 - t) * first - t * last)
 
     def length(self, start: Floats, end: Floats) -> float:
-        """Return the arc length of the path from start to end."""
+        """Return the arc length from start to end, in the positions' unit."""
         return float(np.linalg.norm(self._steps(start, end), axis=1).sum())
 
     def swings(self, start: Floats, end: Floats) -> int:

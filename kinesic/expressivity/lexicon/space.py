@@ -143,7 +143,7 @@ def _shoulder(robot: Robot) -> Floats:
 
 
 def _at_extent(position: Floats, spatial: float, fixed: tuple[bool, bool, bool], shoulder: Floats) -> Floats:
-    """Scale a position by spatial extent, limited to easy reach.
+    """Scale a position [arm lengths] by spatial extent, within easy reach.
 
     Above 0 the shift is proportional to the extent, so that the widest position is still within easy reach.
     """
@@ -159,7 +159,7 @@ def shift_position(position: Floats, shift: Floats, robot: Robot) -> Floats:
 
 
 def _limit_reach(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
-    """Move a position towards a wider one, but only within easy reach."""
+    """Move a position towards a wider one within easy reach [arm lengths]."""
     step, out = wide - position, position - shoulder
     radius = max(EASY_REACH, float(np.linalg.norm(out)))
     if float(np.linalg.norm(wide - shoulder)) <= radius:

@@ -109,7 +109,7 @@ class NameTable:
         return {key: entry for key, entry in unique_names.items() if key not in ambiguous}
 
     def find(self, name: str, category: str | None = None) -> NamedGesture | None:
-        """Find the gesture for a name.
+        """Find the gesture for a name, or None.
 
         A gesture of this name comes first, in any spelling, then a synonym, then the representative of a class that one
         of the words names.
@@ -148,7 +148,7 @@ class NameTable:
         return self._by_words.get(words) or self._by_joined_words.get("".join(words)) if words else None
 
     def _of_class(self, gesture_class: GestureClass, name: GestureName) -> NamedGesture | None:
-        """Find the gesture of a class by the remaining words.
+        """Find a class's gesture by the other words of a name.
 
         The representative of the class is used if the other words name no gesture. The result is None when they name a
         gesture of another category, two gestures of this one, or a negation, since the class would change the meaning.

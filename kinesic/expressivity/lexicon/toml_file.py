@@ -149,7 +149,11 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
 
 
 def _check_bodies(path: Path, file: GestureFile) -> None:
-    """Check the angle ranges of the body motion of each gesture category."""
+    """Reject angles out of range in the body motion of any category.
+
+    Raises:
+        ConfigError: an angle or amount is out of range.
+    """
     for category, table in file.bodies.items():
         try:
             body_form(table)
@@ -240,7 +244,7 @@ def _key(table: KeyTable) -> StrokeKey:
 
 
 def _check_paths(keys: tuple[StrokeKey, ...]) -> None:
-    """Check that each path has a preceding key of the same hand."""
+    """Reject a path without a preceding key of the same hand."""
     sides_with_key: set[Side] = set()
     for key in keys:
         for side, pose in key.hands.items():
@@ -264,9 +268,12 @@ def _path(table: PathTable | None) -> HandPath | None:
 
 
 def _pose(table: HandTable, path: PathTable | None) -> HandPose:
-    """Convert the TOML table of a hand pose.
+    """Convert the TOML table of a hand pose, and check its values.
 
     Its own path overrides that of the key.
+
+    Raises:
+        ValueError: a value is invalid.
     """
     if not 0.0 <= table.openness <= 1.0:
         raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
@@ -289,7 +296,14 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
 
 
 def _direction(words: str | None) -> Floats | None:
-    """Return the unit mean of direction words, (3,) forward, outward, up."""
+    """Return the mean of direction words, (3,) forward, outward, up, normalised.
+
+    Returns:
+        None without words.
+
+    Raises:
+        ValueError: a word is no direction, or the words cancel out.
+    """
     if words is None:
         return None
     total = np.zeros(3)

@@ -257,7 +257,7 @@ class Effort:
         return (1.0 - self.manner.fluidity) * (1.0 + min(self.manner.tension, 0.0))
 
     def _accent(self, *, is_spoken_key: bool) -> float:
-        """Return the increase of easing steepness that accents the stroke.
+        """Return the easing steepness added to accent the stroke, 0 without accent.
 
         Args:
             is_spoken_key: whether a word sounds at this key; only that key then has an accent.

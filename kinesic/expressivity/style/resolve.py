@@ -127,7 +127,7 @@ def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
 
 
 def _weight(name: str, style: Style, block: Block, behaviour: Behaviour) -> float:
-    """Resolve a style weight from settings, document and style.
+    """Resolve one of a behaviour's style weights, such as `whole_body`.
 
     A setting has precedence over the innermost preset of the document, and that over the performance's style.
 
