@@ -45,7 +45,7 @@ class Dynamics(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Smallest distance between segments along a motion."""
+    """Smallest distance between segments in each posture of a motion."""
 
     distances: Floats  # (m,) [m] minimum over all counted pairs, negative if they overlap
     pairs: Sequence[tuple[str, str]]  # (m,) closest segments

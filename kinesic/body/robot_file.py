@@ -18,7 +18,7 @@ from kinesic.body.robot_schema import BodyTable, CouplingTable, HingeTable, Robo
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Coupling, Hinge, Segment, Skeleton
 
-FINGER_CHAINS = {"l_fingers", "r_fingers"}  # Chains that form one body each in collision checks
+FINGER_CHAINS = {"l_fingers", "r_fingers"}  # Names of chains whose segments form one body in collision checks
 MAX_AXIS_LENGTH = 1e6  # Largest accepted length of an axis in the file; the smallest is its inverse
 RANGE_TOLERANCE = 1e-6  # [deg] accepted excess of a coupled rotation over its range
 

@@ -170,7 +170,7 @@ def _perform_tick_by_tick(
 def _report_ticks(
     ticks: Iterator[tuple[Command, ...]], count: int, progress: Callable[[float], None]
 ) -> Iterator[tuple[Command, ...]]:
-    """Yield ticks and report the completed fraction once a second."""
+    """Yield ticks, reporting the completed fraction every second of performance time."""
     for k, tick in enumerate(ticks):
         yield tick
         if k % COMMAND_RATE == 0:

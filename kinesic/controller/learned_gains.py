@@ -18,13 +18,13 @@ from kinesic.sim.fitting.parameters import MAX_LATENCY, ServoParameter
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, DriveFactors, Factors
 
-# A few seconds of motion determine these; the correction adapts to other deviations.
+# Servo parameters identified from a few seconds of motion; the setpoint correction adapts to other deviations.
 FITTED_PARAMETERS: tuple[ServoParameter, ...] = ("latency", "gain")
 # Bounds of an estimated P gain, as factors of the data sheet.
 GAIN_FACTOR_RANGE = (1.0 / (1.0 + LOAD_ERROR_RANGE[1]), 1.0 / (1.0 + LOAD_ERROR_RANGE[0]))
-MOVING_FRACTION = 0.05  # setpoint velocity, as a fraction of the no-load speed, that counts as motion
-INITIAL_REST = 0.2  # [s] part of the log used before the first motion
-IDENTIFICATION_TIME = 8.0  # [s] part of the log used from the first motion on
+MOVING_FRACTION = 0.05  # setpoint velocity / no-load velocity above which a servo counts as moving
+INITIAL_REST = 0.2  # [s] duration of the log that is used before the first motion
+IDENTIFICATION_TIME = 8.0  # [s] duration of the log that is used after the initial rest
 MIN_MOTION_TIME = 0.4  # [s] motion time required for an estimate
 GAIN_TOLERANCE = 0.02  # relative difference up to which two gains count as equal
 MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit, above which another cause is likely

@@ -23,7 +23,7 @@ MAX_SYNC_ERROR = 0.03  # [s] time error of the sound above which it restarts at 
 
 
 def sound(plan: Plan) -> Sound | None:
-    """Mix a plan's utterances into one sound.
+    """Mix a plan's utterances into one sound, or return None.
 
     Returns:
         One channel from performance time 0 to the end, at the highest rate of its parts up to `MAX_SAMPLE_RATE`; None

@@ -49,7 +49,7 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
 
 
 def missing_libraries() -> str | None:
-    """Return the reason why OpenGL cannot draw, judged from installed libraries.
+    """Return why OpenGL cannot draw, by the installed libraries, or None.
 
     Returns:
         The reason with a remedy; None if no obstacle was found.

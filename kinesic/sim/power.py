@@ -75,7 +75,7 @@ class Supply:
 
     @classmethod
     def of(cls, drives: Drives, factors: Factors) -> "Supply | None":
-        """Return the power supply described by servo factors.
+        """Return the supply described by servo factors, None for constant voltage.
 
         None if its voltage is constant.
 

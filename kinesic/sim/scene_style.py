@@ -99,9 +99,9 @@ def list_drawn_rods(robot: Robot, shell: Shell | None) -> tuple[Rod, ...]:
 
 
 def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:
-    """Place two white balls with pupils around the site between the eyes.
+    """Return two white balls with pupils around the site `eyes`.
 
-    None are placed if the robot has no site `eyes`.
+    Empty if the robot has no site `eyes`, or one that faces vertically.
     """
     eyes = robot.sites.get("eyes")
     if eyes is None:

@@ -23,7 +23,7 @@ ACTUATOR_GROUPS = 31  # number of actuator groups that MuJoCo can disable
 
 
 class Shafts:
-    """Twin physics for virtual servos, with a torque limit per servo."""
+    """Physics of a simulated robot whose servos have individual torque limits."""
 
     def __init__(self, robot: Robot, *, factors: Factors = NOMINAL_FACTORS, start: Floats | None = None) -> None:
         """Build the physics at rest, with torque off.

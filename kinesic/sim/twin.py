@@ -155,7 +155,7 @@ class Twin:
         return self._model, self._data
 
     def parts(self) -> TwinParts | None:
-        """Return addresses and arrays for physics steps in a compiled loop.
+        """Return addresses and arrays for a compiled physics loop, or None.
 
         Must be called before the first command.
 
@@ -184,7 +184,7 @@ class Twin:
         )
 
     def friction_parts(self) -> FrictionParts | None:
-        """Return the stages of a physics step for a compiled loop.
+        """Return physics step stages for a compiled loop, or None.
 
         Must be called before the first command.
 

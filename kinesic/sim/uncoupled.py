@@ -10,8 +10,9 @@ from kinesic.body.skeleton import Capsule, Segment
 
 
 def uncouple(robot: Robot) -> Robot:
-    """Merge segments that only couplings move into their parent segments.
+    """Return the robot with coupled segments merged into their parents.
 
+    Only segments without a hinge of their own are merged.
     Their inertia is a hundredth of the reflected rotor inertia of a drive, so the error is negligible.
     """
     skeleton = robot.skeleton

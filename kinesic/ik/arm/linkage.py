@@ -32,7 +32,7 @@ GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges (other hinges: 1), so th
 
 @dataclass(frozen=True)
 class Pivot:
-    """One hinge of an arm, as plain numbers."""
+    """Axis, range and rest angle of an arm's hinge, as floats."""
 
     axis: Vector
     lower: float  # [rad]

@@ -63,7 +63,7 @@ class TrueArm:
 
 @lru_cache(maxsize=8)
 def true_arm(robot: Robot, side: Side) -> TrueArm:
-    """Return a robot's true arm geometry, cached."""
+    """Return the true hinge axes of an arm in the zero posture."""
     skeleton, chain, arm = robot.skeleton, robot.arms[side], robot.arm(side)
     origins = skeleton.zero_frames.origins
     base = origins[skeleton.segment(chain.base)]
@@ -86,9 +86,9 @@ def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, ne
     """Correct a solved posture until the true arm's hand is on target.
 
     Args:
-        robot: whose arm.
-        side: of the arm.
-        reach: of its hand, in the world.
+        robot: robot of the arm.
+        side: side of the arm.
+        reach: target of its hand, in the world.
         angles: (n,) [rad] of the whole robot; those of this arm solved for the ideal one.
         near: (n,) [rad] posture to stay close to.
 

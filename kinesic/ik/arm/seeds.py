@@ -11,7 +11,7 @@ SEED_COUNT = 64  # number of start postures per arm
 
 @dataclass(frozen=True)
 class Seed:
-    """A start posture and the hand position it gives."""
+    """Start posture of an arm, with its hand position."""
 
     angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
     hand: Vector  # [m]

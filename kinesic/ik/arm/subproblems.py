@@ -9,7 +9,7 @@ AXIS_TOLERANCE = 1e-9  # distance to the axis, in bone lengths, below which no a
 
 
 def turn_towards(axis: Vector, rest: Vector, target: Vector) -> float | None:
-    """Return the hinge angle that best aligns one direction with another.
+    """Return the hinge angle [rad] aligning one direction with another, or None.
 
     Args:
         axis: unit, of the hinge.

@@ -46,7 +46,7 @@ def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
 
 
 def swivel(chain: Chain, angles: Floats) -> float | None:
-    """Compute the swivel angle of an arm posture [rad].
+    """Compute the swivel angle [rad] of an arm posture, None if straight.
 
     Args:
         chain: the arm.

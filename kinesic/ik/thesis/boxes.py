@@ -49,7 +49,10 @@ class EulerBoxes:
 
     @property
     def widest(self) -> Floats:
-        """Euler-angle limits that leave a joint free, about x, y, z."""
+        """Largest Euler angles (3,) [rad] of a joint without limits.
+
+        They are about x, y and z.
+        """
         return sealed([np.pi / 2.0 if axis == self.order[1] else np.pi for axis in "xyz"])
 
     def clamp(self, rotation: Floats, joint: int) -> Floats:

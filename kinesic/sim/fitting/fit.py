@@ -79,7 +79,7 @@ def fit_factors(
         progress: Callback with the number of replays, called after each replay; the total is unknown.
 
     Returns:
-        The same for the same log: nothing is random.
+        Factors and estimates; the same log gives the same result.
 
     Raises:
         ValueError: both stall and mass are free.

@@ -49,7 +49,7 @@ class Unknown:
 def list_unknowns(robot: Robot, free: Sequence[ServoParameter]) -> tuple[Unknown, ...]:
     """List the free parameters of each servo model of a robot.
 
-    Parameters that give way last to others come first.
+    The order is that of `FIT_PARAMETERS`.
 
     Raises:
         ValueError: both stall and mass are free.

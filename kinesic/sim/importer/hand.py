@@ -255,7 +255,7 @@ def _map_finger(tree: Tree, name: str, row: _Row, turns: dict[int, MappedHinge])
 
 
 def _find_driver(tree: Tree, turn: MappedHinge, turns: dict[int, MappedHinge]) -> tuple[str, float, float] | None:
-    """Return the motorised hinge that drives a coupled hinge.
+    """Return driver, ratio and offset of a coupled hinge, or None.
 
     Returns:
         Name of the driver, ratio and offset [rad]; None if no hinge of the hand drives it.

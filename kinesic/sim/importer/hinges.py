@@ -102,7 +102,7 @@ def _arm(figure: HumanoidGeometry, side: Side) -> Iterator[MappedHinge]:
 
 
 def _choose_suffixes(part: str, axes: list[Floats], along: Floats) -> list[str]:
-    """Return the distinct suffixes of the names of one body part's hinges."""
+    """Return distinct name suffixes for the hinges of a body part."""
     if part == "sternoclavicular":
         return _make_distinct(["abduct" if abs(x[0]) >= abs(x[2]) else "rotate" for x in axes])
     if part == "elbow":

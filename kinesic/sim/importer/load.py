@@ -300,7 +300,7 @@ def _part(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], anchor:
 
 
 def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule | None:
-    """Approximate a primitive shape by a capsule.
+    """Approximate a primitive shape by a capsule, or return None.
 
     None for other shapes and for very small ones.
     """

@@ -18,7 +18,7 @@ CREASE_COSINE = 0.6  # cosine of the angle between face normals below which an e
 
 
 def build_imported_shell(mapped: Mapped, robot: Robot) -> Shell | None:
-    """Create the shell of an imported robot.
+    """Create the shell of an imported robot, or return None.
 
     Args:
         mapped: Converted robot.

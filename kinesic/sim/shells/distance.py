@@ -147,7 +147,7 @@ def half_space_below(height: float) -> DistanceField:
 
 
 def sharp_union(fields: Sequence[DistanceField]) -> DistanceField | None:
-    """Return the union of solids with sharp edges.
+    """Return the union of solids with sharp edges, or None.
 
     None without solids.
     """

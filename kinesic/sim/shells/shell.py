@@ -51,7 +51,7 @@ class Shell:
 
 
 def load_shell(robot: Robot) -> Shell | None:
-    """Read the shell of a robot.
+    """Read the shell of a robot from its file, or return None.
 
     Returns:
         None if there is no file, if it belongs to another description, or if the robot has a skin.

@@ -239,7 +239,7 @@ def _list_rigid_parts(part: ShellPart, moving: set[str]) -> Iterator[ShellPart]:
 
 
 def _list_joint_balls(parts: Sequence[ShellPart]) -> Iterator[DistanceField]:
-    """Yield balls around the positions where arms begin."""
+    """Yield the distance fields of balls where the arms begin."""
     for part in parts:
         arms = {name for side in SIDES for name in part.robot.arm(side).segments}
         for child in part.children:

@@ -39,7 +39,7 @@ class TwinParts:
 
 @cache
 def function_address(name: str) -> int | None:
-    """Return the address of a name in the loaded MuJoCo library.
+    """Return a symbol's address in the loaded MuJoCo library, or None.
 
     The name belongs to a function or a variable.
 
@@ -56,7 +56,7 @@ def function_address(name: str) -> int | None:
 
 
 def timestep_address(model: mujoco.MjModel) -> int | None:
-    """Return the address of a model's timestep.
+    """Return the address of a model's timestep, or None.
 
     Returns:
         None if the timestep is not stored shortly before gravity.
@@ -71,7 +71,7 @@ def timestep_address(model: mujoco.MjModel) -> int | None:
 
 @cache
 def _find_timestep_offset() -> int | None:
-    """Return the timestep's offset [bytes] from the start of a model.
+    """Return the timestep's offset [bytes] in a model, or None.
 
     The timestep is found by a marker value that is unique among the options.
     """

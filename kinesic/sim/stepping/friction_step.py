@@ -66,7 +66,7 @@ class FrictionParts:
 
 
 def find_friction_parts(model: mujoco.MjModel, data: mujoco.MjData, longest: float) -> FrictionParts | None:
-    """Return MuJoCo stages and arrays for steps with friction alone.
+    """Return MuJoCo stages and arrays for steps with friction alone, or None.
 
     Must be called before the first step.
 

@@ -131,7 +131,7 @@ class Recorder:
             self._counts[name][self._measured_count : self._measured_count + len(goals)] = ticks
 
     def measurements(self) -> Measurements:
-        """Return all measurements after the last command.
+        """Return all measurements, once every command is measured.
 
         Nothing can be added afterwards.
 
