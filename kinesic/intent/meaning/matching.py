@@ -9,8 +9,8 @@ from kinesic.intent.meaning.cues import Cue, CueTable
 from kinesic.intent.meaning.patterns import ANY_NUMBER, ANY_WORD, STEM_SIGN, Pattern, Span
 
 CLASS_SIGN = "@"  # sign before the name of a word class in a cue
-START_CLASS = "@start"  # class of the start of a clause
-END_CLASS = "@end"  # class of the end of a clause
+START_CLASS = "@start"  # name in a cue for the start of a clause
+END_CLASS = "@end"  # name in a cue for the end of a clause
 
 
 @dataclass(frozen=True, eq=False)

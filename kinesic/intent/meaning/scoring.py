@@ -128,7 +128,10 @@ def choose_pictures(
     categories: Mapping[str, str],
     liveliness: float = 0.0,
 ) -> list[Picture]:
-    """Choose the candidate gestures to perform, at most one per clause."""
+    """Choose the candidate gestures to perform, at most one per clause.
+
+    A lively speaker may have several in a clause, at least `MIN_WORD_DISTANCE` words apart.
+    """
     scored = [
         Picture(candidate, score(context, candidate, idioms, categories, liveliness))
         for candidate in candidates

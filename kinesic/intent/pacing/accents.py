@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 from kinesic.intent.intents import Intent
 from kinesic.intent.reading.passage import Passage
 
-GROUP_CERTAINTY = 0.2  # certainty of an accent on the last of several content words
+GROUP_CERTAINTY = 0.2  # certainty of an accent on the last content word in a row
 WORD_CERTAINTY = 0.1  # certainty of an accent on another content word
 RHYTHM_INTENT = "rhythm"  # intent of a beat on an accent
 

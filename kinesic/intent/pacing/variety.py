@@ -16,7 +16,7 @@ NO_REPEAT_WINDOW = 3  # [gestures] successive gestures that must differ if no ti
 BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat instead of a repeated gesture
 # Intents whose words recur in any text.
 FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})
-EMPHATIC_CERTAINTY = 0.8  # certainty of an intent from which its beat is as large as the style makes it
+EMPHATIC_CERTAINTY = 0.8  # certainty of an intent from which its beat has the expressivity of the style
 NO_PREFERENCES: Mapping[str, float] = {}  # equal preference for all gestures
 NEUTRAL_MANNER: Mapping[str, float] = {}  # no changes to the expressivity of the style
 MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all alternatives are used up

@@ -78,7 +78,7 @@ class Language:
 
     @property
     def has_rules(self) -> bool:
-        """Whether words have meanings in this language."""
+        """Whether rules give meanings to words in this language."""
         return bool(self.rules)
 
     def has(self, name: str, word: str) -> bool:

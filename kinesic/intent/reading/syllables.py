@@ -10,7 +10,7 @@ from kinesic.intent.reading import stress
 WORD_CACHE_SIZE = 8192  # [words] largest number of words whose syllables are cached
 LETTERS_PER_SYLLABLE = 2.5  # mean letters per syllable in scripts of unknown structure
 CONSONANTS_PER_SYLLABLE = 2.0  # letters per syllable of scripts without vowels
-ENGLISH_RULES = frozenset({"en", "ja"})  # languages whose syllables `stress` counts
+ENGLISH_RULES = frozenset({"en", "ja"})  # languages whose syllables the module `stress` counts
 _INITIAL_TAGS = "af cs da de et fi fo hu is lb lv mn nb nl nn no sk sv"
 _FINAL_TAGS = "az ba cmn fa fr he hi ht hy kk km ky lo my th tk tr tt ug ur uz vi yue zh"
 _ACCENTED_TAGS = "ca es eu gl oc pt ro"
