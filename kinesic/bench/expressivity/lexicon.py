@@ -52,7 +52,7 @@ class GestureResult:
 
 
 def bench() -> list[Metric]:
-    """Count the lexicon's gestures and perform each in every style."""
+    """Count the lexicon's gestures and measure each in every style."""
     return lexicon_metrics(list(play_gestures(list_tasks(names_of("style")))))
 
 

@@ -138,7 +138,7 @@ def _list_turns(names: list[str], count: int) -> Iterator[tuple[str, range]]:
 def _time_turns(
     chain: Chain, solvers: Mapping[str, Solver], goals: Floats, turns: Iterable[tuple[str, range]]
 ) -> dict[str, Calls]:
-    """Time the IK calls of each turn, then judge their success."""
+    """Return durations and successes of all IK calls, by solver."""
     seconds, reached = ({name: np.empty(len(goals)) for name in solvers} for _ in range(2))
     for solver in solvers.values():
         solver(goals[0])

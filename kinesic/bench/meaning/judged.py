@@ -78,7 +78,7 @@ def judge_seeds(judged: JudgedSet, seeds: int = SEED_COUNT) -> Sequence[Sequence
 
 
 def perform(utterance: Utterance, judged: JudgedSet, lexicon: Lexicon, style: Style, seed: int) -> Judgement:
-    """Choose the behaviours of one utterance, and judge them."""
+    """Choose the behaviours of one utterance and return the verdict on them."""
     passage, selection = plan_behaviours(utterance.text, lexicon, style, seed=seed)
     gestures, faces, heads = read_shown(passage, utterance, selection.behaviours)
     return judge(utterance, judged, gestures, faces, heads)

@@ -39,7 +39,7 @@ def bench() -> Iterable[Metric]:
 
 
 def measure_first_command(client: Client, phrase: str) -> float:
-    """Stream a phrase and measure the delay from word to motion start.
+    """Stream a phrase and return the delay [ms] until its motion starts.
 
     Returns:
         The time from the last word of the first block to its start [ms]; infinite if it does not start.
@@ -61,7 +61,7 @@ def measure_first_command(client: Client, phrase: str) -> float:
 
 
 def _receive(client: Client, timeout: float, messages: list[tuple[str, float]]) -> bool:
-    """Add the next message, and return whether one arrived in time."""
+    """Append the next message with its time, and return whether one arrived."""
     message = client.receive(timeout)
     if message is not None:
         messages.append((message, monotonic()))

@@ -42,7 +42,7 @@ class BodyMeasures:
 
 
 def measure_body(robot: Robot, angles: Floats) -> BodyMeasures:
-    """Measure the largest rotations of head, trunk and collar bones.
+    """Measure the largest rotations [rad] of head, trunk and collar bones.
 
     Missing parts count as still.
     """

@@ -33,7 +33,7 @@ BAND_COUNT = 4  # diagonals of a cubic spline's normal equations
 
 
 def bench() -> list[Metric]:
-    """Measure planning of whole blocks, and each planning stage."""
+    """Measure CPU times of planning whole blocks, and of each planning stage."""
     setup = set_up()
     lexemes = [form.id for form in setup.lexicon.forms]
 

@@ -126,7 +126,11 @@ def bundle_size() -> float:
 
 
 def _time_answer(client: Client, question: QuestionName, number: int, **values: object) -> float:
-    """Return the time [ms] from a client request to its answer."""
+    """Return the time [ms] from a client request to its answer.
+
+    Raises:
+        RuntimeError: the server refuses the request, or sends no answer in time.
+    """
     began = monotonic()
     client.do(question, id=number, **values)
     while (message := client.receive(ANSWER_TIMEOUT)) is not None:

@@ -75,7 +75,11 @@ class Page:
         return number
 
     def call(self, method: str, **parameters: object) -> msgspec.Raw:
-        """Send a protocol call and return the browser's answer."""
+        """Send a protocol call and return the browser's answer.
+
+        Raises:
+            RuntimeError: the browser reports an error.
+        """
         number = self.send(method, **parameters)
         while (reply := msgspec.json.decode(self._connection.recv(timeout=BROWSER_TIMEOUT), type=Reply)).id != number:
             pass
@@ -84,7 +88,11 @@ class Page:
         return reply.result
 
     def read(self, expression: str, kind: type[Value]) -> Value:
-        """Evaluate a JavaScript expression as a value of a type."""
+        """Evaluate a JavaScript expression and return its value as a type.
+
+        Raises:
+            RuntimeError: the expression fails or has no value.
+        """
         answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         evaluated = msgspec.json.decode(answer, type=Evaluated)
         if bytes(evaluated.exceptionDetails) or "value" not in evaluated.result:
@@ -92,7 +100,11 @@ class Page:
         return msgspec.json.decode(evaluated.result["value"], type=kind)
 
     def wait(self, expression: str) -> None:
-        """Wait until a JavaScript expression is true."""
+        """Wait until a JavaScript expression is true.
+
+        Raises:
+            RuntimeError: it is still false after `BROWSER_TIMEOUT`.
+        """
         end = monotonic() + BROWSER_TIMEOUT
         while not self.read(f"Boolean({expression})", bool):
             if monotonic() > end:

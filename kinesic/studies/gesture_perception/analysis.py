@@ -48,7 +48,7 @@ class Confusion:
 
 @dataclass(frozen=True)
 class Habit:
-    """Position among the answers that a participant chooses most often."""
+    """Answer position that a participant chooses most often, with its frequency."""
 
     place: int  # preferred position, from 1
     share: Fraction  # of the answers; its p-value is for any position to be chosen as often by chance

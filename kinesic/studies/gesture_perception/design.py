@@ -58,7 +58,7 @@ class StudyQuestion:
 
 
 def draw_meanings(lexicon: Lexicon, count: int, seed: int, named: Sequence[str] = ()) -> tuple[Meaning, ...]:
-    """Draw the gestures of a study in random order.
+    """Draw gestures with their meanings for a study, in random order.
 
     Args:
         lexicon: lexicon of gestures.

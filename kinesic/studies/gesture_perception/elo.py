@@ -21,7 +21,7 @@ BOOTSTRAP_COUNT = 1000  # number of resampled sets of participants
 MAX_ITERATIONS = 100  # largest number of iterations of Newton's method
 STEP_TOLERANCE = 1e-8  # [logistic units] step below which the iteration has converged
 MAX_STEP = 2.0  # [logistic units] largest change per iteration
-RIDGE_WEIGHT = 1e-9  # [answers] added to the diagonal, so that systems never compared have a solution
+RIDGE_WEIGHT = 1e-9  # [answers] added to the information matrix's diagonal, so that uncompared systems have a solution
 PRIOR_ANSWERS = 0.5  # answers added for each side of a compared pair, if a rating would be infinite
 
 

@@ -213,7 +213,7 @@ def _make_paper(wide: float, tall: float, scale: float) -> tuple["Figure", "Axes
 
 
 def _draw(axes: "Axes", lines: Sequence[PenStroke], window: OutlineWindow, at: Floats, scale: float) -> None:
-    """Draw a figure's lines, scaled to a position on the paper."""
+    """Draw a figure's lines, scaled and moved to a paper position."""
     times = _FIGURE_HEIGHT / window.tall
     corner = np.array([-window.wide / 2, window.low])
     moved = [replace(line, points=times * (line.points - corner) + at, width=times * line.width) for line in lines]

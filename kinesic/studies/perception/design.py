@@ -53,7 +53,7 @@ DISTRACTOR_ACTIONS = (
 
 @dataclass(frozen=True)
 class Stimulus:
-    """One face that a participant sees once."""
+    """One face picture or film that a participant sees once."""
 
     action: FacialAction
     agent: Variant

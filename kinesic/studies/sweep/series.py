@@ -157,7 +157,7 @@ def sweep_parameter(gesture: str, parameter: str, setup: Setup, *, values: Seque
 
 
 def tasks_of(gesture: str, parameter: str, setup: Setup, values: Sequence[float] = ()) -> list[SweepTask]:
-    """List the performances that `sweep_parameter` measures."""
+    """List the tasks of `sweep_parameter`, one for each parameter value."""
     if parameter not in EXPRESSIVITY_RANGES:
         raise ConfigError(f"a style has no {parameter}{suggestion(parameter, list(EXPRESSIVITY_RANGES))}")
     _check(gesture, setup)

@@ -60,7 +60,7 @@ class MeasuredSet:
 
 
 def measure_set(name: str, motions: Iterable[BodyMotion]) -> MeasuredSet:
-    """Measure the clips of one set."""
+    """Measure motion and initial postures of the clips of one set."""
     clips = list(motions)
     gestures = [gesture for clip in clips for gesture in cut_clips(clip) if clip.set_name != OTHER_SET]
     resting = [clip for clip in clips if starts_at_rest(clip)]

@@ -44,7 +44,7 @@ def read_captured_sets() -> tuple[MeasuredSet, ...]:
 
 
 def format_sets(sets: Iterable[MeasuredSet]) -> str:
-    """Return the TOML text of measured sets."""
+    """Return measured sets as the TOML text of `captured_bodies.toml`."""
     lines: list[str] = []
     for measured in sets:
         title = f'sets."{measured.name}"'
