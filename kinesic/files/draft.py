@@ -85,7 +85,10 @@ def remove_abandoned(parent: HeldFolder) -> None:
 
 
 def remove_folder(name: str, held: HeldFolder, *, parent: HeldFolder) -> None:
-    """Remove an open folder with its contents, without following links."""
+    """Remove an open folder with its contents, without following links.
+
+    Nothing is removed if the name refers to another folder by now.
+    """
     if not is_same(name, held, parent=parent):
         return
     with suppress(OSError):  # undeletable files stay under the hidden name

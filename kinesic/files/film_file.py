@@ -78,7 +78,7 @@ def open_film(path: Path, size: tuple[int, int], *, rate: float, sound: Path | N
 
 
 def find_encoder() -> str | None:
-    """Find ffmpeg in the package imageio-ffmpeg or the system."""
+    """Return the path of ffmpeg (imageio-ffmpeg or system), or None."""
     try:
         return str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
     except (ImportError, RuntimeError):

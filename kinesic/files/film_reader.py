@@ -9,7 +9,7 @@ from kinesic.body.arrays import Picture
 
 
 class FilmReader:
-    """Film whose pictures are read in order of time."""
+    """Reader of an animated WebP, whose pictures are read in order."""
 
     def __init__(self, path: Path) -> None:
         """Open a film for reading in order of time.

@@ -109,7 +109,7 @@ def find_place(path: Path) -> Path:
 
 
 def check_above(place: Path, path: Path) -> None:
-    """Refuse a path below a file or an unwritable folder.
+    """Refuse a path whose nearest existing parent is not a writable folder.
 
     Raises:
         ConfigError: the path is refused; the message has the given path.

@@ -17,7 +17,7 @@ from kinesic.files.held_folder import HeldFolder, check_above, find_place, hold_
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
 CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # Flags that create a new file
-SYNC_FLAGS = NO_LINK_FLAG | (os.O_RDONLY if sys.platform != "win32" else os.O_RDWR)  # Windows flushes writable files
+SYNC_FLAGS = NO_LINK_FLAG | (os.O_RDONLY if sys.platform != "win32" else os.O_RDWR)  # Flags for fsync (Windows: O_RDWR)
 WRITE_BITS = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH  # Write permissions of user, group and others
 PERMISSION_BITS = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO  # All permissions of user, group and others
 APPEND_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags for appending

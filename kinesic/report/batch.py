@@ -37,7 +37,7 @@ class DocumentVerdict:
 
     file: str
     outcome: DocumentOutcome
-    exit: int  # as `perform` would end; 0 for a well-founded refusal
+    exit: int  # exit code of `perform`; 0 for a document refused because of its content
     behaviours: tuple[tuple[str, str], ...] = ()  # (type, outcome)
     checks: tuple[Check, ...] = ()
     error: str = ""
@@ -49,9 +49,9 @@ class DocumentVerdict:
 
 
 def documents(paths: tuple[Path, ...]) -> list[Path]:
-    """Return the BML and XML files in folders, sorted and unique.
+    """Return all documents that paths name or contain, without duplicates.
 
-    Named files and built-in documents are included. A file with another suffix counts if its content begins as BML.
+    Files in folders are sorted; those with other suffixes than .xml and .bml count if their content begins as BML.
 
     Raises:
         BmlError: a path does not exist.
@@ -123,12 +123,12 @@ class DocumentTask:
     """A document to dry-run, with its content for remote workers."""
 
     file: str
-    content: bytes | None  # None: it cannot be read here, and whoever tries says why
+    content: bytes | None  # None: not readable here; the worker reports the error
     key: str  # of the document and the settings
 
     @classmethod
     def of(cls, file: Path, settings: str) -> "DocumentTask":
-        """Read a document file as a task."""
+        """Read a document file as a task, without content if unreadable."""
         try:
             content = file.read_bytes()
         except OSError:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from kinesic.report.run import Performance
 
 FrameName = Literal["motion", "servos", "syncs", "behaviours", "checks"]
-INSTALL_COMMAND = "pip install 'kinesic[notebook]'"  # installs what data frames and plots need
+INSTALL_COMMAND = "pip install 'kinesic[notebook]'"  # command that installs the packages for data frames and plots
 BEHAVIOUR_KEYS = ("id", "name", "type", "outcome", "why", "reason")  # keys of report.json shown in a data frame
 
 
@@ -70,7 +70,7 @@ def import_pandas() -> "ModuleType":
 
 
 def _twin_columns(run: "Performance") -> Iterator[tuple[str, Floats]]:
-    """Yield the quantities of the twin's motion, each (m, n)."""
+    """Yield the twin's motion as quantity names and values (m, n)."""
     plan, measured, desired = run.plan, run.measured, run.plan.desired
     yield "requested", desired.sample(measured.times - plan.trajectory.zero + desired.zero)[0]
     yield "planned", run.reference.angles

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 MAX_PICTURES = 3600  # largest number of pictures; longer films have a lower frame rate
 MIN_FIELD_OF_VIEW = 15.0  # [deg] smallest vertical field of view, which includes part of the body
 MAX_FIELD_OF_VIEW = 27.0  # [deg] largest vertical field of view, in which the face can be read
-FIGURE_MARGIN = 1.1  # picture size / size of hands and head
-LOWEST_VIEW = 0.70  # [m] height over the floor below which hands need not be seen
+FIGURE_MARGIN = 1.1  # picture size / extent of hands and head: 5 % of that extent free on each side
+LOWEST_VIEW = 0.70  # [m] height over the floor; hands below it may leave the picture
 
 
 @dataclass(frozen=True, eq=False)
 class FigureFilm:
     """Picklable film of a human figure during a performance."""
 
-    kind: ClassVar[FilmKind] = "twin"  # it is drawn where a robot's would be
+    kind: ClassVar[FilmKind] = "twin"  # takes the place of the film of a robot without skin
     after: ClassVar[None] = None
     robot: Robot
     angles: Floats  # (k, n) [rad] of its pictures
@@ -60,7 +60,7 @@ class FigureFilm:
         """Do nothing, as this film needs no preparation."""
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draw the film to a file and return an error text."""
+        """Draw the film to a file and return any error text."""
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - another film's process does without
         from kinesic.face.render.figure import FILM_PRESET, UPPER_BODY_CAMERA, FigurePortrait  # noqa: PLC0415 - as above
 
@@ -87,7 +87,8 @@ def frame_motion(
 ) -> tuple[tuple[float, float, float], float]:
     """Aim a front camera so that it shows hands and head throughout.
 
-    The face stays large enough to be read: then the camera shows the head and what is below.
+    The field of view stays below `MAX_FIELD_OF_VIEW`, so that the face is readable. If hands then do not fit, the
+    camera shows the head and the body below it.
 
     Args:
         robot: robot that moves.

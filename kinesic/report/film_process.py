@@ -10,7 +10,7 @@ from kinesic.report.films import FAILURE_PREFIX, FILM_JOBS, FilmJob
 def main(kind: str) -> int:
     """Draw the film read from standard input, printing progress or an error."""
     with os.fdopen(os.dup(1), "w", buffering=1) as output:
-        os.dup2(2, 1)  # what drivers print is no news of ours
+        os.dup2(2, 1)  # output of graphics drivers must not mix with progress
         FILM_JOBS[kind].prepare()
         job: FilmJob
         job, path = pickle.loads(sys.stdin.buffer.read())

@@ -40,14 +40,14 @@ class FilmJob(Protocol):
 
     @property
     def after(self) -> Path | None:
-        """Path of the face film that this film shows on the head."""
+        """Path of the face film shown on the head, or None."""
 
     @staticmethod
     def prepare() -> None:
         """Do the preparation that needs no film data, such as imports."""
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draw the film to a file and return an error text."""
+        """Draw the film to a file and return any error text."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class TwinFilm:
         import kinesic.sim.film  # noqa: F401, PLC0415 - another film's process does without
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draw the twin's film to a file."""
+        """Draw the twin's film to a file and return any error text."""
         from kinesic.sim.film import FilmError, film  # noqa: PLC0415 - as above
 
         try:
@@ -105,7 +105,10 @@ class TwinFilm:
         return ""
 
     def _faces(self) -> Callable[[int, float], Picture] | None:
-        """Return a function from picture number and time [s] to face pictures."""
+        """Return a function of picture number and time [s] for face pictures.
+
+        None if the face is not animated.
+        """
         if self.after is not None:
             with suppress(OSError):  # it is not there
                 film = GrowingFilm(self.after)
@@ -143,7 +146,7 @@ class FaceFilm:
             pass
 
     def draw(self, path: Path, progress: Callable[[float], None], /) -> str:
-        """Draw the face film to a file."""
+        """Draw the face film to a file and return any error text."""
         from kinesic.face.display import DisplayError  # noqa: PLC0415 - as above
         from kinesic.face.render.camera import CLOSE_CAMERA  # noqa: PLC0415 - as above
         from kinesic.face.show.recording import FaceRecording, PortraitSettings  # noqa: PLC0415 - as above

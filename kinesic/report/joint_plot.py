@@ -24,6 +24,7 @@ TIMELINE_WIDTH = 8.8  # [in] width of the time axes within the figure
 ROW_HEIGHT = 0.22  # [in] height of a behaviour's row in the timeline
 PANEL_HEIGHT = 1.3  # [in] height of a hinge's panel
 TIMELINE_MARGIN = 0.4  # [in] height above and below the behaviours
+# Name, colour, dash style and line width [pt] of each curve.
 LINE_STYLES = (("requested", "#b4bcc2", "-", 3.0), ("planned", "#1769c2", "-", 1.4), ("measured", "#d9660a", "--", 1.2))
 SPEECH_COLOUR = "#6a4fb3"  # colour of spoken words
 STROKE_COLOUR = "#1c2024"  # colour of strokes

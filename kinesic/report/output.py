@@ -47,7 +47,7 @@ class WrittenPaths(Recordings):
 
     report: Path
     page: Path
-    measured: Path  # what the twin did, as `kinesic twin fit` reads it
+    measured: Path  # log of the twin's motion, readable by `kinesic twin fit`
 
     def within(self, folder: Path) -> "WrittenPaths":
         """Return the paths of the same files in another folder."""

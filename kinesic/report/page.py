@@ -69,7 +69,7 @@ class Recordings:
     face: Path | None = None  # animated picture of the rendered face, .webp
     why_no_face: str = "not recorded"
     face_on_head: bool = False  # whether the replay shows this picture on the head, instead of a drawn face
-    voice: Path | None = None  # what is heard, .wav, whose clock the replay then follows
+    voice: Path | None = None  # speech as .wav, with which the replay is synchronised
 
 
 NO_RECORDINGS = Recordings()  # page without films and sound
@@ -200,7 +200,7 @@ COMPLETENESS_CHECKS = (
     "collision.pace",
     "collision.performed",
     "meaning.performed",
-)  # their value and limit are 1 in a complete performance
+)  # checks of fractions that are 1 in a complete performance
 
 
 @dataclass(frozen=True)
@@ -209,12 +209,12 @@ class Tile:
 
     title: str
     status: str
-    name: str  # of the check that matters most
+    name: str  # name of the most severe check of the group
     value: str
     unit: str
-    limit: str  # with its unit and the side it is on
+    limit: str  # with its unit and `at least` or `at most`
     where: str
-    others: int  # checks in the group beside it
+    others: int  # number of other checks in the group
 
 
 def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
@@ -265,7 +265,7 @@ def _nearness(row: Mapping[str, Json]) -> float:
 
 
 def quantity(value: Json, unit: str) -> tuple[str, str]:
-    """Format a value with its unit."""
+    """Return a value as text, and the unit to display."""
     if isinstance(value, int | float) and unit in SMALL_UNITS and abs(value) < 1.0:
         unit, scale = SMALL_UNITS[unit]
         value = scale * value

@@ -150,7 +150,7 @@ def _shapes(plan: Plan, behaviour: str) -> dict[str, Json] | None:
 
 
 def _whole_body(plan: Plan) -> dict[str, Json]:
-    """Return weight and number of gestures with body motion, and missing joints."""
+    """Return whole-body style weight, number of gestures with body motion, missing joints."""
     robot, moves = plan.setup.robot, plan.keyframes.bodies.values()
     parts = {
         "neck": robot.joints("neck"),

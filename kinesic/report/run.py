@@ -123,7 +123,7 @@ class Performance(DryRun, NotebookView):
             force: whether to replace any other ordinary file.
 
         Raises:
-            ConfigError: the suffix is unknown, or the path is a folder's, a link's or, unless forced, another file's.
+            ConfigError: the suffix is unknown, or the path is a folder, a link or, unless forced, another file.
         """
         return replace_motion(self.motion, self.plan.setup.robot, Path(path), force=force)
 

@@ -20,7 +20,7 @@ from kinesic.sim.shells.variant import find_shell
 
 LENGTH_DIGITS = 4  # decimal places of lengths [m] in page data
 TEMPLATES_FOLDER = Path(__file__).parent / "templates"
-# `sceneOf` draws a posture, `rowAt` gives one of a motion.
+# Page scripts in loading order; they define `sceneOf`, which draws a posture, and `rowAt`, which samples a motion.
 SCENE_SCRIPTS = ("shapes.js", "motion.js", "skin.js", "screen.js", "scene.js")
 
 

@@ -16,7 +16,7 @@ from kinesic.expressivity.lexicon.hand_shapes import HandShape, find_shape, hand
 
 Colour = tuple[float, float, float]
 
-VIEW_MARGIN = 0.03  # margin on each side of a line drawing / size of the smallest view
+VIEW_MARGIN = 0.03  # margin on each side of a line drawing / height of the drawing
 
 PALE_COLOUR: Colour = (0.87, 0.88, 0.90)  # RGB colour of faded lines
 HALO_COLOUR: Colour = (1.0, 1.0, 1.0)  # RGB colour of the halo around each part
@@ -83,7 +83,7 @@ def project(points: Floats) -> Floats:
 
 
 def depth(points: Floats) -> Floats:
-    """Return the depth [m] of points towards the viewer."""
+    """Return the coordinate [m] of points towards the viewer."""
     return np.asarray(points[..., 0] * cos(_VIEW_ANGLE) + points[..., 2] * sin(_VIEW_ANGLE))
 
 

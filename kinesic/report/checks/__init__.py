@@ -25,7 +25,7 @@ __all__ = [
 
 
 def checks(performance: DryRun) -> tuple[Check, ...]:
-    """Run all checks of one performance."""
+    """Return the results of all checks of one performance."""
     parts = (
         limit_checks,
         distance_checks,

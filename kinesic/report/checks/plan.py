@@ -7,13 +7,13 @@ from kinesic.body.dynamics import Clearance
 from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks.check import Check, format_time
 
-LIMIT_TOLERANCE = 1.001  # largest accepted ratio of a motion to its limit
+LIMIT_TOLERANCE = 1.001  # largest accepted ratio of a peak value of the motion to its limit
 MAX_DUTY = 1.0  # largest accepted duty, as a fraction of full PWM
 MAX_HOLDING_RATIO = 0.4  # largest recommended ratio of holding torque to stall torque
 
 
 def limit_checks(performance: DryRun) -> list[Check]:
-    """Check the motion limits, joint stops, duty and holding torque.
+    """Check motion limits, angles to the joint limits, duty and holding torque.
 
     Limits and margin are sampled at 1 kHz; the duty is computed by inverse dynamics.
     """
@@ -32,7 +32,7 @@ def limit_checks(performance: DryRun) -> list[Check]:
 
 
 def _margin(performance: DryRun) -> Check:
-    """Check the smallest angle [deg] between any joint and its stop."""
+    """Check the smallest angle [deg] of any joint to its limit."""
     skeleton = performance.plan.setup.robot.skeleton
     position = performance.reference.peaks.by_quantity["position"]
     half = (skeleton.upper - skeleton.lower) / 2

@@ -19,7 +19,7 @@ MAX_WARMING = 40.0  # [K] temperature rise from a warm housing (40 C) to the shu
 
 
 def servo_checks(performance: DryRun) -> list[Check]:
-    """Check the time at full duty and the continuous torque."""
+    """Check the servos' time at full duty and RMS torque."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
     over, squares = _sum_up_drives(measured)
@@ -81,7 +81,7 @@ class DriveLoad:
 
     @property
     def strain(self) -> float:
-        """Largest ratio of a servo load to its limit."""
+        """Larger of peak duty and RMS torque, each relative to its limit."""
         return max(self.duty / FULL_DUTY, self.rms / CONTINUOUS_TORQUE_RATIO)
 
 
@@ -116,9 +116,9 @@ class SupplyDraw:
     peak: float  # [A]
     peak_at: float  # [s]
     energy: float  # [J]
-    allowed: float | None  # [A] that the supply gives for long; None: not described
-    warmest: str  # hinge; empty where no servo's thermal figures are known
-    warming: float  # [K] of its winding
+    allowed: float | None  # [A] continuous current of the supply; None: not described
+    warmest: str  # hinge with the warmest winding; empty without thermal data
+    warming: float  # [K] temperature rise of its winding
 
 
 def draw_load(performance: DryRun) -> SupplyDraw:

@@ -89,7 +89,7 @@ def _percentile(ordered: Sequence[float], share: float) -> float:
 
 @dataclass(frozen=True)
 class TwinFigures:
-    """Tracking metrics of one twin, None if not measured."""
+    """Tracking, timing and clearance metrics of one twin."""
 
     rmse_deg: float
     p95_deg: float

@@ -14,8 +14,8 @@ from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES_FOLDER, read_scripts
 
 MAX_DISPLAY_SIZE = 1_500_000  # [bytes] largest HTML of one object in a notebook; a voice that does not fit is left out
 MAX_DISPLAY_FRAMES = 800  # largest number of replay frames in a notebook, 16 s at the full rate
-STAGE_HEIGHT = 470  # [pixels] height of the drawn robot with the controls
-STILL_HEIGHT = 340  # [pixels] height of the drawn robot without controls
+STAGE_HEIGHT = 470  # [pixels] height of the drawn robot with its playback controls
+STILL_HEIGHT = 340  # [pixels] height of a still display, which has no playback controls
 ROW_HEIGHT = 20  # [pixels] height of a timeline row in a wide notebook
 TIMELINE_MARGIN = 82  # [pixels] height of the time axis and the legend below the timeline
 FRAME_SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")  # script files of the frame, in loading order
@@ -23,7 +23,7 @@ FRAME_SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")  # script files of the 
 
 @dataclass(frozen=True, kw_only=True)
 class FrameContent:
-    """Replay and timeline of one inline frame."""
+    """Content of one inline frame: replay, timeline and voice."""
 
     title: str
     replay: Mapping[str, Json]  # data of the player

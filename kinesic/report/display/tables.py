@@ -10,18 +10,18 @@ MAX_TABLE_ROWS = 60  # largest number of rows shown of a table
 
 
 def badge(grade: Grade) -> str:
-    """Return a coloured label with a grade."""
+    """Return a coloured HTML label with a grade."""
     look = f"background:{GRADE_COLOURS[grade]};color:#fff;border-radius:9px;padding:1px 9px;font-weight:600"
     return f'<span style="{look}">{grade}</span>'
 
 
 def line(text: str, *, before: str = "") -> str:
-    """Return a paragraph with an escaped text, after optional HTML."""
+    """Return an HTML paragraph: optional HTML, then an escaped text."""
     return f'<p style="margin:.4em 0">{before}{escape(text)}</p>'
 
 
 def folded_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table that opens at a click, or nothing without rows."""
+    """Return an HTML table that opens at a click, empty without rows."""
     cells = list(rows)
     if not cells:
         return ""
@@ -31,7 +31,7 @@ def folded_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[st
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table with escaped texts."""
+    """Return an HTML table with escaped texts."""
     head = "".join(_cell("th", text) for text in headings)
     body = "".join(f"<tr>{''.join(_cell('td', text) for text in row)}</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -32,7 +32,7 @@ def save_mcap(motion: ExportedMotion, path: Path, *, force: bool) -> Path:
     """Write a motion as MCAP and return the path.
 
     Raises:
-        ConfigError: the path is a folder's, a link's or, unless forced, a file's.
+        ConfigError: the path is a folder, a link or, unless forced, an existing file.
         ModuleNotFoundError: the package foxglove-sdk is missing.
     """
     import foxglove  # noqa: PLC0415 - an extra

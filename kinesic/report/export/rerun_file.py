@@ -27,7 +27,7 @@ def save_rerun(motion: ExportedMotion, path: Path, *, force: bool) -> Path:
     """Write a motion as a Rerun recording and return the path.
 
     Raises:
-        ConfigError: the path is a folder's, a link's or, unless forced, a file's.
+        ConfigError: the path is a folder, a link or, unless forced, an existing file.
         ModuleNotFoundError: the package rerun-sdk is missing.
     """
     import rerun  # noqa: PLC0415 - an extra

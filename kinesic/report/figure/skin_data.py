@@ -22,7 +22,7 @@ from kinesic.report.report import Json
 VERTEX_KINDS: dict[MeshPart, int] = {"cloth": 1, "eyes": 2}  # shader codes by mesh part; other parts have 0
 EYE_COLOURS = (0.10, 0.17, 0.16), (0.74, 0.70, 0.67)  # linear RGB colours of iris and sclera
 MOUTH_DARKENING = 0.9  # fraction by which skin inside the mouth is darkened
-TEETH_BRIGHTNESS = 0.45  # relative light on teeth and tongue
+TEETH_BRIGHTNESS = 0.45  # factor on the linear colours of teeth and tongue
 MAX_BORDER_DISTANCE = 0.32767  # [m] largest stored distance beyond the border of cloth
 FRAME_DIGITS = 6  # decimal places of rig frame rotations and positions [m]
 VERTEX_TYPE = np.dtype(
@@ -39,7 +39,7 @@ VERTEX_TYPE = np.dtype(
 
 
 def skin_data(robot: Robot) -> dict[str, Json]:
-    """Return a robot's skin as data for the page script."""
+    """Return the human figure's skin, bound to a robot, for page scripts."""
     figure = load_figure()
     vertices, triangles = _packed()
     return {

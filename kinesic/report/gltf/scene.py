@@ -53,7 +53,7 @@ def save_scene(plan: Plan, path: Path, *, force: bool) -> Path:
     The face is included if the robot has one.
 
     Raises:
-        ConfigError: the path is a folder's, a link's or, unless forced, a file's.
+        ConfigError: the path is a folder, a link or, unless forced, an existing file.
     """
     times = key_times(plan.duration)
     motion = SceneMotion(times, plan.trajectory.sample(times)[0], compute_faces(plan, times))
@@ -66,7 +66,7 @@ def save_performed(performance: DryRun, path: Path, *, force: bool) -> Path:
     """Write the twin's motion as a glTF scene with the planned face.
 
     Raises:
-        ConfigError: the path is a folder's, a link's or, unless forced, a file's.
+        ConfigError: the path is a folder, a link or, unless forced, an existing file.
     """
     measured = performance.measured
     times = key_times(performance.duration)

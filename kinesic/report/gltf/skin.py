@@ -20,15 +20,16 @@ from kinesic.report.gltf.skin_pictures import HEM_HALF_WIDTH, encode_jpeg, hem_t
 
 Rows = NDArray[np.intp]
 
-PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}  # RGB
-MIN_NORMAL_CHANGE = 0.004  # smaller changes of a normal by a blend shape are left out
+# Linear RGB colours of the parts without a texture.
+PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}
+MIN_NORMAL_CHANGE = 0.004  # change of a unit normal by a blend shape below which it is left out
 PART_ROUGHNESS = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}  # glTF roughness (0 glossy, 1 matt) of each surface
-HAIRLINE_RANGE = (-0.06, 0.12)  # start and end of the transition from skin to hair, in chart units
+HAIRLINE_RANGE = (-0.06, 0.12)  # [eye distances] heights over the hairline: last bare skin, first full hair
 
 
 @dataclass(frozen=True, eq=False)
 class AddedSkin:
-    """Animated nodes of a skin that was added to a glTF scene."""
+    """Animated nodes of a human figure in a glTF scene."""
 
     face: int  # the node with morph targets
     _skin: Skin

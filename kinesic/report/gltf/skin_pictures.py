@@ -12,7 +12,7 @@ from kinesic.face.assets.paint import COMPLEXIONS, paint_skin
 
 HEM_HALF_WIDTH = 0.04  # [m] width of the clothes' texture on each side of a border
 PAINTING_SIZE = 512  # [pixels] width and height of the skin texture
-LOCK_SHADES = (0.6, 1.25)  # brightness of a lock at its root and beyond a third of its length
+LOCK_SHADES = (0.6, 1.25)  # brightness of a lock of hair: root, and beyond a third of its length
 
 
 def shade_locks(locks: Locks) -> Floats:

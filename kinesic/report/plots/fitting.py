@@ -18,7 +18,7 @@ def fit_text(words: str, width: float) -> str:
 
 
 def spaced_indices(times: Iterable[float], least: float) -> list[int]:
-    """Select times that are at least `least` [s] apart, by index."""
+    """Return the indices of times at least `least` [s] apart."""
     kept: list[int] = []
     last = -np.inf
     for k, time in enumerate(times):

@@ -25,8 +25,8 @@ class HandView:
     """Viewing direction of a hand path plot."""
 
     title: str
-    across: int  # the coordinate that runs across
-    mirrored: bool  # it grows to the left
+    across: int  # index of the horizontal coordinate
+    mirrored: bool  # whether that coordinate grows to the left
     sides: tuple[Side, ...]  # hands shown
 
 

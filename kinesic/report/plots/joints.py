@@ -36,7 +36,7 @@ class HingeCurves:
     """Requested, planned and performed angles (m, n) [deg] over time."""
 
     curves: tuple[Floats, Floats, Floats]
-    moving: Flags  # (n,) whether the curves of a hinge leave one place, or one another
+    moving: Flags  # (n,) whether all curves of a hinge together span `MIN_DRAWN_TRAVEL` or more
 
     @classmethod
     def of(cls, performance: DryRun) -> "HingeCurves":

@@ -31,7 +31,7 @@ def margins(performance: DryRun) -> Markup:
 
 
 def _clearance(axes: Axes, performance: DryRun) -> None:
-    """Draw the distance of the closest segment pair and its minimum."""
+    """Draw the distance of the closest segments and the required clearance."""
     plan, measured = performance.plan, performance.measured
     least = 1000 * plan.setup.robot.min_clearance
     curves = (
