@@ -119,7 +119,7 @@ def _lock(lock: int, folder: HeldFolder) -> None:
 
 
 def _remove_if_abandoned(name: str, folder: HeldFolder, *, parent: HeldFolder) -> None:
-    """Remove an open folder if its process was killed.
+    """Remove a draft folder whose process was killed.
 
     Raises:
         OSError: the folder is not a draft, or a process locks it.

@@ -32,7 +32,7 @@ def open_regular(path: Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def open_inside(folder: Path, path: Path) -> Iterator[BinaryIO]:
-    """Open a regular file in a folder or below.
+    """Open a regular file at any depth inside a folder.
 
     Links are followed once, and each component of the resolved path is opened as itself: a link that is exchanged
     meanwhile is refused.
@@ -53,7 +53,7 @@ def open_inside(folder: Path, path: Path) -> Iterator[BinaryIO]:
 
 
 def read_inside(folder: Path, path: Path, *, max_size: int) -> bytes:
-    """Read a regular file in a folder or below.
+    """Read a regular file of limited size from inside a folder.
 
     Args:
         folder: folder of the file.

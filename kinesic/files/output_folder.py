@@ -137,9 +137,9 @@ def _put_back(aside: str, name: str, folder: Path, *, parent: HeldFolder) -> Non
 
 @contextmanager
 def _hold_replaceable(name: str, folder: Path, *, parent: HeldFolder, force: bool) -> Iterator[HeldFolder | None]:
-    """Open the existing folder that the output will replace.
+    """Yield the opened folder to be replaced, or None without one.
 
-    Yields None if the folder is missing or empty.
+    None if the folder is missing or empty.
 
     Raises:
         ConfigError: the folder must stay.

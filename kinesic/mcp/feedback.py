@@ -15,7 +15,7 @@ STATE_ATTRIBUTE = f"{{{KINESIC_NAMESPACE}}}state"  # XML name of kinesic's attri
 
 @dataclass(frozen=True)
 class Feedback:
-    """BML feedback message."""
+    """Parsed BML feedback message of the server."""
 
     kind: str  # element name
     subject: str  # id of block or behaviour; in progress messages with `:` and the sync point

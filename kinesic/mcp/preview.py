@@ -42,7 +42,7 @@ class Previewer:
         self._calls = CallQueue(max_calls=MAX_PREVIEWS)
 
     async def preview(self, write: Callable[[], str]) -> Preview:
-        """Plan a document without performing it.
+        """Plan a document without performing it, and draw its strokes.
 
         Args:
             write: creates the document, in a separate thread.

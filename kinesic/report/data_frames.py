@@ -58,7 +58,7 @@ def make_data_frame(run: "Performance", name: FrameName) -> "DataFrame":
 
 
 def import_pandas() -> "ModuleType":
-    """Import pandas, which is optional.
+    """Import and return pandas, which is optional.
 
     Raises:
         ConfigError: pandas is missing; the message says how to install it.

@@ -29,7 +29,7 @@ LOWEST_VIEW = 0.70  # [m] height over the floor; hands below it may leave the pi
 
 @dataclass(frozen=True, eq=False)
 class FigureFilm:
-    """Picklable film of a human figure during a performance."""
+    """Picklable job that draws the film of a human figure."""
 
     kind: ClassVar[FilmKind] = "twin"  # takes the place of the film of a robot without skin
     after: ClassVar[None] = None
@@ -43,7 +43,7 @@ class FigureFilm:
 
     @classmethod
     def of(cls, plan: Plan, times: Floats, angles: Floats, settings: FilmSettings = DEFAULT_FILM) -> "FigureFilm":
-        """Make the film of a measured motion with the planned face.
+        """Make the job for a measured motion with the planned face.
 
         Times are (m,) [s], angles (m, n) [rad].
         """

@@ -52,7 +52,7 @@ class FilmJob(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TwinFilm:
-    """Film of the twin with a drawn or rendered face."""
+    """Picklable job that draws the film of the twin."""
 
     kind: ClassVar[FilmKind] = "twin"
     robot: Robot
@@ -66,7 +66,7 @@ class TwinFilm:
 
     @classmethod
     def of(cls, plan: Plan, times: Floats, angles: Floats, settings: FilmSettings = DEFAULT_FILM) -> "TwinFilm":
-        """Make the film of a measured motion with planned face and captions.
+        """Make the job for a measured motion with planned face and captions.
 
         Times are (m,) [s], angles (m, n) [rad].
         """
@@ -122,7 +122,7 @@ class TwinFilm:
 
 @dataclass(frozen=True, eq=False)
 class FaceFilm:
-    """Film of the face during a performance."""
+    """Picklable job that draws the film of the face alone."""
 
     kind: ClassVar[FilmKind] = "face"
     after: ClassVar[None] = None
@@ -132,7 +132,7 @@ class FaceFilm:
 
     @classmethod
     def of(cls, robot: Robot | None, commands: Iterable[Command], rate: float = FACE_RATE) -> "FaceFilm":
-        """Make the film of the faces in a command stream."""
+        """Make the job for the faces in a command stream."""
         copied_commands = tuple(msgspec.structs.replace(command, face=dict(command.face)) for command in commands)
         return cls(robot, copied_commands, rate)
 
@@ -171,7 +171,7 @@ FILM_JOBS: Mapping[str, type[FilmJob]] = {"twin": TwinFilm, "face": FaceFilm}
 
 @contextmanager
 def film_processes() -> Iterator[FilmProcesses]:
-    """Start one prepared drawing process per film, ended with the context."""
+    """Run one prepared drawing process per kind of film within the context."""
     with ExitStack() as opened:
         yield {kind: opened.enter_context(_process(kind)) for kind in FILM_KINDS}
 
@@ -198,9 +198,9 @@ def _process(kind: FilmKind) -> Iterator["subprocess.Popen[bytes]"]:
 def draw_films(
     jobs: Mapping[Path, FilmJob], processes: FilmProcesses, progress: Callable[[float], None] = lambda share: None
 ) -> dict[Path, str]:
-    """Draw films concurrently, and stop all processes on interruption.
+    """Draw films concurrently and return their error texts by path.
 
-    A film that shows another one follows its progress.
+    An interruption stops all processes. A film that shows another one follows its progress.
 
     Args:
         jobs: films by the paths of their files, at most one of a kind.
@@ -235,7 +235,7 @@ def draw_films(
 
 
 def _draw(process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, tell: Callable[[float], None]) -> str:
-    """Send a job to its process and read progress until it ends."""
+    """Draw a film in its process and return any error text."""
     assert process.stdin is not None  # they are pipes, since `_process`
     assert process.stdout is not None
     with process.stdout, suppress(BrokenPipeError):

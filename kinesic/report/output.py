@@ -142,9 +142,9 @@ def add_films(
 
 
 def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
-    """Make the face film of a plan, or None if unneeded.
+    """Return the face film of a plan, or None if unneeded.
 
-    A face for a screen on the head is drawn from the front.
+    It is needed for a screen on the head, where the face is drawn from the front, and for a plan that moves the face.
     """
     screen = build_face_screen(plan.setup.robot) is not None
     if not screen and not needs_face(plan):
@@ -154,7 +154,7 @@ def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
 
 
 def rewrite(written: WrittenPaths, performance: DryRun, data: dict[str, Json]) -> None:
-    """Replace an existing report and its page."""
+    """Write report.json and the page, replacing existing ones."""
     write_text(written.report, json.dumps(data, indent=1), force=True)
     _write_page(written, performance, data)
 

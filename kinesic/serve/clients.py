@@ -207,10 +207,7 @@ class ClientRegistry:
             self._refuse(client, json_answer("refused", why="standard input cannot become a stop line; send stop here"))
 
     def _refuse(self, client: ConnectedClient, why: str) -> None:
-        """Refuse a message.
-
-        Disconnect the client after too many refusals.
-        """
+        """Refuse a message, and disconnect after too many refusals."""
         client.send(why)
         if not client.excess.take():
             client.close(CLOSE_POLICY_VIOLATION, "rule rate: too many messages were refused")

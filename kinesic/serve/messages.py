@@ -186,7 +186,7 @@ class LoopStart:
 
 @dataclass(frozen=True, eq=False)
 class LoopProperties:
-    """Constant properties of the loop."""
+    """Clock and available outputs of the loop, which never change."""
 
     clock: Clock
     accompaniment: SoundAndFace  # available outputs for face and sound

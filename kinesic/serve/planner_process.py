@@ -211,10 +211,7 @@ class Planner:
 
 
 def _send(pipe: PipeEnd, message: LoopStart | ClientRequest) -> None:
-    """Send a message to a planner process.
-
-    Ignore a dead one.
-    """
+    """Send a message to a planner process, if it is alive."""
     with suppress(OSError):  # the planner has died; the loop reports it
         pipe.send(message)
 

@@ -179,9 +179,7 @@ class OutputQueue:
         return message
 
     async def take(self) -> str | None:
-        """Wait for the next message.
-
-        Return None at the end of the queue.
+        """Wait for the next message, or return None at the end.
 
         After a loss, the first message reports the number of dropped messages.
         """

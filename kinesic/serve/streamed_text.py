@@ -14,7 +14,7 @@ class StreamedText:
     """Streamed text of one client, with its received but unparsed pieces."""
 
     talk: Talk
-    heard: float  # [s] clock time of the last words
+    heard: float  # [s] clock time of the last received text
     block: str = ""  # id of the last spoken block
     style: str = ""  # name of its style; empty: that of the server
     _pieces: deque[tuple[str, bool]] = field(default_factory=deque)  # text, and whether a text ends with it

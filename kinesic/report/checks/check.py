@@ -67,7 +67,7 @@ CHECK_LIMITS = {
 
 @dataclass(frozen=True)
 class Check:
-    """Result of one check."""
+    """Result of one check: status, value, limit and place."""
 
     name: str
     status: CheckStatus

@@ -43,9 +43,9 @@ def _margin(performance: DryRun) -> Check:
 
 
 def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
-    """Find the largest magnitude in (m, n) values, with joint and time.
+    """Return the largest magnitude of (m, n) values, and its place.
 
-    The first of equal values is returned. Times are (m,) [s].
+    The place is a text with joint and time. The first of equal values counts. Times are (m,) [s].
     """
     peaks = np.maximum(
         values.max(axis=1), -values.min(axis=1)

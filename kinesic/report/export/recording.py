@@ -25,7 +25,7 @@ DARK_COLOUR = (0.18, 0.20, 0.24)  # sRGB colour of joints and of the torso's cap
 
 @dataclass(frozen=True, eq=False)
 class JointTrack:
-    """Joint states over time."""
+    """Angles, velocities and torques of all joints over time."""
 
     angles: Floats  # (m, n) [rad]
     velocities: Floats  # (m, n) [rad/s]
@@ -86,7 +86,7 @@ class ExportedMotion:
 
     @property
     def tracks(self) -> Mapping[str, JointTrack]:
-        """Joint states by name."""
+        """Planned and, if available, measured joint states, by name."""
         return {"planned": self.planned} | ({} if self.measured is None else {"measured": self.measured})
 
 

@@ -187,7 +187,7 @@ def _linear(colour: Sequence[float]) -> list[float]:
 
 
 def _shell_primitives(file: GltfFile, surface: SegmentShell, materials: list[int]) -> list[dict[str, object]]:
-    """Return the light and the dark mesh part of a housing."""
+    """Return the glTF primitives of a housing's light and dark parts."""
     normals = surface.normals / np.linalg.norm(surface.normals, axis=1, keepdims=True)
     attributes = _attributes(file, surface.vertices, normals)
     kinds = zip((surface.shell, surface.joint), materials, strict=True)

@@ -48,7 +48,10 @@ class HingeCurves:
 
 
 def joints(performance: DryRun, seen: HingeCurves) -> Iterator[Markup]:
-    """Draw one figure for torso and neck, arms, and other moving joints."""
+    """Yield a figure each for torso and neck, arms, and other joints.
+
+    Joints that hardly move are left out, and figures without others, too.
+    """
     robot, moving = performance.plan.setup.robot, seen.moving
     columns = {name: robot.joints(name) for pair in CHAIN_PAIRS for name in pair}
     columns[OTHER_TITLE] = tuple(
@@ -62,7 +65,7 @@ def joints(performance: DryRun, seen: HingeCurves) -> Iterator[Markup]:
 
 
 def still_hinges(performance: DryRun, seen: HingeCurves) -> list[str]:
-    """Return the names of joints without a plot."""
+    """Return the names of joints that move too little to plot."""
     names = performance.plan.setup.robot.skeleton.names
     return [name for name, moves in zip(names, seen.moving, strict=True) if not moves]
 

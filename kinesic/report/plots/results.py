@@ -22,10 +22,12 @@ MIN_PANEL_HEIGHT = 4.2  # [in] height of the smallest panel
 ROW_HEIGHT = 0.2  # [in] height of a row of bars
 PICTURE_DPI = 110  # [dots/in] resolution of the PNG
 
-MAX_RATIO = 100.0  # largest drawn ratio of the limit of a minimum to a value near 0
+MAX_RATIO = 100.0  # largest drawn limit / value of a minimum, for values near 0
+# Names of the checks whose limit is a minimum, as an SQL list.
 MINIMUM_CHECKS = ", ".join(f"'{name}'" for name, limit in CHECK_LIMITS.items() if limit.at_least)
 # The ratio exceeds 1 where a value is beyond its limit: of a minimum, it is that of the limit to the value.
 RATIO_LABEL = "value / {0}, or {0} / value of a minimum; right of 1: beyond the {0}"  # axis label; {0}: limit or goal
+# Quantiles of value / limit of each check, and whether a document failed it.
 CHECKS_QUERY = f"""
 SELECT name, quantile_cont(ratio, 0.05), quantile_cont(ratio, 0.5), quantile_cont(ratio, 0.95), max(ratio),
     bool_or(status = 'fail') FROM (SELECT name, status, CASE WHEN name IN ({MINIMUM_CHECKS})
@@ -34,6 +36,7 @@ SELECT name, quantile_cont(ratio, 0.05), quantile_cont(ratio, 0.5), quantile_con
 GROUP BY name ORDER BY max(ratio)
 """
 SWEEP_QUERY = "SELECT DISTINCT parameter, measure FROM sweep ORDER BY parameter"
+# Value / goal of each metric, inverted if higher is better, and whether it meets its goal.
 METRICS_QUERY = """
 SELECT name, CASE WHEN better = 'higher' THEN goal / value ELSE value / goal END AS ratio, ok
 FROM figures WHERE value > 0 AND goal > 0 ORDER BY ratio

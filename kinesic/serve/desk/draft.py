@@ -26,7 +26,7 @@ ERROR_PATTERN = re.compile(rf"{DOCUMENT_SOURCE}:(\d+):(\d+): (.*)", re.DOTALL)  
 def draft(
     bml: str, changes: tuple[str, ...], setup: Setup, *, bounds: DocumentBounds, max_duration: float
 ) -> dict[str, Json]:
-    """Plan a document without performing it.
+    """Plan a document without performing it and return the JSON answer.
 
     Args:
         bml: the document.
@@ -66,7 +66,7 @@ def plan_draft(
 
 
 def draft_json(plan: Plan) -> dict[str, Json]:
-    """Convert a plan to JSON values.
+    """Convert a plan to the JSON values of a `plan` answer.
 
     Times count from the first command [s].
     """
@@ -119,7 +119,10 @@ def locate_error(text: str) -> dict[str, Json]:
 
 
 def _words(plan: Plan) -> Iterator[dict[str, Json]]:
-    """Yield the spoken text between marks with its start and end [s]."""
+    """Yield each spoken piece between marks with start and end [s].
+
+    Times count from the first command.
+    """
     for caption in make_captions(plan):
         if caption.text:
             span = {"start": round(caption.begin, 4), "end": round(caption.end, 4)}

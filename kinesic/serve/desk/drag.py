@@ -23,7 +23,7 @@ Rows = Callable[[Frames], Floats]  # dimensionless residuals (m, rows) of postur
 
 @dataclass(frozen=True)
 class DragTuning:
-    """Tuning numbers of dragging."""
+    """Step sizes, weights and tolerances of the drag solver."""
 
     gradient_step: float = 1e-6  # [rad] step of the numerical gradient; also the smallest usable length [m]
     wrist_weight: float = 10.0  # weight of the wrist position relative to the elbow position
@@ -139,7 +139,10 @@ def _solve(robot: Robot, joints: tuple[int, ...], rows: Rows, near: Floats) -> F
 def _keep_clear(
     robot: Robot, distances: Distances, near: Floats, posture: Floats
 ) -> tuple[Floats, tuple[str, str] | None]:
-    """Return the last collision-free posture and the next colliding pair."""
+    """Return the last collision-free posture on a path, and the obstacle.
+
+    The path runs straight in joint angles. The obstacle is the next colliding pair, or None if the path is free.
+    """
     path = near + np.linspace(0.0, 1.0, DRAG_TUNING.path_steps + 1)[:, None] * (posture - near)
     clearance = distances.clearance(path)
     close = np.flatnonzero(clearance.distances < np.minimum(robot.min_clearance, clearance.distances[0]))

@@ -87,9 +87,7 @@ class Helper(Generic[Q]):
             self._task = create_task(self._answer_all())
 
     def ask(self, client: int, question: Q, reply: Reply, *, kind: str = "") -> None:
-        """Queue a query for the helper process.
-
-        It replaces a waiting one of the same client and kind.
+        """Queue a query, replacing a waiting one of this client and kind.
 
         Args:
             client: number of the client.

@@ -94,7 +94,7 @@ class ServoSink(Protocol):
         """Return the latest telemetry of the servos."""
 
     def arm(self) -> None:
-        """Forward commands to the servos, of which the first enables torque."""
+        """Enable the torque by forwarding commands from now on."""
 
     def disarm(self) -> None:
         """Fold and disable the torque, which takes seconds."""

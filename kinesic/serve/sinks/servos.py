@@ -142,7 +142,10 @@ class RealServos:
         self._start_watch()
 
     def time(self, clock: float, /) -> float | None:
-        """Return the performance time [s], or None before it starts."""
+        """Check the clearance and return the performance time [s], or None.
+
+        The servos are slowed or stopped if tracking errors make the clearance too small. None before the first command.
+        """
         history = self.servos.history()
         self._cycles.extend(history)
         if self._watch.ingest(history):

@@ -149,9 +149,7 @@ _verbs = msgspec.json.Decoder(_Verb)
 
 
 def read_control(message: bytes) -> Control | None:
-    """Decode a control message.
-
-    Return None for a document.
+    """Decode a control message, or return None for a document.
 
     Raises:
         ValueError: the control message is invalid; the text names valid values.

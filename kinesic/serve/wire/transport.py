@@ -76,9 +76,7 @@ class Transport:
         return data
 
     async def write(self, pieces: Iterable[bytes]) -> None:
-        """Send byte strings.
-
-        An empty one ends the sending side.
+        """Send byte strings, and end the sending side after an empty one.
 
         Raises:
             TimeoutError: the client does not read.

@@ -146,10 +146,7 @@ class WebSocket:
         await self._line.close()
 
     async def _receive(self, *, hurry: bool) -> bool:
-        """Read and parse a limited number of bytes.
-
-        Return False at the end.
-        """
+        """Read and parse some bytes, or return False at the end."""
         if not self._unread:
             self._unread = await self._line.read(hurry=self._is_midway or hurry)
             if not self._unread:
