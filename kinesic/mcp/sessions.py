@@ -12,12 +12,14 @@ from kinesic.mcp.call_queue import request_end
 
 SESSION_HEADER = "mcp-session-id"  # HTTP header with the session id
 MAX_SESSIONS = 16  # largest number of HTTP sessions without pending calls
+OPENING_REQUESTS = 2  # POST requests of a client that only opens a session: `initialize` and its confirmation
 
 
 @dataclass(eq=False)
 class _Session:
-    """Numbers of pending requests and open streams of an HTTP session."""
+    """Numbers of requests and open streams of an HTTP session."""
 
+    requests: int = 0  # POST requests so far
     pending_calls: int = 0
     streams: int = 0  # open streams of the client
 
@@ -26,6 +28,7 @@ class _Session:
         """Count a request of the session while it is answered."""
         is_stream = method == "GET"
         self.streams += is_stream
+        self.requests += not is_stream
         self.pending_calls += not is_stream
         try:
             yield
@@ -33,12 +36,18 @@ class _Session:
             self.streams -= is_stream
             self.pending_calls -= not is_stream
 
+    @property
+    def is_working(self) -> bool:
+        """Whether the client has sent more than it takes to open the session."""
+        return self.requests > OPENING_REQUESTS
+
 
 class SessionLimit:
     """ASGI middleware that ends idle HTTP sessions when new ones open.
 
-    Sessions without a listening client are ended first. A session with a pending call is never ended. The client of an
-    ended session receives status 404 and opens another one.
+    Sessions that were only opened are ended first, then those without a listening client, so that clients that only
+    connect do not displace the one that may have to stop the robot. A session with a pending call is never ended. The
+    client of an ended session receives status 404 and opens another one.
     """
 
     def __init__(self, app: ASGIApp, *, max_sessions: int = MAX_SESSIONS) -> None:
@@ -95,7 +104,7 @@ class SessionLimit:
 
     async def _end_idle(self, scope: Scope, opened: _Session) -> None:
         idle = [name for name, session in self._sessions.items() if session is not opened and not session.pending_calls]
-        idle.sort(key=lambda name: self._sessions[name].streams > 0)
+        idle.sort(key=lambda name: (self._sessions[name].is_working, self._sessions[name].streams > 0))
         for name in idle[: max(0, len(self._sessions) - self._max_sessions)]:
             del self._sessions[name]
             await _delete(self._app, scope, name)

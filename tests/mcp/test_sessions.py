@@ -9,7 +9,7 @@ from starlette.responses import Response
 from starlette.types import Receive, Scope, Send
 
 from kinesic.mcp.call_queue import request_end
-from kinesic.mcp.sessions import MAX_SESSIONS, SESSION_HEADER, SessionLimit
+from kinesic.mcp.sessions import MAX_SESSIONS, OPENING_REQUESTS, SESSION_HEADER, SessionLimit
 
 
 class Application:
@@ -109,6 +109,18 @@ def test_only_the_newest_sixteen_of_forty_sessions_remain():
 
     assert MAX_SESSIONS == 16
     with_sessions(MAX_SESSIONS, act, opened=40)
+
+
+def test_sessions_that_only_connect_do_not_end_a_working_one():
+    async def act(web: Web) -> None:
+        for _ in range(OPENING_REQUESTS):
+            assert await web.ask(session="s1") == 200
+        for _ in range(20):
+            await web.ask()
+        assert web.app.sessions[0] == "s1"
+        assert await web.ask(session="s1") == 200
+
+    with_sessions(3, act, opened=3)
 
 
 def test_session_with_a_pending_call_is_never_ended():
