@@ -34,8 +34,9 @@ REALISED_OUTCOME = Outcome("realised")  # outcome of a behaviour that is perform
 POINTING_SHAPE = "index"  # hand shape of pointing hands
 POINTING_CATEGORY = "deictic"  # category of gestures that point
 EXTENT_GAIN = 0.5  # relative increase of the body motion at a spatial extent of 1, decrease at -1
+# End of the message about an unknown head movement.
 HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
-# Modalities whose style weights scale body motion.
+# Modalities whose spatial extents scale the body motion of head, trunk and shoulders.
 SCALED_MODALITIES: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
 COUNTING_PREFIX = "count"  # name prefix of gestures that count on one hand
 

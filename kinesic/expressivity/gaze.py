@@ -101,9 +101,7 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
 def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
     """Create the timed head or trunk rotation of a gaze.
 
-    The trunk sets out after the head.
-
-    It returns unless it stays.
+    The trunk starts up to `TRUNK_DELAY` after the head. Without `stays` both return to upright.
     """
     natural = look_time(look, pace)
     if part == "head":

@@ -26,7 +26,7 @@ MIN_PAUSE = 2.4  # [s] shorter pauses have no idle motion
 BREATH_PERIOD = 4.0  # [s] duration of one breath; people breathe 12 to 18 times a minute
 
 RISE_ANGLE = radians(1.0)  # [rad] largest backward rotation of the trunk with a breath
-SWAY_ANGLE = radians(1.5)  # [rad] largest sideward lean and rotation of the trunk, for two breaths
+SWAY_ANGLE = radians(1.5)  # [rad] largest roll and torsion of the trunk in a weight shift, which lasts two breaths
 GLANCE_ANGLE = radians(5.0)  # [rad] largest head rotation of a glance
 GLANCE_PROBABILITY = 0.4  # probability of a glance per breath at amount 1
 

@@ -22,7 +22,7 @@ from kinesic.motion.trajectory import spline_weights
 
 Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
-LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of a grid's rows
+LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of `Grid.rows`
 EASY_DEFICIT = -0.2  # log(required / available time) below which the deficit is not computed exactly: time is ample
 ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at rest with acceleration 1 / step^2
 MIN_SLOPE_DEFICIT = -0.01  # log(required / available time) below which the deficit's slopes are not needed

@@ -16,7 +16,7 @@ BROKEN_BOND_WEIGHT = 50.0  # cost [1/s] of violating a precedence constraint
 UNMOVED_TOLERANCE = 1e-7  # [s] smaller shifts of a key count as zero
 ROW_TOLERANCE = 1e-7  # [s] accepted violation of a constraint
 MAX_DELAYED_KEYS = 8e6  # largest number of keys * violated gaps; larger problems only delay keys one by one
-BOND_SWEEPS = 8  # passes over all keys that apply precedence constraints
+BOND_SWEEPS = 8  # largest number of passes over all keys that apply precedence constraints
 MAX_DENSE_ENTRIES = 20_000  # matrix entries up to which compiled code is faster than HiGHS
 
 

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 if TYPE_CHECKING:
     import casadi
 
-MAX_ITERATIONS = 250  # iterations of the interior-point method
+MAX_ITERATIONS = 250  # largest number of iterations of the interior-point method
 
 
 def solve_linear(

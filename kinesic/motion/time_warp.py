@@ -24,7 +24,7 @@ from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import spline_weights
 
 SOLVER_PRECISION = 1e-4  # absolute tolerance of the solver; results are made exact afterwards
-BINDING_RATIO = 0.0  # smallest limit ratio of a constraint row in the linear program
+BINDING_RATIO = 0.0  # limit ratio from which a row is bounded above; below its negative a row is bounded below
 DEFICIT_WEIGHT = 300.0  # cost of a remaining time deficit relative to key shifts
 
 Matrix: TypeAlias = "scipy.sparse.csr_array"

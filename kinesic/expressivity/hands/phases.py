@@ -22,7 +22,7 @@ from kinesic.expressivity.turns import MIN_KEY_SPACING, arrival_time, departure_
 from kinesic.motion.keys import PLAIN_PASSAGE
 
 NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand does not return to rest
-ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touched parts of the other arm
+ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touchable parts of the other arm
 LOWERING_FRACTION = 0.5  # fraction of the way to rest by which a waiting hand is lowered
 WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand, which keeps the elbow off the body
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one

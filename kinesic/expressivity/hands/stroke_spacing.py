@@ -25,6 +25,9 @@ class StrokeSpacing:
         """Let a stroke begin later and the preceding one end earlier.
 
         The missing time is divided in proportion to the time that each can give.
+
+        Returns:
+            The later stroke and the shortened one.
         """
         ends, begins = work.at("strokeEnd"), stroke.times["strokeStart"]
         soonest, latest = self._soonest_end(work), self._latest_start(stroke, option)

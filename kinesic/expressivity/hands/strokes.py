@@ -21,7 +21,7 @@ from kinesic.expressivity.turns import MIN_KEY_SPACING
 PATH_LENGTH_FACTOR = 1.5  # equivalent straight distance / length of a swing, as not all joints move at once
 PATH_TIME_FACTOR = 1.4  # minimum time of a swing / that of a straight movement, as its joint angles are not free
 
-_TIME_TOLERANCE = 1e-9  # [s] rounding error of times that count as equal
+_TIME_TOLERANCE = 1e-9  # [s] times that differ by less count as equal
 _MIN_PERIODS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # fewest periods by path kind, otherwise 1
 
 

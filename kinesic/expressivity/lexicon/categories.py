@@ -3,4 +3,4 @@
 from typing import Literal, get_args
 
 Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
-GESTURE_CATEGORIES: tuple[str, ...] = tuple(sorted(get_args(Category)))  # in alphabetical order
+GESTURE_CATEGORIES: tuple[str, ...] = tuple(sorted(get_args(Category)))  # all categories in alphabetical order

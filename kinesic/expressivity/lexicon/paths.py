@@ -20,7 +20,7 @@ SizeTrend = Literal["none", "grows", "shrinks"]
 
 MAX_PERIODS = 12.0  # largest number of periods of one path
 
-_SAMPLES_PER_PERIOD = 4  # zero crossings and extrema of the fastest axis, which must be sampled
+_SAMPLES_PER_PERIOD = 4  # samples per period of the fastest axis: its zero crossings and extrema
 _MAX_BISECTIONS = 6  # largest depth of bisection of one path interval
 _ARC_LENGTH_STEPS = 400  # samples along a path of free points, for a constant hand velocity
 _ZERO_LENGTH = 1e-9  # [arm lengths] length below which an amplitude or step counts as zero

@@ -15,10 +15,10 @@ from kinesic.motion.double_s import least_rest_times
 COMFORT_MARGIN = 1.3  # natural duration of a rotation / minimum duration of the servos
 TEMPORAL_FACTOR = 1.5  # factor on velocity at a temporal extent of 1
 POWER_FACTOR = 2.4  # factor on velocity at a power of 1, within the servo limits
-POWER_EXPONENT = 2.0  # exponent of power in its velocity factor; half the power stays within servo limits
+POWER_EXPONENT = 2.0  # exponent e of the velocity factor `POWER_FACTOR` ** (power ** e), small at half the power
 WEAKNESS_FACTOR = 1.6  # factor on the duration at a power of -1
 
-_SAMPLED_DISTANCES = np.linspace(0.0, 2.4, 25)  # [arm lengths] of hand movements with a computed minimum duration
+_SAMPLED_DISTANCES = np.linspace(0.0, 2.4, 25)  # [arm lengths] distances at which minimum durations are computed
 _POSTURE_COUNT = 32  # number of start postures of an arm
 _RANGE_FRACTION = 0.5  # central part of each joint range from which the start postures are drawn
 _POSTURE_QUANTILE = 0.25  # quantile of the durations over postures: planning chooses favourable elbows

@@ -19,7 +19,7 @@ Phase = Literal["preparation", "stroke", "hold", "retraction"]
 POWER_STEEPNESS = 1.5  # extra steepness of a movement's easing curve at a power of 1, which short strokes can follow
 FORCE_EXPONENT = 3.0  # exponent of power and tension in the easing steepness, so that medium values add little
 OVERSHOOT_THRESHOLD = 0.5  # power above which a hand overshoots; with as much tension it bounces
-OVERSHOOT_ACCENT_FRACTION = 0.68  # fraction of an accent's steepness with which OutBack is as fast as the accent
+OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of OutBack / steepness of an accent with the same peak velocity
 MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
 POWER_BIAS = 0.25  # spline bias at a power of 1: the hand continues a little in its direction of approach
 
