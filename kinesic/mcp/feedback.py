@@ -55,7 +55,7 @@ class Feedback:
 
 
 def read_feedback(message: str) -> Feedback | None:
-    """Parse a message from the server.
+    """Parse a message from the server as feedback, or return None.
 
     Returns:
         The feedback; None for a message that is not XML.

@@ -37,7 +37,7 @@ def check_choice(names: Sequence[str]) -> Callable[[str], str]:
 
 
 def choice_schema(names: Sequence[str], description: str) -> WithJsonSchema:
-    """Return the JSON schema of an optional choice."""
+    """Return the JSON schema of a text parameter with listed values."""
     return WithJsonSchema({"type": "string", "enum": list(names), "description": description})
 
 

@@ -227,7 +227,7 @@ def _add_resources(server: ToolServer, load_lexicon: Callable[[], "Lexicon"]) ->
 
 
 async def _answer_json(answer: Awaitable[RobotAnswer]) -> str:
-    """Encode the robot's answer as JSON."""
+    """Await and encode the robot's answer, raising refusals as `ToolError`."""
     try:
         return json.dumps(await answer, ensure_ascii=False)
     except (RefusedError, RobotError) as error:

@@ -12,7 +12,7 @@ POLL_PERIOD = 0.1  # [s] between two status requests while waiting for a block
 
 
 async def wait_for_end(gate: RobotGate, block: str, timeout: float) -> RobotAnswer:
-    """Wait until a block, or every block, has ended, or a timeout.
+    """Wait until one or all blocks have ended, or a timeout.
 
     Args:
         gate: access to the robot.

@@ -54,7 +54,7 @@ def web_app(server: MCPServer, host: str, port: int, *, token: str | None) -> AS
 
 
 class _TokenGuard:
-    """ASGI middleware that admits requests with the token."""
+    """ASGI middleware that answers requests without the token with status 401."""
 
     def __init__(self, app: ASGIApp, token: str) -> None:
         self._app, self._authorization = app, f"Bearer {token}".encode()

@@ -161,10 +161,7 @@ class Planner:
         _send(working.requests, request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
-        """Handle a message from the planner.
-
-        None if it has died.
-        """
+        """Handle a message from the planner, or its death for None."""
         if self._watch is not None:
             self._watch.cancel()
         request, self._current_request = self._current_request, None

@@ -9,9 +9,7 @@ from kinesic.planning.setup import Setup
 
 
 def renew_setup(make_setup: Callable[[], Setup], setup: Setup) -> Setup:
-    """Return a setup with the reloaded lexicon.
-
-    If the lexicon cannot be read, the setup stays unchanged.
+    """Return a setup with the reloaded lexicon, unchanged if it is unreadable.
 
     Args:
         make_setup: creates another setup.

@@ -191,9 +191,7 @@ class Session:
 
     @property
     def arming_obstacle(self) -> str:
-        """Reason that prevents arming the servos.
-
-        Empty if they may be armed.
+        """Reason that prevents arming the servos, empty if none.
 
         Servos may be armed only while the motion rests.
         """

@@ -130,10 +130,7 @@ class StopLines:
             await wire.close(*await self._serve_client(wire))
 
     async def _serve_client(self, wire: MovableWire) -> tuple[int, str]:
-        """Serve a client until it disconnects.
-
-        Return the close code and the reason.
-        """
+        """Serve a client, and return close code and reason at the end."""
         if self._open >= MAX_STOP_LINES:
             return CLOSE_TRY_LATER, f"{MAX_STOP_LINES} connections only stop already; send stop by any other"
         self._open += 1

@@ -85,7 +85,7 @@ def changed_tracks(
 
 
 class Effects:
-    """Tracks of all running blocks, as played by the loop."""
+    """Player of the face and sound tracks of all running blocks."""
 
     def __init__(self, speaker: Speaker | None = None, *, face: bool = False) -> None:
         """Create an empty set of tracks.
@@ -98,9 +98,7 @@ class Effects:
         self.accompaniment = SoundAndFace(face, speaker is not None)
 
     def take(self, changes: Mapping[str, Track | None]) -> None:
-        """Replace tracks by block id.
-
-        None removes a track.
+        """Replace or remove (None) tracks by block id.
 
         A loudspeaker that fails is not used again.
         """

@@ -40,10 +40,7 @@ class MotionControl(Protocol):
 
     @property
     def arming_obstacle(self) -> str:
-        """Reason that prevents arming.
-
-        Empty if the servos may be armed.
-        """
+        """Reason that prevents arming the servos, empty if none."""
 
     def interrupt(self, block: str | None) -> None:
         """End one block, or all for None, with a smooth return motion."""
@@ -135,10 +132,7 @@ class Arming:
         return challenge is not None and code is not None and compare_digest(challenge.code.encode(), code.encode())
 
     def _find_arming_obstacle(self, servos: ServoSink) -> str:
-        """Return the reason that prevents arming.
-
-        Empty if the servos may be armed.
-        """
+        """Return the reason that prevents arming, empty if none."""
         if self._is_busy:
             return BUSY_REFUSAL
         return "the servos are armed already" if servos.armed else self._control.arming_obstacle

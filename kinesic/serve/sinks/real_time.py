@@ -38,7 +38,7 @@ class TimedSink(Protocol):
     """Sink that provides the performance time."""
 
     def time(self, clock: float, /) -> float | None:
-        """Convert a monotonic clock time [s] to performance time [s].
+        """Return the performance time at a monotonic clock time [s], or None.
 
         None while it is undefined.
         """
