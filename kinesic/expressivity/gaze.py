@@ -101,7 +101,7 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
 def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
     """Create the timed head or trunk rotation of a gaze.
 
-    The trunk starts up to `TRUNK_DELAY` after the head. Without `stays` both return to upright.
+    The trunk starts up to `TRUNK_DELAY` after the head. Unless it stays, the part returns from `relax` to `end`.
     """
     natural = look_time(look, pace)
     if part == "head":

@@ -26,6 +26,9 @@ def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:
     Args:
         errors: (k,) [rad] of moving hinges, sample by sample.
         moving: (m, n) whether a hinge moves at a sample; True k times.
+
+    Returns:
+        NaN statistics if an error is NaN, with the place of the first one.
     """
     if not moving.any():
         return TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)

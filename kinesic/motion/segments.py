@@ -285,7 +285,10 @@ def _add_ends(angles: Floats, last: int, rest_points: Iterable[RestPoint]) -> li
 
 
 def pieces(times: Floats, step: float) -> int:
-    """Return the number of knot intervals between first and last key time."""
+    """Return the number of knot intervals between first and last key time.
+
+    It is at least `MIN_KNOT_INTERVALS`.
+    """
     return max(MIN_KNOT_INTERVALS, int(np.ceil((times[-1] - times[0]) / step - PLACE_TOLERANCE)))
 
 

@@ -18,7 +18,10 @@ from kinesic.motion.transition import FEWEST_PIECES, widen_limits
 
 
 def cut_knot(running: Trajectory, time: float) -> int:
-    """Return the first knot at or after a time [s]."""
+    """Return the motion's first knot at or after a time [s].
+
+    It is the last knot for a later time.
+    """
     return int(np.clip(np.ceil((time - running.start) / KNOT_INTERVAL - KNOT_TOLERANCE), 0, len(running.controls) - 3))
 
 
