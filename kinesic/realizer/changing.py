@@ -31,7 +31,7 @@ BehaviourChange = Callable[[Behaviour], Behaviour]
 
 
 def improve_block(scene: Scene, block_id: str, new_plan: Plan, now: float) -> Scene | None:
-    """Switch a block to a new plan.
+    """Switch a block to a new plan, or return None.
 
     Args:
         scene: scene with the block.
@@ -68,7 +68,7 @@ def improve_block(scene: Scene, block_id: str, new_plan: Plan, now: float) -> Sc
 
 
 def _has_equal_speech(new_plan: Plan, plan: Plan) -> bool:
-    """Return whether speech is at the same times in both plans."""
+    """Return whether both plans have the same speech durations and marks."""
 
     def speech(of: Plan) -> dict[str, tuple[float, dict[str, float]]]:
         return {id: (utterance.duration, dict(utterance.marks)) for id, utterance in of.utterances.items()}
@@ -122,6 +122,8 @@ def change_style(
 def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: ParameterChange, now: float) -> Scene:
     """Execute a `parameterValueChange` behaviour.
 
+    An invalid parameter or value gives a warning.
+
     Args:
         scene: current scene.
         by: block that contains the behaviour.
@@ -143,7 +145,7 @@ def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: Par
 
 
 def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
-    """Remove and return the requests to replan blocks.
+    """Return the scene without its replanning requests, and those requests.
 
     Each request goes to `prepare_block`, and its plan to `improve_block`.
     """

@@ -20,7 +20,9 @@ MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of its rated d
 
 
 def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure | None:
-    """Return the behaviour that causes a collision or overload, or None.
+    """Return the collision or overload of a merged motion, or None.
+
+    The failure names the behaviour of the block that is closest to it.
 
     Args:
         work: block and running motion.

@@ -16,12 +16,12 @@ TimedBlock = RunningBlock | TimedRequest
 
 
 def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
-    """Return the behaviours of a block that an interrupt stops."""
+    """Return the ids of a block's behaviours that an interrupt stops."""
     return (frozenset(action.include) or frozenset(running.times)) & running.times.keys() - frozenset(action.exclude)
 
 
 def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
-    """Return the behaviours that running blocks and a new one will interrupt."""
+    """Return when [s] running blocks and a new one interrupt which behaviours."""
     interruptions: dict[tuple[str, str], float] = {}
     blocks: tuple[TimedBlock, ...] = (*scene.playing, coming)
     for by in blocks:
@@ -36,7 +36,7 @@ def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
 
 
 def occupancy_of_others(scene: Scene, coming: TimedBlock) -> tuple[Occupancy, ...]:
-    """Return the hinges occupied by other blocks, up to their interruption."""
+    """Return the occupancies of other blocks, up to their interruption."""
     ends = {f"{block}:{id}": time for (block, id), time in planned_interruptions(scene, coming).items()}
     return tuple(
         _until(entry, ends[entry.behaviour]) if entry.behaviour in ends else entry for entry in scene.occupancy
@@ -65,10 +65,7 @@ def with_busy_hands(scene: Scene, request: TimedRequest) -> TimedRequest:
 
 
 def drop_overlapping_speech(scene: Scene, coming: RunningBlock) -> tuple[RunningBlock, tuple[Notice, ...]]:
-    """Drop speech of a new block that overlaps speech of others.
-
-    Return notices.
-    """
+    """Return a new block without speech that overlaps others, with notices."""
     ends = planned_interruptions(scene, coming)
     overlaps: dict[str, PlayingSpeech] = {}
     for speech in coming.speeches:

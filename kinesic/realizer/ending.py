@@ -19,7 +19,7 @@ from kinesic.realizer.scene import Scene
 
 
 def is_over(scene: Scene, running: RunningBlock, time: float) -> bool:
-    """Return whether a running block ends before a global time [s]."""
+    """Return whether a running block ends by a global time [s]."""
     ends = (message.time for message in scene.agenda if message.belongs_to(running.run) and message.is_block_end)
     return running.state.is_playing and next(ends, -inf) <= time
 

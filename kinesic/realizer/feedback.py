@@ -18,7 +18,7 @@ Times = Mapping[str, Mapping[str, float]]  # behaviour -> sync point -> block ti
 
 @dataclass(frozen=True)
 class Progress:
-    """Sync point or block point that is reported when it is passed."""
+    """Progress report: a passed sync point or block point, with its time."""
 
     block: str
     behaviour: str | None  # None for the block itself
@@ -34,7 +34,7 @@ class Progress:
         return self.behaviour, self.point
 
     def interrupted(self, time: float) -> "Progress":
-        """Return a copy of the report, marked as interrupted at a time."""
+        """Return a copy of the report, interrupted at a block time [s]."""
         return replace(self, time=time, state=BlockState.INTERRUPTED)
 
 
@@ -43,11 +43,11 @@ FeedbackKey = tuple[int, str | None, str] | tuple[float, str, int]
 
 @dataclass(frozen=True)
 class ScheduledFeedback:
-    """Feedback message with its send time and receiver."""
+    """Feedback message with its send time and the client to receive it."""
 
     time: float  # [s] global send time
     content: Progress | str  # progress, or a complete message
-    sender: int = 0
+    sender: int = 0  # number of the client that sent the block and receives the message
     measured: float | None = None  # [s] global time of the measured arrival
     unless_improved: str | None = None  # block id; the message is dropped when this block gets a refined plan
 
@@ -68,7 +68,7 @@ class ScheduledFeedback:
         )
 
     def measured_at(self, time: float) -> "ScheduledFeedback":
-        """Add the global time [s] at which the body measurably arrived."""
+        """Return a copy with the measured global time [s] of arrival."""
         return replace(self, measured=time)
 
     @property
@@ -98,7 +98,7 @@ class ScheduledFeedback:
         return isinstance(self.content, Progress) and self.content.key == BLOCK_END
 
     def interrupted_at(self, time: float) -> "ScheduledFeedback":
-        """Return a copy of the message, marked as interrupted at a time."""
+        """Return a copy of the message, interrupted at a global time [s]."""
         if isinstance(self.content, str):
             raise TypeError("a written message cannot be interrupted")
         return replace(self, time=time, content=self.content.interrupted(self.content.time + time - self.time))
@@ -198,7 +198,7 @@ def retime_feedback(
 
 
 def times_by_behaviour(syncs: tuple[SyncTime, ...]) -> dict[str, dict[str, float]]:
-    """Group sync point times by behaviour, in their order."""
+    """Group planned sync point times [s] by behaviour, in their order."""
     times: dict[str, dict[str, float]] = {}
     for sync in syncs:
         times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned

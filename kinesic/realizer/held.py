@@ -69,7 +69,7 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the last trunk offset (n,) [rad] held in a trunk role."""
+    """Return the last offset (n,) [rad] held in a trunk role, or zeros."""
     last = max((entry for entry in occupancy if entry.holds(role)), key=lambda entry: entry.end, default=None)
     return np.zeros(len(hinges)) if last is None or last.offset is None else np.where(hinges, last.offset, 0.0)
 
@@ -115,7 +115,7 @@ def add_step_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], r
 def with_superseded_hinges(
     performed: Sequence[Occupancy], others: Sequence[Occupancy], robot: Robot
 ) -> list[Occupancy]:
-    """Let superseding behaviours also release the hinges of superseded ones."""
+    """Add the trunk hinges of superseded behaviours to the superseding ones."""
     hinges = trunk_hinges(robot)
     return [
         replace(

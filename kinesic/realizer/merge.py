@@ -24,8 +24,8 @@ from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupan
 from kinesic.realizer.overlay import overlay_motions
 from kinesic.realizer.release import release_motion
 
-DELAY_STEPS = (0, 10, 20, 40)  # [knots] extra delays tried after the shortest one
-MAX_BLOCK_DELAY = 60  # [knots] maximum delay of a silent block
+DELAY_STEPS = (0, 10, 20, 40)  # [knots] delays to try, beyond the shortest one that ends all conflicts
+MAX_BLOCK_DELAY = 60  # [knots] maximum delay of a block without speech, to avoid conflicts
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def merge(
 
 
 def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> MergedMotion:
-    """Replace the running motion by a block.
+    """Replace the running motion by a block's motion.
 
     Hinges that the block does not move come to rest. The block is delayed if necessary.
 
@@ -117,7 +117,7 @@ class _Merge:
         return occupancy_of(self.coming)
 
     def merged(self, desired: float, *, waits: bool) -> MergedMotion:
-        """Merge the block, with its time 0 at a global time [s].
+        """Merge the block, with its time 0 at a desired time [s].
 
         If it may wait, it is delayed where that avoids dropped behaviours.
         """

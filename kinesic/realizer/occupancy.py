@@ -26,7 +26,7 @@ MOTION_TOLERANCE = 1e-9  # [rad] hinges that move less count as unmoved
 
 @dataclass(frozen=True, eq=False)
 class Occupancy:
-    """Hinges occupied by one behaviour.
+    """Hinges and roles that one behaviour occupies, with the times.
 
     Times [s] on the clock of its motion.
     """
@@ -51,7 +51,7 @@ class Occupancy:
         return replace(self, begin=begin, ready=ready, relax=relax, end=end)
 
     def holds(self, role: Role) -> bool:
-        """Return whether an arm or trunk role holds a final posture."""
+        """Return whether the behaviour holds its final posture in a role."""
         return self.is_held and role in self.roles
 
     def conflicts_with(self, other: "Occupancy") -> bool:

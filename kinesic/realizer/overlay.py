@@ -25,7 +25,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.held import HELD_ROLES, held_ramps
 from kinesic.realizer.occupancy import ARM_ROLES, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
-RETURN_GROWTH_FACTOR = 1.5  # growth of the return duration per attempt
+RETURN_GROWTH_FACTOR = 1.5  # return duration of an attempt / that of the previous attempt
 MAX_RETURN_PIECES = 400  # spline pieces of the longest return to rest
 MIN_RETURN_PIECES = 30  # spline pieces of the shortest return to rest
 MAX_LIMIT_RATIO = 1.0 + 1e-6  # largest accepted ratio of velocity, acceleration or jerk to its limit
@@ -164,9 +164,9 @@ def _cross_over_to(
 def _return_to_rest(
     column: Floats, done: Occupancy, work: Overlay, role: Role, limits: Limits, hinge: int
 ) -> Floats | MergeFailure:
-    """Return a hand to the rest pose of the running motion.
+    """Append a hinge's motion back to the running motion's rest pose.
 
-    It stays if the block ends in another pose.
+    The hand stays if the block ends in another pose.
     """
     base, start = work.base[:, hinge], work.start[hinge]
     cleanly = not any(role in entry.roles and entry.ready >= done.ready for entry in work.dropped)

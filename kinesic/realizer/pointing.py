@@ -61,7 +61,7 @@ class PointingHand:
         return float(np.arctan2(np.linalg.norm(np.cross(line, to_aim)), line @ to_aim))
 
     def arm(self, angles: Floats, robot: Robot) -> Floats:
-        """Return the posture (n,) [rad] with the arm aimed again.
+        """Return the posture (n,) [rad] with the arm aimed at its target.
 
         The trunk stays as in the given posture.
         """
@@ -74,7 +74,7 @@ class PointingHand:
 
 @dataclass(frozen=True, eq=False)
 class PointingStroke:
-    """Stroke time of a pointing hand in a motion."""
+    """Stroke of a pointing hand in a motion, with its time."""
 
     pointer: PointingHand
     time: float  # [s]

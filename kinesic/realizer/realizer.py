@@ -73,7 +73,7 @@ def prepare_block(request: TimedRequest, setup: Setup) -> PreparedBlock:
 def begin(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
     """Add a planned block to the scene, to start now or wait.
 
-    It starts now or waits.
+    It waits for other blocks that it depends on, or for its activation.
 
     Args:
         scene: scene at an earlier time.

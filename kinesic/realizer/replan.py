@@ -47,7 +47,7 @@ TRUNK_JOIN_KNOTS = (10, 20, 40, 80)  # [knots] durations tried for the trunk to 
 def replan(
     running: Trajectory, time: float, playing: MergedMotion, new_plan: Plan, *, others: Sequence[Occupancy] = ()
 ) -> MergedMotion | None:
-    """Continue a running block with a new plan.
+    """Continue a running block with a new plan, or return None.
 
     Hands change over within a gesture if no stroke is then repeated or skipped; otherwise they finish current
     behaviours.
@@ -117,7 +117,7 @@ class _PlanSwitch:
 
     @property
     def hands_in_progress(self) -> set[str]:
-        """Hand behaviours that have begun."""
+        """Ids of hand behaviours that have begun in either plan."""
         now = self.knot * KNOT_INTERVAL
         begun = (entry for entry in (*self.new_occupancy, *self.playing_occupancy) if entry.begin < now)
         return {entry.behaviour for entry in begun if entry.roles & set(ARM_ROLES)}
@@ -188,7 +188,7 @@ class _PlanSwitch:
         return controls
 
     def _catch_up(self, goal: Floats) -> Floats | None:
-        """Return control points (k + 3, n) that join the new motion."""
+        """Return control points (k + 3, n) joining the new motion, or None."""
         setup, current = self.new_plan.setup, extend_controls(self.running.controls, len(goal))
         key_knots = (self.new_plan.motion.planned + self.zero) / KNOT_INTERVAL
         postures = self.new_plan.postures.postures  # empty if the new plan has no motion
@@ -250,7 +250,7 @@ def _split(
 
 
 def _join(current: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
-    """Join a hinge's new motion at one of its next keys.
+    """Join a hinge's new motion at a next key, or return None.
 
     Without keys, the transition has a fixed duration.
     """

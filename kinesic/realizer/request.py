@@ -58,7 +58,7 @@ _named = msgspec.json.Decoder(_Named)
 
 @dataclass(frozen=True)
 class SceneContext:
-    """Other blocks of a scene, in global time [s]."""
+    """States and global times [s] of the other blocks of a scene."""
 
     now: float = 0.0
     states: Mapping[str, BlockState] = field(default_factory=dict)  # of active blocks, in order of arrival
@@ -67,7 +67,7 @@ class SceneContext:
     times: Mapping[Point, float] = field(default_factory=dict)  # sync points of active and ended blocks
 
     def expected_start(self, block: Block) -> float:
-        """Return the expected start [s] of a block before it is planned."""
+        """Return the expected global start [s] of a block before planning."""
         waits = [
             (self.relaxes if until == "relax" else self.ends).get(id, self.now)
             for id, until in find_prerequisites(block, self.states).items()
@@ -226,7 +226,9 @@ def parse_message(
 
 
 def retime_request(earlier: TimedRequest, setup: Setup) -> TimedRequest:
-    """Synthesise and schedule a changed block again.
+    """Synthesise the speech of a changed block and schedule it again.
+
+    Speech that has started is kept.
 
     Raises:
         BmlError: a `required` behaviour or constraint cannot be scheduled.

@@ -41,7 +41,7 @@ class PreparedBlock:
 
 @dataclass(frozen=True)
 class PlayingSpeech:
-    """Speech of a running block."""
+    """Speech behaviour of a running block, with its global start time."""
 
     block: str
     behaviour: str
@@ -56,7 +56,7 @@ class PlayingSpeech:
 
 @dataclass(frozen=True, eq=False)
 class RunningBlock:
-    """Waiting or running block."""
+    """State of a waiting or running block: plan, times and motion."""
 
     prepared: PreparedBlock
     state: BlockState
@@ -175,7 +175,7 @@ class RunningBlock:
         return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in provisional)
 
     def without(self, behaviours: frozenset[str]) -> "RunningBlock":
-        """Remove some behaviours from the block from now on."""
+        """Return the block without some behaviours, but with its motion."""
         merged = self.merged
         if merged is not None:
             merged = replace(

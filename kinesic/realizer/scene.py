@@ -24,7 +24,7 @@ MAX_ENDED_BLOCKS = 32  # number of ended blocks to which others may still refer
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Active blocks, their motion and their feedback.
+    """Immutable realizer state: active blocks, their motion and feedback.
 
     Times are global seconds.
     """
@@ -179,7 +179,7 @@ class Scene:
 
 
 def forget_past(scene: Scene, now: float) -> Scene:
-    """Remove old parts of the motion once they are long enough."""
+    """Remove past motion older than KEPT_PAST_DURATION once it exceeds MAX_PAST_DURATION."""
     if now - scene.motion.start < MAX_PAST_DURATION:
         return scene
     blocks = tuple(active.since(now - KEPT_PAST_DURATION) for active in scene.blocks)

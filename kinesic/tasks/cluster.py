@@ -57,7 +57,7 @@ class Cluster:
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yield tasks with their results in order of completion.
+        """Yield tasks with their results or crashes in order of completion.
 
         See `Engine`.
         """
@@ -91,7 +91,7 @@ class Cluster:
     def _submit_more(
         self, code: bytes, left: Iterator[Task], begun: "dict[str, _SubmittedGroup[Task]]", workers: int, *, size: int
     ) -> "Iterator[Future]":
-        """Submit task groups until the workers have enough."""
+        """Submit task groups until the workers have enough, and yield futures."""
         while len(begun) < GROUPS_PER_WORKER * max(1, workers):
             tasks = tuple(islice(left, size))
             if not tasks:
@@ -221,8 +221,8 @@ class WrongProgramError(Exception):
     """Error if worker and caller run different versions of the program."""
 
 
-_TASK_LOCK = Lock()  # a robot's model serves one thread only
-_PREPARED_TASKS: dict[bytes, Callable[[object], object]] = {}
+_TASK_LOCK = Lock()  # lock for the tasks of a worker, because a robot's model serves one thread only
+_PREPARED_TASKS: dict[bytes, Callable[[object], object]] = {}  # pickled `prepare` -> task function in this worker
 
 
 def _run_group(code: bytes, tasks: tuple[object, ...], version: str) -> _GroupResult[object]:

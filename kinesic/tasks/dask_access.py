@@ -25,7 +25,7 @@ ENCRYPTION_REMEDY = (
     "give tls:// with --tls-ca, --tls-cert and --tls-key (docs/how-to/run-many-documents.md), "
     "or --insecure in a network without other users"
 )
-NO_ROUTES: dict[str, object] = {  # dask always opens HTTP ports, which TLS does not cover
+NO_ROUTES: dict[str, object] = {  # dask settings that remove its HTTP pages, which TLS does not cover
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
 }

@@ -26,7 +26,7 @@ class Engine(Protocol):
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yield tasks with their results in order of completion.
+        """Yield tasks with their results or crashes in order of completion.
 
         Args:
             tasks: distinct, picklable and hashable tasks.
@@ -37,7 +37,7 @@ class Engine(Protocol):
 
 @dataclass(frozen=True)
 class Processes:
-    """Engine of local processes."""
+    """Engine that runs tasks in local worker processes."""
 
     jobs: int
 
@@ -49,7 +49,7 @@ class Processes:
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yield tasks with their results in order of completion."""
+        """Yield tasks with their results or crashes in order of completion."""
         return run_pool(tasks, prepare, jobs=self.jobs, preload=preload)
 
 

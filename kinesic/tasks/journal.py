@@ -83,7 +83,7 @@ def run_once(
     forgets: bool = True,
     preload: str = "",
 ) -> Generator[tuple[Task, Entry | WorkerCrash], None, None]:
-    """Run each task once across interrupted runs.
+    """Run each task once across interrupted runs, and yield the results.
 
     Results of earlier runs come first. A result is recorded as soon as it is available. A crash is not recorded, so
     that the next run repeats the task.
@@ -95,7 +95,7 @@ def run_once(
         journal: journal of the run; None: nothing is recorded.
         keep: converts a result to its entry, and writes files that must exist before the task counts as done.
         holds: returns whether a recorded entry is still valid.
-        forgets: whether entries of unvalid tasks are removed; a run of several rounds keeps them.
+        forgets: whether invalid entries and those of other tasks are removed; a run of several rounds keeps them.
         preload: module that workers import first.
     """
     recorded = journal.read() if journal else {}

@@ -19,7 +19,7 @@ from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Regis
 TickRange = tuple[int, int]  # [ticks] lowest and highest
 
 MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] largest plausible velocity of a joint pushed by hand
-LIMIT_FACTOR = 2.0  # Largest plausible velocity or current / limit in the servo's registers
+LIMIT_FACTOR = 2.0  # Largest plausible velocity or current / factory limit of the servo model
 RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] by which a servo with torque may be pushed beyond its hinge's range
 MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible position of a servo turned without torque
 STALL_LOAD = 1000  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
@@ -80,7 +80,7 @@ class RecordBounds:
         return outside
 
     def reason(self, index: int, record: np.void) -> str:
-        """Describe the first value outside its bounds, or return an empty string."""
+        """Describe a record's first value outside its bounds, or return ""."""
         spans = {name: (self.lower[k, index], self.upper[k, index]) for k, name in enumerate(CHECKED_FIELDS)}
         place = (
             (self.torque_range[0, index], self.torque_range[1, index])

@@ -19,7 +19,7 @@ FAST_TIMEOUT = 0.02  # [s] wait for a fast reply, in addition to its transmissio
 
 
 def open_bus(wire: Wire, servos: Sequence[Servo], *, period: float = 0.01) -> Bus:
-    """Check servos, set up their indirect addresses, and test fast reads.
+    """Check and prepare the servos of a wire, and return their bus.
 
     Args:
         wire: an open wire.
@@ -39,7 +39,10 @@ def open_bus(wire: Wire, servos: Sequence[Servo], *, period: float = 0.01) -> Bu
 
 
 def find_problems(access: ServoAccess, servos: Sequence[Servo]) -> tuple[str, ...]:
-    """Describe the problems of the required servos, one line each."""
+    """Return one line per missing or unsuitable servo.
+
+    If no required servo answers, a single line lists the other servos that do.
+    """
     problems = {servo.id: line for servo in servos if (line := _problem(access, servo))}
     if len(problems) == len(servos) and all("no answer" in line for line in problems.values()):
         others = ", ".join(f"{other.id} ({other.name})" for other in access.ping_all())
@@ -93,7 +96,7 @@ def map_record(access: ServoAccess, servo: Servo) -> None:
 def supports_fast_reads(wire: Wire, servos: Sequence[Servo]) -> bool:
     """Return whether all servos answer a common fast read.
 
-    Older firmware does not.
+    Older firmware does not. A single servo is read plainly, which gives False.
     """
     question = FastQuery(tuple(servo.id for servo in servos), tuple(servo.cells for servo in servos))
     if len(question.servos) == 1:

@@ -27,7 +27,7 @@ from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-CYCLE_FRACTION = 0.95  # Fraction of the period that a cycle may use
+CYCLE_FRACTION = 0.95  # Fraction of the period that a cycle may use, or more by HOST_RESERVE
 HOST_RESERVE = 0.0005  # [s] part of the period left to the host, if that allows longer cycles
 MAX_RETRIES = 4  # Repeated queries of missing servos per cycle
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
@@ -50,7 +50,10 @@ class Servo:
 
 
 class Bus:
-    """Servos on one wire, prepared by `bring_up`."""
+    """Bus that exchanges goals and records with the servos of one wire.
+
+    `bring_up.open_bus` prepares the servos.
+    """
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], *, period: float = 0.01, fast: bool = True) -> None:
         """Create the bus without sending anything.
@@ -102,7 +105,7 @@ class Bus:
         return self.finish()
 
     def begin(self, goals: Ticks | None = None) -> None:
-        """Run the first half of a cycle, up to the query."""
+        """Send queued writes, goals and query, the first half of a cycle."""
         self._begun = self.wire.now()
         self._accepted.begin()
         try:
@@ -219,7 +222,10 @@ class Bus:
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Query some servos again, if the cycle has time for it."""
+        """Query servos again if time remains, otherwise return False.
+
+        With `must`, they are queried in any case.
+        """
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual

@@ -59,7 +59,7 @@ BLOCK_DTYPE = np.dtype([("error", "u1"), ("id", "u1"), *_RECORD_LAYOUT, ("crc", 
 RECORD_SIZE = RECORD_DTYPE.itemsize  # [bytes] size of a servo's record: 18
 RECORD_ADDRESSES = tuple(address for r in RECORD_REGISTERS for address in range(r.field.address, r.field.end))
 CELL_CONTENTS = b"".join(address.to_bytes(2, "little") for address in RECORD_ADDRESSES)
-"""Required contents of the indirect addresses."""
+"""Contents that the indirect addresses of each servo must have: RECORD_ADDRESSES in two bytes each."""
 
 _STEADY_FIELDS: tuple[FieldName, ...] = ("torque", "hardware_error", "watchdog", "temperature")
 _REGISTER_SIZES = [register.field.size for register in RECORD_REGISTERS]  # [bytes] sizes of a record's registers
@@ -69,7 +69,7 @@ _STEADY_OFFSETS = np.array([0, *(2 + sum(_REGISTER_SIZES[: FIELD_NAMES.index(nam
 def signature(blocks: Records) -> bytes:
     """Return the record bytes for errors, torque, watchdogs and temperatures.
 
-    They are error bytes, torque, hardware errors, watchdogs and temperatures.
+    Equal bytes mean that none of these values, nor the error byte of a block, has changed.
     """
     return blocks.view(np.uint8).reshape(-1, BLOCK_DTYPE.itemsize).take(_STEADY_OFFSETS, axis=1).tobytes()
 

@@ -35,7 +35,7 @@ class GoalFrame:
         self._rows = TICKS_PER_TURN * np.arange(count)
 
     def fill(self, goals: Ticks) -> bytearray:
-        """Write goals into the packet.
+        """Write goals into the packet and return it.
 
         It is valid until the next call.
 

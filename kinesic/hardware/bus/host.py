@@ -15,7 +15,7 @@ UDEV_RULE = 'ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{la
 
 
 def find_stable_name(path: Path, *, names: Path = SERIAL_BY_ID) -> Path:
-    """Return the by-id path of a port, if it has one.
+    """Return a port's by-id path, or the given path without one.
 
     It survives unplugging, while the number of ttyUSBn changes.
     """
@@ -31,7 +31,7 @@ def list_ports(*, names: Path = SERIAL_BY_ID) -> tuple[Path, ...]:
     return tuple(sorted(names.iterdir())) if names.is_dir() else ()
 
 
-WATCHDOG_FACTORS = (1, 2, 4)  # Watchdog time / watchdog time on a punctual host
+WATCHDOG_FACTORS = (1, 2, 4)  # Selectable bus watchdog times / watchdog time on a punctual host
 MAX_GAP_FRACTION = 0.25  # Longest safe gap between two cycles / watchdog time
 BUSY_TIME_SCALE = 0.5  # Time scale of the performance while the longest watchdog time is needed
 GAP_MEMORY = 10.0  # [s] duration for which a long gap is remembered
@@ -54,9 +54,9 @@ class Punctuality:
         self.watchdog_factor = 1  # watchdog time / watchdog time on a punctual host
 
     def note(self, now: float, *, excused: bool) -> str:
-        """Record the start time of a bus cycle.
+        """Record a cycle's start, and return a message if the watchdog changes.
 
-        Describe a changed watchdog, or return "".
+        Without a change, the message is empty.
 
         Args:
             now: [s].
@@ -99,7 +99,7 @@ class AdapterLatency:
 
     @property
     def remedy(self) -> str:
-        """Shell commands that shorten the timer, now and permanently."""
+        """Message with the shell commands that shorten the timer."""
         return (
             f"{self.port}: USB latency timer is {self.timer_ms} ms, which limits the bus to about "
             f"{1000 // max(self.timer_ms, 1)} Hz; change it now with\n"

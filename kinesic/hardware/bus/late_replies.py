@@ -16,13 +16,13 @@ from kinesic.hardware.bus.query import Query, ServoReplies
 CLOCK_TOLERANCE = 0.004  # [s] age of a record beyond the transmission time above which it answers an earlier query
 LATE_REPLY_WINDOW = 0.05  # [s] time beyond its transmission time within which a missing reply may still arrive
 MAX_STALE_CYCLES = 2  # Consecutive cycles with only apparently late records before a cycle without a query
-TRIAL_PAUSE = 100  # Additional stale cycles before the next cycle without a query, once one received late replies
+TRIAL_PAUSE = 100  # Further stale cycles until the next cycle without a query, after one that received late replies
 
 _Unfinished = tuple[Query, ServoSelection, bytes, float]  # query, its servos, received bytes, [s] query time
 
 
 class LateReplies:
-    """Pending late replies of one bus."""
+    """Handler of replies that arrive after the cycle of their query."""
 
     def __init__(self, accepted: PlausibilityFilter, listener: Listener) -> None:
         self._accepted, self._listener = accepted, listener
@@ -67,7 +67,10 @@ class LateReplies:
         return True
 
     def remove_earlier(self, question: Query, places: ServoSelection, answer: ServoReplies) -> ServoReplies:
-        """Remove the records of an earlier query from a damaged reply."""
+        """Accept records of an earlier query, and return the reply without them.
+
+        A complete reply is returned unchanged.
+        """
         listener = self._listener
         if answer.whole or not self.is_open:
             return answer

@@ -12,7 +12,7 @@ USB_BURST_SIZE = 62  # [bytes] largest payload that a USB adapter delivers at on
 
 @dataclass(frozen=True)
 class TimeoutTuning:
-    """Tuning numbers of the timeouts for replies."""
+    """Bounds and adaptation rates of the reply timeouts."""
 
     min_timeout: float = 0.002  # [s] lower bound of the timeout beyond the transmission time
     max_timeout: float = 0.020  # [s] upper bound of the timeout and of its estimate
@@ -69,7 +69,7 @@ class TimeoutEstimate:
 
 
 class Listener:
-    """Receiver of replies on one wire, with learnt timeouts.
+    """Sender of queries and receiver of replies, with learnt timeouts.
 
     While all is well it sleeps until the last byte of a reply is due. After a damaged reply it examines every burst for
     a while, so that a truncated reply is noticed at once.
@@ -108,7 +108,7 @@ class Listener:
     def receive(
         self, question: Query, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
     ) -> ServoReplies | None:
-        """Wait for the reply to the last query.
+        """Wait for the reply to the last query, and return it.
 
         Args:
             question: the query.

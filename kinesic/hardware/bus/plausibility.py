@@ -224,7 +224,7 @@ class PlausibilityFilter:
         return self._is_credible(index, block, time)
 
     def _has_reset_clock(self, index: int, tick: int) -> bool:
-        """Return whether the clock of a servo seems to have restarted."""
+        """Record a clock value from the past, and return whether it restarted."""
         past = self._past.setdefault(index, [])
         if past and not 0 < (tick - past[-1]) % CLOCK_WRAP < MAX_CLOCK_ADVANCE:
             past.clear()

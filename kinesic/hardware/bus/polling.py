@@ -25,7 +25,7 @@ class PollingPlan:
 
     @property
     def is_natural(self) -> bool:
-        """Whether all servos are queried in their natural order."""
+        """Whether no servo missed its last reply, so that bus order applies."""
         return not any(self._misses)
 
     def note(self, fresh: Flags) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -51,7 +51,7 @@ class PollingPlan:
         return gone, back
 
     def next_alone(self, now: float) -> tuple[int, bool] | None:
-        """Return the silent servo to query next, and whether now.
+        """Return the silent servo to query next, and whether it is due.
 
         None if all servos answer, or none does.
         """

@@ -184,7 +184,7 @@ class FastQuery(Query):
         )
 
     def _next_intact(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
-        """Find index and offset of the next intact block.
+        """Return servo index and offset of the next intact block, or None.
 
         The search starts where the block of `place` is expected.
         """
@@ -200,7 +200,7 @@ class FastQuery(Query):
 
 
 class _Windows(NamedTuple):
-    """All offsets in received bytes at which a servo's block may begin."""
+    """Ids and CRCs at all offsets where a servo's block may begin."""
 
     raw: bytes
     own_crcs: list[int]  # contribution of its bytes to its CRC

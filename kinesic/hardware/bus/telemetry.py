@@ -33,7 +33,7 @@ class Telemetry:
 
     @classmethod
     def of(cls, clock: float, records: Records, answered: Flags, *, full: Floats, turns: Floats) -> "Telemetry":
-        """Convert the last records of all servos.
+        """Create telemetry from the last records of all servos.
 
         Args:
             clock: [s] current time.

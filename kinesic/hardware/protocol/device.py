@@ -12,9 +12,9 @@ from kinesic.hardware.protocol.sdk import Packets, WirePort
 from kinesic.hardware.protocol.wire import BusError, Wire
 
 MAX_TRIES = 4  # Default number of attempts per instruction
-REPLY_TO_ALL = 2  # STATUS_RETURN_LEVEL of replies to every instruction
+REPLY_TO_ALL = 2  # Value of STATUS_RETURN_LEVEL at which a servo replies to every instruction
 COLLISION_TRIES = 3  # Damaged replies after which several servos must have the same id
-_VARYING_START = Register.REALTIME_TICK.field.address  # first register of a span that differs between any two servos
+_VARYING_START = Register.REALTIME_TICK.field.address  # first address of a span that differs between any two servos
 _VARYING_SIZE = 28  # [bytes] size of this span of clocks and sensors
 
 Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data, if any, then result and error byte
@@ -22,7 +22,7 @@ Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data, if any,
 
 @dataclass(frozen=True)
 class PingReply:
-    """Servo that answered a ping."""
+    """Reply of a servo to a ping: id, model number and firmware."""
 
     id: int
     number: int  # MODEL_NUMBER
@@ -75,7 +75,7 @@ class ServoAccess:
         return tuple(PingReply(servo, number, firmware) for servo, (number, firmware) in sorted(answers.items()))
 
     def ping(self, servo: int) -> PingReply | None:
-        """Ping one servo and return None if it does not answer."""
+        """Ping one servo, and return its reply, or None without one."""
         for _ in range(MAX_TRIES):
             number, result, _ = self._packets.ping(self._port, servo)
             if result == COMM_SUCCESS:
@@ -143,7 +143,7 @@ class ServoAccess:
         self._repeat(servo, action, lambda: self._packets.writeTxRx(self._port, servo, address, len(octets), octets))
 
     def configure(self, servo: int, required: Mapping[Register, int]) -> tuple[RegisterChange, ...]:
-        """Set the registers that differ, and read them back.
+        """Set the registers that differ, verify them, and return the changes.
 
         Raises:
             BusError: an EEPROM register differs while torque is on, or a register does not take its value.
@@ -168,7 +168,7 @@ class ServoAccess:
         return f"{self.wire.name}: servo {servo}"
 
     def _repeat(self, servo: int, action: str, attempt: Attempt) -> list[list[int]]:
-        """Repeat an instruction until the servo replies.
+        """Repeat an instruction until the servo replies, and return the data.
 
         An alert is not a failure.
         """

@@ -79,7 +79,7 @@ class Model:
     def fast_firmware(self) -> int:
         """First firmware with fast reads, according to the manual.
 
-        The bus tests the servo itself.
+        UNREACHABLE_FIRMWARE if no version has them. The bus tests the servo itself.
         """
         if self.name.startswith("2"):
             return UNREACHABLE_FIRMWARE
@@ -273,7 +273,7 @@ MODELS_BY_NUMBER: Mapping[int, Model] = MappingProxyType({model.number: model fo
 
 
 def control_table_of(servo: ServoModel, where: str) -> Model:
-    """Return the model with the model number of a servo.
+    """Return the control table model with a servo's model number.
 
     Args:
         servo: servo of a robot.

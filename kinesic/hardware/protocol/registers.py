@@ -171,7 +171,7 @@ class HardwareError(Enum):
 
     @classmethod
     def names(cls, bits: int) -> tuple[str, ...]:
-        """Return the names of the bits of HARDWARE_ERROR_STATUS."""
+        """Return the names of the errors whose bits are set."""
         return tuple(bit.name.lower().replace("_", " ") for bit in cls if bit.value & bits)
 
 

@@ -57,7 +57,7 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
         return len(self._spare)
 
     def readPort(self, length: int) -> bytes:
-        """Wait for bytes until the packet's timeout."""
+        """Return up to `length` bytes, waiting until the packet's timeout at most."""
         if not self._spare:
             self._spare += self._wire.read((self.packet_start_time + self.packet_timeout) / 1000.0)
         data = bytes(self._spare[:length])
@@ -65,7 +65,7 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
         return data
 
     def writePort(self, packet: Sequence[int]) -> int:
-        """Send a packet."""
+        """Send a packet, and return its number of bytes."""
         self._wire.write(bytes(packet))
         return len(packet)
 

@@ -55,7 +55,7 @@ class BusWiring:
 
 @dataclass(frozen=True)
 class HingeServos:
-    """Servos of one hinge.
+    """Servos of one hinge, with zero position, direction and reduction.
 
     Those of a tandem have the same goal.
     """

@@ -41,12 +41,12 @@ class Snapshot:
 
     @cached_property
     def torque(self) -> Flags:
-        """Servos with torque (m,)."""
+        """Whether each servo has torque (m,)."""
         return np.asarray(self.records["torque"] != 0)
 
     @cached_property
     def tripped(self) -> Flags:
-        """Servos that the bus watchdog has stopped (m,)."""
+        """Whether each servo was stopped by its bus watchdog (m,)."""
         return np.asarray(self.records["watchdog"] == WATCHDOG_TRIPPED)
 
 
@@ -84,10 +84,7 @@ class Axes:
         self._unidentified.clear()
 
     def drop(self, place: int, reason: BusError) -> None:
-        """Close the serial port of a servo for a while.
-
-        Other servos are behind it.
-        """
+        """Close a servo's serial port for a while, because unexpected servos answered."""
         self.buses[self.manifest.members[place].bus].drop(reason)
 
     def now(self) -> float:
@@ -95,7 +92,7 @@ class Axes:
         return self._wire.now()
 
     def sleep(self, until: float) -> None:
-        """Wait until a time [s]."""
+        """Wait until a time [s] of the wires' clock."""
         for bus in self.buses.values():
             bus.wire.sleep(until)
 

@@ -93,7 +93,7 @@ Rows = NDArray[np.void]
 
 
 class Channel:
-    """View of the shared memory from either side."""
+    """Reader and writer of the memory shared by planner and supervisor."""
 
     def __init__(self, memory: mmap.mmap, joints: int, capacity: int = COMMAND_CAPACITY) -> None:
         """Use memory of `memory_size(joints, capacity)` bytes, initially zero."""
@@ -197,7 +197,7 @@ class Channel:
         return Telemetry()
 
     def history(self) -> tuple[Status, ...]:
-        """Return the statuses of all cycles since the last call."""
+        """Return the statuses since the last call, at most STATUS_CAPACITY."""
         cycles, statuses = self.word("cycles"), []
         self._seen = max(self._seen, cycles - STATUS_CAPACITY)
         while self._seen < cycles:
@@ -215,7 +215,7 @@ class Channel:
         self.set("noted", number + 1)
 
     def notes(self) -> tuple[Note, ...]:
-        """Take all new events for the planner, at most the latest ones."""
+        """Return the events since the last call, at most EVENT_CAPACITY."""
         noted, new_notes = self.word("noted"), []
         self._noted = max(self._noted, noted - EVENT_CAPACITY)
         while self._noted < noted:

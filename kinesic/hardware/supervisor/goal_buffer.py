@@ -12,12 +12,10 @@ KEPT_COMMANDS = 2  # Past commands kept to compute the slopes of the setpoint cu
 
 
 class GoalBuffer:
-    """Setpoints by performance time.
+    """Buffer of setpoints by performance time, with smooth interpolation.
 
-    Past ones are dropped.
-
-    They are interpolated by a cubic Hermite spline whose slope at a command is that of the chord between its
-    neighbours: the curve passes every setpoint, and its velocity is continuous.
+    Past setpoints are dropped. The others are interpolated by a cubic Hermite spline whose slope at a command is that
+    of the chord between its neighbours: the curve passes every setpoint, and its velocity is continuous.
     """
 
     def __init__(self) -> None:

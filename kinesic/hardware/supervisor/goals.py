@@ -14,7 +14,7 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 
 class GoalSteering:
-    """Current goals of all servos, and the targets that they approach."""
+    """Generator of servo goals that approach their targets within the limits."""
 
     def __init__(self, manifest: Manifest, settings: SupervisorSettings) -> None:
         self.player = Player(settings)
@@ -50,7 +50,7 @@ class GoalSteering:
 
     @property
     def arrived(self) -> bool:
-        """Whether the goals have reached their targets.
+        """Whether all goals are within one tick of their targets.
 
         Servos without torque do not count, because nothing moves them.
         """
@@ -66,17 +66,17 @@ class GoalSteering:
             self._target = self._course.goals.copy()
 
     def approach(self) -> None:
-        """Move to the posture at which the performance continues."""
+        """Begin a move to the posture at which the performance continues."""
         self.player.approach(self.angles)
 
     def fold(self, holding: frozenset[int]) -> None:
-        """Move to the rest posture, except for joints that must hold."""
+        """Begin a move to the rest posture, except for holding joints."""
         present = self.angles
         is_held = np.isin(np.arange(len(present)), list(holding))
         self.player.fold(present, np.where(is_held, present, self._manifest.rest))
 
     def move(self, seconds: float, present: Floats, *, target: float, slow: float) -> Flags:
-        """Advance the goals by one time step.
+        """Advance the goals by one step, and return which were limited.
 
         Args:
             seconds: [s] duration of the step.

@@ -24,7 +24,7 @@ GOAL_MARGIN = 40  # [ticks] by which goals may exceed a hinge's range, because j
 NO_ALIAS = 255  # SECONDARY_ID of a servo without a second id
 FACTORY_REGISTERS = (Register.MOVING_THRESHOLD, Register.PWM_SLOPE)  # Registers that keep their factory value
 REST_TOLERANCE = radians(5.0)  # [rad] largest distance from the rest posture at which torque may be switched off
-SHUTDOWN_MASK = 52  # Electrical shock, overload, overheating; without voltage, which drops in fast motion
+SHUTDOWN_MASK = 52  # SHUTDOWN value: electrical shock, overload, overheating; not voltage, which drops in fast motion
 
 
 @dataclass(frozen=True)
@@ -224,10 +224,7 @@ def describe_raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...
 
 
 def goal_range(lower: int, upper: int) -> TickRange:
-    """Return the goal range [ticks] of a hinge's range.
-
-    It has a margin and stays within one turn.
-    """
+    """Return a hinge's range [ticks] with `GOAL_MARGIN`, within one turn."""
     return max(0, lower - GOAL_MARGIN), min(TICKS_PER_TURN - 1, upper + GOAL_MARGIN)
 
 

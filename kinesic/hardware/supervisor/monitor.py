@@ -63,7 +63,7 @@ def _current(table: RegisterTable) -> float:
 
 @dataclass(frozen=True, eq=False)
 class LoadState:
-    """Recent load of each servo."""
+    """Recent load of each servo: mean square current and stall time."""
 
     work: Floats  # (m,) mean square current / squared current limit
     stalled: Floats  # (m,) [s] far from the goal without motion
@@ -76,7 +76,7 @@ class LoadState:
 
     @property
     def stuck(self) -> Flags:
-        """Servos that cannot move (m,)."""
+        """Whether each servo is stuck (m,): stalled far from its goal."""
         return self.stalled >= LOAD_TUNING.stuck_time
 
 

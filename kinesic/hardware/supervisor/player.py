@@ -154,11 +154,11 @@ class Player:
         self.time_scale = TimeScale(self.time_scale.time, 0.0)
 
     def approach(self, start: Floats) -> None:
-        """Move from angles (n,) [rad] to the current point of the performance."""
+        """Begin a move from angles (n,) [rad] to the performance's current point."""
         self._go(start, self._buffer.at_scale(self.time_scale.time, 0.0))
 
     def fold(self, start: Floats, goal: Floats) -> None:
-        """Move from angles (n,) [rad] to other angles (n,) [rad]."""
+        """Begin a move from angles (n,) [rad] to goal angles (n,) [rad]."""
         self._go(start, goal)
 
     def _go(self, start: Floats, goal: Floats) -> None:

@@ -21,8 +21,8 @@ POSITION_REGISTERS = (
     Register.DRIVE_MODE,
     Register.OPERATING_MODE,
     Register.HOMING_OFFSET,
-)  # Define the meaning of ticks
-VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be right for driving
+)  # Registers that determine which angle a position in ticks means
+VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be right on a servo with torque
 LOWER_LIMIT_REGISTER = Register.MIN_VOLTAGE_LIMIT  # Register whose limit is raised to its factory value if lower
 UPPER_LIMIT_REGISTERS = (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # Lowered to factory values if higher
 _TABLE_END = Register.PRESENT_TEMPERATURE.field.end
@@ -51,7 +51,7 @@ class RegisterTable:
 def take_over(
     manifest: Manifest, opens: Callable[[str], Wire], *, period: float
 ) -> tuple[Axes, tuple[RegisterTable, ...]]:
-    """Open all ports of a robot and check its servos.
+    """Open all ports, check all servos, and return axes and registers.
 
     Args:
         manifest: required servos.
@@ -94,7 +94,7 @@ def open_wires(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wi
 
 
 def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) -> Axes:
-    """Check the servos on the open ports, and map their records.
+    """Check and prepare the servos on open ports, and return their axes.
 
     Args:
         manifest: required servos.
@@ -215,7 +215,7 @@ def _mode(table: RegisterTable) -> str:
 def configure(axes: Axes, tables: tuple[RegisterTable, ...]) -> tuple[RegisterChange, ...]:
     """Set the required EEPROM values of servos without torque.
 
-    Only differing registers are written, and limits are only narrowed.
+    Only differing registers are written, and limits are only narrowed. The changes are returned.
 
     Raises:
         BusError: a servo does not answer, does not take a value, or is outside its range with its new zero.

@@ -8,7 +8,7 @@ from kinesic.hardware.supervisor.state_machine import Event
 
 
 class Requests:
-    """Request words of the channel, read once per cycle."""
+    """Reader of requests of planner and persons, polled once per cycle."""
 
     def __init__(self, channel: Channel, planner: Callable[[], bool]) -> None:
         """Start without any request.

@@ -12,7 +12,7 @@ Policy = Literal["hold", "limp"]
 
 @dataclass(frozen=True)
 class SupervisorSettings:
-    """Settings of the supervisor.
+    """Timing, velocity and emergency stop settings of the supervisor.
 
     Times in seconds unless a unit is given.
     """
@@ -20,12 +20,12 @@ class SupervisorSettings:
     period: float = 0.01  # cycle period
     watchdog: float = 0.1  # time without bytes after which a servo stops by itself
     patient_watchdog: float = 0.2  # watchdog time on a host without real-time scheduling
-    lead: float = 0.5  # duration of buffered commands before time runs
+    lead: float = 0.5  # duration of buffered commands that is required before performance time runs
     slow: float = 0.4  # normal time to stop or start performance time
     quick: float = 0.06  # time to stop if the planner is gone, or at an emergency stop
     wary: float = 0.2  # time to stop if the clearance gets too small
     patience: float = 5.0  # time of holding without commands before the robot folds
-    startle: float = 0.85  # longest interruption without consent; detection and visible motion take 0.1 s more
+    startle: float = 0.85  # longest interruption that needs no consent; detection and visible motion take 0.1 s more
     consent: float = 60.0  # time of waiting for consent before a performance ends
     hopeless: float = 20.0  # time without a port before the supervisor gives up
     pace: float = 0.7  # [rad/s] joint velocity of moves to rest and to the first command
@@ -45,7 +45,7 @@ DEFAULT_SETTINGS = SupervisorSettings()  # Settings without changes by the user
 
 
 class SupervisorOrder(msgspec.Struct, forbid_unknown_fields=True):
-    """Order that starts a supervisor process."""
+    """Startup data of a supervisor process: robot, ports, memory, settings, log."""
 
     robot: str  # path of the robot's file
     ports: dict[str, str]  # bus -> path of the device

@@ -15,7 +15,7 @@ from kinesic.hardware.supervisor.observation import Observation
 
 
 class Stage(Enum):
-    """Stage of the supervisor."""
+    """Operating stage of the supervisor, a state of its state machine."""
 
     CLOSED = "closed"  # no port is open
     PROBE = "probe"  # servos are compared with the manifest
@@ -83,7 +83,7 @@ Step = tuple[SupervisorState, tuple[Action, ...]]
 POWERED_STAGES = frozenset(Stage) - {Stage.CLOSED, Stage.PROBE, Stage.CONFIGURE, Stage.LIMP, Stage.RELEASE}
 """Stages in which servos may have torque."""
 
-MOVING_STAGES = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})
+MOVING_STAGES = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})  # Stages in which a move or performance runs
 
 
 def step(state: SupervisorState, event: Event, observation: Observation) -> Step:

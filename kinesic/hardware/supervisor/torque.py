@@ -27,7 +27,7 @@ Procedure = Generator[Floats | None, Snapshot, None]  # goals [ticks] of its ser
 
 
 def watchdog_counts(seconds: float) -> int:
-    """Convert a time [s] to a value of BUS_WATCHDOG."""
+    """Convert a time [s] to counts of BUS_WATCHDOG, rounded up."""
     return ceil(seconds / WATCHDOG_UNIT - 1e-9)
 
 

@@ -19,14 +19,14 @@ from kinesic.body.servo import TICKS_PER_RADIAN, TICKS_PER_TURN
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
 
-DIRECTION_THRESHOLD = np.radians(8.0)  # [rad] rotation of a hinge that shows its first direction
-STOP_TOLERANCE = np.radians(3.0)  # [rad] largest error of a person who moves a hinge to its mechanical stop
-MIN_RANGE_FRACTION = 0.6  # Fraction of the range that must be reached before its end counts as a stop
+DIRECTION_THRESHOLD = np.radians(8.0)  # [rad] rotation from the zero posture at which a hinge's first direction counts
+STOP_TOLERANCE = np.radians(3.0)  # [rad] distance from the end of its range at which a hinge counts as turned to it
+MIN_RANGE_FRACTION = 0.6  # Fraction of the configured range that must be covered before a measured end counts
 MAX_TANDEM_OFFSET = 12  # [ticks] largest position difference between the servos of one hinge
 
 Signs = NDArray[np.int64]
 DIRECTION_WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))  # along +-x, +-y, +-z
-MIN_MOTION_RATIO = 0.5  # Tip motion / lever length above which the words describe the segment's motion
+MIN_MOTION_RATIO = 0.5  # Tip motion / lever length above which a direction is described by the tip's motion
 FORWARD_AXIS = np.array([1.0, 0.0, 0.0])  # Unit vector forward in the world
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # Unit vector upward in the world
 
@@ -51,7 +51,7 @@ class Travel:
         return cls(positions.copy(), nothing, nothing, nothing, nothing)
 
     def with_positions(self, positions: Ticks, manifest: Manifest) -> "Travel":
-        """Update the motion ranges with measured positions (m,) [ticks]."""
+        """Return the travel extended by measured positions (m,) [ticks]."""
         present = positions - self.zeros
         far = np.abs(present) >= DIRECTION_THRESHOLD * TICKS_PER_RADIAN * reductions(manifest)
         return replace(
@@ -218,7 +218,7 @@ def describe_positive_direction(robot: Robot, joint: int) -> str:
 
 
 def _tip(robot: Robot, name: str) -> Floats:
-    """Return the centre (3,) [m] of the capsules of a segment."""
+    """Return the centre (3,) [m] of a segment's capsules in zero posture."""
     skeleton, frames = robot.skeleton, robot.skeleton.zero_frames
     k = skeleton.segment(name)
     ends = [end for capsule in skeleton.segments[k].capsules for end in (capsule.start, capsule.end)]

@@ -18,7 +18,7 @@ MIN_COOLING_MARGIN = 10  # [K] smallest healthy margin between a resting servo's
 
 @dataclass(frozen=True)
 class Finding:
-    """Result of one check."""
+    """Result of one check of a bus: verdict, state and remedy."""
 
     bus: str
     about: str
@@ -29,9 +29,9 @@ class Finding:
 def diagnose(
     manifest: Manifest, ports: dict[str, Path], opens: Callable[[str], Wire], *, system: Path = SYSFS_ROOT
 ) -> Iterator[Finding]:
-    """Check ports, adapters and servos without changing anything.
+    """Check ports, adapters and servos, and yield the findings.
 
-    A fault does not stop the other checks.
+    Only STATUS_RETURN_LEVEL is written. A fault does not stop the other checks.
 
     Args:
         manifest: servos of the robot.

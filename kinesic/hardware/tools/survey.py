@@ -60,7 +60,7 @@ def scan_bus(
 
 @dataclass(frozen=True)
 class SurveyedServo:
-    """State of one servo of a robot."""
+    """State of one servo of a robot, as read by `survey`."""
 
     member: Member
     model_name: str = ""  # name of its model; empty: no answer
@@ -79,7 +79,9 @@ class SurveyedServo:
 
 
 def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo, ...]:
-    """Read the state of every servo without changing anything.
+    """Read the state of every servo.
+
+    Only STATUS_RETURN_LEVEL is written.
 
     Args:
         manifest: servos of the robot.

@@ -80,7 +80,7 @@ class VirtualBus:
         self._plant.advance(time)
 
     def send(self, data: bytes | bytearray, time: float) -> None:
-        """Transmit bytes of the host.
+        """Transmit bytes of the host to the servos, and queue replies.
 
         Args:
             data: the bytes.

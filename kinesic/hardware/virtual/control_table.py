@@ -23,6 +23,7 @@ TIME_PROFILE_BIT = 4  # Bit of DRIVE_MODE for time-based profiles
 TORQUE_BY_GOAL_BIT = 8  # Bit of DRIVE_MODE for torque switched on by a goal
 
 GOAL_REGISTERS = frozenset({Register.GOAL_PWM, Register.GOAL_CURRENT, Register.GOAL_VELOCITY, Register.GOAL_POSITION})
+"""Registers that a servo does not accept after its bus watchdog has tripped."""
 _LIMIT_REGISTERS = {
     Register.GOAL_PWM: Register.PWM_LIMIT,
     Register.GOAL_CURRENT: Register.CURRENT_LIMIT,
@@ -68,7 +69,7 @@ def table_layout(number: int, firmware: int) -> TableLayout:
 
 
 class RegisterWrite(NamedTuple):
-    """Single change of a write instruction."""
+    """Write of one register or cell, part of a write instruction."""
 
     address: int
     data: bytes
@@ -85,7 +86,7 @@ class Piece(NamedTuple):
 
 
 class Memory:
-    """Bytes of one servo's control table."""
+    """Control table of one servo, as bytes with access rules."""
 
     def __init__(self, model: Model, firmware: int) -> None:
         self.model, self.firmware = model, firmware
@@ -240,7 +241,7 @@ class Memory:
 
 
 def value_fault(memory: Memory, register: Register, value: int, *, latched: bool) -> Fault:
-    """Return the protocol fault that a value causes, or Fault.NONE.
+    """Return the protocol fault of writing a register value, or Fault.NONE.
 
     Args:
         memory: the servo's registers.
@@ -265,7 +266,7 @@ def value_fault(memory: Memory, register: Register, value: int, *, latched: bool
 
 
 def _goal_fault(memory: Memory, value: int) -> Fault:
-    """Check a goal position against its limits.
+    """Return the fault of a goal position beyond its limits, or Fault.NONE.
 
     These are the position limits in position mode, and 256 turns in the other modes.
     """

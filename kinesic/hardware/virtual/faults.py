@@ -89,7 +89,7 @@ class PlannedFault:
 
 @dataclass(frozen=True)
 class FaultPlan:
-    """Faults of one wire."""
+    """Planned faults of one wire and its servos, with a random seed."""
 
     faults: tuple[PlannedFault, ...] = ()
     seed: int = 0
@@ -157,7 +157,7 @@ class Transmission:
 
 
 class WireFaults:
-    """Faults of one wire, repeatable for the same seed and traffic."""
+    """Injector of a wire's faults, repeatable for the same seed and traffic."""
 
     def __init__(self, plan: FaultPlan, *, since: float = 0.0) -> None:
         """Select the wire faults of a plan, for requests and for replies.

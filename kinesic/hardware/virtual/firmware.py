@@ -87,7 +87,7 @@ class Firmware:
         return self._instructed + self._watchdog_time
 
     def demand(self, time: float) -> Demand:
-        """Return the motor command of the servo's control loop from now on."""
+        """Return the control loop's motor command from a time [s] on."""
         if self._wakes > self.time:
             return NO_TORQUE
         if self._steady is not None:

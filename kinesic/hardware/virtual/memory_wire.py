@@ -55,7 +55,7 @@ class MemoryWire:
         self._bus.send(data, self._time)
 
     def read(self, deadline: float, /) -> bytes:
-        """Jump to the next arrival or to the deadline.
+        """Jump to the next arrival or deadline [s], and return received bytes.
 
         Raises:
             BusError: the adapter was unplugged.
@@ -78,7 +78,7 @@ class MemoryWire:
         self._time = max(self._time, until)
 
     def reopen(self) -> bool:
-        """Return whether the adapter is plugged in again."""
+        """Reopen the port if the adapter is plugged in, and return success."""
         is_plugged = self._bus.plugged(self._time)
         if is_plugged:
             self._opened = self._time

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, Protocol
 
 from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_RADIAN, ServoModel
 
-MAX_STEP = 0.01  # [s] longest time step; motors are integrated exactly, so that it only samples profiles
+MAX_STEP = 0.01  # [s] longest time step, which samples profiles; the motors are integrated exactly
 
 DemandKind = Literal["limp", "angle", "speed", "current", "duty"]
 
@@ -33,7 +33,7 @@ NO_TORQUE = Demand("limp")  # Motor command of a servo with torque off
 
 
 class Physics(Protocol):
-    """Physics of several shafts, always in the same order."""
+    """Interface of a simulation of shafts, always in the same order."""
 
     max_step: float  # [s] largest accurate time step
 
@@ -46,7 +46,7 @@ class Physics(Protocol):
 
 @dataclass(frozen=True)
 class Motor:
-    """Motor without inertia.
+    """Motor model without inertia, with proportional position control.
 
     velocity = no_load (duty - load); duty = gain * error, clipped to the cap.
     """
@@ -81,7 +81,7 @@ class Motor:
 
 
 class FirstOrder:
-    """Independent first-order motors.
+    """Physics of independent first-order motors, one per shaft.
 
     Loads and jams are attributes, which may change between two steps.
     """
@@ -89,7 +89,7 @@ class FirstOrder:
     max_step = MAX_STEP
 
     def __init__(self, motors: Sequence[Motor], angles: Sequence[float]) -> None:
-        """Start at rest.
+        """Start all motors at rest, at the given shaft angles.
 
         Args:
             motors: one per servo.

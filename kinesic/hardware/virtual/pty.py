@@ -25,8 +25,8 @@ if sys.platform != "win32":
 MAX_WAIT = 0.02  # [s] longest wait between two steps of the plant
 PTY_PREFIX = "/dev/pts/"  # Folder of pseudo-terminals
 READ_SIZE = 65_536  # [bytes] read from the terminal per system call
-_GET_SETTINGS_IOCTL = 0x802C542A  # TCGETS2 of Linux
-_SETTINGS_FORMAT = struct.Struct("=4I20B2I")  # Flags, line discipline and control characters, baud rates in and out
+_GET_SETTINGS_IOCTL = 0x802C542A  # Linux ioctl TCGETS2, which reads terminal settings with any baud rate
+_SETTINGS_FORMAT = struct.Struct("=4I20B2I")  # Linux termios2: flags, control characters, baud rates
 
 
 class PtyPort:
@@ -49,14 +49,11 @@ class PtyPort:
 
     @property
     def descriptor(self) -> int | None:
-        """File descriptor to wait for.
-
-        None while unplugged.
-        """
+        """File descriptor on which host bytes arrive, or None while unplugged."""
         return None if self._ends is None else self._ends[0]
 
     def exchange(self, now: float) -> float:
-        """Deliver arrived bytes to the host.
+        """Plug or unplug the adapter, and deliver arrived bytes to the host.
 
         Args:
             now: [s] on the plant's clock.
@@ -76,7 +73,7 @@ class PtyPort:
         return min(self._bus.arrives(), self._bus.next_outage(now))
 
     def listen(self, now: float) -> None:
-        """Transmit the bytes that the host has written."""
+        """Transmit the host's newly written bytes to the servos."""
         if self._ends is None:
             return
         virtual_end, host_end = self._ends
@@ -132,10 +129,7 @@ def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start:
 
 
 def _link_target(link: Path) -> str:
-    """Return the target of a link.
-
-    "" for anything else.
-    """
+    """Return the target of a link, or "" for anything else."""
     try:
         return os.readlink(link)
     except OSError:

@@ -126,7 +126,7 @@ class VirtualServo:
         return self.memory[Register.STATUS_RETURN_LEVEL] > (instruction != Instruction.READ)
 
     def execute(self, instruction: int, parameters: bytes) -> tuple[int, bytes]:
-        """Execute an instruction.
+        """Execute an instruction, and return error byte and data of the reply.
 
         Returns:
             Error byte and data of the reply.

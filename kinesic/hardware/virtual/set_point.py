@@ -43,7 +43,10 @@ class Profile:
         return sum(self.spans)
 
     def at(self, time: float) -> tuple[float, float]:
-        """Return set point [rad] and velocity [rad/s] at a time [s]."""
+        """Return set point [rad] and velocity [rad/s] at a time [s].
+
+        Time counts from the start of the profile.
+        """
         if time >= self.duration:
             return self.goal, 0.0
         rise, flat, fall = self.spans
@@ -67,7 +70,7 @@ def still_profile(place: float) -> Profile:
 
 
 def velocity_profile(start: float, speed: float, goal: float, *, limit: float, acceleration: float) -> Profile:
-    """Make the velocity-based profile.
+    """Make a velocity-based profile from a set point to a goal.
 
     Args:
         start: [rad] set point.
@@ -94,7 +97,7 @@ def velocity_profile(start: float, speed: float, goal: float, *, limit: float, a
 
 
 def time_profile(start: float, goal: float, *, duration: float, rise: float) -> Profile:
-    """Make the time-based profile.
+    """Make a time-based profile from a set point to a goal.
 
     Args:
         start: [rad] set point.
@@ -139,7 +142,7 @@ def read_tuning(memory: Memory) -> Tuning:
 
 
 class SetPoint:
-    """Set point of one servo, between its registers and its shaft."""
+    """Generator of a servo's set point and motor commands from its registers."""
 
     def __init__(self, memory: Memory, shaft: Shaft) -> None:
         """Start at rest at the shaft's position, within the first turn."""
@@ -212,7 +215,10 @@ class SetPoint:
         return self.tuning.mode != Mode.VELOCITY.value and time - self._since >= self._profile.duration
 
     def show(self, shaft: Shaft, time: float) -> None:
-        """Write present position, velocity and current to the sensor registers."""
+        """Write shaft state and profile at a time [s] to sensor registers.
+
+        These are the registers MOVING to POSITION_TRAJECTORY.
+        """
         memory, tuning = self._memory, self.tuning
         sign, offset = tuning.sign, tuning.offset
         turns = TICKS_PER_TURN * self._turns

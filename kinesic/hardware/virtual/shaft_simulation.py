@@ -13,7 +13,7 @@ Event = tuple[float, Callable[[], None]]
 
 
 class ShaftSimulation:
-    """Servos of one physics, on any number of wires.
+    """Simulation of servos and their shafts, on any number of wires.
 
     The caller owns the clock, which never decreases.
     """

@@ -19,7 +19,7 @@ DEFAULT_MOTOR = Motor()  # Default first-order motor of a servo
 
 @dataclass(frozen=True)
 class ServoFitting:
-    """Mounted servo with its settings."""
+    """Settings of one mounted servo: id, model, firmware and position."""
 
     servo: int  # id of the servo
     model: str = "xm430_w350"
@@ -30,7 +30,7 @@ class ServoFitting:
     motor: Motor = DEFAULT_MOTOR
 
     def build(self, baud: int) -> VirtualServo:
-        """Build the servo for a baud rate."""
+        """Build the virtual servo for a baud rate [bit/s]."""
         servo = VirtualServo(
             SERVO_MODELS[self.model],
             servo=self.servo,
@@ -54,7 +54,7 @@ class Cable:
 
 
 def describe_cables(robot: Robot, posture: Floats | None = None) -> tuple[Cable, ...]:
-    """Describe the wires of a robot.
+    """Return the virtual wires of a robot, none without [[bus]] tables.
 
     Args:
         robot: description.
@@ -77,7 +77,10 @@ def describe_cables(robot: Robot, posture: Floats | None = None) -> tuple[Cable,
 
 
 def independent_motors(wires: Sequence[Cable]) -> FirstOrder:
-    """Make first-order motors for all servos at their fitted positions."""
+    """Make a first-order motor for each servo, starting at its shaft position.
+
+    The position is that of its `ServoFitting`.
+    """
     fittings = [fitting for wire in wires for fitting in wire.fittings]
     return FirstOrder([fitting.motor for fitting in fittings], [fitting.ticks * TICK_ANGLE for fitting in fittings])
 
