@@ -20,7 +20,7 @@ NO_FACE: Mapping[str, float] = MappingProxyType({})  # face at rest, without act
 
 
 def command_times(duration: float, *, rate: float = COMMAND_RATE, settle: float = SETTLE_DURATION) -> Floats:
-    """Return the times of all commands of a motion.
+    """Return the performance times [s] of all commands of a motion.
 
     Args:
         duration: [s] of the motion.

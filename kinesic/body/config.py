@@ -24,8 +24,8 @@ MAX_NESTING = 32  # Largest depth of nested lists and tables in a TOML file
 
 _KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # pattern of a key part, or of a value on one line
 _KEY_DOT = r"[ \t]*+\.[ \t]*+"  # separator of the parts of a dotted key
-_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # pattern of basic multi-line strings, even open
-_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # pattern of literal multi-line strings, even open
+_BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # multi-line basic strings, also unclosed ones
+_LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # multi-line literal strings, also unclosed ones
 _DEEP_KEY = rf"(?P<deep>{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART}){{{MAX_KEY_PARTS}}})"
 _OTHER_TEXT = r"""[^\w+"'#\[\]{}-]++|."""  # text without effect on nesting
 _TOKEN_PATTERN = re.compile(
@@ -176,7 +176,7 @@ def check_inside(folder: Path, named: Path) -> None:
 
 
 def names_of(kind: str) -> tuple[str, ...]:
-    """List the built-in configurations of a kind such as `robot` or `style`."""
+    """List the names of built-in configurations of a kind such as `robot`."""
     return tuple(sorted(file.stem for file in (CONFIGS / f"{kind}s").glob("*.toml")))
 
 

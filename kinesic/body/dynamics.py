@@ -22,7 +22,7 @@ class Load:
 
 
 class Dynamics(Protocol):
-    """Inverse dynamics of a robot, in joint order."""
+    """Interface of a robot's inverse dynamics, in joint order."""
 
     def torques(self, angles: Floats, velocities: Floats, accelerations: Floats) -> Floats:
         """Compute the torques of a motion by inverse dynamics.
@@ -57,10 +57,10 @@ class Clearance:
 
 
 class Distances(Protocol):
-    """Distances between the segments of a robot."""
+    """Interface of distance measurement between a robot's segments."""
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Find the smallest distance over all checked pairs of capsules.
+        """Find the smallest distance of checked capsule pairs in each posture.
 
         The angles are (m, n) [rad].
         """

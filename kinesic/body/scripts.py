@@ -2,7 +2,7 @@
 
 import unicodedata
 
-ARMENIAN_QUESTION_MARK = "\u055e"  # stands within the word that is asked about
+ARMENIAN_QUESTION_MARK = "\u055e"  # written inside a word, not after the sentence
 QUESTION_MARKS = "?\uff1f\u061f\u1367\u2047\u2048\u2049"  # Latin, full-width, Arabic, Ethiopic, doubled
 EXCLAMATION_MARKS = "!\uff01\u203c"  # Latin, full-width, doubled
 FULL_STOPS = ".\u2026\u3002\uff0e\uff61\u06d4\u0964\u0965\u1362\u0589\u104b\u17d4\u0df4"  # full stops of all scripts

@@ -77,7 +77,7 @@ class Script:
 
 @dataclass(frozen=True)
 class Phoneme:
-    """One sound of an utterance."""
+    """One speech sound of an utterance, with its timing."""
 
     symbol: str
     start: float  # [s] from the start of the utterance

@@ -43,7 +43,7 @@ class LearnedGains:
 
     @classmethod
     def of_twin(cls, robot: Robot, twin: Factors) -> "LearnedGains":
-        """Compute the gains for a twin that was fitted to the servos.
+        """Compute the corrections from factors fitted to the real servos.
 
         Args:
             robot: with the servos of the data sheets.

@@ -28,7 +28,9 @@ class InputStream:
         self._noticed, self._information = np.zeros((2, hinges)), np.zeros(hinges)
 
     def add(self, angles: Floats, setpoints: FeedForwardSetpoints) -> ObserverInputs:
-        """Add a tick and return its inputs, as `precompute_inputs` does.
+        """Add a tick and return its observer inputs.
+
+        They equal those of `Observer.precompute_inputs`.
 
         Args:
             angles: (n,) [rad] reference.

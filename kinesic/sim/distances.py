@@ -27,7 +27,7 @@ MAX_EXACT_FINGER_GAP = 0.13  # [m] finger distance up to which `gaps` is exact; 
 
 
 class CapsuleDistances:
-    """Distances between all pairs of segments that the collision check measures.
+    """Calculator of distances between the segments checked for self-collision.
 
     Implements `body.dynamics.Distances`.
     """
@@ -190,7 +190,7 @@ class CapsuleDistances:
         return distances, pairs
 
     def lowest(self, frames: MotionFrames, angles: Floats) -> Floats:
-        """Compute the distance of each pair of capsules in each posture.
+        """Compute each capsule pair's distance in each posture, or a lower bound.
 
         Args:
             frames: Frames of all segments except fingers in m postures.

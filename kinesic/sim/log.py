@@ -43,7 +43,7 @@ def write_log(measured: "Measurements | Log", robot: Robot, path: Path) -> None:
 
 
 def read_log(path: Path, robot: Robot) -> Log:
-    """Read a log file.
+    """Read a log file, with hinges in the robot's joint order.
 
     Raises:
         ConfigError: the file is missing, lacks an array or a hinge, or contains no motion.

@@ -103,7 +103,7 @@ class Twin:
         self._waiting.append((command.time + self._latency, sent))
 
     def replay(self, times: Floats, goals: Floats, seen: Container[int]) -> Floats:
-        """Step through a sequence of setpoints that act immediately.
+        """Follow setpoints that act immediately, and return selected angles.
 
         Faster than commands, as nothing is measured.
 
@@ -128,7 +128,7 @@ class Twin:
         """End the performance but keep the measurements."""
 
     def positions(self) -> Floats:
-        """Return the angles (n,) [rad] at the last command, in ticks.
+        """Return the angles (n,) [rad] at the last command, rounded to ticks.
 
         They are rounded like the values of the servos' registers.
         """

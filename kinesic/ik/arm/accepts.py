@@ -18,7 +18,7 @@ PARALLEL_SINE = 1e-9  # sine of the angle below which two lines are parallel
 MIN_BONE_RATIO = 1e-6  # shortest accepted bone / length of the chain
 UNIT_TOLERANCE = 1e-6  # largest deviation of an axis' length from 1
 MIN_JOINTS = 3  # smallest number of joints of an arm: shoulder, elbow and wrist
-MAX_SWING_HINGES = 2  # hinges of one joint that swing its bone
+MAX_SWING_HINGES = 2  # largest number of hinges of one joint that swing its bone
 
 
 def accept_chain(chain: Chain) -> Chain:

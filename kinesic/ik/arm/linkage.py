@@ -115,7 +115,7 @@ class Linkage:
         return rotation, points
 
     def hinge_lines(self, angles: Sequence[float]) -> tuple[Vector, list[tuple[Vector, Vector]]]:
-        """Return the hand's position [m] and the axis line of each hinge."""
+        """Return the hand's position [m] and each hinge's axis and centre."""
         rotation, centre = IDENTITY_ROTATION, self.origin
         lines: list[tuple[Vector, Vector]] = []
         for link in self.links[:-1]:

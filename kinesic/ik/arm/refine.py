@@ -18,8 +18,8 @@ from kinesic.body.skeleton import Frames
 from kinesic.ik.box_lm import Box, ErrorFunction, descend
 
 DIRECTION_WEIGHT = 0.05  # weight of a direction error [rad] relative to a position error in arm lengths
-ELBOW_WEIGHT = 0.02  # weight of the elbow's position if a swivel is requested
-ARRIVAL_TOLERANCE = 1e-5  # [arm lengths] error at which the solver stops
+ELBOW_WEIGHT = 0.02  # weight of the elbow's position error relative to the hand's, if a swivel is requested
+ARRIVAL_TOLERANCE = 1e-5  # [arm lengths] norm of the weighted errors at which the solver stops
 RETRY_DISTANCE = 2e-3  # [arm lengths] miss above which a solution is penalised and more start postures are tried
 TRAVEL_WEIGHT = 0.03  # cost of joint travel [1/rad] relative to the errors
 MISS_PENALTY = 1e3  # cost added to a solution that misses the hand target by more than `RETRY_DISTANCE`

@@ -185,7 +185,7 @@ def _build_eye(controls: Mapping[str, float], sign: float) -> list[FaceStrip]:
 
 
 def _build_mouth(controls: Mapping[str, float]) -> FaceStrip:
-    """Return the mouth: a line, which opens to an area."""
+    """Return the shape of the mouth, a line if it is closed."""
     along = np.linspace(0.0, 1.0, STRIP_POINTS)
     left, right = (
         np.array(

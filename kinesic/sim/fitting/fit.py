@@ -55,7 +55,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Fit:
-    """Fitted servo factors, with which the twin reproduces a log best."""
+    """Result of a servo fit: factors, estimates and remaining errors."""
 
     factors: Factors
     estimates: tuple[Estimate, ...]

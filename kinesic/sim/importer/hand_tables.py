@@ -31,7 +31,7 @@ PALM_FRACTION = 0.5  # position of the palm between wrist (0) and knuckles (1)
 
 
 def with_hands(file: RobotFile, hands: Hands, tree: Tree, layout: SegmentLayout) -> RobotFile:
-    """Add the fingers of hands to a robot's tables.
+    """Return a robot's tables extended by the fingers of its hands.
 
     Args:
         file: Tables of the robot without fingers, whose mass is part of the hands' segments.

@@ -17,7 +17,7 @@ from kinesic.sim.importer.zero_pose import MIRROR_SIGNS, HumanoidGeometry
 
 SPINE_TURNS = ("roll", "tilt", "torsion")  # name suffixes of trunk and head hinges, by their nearest axis x, y, z
 VERTEBRA_NAMES = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
-MAX_USEFUL_RANGE = radians(350)  # [rad] widest joint range that is used; a wider one counts as none
+MAX_USEFUL_RANGE = radians(350)  # [rad] widest joint range that is used; a default replaces wider ranges
 
 # Default ranges [deg] of hinges without a range in their file, after human anatomy.
 ANATOMICAL_RANGES = {
@@ -58,7 +58,10 @@ class MappedHinge:
 
 
 def name_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
-    """Name all hinges that kinesic moves, trunk and neck first."""
+    """Return names, signs and ranges of all hinges that kinesic moves.
+
+    Trunk and neck come first.
+    """
     mapped = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
     for side in SIDES:
         mapped += _arm(figure, side)

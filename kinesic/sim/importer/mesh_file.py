@@ -27,7 +27,7 @@ class Triangles:
 
 
 def read_mesh(path: Path, *, folder: Path) -> Triangles:
-    """Read a mesh file.
+    """Read a triangle mesh from an STL or OBJ file.
 
     Args:
         path: Mesh file.
@@ -78,7 +78,7 @@ def _parse_obj(text: str) -> Triangles:
 
 
 def simplify(surface: Triangles, most: int) -> Triangles:
-    """Merge nearby vertices down to a given number of triangles.
+    """Merge nearby vertices until at most `most` triangles are left.
 
     Args:
         surface: Mesh of any size.

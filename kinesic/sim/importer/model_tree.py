@@ -84,14 +84,14 @@ class Tree:
 
     @cached_property
     def children(self) -> dict[int, tuple[int, ...]]:
-        """Child hinges of each hinge index, or of BASE_INDEX."""
+        """Indices of the child hinges of each hinge and of BASE_INDEX."""
         result: dict[int, tuple[int, ...]] = dict.fromkeys(range(BASE_INDEX, len(self.joints)), ())
         for k, joint in enumerate(self.joints):
             result[joint.parent] += (k,)
         return result
 
     def path_from_base(self, joint: int) -> tuple[int, ...]:
-        """List the hinges from the base to a hinge, which is included."""
+        """List the hinge indices from the base up to a hinge, inclusive."""
         row: list[int] = []
         while joint != BASE_INDEX:
             row.append(joint)
@@ -99,7 +99,7 @@ class Tree:
         return tuple(reversed(row))
 
     def below(self, joint: int) -> tuple[int, ...]:
-        """List a hinge and all its descendants."""
+        """List the indices of a hinge and of all its descendants."""
         return (joint, *(k for child in self.children[joint] for k in self.below(child)))
 
     def lump(self, parts: Sequence[int]) -> ModelPart:

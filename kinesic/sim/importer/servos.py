@@ -10,7 +10,7 @@ SUPPLY_VOLTAGE = 48.0  # [V] supply voltage of imported servos
 DEFAULT_STATIC_RATIO = 0.35  # torque in the worst static posture / stall torque, if the file gives no effort
 MAX_STATIC_RATIO = 0.38  # highest plausible static load / stall torque; lower stall torques are raised
 MAX_MEANINGFUL_EFFORT = 1000.0  # [Nm] largest joint effort in the file that is used
-DEFAULT_ACCELERATION = 25.0  # [rad/s^2] acceleration of a servo of unknown strength
+DEFAULT_ACCELERATION = 25.0  # [rad/s^2] acceleration required of a servo whose torque limit is unknown
 ACCELERATION_TORQUE_RATIO = 0.35  # torque for the default acceleration / stall torque
 DEFAULT_NO_LOAD_VELOCITY = 8.0  # [rad/s] no-load velocity if the file gives none
 NO_LOAD_VELOCITY_RANGE = (0.4, 12.0)  # [rad/s] plausible no-load velocities
@@ -26,7 +26,7 @@ MAX_DAMPING = 0.2  # largest accepted damping / (stall torque / no-load velocity
 
 
 def servo(joint: Joint, *, gravity: float, inertia: float) -> tuple[ServoTable, str]:
-    """Choose the servo model of a hinge.
+    """Return a hinge's servo model and the sources of its values.
 
     Args:
         joint: Hinge with the motor data of the file.

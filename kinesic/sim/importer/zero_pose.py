@@ -17,7 +17,7 @@ MIN_ARM_HINGES = 3  # smallest number of hinges of an arm
 FINGER_MASS_RATIO = 0.15  # links lighter than this fraction of their parent count as fingers
 MIRROR_SIGNS = sealed([1.0, -1.0, 1.0])  # signs that mirror a vector at the x-z plane
 HANGING_ARM = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
-RIVAL_LIKENESS_GAP = 0.8  # largest similarity difference from the best arm division at which others are tried, too
+RIVAL_LIKENESS_GAP = 0.8  # difference from the best `likeness` up to which other arm divisions are tried, too
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ TRIANGLE_BUDGET = {
     "limb": 1350,
     "hand": 1000,
     "finger": 140,
-}  # triangles by part
+}  # approximate largest number of triangles, by kind of part
 
 
 @dataclass(frozen=True, eq=False)

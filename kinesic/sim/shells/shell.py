@@ -95,7 +95,7 @@ def describe_segments(robot: Robot) -> Mapping[str, str]:
 
 
 def _describe(robot: Robot) -> Iterator[tuple[Collection[str], list[str]]]:
-    """Yield segments with the words that describe them."""
+    """Yield segment names with the words that determine their surfaces."""
     skeleton, eyes = robot.skeleton, robot.sites.get("eyes")
     for segment in skeleton.segments:
         words = [segment.name, str(segment.parent), _spell(segment.origin_in_parent)]
@@ -118,7 +118,7 @@ def _spell(values: Floats) -> str:
 
 
 def write_shell(shell: Shell, path: Path) -> None:
-    """Write a shell file.
+    """Write a shell to a compressed file, with rounded positions and normals.
 
     Positions are rounded to the largest coordinate / 32767, normals to 1 / 127.
     """
@@ -139,7 +139,7 @@ def write_shell(shell: Shell, path: Path) -> None:
 
 
 def read_shell(path: Path) -> Shell:
-    """Read a shell file.
+    """Read a shell file, refusing broken or oversized ones.
 
     Raises:
         ConfigError: the file is broken or larger than a shell can be.

@@ -36,7 +36,7 @@ from kinesic.sim.shells.part import (
 )
 
 MIDLINE_TOLERANCE = 0.004  # [m] distance from the midline below which a point counts as on it
-MIN_SHAPE_SPACING = 0.005  # [m] smallest height difference of two lateral shapes
+MIN_SHAPE_SPACING = 0.005  # [m] height above the previous lateral capsule up to which a capsule is not lofted
 UP_AXIS = sealed([0.0, 0.0, 1.0])  # unit vector in the world and in trunk segments
 TRUNK_CLEARANCE = 0.0045  # [m] distance of a trunk from a servo's corners, as its triangles are large
 HEAD_HALF_SIZE = sealed([1.10, 1.20, 1.16])  # half depth, width and height of the head's shell / those of its capsule
@@ -46,7 +46,7 @@ EAR_SIZE = (0.36, 1.27)  # [head radii] radius of the ears, and their distance f
 EAR_CENTRE = (-0.15, 0.0)  # [head radii] position of the ears ahead of and above the head's centre
 COLLAR_LEVELS = sealed(
     [[0.55, 0.62], [1.0, 0.22], [1.45, 0.0]]
-)  # height above the girdle / girdle radius, and width / girdle width
+)  # rows: height above the shoulder girdle's capsule / its radius, and width / its width
 COLLAR_RADII = sealed([0.92, 0.86, 0.78])  # depth of the collar at `COLLAR_LEVELS` / depth of the girdle
 COLLAR_TOP = 1.88  # height of the collar's rim above the girdle / the girdle's radius
 # [m] heights of the pedestal's cross-sections above the floor.
@@ -178,7 +178,7 @@ def _loft_capsules(lateral: Sequence[Capsule], *, standing: bool, necked: bool) 
 
 
 def _list_bars(shapes: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yield bars along capsules, and a pedestal for a standing column."""
+    """Yield distance fields of bars along capsules and of a column's pedestal."""
     column = _find_column(shapes) if standing else None
     for shape in shapes:
         if shape is column:
@@ -212,7 +212,7 @@ def _make_pedestal(column: Capsule) -> DistanceField:
 
 
 def _list_waists(lateral: Sequence[Capsule], others: Sequence[Capsule], *, standing: bool) -> Iterator[DistanceField]:
-    """Yield the regions of a trunk part in the colour of joints.
+    """Yield the distance fields of a trunk part's dark joint regions.
 
     These are the neck, the lower end of a moving part and the upper end of a standing part.
     """

@@ -18,7 +18,7 @@ MAX_INT16_TICKS = np.iinfo(np.int16).max  # largest setpoint in ticks that two b
 
 
 class Recorder:
-    """Measurements of a motion, one row per command.
+    """Recorder of a motion's measurements, one row per command.
 
     Steps are measured in windows and read once.
     """

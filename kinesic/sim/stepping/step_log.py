@@ -34,7 +34,7 @@ class StepRecord:
 
 @dataclass(frozen=True, eq=False)
 class LoggedSteps:
-    """The s steps and m commands of a log."""
+    """Arrays of the s steps and m commands of a log."""
 
     angles: Floats  # (s, q) [rad] qpos after each step
     velocities: Floats  # (s, q) [rad/s] qvel after each step

@@ -23,7 +23,7 @@ DOCTYPE_REASON = "declares a document type, which may hold entities; leave it ou
 
 @dataclass(frozen=True)
 class MeshReference:
-    """Mesh reference in a robot file."""
+    """Reference to a mesh file in a robot file."""
 
     file: str  # empty if the mesh has no file
     name: str

@@ -15,7 +15,7 @@ MAX_VALUE_LENGTH = 10_000  # [characters] longest value of any other attribute
 MAX_ACTIVATIONS = 100  # largest number of internal states of an actuator
 COPY_COUNT = re.compile(r"\s*\+?([0-9]{1,18})\s*")  # valid count of a <replicate> element
 
-REFUSED_TAGS = ("flexcomp", "composite")  # elements that grow into meshes of bodies
+REFUSED_TAGS = ("flexcomp", "composite")  # refused elements, which MuJoCo expands into grids of bodies
 UNUSED_SECTIONS = ("size", "sensor", "keyframe", "custom", "deformable")  # children of <mujoco> that the importer drops
 UNUSED_ASSETS = ("hfield", "texture", "skin")  # assets that the importer ignores
 UNUSED_CHILDREN = ("lengthrange",)  # actuator elements that are dropped, as MuJoCo would simulate muscles
