@@ -60,7 +60,7 @@ class Description:
     sites: Mapping[str, Site]  # at least "l_palm", "r_palm", "eyes"
     exclusions: tuple[Exclusion, ...]
     min_clearance: float  # [m] required between counted pairs
-    contact_distance: float  # [m] between a hand and what it touches
+    contact_distance: float  # [m] distance between a hand and the point that it touches
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
     skin: Skin | None = None  # None: drawn without skin
     supply: Supply | None = None  # None: unknown

@@ -34,7 +34,7 @@ def accept_chain(chain: Chain) -> Chain:
         A chain with the same hinges in the same order and the same places for the same angles.
 
     Raises:
-        ConfigError: the rule that the chain breaks, where, and what would have worked.
+        ConfigError: the chain breaks a rule; the message names the rule, the place and a remedy.
     """
     where = f"chain {chain.name}"
     if len(chain.joints) < MIN_JOINTS:

@@ -134,7 +134,7 @@ class Linkage:
 def linkage_of(chain: Chain) -> Linkage:
     """Regroup the hinges of a chain by the bone that they aim.
 
-    A joint's last hinge, where it lies along the joint's own bone, turns only what comes after: it joins the
+    A joint's last hinge, where it lies along the joint's own bone, turns only the bones after it: it joins the
     hinges of the next bone. So an elbow's plane (twist of the upper arm, flexion) is solved like a shoulder.
 
     Raises:

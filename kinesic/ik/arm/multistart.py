@@ -1,6 +1,6 @@
 """Numerical solutions for arm targets, tried from several start postures.
 
-The shortest way where nothing but the position is asked: no elbow to place, no palm to turn.
+They meet positions only: swivel, pointing and palm direction are ignored.
 """
 
 from collections.abc import Sequence
@@ -33,12 +33,12 @@ def approach(
         arm: on the left or in the middle.
         seeds: of the arm, in the order in which it was packed.
         target: [m] of the hand, in the base.
-        angles: [rad] to begin with, inside the ranges.
-        posture: [rad] to which springs pull hinges that the hand does not need.
+        angles: [rad] initial angles, inside the ranges.
+        posture: [rad] preferred angles for redundant hinges.
         mobility: of each hinge, from 0 (fixed) to 1.
 
     Returns:
-        The best angles [rad] of all attempts, and the rounds of all together.
+        The best angles [rad] of all attempts, and the total number of iterations.
     """
     best, miss, rounds = arm.polish(target, angles, posture, mobility)
     for k in arm.nearest(target):
@@ -57,7 +57,7 @@ def reach(chain: Chain, target: Floats, angles: Floats) -> float:
     Args:
         chain: the arm.
         target: (3,) [m] of the hand, in the frame of the chain's base.
-        angles: (k,) [rad] to begin with; overwritten by angles inside the ranges.
+        angles: (k,) [rad] initial angles; overwritten by the solution, inside the ranges.
 
     Returns:
         [m] left between hand and target.
@@ -74,8 +74,8 @@ def reach_many(chain: Chain, targets: Floats, start: Floats, *, rounds: int = MA
     Args:
         chain: the arm.
         targets: (m, 3) [m] of the hand, in the frame of the chain's base.
-        start: (k,) [rad] to begin with, each time; clipped to the ranges.
-        rounds: the most that a target gets.
+        start: (k,) [rad] initial angles of each solution; clipped to the ranges.
+        rounds: largest number of iterations per target.
 
     Returns:
         (m, k) [rad] inside the ranges and (m,) [m] left between hand and target.

@@ -57,7 +57,7 @@ def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
         start: (k,) [rad] posture to stay close to; clipped to the ranges.
 
     Returns:
-        Angles inside the ranges and what is left of the reach, measured on the true arm.
+        Angles inside the ranges and the remaining errors of the true arm.
 
     Raises:
         ValueError: a shape is wrong or a number is not finite.

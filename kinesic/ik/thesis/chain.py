@@ -137,7 +137,7 @@ def perpendicular(wish: Floats, along: Floats) -> Floats:
         along: (n, 3) unit.
 
     Returns:
-        (n, 3); where the wish lies along a direction, the coordinate axis that lies least along it serves.
+        (n, 3); if the wish lies along a direction, the coordinate axis that lies least along it is used instead.
     """
     across = wish - (along * wish).sum(axis=1, keepdims=True) * along
     lost = np.linalg.norm(across, axis=1) < 1e-6 * max(float(np.linalg.norm(wish)), 1e-300)

@@ -24,7 +24,7 @@ class Limbs:
     """Tree of limbs, each after the limb that carries it.
 
     First bones of limbs on the same sub-base joint are parts of one rigid body: they turn together. The limits of
-    that joint would be told in as many frames as bones leave it, so a limb that hangs on another has none there.
+    that joint would refer to as many frames as bones leave it, so a limb that hangs on another has none there.
     """
 
     members: tuple[Limb, ...]

@@ -22,9 +22,9 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
 
     Args:
         chain: at rest; without limits the stance comes back unchanged.
-        stance: as the masses wish it.
+        stance: posture that follows the relaxed masses, without limits.
         target: (3,) [m].
-        carrier: what the chain stands on.
+        carrier: base of the chain.
 
     Returns:
         A stance inside the limits.

@@ -1,6 +1,6 @@
 """Conversion between joint rotations and joint positions (thesis 7.3.1).
 
-A joint's rotation is told away from rest, in the frame of its bone at rest: x along the bone, y aside, z up. Its up
+A joint's rotation is relative to rest, in the frame of its bone at rest: x along the bone, y aside, z up. Its up
 vector travels with the bone by the smallest turn, so that a bone which is aimed is not twisted.
 """
 
@@ -36,7 +36,7 @@ class Stance:
     rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
     frames: Floats  # (n, 3, 3) in the world: columns along the bone, aside, up
     points: Floats  # (n + 1, 3) [m]
-    end: Carrier  # of what hangs on the last point
+    end: Carrier  # base for chains that start at the last point
 
 
 def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
@@ -63,7 +63,7 @@ def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
     Args:
         chain: at rest.
         rotations: (n, 3, 3) of the joints away from rest.
-        carrier: what the chain stands on.
+        carrier: base of the chain.
     """
     frames, points = np.empty_like(chain.frames), np.empty_like(chain.points)
     points[0], turn = carrier.point, carrier.rotation
@@ -79,9 +79,9 @@ def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier
 
     Args:
         chain: at rest.
-        before: (n, 3, 3) rotations away from rest to begin with; they decide the twist.
+        before: (n, 3, 3) initial rotations relative to rest; they define the twist.
         points: (n + 1, 3) [m] where the masses have come to rest; their distances need not be the bones' lengths.
-        carrier: what the chain stands on.
+        carrier: base of the chain.
     """
     bones = np.diff(points, axis=0)
     lengths = np.linalg.norm(bones, axis=1)
@@ -106,7 +106,7 @@ def _led(frame: Floats, along: Floats) -> Floats:
 def swivel_chain(points: Floats, up: Floats) -> Floats:
     """Rotate a chain about its base-hand line towards a direction.
 
-    Both ends stay, and so does every spring: the swivel is what the masses leave open.
+    Both ends and all spring lengths stay: the swivel is the degree of freedom that the masses leave open.
 
     Args:
         points: (n + 1, 3) [m].

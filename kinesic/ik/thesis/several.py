@@ -54,7 +54,7 @@ def turn_joints(
 
     Args:
         limbs: the tree.
-        before: stances to begin with.
+        before: initial stances.
         wishes: of the limbs.
         method: with which a limb solves for its target again, from the actual position of its carrier.
         effort: of that solution; lengths in units of `Limbs.size`.

@@ -35,7 +35,7 @@ class ChainStart:
     """Initial posture of a ball-joint chain."""
 
     rotations: Floats | None = None  # (n, 3, 3) away from rest, for instance an earlier result's; None: at rest
-    carrier: Carrier | None = None  # what the chain stands on; None: the ground, at its rest
+    carrier: Carrier | None = None  # base of the chain; None: fixed, at its rest
 
 
 GROUND_START = ChainStart()  # start at rest with a fixed base
@@ -71,7 +71,7 @@ def solve_ball_chain(
         target: (3,) [m].
         method: of relaxing the springs: an outer force, a pinned hand, or all springs at once.
         start: where the chain begins.
-        up: (3,) where the chain should bend to: its swivel; None: as it comes.
+        up: (3,) direction to which the chain should bend (its swivel); None: any.
         effort: tolerances and caps.
 
     Returns:

@@ -16,8 +16,8 @@ class Effort:
 
     tolerance: float = 1e-3  # distance from hand to target at which the reach is done; 0: only forces count
     threshold: float = 1e-6  # epsilon of Algorithm 1: sum of the forces per stiffness at which masses are at rest
-    iterations: int = 300  # the most, of one relaxation
-    rounds: int = 20  # the most, of relaxation and limits (Algorithm 3) or of relaxation and skeleton (Algorithm 2)
+    iterations: int = 300  # largest number in one relaxation
+    rounds: int = 20  # largest number of relaxation and limits (Algorithm 3), or relaxation and skeleton (Algorithm 2)
     step: float | None = None  # time step of the integration, mass and stiffness being 1; None: derived
 
     def __post_init__(self) -> None:
@@ -31,7 +31,7 @@ class Effort:
 class Task:
     """Chain of masses and springs with a target for its hand."""
 
-    points: Floats  # (n + 1, 3) to begin with
+    points: Floats  # (n + 1, 3) initial positions
     target: Floats  # (3,) within reach
     rests: Floats  # (n,) lengths of the bones; their sum is 1
     stiffness: Floats  # (n,)

@@ -26,10 +26,10 @@ def swing_to_rest(
 
     Args:
         springs: the system.
-        points: (p, 3) to begin with, standing still.
+        points: (p, 3) initial positions, at rest.
         damping: c; None: as advised.
         effort: when to stop.
-        arrived: told the points before each step, ends the loop early.
+        arrived: receives the points before each step; True ends the loop.
     """
     step, loss = springs.advised
     dt = step if effort.step is None else effort.step
