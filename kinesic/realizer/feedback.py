@@ -117,7 +117,7 @@ def block_span(times: Times) -> tuple[float, float, float]:
 def schedule_feedback(
     block: str, times: Times, zero: float, *, sender: int, character: str | None = None, run: int = 0
 ) -> tuple[ScheduledFeedback, ...]:
-    """Schedule progress feedback for all points of a block, sorted by time.
+    """Return the progress feedback of all points of a block, by time.
 
     Args:
         block: id of the block.

@@ -69,7 +69,7 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the last offset (n,) [rad] held in a trunk role, or zeros."""
+    """Return the last offset (n,) [rad] held in a role, or zeros."""
     last = max((entry for entry in occupancy if entry.holds(role)), key=lambda entry: entry.end, default=None)
     return np.zeros(len(hinges)) if last is None or last.offset is None else np.where(hinges, last.offset, 0.0)
 

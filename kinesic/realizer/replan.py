@@ -85,7 +85,7 @@ class _PlanSwitch:
     running: Trajectory
     knot: int  # first knot that may change
     playing: MergedMotion  # by the old plan; its times are clock times
-    playing_zero: float
+    playing_zero: float  # [s] time of the block's zero in the old plan
     playing_occupancy: Sequence[Occupancy]
     new_plan: Plan
     others: Sequence[Occupancy]
@@ -188,7 +188,7 @@ class _PlanSwitch:
         return controls
 
     def _catch_up(self, goal: Floats) -> Floats | None:
-        """Return control points (k + 3, n) joining the new motion, or None."""
+        """Return controls (k + 3, n) joining the new motion, or None."""
         setup, current = self.new_plan.setup, extend_controls(self.running.controls, len(goal))
         key_knots = (self.new_plan.motion.planned + self.zero) / KNOT_INTERVAL
         postures = self.new_plan.postures.postures  # empty if the new plan has no motion

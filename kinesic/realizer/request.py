@@ -60,7 +60,7 @@ _named = msgspec.json.Decoder(_Named)
 class SceneContext:
     """States and global times [s] of the other blocks of a scene."""
 
-    now: float = 0.0
+    now: float = 0.0  # [s] global time
     states: Mapping[str, BlockState] = field(default_factory=dict)  # of active blocks, in order of arrival
     relaxes: Mapping[str, float] = field(default_factory=dict)  # id -> relax time [s]
     ends: Mapping[str, float] = field(default_factory=dict)  # id -> end time [s]
@@ -135,7 +135,7 @@ class Message:
 class TimedRequest:
     """Requested block with scheduled times."""
 
-    sender: int
+    sender: int  # number of the client that receives the feedback
     block: Block  # with references to other blocks converted to block times
     utterances: Mapping[str, Utterance]  # by speech id
     timeline: Timeline

@@ -39,7 +39,7 @@ class Engine(Protocol):
 class Processes:
     """Engine that runs tasks in local worker processes."""
 
-    jobs: int
+    jobs: int  # number of processes
 
     @property
     def place(self) -> str:

@@ -32,7 +32,7 @@ HOST_RESERVE = 0.0005  # [s] part of the period left to the host, if that allows
 MAX_RETRIES = 4  # Repeated queries of missing servos per cycle
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
 REOPEN_INTERVAL = 0.05  # [s] between attempts to reopen a lost port
-MISMATCH_DELAY = 1.0  # [s] wait before a port is reopened after unexpected servos answered
+MISMATCH_DELAY = 1.0  # [s] wait before a port is reopened whose servos were not identified
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ class Bus:
         )
 
     def drop(self, reason: BusError) -> None:
-        """Close the port for a while because unexpected servos answered."""
+        """Close the port for `MISMATCH_DELAY`, after a failed identification of servos."""
         self.wire.close()
         self._lose(reason)
         self._looked = self.wire.now() + MISMATCH_DELAY

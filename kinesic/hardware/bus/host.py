@@ -89,7 +89,7 @@ class AdapterLatency:
     """Latency timer of a USB adapter, which delays received bytes."""
 
     port: Path
-    timer_ms: int
+    timer_ms: int  # [ms] setting of the timer
     setting: Path  # file of the setting
 
     @property

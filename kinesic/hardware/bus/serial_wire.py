@@ -32,7 +32,10 @@ STALL_TIMEOUT = 0.05  # [s] longest stall beyond the transmission time before th
 
 @dataclass(frozen=True)
 class TerminalIdentity:
-    """Identity of a pseudo-terminal, whose number may later belong to another robot or to a shell."""
+    """Identity of a pseudo-terminal, whose number may be reused.
+
+    The number may later belong to another robot or to a shell.
+    """
 
     device: tuple[int, int] | None  # number and creation time [ns]; None for other ports
     link: tuple[int, int] | None  # file number and creation time [ns] of a link to it
@@ -54,7 +57,7 @@ class TerminalIdentity:
         return cls(device, link)
 
     def is_reused_by(self, later: "TerminalIdentity") -> bool:
-        """Return whether a path leads to another terminal, although its link is unchanged."""
+        """Return whether an unchanged link now leads to another terminal."""
         return later.device not in (None, self.device) and later.link == self.link
 
 

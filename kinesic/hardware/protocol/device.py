@@ -26,7 +26,7 @@ class PingReply:
 
     id: int
     number: int  # MODEL_NUMBER
-    firmware: int
+    firmware: int  # firmware version
 
     @property
     def model(self) -> Model | None:
@@ -43,10 +43,10 @@ class PingReply:
 class RegisterChange:
     """Change of one register of a servo, with old and new value."""
 
-    servo: int
+    servo: int  # id
     register: Register
-    before: int
-    after: int
+    before: int  # raw value
+    after: int  # raw value
 
 
 def enable_replies(wire: Wire) -> None:

@@ -27,9 +27,9 @@ class IndirectCells:
     The two-byte address at `addresses` + 2 k selects the byte that shows at `data` + k.
     """
 
-    addresses: int
-    data: int
-    count: int
+    addresses: int  # first address of the indirect addresses
+    data: int  # first address of the indirect data
+    count: int  # number of cells, one byte each
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,8 @@ WATCHDOG_UNIT = 0.020  # [s] per count of the bus watchdog
 WATCHDOG_TRIPPED = -1  # Value of BUS_WATCHDOG after it has stopped the servo
 CLOCK_WRAP = 32768  # [ms] period after which a servo's REALTIME_TICK restarts at 0
 MAX_OFFSET = 1_044_479  # [ticks] limit of HOMING_OFFSET
-MAX_GAIN = 16_383  # Limit of the gain registers
-MAX_PROFILE = 32_767  # Limit of the profile registers
+MAX_GAIN = 16_383  # [counts] largest value of the gain registers
+MAX_PROFILE = 32_767  # [counts] largest value of the profile registers
 
 
 @dataclass(frozen=True)

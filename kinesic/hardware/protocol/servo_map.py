@@ -23,7 +23,7 @@ from kinesic.hardware.protocol.ticks import Scale
 
 MAX_ID = 252  # Largest id of a servo
 BUS_NAME_PATTERN = re.compile(r"[A-Za-z0-9_-]{1,64}")
-MID_TICKS = TICKS_PER_TURN // 2  # [ticks] middle of the turn
+MID_TICKS = TICKS_PER_TURN // 2  # [ticks] middle of a turn, default servo position at hinge angle 0
 
 
 class BusTable(msgspec.Struct, forbid_unknown_fields=True):

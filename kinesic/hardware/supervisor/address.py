@@ -116,9 +116,9 @@ def find_supervisors() -> Iterator[Channel]:
 class _Address(NamedTuple):
     """Location of a supervisor's channel."""
 
-    process: int
+    process: int  # process id
     memory: int  # file descriptor in that process
-    joints: int
+    joints: int  # number of joints of the robot
 
 
 def _all_addresses() -> Iterator["_Address"]:

@@ -84,7 +84,7 @@ class Axes:
         self._unidentified.clear()
 
     def drop(self, place: int, reason: BusError) -> None:
-        """Close a servo's serial port for a while, because unexpected servos answered."""
+        """Close a servo's serial port for a while, after a failed identification."""
         self.buses[self.manifest.members[place].bus].drop(reason)
 
     def now(self) -> float:

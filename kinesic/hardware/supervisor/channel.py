@@ -23,9 +23,9 @@ from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.supervisor.settings import Policy
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
-COMMAND_CAPACITY = 16_384  # Largest number of commands in the ring buffer, more than two minutes
+COMMAND_CAPACITY = 16_384  # Largest number of commands in the ring buffer, more than two minutes at 100 Hz
 EVENT_CAPACITY = 512  # Largest number of events in the ring buffer
-STATUS_CAPACITY = 4096  # Largest number of cycles in the ring buffer, more than half a minute
+STATUS_CAPACITY = 4096  # Largest number of cycles in the ring buffer, more than half a minute at 100 Hz
 TELEMETRY_CAPACITY = 8  # Largest number of telemetry rows in the ring buffer
 MAX_TELEMETRY_SERVOS = 256  # Largest number of servos in a telemetry row
 MEMORY_NAME = "kinesic"  # Name of the shared memory in the host's process list

@@ -52,7 +52,7 @@ def identify(axes: Axes, tables: tuple[RegisterTable, ...], *, watchdog: int) ->
 
 
 def _refuse(axes: Axes, place: int, why: str) -> Procedure:
-    """Report an unexpected servo, and close its port for a while.
+    """Close a servo's port for a while, and raise the reason.
 
     Raises:
         BusError: always, after the next cycle.

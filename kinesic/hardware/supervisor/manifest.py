@@ -34,11 +34,11 @@ class Member:
     bus: str
     servo: Servo
     hinge: str
-    joint: int
+    joint: int  # index of the hinge in joint order
     zero: int  # [ticks] position at hinge angle 0
     turns: float  # signed servo revolutions per hinge revolution
     lower: int  # [ticks] lower end of the hinge's range
-    upper: int
+    upper: int  # [ticks] upper end of the hinge's range
     speed: float  # [rad/s] no-load velocity of the servo
     gains: tuple[int, int]  # position P and D gains
     full: float  # [ticks] position error at full power

@@ -15,7 +15,7 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 PEAK_VELOCITY_RATIO = 15 / 8  # Peak / mean velocity of the minimum-jerk curve
 PEAK_ACCELERATION_FACTOR = 10 / sqrt(3)  # Peak acceleration of the minimum-jerk curve * duration^2 / travel
-MAX_MOVE_ACCELERATION = 7.0  # [rad/s^2] limit of moves without a plan
+MAX_MOVE_ACCELERATION = 7.0  # [rad/s^2] largest joint acceleration of moves without a plan
 NEW_PERFORMANCE_GAP = 0.5  # [s] longest gap between commands of one performance
 END_TOLERANCE = 1e-6  # [s] rounding tolerance for the end of a motion
 

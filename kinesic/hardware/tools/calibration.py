@@ -69,11 +69,11 @@ class HingeCalibration:
 
     hinge: str
     ids: tuple[int, ...]
-    zero_ticks: int
+    zero_ticks: int  # [ticks] servo position in the zero posture
     direction: int  # 1: servo and hinge rotate alike, -1: opposite, 0: unknown
-    present: float
-    lowest: float
-    highest: float
+    present: float  # [deg] present angle
+    lowest: float  # [deg] lowest angle that was reached
+    highest: float  # [deg] highest angle that was reached
     lower: float  # lower limit in the robot's file
     upper: float  # upper limit in the robot's file
 

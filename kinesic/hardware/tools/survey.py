@@ -66,9 +66,9 @@ class SurveyedServo:
     model_name: str = ""  # name of its model; empty: no answer
     firmware: int = 0
     degrees: float = nan  # [deg] angle of its hinge
-    celsius: int = 0
-    volts: float = 0.0
-    torque: bool = False
+    celsius: int = 0  # [C] temperature
+    volts: float = 0.0  # [V] supply voltage
+    torque: bool = False  # whether torque is on
     errors: tuple[str, ...] = ()  # active hardware errors
     differs: tuple[RegisterChange, ...] = ()  # registers that a start would change
 

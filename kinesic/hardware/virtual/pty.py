@@ -129,7 +129,7 @@ def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start:
 
 
 def _link_target(link: Path) -> str:
-    """Return the target of a link, or "" for anything else."""
+    """Return the target of a link, empty for other paths."""
     try:
         return os.readlink(link)
     except OSError:

@@ -118,10 +118,10 @@ def time_profile(start: float, goal: float, *, duration: float, rise: float) -> 
 class Tuning(NamedTuple):
     """Settings of the set point that a servo reads from its EEPROM."""
 
-    mode: int
+    mode: int  # value of OPERATING_MODE
     sign: int  # -1 with reversed rotation
     offset: int  # [ticks] effective homing offset
-    pwm_limit: int
+    pwm_limit: int  # [counts of PWM]
     moving_threshold: int  # [velocity counts]
     has_time_profile: bool
 
