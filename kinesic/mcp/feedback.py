@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
 
 REFUSAL_PREFIXES = ("rule ", "not performed")  # beginnings of warnings about blocks that do not start
-# Beginnings of warnings on predicted blocks that will send no end feedback.
+# Beginnings of warnings after which a block sends no end feedback, although its prediction was sent.
 FINAL_PREFIXES = (*REFUSAL_PREFIXES, "revoked", "a block of this id", "it is for ")
 CROWDED_SERVER = "blocks play and wait already"  # text in the warning of a server with too many blocks
 BLOCK_END = ":end"  # suffix of the feedback's subject at a block end

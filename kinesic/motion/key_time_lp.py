@@ -130,7 +130,7 @@ def solve_exactly(problem: KeyTimeProblem) -> Floats:
 
 
 def _delay_keys(problem: KeyTimeProblem) -> Floats:
-    """Return key times [s] delayed as the gaps before each require.
+    """Return requested key times [s], delayed to keep minimum gaps.
 
     Bonds are kept as far as a few sweeps can. The work is linear in the number of keys. Planes are not used for the
     search, only checked.

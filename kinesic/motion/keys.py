@@ -285,7 +285,7 @@ def _map_columns(keyed: Flags, find: Callable[[Flags], Result]) -> tuple[Result,
 
 
 def _find_successive_keys(keys: Keys) -> tuple[set[Pair], set[Pair]]:
-    """Return successive pairs of exactly passed keys, and pairs within paths.
+    """Return pairs of successive exact keys, and pairs along paths.
 
     The second set keeps the order of keys within paths.
     """

@@ -86,7 +86,7 @@ class PointingStroke:
 
 
 def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
-    """Return the pointing hands of a plan."""
+    """Return each hand that aims at a target, per stroke."""
     return tuple(
         PointingHand(id, side, hand, hand.aim)
         for frame in plan.keyframes.frames

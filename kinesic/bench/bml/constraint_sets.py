@@ -27,7 +27,7 @@ class OrderConstraint:
 
 @dataclass(frozen=True)
 class Constraints:
-    """Sets of simultaneous sync points, and time orders, of one block.
+    """Timing constraints of a block: sync points at fixed offsets, and orders.
 
     Those from `required` parts of the block are also listed separately.
     """

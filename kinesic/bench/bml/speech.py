@@ -33,7 +33,7 @@ from kinesic.speech.recording import read_wav
 
 SENTENCE_SEED = 7  # seed of the random sentences
 SENTENCE_COUNT = 40  # synthesised sentences for the mark errors
-BLOCK_COUNT = 10  # spoken blocks for stroke errors
+BLOCK_COUNT = 10  # number of spoken blocks whose stroke errors are measured
 LATENCY_REPETITIONS = 20  # utterances timed for the synthesis latency
 VOICE_RATES = (0.8, 1.0, 1.25)  # speech rate factors of the synthesised sentences
 MARK_PAUSE = 0.3  # [s] pause inserted before each mark

@@ -19,7 +19,7 @@ LIP_PREFIX = "face.lips."
 OCCLUSION_SIZES = (5, 11, 21)  # filter widths of ambient occlusion [samples], as in thesis Table 3.1
 PICTURE_SIZES = ((512, 512), (1024, 768))  # [pixels] sizes of the timed pictures
 MIN_FRAME_RATE = 24.0  # [Hz] frame rate goal of preset normal at the first picture size
-THESIS_MS = {  # (estimator, filter width) -> exact and separable times [ms] in Table 3.1, on a GTX 480
+THESIS_MS = {  # (estimator, filter width) -> times [ms] of exact and separable blur on a GTX 480: the thesis, Table 3.1
     ("crytek", 5): (3.2, 3.4),
     ("crytek", 11): (13.9, 5.8),
     ("crytek", 21): (49.7, 9.9),

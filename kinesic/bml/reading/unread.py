@@ -64,7 +64,7 @@ def _contains(element: Element, bml: Element) -> bool:
 
 @dataclass
 class _Notes:
-    """Notices about one document, without repetitions of a kind."""
+    """Collected notices on ignored parts of a document, one per kind."""
 
     reading: DocumentReading
     seen: set[tuple[str, str]] = field(default_factory=set)

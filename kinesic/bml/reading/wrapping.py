@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from kinesic.bml.reading.prologue import find_first_tag
 
 ROOT_NAMES = ("bml", "fml-apml", "speak")  # root elements of documents
-MAX_OPENED_SIZE = 8_000_000  # [bytes or characters] largest text searched for a document, above all document limits
+MAX_OPENED_SIZE = 8_000_000  # [bytes or characters] largest text searched for a document; above their limits
 MAX_SHOWN_LENGTH = 60  # [characters] longest quotation of ignored text in a notice
 _BLANK_CHARACTERS = " \t\r\n\ufeff"
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")

@@ -81,7 +81,7 @@ def search_designs(
 
 
 def _prepare_folder(output: Output) -> Path | None:
-    """Return the output folder, new or of an interrupted search, or None.
+    """Create or reuse the output folder; None if none was requested.
 
     Raises:
         ConfigError: the folder holds a finished search, or other files.

@@ -14,7 +14,7 @@ LIP_OPENINGS: Mapping[str, float] = {
 }  # [m] by action unit, at full intensity
 MAX_LIP_VELOCITY = 0.2  # [m/s] largest velocity of one lip relative to the other
 ACCELERATION_TIME = 0.04  # [s] time in which lips accelerate from rest to their largest velocity
-CONSTRAINT_WINDOW = 0.2  # [s] time around a narrow mouth within which it limits the mouth opening
+CONSTRAINT_WINDOW = 0.2  # [s] before and after a narrow mouth shape, in which it limits the opening
 SMOOTHING_WINDOW = 0.02  # [s] half width of the moving average of the lip opening
 
 

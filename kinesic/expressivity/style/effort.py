@@ -149,7 +149,7 @@ class Effort:
         return natural_time(natural, minimum, self.manner.temporal, WEAKNESS_FRACTION * min(self.manner.power, 0.0))
 
     def stroke_time(self, distance: float) -> float:
-        """Return the natural duration of one swing of a stroke [s].
+        """Return the duration [s] of one swing before sync points change it.
 
         Positive power shortens it.
         """

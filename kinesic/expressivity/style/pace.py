@@ -15,7 +15,7 @@ from kinesic.motion.double_s import least_rest_times
 COMFORT_MARGIN = 1.3  # natural duration of a rotation / minimum duration of the servos
 TEMPORAL_FACTOR = 1.5  # factor on velocity at a temporal extent of 1
 POWER_FACTOR = 2.4  # factor on velocity at a power of 1, within the servo limits
-POWER_EXPONENT = 2.0  # exponent e of the velocity factor `POWER_FACTOR` ** (power ** e), small at half the power
+POWER_EXPONENT = 2.0  # exponent of power in the factor on velocity; above 1, so that small power has little effect
 WEAKNESS_FACTOR = 1.6  # factor on the duration at a power of -1
 
 _SAMPLED_DISTANCES = np.linspace(0.0, 2.4, 25)  # [arm lengths] distances at which minimum durations are computed

@@ -119,7 +119,7 @@ class Lights:
         return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
     def powers(self) -> Floats:
-        """Return the (3, 3) colours of the lamps."""
+        """Return the RGB powers (3, 3) of the lamps, one row each."""
         return np.array([lamp.power for lamp in (self.key, self.fill, self.rim)])
 
     def scaled(self, factor: float) -> "Lights":

@@ -153,7 +153,7 @@ class Geometry:
         self._moving_hair.write(rows.astype("f4").tobytes())
 
     def render(self, camera: Camera) -> Target:
-        """Draw the mesh vertices at their last positions."""
+        """Draw the mesh with the positions that were set most recently."""
         view, projection = camera.view(), camera.projection(self.size[0] / self.size[1])
         for shader in self._shaders:
             set_uniforms(shader, {"view": view.T, "projection": projection.T})

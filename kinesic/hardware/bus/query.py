@@ -53,7 +53,7 @@ class Query(ABC):
     @property
     @abstractmethod
     def data(self) -> bytes:
-        """Bytes of the query packet."""
+        """Bytes of the query packet with its read instruction."""
 
     @property
     @abstractmethod

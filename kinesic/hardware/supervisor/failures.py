@@ -15,7 +15,7 @@ class FailureWatch:
     """Detector of changes in the set of failed and silent servos."""
 
     def __init__(self, manifest: Manifest, note: Callable[[str, str], None]) -> None:
-        """Start the watch without failed or silent servos.
+        """Start the watch with no servo marked as failed or silent.
 
         Args:
             manifest: the servos.

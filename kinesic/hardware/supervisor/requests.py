@@ -55,7 +55,7 @@ class Requests:
         self.ended = bool(self._channel.word("ended"))
 
     def events(self) -> tuple[Event, ...]:
-        """Return the requests of planner and persons since the last call.
+        """Return at most one emergency stop or resume requested since last time.
 
         A resume request is ignored during an emergency stop.
         """

@@ -51,7 +51,7 @@ class Springs:
 
     @property
     def advised(self) -> tuple[float, float]:
-        """Recommended time step and damping: fixed fractions of the theoretical values."""
+        """Recommended time step and damping: fractions of `pace`, by mass count."""
         long = int(self.free.sum()) > TUNED_MASSES
         step, loss = self.pace
         return STEP_FRACTIONS[long] * step, DAMPING_FRACTIONS[long] * loss

@@ -4,7 +4,7 @@ import re
 
 from kinesic.intent.reading.language import Language
 
-MAX_ACRONYM_LENGTH = 5  # [letters] longest unknown acronym without vowels
+MAX_ACRONYM_LENGTH = 5  # [letters] longest unlisted word in capitals without vowels that is an acronym
 MAX_WORDLIKE_LENGTH = 3  # [letters] longest unknown acronym with vowels
 VOWEL_CAPITALS = frozenset("AEIOUYYÄÖÜÁÉÍÓÚÀÈÌÒÙÂÊÎÔÛ")  # capital letters of vowels
 

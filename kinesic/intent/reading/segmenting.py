@@ -63,7 +63,7 @@ def _goes_on(text: str, end: int) -> bool:
 
 
 def _is_script_change(before: str, after: str) -> bool:
-    """Return whether a change of script ends a word between letters.
+    """Return whether a word ends between two letters of different scripts.
 
     Hiragana after another script is a word ending.
     """

@@ -36,7 +36,7 @@ class _Cells:
 
 @dataclass(frozen=True, eq=False)
 class Changes:
-    """Secondary motion offsets of a motion, evaluated once, with adjustable amounts."""
+    """Offsets of secondary motion, computed once, with adjustable amounts."""
 
     motion: Trajectory  # at rest before its start and after its end
     offsets: Sequence[MotionChange]  # none starts before the motion

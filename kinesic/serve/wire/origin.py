@@ -30,7 +30,7 @@ class Access:
     texts: bool = False  # whether a message that is neither XML nor JSON is spoken
 
 
-OPEN_ACCESS = Access()  # access rules without a token, for programs and pages of this server
+OPEN_ACCESS = Access()  # access without a token: any program, but only web pages of this server
 
 
 @dataclass(frozen=True)

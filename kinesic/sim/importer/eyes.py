@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot_schema import SiteTable
 from kinesic.sim.importer.model_tree import ModelPart
-from kinesic.sim.importer.segments import FIXED_HEAD, HEAD_GIRTH, HEAD_SEGMENT, SegmentLayout, round_triple
+from kinesic.sim.importer.segments import FIXED_HEAD, HEAD_RADIUS_RATIO, HEAD_SEGMENT, SegmentLayout, round_triple
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 EYE_HEIGHT_FRACTION = 0.5  # height of the eyes / height of the head, from its lowest point
@@ -33,7 +33,7 @@ def place_eyes(figure: HumanoidGeometry, layout: SegmentLayout, carried: Mapping
         neck_part, last = tree.lump(tree.below(figure.neck[0])), tree.lump(tree.below(figure.neck[-1]))
         position = _find_front(_list_points(last), size)
         if position is None:
-            position = sealed(neck_part.centre + HEAD_GIRTH * size * np.array([1.0, 0.0, 0.2]))
+            position = sealed(neck_part.centre + HEAD_RADIUS_RATIO * size * np.array([1.0, 0.0, 0.2]))
         return SiteTable(HEAD_SEGMENT, round_triple(layout.inside(HEAD_SEGMENT, position)), (1.0, 0.0, 0.0))
     shoulder = figure.arms["l"].centres.shoulder
     mid_shoulders = np.array([shoulder[0], 0.0, shoulder[2]])
@@ -41,7 +41,7 @@ def place_eyes(figure: HumanoidGeometry, layout: SegmentLayout, carried: Mapping
     is_above = points[:, 2] > mid_shoulders[2] + FIXED_HEAD[0] * size
     position = _find_front(sealed(points[is_above & (np.abs(points[:, 1]) < MAX_HEAD_HALF_WIDTH * size)]), size)
     if position is None:
-        position = sealed(mid_shoulders + size * np.array([HEAD_GIRTH, 0.0, 0.35]))
+        position = sealed(mid_shoulders + size * np.array([HEAD_RADIUS_RATIO, 0.0, 0.35]))
     return SiteTable(layout.carrier, round_triple(layout.inside(layout.carrier, position)), (1.0, 0.0, 0.0))
 
 

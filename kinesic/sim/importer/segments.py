@@ -17,7 +17,7 @@ from kinesic.sim.importer.zero_pose import HumanoidGeometry
 UPPER_ARM_GIRTH = 0.15  # radius / length of the upper arm
 FOREARM_GIRTH = 0.14  # radius / length of the forearm
 HAND_GIRTH = 0.12  # radius of the hand / length of the forearm
-HEAD_GIRTH = 0.17  # radius of the head / length of the arm
+HEAD_RADIUS_RATIO = 0.17  # radius of the head / length of the arm
 HAND_LENGTH_RATIO = 0.45  # length of the hand / length of the forearm
 ARM_TRUNK_GAP = 0.035  # [m] distance between the trunk and a hanging arm
 MIN_RADIUS = 0.01  # [m] smallest radius of a generated capsule
@@ -154,7 +154,7 @@ def _generate_capsules(
             make_bone_capsule(zero, layout.origins[f"{side}_shoulder"] - layout.origins[name], UPPER_ARM_GIRTH * upper)
         ]
     if name == HEAD_SEGMENT:
-        centre, radius = part.centre - layout.origins[name], HEAD_GIRTH * figure.arm_length
+        centre, radius = part.centre - layout.origins[name], HEAD_RADIUS_RATIO * figure.arm_length
         return [
             make_bone_capsule(centre - np.array([0, 0, 0.2 * radius]), centre + np.array([0, 0, 0.2 * radius]), radius)
         ]

@@ -20,7 +20,7 @@ from kinesic.files.array_file import integers_of, numbers_of, read_arrays, text_
 SHELL_SUFFIX = ".npz"  # suffix of shell files
 MAX_FILE_SIZE = 2_000_000  # [bytes] largest shell file
 MAX_UNPACKED_SIZE = 20_000_000  # [bytes] largest total size of a shell file's arrays
-FINGERPRINT_RESOLUTION = 1e-7  # [m] smaller differences do not change the fingerprint
+FINGERPRINT_RESOLUTION = 1e-7  # [m] grid to which sizes are rounded for the fingerprint
 Corners = NDArray[np.uint16]
 
 

@@ -35,7 +35,7 @@ class Meaning:
 
     @property
     def label(self) -> str:
-        """Text for participants: characteristic words without the form of the gesture."""
+        """Text for participants: words for the meaning, not for the form."""
         return ", ".join(self.sense.words[:LABEL_WORDS])
 
     def is_similar(self, other: "Meaning") -> bool:

@@ -199,7 +199,7 @@ def _draw_path_with_arrow(points: Floats, side: Side) -> Iterator[PenStroke]:
 
 
 def _make_paper(wide: float, tall: float, scale: float) -> tuple["Figure", "Axes"]:
-    """Return an empty matplotlib sheet of a size in paper units."""
+    """Return an empty matplotlib figure, `scale` inches per drawing unit."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415 - an extra
     from matplotlib.figure import Figure  # noqa: PLC0415 - an extra
 
