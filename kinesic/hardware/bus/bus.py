@@ -50,10 +50,7 @@ class Servo:
 
 
 class Bus:
-    """Bus that exchanges goals and records with the servos of one wire.
-
-    `bring_up.open_bus` prepares the servos.
-    """
+    """Bus that exchanges goals and records with prepared servos of one wire."""
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], *, period: float = 0.01, fast: bool = True) -> None:
         """Create the bus without sending anything.
@@ -222,10 +219,7 @@ class Bus:
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Query servos again if time remains, otherwise return False.
-
-        With `must`, they are queried in any case.
-        """
+        """Query servos again if time remains or it `must` be, else return False."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual
