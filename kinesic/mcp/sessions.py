@@ -19,7 +19,7 @@ OPENING_REQUESTS = 2  # POST requests of a client that only opens a session: `in
 class _Session:
     """Numbers of requests and open streams of an HTTP session."""
 
-    requests: int = 0  # POST requests so far
+    requests: int = 0  # requests so far, without streams
     pending_calls: int = 0
     streams: int = 0  # open streams of the client
 
@@ -38,7 +38,7 @@ class _Session:
 
     @property
     def is_working(self) -> bool:
-        """Whether the client has sent more than it takes to open the session."""
+        """Whether the client has sent requests after the opening handshake."""
         return self.requests > OPENING_REQUESTS
 
 

@@ -15,15 +15,15 @@ from kinesic.planning.stance import (
 )
 
 ROBOTS = {name: Robot.load(name) for name in ("human", "upper22", "upper36")}
-HANGING = np.array([-6.0, 12.0, 25.0, 3.0, 14.0, -4.0])  # [deg] directions of a person's hanging arm
+HANGING_REST = np.array([-6.0, 12.0, 25.0, 3.0, 14.0, -4.0])  # [deg] directions of a person's hanging arm
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("side", ["l", "r"])
 def test_links_of_an_arm_take_the_directions_of_a_stance(name, side):
     robot = ROBOTS[name]
-    posture = set_arm(robot, side, HANGING, np.array(robot.skeleton.rest))
-    assert np.abs(measure_arm(robot, side, posture) - HANGING).max() < 1.0
+    posture = set_arm(robot, side, HANGING_REST, np.array(robot.skeleton.rest))
+    assert np.abs(measure_arm(robot, side, posture) - HANGING_REST).max() < 1.0
     moved = np.flatnonzero(posture != robot.skeleton.rest)
     assert set(moved.tolist()) <= set(robot.arm(side).joints)
 

@@ -235,9 +235,9 @@ def _read_influence(node: BehaviourElement, reading: DocumentReading) -> str | N
 
 
 def _read_choice(choices: tuple[str, ...], node: BehaviourElement, reading: DocumentReading, *names: str) -> str | None:
-    """Return an attribute's value in capitals, or None if missing or invalid.
+    """Return an attribute's value in capitals without underscores, or None.
 
-    An invalid value adds a notice.
+    None stands for a missing or an invalid value. An invalid one adds a notice.
     """
     text = node.attribute(*names).upper()
     choice = text.replace("_", "")

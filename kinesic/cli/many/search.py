@@ -81,7 +81,7 @@ def search_designs(
 
 
 def _prepare_folder(output: Output) -> Path | None:
-    """Create or reuse the output folder; None if none was requested.
+    """Create or reuse the output folder, or return None without one.
 
     Raises:
         ConfigError: the folder holds a finished search, or other files.

@@ -9,10 +9,10 @@ import numpy as np
 
 from kinesic.expressivity.keyframes import Turn
 
-HANGING = "hanging"  # name of the rest pose in which the arms hang, without a gesture
+HANGING_REST = "hanging"  # name of the rest pose in which the arms hang, without a gesture
 OTHER_HAND_PROBABILITY = 0.4  # probability that the other hand performs a rest gesture
 # (rest gesture, weight of its random choice) of a style without own rests; the hands take them in long pauses.
-USUAL_PAUSES = (("hanging", 2.0), ("hands_folded_low", 3.0), ("hand_on_hip", 1.5), ("arms_crossed", 0.7))
+USUAL_PAUSES = ((HANGING_REST, 2.0), ("hands_folded_low", 3.0), ("hand_on_hip", 1.5), ("arms_crossed", 0.7))
 UPRIGHT_TURN = Turn()  # zero rotation of head and trunk
 
 
@@ -67,7 +67,7 @@ class Standing:
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers
     rest: str = ""  # rest gesture of the lexicon; empty: arms hang
     mirrored: bool = False  # whether the other hand performs it
-    pauses: tuple[tuple[str, float], ...] = ()  # (rest gesture or `HANGING`, weight) in long pauses
+    pauses: tuple[tuple[str, float], ...] = ()  # (rest gesture or `HANGING_REST`, weight) in long pauses
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
     gaze: GazeHabit = FRONTAL_GAZE
 
@@ -110,7 +110,7 @@ def choose_rest(weights: tuple[tuple[str, float], ...], chance: np.random.Genera
         return None
     names, amounts = zip(*weights, strict=True)
     chosen: str = names[int(chance.choice(len(names), p=np.array(amounts) / sum(amounts)))]
-    return "" if chosen == HANGING else chosen
+    return "" if chosen == HANGING_REST else chosen
 
 
 NEUTRAL_STANDING = Standing.of(StandingTable())  # the robot's own rest posture, an unmoved face and a frontal gaze

@@ -219,7 +219,7 @@ class Bus:
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Query servos again if time remains or it `must` be, else return False."""
+        """Query servos again, unless time is short and `must` is false."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual

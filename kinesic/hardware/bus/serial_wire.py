@@ -57,7 +57,7 @@ class TerminalIdentity:
         return cls(device, link)
 
     def is_reused_by(self, later: "TerminalIdentity") -> bool:
-        """Return whether an unchanged link now leads to another terminal."""
+        """Return whether an unchanged link now points to another terminal."""
         return later.device not in (None, self.device) and later.link == self.link
 
 

@@ -50,7 +50,7 @@ class Pattern:
 
     @cached_property
     def required(self) -> tuple[frozenset[str], ...]:
-        """Words of each literal slot, one of which a sentence must contain."""
+        """Alternative words of each literal slot; a sentence must contain one."""
         literal = (slot for slot in self.slots if not (slot.is_optional or slot.stems or slot.is_any or slot.is_number))
         return tuple(slot.words for slot in literal)
 

@@ -10,7 +10,7 @@ _HOST_ENDINGS = (  # top-level domains that are no common English words
 )
 _HOST_PATTERN = rf"(?:[A-Za-z0-9][A-Za-z0-9-]{{0,62}}\.){{1,4}}(?:{_HOST_ENDINGS})(?![\w-])"
 _EMAIL_PATTERN = r"[A-Za-z0-9][\w.+-]{0,63}@(?:[A-Za-z0-9-]{1,63}\.){1,4}[A-Za-z]{2,24}(?![\w-])"
-ADDRESS = rf"(?<![\w@./-])(?:{_EMAIL_PATTERN}|{_HOST_PATTERN})"  # regular expression of e-mail addresses and host names
+ADDRESS_PATTERN = rf"(?<![\w@./-])(?:{_EMAIL_PATTERN}|{_HOST_PATTERN})"  # e-mail addresses and host names
 _HOST_BEFORE = re.compile(rf"(?<![\w@./-]){_HOST_PATTERN}$")
 _PART_PATTERN = re.compile(r"[.@]|[^\W_]+")
 _SIGN_CLASSES = {".": ("dot_word", "dot"), "@": ("at_word", "at")}  # sign -> word class of its name, English name

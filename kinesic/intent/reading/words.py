@@ -13,7 +13,7 @@ from kinesic.body.scripts import (
     SENTENCE_STOPS,
 )
 from kinesic.intent.reading.acronyms import read_acronym
-from kinesic.intent.reading.addresses import ADDRESS, split_address
+from kinesic.intent.reading.addresses import ADDRESS_PATTERN, split_address
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage, SentenceKind, Word
 from kinesic.intent.reading.prosody import NO_LAYERS, PROSODY_TAG, VOICE_TAG, Layers, take_tag
@@ -43,7 +43,7 @@ _TOKEN_PATTERN = rf"""
     | (?P<emoticon>{{emoticon}})
     | (?P<ellipsis>\.{{{{2,}}}}|\u2026)
     | (?P<dash>\s[-\u2013\u2014]{{{{1,2}}}}\s|\u2014|--)
-    | (?P<address>{ADDRESS.replace("{", "{{").replace("}", "}}")})
+    | (?P<address>{ADDRESS_PATTERN.replace("{", "{{").replace("}", "}}")})
     | (?P<word>\d+(?:[.,:]\d+)*(?:st|nd|rd|th|%)?|(?:[^\W\d_]\.)+[^\W\d_](?=\.)|[A-Z]+\d+[A-Z\d]*
         |[^\W\d_]+(?:(?:[{COMBINING_MARKS}]+|['\u2019\u00b7\u05be\-](?=[^\W\d_]))[^\W\d_]*)*)
     | (?P<stop>[{SENTENCE_STOPS}]+["'\u201d\u2019\u00bb\u300d\u300f)]*)

@@ -75,7 +75,7 @@ def _find_rests(motion: Trajectory, span: Span, robot: Robot) -> Iterator[Span]:
 
 
 def _change_hands(setup: Setup, standing: Standing, chance: np.random.Generator) -> Floats | None:
-    """Return the offset (n,) [rad] of the arms to another rest of the style.
+    """Return the offset (n,) [rad] of the arms to another rest pose.
 
     Returns:
         None if the style names none, or the body cannot take it.

@@ -102,7 +102,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class FirstChoices:
-    """Frequency of the true label as the first choice: the thesis, Table 4.5."""
+    """Frequency of the true label as the first choice, as in Table 4.5."""
 
     shares: Mapping[tuple[str, str], float]  # (action, "with" or "without" wrinkles) -> 0..1; NaN without answers
     counts: Mapping[tuple[str, str], int]
