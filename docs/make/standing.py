@@ -18,7 +18,7 @@ HEAD = """\
 # degrees. Trunk and head: tilt + forward or down, roll + right, turn + left of the line of the shoulders. Links of an
 # arm: direction from straight down, forward and outward. `symmetric` and `asymmetric` are principal components, one
 # standard deviation each; the second are added to the left arm and subtracted from the right. `within` is the
-# standard deviation between two rests of one person.
+# standard deviation of rests about the mean of their person.
 # Sources, in data/behaviorsets of github.com/worldforge/smartbody; statistics, no motion. `docs/make/standing.py`
 # writes this file. {groups}.
 

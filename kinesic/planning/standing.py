@@ -15,19 +15,12 @@ from kinesic.expressivity.style.standing import OTHER_HAND_PROBABILITY, Standing
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Style
 from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.expressivity.variation import Variation
+from kinesic.planning.arm_directions import ARM_FEATURES, measure_arm, set_arm
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.setup import Setup
-from kinesic.planning.stance import (
-    ARM_FEATURES,
-    StanceDeviation,
-    draw_deviation,
-    measure_arm,
-    read_stances,
-    set_arm,
-    spread_features,
-)
+from kinesic.planning.stance import StanceDeviation, draw_deviation, expand_features, read_stances
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
 POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arm offsets, tried until no body parts are too close
@@ -93,7 +86,7 @@ def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | 
     rest = np.array(robot.skeleton.rest)
     if name:
         return _take_rest_gesture(rest, robot, standing, setup.lexicon, setup.distances)
-    hanging = spread_features(read_stances().hanging.mean)
+    hanging = expand_features(read_stances().hanging.mean)
     for side in SIDES:
         rest = set_arm(robot, side, hanging[-len(ARM_FEATURES) :], rest)
     angles = _inside(rest, robot)
@@ -117,7 +110,7 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
     chance = np.random.default_rng((variation.seed, STANDING_STREAM))
     table = read_stances().hanging
     stance = StanceDeviation(draw_deviation(table, chance), MAX_TORSION * float(chance.uniform(-1.0, 1.0)))
-    mean = spread_features(table.mean) if _stands_upright(style) else None
+    mean = expand_features(table.mean) if _stands_upright(style) else None
     for fraction in POSTURE_AMOUNTS:
         angles = _take_stance(robot, style, stance.scaled(fraction * variation.amount), mean)
         if _is_clear(angles, robot, distances):

@@ -1,9 +1,9 @@
-"""Shell of a robot whose file extends that of another robot.
+"""Shell of a robot that extends a base robot.
 
-Segments that both describe alike have the surface of the extended robot. The others are built from the description.
+Segments keep the surface of the base robot, except those that differ and their neighbours, which get new housings.
 """
 
-from collections.abc import Iterator
+from collections.abc import Set
 from functools import lru_cache
 
 from kinesic.body.robot import Robot
@@ -14,9 +14,10 @@ CACHED_VARIANTS = 4  # shells of variants kept in memory
 
 
 def find_shell(robot: Robot) -> Shell | None:
-    """Return the shell that is drawn on a robot, or None.
+    """Return the visible shell of a robot, or None.
 
-    It is read from the robot's own file, or adapted from that of the robot which it extends.
+    It is read from the robot's own shell file, or adapted from the shell of its base robot. A robot with a skin, or
+    without shell and base, has none.
 
     Raises:
         ConfigError: a file is broken.
@@ -24,30 +25,28 @@ def find_shell(robot: Robot) -> Shell | None:
     shell = load_shell(robot)
     if shell is not None or robot.skin is not None or not robot.path.is_file():
         return shell
-    return _adapt_extended(robot)
+    return _adapt_base_shell(robot)
 
 
 @lru_cache(maxsize=CACHED_VARIANTS)
-def _adapt_extended(robot: Robot) -> Shell | None:
+def _adapt_base_shell(robot: Robot) -> Shell | None:
     path = find_extended(robot.path)
     if path is None:
         return None
-    extended = Robot.load(path, calibrated=False)
-    shell = find_shell(extended)
-    return None if shell is None else adapt_shell(shell, extended, robot)
+    base = Robot.load(path, calibrated=False)
+    shell = find_shell(base)
+    return None if shell is None else adapt_shell(shell, base, robot)
 
 
-def adapt_shell(shell: Shell, extended: Robot, robot: Robot) -> Shell:
-    """Adapt the shell of a robot to another robot that extends it.
-
-    Surfaces are built anew where the robots differ.
+def adapt_shell(shell: Shell, base: Robot, robot: Robot) -> Shell:
+    """Adapt the shell of a base robot to a robot that extends it.
 
     Args:
-        shell: shell of the extended robot.
-        extended: robot whose file the other one extends.
+        shell: shell of the base robot.
+        base: robot whose file the other one extends.
         robot: robot that gets the shell.
     """
-    old, new = describe_segments(extended), describe_segments(robot)
+    old, new = describe_segments(base), describe_segments(robot)
     changed = {name for name in old.keys() | new.keys() if old.get(name) != new.get(name)}
     if not changed:
         return Shell(shell.segments, fingerprint(robot))
@@ -55,25 +54,27 @@ def adapt_shell(shell: Shell, extended: Robot, robot: Robot) -> Shell:
     from kinesic.sim.shells.bake import make_surface  # noqa: PLC0415
     from kinesic.sim.shells.housing import housings  # noqa: PLC0415
 
-    redrawn = {surface for name in changed for side in (extended, robot) for surface in _touch(side, name)}
-    surfaces = {name: surface for name, surface in shell.segments.items() if name in new and name not in redrawn}
+    affected = _find_affected(base, changed) | _find_affected(robot, changed)
+    surfaces = {name: surface for name, surface in shell.segments.items() if name in new and name not in affected}
     for name, housing in housings(robot):
         if name not in surfaces:
             surfaces[name] = make_surface(housing)
     return Shell({name: surfaces[name] for name in new if name in surfaces}, fingerprint(robot))
 
 
-def _touch(robot: Robot, name: str) -> Iterator[str]:
-    """Yield the segments whose surfaces a changed segment affects."""
+def _find_affected(robot: Robot, changed: Set[str]) -> set[str]:
+    """Return the names of segments whose housings depend on changed segments.
+
+    A housing reaches to the next segments, and up to the nearest one that a hinge moves.
+    """
     segments = {segment.name: segment for segment in robot.skeleton.segments}
     moving = {hinge.segment for hinge in robot.skeleton.hinges}
     moving |= {coupling.segment for coupling in robot.skeleton.couplings}
-    if name not in segments:
-        return
-    yield from (child.name for child in segments.values() if child.parent == name)
-    carrier: str | None = name
-    while carrier is not None:
-        yield carrier
-        if carrier in moving and carrier != name:
-            return
-        carrier = segments[carrier].parent
+    affected = {segment.name for segment in segments.values() if segment.parent in changed}
+    for name in changed & segments.keys():
+        affected.add(name)
+        ancestor = segments[name].parent
+        while ancestor is not None:
+            affected.add(ancestor)
+            ancestor = None if ancestor in moving else segments[ancestor].parent
+    return affected

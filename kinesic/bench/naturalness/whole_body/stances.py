@@ -8,7 +8,8 @@ import numpy as np
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion
 from kinesic.bench.naturalness.whole_body.posture import posture_axes, starts_at_rest
 from kinesic.body.arrays import Floats
-from kinesic.planning.stance import ARM_FEATURES, BODY_FEATURES, STANCE_FEATURES, StanceTable
+from kinesic.planning.arm_directions import ARM_FEATURES
+from kinesic.planning.stance import BODY_FEATURES, STANCE_FEATURES, StanceTable
 
 SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
 ASYMMETRIC_BODY = tuple(name for name in BODY_FEATURES if name not in SYMMETRIC_BODY)

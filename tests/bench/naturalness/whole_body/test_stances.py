@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from kinesic.bench.naturalness.whole_body.stances import fit_stances, group_hanging, measure_stance
-from kinesic.planning.stance import ARM_FEATURES, STANCE_FEATURES, draw_deviation, spread_features
+from kinesic.planning.arm_directions import ARM_FEATURES
+from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, expand_features
 
 from .bodies import make_body
 
@@ -34,7 +35,7 @@ def test_fit_finds_mean_and_correlation_of_a_population():
     for person in range(60):
         symmetric, turn = chance.normal(size=2)
         features = {"trunk_tilt": 3.0 + 4.0 * symmetric, "upper_arm_outward": 10.0 + 2.0 * symmetric}
-        centre = spread_features(features)
+        centre = expand_features(features)
         centre[STANCE_FEATURES.index("head_turn")] = 5.0 * turn
         groups[str(person)] = centre + chance.normal(size=(5, len(centre)))
     table = fit_stances(groups)

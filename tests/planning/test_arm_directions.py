@@ -1,0 +1,33 @@
+"""Arms set to link directions, and link directions measured on arms."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.planning.arm_directions import measure_arm, set_arm
+
+ROBOTS = {name: Robot.load(name) for name in ("human", "upper22", "upper36")}
+HANGING_ARM = np.array([-6.0, 12.0, 25.0, 3.0, 14.0, -4.0])  # [deg] directions of a person's hanging arm
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_links_of_an_arm_take_the_directions_of_a_stance(name, side):
+    robot = ROBOTS[name]
+    posture = set_arm(robot, side, HANGING_ARM, np.array(robot.skeleton.rest))
+    assert np.abs(measure_arm(robot, side, posture) - HANGING_ARM).max() < 1.0
+    moved = np.flatnonzero(posture != robot.skeleton.rest)
+    assert set(moved.tolist()) <= set(robot.arm(side).joints)
+
+
+def test_directions_are_relative_to_the_turned_shoulders():
+    robot = ROBOTS["human"]
+    turned = np.array(robot.skeleton.rest)
+    turned[robot.skeleton.joint("vl5_torsion")] = np.radians(20.0)
+    assert measure_arm(robot, "l", turned) == pytest.approx(measure_arm(robot, "l", robot.skeleton.rest), abs=1e-6)
+
+
+def test_unreachable_directions_keep_the_joint_limits():
+    robot = ROBOTS["upper36"]
+    posture = set_arm(robot, "l", np.array([-170.0, 5.0, 80.0, -60.0, -120.0, 80.0]), np.array(robot.skeleton.rest))
+    assert np.all((posture >= robot.skeleton.lower) & (posture <= robot.skeleton.upper))
