@@ -18,6 +18,7 @@ with exit_at_once_on_interrupt():  # Ctrl-C prints one line even during imports.
     from kinesic.cli.plain_words import printable
     from kinesic.cli.servos import servo_verbs
     from kinesic.cli.study.verbs import study_verbs
+    from kinesic.cli.style_verbs import style_verbs
     from kinesic.cli.verbs import kinesic, robots
     from kinesic.hardware.protocol.wire import BusError
 
@@ -26,6 +27,7 @@ BAD_INPUT_EXIT_CODE = 2  # exit code for invalid input or configuration
 
 for verb in (
     gesture_verbs,
+    style_verbs,
     serve_verb,
     studio_verb,
     mcp_verb,

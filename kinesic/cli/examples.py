@@ -39,6 +39,8 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "servos simulate": ("kinesic servos simulate --folder ports", "kinesic servos simulate --physics twin"),
     "servos stop": ("kinesic servos stop",),
     "studio": ("kinesic studio my.bml",),
+    "styles list": ("kinesic styles list",),
+    "styles show": ("kinesic styles show joyful", "kinesic styles show mine.toml --set power=0.5 --json"),
     "study analyse": ("kinesic study analyse answers.csv",),
     "study make": ("kinesic study make --out my-study",),
     "study make-speech": ("kinesic study make-speech --text one.txt --text two.txt --compare whole_body=0",),

@@ -11,6 +11,7 @@ import msgspec
 from kinesic.bml.block import EXPRESSIVITY_RANGES, Modality
 from kinesic.body.config import ConfigError, locate_config, names_of, read_toml, suggestion
 from kinesic.body.html_view import NotebookView
+from kinesic.expressivity.style.parameters import StyleParameter, list_parameters
 from kinesic.expressivity.style.standing import NEUTRAL_STANDING, Standing, StandingTable
 
 __all__ = [
@@ -216,6 +217,15 @@ class Style(NotebookView):
     @property
     def _parts(self) -> dict[Modality, Expressivity]:
         return {part: self.of(part) for part in MODALITIES}
+
+    @property
+    def parameters(self) -> tuple[StyleParameter, ...]:
+        """Each value of the style with its key, unit and effect.
+
+        Modalities are listed only where they differ from gestures, postures where they differ from the rest posture.
+        """
+        weights = {name: getattr(self, name) for name in WEIGHT_RANGES}
+        return list_parameters(self.numbers(), weights, self.standing, self.prefers)
 
     def numbers(self) -> Mapping[Modality, Mapping[str, float]]:
         """Return all parameter values by modality and name."""

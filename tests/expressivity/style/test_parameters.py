@@ -1,0 +1,58 @@
+from dataclasses import asdict, fields
+
+import msgspec
+import pytest
+
+from kinesic.body.config import CONFIGS, names_of, read_toml
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.style.parameters import PARAMETER_EFFECTS, TURN_EFFECTS, WEIGHT_EFFECTS
+from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, MODALITIES, WEIGHT_RANGES, Style, StyleTable
+
+
+def flat(table: dict[str, object], prefix: str = "") -> dict[str, object]:
+    """Return the leaves of nested tables by dotted key."""
+    leaves: dict[str, object] = {}
+    for key, value in table.items():
+        leaves |= flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {prefix + key: value}
+    return leaves
+
+
+def test_every_parameter_has_an_effect_and_its_range():
+    assert list(PARAMETER_EFFECTS) == list(EXPRESSIVITY_RANGES)
+    assert {name: text for name, (text, _) in WEIGHT_EFFECTS.items()} == {
+        name: f"{low:g} .. {high:g}" for name, (low, high) in WEIGHT_RANGES.items()
+    }
+    assert set(TURN_EFFECTS) == {field.name for field in fields(Turn)}
+
+
+@pytest.mark.parametrize("name", names_of("style"))
+def test_style_lists_all_values_of_its_file(name):
+    written = flat(msgspec.to_builtins(read_toml(CONFIGS / "styles" / f"{name}.toml", StyleTable)))
+    expected = {
+        key: value
+        for key, value in written.items()
+        if value not in (None, 0.0, "", False)
+        and key.partition(".")[0] not in MODALITIES
+        and key not in ("standing.mirrored",)
+    }
+    listed = {parameter.key: parameter.value for parameter in Style.load(name).parameters}
+    assert {key: listed.get(key) for key in expected} == expected
+
+
+def test_modalities_are_listed_only_where_they_differ_from_gestures():
+    style = Style.load("proud").changed(["head.power=0.9", "torso.spatial=0.6"])
+    listed = {parameter.key: parameter.value for parameter in style.parameters}
+    assert listed["head.power"] == 0.9
+    assert "torso.spatial" not in listed
+    assert listed["spatial"] == asdict(style.gesture)["spatial"] == 0.6
+
+
+def test_hand_of_a_mirrored_rest_is_named():
+    rest = next(parameter for parameter in Style.load("proud").parameters if parameter.key == "standing.rest")
+    assert str(rest) == "standing.rest = hand_on_hip: gesture in which the hands rest, by the other hand"
+
+
+def test_style_value_prints_key_value_unit_and_effect():
+    lines = [str(parameter) for parameter in Style.load("sad").parameters]
+    assert lines[0] == "spatial = -0.5 (-1 .. 1): size of movements: tight .. wide"
+    assert "standing.gaze_down = 32 deg: averted gaze: angle down" in lines
