@@ -101,7 +101,7 @@ def face_keys(unit: str) -> tuple[str, ...]:
 
 
 def describe_unknown_unit(unit: str) -> str:
-    """Write the error message for an unknown action unit, with valid names."""
+    """Return the error message for an unknown action unit, with valid numbers."""
     if unit[:1] in ("L", "R") and face_keys(unit[1:]):
         return f"no action unit {unit}: {ACTION_UNITS[int(unit[1:])].name} has no sides; write {unit[1:]}"
     sided = ", ".join(str(number) for number, unit_data in ACTION_UNITS.items() if unit_data.sided)

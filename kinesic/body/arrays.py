@@ -12,7 +12,7 @@ ROWS_PER_COMPARISON = 4096  # Rows per vectorised comparison, which bounds the m
 
 
 def find_distinct_rows(values: Floats, resolution: float) -> tuple[Indices, Indices]:
-    """Find the rows that differ from the row before.
+    """Find the rows that differ from the previous row after rounding.
 
     Runs of equal rows are replaced by their first row.
 

@@ -12,7 +12,7 @@ CALIBRATION_SUFFIX = ".calibration.toml"  # end of the name of a calibration fil
 
 
 class Calibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Measurements of `kinesic servos calibrate`, by hinge name.
+    """Servo zeros, directions and ranges measured by `kinesic servos calibrate`, per hinge.
 
     A hinge without an entry keeps the values of the robot's file.
     """
@@ -43,7 +43,7 @@ def calibration_path(robot: Path) -> Path:
 
 
 def read_calibration(robot: Path, name: str) -> Calibration:
-    """Read the calibration of a robot, or return `NO_CALIBRATION` without a file.
+    """Read a robot's calibration file, or return `NO_CALIBRATION` if it is missing.
 
     Args:
         robot: path of the robot's file.

@@ -15,7 +15,7 @@ from kinesic.body.rotation import rotation_about
 from kinesic.body.skeleton import Hinge, Skeleton
 
 TWIST_ALIGNMENT = 0.8  # Minimum cosine between axis and bone at which the last hinge of a joint counts as a twist
-ALIGNMENT_TOLERANCE = 1e-9  # Sine of the angle to the bone below which an axis counts as aligned
+ALIGNMENT_TOLERANCE = 1e-9  # Largest sine (or 1 - cosine) of the angle between an aligned axis and its bone
 MAX_SWING_HINGES = 2  # Largest number of hinges per joint that swing its bone; further ones are dropped
 
 

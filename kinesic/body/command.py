@@ -14,7 +14,7 @@ from kinesic.body.dynamics import Clearance
 from kinesic.body.servo import Drives
 
 COMMAND_RATE = 100  # [Hz] commands sent per second
-SETTLE_DURATION = 0.3  # [s] duration of commands after the end of the motion
+SETTLE_DURATION = 0.3  # [s] time after the end of the motion in which commands are still sent
 COMMANDS_PER_WINDOW = 1024  # Commands per evaluation of duties and torques, which bounds the memory
 NO_FACE: Mapping[str, float] = MappingProxyType({})  # face at rest, without action units
 
@@ -71,7 +71,7 @@ class Sink(Protocol):
     """
 
     def write(self, command: Command, /) -> None:
-        """Take one command for the robot's joints.
+        """Receive one command for the robot's joints.
 
         Times never decrease.
         """
@@ -109,16 +109,16 @@ class Power:
 
 @dataclass(frozen=True, eq=False)
 class SetpointRows:
-    """Setpoints of many commands, stored in whole servo ticks.
+    """Setpoints of many commands, in servo ticks, or unrounded in radians.
 
-    They take a quarter of the memory of angles.
+    Rounded setpoints take a quarter of the memory of angles.
     """
 
     counts: NDArray[np.int16] | Floats  # (m, n) [ticks]; floats if a setpoint exceeds two bytes or is not rounded
     tick: Floats  # (n,) [rad]; 1 for setpoints that are not rounded
 
     def angles(self, rows: slice = slice(None)) -> Floats:
-        """Convert some rows of servo ticks to setpoints (k, n) [rad]."""
+        """Return the setpoints (k, n) [rad] of a range of commands."""
         return seal_in_place(self.counts[rows] * self.tick)
 
 
@@ -148,7 +148,7 @@ class Measurements:
 
     @property
     def setpoints(self) -> Floats:
-        """Setpoints (m, n) [rad] sent with each command, rounded to ticks.
+        """Setpoints (m, n) [rad] as sent, rounded to servo ticks by default.
 
         Servo parameters are fitted to them.
         """
@@ -171,11 +171,11 @@ class Measurements:
         return seal_in_place(values)
 
     def windows(self) -> Iterator[slice]:
-        """Yield slices of commands that are evaluated together."""
+        """Yield consecutive slices of at most `COMMANDS_PER_WINDOW` commands."""
         return (slice(begin, begin + COMMANDS_PER_WINDOW) for begin in range(0, len(self.times), COMMANDS_PER_WINDOW))
 
     def drive_rows(self, rows: slice) -> tuple[Floats, Floats]:
-        """Compute duties and torques [Nm] of some commands, each (k, n)."""
+        """Compute demanded duties and torques [Nm], each (k, n), of some commands."""
         velocities, drives = self.velocities[rows], self.drives
         duties = drives.demanded_duties(self.in_force.angles(rows) - self.angles[rows], velocities)
         torques = drives.torque_ratios(np.clip(duties, -1.0, 1.0), velocities, self.supplied[rows])

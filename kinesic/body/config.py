@@ -22,7 +22,7 @@ MAX_FILE_SIZE = 4_000_000  # [bytes] largest accepted configuration file
 MAX_KEY_PARTS = 32  # Largest number of parts of a dotted TOML key
 MAX_NESTING = 32  # Largest depth of nested lists and tables in a TOML file
 
-_KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # pattern of a key part, or of a value on one line
+_KEY_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[\w+-]++)"""  # pattern of a key part or one-line value
 _KEY_DOT = r"[ \t]*+\.[ \t]*+"  # separator of the parts of a dotted key
 _BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # multi-line basic strings, also unclosed ones
 _LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # multi-line literal strings, also unclosed ones
@@ -96,7 +96,7 @@ def parse_tables(text: str, path: Path) -> dict[str, object]:
 
 
 def describe_excess(text: str) -> str:
-    """Describe the first nesting limit that a TOML text exceeds, or "".
+    """Describe the first exceeded limit on nesting or key parts, or "".
 
     The parser's time grows with the square of the number of parts of a dotted key, and it recurses for each nesting.
     """
@@ -136,7 +136,7 @@ def fit_schema(data: object, schema: type[T], path: Path) -> T:
 
 
 def locate_config(kind: str, name: str | Path) -> Path:
-    """Return the path of a robot or style file.
+    """Return the path of a configuration file given by name or path.
 
     A path ends in .toml; a name is searched in `configs/KINDs/`.
 
@@ -176,7 +176,7 @@ def check_inside(folder: Path, named: Path) -> None:
 
 
 def names_of(kind: str) -> tuple[str, ...]:
-    """List the names of built-in configurations of a kind such as `robot`."""
+    """List the built-in configuration names of one kind, such as `robot`."""
     return tuple(sorted(file.stem for file in (CONFIGS / f"{kind}s").glob("*.toml")))
 
 
@@ -236,7 +236,7 @@ def _suggest_key(message: str, schema: object) -> str:
 
 
 def _enter(schema: object, part: str) -> Iterator[object]:
-    """Yield the types of a schema's key (`.name`) or items (`[...]`)."""
+    """Yield the types that a schema allows at `.name` or `[...]`."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):

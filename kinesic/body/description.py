@@ -13,9 +13,9 @@ from kinesic.body.skeleton import Skeleton
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """Drive of a hinge with the place of its servos.
+    """Drive of a hinge, with the mounting position of its servos.
 
-    Servos have weight.
+    The position matters because servos have weight.
     """
 
     drive: Drive

@@ -60,7 +60,7 @@ class Distances(Protocol):
     """Interface of distance measurement between a robot's segments."""
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Find the smallest distance of checked capsule pairs in each posture.
+        """Find the smallest distance of all checked pairs in each posture.
 
         The angles are (m, n) [rad].
         """
@@ -72,7 +72,7 @@ class Distances(Protocol):
         """
 
     def bounds(self, angles: Floats, turns: Floats) -> Floats:
-        """Compute lower bounds of the distances (m,) [m] near given postures.
+        """Compute lower bounds (m,) [m] of the clearance near given postures.
 
         Args:
             angles: (m, n) [rad].

@@ -11,7 +11,7 @@ MUSCLE_VELOCITY_FRACTION = 0.2  # Velocity limit / no-load velocity; full duty t
 
 
 def make_muscle(*, speed: float, acceleration: float, torque: float) -> Drive:
-    """Make a position drive that keeps the limits of a hinge.
+    """Make a virtual drive from a hinge's velocity, acceleration and torque limits.
 
     Its rotor inertia is so large that the full torque gives the unloaded hinge just the acceleration limit. Hence any
     motion that the drive can follow keeps the limit, with every load.

@@ -16,5 +16,5 @@ def is_pictograph(character: str) -> bool:
 
 
 def blank_pictographs(text: str) -> str:
-    """Replace pictographs by spaces, without a change of the length."""
+    """Replace each character of a pictograph by a space."""
     return PICTOGRAPH_PATTERN.sub(lambda found: " " * len(found[0]), text)

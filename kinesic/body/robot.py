@@ -52,12 +52,12 @@ class RobotArm:
 
     @property
     def all_joints(self) -> tuple[int, ...]:
-        """Hinges of the arm and of its fingers."""
+        """Hinge indices of the arm, followed by those of its fingers."""
         return (*self.joints, *self.fingers)
 
     @classmethod
     def of(cls, robot: Description, side: Side) -> "RobotArm":
-        """Find the arm on one side of a skeleton."""
+        """Make the arm on one side of a robot."""
         skeleton, segments = robot.skeleton, robot.chains[f"{side}_arm"]
         shoulder, elbow, wrist = (skeleton.segment(name) for name in segments[-3:])
         joints = skeleton.joints_of(segments)
@@ -149,7 +149,7 @@ class Robot(Description, NotebookView):
         return (*self.joints(PART_CHAINS[part]), *fingers)
 
     def fingers(self, side: Side) -> tuple[str, ...]:
-        """List the finger segments of a hand, if it has fingers."""
+        """List the names of a hand's finger segments, empty without fingers."""
         return self.chains.get(f"{side}_fingers", ())
 
     @cached_property

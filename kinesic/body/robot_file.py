@@ -201,7 +201,7 @@ def _check_uniform_drives(path: Path, file: RobotFile) -> None:
 
 
 def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: list[str]) -> None:
-    """Refuse couplings without a hinge as driver, or driven out of range."""
+    """Refuse couplings with an invalid driver or a rotation out of range."""
     ranges = {hinge.name: hinge.range_deg for hinge in file.hinge}
     names: list[str] = []
     for coupling in file.coupling:

@@ -15,7 +15,7 @@ class Strict(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class MirrorTable(Strict, rename={"source": "from", "target": "to"}):
-    """Name prefixes of the described side and of the derived side."""
+    """TOML table `mirror`: name prefixes of the described and the derived side."""
 
     source: str  # prefix of the described side, such as `l_`
     target: str  # prefix of the derived side, such as `r_`
@@ -133,7 +133,7 @@ class SupplyTable(Strict):
 
 
 class ServoTable(Strict):
-    """Data of one servo model."""
+    """TOML table of one servo model in `servos.toml` or `[servos]`."""
 
     model: int  # model number in the control table
     volt: float  # [V] nominal voltage
@@ -155,7 +155,7 @@ class ServoTable(Strict):
 
 
 class RobotFile(Strict):
-    """Complete robot file."""
+    """Contents of a robot's TOML file, by table."""
 
     robot: RobotTable  # name and options
     body: list[BodyTable]  # rigid segments, one `[[body]]` each
@@ -214,7 +214,7 @@ def changes_text(
     robot: Mapping[str, str],
     heading: Sequence[str],
 ) -> str:
-    """Return the tables of a robot that extends another as TOML.
+    """Return the changed tables of an extending robot as TOML text.
 
     Values that equal their default are written, too.
 

@@ -117,7 +117,7 @@ class Skeleton:
 
     @cached_property
     def _coupled(self) -> tuple[list[int], Floats, Floats]:
-        """Drivers, ratios (c,) and offsets (c,) [rad] of the couplings."""
+        """Driver indices, ratios (c,) and offsets (c,) [rad] of the couplings."""
         ratios, offsets = zip(*((coupling.ratio, coupling.offset) for coupling in self.couplings), strict=True)
         return [coupling.driver for coupling in self.couplings], sealed(ratios), sealed(offsets)
 

@@ -55,7 +55,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Script:
-    """Text to be spoken, with marks between its words."""
+    """Text to be spoken, with marks, pauses, emphases and language."""
 
     text: str
     marks: tuple[Mark, ...] = ()
@@ -142,7 +142,7 @@ class Voice(Protocol):
     """Speech engine, a pure function from text to timing and sound."""
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
-        """Synthesise a script.
+        """Synthesise the timing and sound of a script.
 
         Args:
             script: the text.
