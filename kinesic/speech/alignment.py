@@ -12,7 +12,7 @@ WINDOW_DURATION = 0.01  # [s] duration of the windows in which a recording's amp
 AUDIBLE_RATIO = 0.03  # amplitude of a window / loud amplitude of the recording (-30 dB) above which it is audible
 LOUD_PERCENTILE = 99  # percentile of the windows' amplitudes that counts as loud
 MAX_BRIDGED_GAP = 0.12  # [s] longest silence within a word, such as before a plosive
-MIN_AUDIBLE_TIME = 0.05  # [s] shortest audible time between two anchors in which sounds are placed
+MIN_AUDIBLE_TIME = 0.05  # [s] with less audible time between two anchors, sounds fill the whole time between them
 
 Span = tuple[float, float]  # begin and end [s]
 
@@ -40,7 +40,7 @@ def find_audible_spans(sound: Sound) -> tuple[Span, ...]:
 def align_phonemes(
     phonemes: Sequence[Phoneme], anchors: Sequence[Span], audible: Sequence[Span]
 ) -> tuple[tuple[Phoneme, ...], Callable[[float], float]]:
-    """Place estimated phonemes in a recording's audible spans between known times.
+    """Place estimated phonemes in a recording's audible spans, between anchor times.
 
     Args:
         phonemes: estimated sounds, in order.
@@ -70,7 +70,7 @@ def align_phonemes(
 
 
 def order_anchors(times: Sequence[Span], estimated_end: float, actual_end: float) -> tuple[Span, ...]:
-    """Return (estimated, actual) times [s] in order, with start and end.
+    """Sort (estimated, actual) times [s] and add those of start and end.
 
     Times that contradict the order, or lie after the end, are dropped.
     """
@@ -97,7 +97,7 @@ def _clip(spans: Sequence[Span], begin: float, end: float) -> list[Span]:
 def _distribute(
     phonemes: Sequence[Phoneme], spans: Sequence[Span], total: float
 ) -> Iterator[tuple[Phoneme, float, float]]:
-    """Yield each sound with start and duration [s] in the audible spans."""
+    """Yield sounds with start and duration [s], spread over audible spans."""
     ends = np.cumsum([stop - start for start, stop in spans])
     scale, spoken = float(ends[-1]) / total, 0.0
     for sound in phonemes:

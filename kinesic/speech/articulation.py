@@ -12,13 +12,13 @@ from dataclasses import replace
 from kinesic.body.utterance import VOWEL_LETTERS, Phoneme
 
 VOICELESS_STOPS = frozenset("ptkcqʈ")  # phonetic letters of voiceless stops
-VOICED_STOPS = frozenset("bdgɡɖɟɓɗ")  # noqa: RUF001 - phonetic symbols
+VOICED_STOPS = frozenset("bdgɡɖɟɓɗ")  # noqa: RUF001 - phonetic letters of voiced stops
 NASAL_SOUNDS = frozenset("mnŋɲɳɱ")  # phonetic letters of nasals
 GLIDE_SOUNDS = frozenset("lɹrwjʎ")  # phonetic letters of glides and liquids
 CLOSURE_TIME = 0.036  # [s] duration of the closure before the burst of a voiceless stop, at rate 1
-MAX_GAP = 0.02  # [s] largest gap between sounds that follow without a pause
-FINAL_BURST_FRACTION = 0.5  # time of the burst in a voiced stop before a pause / its duration
-OPENING_FRACTIONS = (  # letters and fraction of the sound after which the mouth opens to a vowel
+MAX_GAP = 0.02  # [s] a longer gap between two sounds counts as a pause
+FINAL_BURST_FRACTION = 0.5  # fraction of the duration of a voiced stop before a pause at which its burst occurs
+OPENING_FRACTIONS = (  # phonetic letters -> fraction of the sound's duration at which the mouth opens for a vowel
     (VOICED_STOPS, 0.62),
     (NASAL_SOUNDS, 0.7),
     (GLIDE_SOUNDS, 0.6),

@@ -13,7 +13,7 @@ from kinesic.speech.spelling import VOWEL_SOUNDS, count_syllables, mora_sounds, 
 
 SYLLABLE_DURATION = 0.18  # [s] estimated duration of a syllable
 WORD_DURATION = 0.06  # [s] estimated duration per word, in addition to its syllables
-MORA_DURATION = 0.14  # [s] duration of a Chinese, Japanese or Korean character
+MORA_DURATION = 0.14  # [s] estimated spoken duration of a Chinese, Japanese or Korean character
 PHRASE_PAUSE = 0.2  # [s] silence at a comma
 SENTENCE_PAUSE = 0.45  # [s] silence at the end of a sentence
 VOWEL_RATIO = 2.0  # duration of a vowel / duration of a consonant
@@ -92,7 +92,7 @@ class DurationModel:
 def _split_script(script: Script) -> Iterator[Mark | Pause | re.Match[str]]:
     """Yield marks, pauses and tokens of a script in order.
 
-    Stops inside a word follow the word.
+    A mark or pause inside a word comes after the word.
     """
     stops = list(script.stops())
     for token in _TOKEN_PATTERN.finditer(script.text):

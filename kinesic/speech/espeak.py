@@ -31,8 +31,8 @@ MAX_PITCH = 99  # largest pitch on espeak-ng's scale
 CACHED_UTTERANCES = 64  # number of cached utterances
 MAX_LISTED_LETTERS = 40  # largest number of unreadable letters listed in a remark
 MAX_CHARACTERS = 25_000  # [characters] longest script, about half an hour: longer than a block may last
-ENGLISH_TAG = "en-us"  # language of texts without a supported language
-LANGUAGE_ALIASES: Mapping[str, str] = {  # spelling of a language tag in espeak-ng's files
+ENGLISH_TAG = "en-us"  # espeak-ng's language for texts in a language that it does not speak
+LANGUAGE_ALIASES: Mapping[str, str] = {  # BCP 47 tag -> tag in espeak-ng's files
     "en": ENGLISH_TAG,
     "en-gb": "en",
     "iw": "he",
@@ -79,7 +79,7 @@ def list_voices(data: Path) -> Mapping[str, str]:
 
 
 def find_voice(language: str, data: Path) -> tuple[str, str]:
-    """Return espeak-ng's voice for a language, and a remark if replaced.
+    """Return espeak-ng's voice for a language, and a remark if unsupported.
 
     A language without a voice is read as English. The remark is empty otherwise.
     A tag that is too specific is shortened: `de-AT` is spoken by `de`.
@@ -161,7 +161,7 @@ def _convert_reply(script: Script, reply: EngineReply) -> Utterance:
 def _find_samples(
     script: Script, reply: EngineReply, onsets: Sequence[int], spoken: int
 ) -> tuple[list[int], list[str]]:
-    """Return the sample index of each mark and pause, and unreported marks.
+    """Return sample indices of marks and pauses, and names of unreported marks.
 
     A mark moves on to the onset of the next word, unless a pause or closing punctuation lies between.
     """

@@ -60,7 +60,7 @@ _Callback = ctypes.CFUNCTYPE(
 
 
 def main(library: str, data: str) -> int:
-    """Synthesise the utterance on standard input, and return the exit code.
+    """Synthesise the utterance read from standard input and return the exit code.
 
     The module's docstring describes both formats.
     """

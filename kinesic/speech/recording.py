@@ -53,7 +53,7 @@ def read_wav(path: Path) -> Sound:
 
 
 def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:
-    """Check a WAV header and return the samples per channel."""
+    """Check a WAV header and return the number of samples per channel."""
     rate, channels, width = recording.getframerate(), recording.getnchannels(), recording.getsampwidth()
     if not MIN_RATE <= rate <= MAX_RATE:
         raise RecordingError(f"{path} has {rate} samples a second; {MIN_RATE} to {MAX_RATE} are read")

@@ -18,7 +18,7 @@ class Speaker:
     """
 
     def __init__(self, clock: Clock = time.monotonic, *, device: Device | None = None, rate: int = SAMPLE_RATE) -> None:
-        """Open a device, by default the machine's own.
+        """Open a sound output, by default that of the machine.
 
         Args:
             clock: clock of all times [s].

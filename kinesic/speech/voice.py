@@ -41,7 +41,7 @@ def voice(name: VoiceName = "durations") -> Voice:
 
 @dataclass(frozen=True)
 class RecordedVoice:
-    """Voice that uses a script's recording, or another voice without one."""
+    """Voice that plays recordings and synthesises scripts without a recording."""
 
     voice: Voice
 
