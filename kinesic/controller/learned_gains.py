@@ -20,7 +20,7 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS, DriveFactors, Factors
 
 # Servo parameters identified from a few seconds of motion; the setpoint correction adapts to other deviations.
 FITTED_PARAMETERS: tuple[ServoParameter, ...] = ("latency", "gain")
-# Bounds of an estimated P gain, as factors of the data sheet.
+# Bounds of an estimated P gain, as factors of the data sheet's value.
 GAIN_FACTOR_RANGE = (1.0 / (1.0 + LOAD_ERROR_RANGE[1]), 1.0 / (1.0 + LOAD_ERROR_RANGE[0]))
 MOVING_FRACTION = 0.05  # setpoint velocity / no-load velocity above which a servo counts as moving
 INITIAL_REST = 0.2  # [s] duration of the log that is used before the first motion

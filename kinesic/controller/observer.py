@@ -47,13 +47,13 @@ OBSERVER_BANDWIDTH = 100.0  # [rad/s] frequency of the three observer poles
 REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which the first estimate of a load error is halved
 FORGETTING_TIME = 5.0  # [s] time constant of the recursive least squares
 MAX_CORRECTION = np.radians(10.0)  # [rad] largest correction of a setpoint
-SATURATION_MARGIN = 1.2  # factor on the nominal error of full duty, above which duty counts as saturated
+SATURATION_MARGIN = 1.2  # position error / error that nominally gives full duty, above which duty counts as saturated
 EXPONENTIAL_STEPS = 1024  # substeps per period that approximate the matrix exponential
 
 
 @dataclass(frozen=True, eq=False)
 class LoadEstimate:
-    """Observer state at one tick, in joint order."""
+    """Observer state at one control tick, in joint order."""
 
     rows: Floats  # (7 + h, n) state: motion, h corrections in flight, share, pace, correction, setpoints
 
@@ -64,12 +64,12 @@ class LoadEstimate:
 
     @property
     def share(self) -> Floats:
-        """Estimated load relative to the model, minus 1, (n,)."""
+        """Estimated relative load error, (n,): load / modelled load - 1."""
         return np.asarray(self.rows[-4])
 
     @property
     def pace(self) -> Floats:
-        """Estimated velocity offset relative to the model, minus 1, (n,)."""
+        """Estimated relative velocity offset error, (n,): offset / modelled offset - 1."""
         return np.asarray(self.rows[-3])
 
     @property
@@ -85,7 +85,7 @@ class LoadEstimate:
 
 @dataclass(frozen=True, eq=False)
 class ObserverInputs:
-    """Observer inputs at all ticks, computed before any measurement."""
+    """Observer inputs at all control ticks, computed before any measurement."""
 
     angles: Floats  # (m, n) [rad] reference
     setpoints: Floats  # (m, n) [rad] of the feed-forward
@@ -100,7 +100,7 @@ class ObserverInputs:
 
     @cached_property
     def rows(self) -> Floats:
-        """All inputs of each tick, (m, 10, n)."""
+        """Observer inputs of each control tick, (m, 10, n), in field order."""
         return np.stack([getattr(self, field.name) for field in fields(self)], axis=1)
 
 
@@ -262,7 +262,10 @@ def forecast_servo(robot: Robot, dynamics: Dynamics, period: float) -> Floats:
 
 
 def _compute_transition(stiffness: Floats, drag: Floats, period: float) -> Floats:
-    """Compute transition matrices (n, 3, 3) from stiffness and drag."""
+    """Compute servo transition matrices (n, 3, 3) from stiffness and drag.
+
+    Both are per inertia: [1/s^2] and [1/s].
+    """
     rates = np.zeros((len(stiffness), 3, 3))
     rates[:, 0, 1] = 1.0
     rates[:, 1] = np.stack([-stiffness, -drag, stiffness], axis=1)

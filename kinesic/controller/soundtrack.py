@@ -82,7 +82,7 @@ class SpeechPlayback:
         self._zero: float | None = None  # [s] clock at performance time 0; None: silent
 
     def __call__(self, status: Status) -> None:
-        """Start, stop or realign the sound by a servo status."""
+        """Start, stop or realign the sound according to a servo status."""
         if not status.stage.runs or not status.scale > FULL_TIME_SCALE:
             self._silence()
             return

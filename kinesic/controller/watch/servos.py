@@ -33,7 +33,7 @@ class WrittenPostures:
         self._angles: list[Floats] = []
 
     def add(self, command: Command) -> None:
-        """Add a command, replacing earlier ones with the same or later time."""
+        """Add a command, replacing stored commands with the same or later times."""
         first = bisect_left(self._times, command.time)
         old = bisect_left(self._times, command.time - POSTURE_MEMORY)
         self._times[first:], self._angles[first:] = [command.time], [command.angles]
