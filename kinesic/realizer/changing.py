@@ -31,7 +31,7 @@ BehaviourChange = Callable[[Behaviour], Behaviour]
 
 
 def improve_block(scene: Scene, block_id: str, new_plan: Plan, now: float) -> Scene | None:
-    """Switch a block to a new plan, or return None.
+    """Switch a block to a new plan, or return None if impossible.
 
     Args:
         scene: scene with the block.
@@ -153,9 +153,9 @@ def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
 
 
 def _request_replans(scene: Scene, change: BehaviourChange, now: float, ids: Collection[str]) -> Scene:
-    """Request new plans with changed behaviours.
+    """Change the behaviours of given blocks and request new plans.
 
-    Skip blocks that cannot be timed.
+    A block whose changed behaviours cannot be timed stays unchanged, with a warning.
     """
     replans: Mapping[str, TimedRequest] = {request.block.id: request for request in scene.replans}
     for running in scene.blocks:

@@ -21,7 +21,10 @@ def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
 
 
 def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
-    """Return when [s] running blocks and a new one interrupt which behaviours."""
+    """Return the first interruption time [s] of each (block, behaviour) pair.
+
+    Running blocks and the new block may interrupt.
+    """
     interruptions: dict[tuple[str, str], float] = {}
     blocks: tuple[TimedBlock, ...] = (*scene.playing, coming)
     for by in blocks:
@@ -36,7 +39,7 @@ def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
 
 
 def occupancy_of_others(scene: Scene, coming: TimedBlock) -> tuple[Occupancy, ...]:
-    """Return the occupancies of other blocks, up to their interruption."""
+    """Return the occupancies of other blocks, cut at planned interruptions."""
     ends = {f"{block}:{id}": time for (block, id), time in planned_interruptions(scene, coming).items()}
     return tuple(
         _until(entry, ends[entry.behaviour]) if entry.behaviour in ends else entry for entry in scene.occupancy
@@ -65,7 +68,7 @@ def with_busy_hands(scene: Scene, request: TimedRequest) -> TimedRequest:
 
 
 def drop_overlapping_speech(scene: Scene, coming: RunningBlock) -> tuple[RunningBlock, tuple[Notice, ...]]:
-    """Return a new block without speech that overlaps others, with notices."""
+    """Drop a new block's speech that overlaps other speech, with notices."""
     ends = planned_interruptions(scene, coming)
     overlaps: dict[str, PlayingSpeech] = {}
     for speech in coming.speeches:

@@ -117,7 +117,7 @@ def block_span(times: Times) -> tuple[float, float, float]:
 def schedule_feedback(
     block: str, times: Times, zero: float, *, sender: int, character: str | None = None, run: int = 0
 ) -> tuple[ScheduledFeedback, ...]:
-    """Return the progress feedback of all points of a block, by time.
+    """Return the progress feedback of a block's points, sorted by time.
 
     Args:
         block: id of the block.
@@ -183,7 +183,7 @@ def withdraw_provisional(agenda: Sequence[ScheduledFeedback], block: str) -> tup
 def retime_feedback(
     agenda: Sequence[ScheduledFeedback], run: int, fresh: Sequence[ScheduledFeedback], change: float
 ) -> tuple[ScheduledFeedback, ...]:
-    """Move the pending points of a running block to new times.
+    """Move a running block's pending progress messages to new times.
 
     Args:
         agenda: messages sorted by time.
@@ -198,7 +198,7 @@ def retime_feedback(
 
 
 def times_by_behaviour(syncs: tuple[SyncTime, ...]) -> dict[str, dict[str, float]]:
-    """Group planned sync point times [s] by behaviour, in their order."""
+    """Group planned sync point times [s] by behaviour, keeping their order."""
     times: dict[str, dict[str, float]] = {}
     for sync in syncs:
         times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned

@@ -61,7 +61,7 @@ def smooth_step(times: Floats, begin: float, end: float) -> Floats:
 
 
 def trunk_hinges(robot: Robot) -> Flags:
-    """Return the hinges (n,) that belong to no arm."""
+    """Return a mask (n,) of the hinges outside of both arms."""
     hinges = np.ones(len(robot.skeleton.hinges), dtype=np.bool_)
     for role in ARM_ROLES:
         hinges[list(arm_hinges(role, robot))] = False
@@ -221,7 +221,10 @@ class _Succession:
 
     @cached_property
     def _behaviours(self) -> list[tuple[Occupancy, _Source]]:
-        """Running and new behaviours by time, from the block's first one on."""
+        """Running and new behaviours with their sources, sorted by time.
+
+        Running behaviours that are ready before the block's first behaviour are left out.
+        """
         block_behaviours: list[tuple[Occupancy, _Source]] = [(entry, "performed") for entry in self.work.performed]
         block_behaviours += [(entry, "left out") for entry in self.work.dropped]
         block_behaviours = [(entry, source) for entry, source in block_behaviours if self.role in entry.roles]

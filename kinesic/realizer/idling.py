@@ -39,7 +39,7 @@ def begin_idle(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
 
 
 def end_idle(scene: Scene, now: float) -> Scene:
-    """Remove idle motion: return to rest in minimum time, except held postures.
+    """Remove idle motion: moved hinges return to rest or the held posture.
 
     Args:
         scene: scene with or without idle motion.

@@ -24,7 +24,7 @@ from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupan
 from kinesic.realizer.overlay import overlay_motions
 from kinesic.realizer.release import release_motion
 
-DELAY_STEPS = (0, 10, 20, 40)  # [knots] delays to try, beyond the shortest one that ends all conflicts
+DELAY_STEPS = (0, 10, 20, 40)  # [knots] delays tried in addition to the shortest delay that ends all conflicts
 MAX_BLOCK_DELAY = 60  # [knots] maximum delay of a block without speech, to avoid conflicts
 
 

@@ -125,7 +125,7 @@ def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan:
 
 
 def _held(id: str, plan: Plan, there: Floats) -> Floats:
-    """Return the offset (n,) [rad] from rest that a behaviour holds alone.
+    """Return one behaviour's contribution (n,) [rad] to the held offset from rest.
 
     Args:
         id: id of the behaviour.
@@ -146,7 +146,10 @@ def _held(id: str, plan: Plan, there: Floats) -> Floats:
 
 
 def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
-    """Return torso and neck offsets (n,) [rad] for torso and head rotations."""
+    """Convert held torso and head rotations to hinge offsets from rest.
+
+    The result is (n,) [rad] and 0 outside of torso and neck.
+    """
     angles = np.array(robot.skeleton.rest)
     set_turn(robot, "torso", np.array(turn_angles(turns.torso)) + turn_angles(rest_turn(robot, "torso")), angles)
     head = np.array(turn_angles(turns.head)) + turn_angles(rest_head_turn(robot))
@@ -191,7 +194,7 @@ def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
 
 
 def arm_hinges(role: Role, robot: Robot) -> tuple[int, ...]:
-    """Return the hinges of an arm, then those of its fingers."""
+    """Return the hinge indices of an arm, then those of its fingers."""
     sides = {f"{side}_hand": robot.arm(side).all_joints for side in SIDES}
     return sides[role]
 

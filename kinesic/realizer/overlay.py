@@ -145,7 +145,7 @@ def _has_dropped_between(dropped: Sequence[Occupancy], role: Role, before: Occup
 def _cross_over_to(
     current: Floats, after: Floats, left: float, stop: Occupancy, limits: Limits, hinge: int
 ) -> Floats | None:
-    """Return a transition to the next motion without a detour, or None.
+    """Return a direct transition to the next motion, or None if impossible.
 
     The transition starts where both motions coincide, or otherwise before the next stroke.
     """

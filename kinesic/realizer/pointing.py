@@ -86,7 +86,10 @@ class PointingStroke:
 
 
 def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
-    """Return each hand that aims at a target, per stroke."""
+    """Return each hand that aims at a target in a stroke.
+
+    A hand occurs once per stroke.
+    """
     return tuple(
         PointingHand(id, side, hand, hand.aim)
         for frame in plan.keyframes.frames
@@ -138,7 +141,7 @@ def correct_pointing(
 
 
 def _is_feasible(corrected: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
-    """Return whether a motion is collision-free and without overload between knots."""
+    """Return whether a motion between two knots avoids collisions and drive overload."""
     after, before = (
         motion_from_knot(extend_controls(controls, len(corrected))[: last + FEWEST_PIECES], first)
         for controls in (corrected, motion.controls)
@@ -204,10 +207,7 @@ def _reference_miss(before: Scene, running: RunningBlock, stroke: PointingStroke
 
 
 def _with_motion(scene: Scene, running: RunningBlock, behaviour: str, motion: Trajectory) -> Scene:
-    """Return the scene with another motion.
-
-    Assign the change to a behaviour.
-    """
+    """Replace the scene's motion and assign the change to a behaviour."""
     if running.merged is None:
         return replace(scene, motion=motion)
     layer = running.merged.layer

@@ -69,9 +69,9 @@ def release_motion(
 def _release_from(
     running: Trajectory, knot: int, hinges: Flags, setup: Setup, layer: Trajectory | None, others: Sequence[Occupancy]
 ) -> Trajectory | None:
-    """Release the hinges from a knot on.
+    """Return the motion with hinges released from a knot on, or None.
 
-    Return None if the path collides.
+    None if no tried path avoids collisions.
     """
     limits, free = widen_limits(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
@@ -149,7 +149,7 @@ def _rejoin_arms(back: Floats, current: Floats, knot: int, others: Sequence[Occu
 
 
 def _certified_motion(controls: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
-    """Return a motion within limits and without collisions, or None."""
+    """Return a feasible, collision-free motion for given control points, or None."""
     limits = widen_limits(setup.limits)
     for hinge in np.flatnonzero(largest_limit_ratios(controls[knot:], limits) > 1.0).tolist():
         column = keep_limits(controls[:, hinge], knot, len(controls) - 3, limits, hinge)

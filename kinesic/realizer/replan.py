@@ -77,7 +77,7 @@ def replan(
 
 @dataclass(frozen=True, eq=False)
 class _PlanSwitch:
-    """Transition between two plans.
+    """Transition of a running block from its plan to another.
 
     Times [s] count from the running motion's start.
     """
@@ -188,7 +188,10 @@ class _PlanSwitch:
         return controls
 
     def _catch_up(self, goal: Floats) -> Floats | None:
-        """Return controls (k + 3, n) joining the new motion, or None."""
+        """Return control points that join the new motion, or return None.
+
+        They are (k + 3, n) [rad].
+        """
         setup, current = self.new_plan.setup, extend_controls(self.running.controls, len(goal))
         key_knots = (self.new_plan.motion.planned + self.zero) / KNOT_INTERVAL
         postures = self.new_plan.postures.postures  # empty if the new plan has no motion
@@ -250,7 +253,7 @@ def _split(
 
 
 def _join(current: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
-    """Join a hinge's new motion at a next key, or return None.
+    """Join a hinge's new motion at a future key, or return None.
 
     Without keys, the transition has a fixed duration.
     """

@@ -42,7 +42,8 @@ from kinesic.planning.speech import synthesise_block
 
 PLANNING_TIME = 0.15  # [s] time reserved for planning a block that refers to other blocks
 ID_SEARCH_SIZE = 65_536  # [bytes] beginning of a document that is searched for its block id
-# Comments and CDATA, which end with the text at the latest, so that the search is linear; or the id of a <bml>.
+# Matches a whole comment or CDATA section, or the id of a <bml>. An unclosed section extends to the end of the text,
+# which keeps the search linear.
 _ID_PATTERN = re.compile(
     rb"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
     re.DOTALL,
@@ -67,7 +68,7 @@ class SceneContext:
     times: Mapping[Point, float] = field(default_factory=dict)  # sync points of active and ended blocks
 
     def expected_start(self, block: Block) -> float:
-        """Return the expected global start [s] of a block before planning."""
+        """Estimate the global start time [s] of a block before its planning."""
         waits = [
             (self.relaxes if until == "relax" else self.ends).get(id, self.now)
             for id, until in find_prerequisites(block, self.states).items()

@@ -161,10 +161,7 @@ class RunningBlock:
 
     @property
     def final_notices(self) -> tuple[Notice, ...]:
-        """Notices to send at once.
-
-        None on times of a provisional plan.
-        """
+        """Notices to send at once, without those on provisional times."""
         plan = self.prepared.plan
         return plan.keyframes.notices if self.prepared.is_provisional else plan.notices
 
