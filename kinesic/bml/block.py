@@ -85,7 +85,7 @@ GAZE_SYNCS = ("start", "ready", "relax", "end")  # sync points of gazes in order
 FACE_SYNCS = ("start", "attackPeak", "relax", "end")  # sync points of facial expressions in order
 SHIFT_SYNCS = ("start", "end")  # sync points of lasting changes in order
 
-EXPRESSIVITY_RANGES: Mapping[str, tuple[float, float]] = {  # allowed values (thesis 8.7)
+EXPRESSIVITY_RANGES: Mapping[str, tuple[float, float]] = {  # allowed values of each parameter (thesis 8.7)
     "spatial": (-1.0, 1.0),
     "temporal": (-1.0, 1.0),
     "fluidity": (-1.0, 1.0),

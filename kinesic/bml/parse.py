@@ -46,7 +46,7 @@ def parse(
     bounds: DocumentBounds = DEFAULT_BOUNDS,
     performer: str | None = None,
 ) -> Block:
-    """Parse one <bml> document.
+    """Parse a document with one <bml> into a `Block`.
 
     Args:
         text: the document; bytes are decoded as their XML declaration says.
@@ -83,7 +83,7 @@ def parse_document(
     performer: str | None = None,
     max_behaviours: int = DEFAULT_BOUNDS.behaviours,
 ) -> Block:
-    """Parse a document tree.
+    """Convert a document tree to a `Block`.
 
     Arguments as in `parse`.
 

@@ -44,7 +44,7 @@ GAZE_INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST"
 OFFSET_DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
 
 _HAND_MODES: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
-_ROTATION_LEXEMES = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # rotation axis of the draft -> lexeme
+_ROTATION_LEXEMES = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # rotation axis in the BML draft -> head lexeme
 _WHOLE_BODY = "WHOLEBODY"  # default part of a pose
 _SIDE_NAMES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
 
@@ -210,7 +210,7 @@ def _read_priority(description: Element) -> float:
 
 
 def _merge_forms(form: Element, element: Element) -> Element:
-    """Return an alternative description with the id of its core element.
+    """Return an alternative form of a behaviour with the core form's id.
 
     It also gets the sync attributes of the core form, unless it has its own.
     """
@@ -226,7 +226,7 @@ def _read_lexeme(node: BehaviourElement, *names: str) -> str:
 
 
 def _read_influence(node: BehaviourElement, reading: DocumentReading) -> str | None:
-    """Return the body part up to which a gaze moves the body.
+    """Return the lowest body part that turns in a gaze, or None.
 
     None leaves the choice to the angle. AUTO means the same as a missing value.
     """

@@ -119,7 +119,7 @@ def _translate_face(element: Element) -> Element:
 
 
 def _translate_gesture(element: Element) -> Element:
-    """Translate a SmartBody gesture, given by category and type or animation."""
+    """Translate a SmartBody gesture, named by category and type or by animation."""
     attributes = dict(element.attributes)
     lexeme, kind, name = attributes.get("lexeme", ""), attributes.get("type", ""), attributes.get("name", "")
     side = infer_hands(name, of_animation=True)
@@ -159,7 +159,7 @@ def _translate_body(element: Element) -> Element:
 
 
 def _read_seconds(text: str) -> float:
-    """Return a time [s] from the block's start, 0 if invalid."""
+    """Parse a time [s] from the block's start, or return 0."""
     try:
         return float(text)
     except ValueError:

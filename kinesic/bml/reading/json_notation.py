@@ -65,7 +65,7 @@ def is_json(text: str) -> bool:
 
 
 def read_json(text: str, *, source: str, bounds: DocumentBounds = DEFAULT_BOUNDS) -> tuple[Element, tuple[str, ...]]:
-    """Read a JSON document as a <bml>, and name tolerated faults.
+    """Read a JSON document as a <bml>, and list tolerated faults.
 
     Args:
         text: text of the document.
@@ -208,7 +208,7 @@ def _suggest_document(block: _Object) -> str:
 
 
 def _suggest_behaviour(value: _Object) -> str | None:
-    """Return the behaviour that {"gesture": "wave"} means as JSON, or None."""
+    """Expand a shorthand such as {"gesture": "wave"} to JSON, or return None."""
     fields = {key: item for key, item in value.fields.items() if _is_scalar(item)}
     if isinstance(fields.get("type"), str):
         return json.dumps(fields, ensure_ascii=False)

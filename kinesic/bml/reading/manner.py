@@ -104,7 +104,7 @@ def read_lexeme_reference(element: Element) -> str:
 
 
 def strip_category(text: str) -> str:
-    """Return the id of `category=id`, or the whole text without a category."""
+    """Remove the category prefix from `category=id`."""
     return text.strip().rpartition("=")[2].strip()
 
 

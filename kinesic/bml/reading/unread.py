@@ -64,7 +64,7 @@ def _contains(element: Element, bml: Element) -> bool:
 
 @dataclass
 class _Notes:
-    """Collected notices on ignored parts of a document, one per kind."""
+    """Collector of notices on ineffective parts of a document, one per kind."""
 
     reading: DocumentReading
     seen: set[tuple[str, str]] = field(default_factory=set)

@@ -88,7 +88,7 @@ SUPPORTED_VALUES: Mapping[tuple[str, str], frozenset[str]] = {  # supported valu
     ("say-as", "format"): frozenset({"glyphs"}),
 }
 UNSET_VALUES = frozenset({"", "none"})  # values equivalent to a missing attribute
-NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # attribute that an attribute needs to have an effect
+NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # (element, attribute) -> attribute that it needs
     **dict.fromkeys((("gaze", "offsetAngle"), ("gazeShift", "offsetAngle")), "offsetDirection"),
     **dict.fromkeys((("gaze", "offsetDirection"), ("gazeShift", "offsetDirection")), "offsetAngle"),
 }

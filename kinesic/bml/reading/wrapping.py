@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from kinesic.bml.reading.prologue import find_first_tag
 
 ROOT_NAMES = ("bml", "fml-apml", "speak")  # root elements of documents
-MAX_OPENED_SIZE = 8_000_000  # [bytes or characters] largest text searched for a document; above their limits
+MAX_OPENED_SIZE = 8_000_000  # [bytes or characters] longest text in which a document is searched for
 MAX_SHOWN_LENGTH = 60  # [characters] longest quotation of ignored text in a notice
 _BLANK_CHARACTERS = " \t\r\n\ufeff"
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
@@ -133,7 +133,7 @@ def _find_json(text: str, begin: int) -> tuple[int, int] | None:
 
 
 def _json_end(text: str, begin: int) -> int:
-    """Return the end of the JSON object or list that begins here.
+    """Return the end of the JSON value that begins at an index.
 
     The end of the text if brackets are missing, so that the reader of JSON reports their place.
     """
@@ -148,7 +148,7 @@ def _json_end(text: str, begin: int) -> int:
 
 
 def _xml_end(text: str, begin: int, *, is_in_prose: bool = False) -> int:
-    """Return the end of the XML document that begins here.
+    """Return the end of the XML document that begins at an index.
 
     The end of the text if markup follows the root, so that the reader of XML reports it. End tags may follow in prose.
     """

@@ -69,7 +69,7 @@ def find_relax_equalities(
 
 
 def find_synchronize_equalities(constraint: Synchronize) -> Iterator[Equality]:
-    """Yield the equalities of a <synchronize> with its first movable point."""
+    """Yield equalities between a <synchronize>'s first movable point and its other points."""
     moving = (ref for ref in constraint.refs if (ref.behaviour, ref.sync) != ("bml", "start"))
     first = next(moving, None)
     for ref in constraint.refs:

@@ -45,7 +45,7 @@ def find_contradictions(edges: Sequence[Edge]) -> list[list[Edge]]:
 
 
 def _find_cycles(predecessor: dict[Point, Edge]) -> list[list[Edge]]:
-    """Return all cycles of a graph with single predecessors."""
+    """Return all cycles of a graph whose points have one predecessor each."""
     cycles: list[list[Edge]] = []
     walk_starts: dict[Point, Point] = {}  # point -> start of the first walk that reached it
     for start in predecessor:

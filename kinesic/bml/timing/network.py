@@ -26,9 +26,9 @@ class Potentials:
         self._above: dict[Point, tuple[Point, float]] = {}
 
     def find(self, point: Point) -> tuple[Point, float]:
-        """Return the root of a sync point's set, and their gap [s].
+        """Return the root of a point's set and the gap to it.
 
-        An unknown point becomes the root of a new set.
+        The gap is time(point) - time(root). An unknown point becomes the root of a new set.
         """
         path: list[Point] = []
         above = self._above.setdefault(point, (point, 0.0))[0]
@@ -223,7 +223,7 @@ class ReferenceResolver:
     def _resolve_point(
         self, ref: SyncRef, culprit: str | Synchronize | Precedence, sync: str = ""
     ) -> tuple[Point, float] | None:
-        """Return a reference's sync point and the time offset to it.
+        """Return the sync point and time offset [s] that a reference means.
 
         An unresolved reference is added to `unresolved` and gives None.
         """

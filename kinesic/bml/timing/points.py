@@ -25,13 +25,13 @@ from kinesic.body.utterance import Utterance
 
 HOLD_SYNCS = frozenset({"strokeStart", "relax"})  # sync points at the end of a hold
 
-_SPEECH_START_SYNCS = GESTURE_SYNCS[:4]  # draft names of the start of a speech
+_SPEECH_START_SYNCS = GESTURE_SYNCS[:4]  # sync points of the BML draft that mean the start of a speech
 _SPEECH_END_SYNCS = GESTURE_SYNCS[4:]  # sync points of the BML draft that mean the end of a speech
 _DRAFT_FACE_SYNCS = (
     GESTURE_SYNCS[0],
     "attackPeak",
     *GESTURE_SYNCS[1:],
-)  # sync points of the draft plus that of BML 1.0
+)  # face sync points of the BML draft, with attackPeak of BML 1.0
 _NATURAL_DURATIONS: Mapping[type, Mapping[str, float]] = {  # [s] of each phase, by the sync point at its end
     Gaze: {"ready": 0.4, "relax": 1.0, "end": 0.4},
     Face: {"attackPeak": 0.3, "relax": 0.8, "end": 0.4},

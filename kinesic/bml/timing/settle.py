@@ -142,7 +142,7 @@ class _Solver:
     def _groups(
         self, chains: Sequence[SyncChain], orders: Sequence[Edge], fixed_times: Mapping[Point, float]
     ) -> Iterator[_Group]:
-        """Yield groups of coupled behaviours, without behaviours of known times."""
+        """Yield groups of coupled behaviours, without behaviours with known times."""
         sets = Potentials()
 
         def first_free(points: Sequence[Point]) -> Point | None:

@@ -50,7 +50,7 @@ def find_syllable_end(phonemes: Sequence[Phoneme], start: float) -> float | None
 
 
 def find_accented_vowels(phonemes: Sequence[Phoneme]) -> list[float]:
-    """Return the middle of each accented vowel [s].
+    """Return the middle times [s] of accented vowels.
 
     Without accents in the voice, all vowels count.
     """

@@ -20,7 +20,7 @@ class TiedWord:
 
     @property
     def name(self) -> str:
-        """Speech and sync point: `s:mark`."""
+        """Name of the word as speech and sync point, such as `s:mark`."""
         return f"{self.behaviour}:{self.sync}"
 
 
