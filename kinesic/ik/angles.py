@@ -6,12 +6,12 @@ search ends. These give the same bits everywhere, with the kernel and without, w
 
 from math import copysign, pi, sqrt
 
-ROUND_TO_INTEGER = 6755399441055744.0  # 1.5 x 2^52: adding it rounds to an integer
+ROUND_TO_INTEGER = 6755399441055744.0  # 1.5 x 2^52: adding and subtracting it rounds a float to an integer
 TAN_PI_8 = 0.41421356237309504880  # tangent of pi / 8, the largest argument of the rational approximation
 
 
 def cosine_sine(angle: float) -> tuple[float, float]:
-    """Return cosine and sine of an angle [rad], equal on all machines.
+    """Return cosine and sine of an angle [rad], bit-identical on all machines.
 
     Cody and Waite's reduction to an eighth of a turn, then the minimax polynomials of fdlibm.
     """
@@ -84,7 +84,7 @@ def arccosine(x: float) -> float:
 
 
 def _small(t: float) -> float:
-    """Compute the arc tangent of small values by a rational approximation (Cephes)."""
+    """Approximate the arc tangent for |t| <= tan(pi / 8) (Cephes)."""
     z = t * t
     p = -6.485021904942025371773e1 + z * (
         -1.228866684490136173410e2

@@ -33,7 +33,7 @@ class Key:
 
 @dataclass(frozen=True)
 class ReachManner:
-    """Limits of elbow and hinge changes between keys, and the open swivel."""
+    """Limits of joint changes between keys, and the swivel at openness 1."""
 
     widest: float  # [rad] that an elbow swings aside for the palm and the pointing of its hand
     leap: float  # [rad] of a hinge from key to key, at most, where the elbow need not swing for these

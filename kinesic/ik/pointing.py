@@ -22,7 +22,7 @@ def best_swivel(
     rest: Floats | None = None,
     max_swivel: float = pi,
 ) -> Solution:
-    """Solve a hand target, rotating the elbow if the wrist is limited.
+    """Solve a hand target, swivelling the elbow if direction errors remain.
 
     Args:
         chain: the arm.

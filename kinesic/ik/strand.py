@@ -34,7 +34,7 @@ class Strand:
         return tuple(joint for segment in self.segments for joint, _, _ in segment.hinges)
 
     def end(self, angles: Sequence[float]) -> tuple[Vector, Floats]:
-        """Compute the segment's position and its Jacobian.
+        """Compute the position [m] and Jacobian of the chain's last segment.
 
         Args:
             angles: (n,) [rad] of the whole robot.

@@ -21,7 +21,7 @@ from kinesic.ik.solve import as_triple
 
 EASY_REACH_RATIO = 0.96  # fraction of the arm's reach within which the torso stays upright
 MAX_TURN = radians(20.0)  # [rad] largest rotation of each torso hinge
-MAX_SCALE = 3.0  # largest common factor on the torso's rotations, so that weak hinges continue after others stop
+MAX_SCALE = 3.0  # largest common rotation / `max_turn`; above 1, weakly pulled hinges turn on after others stop
 SCALE_SAMPLES = 15  # factors on the torso's rotations that are tried before the bisection
 BISECTION_STEPS = 10  # bisection steps for the factor on the torso's rotations
 
@@ -94,7 +94,7 @@ def _bisect(excess: Callable[[float], float], insufficient: float, sufficient: f
 
 
 def _pull(turn: _Turn, far: Sequence[_Arm]) -> float:
-    """Return the torque-like pull of far targets on a hinge [m]."""
+    """Return the moment [m] of unit pulls towards targets about a hinge."""
     moment = 0.0
     for arm in far:
         rest = [pivot.rest for pivot in arm.linkage.pivots]
@@ -104,7 +104,7 @@ def _pull(turn: _Turn, far: Sequence[_Arm]) -> float:
 
 
 def _excess(arm: _Arm, turns: Sequence[_Turn], angles: Sequence[float]) -> float:
-    """Return how far a target is beyond easy reach [m]."""
+    """Return the target's distance [m] beyond easy reach, negative within it."""
     target = arm.target
     for turn, angle in zip(turns, angles, strict=True):
         target = plus(turn.centre, turned(minus(target, turn.centre), turn.axis, -angle))

@@ -15,7 +15,7 @@ from kinesic.body.chain import Chain
 from kinesic.ik.arm.compiled import arm_of
 
 MAX_STEP = 0.005  # [s] longer time steps are divided, so that results do not depend on the rate
-RAMP_TIME_CONSTANTS = 4.0  # time constants until the pull towards the rest posture is complete
+RAMP_TIME_CONSTANTS = 4.0  # time constants until the pull towards the rest posture has full strength
 
 
 class Tracker:

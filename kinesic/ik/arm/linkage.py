@@ -115,7 +115,10 @@ class Linkage:
         return rotation, points
 
     def hinge_lines(self, angles: Sequence[float]) -> tuple[Vector, list[tuple[Vector, Vector]]]:
-        """Return the hand's position [m] and each hinge's axis and centre."""
+        """Return the hand position [m] and the lines of hinges moving it.
+
+        A line is an axis (unit) and a centre [m], both in the base.
+        """
         rotation, centre = IDENTITY_ROTATION, self.origin
         lines: list[tuple[Vector, Vector]] = []
         for link in self.links[:-1]:

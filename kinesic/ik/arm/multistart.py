@@ -14,8 +14,8 @@ from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.seeds import Seed
 from kinesic.ik.scalar3 import Vector
 
-MAX_ROUNDS = 24  # iterations of the numerical solver per start posture
-STALL_DISTANCE = 2e-5  # [m] remaining distance above which other start postures are tried
+MAX_ROUNDS = 24  # largest number of solver iterations per start posture
+STALL_DISTANCE = 2e-5  # [m] distance left to the target above which other start postures are tried
 
 
 def approach(
@@ -52,7 +52,7 @@ def approach(
 
 
 def reach(chain: Chain, target: Floats, angles: Floats) -> float:
-    """Solve for a hand position in place and return the remaining distance.
+    """Solve joint angles in place and return the hand-target distance [m].
 
     Args:
         chain: the arm.

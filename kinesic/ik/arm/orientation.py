@@ -7,7 +7,7 @@ PARALLEL_SINE = 1e-6  # sine of the angle below which two directions are paralle
 
 
 def orientation_of(chain: Chain, pointing: Vector, palm: Vector) -> Rotation | None:
-    """Return the hand's rotation matrix for pointing and palm directions, or None.
+    """Return the hand's rotation matrix for pointing and palm, None if parallel.
 
     Args:
         chain: the arm whose hand it is.

@@ -20,7 +20,7 @@ from kinesic.ik.box_lm import Box, ErrorFunction, descend
 DIRECTION_WEIGHT = 0.05  # weight of a direction error [rad] relative to a position error in arm lengths
 ELBOW_WEIGHT = 0.02  # weight of the elbow's position error relative to the hand's, if a swivel is requested
 ARRIVAL_TOLERANCE = 1e-5  # [arm lengths] norm of the weighted errors at which the solver stops
-RETRY_DISTANCE = 2e-3  # [arm lengths] miss above which a solution is penalised and more start postures are tried
+RETRY_DISTANCE = 2e-3  # [arm lengths] hand position error above which a solution is penalised and more starts are tried
 TRAVEL_WEIGHT = 0.03  # cost of joint travel [1/rad] relative to the errors
 MISS_PENALTY = 1e3  # cost added to a solution that misses the hand target by more than `RETRY_DISTANCE`
 
@@ -38,7 +38,7 @@ class TrueArm:
     exact: bool  # whether the ideal arm has the same hinges
 
     def posture(self, angles: Floats) -> tuple[Floats, Floats, Floats]:
-        """Compute elbow, hand and directions with their Jacobians.
+        """Compute elbow and hand positions and hand directions with their Jacobians.
 
         Elbow and hand have shape (2, 3) [m], the directions (2, 3), and the Jacobians of all four (4, 3, k).
         """

@@ -9,7 +9,7 @@ AXIS_TOLERANCE = 1e-9  # distance to the axis, in bone lengths, below which no a
 
 
 def turn_towards(axis: Vector, rest: Vector, target: Vector) -> float | None:
-    """Return the hinge angle [rad] aligning one direction with another, or None.
+    """Return the hinge angle [rad] aligning two directions, None if undefined.
 
     Args:
         axis: unit, of the hinge.
@@ -25,15 +25,15 @@ def turn_towards(axis: Vector, rest: Vector, target: Vector) -> float | None:
 
 
 def first_of_two(first: Vector, second: Vector, rest: Vector, target: Vector) -> tuple[float, ...]:
-    """Return candidate angles of the first of two hinges that align directions.
+    """Return candidates [rad] for the first of two hinge angles aligning directions.
 
-    It solves about(first, q1) about(second, q2) rest = wanted, subproblem 2. The second hinge keeps the part of `rest`
+    It solves about(first, q1) about(second, q2) rest = target, subproblem 2. The second hinge keeps the part of `rest`
     along its own axis, so q1 solves A cos q1 + B sin q1 = C (subproblem 4); q2 follows by subproblem 1. The axes need
     not be perpendicular.
 
     Returns:
         The two branches of q1 [rad]; one where no angle aims exactly (the nearest); none where every angle is as
-        good (the wanted direction lies along the first axis: gimbal lock).
+        good (the target direction lies along the first axis: gimbal lock).
     """
     along = dot(first, target)
     a = dot(second, target) - dot(second, first) * along

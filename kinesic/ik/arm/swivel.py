@@ -15,7 +15,7 @@ from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain
 from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, unit
 
-BACKWARD_COSINE = -1.0 + 1e-9  # cosine to the forward axis below which the hanging direction is undefined
+BACKWARD_COSINE = -1.0 + 1e-9  # cosine between arm line and forward axis below which the hanging direction is set to up
 
 
 def hanging_direction(line: Vector) -> Vector:

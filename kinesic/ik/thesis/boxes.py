@@ -66,7 +66,7 @@ class EulerBoxes:
         return EulerBoxes(self.lower[joints:], self.upper[joints:], self.order)
 
     def excess(self, rotations: Floats) -> float:
-        """Return the largest violation of the limits by rotations [rad]."""
+        """Return the largest violation [rad] of the limits by joint rotations."""
         angles = np.array([angles_of(rotation, self.order) for rotation in rotations])
         return float(np.maximum(0.0, np.maximum(self.lower - angles, angles - self.upper)).max())
 
@@ -98,7 +98,7 @@ def rotation_of(angles: Floats, order: EulerOrder) -> Floats:
 
 
 def _nearest(angles: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Clip angles to their limits, choosing the nearer one on the circle."""
+    """Clip angles outside their limits to the nearer limit on the circle."""
     below, above = (np.abs(np.remainder(angles - side + np.pi, 2.0 * np.pi) - np.pi) for side in (lower, upper))
     outside = (angles < lower) | (angles > upper)
     return np.where(outside, np.where(below <= above, lower, upper), angles)

@@ -75,7 +75,7 @@ class BallChain:
     def curved(
         cls, lengths: ArrayLike, *, bend: float = np.radians(10.0), base: ArrayLike = (0.0, 0.0, 0.0)
     ) -> "BallChain":
-        """Make a chain that bends gently at rest.
+        """Make a chain with a small bend at each joint at rest.
 
         A straight rest is the one posture that springs along the bones cannot leave by themselves.
 

@@ -12,7 +12,7 @@ from kinesic.ik.thesis.chain import BallChain
 
 @dataclass(frozen=True, eq=False)
 class Limb:
-    """Chain of ball joints that starts at another limb's end."""
+    """Chain of ball joints, based in the world or on another limb."""
 
     name: str
     chain: BallChain
@@ -21,7 +21,7 @@ class Limb:
 
 @dataclass(frozen=True, eq=False)
 class Limbs:
-    """Tree of limbs, each after the limb that carries it.
+    """Tree of limbs, each listed after the limb that carries it.
 
     First bones of limbs on the same sub-base joint are parts of one rigid body: they turn together. The limits of
     that joint would refer to as many frames as bones leave it, so a limb that hangs on another has none there.
@@ -70,7 +70,7 @@ class Limbs:
         return max(self.reach.values())
 
     def root(self, name: str) -> Floats:
-        """Return the base position [m] of the root limb below a limb."""
+        """Return the base position [m] of the tree that carries a limb."""
         limb = next(limb for limb in self.members if limb.name == name)
         return limb.chain.points[0] if limb.on is None else self.root(limb.on)
 

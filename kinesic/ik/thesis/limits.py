@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier, Stance, stance_of
 
-MIN_LEVER_RATIO = 1e-9  # [chain lengths] distance from parent joint to target below which the joint is skipped
+MIN_LEVER_RATIO = 1e-9  # [chain lengths] parent-target distance below which the parent does not compensate
 
 
 def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Carrier) -> Stance:

@@ -102,7 +102,10 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
 
 
 def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:
-    """Return the rotation of the common joint of several limbs."""
+    """Return the rotation of limbs' common joint by priority or weighted mean.
+
+    The first limb in `priority` decides alone; without one, it is the mean weighted by pulls.
+    """
     turns: dict[str, Floats] = {}
     for limb in siblings:
         rest = limb.chain.frames[0]

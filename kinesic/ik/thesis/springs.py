@@ -11,8 +11,8 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 
 TUNED_MASSES = 10  # largest number of free masses of a chain that counts as short
-STEP_FRACTIONS = (1.0, 0.84)  # fractions of the theoretical time step, for short and long chains
-DAMPING_FRACTIONS = (0.75, 0.5)  # fractions of the theoretical damping, for short and long chains
+STEP_FRACTIONS = (1.0, 0.84)  # time step / that of `Springs.pace`, for short and long chains
+DAMPING_FRACTIONS = (0.75, 0.5)  # damping / that of `Springs.pace`, for short and long chains
 MIN_SPRING_LENGTH = 1e-12  # smallest spring length used as a divisor, which keeps forces of collapsed springs finite
 
 
@@ -58,7 +58,7 @@ class Springs:
 
     @cached_property
     def pace(self) -> tuple[float, float]:
-        """Theoretical time step and damping of fastest convergence.
+        """Time step and damping of fastest convergence in heavy-ball theory.
 
         Heavy-ball theory for the springs' Laplacian, whose extreme eigenvalues are m and L:
         dt^2 = 4 / (sqrt L + sqrt m)^2, loss = 1 - ((sqrt L - sqrt m) / (sqrt L + sqrt m))^2.

@@ -13,7 +13,7 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest, Task
 
-DIVERGENCE_LIMIT = 1e6  # [chain lengths] distance of a mass at which integration has diverged
+DIVERGENCE_LIMIT = 1e6  # [chain lengths] sum of forces / stiffness above which integration has diverged
 
 
 def swing_to_rest(
