@@ -72,7 +72,7 @@ class CallQueue:
 
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:
-        """Wait for all earlier tool calls and block later ones.
+        """Run the enclosed code after earlier tool calls and before later ones.
 
         Raises:
             RefusedError: the call was cancelled while waiting.
@@ -89,7 +89,7 @@ class CallQueue:
                 self._current = None
 
     def discard(self, why: str) -> None:
-        """Cancel all calls, so that none of them moves the robot.
+        """Cancel all pending calls, so that none of them moves the robot.
 
         Args:
             why: answer to each of them.

@@ -7,7 +7,7 @@ from threading import Lock
 from time import monotonic, sleep
 from typing import Generic, Protocol, TypeVar
 
-NO_INTERVAL = 0.0  # [s] between requests that may follow immediately
+NO_INTERVAL = 0.0  # [s] minimum time between requests that may follow one another at once
 
 
 class Connection(Protocol):

@@ -17,8 +17,8 @@ from kinesic.mcp.errors import RefusedError, RobotError
 from kinesic.mcp.feedback import Feedback, read_feedback
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, UNKNOWN_ID
 
-MAX_KEPT_WARNINGS = 5  # warnings kept for status answers, the most recent ones
-MAX_KEPT_OUTCOMES = 256  # blocks whose outcome is kept, the most recent ones
+MAX_KEPT_WARNINGS = 5  # number of most recent warnings kept for status answers
+MAX_KEPT_OUTCOMES = 256  # number of most recently ended blocks whose outcome is kept
 PHRASE_WAIT = 2.0  # [s] longest wait for the first phrase of a streamed text
 MAX_WAIT = 15.0  # [s] longest wait for the server's answer to a message
 MAX_MESSAGE_SIZE = DEFAULT_QUOTAS.message  # [bytes] largest message; the server ends the connection at a longer one
@@ -29,7 +29,7 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class _Verdict:
-    """Pending answer to a document: refusal reason, or empty text."""
+    """Pending answer to a document: its refusal reason, empty if accepted."""
 
     block: str
     names: frozenset[str]  # ids by which the server may refuse the block
@@ -73,7 +73,7 @@ class DocumentLine:
 
     @property
     def accepted_blocks(self) -> frozenset[str]:
-        """Blocks of this connection that have not ended."""
+        """Ids of this connection's predicted blocks that have not ended."""
         return frozenset(self._playing.copy())
 
     @property
@@ -152,7 +152,7 @@ class DocumentLine:
             return ""
 
     def end_talk(self) -> None:
-        """Forget the streamed text, which an emergency stop has ended."""
+        """Mark the streamed text as ended, after an emergency stop."""
         self._is_talking = False
 
     async def send(self, write: Callable[[], str]) -> None:

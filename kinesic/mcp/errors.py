@@ -6,4 +6,4 @@ class RefusedError(ValueError):
 
 
 class RobotError(RuntimeError):
-    """Missing or failed answer of the robot's server, with the remedy."""
+    """Missing answer or failed connection of the robot's server, with the remedy."""

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
 
 REFUSAL_PREFIXES = ("rule ", "not performed")  # beginnings of warnings about blocks that do not start
-# Beginnings of warnings after which a block sends no end feedback, although its prediction was sent.
+# Beginnings of warnings after which the server sends no end feedback for a block, even after its prediction.
 FINAL_PREFIXES = (*REFUSAL_PREFIXES, "revoked", "a block of this id", "it is for ")
 CROWDED_SERVER = "blocks play and wait already"  # text in the warning of a server with too many blocks
 BLOCK_END = ":end"  # suffix of the feedback's subject at a block end
@@ -48,14 +48,14 @@ class Feedback:
         return self.state.lower() or "finished"
 
     def begins(self, block: str) -> bool:
-        """Return whether the block is expected to begin or has begun."""
+        """Return whether this message predicts a block or reports its progress."""
         if self.kind == "predictionFeedback":
             return self.subject == block
         return self.kind == "blockProgress" and self.subject.rpartition(":")[0] == block
 
 
 def read_feedback(message: str) -> Feedback | None:
-    """Parse a message from the server as feedback, or return None.
+    """Parse a server message as feedback, or return None for non-XML.
 
     Returns:
         The feedback; None for a message that is not XML.

@@ -5,14 +5,14 @@ import re
 from dataclasses import dataclass
 
 TOKEN_PATTERN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+')
-PLAIN_KEY_PATTERN = re.compile(r"[A-Za-z_]\w*")  # keys written without brackets
+PLAIN_KEY_PATTERN = re.compile(r"[A-Za-z_]\w*")  # pattern of keys that a path shows as `.key`, without brackets
 KEY_PREFIX_PATTERN = re.compile(r"([A-Za-z_][\w:.-]*)(?==|: )")  # attribute at the beginning of an error text
 MAX_PATH_LENGTH = 200  # [characters] longest JSON path in a message; deeper levels are cut off
 
 
 @dataclass(eq=False)
 class _Level:
-    """Open JSON object or list, with key or index of its value."""
+    """Open JSON object or list, with its current key or index."""
 
     is_object: bool
     at: str | int | None  # None before the first key of an object

@@ -19,7 +19,7 @@ from kinesic.mcp.robot_line import RobotLine
 from kinesic.serve.wire.protocol import MESSAGE_END, read_control
 
 MAX_NOTICES = 12  # notices reported in one answer
-CHARACTERS_PER_SECOND = 14.0  # [1/s] rate of speech, for estimates
+CHARACTERS_PER_SECOND = 14.0  # [1/s] assumed speaking rate, for estimated durations of texts
 CALL_DISCARDED = "an emergency stop discarded this call, nothing moves: resume, then send it again"
 STOP_HOLDS = "an emergency stop holds: resume, then send it again"
 
@@ -101,7 +101,7 @@ class DocumentPerformer:
 
 
 def check_document(write: Callable[[], str]) -> tuple[str, str]:
-    """Create a BML document and validate it.
+    """Create a document, and check that it can be sent as BML.
 
     Returns:
         The document, and the id by which the server refuses it before parsing.

@@ -65,7 +65,7 @@ class RobotLine:
             raise RobotError(f"the server is gone ({error}): start it again") from None
 
     async def resume(self) -> None:
-        """Resume after a stop, behind all documents sent before.
+        """Send a resume request after all documents sent earlier.
 
         Raises:
             RobotError: the server has closed the connection.

@@ -80,7 +80,7 @@ def make_server(
 
 
 def warm_up(setup: "Setup") -> "Setup":
-    """Import and run the slow parts of the tools in advance.
+    """Import and run slow code of the tools before the first call.
 
     A slow first call would delay a stop.
     """
@@ -182,7 +182,7 @@ def _add_quiet_tools(
 
     @server.tool(annotations=READ_ONLY_TOOL)
     async def status() -> str:
-        """Report running and next blocks with seconds left, and the last warnings.
+        """Report running and waiting blocks with seconds left, and the last warnings.
 
         `state` is resting, starting (a performance is planned or begins soon), playing or stopped (by an emergency
         stop).
@@ -309,5 +309,5 @@ def _block(behaviour: str) -> str:
 
 
 def _fresh_id() -> str:
-    """Return a block id that no client has used before."""
+    """Return a random block id, unique in practice."""
     return f"mcp-{token_hex(6)}"
