@@ -14,8 +14,8 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime, find_planned_spans
 from kinesic.sim.kinematics import body_frames
 
-HAND_PARTS: tuple[PartName, PartName] = ("l_hand", "r_hand")  # parts measured by position, not by angle
-ENTRY_WINDOW = 0.3  # [s] search range before and after the planned time
+HAND_PARTS: tuple[PartName, PartName] = ("l_hand", "r_hand")  # body parts with arrivals measured by position
+ENTRY_WINDOW = 0.3  # [s] time before and after the planned time in which an arrival is searched
 MIN_ARRIVAL_RADIUS = 0.005  # [m] smallest radius of a hand's target ball
 MIN_ARRIVAL_ANGLE = np.radians(0.5)  # [rad] smallest radius of the target region of head and torso
 ARRIVAL_PATH_FRACTION = 0.05  # radius of the target ball, relative to the path length of the behaviour
@@ -141,7 +141,7 @@ def _interpolate(at: float, times: Sequence[float], path: Floats) -> Floats:
 
 
 def _find_first_entry(at: float, times: Floats, path: Floats, centre: Floats, radius: float) -> float | None:
-    """Return the time [s] when a path enters a ball, or None.
+    """Return a path's first entry time [s] into a ball, or None.
 
     Only times within `ENTRY_WINDOW` of `at` are searched.
     """
@@ -149,7 +149,9 @@ def _find_first_entry(at: float, times: Floats, path: Floats, centre: Floats, ra
 
 
 def find_entry(times: Sequence[float], distances: Floats, radius: float, *, last: bool = False) -> float | None:
-    """Find the time when a path enters a ball, interpolating samples.
+    """Find a path's first or last entry time into a ball.
+
+    The distance is interpolated linearly between samples.
 
     Args:
         times: (m,) [s].

@@ -39,7 +39,7 @@ def forecast_clearance(planned: Floats, measured: Floats, distances: Distances, 
 
 
 def _compute_clearances(rows: Indices, postures: Floats, errors: Floats, lags: range, distances: Distances) -> Floats:
-    """Compute the smallest clearances (a,) [m] of postures with past tracking errors.
+    """Compute smallest clearances (a,) [m] of postures displaced by past tracking errors.
 
     Args:
         rows: (a,) indices of the postures.

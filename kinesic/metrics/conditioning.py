@@ -22,7 +22,7 @@ MIN_VISIBLE_STROKE = {
     "m/s": 0.05,
     "deg": 1.0,
     "deg/s": 5.0,
-}  # smaller strokes are invisible
+}  # unit -> smallest visible path or speed of a stroke, in this unit
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def _sync_shift(sync: SyncTime, plan: Plan) -> SyncShift:
 
 
 def _merge_shifts(moved: Iterable[SyncShift]) -> tuple[SyncShift, ...]:
-    """Merge consecutive sync points with equal shift and limit."""
+    """Merge shifts of consecutive sync points with equal size and limit."""
     changes: list[SyncShift] = []
     for shift in moved:
         last = changes[-1] if changes else None
@@ -156,7 +156,7 @@ def _merge_shifts(moved: Iterable[SyncShift]) -> tuple[SyncShift, ...]:
 
 
 def _find_stroke_bounds(syncs: list[SyncTime]) -> tuple[SyncTime, SyncTime] | None:
-    """Return first and last sync point of the stroke, None without one."""
+    """Return first and last sync point of a behaviour's stroke, or None."""
     sync_by_name = {sync.sync: sync for sync in syncs}
     if STROKE_SYNCS[0] in sync_by_name and STROKE_SYNCS[1] in sync_by_name:
         return sync_by_name[STROKE_SYNCS[0]], sync_by_name[STROKE_SYNCS[1]]

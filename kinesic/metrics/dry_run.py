@@ -124,7 +124,7 @@ class DryRun:
 
     @property
     def errors(self) -> Floats:
-        """Measured minus planned angles, (m, n) [rad], NaN at rest.
+        """Measured minus planned angles, (m, n) [rad], NaN while a hinge rests.
 
         The array is computed at every access.
         """

@@ -18,8 +18,8 @@ from kinesic.sim.kinematics import compute_motion_frames
 
 MOVING_FRACTION = 0.05  # fraction of the velocity limit above which a hinge counts as moving
 MIN_HAND_TRAVEL = 0.05  # [m] extent of a hand path below which its smoothness is not measured
-MAX_CACHED_COMMANDS = 4096  # longer motions are resampled at each access, which bounds the memory
-COMMANDS_PER_WINDOW = 1024  # commands per batch of a long motion, whose frames take 3 MB
+MAX_CACHED_COMMANDS = 4096  # [commands] longest motion with cached samples; longer ones are resampled at each access
+COMMANDS_PER_WINDOW = 1024  # commands per batch of a long motion; the frames of one batch take 3 MB
 HOLDING_RATE = 20  # [Hz] sampling rate of the static torque, which changes slowly
 
 

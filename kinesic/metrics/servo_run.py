@@ -94,7 +94,7 @@ class ServoRun:
 
     @cached_property
     def performed(self) -> float:
-        """Completed fraction of the plan, also without servo readings."""
+        """Completed fraction of the plan, from all statuses, usable or not."""
         end = self.performance.reference.times[-1]
         reached = max((status.time for status in self.history if np.isfinite(status.time)), default=0.0)
         return float(reached / end) if end > 0.0 else 0.0

@@ -60,7 +60,7 @@ def dimensionless_jerk(path: Floats, *, period: float) -> float | None:
 
 
 def visible_jerk(path: Floats, *, period: float) -> float:
-    """Compute the mean square jerk [m^2/s^6] below 10 Hz.
+    """Compute a path's mean square jerk [m^2/s^6] below 10 Hz.
 
     Faster oscillations are too small to be seen: servo ticks move a hand by 0.1 mm, with far more jerk than a slow
     reach.

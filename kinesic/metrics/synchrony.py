@@ -17,7 +17,7 @@ from kinesic.planning.syncs import SyncTime
 
 @dataclass(frozen=True)
 class StrokeLag:
-    """Time of a word, its gesture stroke and the highest wrist speed.
+    """Times of a word, its gesture stroke and the highest wrist speed.
 
     All times are block times.
     """
@@ -46,7 +46,7 @@ def measure_planned_lags(plan: Plan) -> tuple[StrokeLag, ...]:
 
 
 def measure_lags(plan: Plan, times: Floats, hands: Mapping[str, Floats]) -> tuple[StrokeLag, ...]:
-    """Measure the delays between words and their strokes on hand paths.
+    """Measure stroke delays relative to words from the hands' paths.
 
     The faster hand counts, between `ready` and `strokeEnd`. Strokes after a stop are left out. The order is the planned
     one.

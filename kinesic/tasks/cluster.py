@@ -27,18 +27,18 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 SCHEDULER_TIMEOUT = 10  # [s] time limit for the scheduler's answer, and for its first worker
-GROUPS_PER_WORKER = 8  # Task groups queued per worker, so that workers hardly wait; few, to save memory
-GROUP_TIME = 0.1  # [s] computing time per task group, because dask needs 5 ms for each group
-MAX_GROUP_SIZE = 32  # Largest number of tasks per group
+GROUPS_PER_WORKER = 8  # task groups queued or running per worker; more shorten idle times but need more memory
+GROUP_TIME = 0.1  # [s] target computing time of a task group, well above the 5 ms that dask needs per group
+MAX_GROUP_SIZE = 32  # largest number of tasks per group
 WORKER_COUNT_INTERVAL = 2.0  # [s] between queries of the number of workers
-MAX_TRIES = 3  # Attempts per task whose workers die, because workers may also be killed from outside
+MAX_TRIES = 3  # most attempts per task whose worker is killed, since the task may not be the cause
 
 
 class Cluster:
     """Engine whose workers are dask processes, on this machine or others."""
 
     def __init__(self, client: "Client") -> None:
-        """Use an already connected dask client.
+        """Check the workers of a connected dask client before use.
 
         Raises:
             ConfigError: there are no workers, or one runs another version of the program.
@@ -118,7 +118,7 @@ class _SubmittedGroup(Generic[Task]):
     tries: int  # attempts including this one
 
     def may_try_again(self, crash: WorkerCrash) -> bool:
-        """Return whether the group's tasks may be repeated one by one."""
+        """Return whether the group's tasks may be repeated individually after a crash."""
         return len(self.tasks) > 1 or (crash.is_killed and self.tries < MAX_TRIES)
 
 
@@ -158,7 +158,9 @@ class _WorkerCount:
 
 @contextmanager
 def cluster(address: str, *, certificates: Certificates | None = None, insecure: bool = False) -> Iterator[Cluster]:
-    """Open a dask cluster, and close everything that it started.
+    """Connect to a dask cluster, or to new local workers.
+
+    Local workers are stopped on exit.
 
     Args:
         address: address of a scheduler, or local:N.
@@ -198,7 +200,7 @@ def _mismatch(worker: str, theirs: str, ours: str) -> str:
 
 
 def _fetch_result(future: "Future[_GroupResult[Result]]") -> _GroupResult[Result] | WorkerCrash:
-    """Fetch the results of a task group, or the failure's cause.
+    """Fetch the results of a task group, or its worker's crash.
 
     Raises:
         ConfigError: a worker that joined later runs another version of the program.
@@ -228,7 +230,7 @@ _PREPARED_TASKS: dict[bytes, Callable[[object], object]] = {}  # pickled `prepar
 def _run_group(code: bytes, tasks: tuple[object, ...], version: str) -> _GroupResult[object]:
     """Run a group of tasks in a worker.
 
-    The worker is prepared at the first group of its kind.
+    The task function is prepared at the first group that needs it.
     """
     from distributed import get_worker  # noqa: PLC0415 - slow to import, and only clusters need it
 

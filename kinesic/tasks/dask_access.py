@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from distributed import Client, Security
 
 LOCAL_PREFIX = "local:"  # prefix of an address that starts workers on this machine
-ENCRYPTED_SCHEMES = ("tls://", "wss://")  # Schemes of dask that authenticate both ends
+ENCRYPTED_SCHEMES = ("tls://", "wss://")  # URL schemes of dask whose connections authenticate both ends
 ADDRESS_FORMS = "ADDRESS of a dask scheduler, such as tls://10.0.0.2:8786, or local:N for N workers on this machine"
 ENCRYPTION_REMEDY = (
     "give tls:// with --tls-ca, --tls-cert and --tls-key (docs/how-to/run-many-documents.md), "

@@ -20,10 +20,10 @@ from kinesic.child import Child, PipeEnd, child_context
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
-FATAL_PREFIX = "Fatal Python error"  # Prefix of the error line of a crashed interpreter
-# Signals from outside, also sent for lack of memory; Windows has no SIGKILL.
+FATAL_PREFIX = "Fatal Python error"  # prefix of the error line of a crashed Python interpreter
+# The kernel sends SIGKILL if memory is exhausted; Windows has no SIGKILL.
 OUTSIDE_SIGNALS = (getattr(signal, "SIGKILL", signal.SIGTERM), signal.SIGTERM)  # signals of a kill from outside
-MAX_TRIES = 4  # Attempts per task whose processes are killed
+MAX_TRIES = 4  # most attempts per task whose worker process is killed from outside
 
 
 @dataclass(frozen=True)

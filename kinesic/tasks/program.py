@@ -16,7 +16,7 @@ VERSIONED_LIBRARIES = ("numpy", "scipy", "mujoco-core", "casadi")  # Libraries t
 
 
 def program_files(endings: tuple[str, ...]) -> Iterator[Path]:
-    """Yield the files of this program with given suffixes, in order."""
+    """Yield the files of this program with given suffixes, sorted by path."""
     return (file for file in sorted(PACKAGE_FOLDER.rglob("*")) if file.suffix in endings)
 
 

@@ -9,7 +9,7 @@ from distributed.utils import get_mp_context
 
 from kinesic.child import child_context, has_private_forkserver
 
-PRELOADED_MODULE = "kinesic.report.batch"  # Module that most tasks import
+PRELOADED_MODULE = "kinesic.report.batch"  # module that most tasks import
 
 
 def quick_start() -> dict[str, str]:
@@ -24,5 +24,5 @@ def quick_start() -> dict[str, str]:
 
 
 def dask_setup(nanny: object) -> None:
-    """Apply the settings before a nanny of `dask worker` starts a worker."""
+    """Apply fast-start settings before a nanny of `dask worker` starts a worker."""
     dask.config.set(quick_start())
