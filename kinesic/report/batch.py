@@ -49,7 +49,7 @@ class DocumentVerdict:
 
 
 def documents(paths: tuple[Path, ...]) -> list[Path]:
-    """Return all documents that paths name or contain, without duplicates.
+    """Return documents given as files or contained in folders, without duplicates.
 
     Files in folders are sorted; those with other suffixes than .xml and .bml count if their content begins as BML.
 

@@ -30,7 +30,7 @@ FILM_KINDS: tuple[FilmKind, FilmKind] = ("twin", "face")  # film of the whole tw
 FACE_RATE = 30  # [Hz] picture rate of face films
 FACE_SIZE = (320, 240)  # [pixels] width and height of face films
 FACE_FIELD_OF_VIEW = 12.0  # [deg] vertical field of view, from chin to forehead
-FAILURE_PREFIX = "failed "  # begins the output line by which a film process reports an error
+FAILURE_PREFIX = "failed "  # prefix of the output line in which a film process reports an error
 
 
 class FilmJob(Protocol):
@@ -105,7 +105,7 @@ class TwinFilm:
         return ""
 
     def _faces(self) -> Callable[[int, float], Picture] | None:
-        """Return a function of picture number and time [s] for face pictures.
+        """Return a function from picture number and time [s] to face pictures.
 
         None if the face is not animated.
         """

@@ -23,7 +23,7 @@ FIGURE_WIDTH = 10.0  # [in] width of the figure
 TIMELINE_WIDTH = 8.8  # [in] width of the time axes within the figure
 ROW_HEIGHT = 0.22  # [in] height of a behaviour's row in the timeline
 PANEL_HEIGHT = 1.3  # [in] height of a hinge's panel
-TIMELINE_MARGIN = 0.4  # [in] height above and below the behaviours
+TIMELINE_MARGIN = 0.4  # [in] free height above and below the behaviours, in total
 # Name, colour, dash style and line width [pt] of each curve.
 LINE_STYLES = (("requested", "#b4bcc2", "-", 3.0), ("planned", "#1769c2", "-", 1.4), ("measured", "#d9660a", "--", 1.2))
 SPEECH_COLOUR = "#6a4fb3"  # colour of spoken words
@@ -32,7 +32,7 @@ BAR_HEIGHT = 0.6  # height of a behaviour's bar / height of its row
 
 
 def draw_joint_plot(run: "Performance", hinges: Sequence[str] | None) -> tuple["Axes", ...]:
-    """Draw a performance as a matplotlib figure.
+    """Draw timeline and joint angles of a performance with matplotlib.
 
     Args:
         run: performance.

@@ -142,7 +142,7 @@ def add_films(
 
 
 def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
-    """Return the face film of a plan, or None if unneeded.
+    """Return the job that draws a plan's face film, or None.
 
     It is needed for a screen on the head, where the face is drawn from the front, and for a plan that moves the face.
     """

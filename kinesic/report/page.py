@@ -37,7 +37,7 @@ SOUND_TYPES = {".wav": "audio/wav"}  # MIME types of sounds, by suffix
 HAND_NAMES = {"l_hand": "left hand", "r_hand": "right hand"}  # names of the hands in texts, by body part
 SHOWN_LOADS = 6  # joint loads listed before the table is expanded
 MIN_SHOWN_ANGLE = 0.5  # [deg] smaller body motion is not listed
-SHOWN_CHAPTERS = 6  # behaviours listed before the list is expanded
+SHOWN_CHAPTERS = 6  # changed behaviours listed before the list is expanded
 OUTCOME_RANKS = {  # sort order of behaviour outcomes, the most severe first
     "dropped": 0,
     "substituted": 1,
@@ -154,7 +154,7 @@ def format_shift(seconds: float) -> str:
 
 
 def body_beside(row: Mapping[str, Json]) -> str:
-    """Describe the body motion that accompanies a behaviour in words.
+    """Describe in words the body motion that accompanies a behaviour.
 
     The text is empty without such motion.
 
@@ -254,7 +254,7 @@ def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
 def _nearness(row: Mapping[str, Json]) -> float:
     """Return the ratio of a check's value to its limit, for ranking.
 
-    Checks of complete quantities have 0 unless something is missing.
+    It is limit / value if the limit is a minimum, and 0 for `COMPLETENESS_CHECKS`.
     """
     if row["name"] in COMPLETENESS_CHECKS:
         return 0.0

@@ -68,7 +68,7 @@ class OutlineWindow:
 
     @classmethod
     def around(cls, lines: Iterable[PenStroke]) -> "OutlineWindow":
-        """Return the smallest drawing window that contains all lines."""
+        """Return the smallest drawing window around all lines, with a margin."""
         points = [(line.points, line.width / 2) for line in lines]
         half = max(float(np.abs(positions[:, 0]).max()) + edge for positions, edge in points)
         low = min(float(positions[:, 1].min()) - edge for positions, edge in points)
@@ -155,7 +155,7 @@ def hand_outline(robot: Robot, side: Side, shape: HandShape) -> list[tuple[Float
 
 
 def _draw_finger(root: Floats, along: Floats, facing: Floats, length: float, straight: float) -> Floats:
-    """Return a drawn finger (3, 3) [m] bent towards the palm."""
+    """Return three points (3, 3) [m] of a bent finger, root first."""
     bend = (1.0 - straight) * _CLOSED_BEND
     first, second = (along * cos(angle) + facing * sin(angle) for angle in (0.45 * bend, bend))
     knuckle = root + 0.5 * length * first
@@ -163,7 +163,7 @@ def _draw_finger(root: Floats, along: Floats, facing: Floats, length: float, str
 
 
 def fade_lines(lines: list[PenStroke]) -> list[PenStroke]:
-    """Return pen strokes in the pale colour of a shadow."""
+    """Return pen strokes recoloured in a uniform pale grey."""
     return [replace(line, colour=PALE_COLOUR) for line in lines]
 
 

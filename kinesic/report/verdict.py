@@ -40,7 +40,7 @@ def _style_note(data: Mapping[str, Json]) -> str:
 
 
 def _dropped(data: Mapping[str, Json]) -> list[str]:
-    """Return a text that names the first dropped behaviours, if any."""
+    """Return a list with one text about dropped behaviours, empty without any."""
     rows = rows_of(data, "behaviours")
     names = [str(row["name"]) for row in rows if row["outcome"] == "dropped"]
     more = f" and {len(names) - MAX_NAMED_DROPS} more" if len(names) > MAX_NAMED_DROPS else ""

@@ -13,7 +13,7 @@ MAX_HOLDING_RATIO = 0.4  # largest recommended ratio of holding torque to stall 
 
 
 def limit_checks(performance: DryRun) -> list[Check]:
-    """Check motion limits, angles to the joint limits, duty and holding torque.
+    """Check motion limits, joint limit margins, duty and holding torque.
 
     Limits and margin are sampled at 1 kHz; the duty is computed by inverse dynamics.
     """
@@ -32,7 +32,7 @@ def limit_checks(performance: DryRun) -> list[Check]:
 
 
 def _margin(performance: DryRun) -> Check:
-    """Check the smallest angle [deg] of any joint to its limit."""
+    """Check the smallest margin [deg] of any joint to its limits."""
     skeleton = performance.plan.setup.robot.skeleton
     position = performance.reference.peaks.by_quantity["position"]
     half = (skeleton.upper - skeleton.lower) / 2
@@ -43,9 +43,9 @@ def _margin(performance: DryRun) -> Check:
 
 
 def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
-    """Return the largest magnitude of (m, n) values, and its place.
+    """Return the largest magnitude among (m, n) values, with joint and time.
 
-    The place is a text with joint and time. The first of equal values counts. Times are (m,) [s].
+    Joint and time are one text. The first of equal values counts. Times are (m,) [s].
     """
     peaks = np.maximum(
         values.max(axis=1), -values.min(axis=1)

@@ -15,7 +15,7 @@ from kinesic.report.checks.check import Check, format_time
 MAX_SATURATION_TIME = 0.0  # [s] longest accepted time at full duty
 CONTINUOUS_TORQUE_RATIO = 0.3  # ratio of permanently available torque to stall torque
 FULL_DUTY = 1.0  # duty cycle at which a servo saturates
-MAX_WARMING = 40.0  # [K] temperature rise from a warm housing (40 C) to the shutdown at 80 C
+MAX_WARMING = 40.0  # [K] largest accepted temperature rise, from a warm housing at 40 C to shutdown at 80 C
 
 
 def servo_checks(performance: DryRun) -> list[Check]:
@@ -86,7 +86,7 @@ class DriveLoad:
 
 
 def loads(performance: DryRun) -> tuple[DriveLoad, ...]:
-    """Measure the load of every servo, the highest first."""
+    """Measure the load of every joint's servo, the highest strain first."""
     measured, robot = performance.measured, performance.robot
     demanded, torques = measured.drive_rows(slice(None))
     duties, shares = np.abs(demanded), np.abs(torques) / robot.drives.stall

@@ -16,13 +16,13 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS
 
 MAX_STROKE_MEDIAN = 0.015  # [s] limit of the median timing error of strokes
 MAX_STROKE_P95 = 0.030  # [s] limit of the 95th percentile of stroke timing errors
-MAX_ARRIVAL_LAG = 0.020  # [s] limit of the twin's delay relative to the plan
+MAX_ARRIVAL_LAG = 0.020  # [s] limit of the twin's arrival delay at sync points, relative to the plan
 RMSE_LIMITS = {True: 0.2, False: 1.0}  # [deg] limits of the RMS tracking error for nominal servos (True) and others
 P95_LIMIT = 2.5  # [deg] limit of the 95th percentile of tracking errors
 PEAK_ERROR_LIMIT = 5.0  # [deg] limit of the largest tracking error
 MAX_LATENESS = 0.030  # [s] limit of a joint's tracking delay
 MAX_JERK_RATIO = 2.0  # limit of the ratio of performed to planned squared hand jerk
-INVISIBLE_JERK = 0.5 * (0.0005 * (2.0 * np.pi * 5.0) ** 3) ** 2  # [m^2/s^6] squared jerk of 0.5 mm at 5 Hz
+INVISIBLE_JERK = 0.5 * (0.0005 * (2.0 * np.pi * 5.0) ** 3) ** 2  # [m^2/s^6] squared jerk of a shake of 0.5 mm at 5 Hz
 
 
 def timing_checks(performance: DryRun) -> list[Check]:

@@ -24,7 +24,7 @@ def match_html(match: Match) -> str:
 
 
 def gesture_html(form: GestureForm) -> str:
-    """Return the HTML of a gesture: summary and replay, planned alone."""
+    """Return the HTML of a gesture: summary, and replay without other behaviours."""
     setup = _setup(FINGERED_ROBOT if form.shapes else SHAPELESS_ROBOT)
     entry = ParsedEntry(form, Sense((form.id,), form.category))
     lexicon = replace(setup.lexicon, entries=(entry, *setup.lexicon.entries)).as_written
@@ -38,5 +38,5 @@ def gesture_html(form: GestureForm) -> str:
 
 @cache
 def _setup(robot: str) -> Setup:
-    """Return the setup that shows gestures as the lexicon defines them."""
+    """Return a robot's setup without idle motion and gesture variation."""
     return set_up(robot, idle=0.0, variation=0.0)

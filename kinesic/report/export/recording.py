@@ -54,7 +54,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class ExportedMotion:
-    """Motion of a robot with its speech, on performance time."""
+    """Motion of a robot with words and sync points, in performance time."""
 
     robot: Robot
     times: Floats  # (m,) [s] at the rate of commands
@@ -72,7 +72,7 @@ class ExportedMotion:
 
     @classmethod
     def of_performance(cls, performance: DryRun) -> "ExportedMotion":
-        """Return the planned and the measured motion."""
+        """Return the planned and the twin's measured motion of a performance."""
         plan, measured = performance.plan, performance.measured
         angles, velocities, _ = plan.trajectory.sample(measured.times)
         planned = JointTrack(angles, velocities)

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
 APPLICATION_ID = "kinesic"  # name of the recordings in the viewer
-TIMELINE = "performance"  # name of the timeline, in performance time
+TIMELINE = "performance"  # name of the viewer's timeline, which shows performance time
 WORD_ENTITY = "speech"  # entity path of spoken words
 SYNC_ENTITY = "behaviours"  # entity path of sync points
 EYE_DISTANCE = 1.3  # distance of the camera / height of the view
-JOINT_ENTITY = "joints"  # entity path above the joint tracks, with one entity per hinge
+JOINT_ENTITY = "joints"  # parent entity of the joint angles, which are at joints/TRACK/HINGE
 
 
 def save_rerun(motion: ExportedMotion, path: Path, *, force: bool) -> Path:

@@ -23,7 +23,7 @@ VERTEX_KINDS: dict[MeshPart, int] = {"cloth": 1, "eyes": 2}  # shader codes by m
 EYE_COLOURS = (0.10, 0.17, 0.16), (0.74, 0.70, 0.67)  # linear RGB colours of iris and sclera
 MOUTH_DARKENING = 0.9  # fraction by which skin inside the mouth is darkened
 TEETH_BRIGHTNESS = 0.45  # factor on the linear colours of teeth and tongue
-MAX_BORDER_DISTANCE = 0.32767  # [m] largest stored distance beyond the border of cloth
+MAX_BORDER_DISTANCE = 0.32767  # [m] largest stored distance of a cloth vertex beyond the garment's border
 FRAME_DIGITS = 6  # decimal places of rig frame rotations and positions [m]
 VERTEX_TYPE = np.dtype(
     [

@@ -28,7 +28,7 @@ from kinesic.sim.filming.face_screen import FaceScreen, ScreenSurface, Sheet, bu
 
 FRAME_COLOUR: Colour = (24, 26, 30)  # RGB colour of the screen's frame
 LAYER_DISTANCE = 3e-4  # [m] distance between shapes drawn over one another
-MIN_CONTROL_CHANGE = 1e-3  # [pixels] smaller changes of a control are not animated
+MIN_CONTROL_CHANGE = 1e-3  # [pixels] control values of the face that change less are not animated
 FACE_EMISSION = 0.8  # emitted light / colour of the face
 COLOUR_STEPS = 1024  # steps of the table that converts screen colours to linear ones
 
@@ -90,7 +90,7 @@ class _Materials:
         self._indices: dict[Colour, int] = {}
 
     def find(self, colour: Colour) -> int:
-        """Return the index of a colour's material."""
+        """Return the index of a colour's material, adding it if missing."""
         if colour not in self._indices:
             linear = _linear_colour(colour)
             look = {"baseColorFactor": [*linear, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.4}
@@ -134,7 +134,7 @@ def _add_strip(
 
 
 def _add_sheets(materials: _Materials, screen: FaceScreen) -> list[dict[str, object]]:
-    """Build the frame and the background of the face."""
+    """Build the glTF primitives of the screen's frame and background."""
     sheets: tuple[tuple[Sheet, Colour], ...] = ((screen.frame, FRAME_COLOUR), (screen.picture, BACKGROUND_COLOUR))
     return [_primitive(materials, sheet.places, sheet.normals, sheet.triangles, colour) for sheet, colour in sheets]
 

@@ -22,7 +22,7 @@ Rows = NDArray[np.intp]
 
 # Linear RGB colours of the parts without a texture.
 PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}
-MIN_NORMAL_CHANGE = 0.004  # change of a unit normal by a blend shape below which it is left out
+MIN_NORMAL_CHANGE = 0.004  # largest change of a unit normal by a blend shape that is not stored
 PART_ROUGHNESS = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}  # glTF roughness (0 glossy, 1 matt) of each surface
 HAIRLINE_RANGE = (-0.06, 0.12)  # [eye distances] heights over the hairline: last bare skin, first full hair
 
@@ -241,7 +241,7 @@ class _Surface:
         return primitive
 
     def _morph(self, vertex_rows: Rows, shape: int) -> dict[str, int]:
-        """Write a blend shape's displacements and normals, and return the accessor indices."""
+        """Write a blend shape's position and normal changes, and return accessor indices."""
         moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)
         turned = self._turn_normals(shape)
         return {
@@ -251,7 +251,7 @@ class _Surface:
         }
 
     def _turn_normals(self, shape: int) -> Floats:
-        """Return the (v, 3) changes of all normals but those of eyeballs."""
+        """Return a blend shape's normal changes (v, 3), zero at the eyeballs."""
         if shape not in self._turned:
             mesh = self._figure.mesh
             moves = self._deltas[:, [shape]].toarray().reshape(-1, 3)

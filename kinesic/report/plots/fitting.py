@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.report.plots.axes import FONT_SIZE, UNITS_PER_INCH
 
-MAX_LINE_POINTS = 1000  # visible points of one line
+MAX_LINE_POINTS = 1000  # approximate largest number of drawn points of a line
 _LETTER_WIDTH = 0.55 * FONT_SIZE / UNITS_PER_INCH  # [in] mean character width
 
 

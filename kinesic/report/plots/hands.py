@@ -15,7 +15,7 @@ HAND_PARTS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}  # body part o
 VIEW_GAP = 0.5  # [in] gap between two views
 TOP_MARGIN = 0.3  # [in] margin above the views
 BOTTOM_MARGIN = 0.3  # [in] margin below the views
-MAX_VIEW_HEIGHT = 4.6  # [in] height of the tallest view
+MAX_VIEW_HEIGHT = 4.6  # [in] largest height of the views
 MAX_PATH_POINTS = 4000  # largest number of points drawn of a hand path
 PLOT_MARGIN = 0.06  # [m] margin around the drawn paths
 

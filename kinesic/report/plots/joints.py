@@ -28,7 +28,7 @@ PANEL_HEIGHT = 0.95  # [in] height of a joint's panel with its heading
 HEADING_HEIGHT = 0.2  # [in] height of the joint's name above a panel
 BOTTOM_MARGIN = 0.3  # [in] margin below the panels
 MAX_SYNC_LINES = 100  # sync points drawn in a panel; with more, only strokes
-LABEL_WIDTH = 0.62  # [in] space reserved for a sync point's name
+LABEL_WIDTH = 0.62  # [in] width reserved for the behaviour's name at a stroke
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ CORE_SYNCS = (
     ("strokeStart", "strokeEnd"),
     ("ready", "relax"),
     ("attackPeak", "relax"),
-)  # main phase of gestures, gaze and faces
+)  # first and last sync point of the main phase of gestures, gaze and faces
 MAX_ROWS = 50  # largest number of behaviours in a timeline plot
 
 
