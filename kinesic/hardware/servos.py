@@ -217,7 +217,7 @@ class Servos:
             time.sleep(POLL_INTERVAL)
 
     def _leave(self) -> None:
-        """Close the pipe, so that the supervisor folds and releases by itself."""
+        """Close the pipe, so that the supervisor folds the robot alone."""
         if self._process.stdin is not None:
             self._process.stdin.close()
 

@@ -27,9 +27,9 @@ from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-CYCLE_FRACTION = 0.95  # Fraction of the period that a cycle may use, or more by HOST_RESERVE
-HOST_RESERVE = 0.0005  # [s] part of the period left to the host, if that allows longer cycles
-MAX_RETRIES = 4  # Repeated queries of missing servos per cycle
+CYCLE_FRACTION = 0.95  # Fraction of the period that a cycle may use, unless HOST_RESERVE allows more
+HOST_RESERVE = 0.0005  # [s] longest part of the period that a cycle must leave unused
+MAX_RETRIES = 4  # Largest number of repeated queries per cycle, for servos without a fresh record
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
 REOPEN_INTERVAL = 0.05  # [s] between attempts to reopen a lost port
 MISMATCH_DELAY = 1.0  # [s] wait before a port is reopened whose servos were not identified
@@ -102,7 +102,7 @@ class Bus:
         return self.finish()
 
     def begin(self, goals: Ticks | None = None) -> None:
-        """Send queued writes, goals and query, the first half of a cycle."""
+        """Run the first half of a cycle: send writes, goals and query."""
         self._begun = self.wire.now()
         self._accepted.begin()
         try:
@@ -247,7 +247,7 @@ class Bus:
         self._accepted.unmapped.discard(place)
 
     def _look_again(self) -> None:
-        """Accept records of a first reply that arrived late, during repeated queries."""
+        """Accept late records of the cycle's first query, received during repeated queries."""
         answer, accepted = self._question.parse(self._listener.received), self._accepted
         if not answer.whole:
             answer = self._late.remove_earlier(self._question, self._places, answer)

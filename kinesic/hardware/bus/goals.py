@@ -51,7 +51,7 @@ class GoalFrame:
 
 
 def _contributions(count: int, covered: int) -> Crcs:
-    """Compute the CRC contribution (count, 4096) of each goal position by servo.
+    """Tabulate the CRC contributions (count, 4096) of all goal positions per servo.
 
     Args:
         count: number of servos.

@@ -15,7 +15,7 @@ UDEV_RULE = 'ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{la
 
 
 def find_stable_name(path: Path, *, names: Path = SERIAL_BY_ID) -> Path:
-    """Return a port's by-id path, or the given path without one.
+    """Return a port's by-id path, or the given path if none exists.
 
     It survives unplugging, while the number of ttyUSBn changes.
     """
@@ -80,7 +80,7 @@ class Punctuality:
 
     @property
     def pace(self) -> float:
-        """Time scale of the motion that the host's recent delays allow."""
+        """Time scale of the motion, below 1 while the host delays cycles."""
         return BUSY_TIME_SCALE if self.watchdog_factor == WATCHDOG_FACTORS[-1] else 1.0
 
 

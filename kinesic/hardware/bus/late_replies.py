@@ -13,10 +13,10 @@ from kinesic.hardware.bus.listener import TIMEOUT_TUNING, Listener
 from kinesic.hardware.bus.plausibility import PlausibilityFilter, ServoSelection
 from kinesic.hardware.bus.query import Query, ServoReplies
 
-CLOCK_TOLERANCE = 0.004  # [s] age of a record beyond the transmission time above which it answers an earlier query
-LATE_REPLY_WINDOW = 0.05  # [s] time beyond its transmission time within which a missing reply may still arrive
-MAX_STALE_CYCLES = 2  # Consecutive cycles with only apparently late records before a cycle without a query
-TRIAL_PAUSE = 100  # Further stale cycles until the next cycle without a query, after one that received late replies
+CLOCK_TOLERANCE = 0.004  # [s] a record older than its transmission time plus this answers an earlier query
+LATE_REPLY_WINDOW = 0.05  # [s] longest delay of a missing reply after the end of its transmission time
+MAX_STALE_CYCLES = 2  # Consecutive cycles with only seemingly late records, after which a cycle sends no query
+TRIAL_PAUSE = 100  # Additional stale cycles before another cycle without a query, if the last one received late replies
 
 _Unfinished = tuple[Query, ServoSelection, bytes, float]  # query, its servos, received bytes, [s] query time
 

@@ -24,7 +24,7 @@ class TimeoutTuning:
     max_burst_fall: float = 0.05  # largest relative decrease of the burst interval per reply
 
 
-TIMEOUT_TUNING = TimeoutTuning()  # values used on every bus
+TIMEOUT_TUNING = TimeoutTuning()  # bounds and rates of the timeouts on every bus
 
 
 class TimeoutEstimate:
@@ -89,7 +89,7 @@ class Listener:
         self.replies_late = False  # whether the last missing reply came later
 
     def wire_time(self, octets: int) -> float:
-        """Return the transmission time [s] of some bytes."""
+        """Return the transmission time [s] of `octets` bytes."""
         return octets * self._byte
 
     def forget(self) -> None:
@@ -214,7 +214,7 @@ class Listener:
         self._rest, self.mute, self.early = raw[answer.end :], False, now < ideal
 
     def exchange(self, data: bytes, servo: int, size: int) -> bytes | None:
-        """Send a packet to one servo and return the data it answers.
+        """Send a packet to one servo and return its reply data.
 
         None if no status comes in time.
 
@@ -293,7 +293,7 @@ class _Wait:
         return deadline if octets else self.silence_deadline(deadline)
 
     def silence_deadline(self, due: float) -> float:
-        """Return the deadline [s] for a reply without any byte yet.
+        """Return the deadline [s] for the first byte of a reply.
 
         A repeated query while servos transmit destroys their reply, which is a loss if the reply was only late.
         """

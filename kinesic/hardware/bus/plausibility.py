@@ -37,7 +37,7 @@ class PlausibilityTuning:
     clock_reset_count: int = 3  # consecutive records from the past after which the servo's clock must have restarted
 
 
-PLAUSIBILITY_TUNING = PlausibilityTuning()  # values used on every bus
+PLAUSIBILITY_TUNING = PlausibilityTuning()  # tolerances on every bus
 
 
 class PlausibilityFilter:
@@ -203,7 +203,7 @@ class PlausibilityFilter:
         return inf if is_unknown else float(before + self._elapsed_ms(index, block) / 1000)
 
     def _elapsed_ms(self, index: int, block: np.void) -> int:
-        """Return the servo's clock time [ms] since its last record."""
+        """Return the time [ms] since a servo's last record, by its clock."""
         return (int(block["tick"]) - int(self.blocks[index]["tick"])) % CLOCK_WRAP
 
     def _accepts(self, index: int, block: np.void, time: float) -> bool:
@@ -224,7 +224,7 @@ class PlausibilityFilter:
         return self._is_credible(index, block, time)
 
     def _has_reset_clock(self, index: int, tick: int) -> bool:
-        """Record a clock value from the past, and return whether it restarted."""
+        """Record an outdated clock value, and return whether the servo's clock restarted."""
         past = self._past.setdefault(index, [])
         if past and not 0 < (tick - past[-1]) % CLOCK_WRAP < MAX_CLOCK_ADVANCE:
             past.clear()

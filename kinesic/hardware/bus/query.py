@@ -30,7 +30,7 @@ from kinesic.hardware.protocol.packet import (
 
 HEADER_SIZE = 8  # [bytes] size of a fast reply before its first block
 CHECKED_SIZE = BLOCK_DTYPE.itemsize - 2  # [bytes] size of a servo's block in a fast reply, without its CRC
-RESYNC_BLOCKS = 3  # Fast-reply blocks after a damaged one within which an intact one must follow
+RESYNC_BLOCKS = 3  # Number of blocks after a damaged one that are searched for the next intact block
 
 
 class ServoReplies(NamedTuple):
@@ -53,7 +53,7 @@ class Query(ABC):
     @property
     @abstractmethod
     def data(self) -> bytes:
-        """Bytes of the query packet with its read instruction."""
+        """Bytes of the packet that queries the servos."""
 
     @property
     @abstractmethod
@@ -85,7 +85,7 @@ class FastQuery(Query):
 
     @cached_property
     def data(self) -> bytes:
-        """Bytes of the query packet."""
+        """Bytes of the fast sync read or fast bulk read packet."""
         return self._request(fast=True)
 
     @cached_property
@@ -105,9 +105,9 @@ class FastQuery(Query):
 
     @cached_property
     def _unchained(self) -> np.uint16:
-        """CRC contribution of the packet header without its last two bytes.
+        """CRC correction of the first block, which no other block precedes.
 
-        These are otherwise taken as a CRC.
+        The check of all blocks at once takes the two bytes before each block as the CRC of the previous block.
         """
         return np.uint16(self._first ^ int(_CRC_CARRY[int.from_bytes(self._head[-2:], "little")]))
 
@@ -122,7 +122,7 @@ class FastQuery(Query):
         return all_servos
 
     def parse(self, raw: bytes) -> ServoReplies:
-        """Parse received bytes as described in `Query`."""
+        """Parse the reply in received bytes, or salvage its intact blocks."""
         first = start = raw.find(self._head)
         while 0 <= start <= len(raw) - self.length:
             blocks = self._parse_intact(raw, start)
@@ -214,9 +214,9 @@ class _Windows(NamedTuple):
         return cls(raw, _own_crcs(octets[:, :CHECKED_SIZE]).tolist(), octets[:, 1].tolist(), crcs.tolist())
 
     def before(self, offset: int) -> int:
-        """Return the CRC contribution of the two bytes before an offset.
+        """Return the previous block's contribution to the CRC of a block.
 
-        They are taken as a CRC; -1 at the beginning.
+        The two bytes before the block's offset are taken as the previous CRC; -1 if there are fewer bytes.
         """
         return int(_CRC_CARRY[self.raw[offset - 2] | self.raw[offset - 1] << 8]) if offset >= 2 else -1
 
@@ -232,7 +232,7 @@ class PlainQuery(Query):
 
     @cached_property
     def data(self) -> bytes:
-        """Bytes of the query packet."""
+        """Bytes of the read, sync read or bulk read packet."""
         if len(self.servos) == 1:
             return read_packet(self.servos[0], self.addresses[0], RECORD_SIZE)
         return self._request(fast=False)
@@ -243,7 +243,7 @@ class PlainQuery(Query):
         return (STATUS_OVERHEAD + RECORD_SIZE) * len(self.servos)
 
     def parse(self, raw: bytes) -> ServoReplies:
-        """Parse received bytes as described in `Query`."""
+        """Collect the status packets of the queried servos from received bytes."""
         blocks: Records = np.zeros(len(self.servos), dtype=BLOCK_DTYPE)
         received: Flags = np.zeros(len(self.servos), dtype=np.bool_)
         for status in Reader().feed(raw):

@@ -25,7 +25,7 @@ if sys.platform != "win32":
 else:
     PORT_ERRORS = (OSError, ValueError)
 
-READ_SIZE = 4096  # [bytes] read from the port per system call
+READ_SIZE = 4096  # [bytes] largest number read from the port per system call
 TERMINAL_FOLDER = "/dev/pts/"  # folder of pseudo-terminals
 STALL_TIMEOUT = 0.05  # [s] longest stall beyond the transmission time before the port counts as lost
 
@@ -93,7 +93,7 @@ class SerialWire:
         return time.monotonic()
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """Send bytes.
+        """Send bytes, waiting a limited time while the output buffer is full.
 
         Raises:
             BusError: the port is gone, or does not take the bytes in time.

@@ -17,9 +17,9 @@ def _no_servos() -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Telemetry:
-    """State of all servos at one time, in manifest order.
+    """Temperature, load, voltage, errors and torque of all servos at one time.
 
-    NaN for a servo that has not answered lately.
+    Servos are in manifest order. NaN for a servo that has not answered lately.
     """
 
     clock: float = 0.0  # [s] of the machine's monotonic clock; 0: no telemetry yet

@@ -25,7 +25,7 @@ def advance_crcs(crcs: Crcs, data: Bytes | int = 0) -> Crcs:
 
 @cache
 def byte_contributions(length: int) -> Crcs:
-    """Tabulate (length, 256) the CRC contribution of each byte at each position."""
+    """Tabulate the CRC contributions (length, 256) of all bytes at all positions."""
     table = np.empty((length, 256), dtype=np.uint16)
     row = _CRC_ARRAY
     for place in reversed(range(length)):
@@ -37,9 +37,9 @@ def byte_contributions(length: int) -> Crcs:
 
 @cache
 def crc_contributions(length: int) -> Crcs:
-    """Tabulate (65536,) the contribution of each CRC value to a later CRC.
+    """Tabulate the contribution (65536,) of each CRC to the next block's CRC.
 
-    A CRC is followed by its own two bytes, and the contribution is that after `length` further zero bytes.
+    It is the CRC register after the two bytes of the CRC itself and `length` zero bytes.
     """
     crcs = np.arange(1 << 16, dtype=np.uint16)
     after = advance_crcs(advance_crcs(crcs, (crcs & 0xFF).astype(np.uint8)), (crcs >> 8).astype(np.uint8))

@@ -75,7 +75,7 @@ class ServoAccess:
         return tuple(PingReply(servo, number, firmware) for servo, (number, firmware) in sorted(answers.items()))
 
     def ping(self, servo: int) -> PingReply | None:
-        """Ping one servo, and return its reply, or None without one."""
+        """Ping one servo, and return its reply, or None if silent."""
         for _ in range(MAX_TRIES):
             number, result, _ = self._packets.ping(self._port, servo)
             if result == COMM_SUCCESS:

@@ -273,7 +273,7 @@ MODELS_BY_NUMBER: Mapping[int, Model] = MappingProxyType({model.number: model fo
 
 
 def control_table_of(servo: ServoModel, where: str) -> Model:
-    """Return the control table model with a servo's model number.
+    """Return the `Model` with a servo's model number.
 
     Args:
         servo: servo of a robot.

@@ -19,7 +19,7 @@ SLOW_LATENCY_MS = 16.0  # [ms] delay by an adapter with the default latency time
 MAX_LATE_MS = 30.0  # [ms] longest delay of a reply to an abandoned instruction
 MIN_TIMEOUT_MS = 2.0  # [ms] constant part of every timeout
 BODY_OFFSET = 7  # [bytes] offset of the instruction in a packet
-STATUS_EXTRA = 4  # [bytes] instruction, error and CRC, which a status counts besides its data
+STATUS_EXTRA = 4  # [bytes] size of instruction, error and CRC, included in the length field of a status packet
 
 
 class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types

@@ -114,7 +114,7 @@ class ServoMap:
 
 
 def _servos(robot: Robot, tables: list[BusTable]) -> Iterator[HingeServos]:
-    """Yield the servos of each hinge in the bus tables in order."""
+    """Yield the servos of each hinge, in bus table order."""
     measured = robot.calibration
     reductions = dict(zip(robot.skeleton.names, (drive.reduction for drive in robot.drives), strict=True))
     for table in tables:

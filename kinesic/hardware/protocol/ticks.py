@@ -46,5 +46,5 @@ class Scale:
 
     @cached_property
     def _per_radian(self) -> Floats:
-        """Ticks per radian of the hinge (n,)."""
+        """Signed ticks per radian of each hinge (n,)."""
         return self.turns * TICKS_PER_RADIAN

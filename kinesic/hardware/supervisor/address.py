@@ -179,7 +179,7 @@ def _write(folder: HeldFolder, name: str, text: str) -> None:
 
 
 def _memory_identity(address: _Address) -> tuple[int, int]:
-    """Identify a channel's memory by device and inode, (0, 0) if gone."""
+    """Return a channel memory's device and inode, (0, 0) if gone."""
     with suppress(OSError):
         status = (PROCESS_FOLDER / str(address.process) / "fd" / str(address.memory)).stat()
         return status.st_dev, status.st_ino
@@ -187,7 +187,7 @@ def _memory_identity(address: _Address) -> tuple[int, int]:
 
 
 def _connect(address: _Address) -> Channel | None:
-    """Open the channel at an address, if a supervisor still writes it."""
+    """Open the channel of a running supervisor, or return None."""
     memory = PROCESS_FOLDER / str(address.process) / "fd" / str(address.memory)
     with suppress(OSError, ValueError):
         octets = memory_size(address.joints)

@@ -18,7 +18,7 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.manifest import Manifest
 
-RECENT_PERIODS = 4.0  # Age of a record in cycle periods up to which it counts as recent
+RECENT_PERIODS = 4.0  # [cycle periods] largest age of a recent record
 Kind = TypeVar("Kind", bound=np.generic)
 
 
@@ -88,7 +88,7 @@ class Axes:
         self.buses[self.manifest.members[place].bus].drop(reason)
 
     def now(self) -> float:
-        """Return the time [s] of the first wire."""
+        """Return the clock [s] of the first bus's wire."""
         return self._wire.now()
 
     def sleep(self, until: float) -> None:

@@ -208,7 +208,7 @@ class Channel:
         return tuple(statuses)
 
     def note(self, note: Note) -> None:
-        """Add an event of the supervisor."""
+        """Add a supervisor event to the ring buffer."""
         number = self.word("noted")
         kind, text = note.kind.encode(), note.text.encode()[:_TEXT_SIZE]
         _store(self._events, number % EVENT_CAPACITY, number + 1, note.clock, note.servo, kind, text)
@@ -279,7 +279,7 @@ _TELEMETRY_DTYPE = np.dtype(
 
 
 def memory_size(joints: int, capacity: int = COMMAND_CAPACITY) -> int:
-    """Return the size [bytes] of the memory for some number of joints."""
+    """Return the size [bytes] of a channel's memory for `joints` joints."""
     rows = (
         STATUS_CAPACITY * _status(joints).itemsize
         + EVENT_CAPACITY * _EVENT_DTYPE.itemsize

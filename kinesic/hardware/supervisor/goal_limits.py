@@ -76,7 +76,7 @@ def limit_goals(
 
 
 def _clip_to_bounds(course: GoalCourse, desired: Floats, present: Floats, bounds: GoalBounds) -> Floats:
-    """Clip goals (m,) [ticks] to joint ranges, near the servo positions."""
+    """Limit goals (m,) [ticks] to their ranges and distances from the servos."""
     positions = np.where(np.isfinite(present), present, course.goals)
     low = np.maximum(bounds.lower, np.minimum(positions - bounds.lead, course.goals))
     high = np.minimum(bounds.upper, np.maximum(positions + bounds.lead, course.goals))

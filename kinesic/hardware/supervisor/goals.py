@@ -32,7 +32,7 @@ class GoalSteering:
 
     @property
     def goals(self) -> Floats | None:
-        """Goals (m,) [ticks] on the wire.
+        """Current limited goals (m,) [ticks], before lag compensation.
 
         None while unknown.
         """
@@ -114,7 +114,7 @@ class GoalSteering:
             self._given_up = self._given_up | newly_stuck
 
     def take_back(self, places: Sequence[int]) -> None:
-        """Drive servos again that had been given up as stuck."""
+        """Resume driving servos that were given up as stuck."""
         self._given_up = self._given_up.copy()
         self._given_up[list(places)] = False
 

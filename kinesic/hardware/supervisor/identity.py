@@ -18,7 +18,7 @@ IDENTIFY_TRIES = 4  # Attempts to read the registers of a servo behind a reopene
 
 
 def identify(axes: Axes, tables: tuple[RegisterTable, ...], *, watchdog: int) -> Procedure:
-    """Compare the servos behind reopened ports with their earlier registers.
+    """Check that servos behind reopened ports have their earlier register values.
 
     It reads one servo per cycle.
 

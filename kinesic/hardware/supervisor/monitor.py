@@ -36,12 +36,12 @@ class LoadTuning:
     max_record_gap: float = 0.15  # [s] longest time between two records, after which stall times restart
 
 
-LOAD_TUNING = LoadTuning()  # values used by every supervisor
+LOAD_TUNING = LoadTuning()  # load thresholds of every supervisor
 
 
 @dataclass(frozen=True, eq=False)
 class LoadRatings:
-    """Temperature, current and position error limits, by servo."""
+    """Shutdown temperature, current limit and full-power position error, by servo."""
 
     celsius: Floats  # (m,) [C] shutdown temperature
     current: Floats  # (m,) [counts] current limit
@@ -49,7 +49,7 @@ class LoadRatings:
 
     @classmethod
     def of(cls, tables: Sequence[RegisterTable]) -> "LoadRatings":
-        """Read the ratings from the servos' own limits."""
+        """Read the ratings from the servos' register tables."""
         return cls(
             celsius=sealed([table[Register.TEMPERATURE_LIMIT] for table in tables]),
             current=sealed([_current(table) for table in tables]),
@@ -221,7 +221,7 @@ class CommunicationMonitor:
     def raised(self) -> Flags:
         """Flags (m,) of energised servos that may be away from rest.
 
-        A silent servo counts as it was heard last, or as its goal.
+        A silent servo counts as raised if its last position or its goal is away from rest.
         """
         if self.records is None or not self.any_energised:
             return np.zeros(len(self.energised), dtype=np.bool_)

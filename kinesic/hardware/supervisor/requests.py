@@ -8,7 +8,7 @@ from kinesic.hardware.supervisor.state_machine import Event
 
 
 class Requests:
-    """Reader of requests of planner and persons, polled once per cycle."""
+    """Reader of requests from planner and operator, polled once per cycle."""
 
     def __init__(self, channel: Channel, planner: Callable[[], bool]) -> None:
         """Start without any request.
@@ -55,7 +55,7 @@ class Requests:
         self.ended = bool(self._channel.word("ended"))
 
     def events(self) -> tuple[Event, ...]:
-        """Return at most one emergency stop or resume requested since last time.
+        """Return an emergency stop or resume requested since the last call.
 
         A resume request is ignored during an emergency stop.
         """

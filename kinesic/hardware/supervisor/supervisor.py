@@ -34,7 +34,7 @@ from kinesic.hardware.supervisor.torque import (
     watchdog_counts,
 )
 
-MAX_COMMANDS_PER_CYCLE = 32  # Commands read per cycle, which bounds its duration
+MAX_COMMANDS_PER_CYCLE = 32  # Largest number of commands read per cycle, which bounds the cycle's duration
 COMMAND_LOOKAHEAD = 2.0  # [s] duration of commands read ahead from the channel
 WIRE_TIME_FRACTION = 0.9  # Fraction of a period for the wires; the rest is for computation
 MIN_STEP_TIME = 1e-4  # [s] smallest time step between two cycles
@@ -124,7 +124,7 @@ class Supervisor:
             self._axes.sleep(until)
 
     def now(self) -> float:
-        """Return the time [s] of the wires' clock, by default monotonic."""
+        """Return the wires' clock [s], or the monotonic clock without open ports."""
         return self._axes.now() if self._axes is not None else monotonic()
 
     def _look(self, axes: Axes, goals: Ticks | None, seconds: float) -> None:

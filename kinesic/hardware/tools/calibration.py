@@ -19,13 +19,14 @@ from kinesic.body.servo import TICKS_PER_RADIAN, TICKS_PER_TURN
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
 
-DIRECTION_THRESHOLD = np.radians(8.0)  # [rad] rotation from the zero posture at which a hinge's first direction counts
-STOP_TOLERANCE = np.radians(3.0)  # [rad] distance from the end of its range at which a hinge counts as turned to it
+DIRECTION_THRESHOLD = np.radians(8.0)  # [rad] smallest rotation from the zero posture that shows a hinge's direction
+STOP_TOLERANCE = np.radians(3.0)  # [rad] largest distance from the end of its range at which a hinge counts as there
 MIN_RANGE_FRACTION = 0.6  # Fraction of the configured range that must be covered before a measured end counts
 MAX_TANDEM_OFFSET = 12  # [ticks] largest position difference between the servos of one hinge
 
 Signs = NDArray[np.int64]
-DIRECTION_WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))  # along +-x, +-y, +-z
+# Words for motion along +-x, +-y, +-z
+DIRECTION_WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))
 MIN_MOTION_RATIO = 0.5  # Tip motion / lever length above which a direction is described by the tip's motion
 FORWARD_AXIS = np.array([1.0, 0.0, 0.0])  # Unit vector forward in the world
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # Unit vector upward in the world

@@ -24,7 +24,7 @@ ADAPTER_LATENCY = 0.001  # [s] latency timer of the adapter in its recommended s
 
 
 class VirtualBus:
-    """Wire whose servos receive everything that is sent on it."""
+    """Simulated half-duplex wire, on which all servos receive every packet."""
 
     def __init__(
         self,

@@ -22,7 +22,7 @@ class HandTurnedPhysics:
     """
 
     def __init__(self, physics: Physics, robot: Robot, wires: Sequence[Cable]) -> None:
-        """Wrap physics, with hinges that are not turned yet.
+        """Wrap the physics of servos without turning any hinge yet.
 
         Args:
             physics: physics of the servos.

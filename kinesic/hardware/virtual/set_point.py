@@ -18,7 +18,7 @@ FOLLOWING_ERROR_LIMIT = 100  # [ticks] threshold of the following-error bit; the
 STALL_LOAD = 1000  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
 
 POSITION_MODES = frozenset({Mode.POSITION.value, Mode.EXTENDED_POSITION.value, Mode.CURRENT_POSITION.value})
-_FORM_BITS = {"step": 0x00, "rectangle": 0x10, "triangle": 0x20, "trapezoid": 0x30}  # Profile form in MOVING_STATUS
+_FORM_BITS = {"step": 0x00, "rectangle": 0x10, "triangle": 0x20, "trapezoid": 0x30}  # MOVING_STATUS bits by form
 _SENSOR_FORMAT = struct.Struct("<BBhhiiii")  # Consecutive registers MOVING to POSITION_TRAJECTORY
 _SENSOR_ADDRESS = Register.MOVING.field.address
 
