@@ -26,7 +26,7 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
 
 
 def unused_axes(turn: Turn, used_axes: Spans, span: Span) -> Turn:
-    """Set a rotation to zero about axes used within a time span."""
+    """Remove a rotation's angles about the axes used within a time span."""
     return Turn(
         *(0.0 if overlap(spans, span) else angle for angle, spans in zip(turn_angles(turn), used_axes, strict=True))
     )

@@ -51,7 +51,7 @@ class BehaviourWarning:
 
 @dataclass(frozen=True, eq=False)
 class Move:
-    """Motion of one behaviour by body part, before gathering."""
+    """Motion of one behaviour by body part, before merging into key frames."""
 
     outcome: Outcome = REALISED_OUTCOME
     head: tuple[Layer, ...] = ()

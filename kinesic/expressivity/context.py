@@ -36,7 +36,7 @@ def read_targets(path: Path) -> Mapping[str, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """Style, lexicon, robot durations and options of a performance."""
+    """Style, lexicon, robot, targets and options of a performance."""
 
     style: Style  # documents override it, and its settings override documents
     lexicon: Lexicon
@@ -51,7 +51,7 @@ class Context:
 
 @dataclass(frozen=True, eq=False)
 class BlockContext:
-    """Setup of a performance together with one block and its styles."""
+    """Block together with the context of its performance."""
 
     block: Block
     shared: Context  # data of all blocks of the performance

@@ -81,7 +81,7 @@ def stroke_durations(work: Poses, effort: Effort, *, holds: bool = True) -> dict
 
 
 def _rest_distance(work: Poses, key: int, pace: Pace) -> float:
-    """Return the larger distance of a hand from rest [m]."""
+    """Return the larger of both hands' distances from rest [m]."""
     rest = resting_hands(pace.robot)
     return max(pose_distance(REST_HAND, row[key], rest[side]) for side, row in work.hands.items())
 
@@ -130,7 +130,7 @@ def _behaviour_durations(behaviour: Behaviour, context: BlockContext) -> Mapping
 def _end_nod(
     natural: Mapping[str, float], head: Head, time_left: float, context: BlockContext, behaviour: Behaviour
 ) -> Mapping[str, float]:
-    """Return a nod's durations [s], ending with the word's accented syllable.
+    """Return the durations [s] of a nod that ends with a syllable.
 
     Repeated nods and other head movements keep their natural durations.
 

@@ -31,7 +31,7 @@ from kinesic.expressivity.turns import (
 
 AUDIENCE_TARGET = "audience"  # substitute for an unknown gaze target
 EYE_RANGE = (Turn(-MAX_EYE_YAW, -MAX_EYE_ELEVATION), Turn(MAX_EYE_YAW, MAX_EYE_DEPRESSION))  # [rad] range of the eyes
-TRUNK_DELAY = 0.12  # [s] start of the trunk after the head in a gaze shift
+TRUNK_DELAY = 0.12  # [s] longest delay of the trunk after the head in a gaze shift
 MAX_HEAD_TORSION = radians(45)  # [rad] head torsion beyond which the trunk rotates too
 OFFSET_UNIT = 50.0  # [deg] angle of an offset of 1 in Greta's documents
 UNIT_DIALECTS = ("draft", "none", "fml-apml")  # dialects that write offsets as fractions of `OFFSET_UNIT`
@@ -115,7 +115,7 @@ def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool,
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
     """Return the natural duration of a gaze shift [s].
 
-    It is that of people, or that of the servos at ease where it is longer.
+    It is the duration in human motion, or the servos' comfortable duration if that is longer.
     """
     neck = add_turns(look.head, scale_turn(look.torso, -1.0))
     head = pace.turn_time("neck", neck, temporal, usual=_usual_time(neck, _HEAD_VELOCITY))

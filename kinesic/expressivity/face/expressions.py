@@ -20,12 +20,12 @@ from kinesic.motion.easing import ease
 
 EXPRESSION_FILE = CONFIGS / "faces" / "expressions.toml"
 
-MIN_RISE_TIME = 0.06  # [s] shortest rise of an expression, by the speed of facial muscles
+MIN_RISE_TIME = 0.06  # [s] shortest rise of an expression, set by the speed of facial muscles
 EXTENT_GAIN = 0.5  # relative increase of the intensity at a spatial extent of 1, decrease at -1
 OVERSHOOT_RATIO = 0.25  # overshoot / held intensity at a power of 1
 SETTLING_TIME = 0.35  # [s] time from the overshoot to the held intensity
 FADE_RATIO = 0.4  # fraction of the intensity lost during the hold at a power of -1
-MAX_FADE_TIME = 2.0  # [s] duration of the fading during the hold
+MAX_FADE_TIME = 2.0  # [s] longest duration of the fading during the hold
 MAX_BRIDGED_GAP = 1.0  # [s] longest gap between two expressions that are joined at a fluidity of 1
 
 _VAGUE_WORDS = word_set(  # words that identify an expression only together with others
@@ -193,7 +193,7 @@ class Envelope:
         return np.asarray((1.0 + EXTENT_GAIN * manner.spatial) * fractions * self._level(times, manner.power))
 
     def _level(self, times: Floats, power: float) -> Floats | float:
-        """Return the intensity factor (m,) of overshoot or fading by power.
+        """Return the factor (m,) on the intensity for overshoot or fading.
 
         A single 1 at a power of 0.
         """

@@ -65,7 +65,7 @@ class GazeDirection:
         return float(np.arctan(HALF_EYE_DISTANCE / self.away))
 
 
-STRAIGHT_AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # gaze without a target, for any head rotation
+STRAIGHT_AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # gaze straight ahead in the world, without a target
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Eyes:
 
 
 def block_gazes(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:
-    """Return the gaze directions of a block in order.
+    """Return the gaze directions of a block in time order.
 
     A direction that stays lasts until the next gaze.
 

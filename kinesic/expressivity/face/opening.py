@@ -49,7 +49,7 @@ def limit_lip_opening(track: dict[str, Floats], largest: Floats, step: float) ->
 
 
 def _reachable(largest: Floats, step: float) -> Floats:
-    """Limit a lip opening over time (n,) [m] to the lips' velocity."""
+    """Limit a lip opening over time (n,) [m] to `MAX_LIP_VELOCITY`."""
     reachable = largest.copy()
     for k in range(1, round(CONSTRAINT_WINDOW / step) + 1):
         interval = k * step

@@ -35,10 +35,10 @@ SHAPE_LAG_TIME = 0.06  # [s] from the end of a sound to the end of its mouth sha
 VISEME_FILE = CONFIGS / "faces" / "visemes.toml"
 SEAL_UNIT = "24"  # action unit that presses the lips together
 INNER_UNITS = ("19", "32")  # action units that are invisible behind closed lips
-VISEME_WINDOW = 0.4  # [s] around a time, within which sounds influence the mouth
+VISEME_WINDOW = 0.4  # [s] time before the first and after the last sound that the mouth track covers
 UNSTRESSED_OPENING = 0.55  # relative lip opening of an unstressed vowel
 _LEAD_TIMES = {"18": ROUND_LEAD_TIME, "22": ROUND_LEAD_TIME}  # [s] advance before the sound, by action unit
-NEUTRAL_VOWEL = "\N{LATIN SMALL LETTER SCHWA}"  # replaces sounds without a mouth shape
+NEUTRAL_VOWEL = "\N{LATIN SMALL LETTER SCHWA}"  # vowel whose mouth shape replaces unknown ones
 
 
 class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -17,8 +17,8 @@ from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY
 
-MIN_PATH_DISTANCE = 0.05  # [m] RMS over both hands above which two gestures are different
-MIN_ORIENTATION_ANGLE = radians(30)  # [rad] RMS of palms or pointing above which two gestures are different
+MIN_PATH_DISTANCE = 0.05  # [m] smallest RMS distance of the hand paths of two visibly different gestures
+MIN_ORIENTATION_ANGLE = radians(30)  # [rad] smallest RMS angle of the hands of two visibly different gestures
 
 _SAMPLE_COUNT = 50  # samples per stroke
 

@@ -229,7 +229,7 @@ class _Hands:
         return False
 
     def _may_be_brief(self, stroke: Stroke) -> bool:
-        """Return whether a stroke of counting gestures may become a single pose."""
+        """Return whether a stroke of a series may become a single pose."""
         return bool(stroke.series) and not {"strokeStart", "strokeEnd"} & set(self.spacing.fixed_points(stroke.id))
 
     def _try_shortening_series(self, stroke: Stroke, options: Sequence[Poses]) -> bool:

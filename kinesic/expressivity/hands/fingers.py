@@ -20,7 +20,7 @@ from kinesic.expressivity.lexicon.hand_shapes import FINGER_NAMES, Finger, Finge
 from kinesic.expressivity.style.pace import Pace
 from kinesic.motion.double_s import least_rest_times
 
-FINGER_DELAY = 0.045  # [s] start of the fingers after the wrist
+FINGER_DELAY = 0.045  # [s] delay of the fingers after the wrist
 CHANGE_TIME = 0.40  # [s] natural duration of a change of the hand shape
 MIN_TIME_FACTOR = 1.5  # shortest duration of a shape change / minimum duration of the servos
 KEYS_PER_PERIOD = 4  # keys per period of a finger motion
@@ -129,7 +129,7 @@ def _changes(keys: Sequence[HandKey], works: Sequence[HandStroke], side: Side, p
 def _add_motions(
     changes: list[FingerKey], works: Sequence[HandStroke], side: Side, pace: Pace
 ) -> tuple[FingerKey, ...]:
-    """Add the finger motions during strokes."""
+    """Add the keys of finger motions during strokes."""
     merged_keys = changes
     for work in works:
         motion = work.poses.fingers

@@ -23,10 +23,10 @@ from kinesic.motion.keys import PLAIN_PASSAGE
 
 NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand does not return to rest
 ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touchable parts of the other arm
-LOWERING_FRACTION = 0.5  # fraction of the way to rest by which a waiting hand is lowered
+LOWERING_FRACTION = 0.5  # fraction of the distance to rest by which a waiting hand is lowered
 WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand, which keeps the elbow off the body
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one
-ALL_FIXED: FixedSyncs = MappingProxyType({})  # a behaviour that is not listed has all its sync points fixed
+ALL_FIXED: FixedSyncs = MappingProxyType({})  # no entries, so that all sync points of every behaviour are fixed
 
 
 @dataclass(frozen=True, eq=False)

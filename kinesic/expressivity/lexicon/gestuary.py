@@ -19,7 +19,7 @@ from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, Th
 from kinesic.expressivity.lexicon.space import position
 
 _SIDE_NAMES: Mapping[str, Side] = {"left": "l", "right": "r"}
-GESTUARY_BOUNDS = DocumentBounds(size=40_000_000, elements=1_000_000)  # largest file: [bytes] and elements
+GESTUARY_BOUNDS = DocumentBounds(size=40_000_000, elements=1_000_000)  # limits of a file: [bytes] and XML elements
 
 _INHERITED_SHAPE = "empty"  # value of a hand shape that keeps the previous shape
 _TRUTH_VALUES: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
@@ -282,7 +282,7 @@ def _orient(reader: _Reader, turn: Element, side: Side, pose: HandPose) -> HandP
 
 
 def _to_side_axes(direction: Floats, side: Side) -> Floats:
-    """Convert (3,) x left, y up, z forward to forward, outward, up."""
+    """Convert Greta's axes (left, up, forward) to forward, outward and up."""
     left, up, forward = direction
     return sealed([forward, left if side == "l" else -left, up])
 

@@ -55,7 +55,7 @@ class LegibilityTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     alike: tuple[AlikeTable, ...]
 
     def may_be_alike(self, a: str, b: str) -> bool:
-        """Return whether two gestures may look alike."""
+        """Return whether two gestures are allowed to look alike."""
         return any(a in group.gestures and b in group.gestures for group in self.alike)
 
 

@@ -25,7 +25,7 @@ DEFAULT_GESTURE = "beat"  # gesture performed by behaviours without a lexeme
 MAX_SUGGESTIONS = 3  # gestures suggested for an unknown lexeme
 MAX_NAME_LENGTH = 120  # [characters] longer names are not interpreted
 COMPARED_LENGTH = 40  # [characters] length to which a name is cut for comparison with gesture names
-FORM_CACHE_SIZE = 128  # cached pairs of form and hand mode
+FORM_CACHE_SIZE = 128  # largest number of cached pairs of form and hand mode
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +186,7 @@ class Lexicon:
         return "both" if len(form.sides) > 1 else "left" if "l" in form.sides else "right"
 
     def sense(self, form: GestureForm) -> Sense:
-        """Return the words that describe a gesture form, for any hands."""
+        """Return the descriptive words of a form's gesture, independent of its hands."""
         return next(e.sense for e in self.entries if (e.id, e.category) == (form.id, form.category))
 
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:

@@ -51,7 +51,7 @@ _SHAKE_WORDS = word_set(
 _SHAKE_LIKE_WORDS = word_set("spin swing wiggle waggle sway lateral")
 _DIRECTION_WORDS = word_set(
     "up down left right forward back aside tilt toss roll lean incline bow neutral turn"
-)  # of head movements
+)  # direction words of head movements
 _MAIN_MOVEMENTS = frozenset({"nod", "shake", "tilt"})  # movements performed even if the name has unknown words
 NEGATION_WORDS = word_set("no not dont don never none without cannot cant isnt doesnt lost less")
 _OTHER_PART_WORDS = word_set(

@@ -22,14 +22,15 @@ MAX_PERIODS = 12.0  # largest number of periods of one path
 
 _SAMPLES_PER_PERIOD = 4  # samples per period of the fastest axis: its zero crossings and extrema
 _MAX_BISECTIONS = 6  # largest depth of bisection of one path interval
-_ARC_LENGTH_STEPS = 400  # samples along a path of free points, for a constant hand velocity
+_ARC_LENGTH_STEPS = 400  # number of samples along a path of via points, for a constant hand velocity
 _ZERO_LENGTH = 1e-9  # [arm lengths] length below which an amplitude or step counts as zero
 _AMPLITUDE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": np.ones_like,
     "grows": lambda t: t,
     "shrinks": lambda t: 1.0 - t,
 }
-# Greta's 1 - sqrt(1 - t) and sqrt(t) have infinite velocity at one end; these functions stay below 2 F.
+# Phase over path parameter by frequency variation. Greta's 1 - sqrt(1 - t) and sqrt(t) have infinite velocity at one
+# end; the slopes of these functions are at most 2.
 _PHASE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": lambda t: t,
     "grows": lambda t: t**2,
@@ -206,7 +207,7 @@ def shape_path(
     variations: tuple[SizeTrend | None, SizeTrend] = (None, "none"),
     points: tuple[Floats, ...] = (),
 ) -> HandPath:
-    """Create a path of a kind such as circle or wave.
+    """Create a hand path of a shape such as circle or wave.
 
     Args:
         kind: shape of the path.

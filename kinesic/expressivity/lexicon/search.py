@@ -16,9 +16,9 @@ from kinesic.expressivity.lexicon.word_stems import word_stem
 
 HitKind = Literal["all", "name", "synonym", "class", "words", "near"]
 
-DEFAULT_HIT_COUNT = 10  # gestures in one answer
+DEFAULT_HIT_COUNT = 10  # default largest number of gestures in an answer
 MAX_QUERY_LENGTH = 200  # [characters] length to which a query is cut
-INDEX_CACHE_SIZE = 4  # lexicons whose index is kept
+INDEX_CACHE_SIZE = 4  # largest number of lexicons whose index is cached
 MIN_SCORE = 0.2  # lowest score of a gesture in an answer
 NEAR_SCORE = 0.5  # score below which a gesture counts as merely similar to the query
 
@@ -46,7 +46,7 @@ LONGER_WORD_QUALITY = 0.35  # match quality of a longer word, such as yesterday 
 SPELLING_QUALITY = 0.6  # match quality of a word spelt similarly to an unknown word of the query
 MIN_PREFIX_LENGTH = 3  # [letters] shortest beginning of a word that is completed
 MIN_SPELLING_LENGTH = 4  # [letters] shortest word whose spelling is corrected
-SPELLING_CUTOFF = 0.8  # lowest similarity of spelling, 0 to 1
+SPELLING_CUTOFF = 0.8  # lowest similarity of spelling, 0 to 1, of a word that corrects an unknown one
 
 
 @dataclass(frozen=True)

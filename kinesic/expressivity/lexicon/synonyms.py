@@ -19,7 +19,7 @@ _CLASS_FILLERS = frozenset(  # prepositions and body parts that do not change th
 )
 _BEAT_DIRECTIONS = frozenset(
     {"forward", "forwards", "front", "back", "up", "upward", "down", "downward"}
-)  # directions of beats, which are not shown
+)  # direction words that beats do not perform
 _NEGATION_WORDS = frozenset({"no", "not", "dont", "never", "none", "without"})
 
 
@@ -148,7 +148,7 @@ class NameTable:
         return self._by_words.get(words) or self._by_joined_words.get("".join(words)) if words else None
 
     def _of_class(self, gesture_class: GestureClass, name: GestureName) -> NamedGesture | None:
-        """Find a class's gesture by the other words of a name.
+        """Find a class's gesture by the words outside the class's phrases.
 
         The representative of the class is used if the other words name no gesture. The result is None when they name a
         gesture of another category, two gestures of this one, or a negation, since the class would change the meaning.

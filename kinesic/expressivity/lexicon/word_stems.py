@@ -4,8 +4,9 @@ from functools import lru_cache
 
 from kinesic.expressivity.lexicon.names import NAME_CACHE_SIZE
 
-MIN_STEM_LENGTH = 3  # [letters] shortest stem that is left of a word
-_STEM_ENDINGS = ("ingly", "edly", "ings", "ing", "ied", "ies", "ed", "es", "s", "ly", "er", "est")  # longest first
+MIN_STEM_LENGTH = 3  # [letters] shortest stem after removal of an ending
+# Endings of inflected words, in the order in which they are tried.
+_STEM_ENDINGS = ("ingly", "edly", "ings", "ing", "ied", "ies", "ed", "es", "s", "ly", "er", "est")
 _VOWEL_LETTERS = frozenset("aeiouy")
 
 

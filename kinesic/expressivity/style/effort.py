@@ -21,7 +21,7 @@ Tempo = Literal["sudden", "neutral", "sustained"]
 
 TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factor on durations
 POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture that only takes a pose
-RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction; fast ones are not faster
+RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction, if above 1
 STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of the gesture's duration factor in the stroke
 
 PREPARATION_TIME = 0.56  # [s] natural preparation over the reference distance
@@ -48,8 +48,8 @@ REFERENCE_STROKE_TIME = 0.6  # [s] stroke duration to which the hold times of ca
 POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
 STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 
-STROKE_ACCENT = 1.9  # added to the softest easing steepness, 1, in dynamic strokes without a word
-SPOKEN_ACCENT = 6.4  # added to the softest easing steepness, 1, in strokes that are fastest at an accented word
+STROKE_ACCENT = 1.9  # easing steepness added to the minimum of 1 in dynamic strokes without a word
+SPOKEN_ACCENT = 6.4  # easing steepness added to the minimum of 1 in strokes that are fastest at an accented word
 STROKE_START_SWING = 0.9  # overshoot (0 none .. 1 full) at the key where a stroke begins
 STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first one
 SPOKEN_START_SWING = 0.4  # overshoot (0 .. 1) at the start of a stroke on a word, low for a late velocity peak
@@ -114,7 +114,7 @@ class Effort:
 
     @cached_property
     def slowness(self) -> float:
-        """Duration factor from the gesture's category, tempo and kind."""
+        """Duration factor for the gesture's category, tempo and dynamic or static stroke."""
         return (
             self._profile.time * TEMPO_FACTORS[self.traits.tempo] * (1.0 if self.traits.dynamic else POSE_TIME_FACTOR)
         )

@@ -30,7 +30,7 @@ class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """TOML table of how a style stands, rests, looks and gazes."""
+    """TOML table of a style's posture, resting hands, face and gaze habit."""
 
     head: TurnTable = TurnTable()  # rotation in the world
     trunk: TurnTable = TurnTable()  # rotation from upright
@@ -114,4 +114,4 @@ def choose_rest(weights: tuple[tuple[str, float], ...], chance: np.random.Genera
 
 
 NEUTRAL_STANDING = Standing.of(StandingTable())  # the robot's own rest posture, an unmoved face and a frontal gaze
-UNPOSED_STANDING = Standing()  # the same, with hanging arms in all performances and pauses
+UNPOSED_STANDING = Standing()  # neutral standing whose arms hang in all pauses
