@@ -12,7 +12,7 @@ from kinesic.body.limits import Limits
 
 Indices = NDArray[np.int32]
 
-FIXED_ROW_BOUND = 2.0  # bound for limit rows that fixed spline ends determine, as a multiple of the limit
+FIXED_ROW_BOUND = 2.0  # bound / limit of the limit rows that the fixed spline ends determine
 MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
 JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
 CALMNESS_REGULARISATION = 1e-10  # added to the diagonal of the acceleration and jerk cost, to make it positive definite

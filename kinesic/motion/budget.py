@@ -34,4 +34,4 @@ class Budget:
         return self._left < 0.0
 
 
-UNLIMITED_BUDGET = Budget()  # budget of work that is bounded elsewhere
+UNLIMITED_BUDGET = Budget()  # infinite budget, for work that is bounded elsewhere

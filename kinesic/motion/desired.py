@@ -44,9 +44,9 @@ STEEPNESS_STEP = 0.25  # reduction of an easing curve's steepness per step until
 MIN_OVERSHOOT = 0.02  # relative overshoot below which OutQuart replaces OutBack
 OVERSHOOT_STEP = 0.01  # resolution of the relative overshoot
 STEP_TOLERANCE = 1e-6  # rounding tolerance, in units of `OVERSHOOT_STEP`
-CURVE_CACHE_SIZE = 24  # cached desired curves of hinges with the same keys
+CURVE_CACHE_SIZE = 24  # largest number of cached desired curves, each of hinges with the same keys
 MAX_CACHED_KEYS = 1024  # largest number of keys of a cached curve: 0.4 MB, half a minute of gestures
-MAX_EASED_RATIO = 3.0  # largest value / limit of an eased path before conditioning smooths it
+MAX_EASED_RATIO = 3.0  # largest velocity, acceleration or duty of an eased motion / its limit
 
 SAMPLE_TIMES = np.arange(EASING_INTERVALS) / EASING_INTERVALS  # normalised times at which an easing is sampled
 

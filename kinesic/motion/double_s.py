@@ -23,7 +23,7 @@ DUTY_FRACTIONS = np.linspace(0.1, 0.9, 9)  # fractions of the duty limit tried a
 
 
 def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
-    """Return minimum rest-to-rest times within velocity, acceleration and jerk.
+    """Return minimum rest-to-rest times within velocity, acceleration and jerk limits.
 
     The profile reaches the velocity limit over long distances, the acceleration limit over medium ones, and neither
     over short ones. Arguments broadcast; their unit of length is any, such as rad or m.

@@ -13,7 +13,7 @@ from kinesic.body.arrays import Floats, sealed
 
 Easing = Literal["minimum_jerk", "linear", "out_quart", "out_back", "out_bounce", "out_power", "late"]
 
-EASING_INTERVALS = 16  # quintic pieces that approximate an easing
+EASING_INTERVALS = 16  # number of quintic pieces that approximate an easing
 QUADRATURE_POINTS = 1024  # sample points of a window average
 MIN_LATE_WINDOW = 0.18  # smoothing window of the easing `late`, relative to its duration
 LATE_WINDOW_EXPONENT = 1.5  # exponent of steepness by which the smoothing window of `late` shrinks

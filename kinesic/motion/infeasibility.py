@@ -22,7 +22,8 @@ from kinesic.motion.trajectory import spline_weights
 
 Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
-LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")  # in the order of `Grid.rows`
+# Limited quantities, in the order of `Grid.rows`.
+LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")
 EASY_DEFICIT = -0.2  # log(required / available time) below which the deficit is not computed exactly: time is ample
 ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at rest with acceleration 1 / step^2
 MIN_SLOPE_DEFICIT = -0.01  # log(required / available time) below which the deficit's slopes are not needed
@@ -135,7 +136,7 @@ def find_bottlenecks(segment: SplineSegment, deficit: Infeasibility | None) -> l
 def find_velocity_bottlenecks(
     keys: Keys, limits: Limits, velocity_durations: IntervalDurations
 ) -> Iterator[tuple[Pair, Bottleneck]]:
-    """Yield a bottleneck for each key interval shorter than at full velocity."""
+    """Yield a bottleneck for each key interval too short for full velocity."""
     times = keys.requested_times.tolist()
     for (hinge, pair), duration in velocity_durations.items():
         requested = max(times[pair[1]] - times[pair[0]], keys.gaps[pair])

@@ -23,4 +23,4 @@ class SearchTuning:
     active_plane_slack: float = 0.02  # [log time] slack below which a cutting plane counts as active
 
 
-SEARCH_TUNING = SearchTuning()  # values used by every search
+SEARCH_TUNING = SearchTuning()  # tuning numbers of every search

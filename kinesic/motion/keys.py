@@ -39,7 +39,7 @@ LINEAR_STEEPNESS = 3.3  # easing steepness at which the linear easing peaks as f
 
 MIN_GAP = 0.02  # [s] smallest time between keys
 MIN_PATH_GAP = 0.002  # [s] smallest time between keys related only by another hinge's path
-RANGE_MARGIN = 1e-3  # [rad] margin between keys and joint limits, which control points may exceed
+RANGE_MARGIN = 1e-3  # [rad] margin between keys and joint limits, because control points may lie beyond the keys
 HOLD_TOLERANCE = 1e-9  # [rad] successive keys that differ by less form a hold
 TIME_TOLERANCE = 1e-6  # [s] rounding tolerance of key times
 # Cost weights [1/s] of shifting keys, by sync point.

@@ -84,7 +84,7 @@ def stretch_times(
     radius: float,
     reserves: Sequence[float],
 ) -> Floats | None:
-    """Return the cheapest nearby key times with feasible segments, linearised.
+    """Return the cheapest key times near given ones under linearised constraints.
 
     Args:
         problem: constraints on key times.
