@@ -11,7 +11,7 @@ from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
 
 LETTER_HEIGHT = 0.04  # Letter height / picture height
-MAX_LINE_WIDTH = 0.86  # Line width / picture width
+MAX_LINE_WIDTH = 0.86  # Largest line width / picture width
 BAND_MARGIN = 0.025  # Distance of the caption band from the lower edge / picture height
 BAND_PADDING = 0.45  # Space around the words / letter height
 BAND_COLOUR = (16, 20, 28, 190)  # RGBA of the band behind the words

@@ -9,7 +9,7 @@ FaceLook = Literal["drawn", "rendered"]
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Size, rate and format of a film."""
+    """Picture size, picture rate, format and face style of a film."""
 
     size: tuple[int, int] = (1280, 720)  # width and height [pixels], both even
     rate: float = 30.0  # [Hz] picture rate

@@ -1,4 +1,4 @@
-"""Documents that come with kinesic, which are found by name."""
+"""Built-in documents, located by name."""
 
 from difflib import get_close_matches
 from pathlib import Path
@@ -7,7 +7,7 @@ from kinesic.body.config import CONFIGS
 
 DOCUMENT_FOLDER = CONFIGS / "bml"  # folder of the built-in documents
 DOCUMENT_SUFFIX = ".bml"  # suffix of the built-in documents
-NAME_CUTOFF = 0.6  # smallest similarity, 0 to 1, of a name that is suggested
+NAME_CUTOFF = 0.6  # smallest similarity, 0 to 1, between a missing name and a suggested one
 
 
 def builtin_documents() -> dict[str, Path]:
@@ -16,18 +16,18 @@ def builtin_documents() -> dict[str, Path]:
 
 
 def locate_document(name: str | Path) -> Path:
-    """Return the path of a file or of a built-in document.
+    """Return the path of a file or built-in document of this name.
 
-    An existing file of this name is preferred. The path may be missing; `suggest_document` then names near ones.
+    An existing file is preferred. The path may be missing; `suggest_document` then names similar documents.
     """
     path = Path(name)
     return path if path.is_file() else builtin_documents().get(str(name), path)
 
 
 def suggest_document(name: str | Path) -> str:
-    """Return a hint at built-in documents for a missing file's name.
+    """Return an error suffix that suggests built-in documents for a missing file.
 
-    The result is empty without a suggestion.
+    It is empty without a suggestion.
     """
     path, documents = Path(name), builtin_documents()
     if path.parent != Path() or path.suffix not in ("", DOCUMENT_SUFFIX):

@@ -22,7 +22,7 @@ MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 mi
 MAX_TEXT_DURATION = 2400.0  # [s] longest plan of a text
 TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)  # maximum size of a text's BML
 _WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
-TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files that are spoken
+TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files with text to be spoken
 
 
 def is_spoken_file(name: str, content: str | bytes) -> bool:

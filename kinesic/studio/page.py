@@ -94,6 +94,6 @@ def _list_gestures(lexicon: Lexicon) -> list[Json]:
 
 
 def _list_examples() -> list[Json]:
-    """List name and text of every example document, the welcome first."""
+    """List name and text of every example document, the welcome example first."""
     paths = (WELCOME_EXAMPLE, *sorted(EXAMPLE_FOLDER.glob("*.bml")))
     return [{"name": path.stem.lstrip("0123456789_"), "text": path.read_text(encoding="utf-8")} for path in paths]

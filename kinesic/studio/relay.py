@@ -1,4 +1,4 @@
-"""Local server of the page for a robot on another server.
+"""Local web server of the studio page for a remote robot.
 
 Messages are passed on unchanged.
 
@@ -27,7 +27,9 @@ TRY_LATER_CODE = 1013  # WebSocket close code for an unreachable robot
 
 @asynccontextmanager
 async def open_relay(local: Address, robot: Address, files: Mapping[str, WebFile]) -> AsyncIterator[Address]:
-    """Serve the studio page, relay WebSockets, and yield the address.
+    """Serve the studio page and relay its WebSockets to the robot's server.
+
+    Yields the address of the page.
 
     Args:
         local: address on this machine; port 0 selects a free port.
