@@ -182,7 +182,7 @@ def _add_quiet_tools(
 
     @server.tool(annotations=READ_ONLY_TOOL)
     async def status() -> str:
-        """Report running and waiting blocks with seconds left, and the last warnings.
+        """Report running blocks, waiting ones (`next`), seconds left, and the last warnings.
 
         `state` is resting, starting (a performance is planned or begins soon), playing or stopped (by an emergency
         stop).
