@@ -1,21 +1,21 @@
-"""Directions of an arm's links: measured on a posture, and solved for the arm's angles."""
+"""Directions of an arm's links, measured on postures and set in them."""
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
 
-LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm, from the shoulder on
-# By link: the angle [deg] from straight down to the front, and the angle out of this plane, away from the body.
+LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm, from the shoulder outward
+# Per link: angle [deg] from straight down towards the front, and angle [deg] outward, out of the sagittal plane.
 ARM_FEATURES = tuple(f"{link}_{way}" for link in LINK_NAMES for way in ("forward", "outward"))
 SOLVER_STEPS = 8  # Gauss-Newton steps of an arm
-HINGE_WEIGHT = 0.06  # weight of a hinge's distance from the start [1/rad], compared with directions
+HINGE_WEIGHT = 0.06  # [1/rad] weight of a hinge's deviation from its start angle, relative to direction errors
 DIFFERENCE_STEP = 1e-4  # [rad] angle step of numeric derivatives
-MIN_SHOULDER_DISTANCE = 1e-6  # [m] level distance of the shoulders that avoids division by zero
+MIN_SHOULDER_DISTANCE = 1e-6  # [m] smallest assumed distance between the shoulders, which avoids division by zero
 
 
 def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
-    """Return the `ARM_FEATURES` (..., 6) [deg] of an arm in postures (..., n) [rad]."""
+    """Return the `ARM_FEATURES` (..., 6) [deg] of postures (..., n) [rad]."""
     directions = _link_directions(robot, side, angles)
     outward = directions[..., 1] * (1.0 if side == "l" else -1.0)
     forward_angle = np.arctan2(directions[..., 0], -directions[..., 2])

@@ -150,7 +150,7 @@ class ArmsTask:
 
     @property
     def aiming(self) -> bool:
-        """Whether a hand must point along the line from its shoulder.
+        """Whether a hand must point from its shoulder towards a target.
 
         Its reach is then known only after the previous key is solved.
         """
@@ -254,7 +254,7 @@ def _solved(
 
 
 def _cleared(tasks: Sequence[ArmsTask], rows: Floats, robot: Robot, distances: Distances) -> int | None:
-    """Move the first colliding arm posture away, and return its index.
+    """Replace the first colliding arm posture by a clear one.
 
     Returns:
         Index of that key; None if all keys are clear.

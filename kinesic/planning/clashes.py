@@ -29,7 +29,7 @@ VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes above whic
 MAX_EXACT_SEARCHES = 12  # exact searches per block; remaining pairs are judged by an estimate
 MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # with more candidate pairs, only the estimate is used
 SEARCH_BUDGET = 100_000  # spline segments that all exact searches of a block may evaluate
-NEGLIGIBLE_CLASH = 0.02  # [s] growth of the interval between two strokes up to which no gesture yields
+NEGLIGIBLE_CLASH = 0.02  # [s] growth of the interval between two strokes up to which both gestures stay as they are
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Neighbours:
         return self.behaviours, self.hinges, self.brief
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
-        """Return by how much the time between both strokes has grown [s]."""
+        """Return the growth [s] of the interval between both strokes."""
         first, second = self.strokes
         return float((times - keys.requested_times)[second] - (times - keys.requested_times)[first])
 
@@ -258,7 +258,7 @@ def _search(
 
 
 def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
-    """Return the nearest exactly passed keys before and after two gestures."""
+    """Return rows of the nearest exact keys before and after two gestures."""
     gesture_rows = [
         row
         for row, posture in enumerate(postures)

@@ -76,7 +76,7 @@ def _place(frames: Frames, ball: FingerTip) -> Floats:
 
 
 def find_surface(name: str, side: Side, robot: Robot) -> tuple[FingerTip, ...]:
-    """Return the contact spheres of a palm or fingertip, if it exists."""
+    """Return the contact spheres of a palm or fingertip, empty if missing."""
     if name == "palm":
         return palm_balls(robot, side)
     tip = robot.finger_tips(side).get(name)

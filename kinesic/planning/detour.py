@@ -16,11 +16,11 @@ MIN_DETOURS = 16  # number of detours allowed in a motion of any length
 DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` further detours
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
 DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one
-WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the way to the rest pose, tried in turn
+WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the path to rest at which a key is tried
 WITHDRAWAL_PENALTY = 0.1  # relative improvement required per further step towards rest
 KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried for a key of a detour
-SWING_RATIO = 0.5  # fraction of the swing that remains where less overshoot suffices
-CALM_TOLERANCE = 0.1  # loss accepted for keeping some overshoot / clearance gained by removing all of it
+SWING_RATIO = 0.5  # fraction of the overshoot that is kept if removing more hardly adds clearance
+CALM_TOLERANCE = 0.1  # clearance loss accepted for keeping `SWING_RATIO` of the overshoot / gain without overshoot
 ACCEPT_RATIO = 0.98  # largest remaining fraction of the missing clearance with which a detour is accepted
 
 
@@ -111,7 +111,7 @@ def add_detours(
 
 @dataclass(frozen=True, eq=False)
 class _Scan:
-    """Sampled postures with the clearance that each one lacks [m]."""
+    """Sampled postures with the missing clearance [m] of each."""
 
     angles: Floats  # (m, n) [rad] of the samples
     lacking: Floats  # (m,) [m] missing clearance

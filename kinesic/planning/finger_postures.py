@@ -20,7 +20,7 @@ Fingers = Mapping[Side, Sequence[FingerKey]]
 
 
 def set_fingers(angles: Floats, time: float, fingers: Fingers, robot: Robot) -> None:
-    """Interpolate the finger keys at a block time [s] into a posture."""
+    """Set a posture's finger angles, interpolated at a block time [s]."""
     for side, keys in fingers.items():
         after = bisect_right([key.time for key in keys], time)
         here, there = keys[max(after - 1, 0)], keys[min(after, len(keys) - 1)]
@@ -50,7 +50,7 @@ def add_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Rob
 
 
 def _keyed(before: KeyPosture | None, time: float, joints: list[int], angles: Floats, robot: Robot) -> KeyPosture:
-    """Return a key with finger angles, new if there is none before."""
+    """Return the key with finger angles, new if `before` is None."""
     base = before or KeyPosture(time, robot.skeleton.rest, (False,) * len(robot.skeleton.hinges), is_exact=False)
     new_angles, keyed = base.angles.copy(), np.array(base.keyed)
     new_angles[joints], keyed[joints] = angles, True

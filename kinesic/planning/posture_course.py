@@ -139,7 +139,7 @@ class PostureCourse:
         )
 
     def extended(self, time: float, angles: Floats, arm: ArmHinges) -> "PostureCourse":
-        """Return the course with another key of one arm, or of two.
+        """Return the course with an additional key of one or two arms.
 
         Two arms must have equal key times.
 

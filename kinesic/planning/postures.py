@@ -28,7 +28,7 @@ class Postures:
 
 
 def solve_postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postures:
-    """Solve the keyed body parts of every key frame.
+    """Solve the angles of all keyed body parts in every key frame.
 
     Hands keep the hover distance from the body and from each other. An unreachable target gives the best posture and an
     entry in `misses`.
@@ -123,7 +123,7 @@ def _same_hand(hand: Hand, before: Hand) -> bool:
 
 
 def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[bool]:
-    """Return which hinges have a key in this frame.
+    """Flag the hinges that have a key in this frame.
 
     These are the hinges of given parts, and those that follow a leaning torso.
     """

@@ -68,7 +68,7 @@ def expand_features(values: Mapping[str, float], right_sign: float = 1.0) -> Flo
 
 
 def draw_deviation(table: StanceTable, chance: np.random.Generator) -> Floats:
-    """Draw the deviation (s,) [deg] of one rest of one person from the mean."""
+    """Draw one person's random deviation (s,) [deg] from the mean standing posture."""
     components = [expand_features(row) for row in table.symmetric]
     components += [expand_features(row, -1.0) for row in table.asymmetric]
     draws = np.clip(chance.normal(size=len(components)), -MAX_DRAW, MAX_DRAW)

@@ -160,7 +160,7 @@ def describe_shifts(
 
 
 def find_limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
-    """Return the limit binding nearest in time to a sync, or None.
+    """Return the binding limit nearest in time to a sync, or None.
 
     Limits of the behaviour's own hinges are preferred.
     """

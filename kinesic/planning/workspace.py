@@ -22,7 +22,7 @@ class Workspace:
 
 
 def find_workspace(robot: Robot) -> Workspace:
-    """Return which gesture sectors the left hand reaches, starting at rest."""
+    """Find the gesture sectors that the left hand reaches, starting at rest."""
     chain, rest = robot.arms["l"], robot.skeleton.rest
     hand = robot.skeleton.segment(chain.joints[-1].name)
     frames = robot.skeleton.frames(rest)

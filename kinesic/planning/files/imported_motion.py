@@ -21,7 +21,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, Syncs
 
 KEY_INTERVAL = 0.1  # [s] interval between keys, short enough to reproduce motions within about 1 degree
-REVERSAL_MARGIN = 0.045  # [s] range around a reversal without further keys of the hinge
+REVERSAL_MARGIN = 0.045  # [s] time before and after a reversal without further keys of the hinge
 REVERSAL_PROMINENCE = 0.01  # [rad] rotation below which a reversal counts as noise
 COMFORT_FACTOR = 1.5  # multiple of the minimum time for approach and return
 MIN_APPROACH_TIME = 0.3  # [s] shortest approach from rest, and shortest return

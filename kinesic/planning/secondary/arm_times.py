@@ -40,7 +40,7 @@ class Gap:
 
     @property
     def way_home(self) -> Span | None:
-        """Time span [s] of the return to rest, or None."""
+        """Time span [s] of the return to rest, None without a return."""
         if not self.rests or (len(self.rests) == 1 and self.end < inf):
             return None
         return (self.rests[0][1] if len(self.rests) > 1 else self.begin), self.rests[-1][0]

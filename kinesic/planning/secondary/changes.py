@@ -14,7 +14,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, MIN_CONTROL
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD, MotionChange
 
 FULL_LIMIT = 1.0 + 1e-9  # limit ratio of a motion at its limits, with a tolerance for rounding
-MAX_LIMIT_CONTROLS = max(STENCIL_WIDTHS)  # control points that one limit depends on
+MAX_LIMIT_CONTROLS = max(STENCIL_WIDTHS)  # largest number of control points on which one limit depends
 REDUCED_AMOUNT = 0.4  # amount of a secondary motion that violates a limit, tried before it is dropped
 EMPTY_ROW = sealed([])  # empty array for concatenation if there are no offsets
 
@@ -36,7 +36,7 @@ class _Cells:
 
 @dataclass(frozen=True, eq=False)
 class Changes:
-    """Offsets of secondary motion, computed once, with adjustable amounts."""
+    """Offsets of secondary motion, computed once and scaled by adjustable amounts."""
 
     motion: Trajectory  # at rest before its start and after its end
     offsets: Sequence[MotionChange]  # none starts before the motion
@@ -51,7 +51,7 @@ class Changes:
 
     @cached_property
     def _parts(self) -> Indices:
-        """Offset index, hinge and number of control points, (h, 3)."""
+        """Offset, hinge and control point count of each moved hinge, (h, 3)."""
         counts = (self._spans[:, 1] - self._spans[:, 0]).tolist()
         rows = ((k, hinge, counts[k]) for k, change in enumerate(self.offsets) for hinge in change.hinges)
         return np.array([*rows], dtype=np.intp).reshape(-1, 3)

@@ -24,7 +24,7 @@ FULL_BOW_TIME = 0.8  # [s] duration from which a return path gets its full sidew
 MIN_RETURN_TIME = 0.3  # [s] shorter return paths are not varied
 MIN_REST_TIME = 0.2  # [s] shortest rest between gestures whose rest pose is varied
 PEAK_FRACTIONS = 0.35, 0.65  # range of the time of the largest offset, as fractions of the path
-MAX_REST_DEVIATION = 0.05  # [rad] largest deviation from rest of a hanging arm
+MAX_REST_DEVIATION = 0.05  # [rad] largest deviation from the rest posture at which an arm counts as hanging
 RANGE_MARGIN = 1e-3  # [rad] smallest distance of varied rest poses from the joint limits
 LEFT_AXIS = 1  # index of the world axis to the left
 

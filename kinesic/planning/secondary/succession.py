@@ -20,8 +20,8 @@ from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
 
 SHOULDER_LEAD_FRACTION = 0.5  # shoulder advance before the elbow, relative to the wrist delay
-MAX_CATCH_UP = 0.15  # largest delay of a joint made up along a path / duration of the path
-MAX_DELAY_RATE = 0.35  # largest delay of a joint built up in a rest / duration of the rest
+MAX_CATCH_UP = 0.15  # largest delay that a joint makes up along a path / duration of the path
+MAX_DELAY_RATE = 0.35  # largest delay that a joint builds up during a rest / duration of the rest
 MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion
 MIN_VISIBLE_OFFSET = 1e-3  # [rad] angle offset below which a joint's delay is not applied
 OFFSET_TOLERANCE = 1e-9  # [rad] smaller angle offsets count as zero
@@ -94,7 +94,7 @@ def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
 
 
 def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
-    """Return the time course of a hand's delay behind the other.
+    """Return the time course of a hand's delay behind the other hand.
 
     It is empty if the arm could not catch up.
     """
@@ -225,7 +225,7 @@ def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[t
 
 
 def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
-    """Evaluate time-varying delays [s] at the times given for each."""
+    """Evaluate time-varying delays [s], each at its own times [s]."""
     parts: list[tuple[float, float, float, float]] = []  # start, duration, delay and its growth [s]
     counts: list[int] = []
     for values, lateness in zip(times, latenesses, strict=True):
