@@ -12,7 +12,7 @@ from kinesic.studies.designs.trial import Trial
 
 @dataclass(frozen=True)
 class DesignCriterion:
-    """Criterion of a comparison of robot designs, with unit and direction."""
+    """Criterion for comparing robot designs, with unit and direction."""
 
     head: str  # heading of its column
     unit: str

@@ -78,12 +78,12 @@ class Trial:
 
     @property
     def lateness(self) -> float:
-        """Mean timing error of the design's strokes [s]."""
+        """Mean absolute timing error of the design's strokes [s]."""
         return sum(one.late for one in self.documents) / max(1, sum(one.strokes for one in self.documents))
 
     @property
     def worst(self) -> float:
-        """Timing error of the design's worst stroke [s]."""
+        """Largest absolute timing error of a stroke of the design [s]."""
         return max((one.worst for one in self.documents), default=0.0)
 
     @property

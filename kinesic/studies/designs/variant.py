@@ -32,7 +32,7 @@ class Variable:
 
     @classmethod
     def parse(cls, text: str) -> "Variable":
-        """Parse the command-line form `WHAT.FEATURE=A,B` of a varied feature.
+        """Parse a design variable such as `l_shoulder.length=0.20,0.22`.
 
         Raises:
             ConfigError: the text has another form.
@@ -133,9 +133,9 @@ def _change_drive(hinges: list[HingeTable], pattern: str, feature: str, value: s
 
 
 def _change_length(file: RobotFile, name: str, length: float, path: Path) -> RobotFile:
-    """Change the length of a body up to the next body.
+    """Change the length of a body, measured to the next body.
 
-    Everything attached moves along. The structure's mass scales with the length, while servos keep their mass.
+    Everything attached moves in proportion. The structure's mass scales with the length, while servos keep their mass.
     """
     end = body_end(file, name, path)
     along, factor = end / np.linalg.norm(end), length / float(np.linalg.norm(end))
@@ -206,7 +206,7 @@ def _number(text: str, name: str) -> float:
 
 
 def write_design(file: RobotFile, design: Design, *, name: str, extends: str, heading: Sequence[str]) -> str:
-    """Write a robot design as a file of its changes.
+    """Return the text of a robot file that contains a design's changes.
 
     Args:
         file: file of the varied robot.

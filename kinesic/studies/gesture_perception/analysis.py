@@ -166,7 +166,7 @@ def confusions(answers: Iterable[Recognition]) -> tuple[Confusion, ...]:
 
 
 def confusion_matrix(answers: Sequence[Recognition]) -> tuple[tuple[str, ...], tuple[tuple[int, ...], ...]]:
-    """Return the confusion matrix: shown gestures by row, chosen ones by column."""
+    """Return gesture names and confusion matrix, shown by row, chosen by column."""
     counts = Counter((answer.stimulus, answer.chosen) for answer in answers)
     names = tuple(sorted({name for pair in counts for name in pair}))
     return names, tuple(tuple(counts[shown, chosen] for chosen in names) for shown in names)
@@ -183,7 +183,7 @@ def habits(answers: Sequence[ParticipantAnswer]) -> dict[str, Habit]:
 def find_position_choosers(answers: Answers) -> dict[str, Habit]:
     """Return participants whose choices depend on the position of the answers.
 
-    Each has the clearest one of the tasks' habits.
+    Of the habits in several tasks the one with the smallest p-value is returned.
     """
     result: dict[str, Habit] = {}
     for group in map(habits, (answers.recognitions, answers.preferences, answers.matches, answers.realisms)):
@@ -196,7 +196,7 @@ def find_position_choosers(answers: Answers) -> dict[str, Habit]:
 def _find_habit(answers: Sequence[ParticipantAnswer]) -> Habit:
     """Return the most chosen answer position, with its p-value.
 
-    Its p-value counts all positions.
+    The p-value is corrected for the number of positions.
     """
     choices = len(answers[0].options)
     (place, hits), *_ = Counter(answer.place for answer in answers).most_common(1)

@@ -20,9 +20,9 @@ StimulusVersion = Literal["standard", "changed"]
 STUDY_TASKS: tuple[StudyTask, ...] = get_args(StudyTask)
 STIMULUS_VERSIONS: tuple[StimulusVersion, ...] = get_args(StimulusVersion)
 OPTION_COUNT = 6  # number of meanings offered per gesture
-LABEL_WORDS = 3  # number of words of a meaning shown to participants
-MEANING_CATEGORIES = ("emblem", "emotion", "iconic")  # categories of gestures with a meaning of their own
-STANDARD_SYSTEM = "standard"  # name of the unchanged setting as a system
+LABEL_WORDS = 3  # largest number of words of a meaning that participants see
+MEANING_CATEGORIES = ("emblem", "emotion", "iconic")  # categories of gestures whose meaning does not depend on speech
+STANDARD_SYSTEM = "standard"  # name of the system with unchanged settings in comparisons
 OPTION_SEPARATOR = "|"  # separator of the options in an answer
 
 
@@ -58,7 +58,7 @@ class StudyQuestion:
 
 
 def draw_meanings(lexicon: Lexicon, count: int, seed: int, named: Sequence[str] = ()) -> tuple[Meaning, ...]:
-    """Draw gestures with their meanings for a study, in random order.
+    """Choose gestures with their meanings for a study, in random order.
 
     Args:
         lexicon: lexicon of gestures.
@@ -110,7 +110,7 @@ def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[StudyQuestio
 
 
 def _choose_different(right: Meaning, others: Iterable[Meaning]) -> tuple[Meaning, ...]:
-    """Return five meanings that differ from the right one and each other."""
+    """Return up to five meanings unlike the right one and each other."""
     chosen = [right]
     for other in others:
         if len(chosen) < OPTION_COUNT and not any(other.is_similar(meaning) for meaning in chosen):

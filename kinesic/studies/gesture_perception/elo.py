@@ -20,7 +20,7 @@ POINTS_PER_UNIT = 400.0 / math.log(10.0)  # [points] Elo points per unit of the 
 BOOTSTRAP_COUNT = 1000  # number of resampled sets of participants
 MAX_ITERATIONS = 100  # largest number of iterations of Newton's method
 STEP_TOLERANCE = 1e-8  # [logistic units] step below which the iteration has converged
-MAX_STEP = 2.0  # [logistic units] largest change per iteration
+MAX_STEP = 2.0  # [logistic units] largest change of a strength per iteration
 RIDGE_WEIGHT = 1e-9  # [answers] added to the information matrix's diagonal, so that uncompared systems have a solution
 PRIOR_ANSWERS = 0.5  # answers added for each side of a compared pair, if a rating would be infinite
 
@@ -118,7 +118,7 @@ def fit_strengths(wins: Floats) -> Floats:
 
 
 def _resample(wins: Floats, seed: int) -> Floats:
-    """Return the ratings (b, k) [points] of resampled participants."""
+    """Return system ratings (b, k) [points] from b resampled sets of participants."""
     generator = np.random.default_rng(seed)
     people = len(wins)
     counts = generator.multinomial(people, np.full(people, 1.0 / people), size=BOOTSTRAP_COUNT)
@@ -128,9 +128,10 @@ def _resample(wins: Floats, seed: int) -> Floats:
 
 
 def _is_bounded(wins: Floats) -> NDArray[np.bool_]:
-    """Return for each table (..., k, k) whether all strengths are finite.
+    """Return for each table of wins whether all strengths are finite.
 
-    They are if each system won directly or indirectly against all that it was compared with.
+    A table is (..., k, k). Strengths are finite if each system won directly or indirectly against all that it was
+    compared with.
     """
     reached = _find_paths(wins > 0) == _find_paths(wins + np.swapaxes(wins, -1, -2) > 0)
     bounded: NDArray[np.bool_] = reached.all(axis=(-2, -1))
@@ -142,7 +143,7 @@ def _is_connected(wins: Floats) -> bool:
 
 
 def _find_paths(links: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which systems are linked directly or indirectly, (..., k, k)."""
+    """Return flags (..., k, k) of systems linked directly or indirectly."""
     paths = links | np.eye(links.shape[-1], dtype=bool)
     for _ in range(links.shape[-1].bit_length()):
         paths = np.matmul(paths, paths)

@@ -17,9 +17,9 @@ from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPa
 from kinesic.studies.questionnaire.page import write_questionnaire
 
 TEMPLATE_FOLDER = Path(__file__).parent
-RECOGNITION_COUNT = 24  # number of gestures per participant; four right answers at each position
+RECOGNITION_COUNT = 24  # most gestures per participant; the right answer is four times at each position
 
-COMPARISON_COUNT = 6  # number of motion pairs per condition and participant, half of them standard first
+COMPARISON_COUNT = 6  # most motion pairs per condition and participant; half of them show the standard motion first
 
 
 def write_gesture_page(

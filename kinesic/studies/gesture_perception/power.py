@@ -8,7 +8,7 @@ SIGNIFICANCE_LEVEL = 0.05  # largest p-value of a detected effect
 
 
 def compute_power(rate: float, answers: int) -> float:
-    """Return the probability that answers reveal a rate other than one half.
+    """Return the probability of detecting that a rate differs from one half.
 
     The test is the exact two-sided binomial test at `SIGNIFICANCE_LEVEL`; answers count as independent.
 
@@ -53,5 +53,5 @@ def find_needed_answers(rate: float, power: float = DEFAULT_POWER) -> int | None
 
 
 def convert_to_points(rate: float) -> float:
-    """Convert a preference rate to a rating difference [points of Elo]."""
+    """Convert a preference rate in 0..1 to a rating difference [Elo points]."""
     return math.inf if rate >= 1.0 else 400.0 * math.log10(rate / (1.0 - rate))

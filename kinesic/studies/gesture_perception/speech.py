@@ -19,7 +19,7 @@ from kinesic.studies.gesture_perception.design import OPTION_SEPARATOR, STANDARD
 from kinesic.studies.gesture_perception.stimuli import SampledMotion, changed_setup, sample_motion
 
 MIN_TEXTS = 2  # smallest number of texts of a mismatching test
-MAX_TAIL_TIME = 0.3  # [s] longest motion shown after the end of the speech
+MAX_TAIL_TIME = 0.3  # [s] most time for which a motion is shown after the end of its speech
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +82,9 @@ def choose_foils(durations: Mapping[str, float]) -> dict[str, str]:
 
 
 def shown_duration(own: SpokenMotion, other: SpokenMotion) -> float:
-    """Return the display time [s] until the shorter speech ends.
+    """Return the duration [s] for which a motion is shown.
 
-    `MAX_TAIL_TIME` is added. The motion's own duration is the maximum.
+    It is shown until `MAX_TAIL_TIME` after the end of the shorter speech, at most until its own end.
     """
     spoken = min(own.end - own.begin, other.end - other.begin)
     return min(own.begin + spoken + MAX_TAIL_TIME, own.motion.duration)

@@ -21,7 +21,7 @@ from kinesic.studies.gesture_perception.stimuli import motion_data
 from kinesic.studies.questionnaire.page import write_questionnaire
 
 MATCHES_PER_SYSTEM = 8  # most motions of a system per participant; half have their own speech first
-PAIRS_PER_COMPARISON = 4  # texts shown to a participant for each pair of systems
+PAIRS_PER_COMPARISON = 4  # most texts shown to a participant for each pair of systems
 MAX_SAMPLE = 32767  # largest sample of 16 bits
 
 

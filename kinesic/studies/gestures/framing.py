@@ -69,7 +69,7 @@ class Balls:
         return cls(sealed(np.concatenate(centres)), sealed(radii))
 
     def viewpoints(self, yaws: Sequence[float], aspect: float, *, rise: float) -> list[Viewpoint]:
-        """Return viewpoints from yaws [deg] with common centre and distance.
+        """Return a viewpoint for each yaw, with common centre and distance.
 
         Args:
             yaws: angles [deg]; 0 is from the front.

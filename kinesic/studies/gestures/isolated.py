@@ -57,7 +57,7 @@ def plan_gesture(
 def stroke_error(planned: Plan) -> float:
     """Return the delay [s] of a gesture's stroke after its requested time.
 
-    The result is NaN without one.
+    Of several strokes the one farthest from its time counts; without a stroke the result is NaN.
     """
     strokes = [sync.planned - sync.requested for sync in planned.syncs if sync.sync == "stroke"]
     return max(strokes, key=abs, default=float("nan"))

@@ -80,7 +80,7 @@ def _choose_elevation(robot: Robot) -> float:
 
 @contextmanager
 def _open_renderer(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
-    """Open a renderer of a robot for pictures of a size [pixels]."""
+    """Open a renderer that draws a robot in a picture size [pixels]."""
     if robot.skin is None:
         with _open_mujoco(robot, size) as draw:
             yield draw

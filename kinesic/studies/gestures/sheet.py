@@ -39,7 +39,7 @@ _HEADING_HEIGHT = 0.16  # [paper units of `scale` inches] height of a category's
 _FOOTER_HEIGHT = 0.20  # [paper units of `scale` inches] height of the footer of a strip
 _SHEET_COLUMNS = 16  # number of figures in a row of a contact sheet
 _TITLE_COLOUR = "#222222"  # colour of titles
-_NOTE_COLOUR = "#777777"  # colour of the names under the drawn gestures
+_NOTE_COLOUR = "#777777"  # colour of the texts below the drawn postures
 _PATH_WIDTH = 0.007  # line width of a palm path / picture height
 _PATH_BRIGHTNESS = 0.6  # brightness of a palm path / brightness of its arm
 _ARROW_LENGTH = 0.035  # length of an arrow head / picture height
@@ -121,7 +121,7 @@ def _caption(axes: "Axes", show: Show, says: str, scale: float) -> None:
 
 
 def draw_gesture_sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale: float = 1.4, dots: int = 120) -> Path:
-    """Draw a contact sheet: each gesture's stroke over its pale start.
+    """Draw a contact sheet: each gesture's stroke over its faded start posture.
 
     The figures are grouped by category.
 
@@ -157,7 +157,7 @@ def draw_gesture_sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale
 
 
 def _draw_gesture_lines(show: Show, robot: Robot) -> list[PenStroke]:
-    """Return the lines of one gesture in the contact sheet."""
+    """Return the lines of a gesture: faded start, stroke posture, palm paths."""
     begins = fade_lines([line for line in silhouette(robot, show.postures[0], {}) if line.owner != "trunk"])
     shapes = _find_shapes(show.form, show.stroke, len(show.postures))
     return [*begins, *outline_lines(silhouette(robot, show.postures[show.stroke], shapes)), *_draw_palm_paths(show)]

@@ -30,7 +30,7 @@ ANSWER_COLUMNS = (
     "seconds",
     "age",
 )
-SIGNIFICANCE_LEVEL = 0.05  # p-value below which two conditions differ
+SIGNIFICANCE_LEVEL = 0.05  # p-value below which the means of two conditions differ significantly
 REQUIRED_COLUMNS = ("participant", "action", *CONDITION_VALUES, *ACTION_NAMES, *OPINION_COLUMNS)
 ACCEPTED_AGES = range(10, 120)  # [years] accepted ages
 ALL_ACTIONS = "all"  # name of the row for all actions together
@@ -92,7 +92,7 @@ class ComparedMeans:
 class Comparison:
     """Effect of one study condition, by action and for all actions.
 
-    Table 4.3 shows strength, Table 4.4 presentation.
+    Thesis Table 4.3 shows strength, Table 4.4 presentation.
     """
 
     condition: str
@@ -102,14 +102,14 @@ class Comparison:
 
 @dataclass(frozen=True)
 class FirstChoices:
-    """Frequency of the true label as the first choice, as in Table 4.5."""
+    """Fraction of answers whose first choice is correct (thesis Table 4.5)."""
 
     shares: Mapping[tuple[str, str], float]  # (action, "with" or "without" wrinkles) -> 0..1; NaN without answers
     counts: Mapping[tuple[str, str], int]
 
 
 def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, str]) -> Comparison:
-    """Compare two values of a study condition by action (thesis 4.5).
+    """Compare mean ratings under two values of a study condition, by action.
 
     Args:
         answers: answers of all participants.
@@ -142,7 +142,7 @@ def count_participants(answers: Sequence[Rating]) -> People:
 
 
 def count_first_choices(answers: Sequence[Rating]) -> FirstChoices:
-    """Return fractions of true labels as first choice, with and without wrinkles."""
+    """Return the fraction of correct first choices, by action and wrinkles."""
     groups = {
         (action, side): [a.first_choice for a in answers if a.action == action and a.conditions["wrinkles"] == side]
         for action in ACTION_NAMES

@@ -19,7 +19,7 @@ Strength = Literal["low", "high"]
 Presentation = Literal["animation", "image"]
 
 STRENGTH_INTENSITIES: Mapping[Strength, float] = MappingProxyType({"low": 0.4, "high": 1.0})
-STIMULI_PER_CELL = 8  # stimuli per participant, region and presentation (Table 4.2)
+STIMULI_PER_CELL = 8  # stimuli per participant, region and presentation (thesis Table 4.2)
 LIKERT_POINTS = 5  # number of points of a Likert scale
 
 

@@ -5,7 +5,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from kinesic.body.arrays import Floats
 
-MIN_THICKNESS = 1e-3  # [m] smallest thickness of a path with a volume
+MIN_THICKNESS = 1e-3  # [m] a path is flat below a tenth of this RMS thickness
 JERK_CUTOFF = 10.0  # [Hz] cutoff frequency: intended motion is slower, servo steps are faster
 
 

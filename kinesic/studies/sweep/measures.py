@@ -16,7 +16,7 @@ from kinesic.studies.sweep.geometry import count_visits, hull_volume, length, me
 
 MAX_HAND_DISTANCE = 0.8  # shoulder-hand distance / arm length up to which the elbow's offset is measured
 BEND_LENGTH = 0.03  # step of a hand path over which its curvature is measured / arm length
-MIN_STROKE_SIZE = 0.02  # [m] hand motion below which only the body sways
+MIN_STROKE_SIZE = 0.02  # [m] smaller hand motion during the stroke is body sway, not a stroke
 NEAR_RATIO = 0.25  # distance from the stroke position / stroke size below which the hand has arrived
 FAR_RATIO = 0.5  # distance from the stroke position / stroke size above which the hand has left
 
@@ -200,7 +200,7 @@ def sum_turns(steps: Floats) -> Floats:
 
 
 def _measure_overshoot(performance: DryRun) -> float:
-    """Return the largest joint excess [rad] over the range of keys."""
+    """Return the largest excess [rad] of a joint over its keys' range."""
     postures = performance.plan.postures.postures
     keys = np.stack([posture.angles for posture in postures])
     keyed = np.array([posture.keyed for posture in postures])

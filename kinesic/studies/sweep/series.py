@@ -46,7 +46,7 @@ OTHER_MEASURES = (
     "energy",
     "stroke_error",
 )
-PLOT_DPI = 100  # [pixels/inch]
+PLOT_DPI = 100  # [pixels/inch] resolution of the saved plot
 
 
 @dataclass(frozen=True)
