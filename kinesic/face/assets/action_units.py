@@ -213,7 +213,7 @@ def compute_lid_closure(channels: Floats) -> float:
 
 
 def compute_gaze_rotation(channels: Floats, number: int) -> Floats:
-    """Return the (3, 3) rotation of an eyeball.
+    """Return the (3, 3) rotation of an eyeball for given action units.
 
     Args:
         channels: (c,) intensity of each of `FACE_CHANNELS`.

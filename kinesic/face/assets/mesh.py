@@ -28,7 +28,7 @@ MESH_PARTS: tuple[MeshPart, ...] = ("skin", "eyes", "teeth", "tongue", "lashes",
 HEAD_FILE = CONFIGS / "faces" / "head.npz"
 POSITION_STEP = 1e-5  # [m] resolution of rest positions in the file
 DELTA_STEP = 1e-4  # [m] resolution of shapes in the file
-INNER_BROW_SHAPE = "browInnerUp"  # only shape without sides whose action unit has sides
+INNER_BROW_SHAPE = "browInnerUp"  # shape of both sides, split because its action unit has sides
 NOSE_BRIDGE_WIDTH = 0.02  # [m] width over which the two halves of the inner brow blend
 
 
@@ -175,7 +175,7 @@ def seal_integers(values: NDArray[IntegerType]) -> NDArray[IntegerType]:
 def build_subdivision(
     faces: Indices, vertices: int, *, flat: NDArray[np.bool_] | None = None
 ) -> tuple["scipy.sparse.csr_array", Indices]:
-    """Return the Catmull-Clark stencil of a mesh and its finer faces.
+    """Return the Catmull-Clark stencil and the subdivided faces of a mesh.
 
     There is a vertex for each vertex, edge and face, in this order, and four faces for each face.
 

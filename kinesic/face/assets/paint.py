@@ -21,11 +21,11 @@ from kinesic.face.assets.chart import WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
 Colour = tuple[float, ...]  # red, green, blue
 
 SKIN_RESOLUTION = 1024  # [pixels] along a side of the skin texture
-BROW_HAIR_COUNT = 640  # hairs of both brows together
-BROW_OVERSAMPLING = 2  # factor of the resolution in which brows are drawn
+BROW_HAIR_COUNT = 640  # number of hairs of both brows together
+BROW_OVERSAMPLING = 2  # resolution in which brows are drawn / SKIN_RESOLUTION
 PAINT_SEED = 7  # seed of the random generator for painted skin and brows
 IRIS_RESOLUTION = 80  # [pixels] side of the iris texture, about that of the eye in a picture
-IRIS_OVERSAMPLING = 4  # factor of the resolution in which the iris is computed
+IRIS_OVERSAMPLING = 4  # resolution in which the iris is computed / IRIS_RESOLUTION
 EYE_HALF_WIDTH = 0.8  # half width of the painted square, in radii of the eyeball
 MIN_OPACITY = 1e-12  # opacity below which a colour is skipped
 BLUR_REACH = 4.0  # range of a blur, in standard deviations of its Gaussian
@@ -75,8 +75,8 @@ UPPER_LIP = (
     (0.22, -0.995),
     (0.36, -1.06),
     (0.43, MOUTH_LINE),
-)  # upper edge of the red lip, chart a and y
-# lower edge of the red lip, chart a and y
+)  # upper edge of the red lips as chart coordinates a and y
+# Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
 FLUSHED_AREAS = (  # reddish areas of the skin: chart coordinates a and y, half width, strength
     (0.62, -0.62, 0.26, 0.42),

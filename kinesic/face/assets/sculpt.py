@@ -60,7 +60,7 @@ LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     }
 )
 LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
-LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line of full and of no lip correction
+LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line between which its correction fades
 TEETH_FORWARD = 0.25  # [eye distances] forward position of the teeth
 SMOOTHING_PASSES = 24  # averaging passes over neighbouring vertices
 SIDE_SIGNS = {"Left": 1.0, "Right": -1.0}

@@ -24,7 +24,7 @@ from kinesic.face.display import DisplayError
 Blending = Literal["linear", "dual"]
 Quaternion = tuple[float, float, float, float]  # w, x, y, z
 
-TWIST_SUFFIX = "_twisting"  # end of the name of a hinge about its bone
+TWIST_SUFFIX = "_twisting"  # name suffix of hinges that rotate about the axis of their bone
 HAND_SEGMENT = "wrist"  # segment that moves fingers missing in the skeleton
 MIN_HALF_ANGLE_SINE = 1e-9  # sine of half an angle below which a turn is ignored
 
@@ -95,7 +95,7 @@ class Skin:
         return np.asarray(points @ turns[head].T + translations[head])
 
     def _replace_missing_finger(self, frame: SkinningFrame, segment_names: set[str]) -> SkinningFrame:
-        """Return a skinning frame, or the hand's for a missing finger."""
+        """Return a skinning frame, or the hand's frame for a missing finger."""
         lacks_finger = frame.segment not in segment_names and _find_finger(frame.segment) is not None
         return SkinningFrame(frame.name, f"{frame.segment[:2]}{HAND_SEGMENT}") if lacks_finger else frame
 

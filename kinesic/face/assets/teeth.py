@@ -14,7 +14,7 @@ MILLIMETRES_PER_METRE = 1000.0  # [mm/m]
 TOOTH_ROW_DEPTH = 0.043  # [m] distance of the centre of a row of teeth behind its front
 EDGE_SECTOR = np.radians(24.0)  # [rad] sector around the centre of a row of teeth in which the cutting edge is searched
 EDGE_TOLERANCE = 0.0007  # [m] tolerance of the distance from the gums at the cutting edge
-TONGUE_SIDE_DEPTH = 0.003  # [m] points of a tooth farther behind its cutting edge face the tongue
+TONGUE_SIDE_DEPTH = 0.003  # [m] points of a tooth farther than this behind its cutting edge are on its tongue side
 
 
 def compute_teeth_chart(mesh: Mesh) -> Floats:

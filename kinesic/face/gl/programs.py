@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext
 
 MAX_NAME_LENGTH = 256  # [bytes] longest name of a uniform variable
-UNIFORM_SETTERS: Mapping[int, tuple[str, int]] = MappingProxyType(  # by uniform type: function, and number of floats
+UNIFORM_SETTERS: Mapping[int, tuple[str, int]] = MappingProxyType(  # uniform type -> OpenGL function, number of floats
     {
         0x1406: ("Uniform1fv", 1),
         0x8B50: ("Uniform2fv", 2),

@@ -25,7 +25,7 @@ SWIZZLE_SOURCES = {"R": n.GL_RED, "G": n.GL_GREEN, "B": n.GL_BLUE, "A": n.GL_ALP
 
 
 class Texture:
-    """Texture on the graphics card, repeated beyond its border until `clamp`."""
+    """Texture on the graphics card, repeated beyond its border unless clamped."""
 
     def __init__(self, context: "GlContext", size: Size, components: int, data: bytes | None, kind: str) -> None:
         self._context, self.size, self.components, self.dtype = context, size, components, kind

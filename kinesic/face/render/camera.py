@@ -114,12 +114,12 @@ class Lights:
     ground: Colour
 
     def directions(self) -> Floats:
-        """Return (3, 3) unit vectors towards the lamps."""
+        """Return (3, 3) unit vectors towards key, fill and rim lamp."""
         vectors = np.array([lamp.towards for lamp in (self.key, self.fill, self.rim)])
         return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
     def powers(self) -> Floats:
-        """Return the RGB powers (3, 3) of the lamps, one row each."""
+        """Return the RGB powers (3, 3) of key, fill and rim lamp."""
         return np.array([lamp.power for lamp in (self.key, self.fill, self.rim)])
 
     def scaled(self, factor: float) -> "Lights":

@@ -23,7 +23,7 @@ from kinesic.face.render.shape import FigureShape
 
 STANDING_CAMERA = Camera(distance=4.2, field_deg=26.0, pivot=(0.05, 0.0, 0.83))  # camera that shows the whole figure
 UPPER_BODY_CAMERA = Camera(distance=2.9, field_deg=23.0, pivot=(0.05, 0.0, 1.24))  # view from the hips up
-# Shadow of a whole standing figure.
+# Shadow settings for a whole standing figure.
 FIGURE_SHADOW = Shadow(lamp=0.3, away=4.0, reach=1.0, deep=1.2, side=1024, sharpest=0.012)
 FILM_PRESET = replace(
     DRAFT_PRESET,

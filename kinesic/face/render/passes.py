@@ -48,7 +48,7 @@ def compile_program(
 
 
 def set_uniforms(shader: Program, values: Values) -> None:
-    """Set uniforms of a program, matrices and vector arrays row by row."""
+    """Set a program's uniforms from values in row order."""
     for name, value in values.items():
         shader.set(name, value)
 

@@ -39,7 +39,7 @@ class ScatterPass:
 
     @property
     def light_uniforms(self) -> Values:
-        """Uniforms of the light pass that select where light scatters."""
+        """Light pass uniforms that select the pixels with scattering."""
         scattering = self.scattering
         deep = {"deep": scattering.deep} if scattering.levels > 1 else {}
         return {"threshold": scattering.threshold} | deep
@@ -72,7 +72,7 @@ class ScatterPass:
         return self._colour.read()[..., 3]
 
     def measure_filtered_fraction(self) -> float:
-        """Return the fraction of the picture that was filtered last."""
+        """Return the fraction of the picture that the last `draw` blurred."""
         return self._marks.measure_marked_fraction()
 
 

@@ -263,7 +263,7 @@ def _pack_maps() -> tuple[StoredPixels, ...]:
 
 @lru_cache(maxsize=4)
 def _find_wrinkled_vertices(mesh: Mesh, drawn_on: Mesh) -> Flags:
-    """Return the (16, v) vertices whose triangles touch each wrinkle map."""
+    """Return (16, v) flags of vertices whose triangles touch each wrinkle map."""
     corners = compute_vertex_chart(drawn_on)[mesh.triangles, :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
     whole = (high - low)[:, 0] < CHART_WIDTH / 2  # not split by the chart's seam

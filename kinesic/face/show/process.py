@@ -117,7 +117,7 @@ def make_painter(
 def run_preview(
     shared: SharedCommand, screen: Screen, draw: Callable[[ShownFace, Controls], Picture], controls: Controls
 ) -> int:
-    """Draw the newest command whenever a command or key changes it.
+    """Redraw the face whenever the command or the settings change.
 
     Frames may be dropped, but never the last command.
 
