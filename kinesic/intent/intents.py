@@ -35,7 +35,10 @@ class Intent:
 
 
 def shift_reference(moment: Moment, seconds: float) -> str:
-    """Return the BML reference of a shifted moment, not before the block."""
+    """Return the BML reference of a moment shifted by some seconds.
+
+    A time in the block is at least 0.
+    """
     reference, offset = split_reference(moment.reference)
     later = (offset or 0.0) + seconds
     if not reference:

@@ -20,7 +20,7 @@ def select_words(passage: Passage, words: range) -> range:
 
 
 def clip_intent(intent: Intent, passage: Passage, words: range) -> Intent:
-    """Clip an intent to the time of some words."""
+    """Clip an intent to the time span of given words."""
     first, last = passage.onset(words.start), passage.close(words.stop - 1)
     start = first if words.start and intent.start.seconds < first.seconds else intent.start
     return replace(intent, start=start, end=last if intent.end.seconds > last.seconds else intent.end)

@@ -220,7 +220,7 @@ def _perform_trailing(talk: Talk, passage: Passage, lexicon: Lexicon, quiet: flo
 
 
 def _trailing_directions(talk: Talk, passage: Passage) -> tuple[str, ...]:
-    """Return the stage directions after the last word, once all are spoken."""
+    """Return the stage directions after the last word, once it is spoken."""
     if talk.said < len(passage.words):
         return ()
     return tuple(words for index, words in passage.directions if index >= talk.said)

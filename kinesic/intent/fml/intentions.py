@@ -28,7 +28,7 @@ class Unreadable:
 def read_intentions(
     roots: Sequence[Element], speeches: Sequence[Element], marks: MarkTimes
 ) -> Iterator[Intent | Unreadable]:
-    """Yield every intention of an FML document, or why it is unreadable.
+    """Convert each intention of an FML document to an intent, if readable.
 
     The stroke of an intention is on its first pitch accent. Without one it is half way, but soon after the start of a
     long intention.

@@ -8,7 +8,7 @@ from kinesic.intent.manuscript.pieces import END_OF_SENTENCE, LINE_PAUSE, PARAGR
 MAX_LABEL_WORDS = 3  # largest number of words in a speaker's name
 MAX_LABEL_LENGTH = 40  # [characters] longest name of a speaker
 MAX_MARKER_LENGTH = 12  # [characters] longest indent and marker of a list item
-MAX_SKIPPED_LENGTH = 2000  # [characters] longest piece of another speaker's line that is skipped at once
+MAX_SKIPPED_LENGTH = 2000  # [characters] length from which another speaker's line is skipped before its end arrives
 MIN_WRAPPED_LENGTH = 55  # [characters] shortest line that counts as wrapped text; its end causes no pause
 _MARKER_PATTERN = re.compile(r"[ \t]*(?:#{1,6}[ \t]+|[-+\u2022\u2023\u25e6*][ \t]+|\d{1,3}[.)][ \t]+|(?:>[ \t]?)+)")
 _TASK_PATTERN = re.compile(r"\[[ xX]\][ \t]+")

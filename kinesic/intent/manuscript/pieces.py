@@ -35,7 +35,7 @@ class Manuscript:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Spoken text and state change from one word or markup."""
+    """Result of reading one word or markup: spoken text and state change."""
 
     length: int  # [characters] of the received text
     text: str = ""  # spoken text, with tags for directions and pauses

@@ -28,7 +28,7 @@ _NUMBERED_PATTERN = re.compile(r"[-_.]?\d+$")
 
 
 def read_tag(rest: str, *, ends: bool) -> Step | None:
-    """Read an XML tag or a literal `<`, None if incomplete."""
+    """Read a tag or a literal `<`, or return None if incomplete."""
     for opening, closing in (("<!--", "-->"), ("<![CDATA[", ""), ("<?", "?>"), ("<!", ">")):
         if rest.startswith(opening):
             return Step(len(opening), "", mode="skipped", closing=closing) if closing else Step(len(opening))

@@ -19,7 +19,7 @@ CueContext = Literal["any", "statement", "question", "exclamation", "talk"]  # t
 
 CUE_FOLDER = CONFIGS / "intents" / "cues"  # one folder of cue files for each language
 PICTURE_INTENT = "picture"  # intent of a gesture that depicts the meaning of words
-# Certainty of a cue without one of its own, by kind of cue.
+# Certainty of a cue whose file entry gives none, by kind of cue.
 DEFAULT_CERTAINTIES: Mapping[CueKind, float] = {"idiom": 0.8, "word": 0.7, "feeling": 0.75, "question": 0.65}
 
 

@@ -50,7 +50,10 @@ class Pattern:
 
     @cached_property
     def required(self) -> tuple[frozenset[str], ...]:
-        """Alternative words of each literal slot; a sentence must contain one."""
+        """Alternative words of each required literal slot.
+
+        A sentence that matches contains one word of each slot.
+        """
         literal = (slot for slot in self.slots if not (slot.is_optional or slot.stems or slot.is_any or slot.is_number))
         return tuple(slot.words for slot in literal)
 

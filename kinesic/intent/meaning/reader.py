@@ -22,7 +22,7 @@ from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
 
 HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures, which cues replace
 MIN_TOPIC_LIVELINESS = 0.5  # liveliness from which open hands present a sentence without another gesture
-MIN_TOPIC_DURATION = 8.0  # [s] earliest start of the last word in a text with topic gestures
+MIN_TOPIC_DURATION = 8.0  # [s] topic gestures occur only in texts whose last word starts at this time or later
 HAND_INTENTS = frozenset(
     {"emphasis-strong", "listing-left", "listing-right"}
 )  # intents whose hand gestures are kept in addition to those of cues

@@ -5,8 +5,8 @@ from collections.abc import Collection, Iterator
 from kinesic.intent.intents import Intent
 from kinesic.intent.reading.passage import Passage
 
-GROUP_CERTAINTY = 0.2  # certainty of an accent on the last content word in a row
-WORD_CERTAINTY = 0.1  # certainty of an accent on another content word
+GROUP_CERTAINTY = 0.2  # certainty of an accent on the last of successive content words
+WORD_CERTAINTY = 0.1  # certainty of an accent on a content word that another one follows
 RHYTHM_INTENT = "rhythm"  # intent of a beat on an accent
 
 

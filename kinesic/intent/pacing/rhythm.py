@@ -97,7 +97,7 @@ class _Run:
         return max(last, self.beats[-1]) if self.beats else last
 
     def _next(self, at: float) -> float:
-        """Return the time of the next other gesture [s], or infinity."""
+        """Return the time [s] of the next gesture except beats, or infinity."""
         place = bisect_left(self._others, at)
         return self._others[place] if place < len(self._others) else float("inf")
 

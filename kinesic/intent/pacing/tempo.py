@@ -15,7 +15,7 @@ BEAT_FRACTIONS = (0.3, 0.45, 0.5)  # smallest fraction of beats among gestures a
 PICTURE_SPACINGS = (1.8, 1.3, 1.1)  # [s] smallest spacing of illustrating gestures at LIVELINESS_LEVELS
 BEAT_SPACINGS = (1.3, 1.05, 0.95)  # [s] smallest spacing of a beat from other strokes at LIVELINESS_LEVELS
 MAX_BEAT_FRACTION = 0.54  # fraction of beats above which the stroke rate is reduced
-# [1/min] lower bounds of the rate that MAX_BEAT_FRACTION reduces, at LIVELINESS_LEVELS.
+# [1/min] lower bounds of stroke rates reduced because of MAX_BEAT_FRACTION, at LIVELINESS_LEVELS.
 MIN_STROKE_RATES = (8.0, 17.0, 18.0)
 RUN_LENGTHS = (2.0, 3.0, 4.0)  # [strokes] longest run of beats at LIVELINESS_LEVELS
 RUN_SPACING = 1.6  # [s] largest spacing of strokes in a run, in which the hands do not return to rest

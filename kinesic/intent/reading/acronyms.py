@@ -4,8 +4,8 @@ import re
 
 from kinesic.intent.reading.language import Language
 
-MAX_ACRONYM_LENGTH = 5  # [letters] longest unlisted word in capitals without vowels that is an acronym
-MAX_WORDLIKE_LENGTH = 3  # [letters] longest unknown acronym with vowels
+MAX_ACRONYM_LENGTH = 5  # [letters] longest unlisted word in capitals without vowels that is read as an acronym
+MAX_WORDLIKE_LENGTH = 3  # [letters] longest unlisted word in capitals with vowels that is read as an acronym
 VOWEL_CAPITALS = frozenset("AEIOUYYÄÖÜÁÉÍÓÚÀÈÌÒÙÂÊÎÔÛ")  # capital letters of vowels
 
 

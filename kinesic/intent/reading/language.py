@@ -87,7 +87,7 @@ class Language:
 
     @property
     def number_word(self) -> str:
-        """Word for an abbreviation such as `No. 5`, or empty."""
+        """Word spoken for the abbreviation in `No. 5`, or an empty text."""
         return "".join(self.classes.get("number_word", ()))
 
     @property

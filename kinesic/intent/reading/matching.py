@@ -22,7 +22,7 @@ class Finding:
 
 
 def find_rules(passage: Passage, language: Language) -> tuple[Finding, ...]:
-    """Return all rule matches in order, the longest per intent and word."""
+    """Return rule matches in order, the longest per intent and first word."""
     longest: dict[tuple[int, str], Finding] = {}
     for finding in _matches(passage, language):
         if holds(finding, passage):

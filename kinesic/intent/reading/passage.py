@@ -110,7 +110,7 @@ def word_duration(word: Word) -> float:
 
 
 def is_phrase_start(word: Word) -> bool:
-    """Return whether punctuation of a phrase precedes a word."""
+    """Return whether punctuation that ends a phrase precedes a word."""
     return not _PHRASE_SIGNS.isdisjoint(word.before)
 
 

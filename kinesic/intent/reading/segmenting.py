@@ -63,9 +63,9 @@ def _goes_on(text: str, end: int) -> bool:
 
 
 def _is_script_change(before: str, after: str) -> bool:
-    """Return whether a word ends between two letters of different scripts.
+    """Return whether a change of script between two letters ends a word.
 
-    Hiragana after another script is a word ending.
+    Hiragana after another script continues the word, as its inflection.
     """
     one, other = _script(before), _script(after)
     return one != other and other != "hiragana"

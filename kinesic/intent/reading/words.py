@@ -34,7 +34,7 @@ ELLIPSIS_PAUSE = 0.4  # [s] silence at an ellipsis, in addition to that of the v
 _TAG_PATTERN = re.compile(r"<(/?)([A-Za-z]\w*+(?:[:-]++\w++)*+)")  # beginning of a tag
 _ANY_TAG = re.compile(r"</?[A-Za-z][^<>]*+>")
 _TIME_PATTERN = re.compile(r"time\s*=\s*[\"'](\d++(?:\.\d*+)?|\.\d++)(ms|s)[\"']")  # attribute of a break
-_NUMBERED_WORD = re.compile(r"\b[^\W\d]*+\d\w*+")  # `H2O`, `5G`: no shouting
+_NUMBERED_WORD = re.compile(r"\b[^\W\d]*+\d\w*+")  # words with digits (`H2O`, `5G`), whose capitals are no shouting
 _WORDS_ATTRIBUTE = re.compile(r'words="([^"<>]*)"')
 _CONTROL_PATTERN = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ufeff\ufffe\uffff\ud800-\udfff]")
 _TOKEN_PATTERN = rf"""
