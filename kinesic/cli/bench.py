@@ -110,7 +110,7 @@ def print_metrics(
 
 
 def _measure_naturalness(styles: tuple[str, ...], capture: Path | None) -> list[Metric]:
-    """Measure the lexicon in given styles and the clips of a folder."""
+    """Measure the naturalness of gestures in given styles and of captured clips."""
     from kinesic.bench import naturalness  # noqa: PLC0415 - only this part has styles and clips
 
     metrics = naturalness.bench_styles(styles) if styles else []

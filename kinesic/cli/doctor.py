@@ -19,7 +19,7 @@ from kinesic.sim import gl
 from kinesic.speech import espeak_pool, loudspeaker
 from kinesic.version import __version__
 
-COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # each returns the fault with its remedy, or None
+COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # each returns the state to print; empty: it works
     "film (MuJoCo, OpenGL)": gl.opengl_fault,
     "film as mp4 (ffmpeg)": lambda: find_encoder() or NO_ENCODER,
     "face (EGL, OpenGL)": display.find_display_problem,

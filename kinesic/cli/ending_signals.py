@@ -15,7 +15,7 @@ from types import FrameType
 
 EXIT_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)
-)  # all ending signals but Ctrl-C
+)  # signals that end a process, except SIGINT (Ctrl-C)
 INTERRUPTED_EXIT_CODE = 130  # 128 plus the number of SIGINT
 INTERRUPTED_MESSAGE = "kinesic: stopped"
 

@@ -42,7 +42,7 @@ def write_new(kind: Kind, name: str, folder: Path, force: bool) -> int:
 
 
 def starting_text(kind: Kind, name: str) -> str:
-    """Return a commented starting file for an object of this name."""
+    """Return a commented template file for a gesture, style or robot."""
     if kind == "robot":
         example = (CONFIGS / "robots" / f"{EXAMPLE_ROBOT}.toml").read_text(encoding="utf-8")
         heading = (

@@ -194,7 +194,7 @@ def _is_moved(sync: SyncTime) -> bool:
 
 
 def _describe_behaviour(behaviour: Behaviour, planned: Plan) -> str:
-    """Describe a behaviour by type, label, gesture entry and hands, or words."""
+    """Describe a behaviour: spoken words, or type, label, gesture entry and hands."""
     match behaviour.action:
         case Speech(script):
             words = " ".join(script.text.split())

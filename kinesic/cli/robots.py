@@ -18,7 +18,7 @@ from kinesic.sim.shells.variant import find_shell
 
 WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
 FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails
-MAX_PRINTED_NOTES = 5  # printed notes on parts that the import omits
+MAX_PRINTED_NOTES = 5  # largest number of printed notes on parts that the import omits
 
 
 def list_robots() -> int:
@@ -117,7 +117,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
 
 
 def _tabulate_mapping(imported: ImportedRobot) -> Table:
-    """Tabulate the file's joint for each hinge."""
+    """Tabulate the imported file's joint for each hinge."""
     table = Table("hinge", "joint in the file", "range deg", "rest deg", box=None)
     for name, joint, *degrees in imported.mapping:
         table.add_row(name, quote_text(joint), *degrees)

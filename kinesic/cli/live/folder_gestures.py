@@ -11,8 +11,8 @@ from kinesic.body.config import ConfigError, read_tables
 from kinesic.expressivity.lexicon.lexicon import read_part
 from kinesic.expressivity.lexicon.toml_file import LexiconPart
 
-MAX_GESTURE_FILES = 500  # gesture files examined per folder
-MAX_GESTURE_BYTES = 1_000_000  # total size of the gesture files read per folder
+MAX_GESTURE_FILES = 500  # largest number of gesture files read per folder
+MAX_GESTURE_BYTES = 1_000_000  # [bytes] largest total size of the gesture files read per folder
 
 
 @dataclass(frozen=True, eq=False)

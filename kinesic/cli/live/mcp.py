@@ -43,7 +43,7 @@ START_EXIT_CODE = 2  # exit code if the server of the robot does not start
 def serve_tools(
     planning: Planning, performers: Performers, connect: str | None, token: str | None, http: str | None
 ) -> int:
-    """Serve the tools until the client disconnects."""
+    """Serve the MCP tools until the client disconnects."""
     address = None if http is None else read_address(http, token)
     # All threads get priority, because any thread that holds the interpreter could delay an emergency stop.
     with _open_robot(connect, planning, performers, token) as opened, raise_priority():

@@ -17,7 +17,7 @@ SHOWN_WARNING = (
     "give --token-file FILE, or set KINESIC_TOKEN"
 )
 ARGUMENT_START_FIELD = 47  # field of /proc/self/stat, counted from 0: address of the first argument
-ARGUMENT_END_FIELD = 48  # field of the same file: address after the last argument
+ARGUMENT_END_FIELD = 48  # field of /proc/self/stat, counted from 0: address after the last argument
 
 Verb = Callable[..., int]
 

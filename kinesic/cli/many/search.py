@@ -33,7 +33,7 @@ from kinesic.studies.designs.variant import Variable, draw_designs, without_defa
 from kinesic.tasks.journal import Journal
 from kinesic.tasks.store import DESIGNS_FILE
 
-SEARCH_JOURNAL_FILE = "tried.jsonl"  # results of the documents performed by each design
+SEARCH_JOURNAL_FILE = "tried.jsonl"  # file of the results of every document that a design performed
 
 
 def search_designs(
@@ -81,7 +81,9 @@ def search_designs(
 
 
 def _prepare_folder(output: Output) -> Path | None:
-    """Create or reuse the output folder, or return None without one.
+    """Create the output folder or reuse that of an interrupted search.
+
+    The result is None if no output folder is requested.
 
     Raises:
         ConfigError: the folder holds a finished search, or other files.

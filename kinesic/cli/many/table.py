@@ -16,9 +16,9 @@ from kinesic.report.checks import SEVERITY_RANKS
 
 FAILURE_LABELS = {"fail": "failed", "poor": "poor"}  # check status -> its word in the table
 COLUMN_GAP = 2  # [characters] space between the columns of a table
-TEXT_COLUMNS = 3  # last columns of checks that hold text: unit, place and file
+TEXT_COLUMNS = 3  # number of last columns with text in the table of checks: unit, place and file
 MIN_TEXT_WIDTH = 8  # [characters] smallest width of a column with a place or a file
-MAX_FOLDER_ROWS = 16  # more folders are grouped by their parents
+MAX_FOLDER_ROWS = 16  # largest number of rows; more folders are grouped by their parents
 
 
 def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:

@@ -173,7 +173,7 @@ def _poll_servos(axes: Axes, seconds: float) -> Iterator[Snapshot]:
 
 
 def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height: int) -> Group:
-    """Return the table above its prompt, shortened on a low terminal."""
+    """Return the table of hinges with a prompt, shortened on low terminals."""
     finished_count = sum(hinge.is_whole for hinge in hinges)
     whole = f" {finished_count} of {len(hinges)} hinges are whole." if finished_count else ""
     prompt = Text(f"{TURN_HINGES_PROMPT} Enter ends.{whole}", style="bold")
@@ -184,7 +184,7 @@ def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height:
 
 
 def _tabulate_pending(hinges: tuple[HingeCalibration, ...], robot: Robot, count: int) -> Table:
-    """Tabulate the first `count` hinges that are not turned through yet."""
+    """Tabulate the first `count` hinges whose whole range is not covered yet."""
     titles = ("hinge", "first turn it so that", "moved/range deg")
     table = Table(*titles, box=None, header_style="bold", padding=(0, 1, 0, 0), pad_edge=False)
     pending = [(joint, mark) for joint, mark in enumerate(hinges) if not mark.is_whole]

@@ -13,7 +13,7 @@ def format_cells(fraction: Fraction) -> tuple[str, ...]:
 
 
 def format_rate(fraction: Fraction) -> str:
-    """Return a rate with its interval."""
+    """Return a fraction's rate with its confidence interval as text."""
     low, high = fraction.interval
     return f"{fraction.rate:.2f} ({low:.2f} to {high:.2f})"
 

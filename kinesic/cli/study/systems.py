@@ -39,7 +39,7 @@ def print_ratings(result: RatingResult, screen: Console) -> None:
 
 
 def matches_to_json(result: MatchResult) -> dict[str, Json]:
-    """Convert matched speech to JSON values."""
+    """Convert results of matching speech with motion to JSON values."""
     return {
         "systems": {
             system: {**fraction_to_json(fraction), "detectable": _to_number(result.detectable[system])}
