@@ -32,7 +32,7 @@ HOST_RESERVE = 0.0005  # [s] longest part of the period that a cycle must leave 
 MAX_RETRIES = 4  # Largest number of repeated queries per cycle, for servos without a fresh record
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
 REOPEN_INTERVAL = 0.05  # [s] between attempts to reopen a lost port
-MISMATCH_DELAY = 1.0  # [s] wait before a port is reopened whose servos were not identified
+MISMATCH_DELAY = 1.0  # [s] wait before reopening a port whose servos were not identified
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ MAX_TRIES = 4  # Default number of attempts per instruction
 REPLY_TO_ALL = 2  # Value of STATUS_RETURN_LEVEL at which a servo replies to every instruction
 COLLISION_TRIES = 3  # Damaged replies after which several servos must have the same id
 _VARYING_START = Register.REALTIME_TICK.field.address  # first address of a span that differs between any two servos
-_VARYING_SIZE = 28  # [bytes] size of this span of clocks and sensors
+_VARYING_SIZE = 28  # [bytes] size of the span at _VARYING_START, with clock and sensors
 
 Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data, if any, then result and error byte
 

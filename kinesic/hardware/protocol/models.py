@@ -114,7 +114,7 @@ class FactorySheet:
 
     @property
     def family(self) -> Family:
-        """Family of the control table."""
+        """Servo series that determines the control table: 330, 430 or 540."""
         return "330" if "330" in self.name else "540" if "540" in self.name else "430"
 
     @property

@@ -27,7 +27,7 @@ class Wire(Protocol):
         """Baud rate [bit/s]."""
 
     def now(self) -> float:
-        """Return the time [s], which never decreases."""
+        """Return the wire's clock [s], which never decreases."""
 
     def write(self, data: bytes | bytearray, /) -> None:
         """Pass bytes to the wire without waiting for their transmission.

@@ -205,6 +205,6 @@ def _row(parts: Sequence[NDArray[Kind]]) -> NDArray[Kind]:
 
 
 def fold_turns(positions: Floats) -> Floats:
-    """Reduce positions [ticks] to one turn, as servos do without torque."""
+    """Reduce positions [ticks] to one turn, as servos do when energised."""
     turned: Floats = np.mod(positions, TICKS_PER_TURN)
     return turned

@@ -81,7 +81,7 @@ class Status:
 
 @dataclass(frozen=True)
 class Note:
-    """Event of the supervisor."""
+    """Supervisor event for planner and log: time, servo, kind and text."""
 
     clock: float  # [s] of the machine's monotonic clock
     servo: int  # id; -1: no single servo

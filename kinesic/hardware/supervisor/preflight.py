@@ -22,7 +22,7 @@ POSITION_REGISTERS = (
     Register.OPERATING_MODE,
     Register.HOMING_OFFSET,
 )  # Registers that determine which angle a position in ticks means
-VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be right on a servo with torque
+VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be correct on a servo with torque
 LOWER_LIMIT_REGISTER = Register.MIN_VOLTAGE_LIMIT  # Register whose limit is raised to its factory value if lower
 UPPER_LIMIT_REGISTERS = (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # Lowered to factory values if higher
 _TABLE_END = Register.PRESENT_TEMPERATURE.field.end

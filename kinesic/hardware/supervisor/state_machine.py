@@ -204,7 +204,7 @@ def _may_arm(state: SupervisorState, observation: Observation) -> bool:
 
 
 def _end(state: SupervisorState, observation: Observation) -> Step:
-    """Fold and release, or wait for confirmation while a limb is raised.
+    """Fold and switch torque off, or await confirmation for a raised limb.
 
     A limb that stays raised waits for confirmation.
     """

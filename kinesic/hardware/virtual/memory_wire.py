@@ -42,11 +42,11 @@ class MemoryWire:
         self._bus.baud = value
 
     def now(self) -> float:
-        """Return the time [s]."""
+        """Return the virtual time [s]."""
         return self._time
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """Transmit bytes.
+        """Transmit bytes to the virtual servos.
 
         Raises:
             BusError: the adapter was unplugged.
@@ -74,7 +74,7 @@ class MemoryWire:
         return b""
 
     def sleep(self, until: float, /) -> None:
-        """Jump to a time [s]."""
+        """Advance the virtual time to `until` [s] at once."""
         self._time = max(self._time, until)
 
     def reopen(self) -> bool:

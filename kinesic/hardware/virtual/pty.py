@@ -24,7 +24,7 @@ if sys.platform != "win32":
 
 MAX_WAIT = 0.02  # [s] longest wait between two steps of the plant
 PTY_PREFIX = "/dev/pts/"  # Folder of pseudo-terminals
-READ_SIZE = 65_536  # [bytes] read from the terminal per system call
+READ_SIZE = 65_536  # [bytes] largest number read from the terminal per system call
 _GET_SETTINGS_IOCTL = 0x802C542A  # Linux ioctl TCGETS2, which reads terminal settings with any baud rate
 _SETTINGS_FORMAT = struct.Struct("=4I20B2I")  # Linux termios2: flags, control characters, baud rates
 

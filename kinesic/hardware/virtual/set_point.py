@@ -59,7 +59,7 @@ class Profile:
 
     @staticmethod
     def _eased(place: float, before: float, after: float, span: float, time: float) -> tuple[float, float]:
-        """Return position and velocity during constant acceleration."""
+        """Return position [rad] and velocity [rad/s] during constant acceleration."""
         speed = before + (after - before) * time / span
         return place + (before + speed) / 2 * time, speed
 
