@@ -115,7 +115,7 @@ def _anchor(time: float, strokes: Sequence[float], others: Sequence[float]) -> f
 
 @dataclass(frozen=True, eq=False)
 class Sequences:
-    """Key sequences of each body part before gathering."""
+    """Key sequences of each body part, before merging into key frames."""
 
     torso: tuple[Layer, ...] = ()
     head: tuple[Layer, ...] = ()

@@ -36,7 +36,7 @@ from kinesic.expressivity.turns import (
     scale_turn,
 )
 
-MIN_LEAN_TIME = 0.3  # [s] shortest movement to a lean
+MIN_LEAN_TIME = 0.3  # [s] shortest duration of the movement to a lean
 LEAN_ANGLE = radians(24)  # [rad] lean of amount 1 about each named axis: 12 deg at the default amount of 0.5
 SWAY_ANGLE = 0.3  # [rad] limit of the trunk rotation for very large hand movements at power 1
 RECLINE_ANGLE = radians(5)  # [rad] backward lean of the trunk at openness 1

@@ -26,7 +26,7 @@ from kinesic.expressivity.style.style import Expressivity, Style
 GOLDEN_STEP = (sqrt(5.0) - 1.0) / 2.0  # step of a low-discrepancy sequence in [0, 1)
 # Largest deviations at amount 1.
 SPATIAL_DEVIATION = 0.5  # largest random change of the spatial extent
-TEMPORAL_DEVIATION = 0.3  # largest random change of temporal extent, half of it so that larger gestures are slower
+TEMPORAL_DEVIATION = 0.3  # largest change of temporal extent: half of it random, half of it slower for larger gestures
 POSITION_DEVIATION = 0.05  # [arm lengths] largest random shift along each axis: 3 cm of a person
 MIRROR_DEVIATION = 0.04  # [arm lengths] largest random shift of the left hand from mirror symmetry, per axis
 NEAR_DISTANCE = 0.45  # [arm lengths] distance below which both hands stay mirror images

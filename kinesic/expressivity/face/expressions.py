@@ -114,7 +114,7 @@ def entries(path: Path = EXPRESSION_FILE) -> tuple[ExpressionEntry, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _LexemeMatch:
-    """Expression that matches a lexeme."""
+    """Expression that matches a lexeme, with its scale and unmatched words."""
 
     entry: ExpressionEntry
     scale: float  # factor on the intensity

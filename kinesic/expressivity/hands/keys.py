@@ -24,7 +24,7 @@ from kinesic.expressivity.turns import MIN_KEY_SPACING
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 from kinesic.motion.piecewise import PiecewisePolynomial
 
-MAX_PALM_COSINE = 0.99  # largest cosine between pointing and palm that defines a rotation
+MAX_PALM_COSINE = 0.99  # largest cosine between pointing direction and palm normal that define a rotation
 PATH_TOLERANCE = 0.01  # [arm lengths] largest distance of a path from the chord of two samples
 # Largest distance between two samples of a path [arm lengths]; joints are interpolated between them, so that the hand
 # leaves its path.

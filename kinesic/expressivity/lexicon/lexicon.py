@@ -22,7 +22,7 @@ from kinesic.expressivity.lexicon.toml_file import LexiconPart, join_parts, read
 
 UNKNOWN_LEXEME = "unknown"  # a lexeme that matches no gesture
 DEFAULT_GESTURE = "beat"  # gesture performed by behaviours without a lexeme
-MAX_SUGGESTIONS = 3  # gestures suggested for an unknown lexeme
+MAX_SUGGESTIONS = 3  # largest number of gestures suggested for an unknown lexeme
 MAX_NAME_LENGTH = 120  # [characters] longer names are not interpreted
 COMPARED_LENGTH = 40  # [characters] length to which a name is cut for comparison with gesture names
 FORM_CACHE_SIZE = 128  # largest number of cached pairs of form and hand mode

@@ -21,7 +21,7 @@ Tempo = Literal["sudden", "neutral", "sustained"]
 
 TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factor on durations
 POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture that only takes a pose
-RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction, if above 1
+RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction; factors below 1 count as 1
 STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of the gesture's duration factor in the stroke
 
 PREPARATION_TIME = 0.56  # [s] natural preparation over the reference distance
@@ -36,11 +36,11 @@ STROKE_DISTANCE_EXPONENT = 0.4  # exponent of the relative distance in the durat
 FITTS_INTERCEPT = 0.1  # [s] constant term of Fitts' law
 FITTS_SLOPE = 0.15  # [s/bit] time per bit of difficulty in Fitts' law
 FITTS_WIDTH = 0.05  # [m] target width in Fitts' law
-PLAIN_STROKE_MARGIN = 2.4  # stroke duration without the effort profile / minimum duration of the servos
+PLAIN_STROKE_MARGIN = 2.4  # smallest stroke duration without the effort profile / minimum duration of the servos
 PLAIN_HOLD_RATIO = 0.5  # hold time / stroke duration without the effort profile
-PREPARATION_MARGIN = 1.05  # duration / minimum duration of the servos, in a preparation from rest
-EASY_MARGIN = 1.3  # duration / minimum duration of the servos, in retractions and between gestures
-STROKE_MARGIN = 1.6  # duration / minimum duration of the servos, in strokes
+PREPARATION_MARGIN = 1.05  # smallest natural duration / minimum duration of the servos, in a preparation from rest
+EASY_MARGIN = 1.3  # smallest natural duration / minimum duration of the servos, in retractions and between gestures
+STROKE_MARGIN = 1.6  # smallest natural duration / minimum duration of the servos, in strokes
 ACCENT_MARGIN = 1.5  # duration / minimum duration to which power shortens strokes; servos round off shorter accents
 WEAKNESS_FRACTION = 0.6  # fraction of a negative power that slows preparation and retraction (from Greta)
 

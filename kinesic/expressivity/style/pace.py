@@ -12,7 +12,7 @@ from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import MIN_KEY_SPACING, TURN_AXES, add_turns, scale_turn, turn_angles
 from kinesic.motion.double_s import least_rest_times
 
-COMFORT_MARGIN = 1.3  # natural duration of a rotation / minimum duration of the servos
+COMFORT_MARGIN = 1.3  # smallest natural duration of a rotation / minimum duration of the servos
 TEMPORAL_FACTOR = 1.5  # factor on velocity at a temporal extent of 1
 POWER_FACTOR = 2.4  # factor on velocity at a power of 1, within the servo limits
 POWER_EXPONENT = 2.0  # exponent of power in the factor on velocity; above 1, so that small power has little effect

@@ -80,7 +80,7 @@ def list_parameters(
 
 
 def _standing_parameters(standing: Standing) -> Iterator[StyleParameter]:
-    """Yield the values of a standing posture that differ from the rest posture."""
+    """Yield a standing posture's values that differ from the rest posture."""
     yield from _turn_parameters("trunk", standing.trunk)
     yield from _turn_parameters("head", standing.head)
     for hinge, angle in standing.arms:
