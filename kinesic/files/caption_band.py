@@ -63,7 +63,7 @@ def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np
 
 
 def _break_lines(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, most: float) -> list[str]:
-    """Break caption words into lines of a width [pixels].
+    """Break caption words into lines of at most `most` [pixels].
 
     Words beyond the last line are replaced by an ellipsis.
     """

@@ -11,7 +11,7 @@ from PIL import Image
 from kinesic.body.arrays import Picture
 
 FILE_HEADER_SIZE = 12  # [bytes] size of the WebP file header: RIFF, file size and WEBP
-PICTURE_HEADER_SIZE = 16  # [bytes] size of a header: half left, half top, width, height, duration, flags
+PICTURE_HEADER_SIZE = 16  # [bytes] size of a picture header: half left, half top, width, height, duration, flags
 POLL_INTERVAL = 0.004  # [s] between checks of the file's size
 WRITER_TIMEOUT = 60.0  # [s] without a new picture after which the writer counts as dead
 

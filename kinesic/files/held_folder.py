@@ -58,7 +58,7 @@ class HeldFolder:
         return os.open(self.entry_path(name), flags, mode, dir_fd=self.descriptor)
 
     def remove_entry(self, name: str) -> None:
-        """Remove a file or link."""
+        """Remove a file or link from the folder."""
         os.unlink(self.entry_path(name), dir_fd=self.descriptor)
 
     def rename_entry(self, name: str, new_name: str) -> None:

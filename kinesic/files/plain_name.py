@@ -17,7 +17,7 @@ _UNSAFE_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def cut_name(name: str, *, limit: int) -> str:
-    """Return the longest prefix with at most `limit` bytes in UTF-8."""
+    """Return a name's longest prefix of at most `limit` UTF-8 bytes."""
     return name.encode("utf-8", "ignore")[:limit].decode("utf-8", "ignore")
 
 

@@ -23,7 +23,7 @@ TIME_POWERS = (  # exponents of 1 / duration in the limit ratios of velocity, ac
     3.0,
     2.0,
 )
-GRID_CACHE_SIZE = 128  # cached grids of 40 kB each; durations vary too much for a hit rate above 95 %
+GRID_CACHE_SIZE = 128  # largest number of cached grids, 40 kB each; durations vary too much for a hit rate above 95 %
 ACCELERATION_WEIGHT = 1e-9  # [s^4] weight of squared acceleration relative to squared distance
 
 
@@ -167,9 +167,9 @@ class Grid:
     def limit_ratios(
         self, controls: Floats, limits: Limits, hinge: int | NDArray[np.intp]
     ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Return the ratios of splines to each kind of limit.
+        """Return splines' ratios to range, velocity, acceleration, jerk and duty limits.
 
-        In the order range, velocity, acceleration, jerk and duty.
+        One array for each kind of limit, in this order.
 
         Args:
             controls: (k + 3,) [rad] control points of one hinge, or (h, k + 3) of several.

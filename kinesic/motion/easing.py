@@ -15,7 +15,7 @@ Easing = Literal["minimum_jerk", "linear", "out_quart", "out_back", "out_bounce"
 
 EASING_INTERVALS = 16  # number of quintic pieces that approximate an easing
 QUADRATURE_POINTS = 1024  # sample points of a window average
-MIN_LATE_WINDOW = 0.18  # smoothing window of the easing `late`, relative to its duration
+MIN_LATE_WINDOW = 0.18  # smallest smoothing window of the easing `late`, relative to its duration
 LATE_WINDOW_EXPONENT = 1.5  # exponent of steepness by which the smoothing window of `late` shrinks
 DEFAULT_OVERSHOOT = 0.1  # overshoot of the easing OutBack, relative to the distance
 # Arcs of OutBounce: end and middle [normalised time x 2.75], and lowest progress.

@@ -136,7 +136,7 @@ def find_bottlenecks(segment: SplineSegment, deficit: Infeasibility | None) -> l
 def find_velocity_bottlenecks(
     keys: Keys, limits: Limits, velocity_durations: IntervalDurations
 ) -> Iterator[tuple[Pair, Bottleneck]]:
-    """Yield a bottleneck for each key interval too short for full velocity."""
+    """Yield bottlenecks of key intervals too short even at full velocity."""
     times = keys.requested_times.tolist()
     for (hinge, pair), duration in velocity_durations.items():
         requested = max(times[pair[1]] - times[pair[0]], keys.gaps[pair])

@@ -184,9 +184,9 @@ class SplineSegment:
         return slice(self.first, self.first + self.grid.size)
 
     def corridor(self, limits: Limits, desired: Floats | None = None) -> tuple[Floats, Floats]:
-        """Return the permitted range of control points near keys.
+        """Return the permitted range of each control point (k + 3,) [rad].
 
-        Without them a hinge with little time would start behind its keys, and overshoot after them.
+        Without it a hinge with little time would start behind its keys, and overshoot after them.
 
         Args:
             limits: of all hinges; the rotation ranges always hold.

@@ -20,7 +20,8 @@ from kinesic.planning.setup import Setup
 
 MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
 MAX_TEXT_DURATION = 2400.0  # [s] longest plan of a text
-TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)  # maximum size of a text's BML
+# Limits of the BML written for a text: size [bytes], numbers of elements and behaviours.
+TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)
 _WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
 TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files with text to be spoken
 
