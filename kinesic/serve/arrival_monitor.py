@@ -44,7 +44,7 @@ class ArrivalMonitor:
             self._angles.popleft()
 
     def lateness(self, time: float, hinges: Flags, motion: Trajectory) -> float | None:
-        """Return the measured arrival delay of joints at a sync point [s].
+        """Return the measured arrival delay [s] of joints at a sync point.
 
         Args:
             time: planned clock time [s] of the sync point.

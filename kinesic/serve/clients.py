@@ -45,7 +45,7 @@ TOKEN_REQUIRED = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 @dataclass(eq=False)
 class ConnectedClient:
-    """State of one connected client."""
+    """Connected client with its rate limits, output queue and access rights."""
 
     number: int
     name: str  # network address

@@ -9,8 +9,8 @@ from kinesic.realizer.request import Message, read_request
 
 REST_BEFORE_IDLING = 3.0  # [s] duration of rest before idle motion begins
 IDLE_SPELL_DURATION = 12.0  # [s] duration of one planned block of idle motion; spells follow without a gap
-IDLING_TIMEOUT = 600.0  # [s] time after the last document, after which no idle motion begins
-# Planning fills the wait with idle motion.
+IDLING_TIMEOUT = 600.0  # [s] time since the last document after which no idle motion begins
+# BML block that only waits; planning fills the wait with idle motion.
 EMPTY_BLOCK = f'<bml id="idle"><wait id="w" duration="{IDLE_SPELL_DURATION}"/></bml>'
 
 

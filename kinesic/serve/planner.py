@@ -130,7 +130,7 @@ class PlannerState:
         beginning: LoopStart,
         rules: Quotas,
     ) -> None:
-        """Create a scene from the current state of the loop."""
+        """Create the planner's state from the current state of the loop."""
         self._refiner, self._clock, self._rules = refiner, properties.clock, rules
         self._bounds = DocumentBounds(rules.message, rules.depth)
         self._renewed, self._renewals = renewed, 0  # lexicon reload, and number of reloads

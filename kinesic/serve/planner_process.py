@@ -161,7 +161,7 @@ class Planner:
         _send(working.requests, request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
-        """Handle a message from the planner, or its death for None."""
+        """Handle a planner message, or the planner's death if it is None."""
         if self._watch is not None:
             self._watch.cancel()
         request, self._current_request = self._current_request, None

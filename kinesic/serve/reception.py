@@ -30,7 +30,7 @@ LISTEN_BACKLOG = 4096  # largest number of connections that the operating system
 ACCEPT_RETRY_DELAY = 0.1  # [s] pause of accepting after the open file limit was reached
 ACCEPTS_PER_TURN = 32  # connections accepted in succession before other tasks run
 SEND_BUFFER_SIZE = 65_536  # [bytes] send buffer of the operating system for a client that does not read
-INITIAL_READ_BURST = 4  # reads of a new connection before it waits for others; small, because floods open many
+INITIAL_READ_BURST = 4  # reads of a new connection before it waits for others; small, because a flood opens many
 ADMITTED_READ_BURST = 20  # reads of an admitted client before it waits for other connections
 CLOSING_TIMEOUT = 1.5  # [s] time for clients to read the last messages
 
@@ -229,7 +229,7 @@ async def serve_console(clients: ClientRegistry, make_console: Callable[[Quotas]
 
 
 async def _read_first(line: Transport) -> bytes:
-    """Read until the protocol of the connection is known."""
+    """Read the first bytes until they show the connection's protocol."""
     first = b""
     while HTTP_REQUEST_PREFIX.startswith(first.lstrip(BLANK_BYTES)) and len(first) < UNADMITTED_READ_LIMIT:
         data = await line.read(hurry=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from kinesic.intent.talk import Talk, add_words
 
-MAX_PARSED_AHEAD = 4000  # [characters] parsed text kept ready to be spoken
+MAX_PARSED_AHEAD = 4000  # [characters] length of parsed, unspoken text above which no further text is parsed
 PIECE_LENGTH = 2000  # [characters] length of the pieces in which streamed text is parsed
 
 

@@ -104,7 +104,7 @@ class Talks:
         self._texts.clear()
 
     def next_time(self, scene: Scene) -> float:
-        """Return when [s] the next phrase may become ready, or infinity."""
+        """Return the next time [s] to check for a phrase, or infinity."""
         last_speech = _last_speech(scene)
         times = [speech.heard + quiet for speech in self._texts.values() for quiet in (SETTLING_TIME, MAX_SILENCE)]
         if self._texts and last_speech is not None:

@@ -15,7 +15,7 @@ WARM_UP_DOCUMENT = (
     '<bml id="warming"><head id="nod" lexeme="NOD" start="0"/><gesture id="beat" lexeme="BEAT" start="0"/>'
     '<faceLexeme id="brows" lexeme="RAISE_BROWS" start="0"/><speech id="yes"><text>Yes.</text></speech></bml>'
 )
-WARM_UP_TEXT = "No, I never saw three boxes there, but it was really big! "  # has intents of several kinds
+WARM_UP_TEXT = "No, I never saw three boxes there, but it was really big! "  # short text with intents of several kinds
 UNKNOWN_LEXEME = "warming"  # gesture name that does not exist; its search builds the table of names
 
 

@@ -20,7 +20,7 @@ from kinesic.serve.wire.questions import ExportQuestion, FindQuestion, GestureQu
 from kinesic.serve.wire.quotas import Quotas
 
 MAX_HITS = 50  # largest number of gestures in the answer to a search
-NO_FAULT = ""  # answer to a query for a valid gesture file
+NO_FAULT = ""  # answer to a `FileQuestion` about a gesture file that may be saved
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,7 @@ MAX_GESTURE_FILE_SIZE = 200_000  # [bytes] largest gesture file; about the size 
 
 
 def find_fault(text: str, present: str | None, setup: Setup) -> str:
-    """Return why a gesture file must not be saved.
-
-    Empty if it may be saved.
+    """Return the reason against saving a gesture file, empty if none.
 
     Args:
         text: text of the file.

@@ -30,7 +30,7 @@ TICK_TOLERANCE = 1e-6  # [ticks] rounding tolerance of command times
 SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor starts with 0.5 s
 Face = Callable[[float], Mapping[str, float]]  # action units at a clock time [s]
 
-LOG_CAPACITY = 1000  # number of commands after which recorded measurements are dropped
+LOG_CAPACITY = 1000  # largest number of kept cycles, and of commands until the twin drops its record
 
 
 @runtime_checkable

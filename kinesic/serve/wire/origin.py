@@ -101,7 +101,7 @@ def find_rejection(headers: Headers, authorities: frozenset[str], origins: froze
 
 
 def _url_host(host: str) -> str:
-    """Format a host as in a URL."""
+    """Format a host as in a URL, with IPv6 addresses in brackets."""
     address = host.partition("%")[0]
     return f"[{address}]" if ":" in address else address
 

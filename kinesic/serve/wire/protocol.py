@@ -171,7 +171,7 @@ def read_control(message: bytes) -> Control | None:
 
 
 def is_text(message: bytes) -> bool:
-    """Return whether a message is text or SSML, without BML or JSON."""
+    """Return whether a message is text or SSML, not BML or JSON."""
     if message.lstrip(BLANK_BYTES).startswith((b"<", b"{", b"[")):
         return find_root(message) == "speak"
     return not is_wrapped(message) or find_root(message) == "speak"

@@ -196,7 +196,7 @@ class Console:
         sys.stdout.flush()
 
     def _read(self) -> None:
-        """Pass the input on until it or the event loop ends."""
+        """Pass standard input to the event loop until either ends."""
         with suppress(RuntimeError):  # raised by a closed event loop: the server has ended before its input
             while data := os.read(sys.stdin.fileno(), CHUNK_SIZE):
                 self._loop.call_soon_threadsafe(self._reader.feed_data, data)
