@@ -49,7 +49,7 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
 
 
 def missing_libraries() -> str | None:
-    """Return why OpenGL cannot draw, by the installed libraries, or None.
+    """Check libraries and MUJOCO_GL, and return the drawing obstacle, or None.
 
     Returns:
         The reason with a remedy; None if no obstacle was found.
@@ -64,7 +64,7 @@ def missing_libraries() -> str | None:
 
 @cache
 def opengl_fault() -> str | None:
-    """Return why OpenGL cannot draw, as tested in another process, or None.
+    """Test OpenGL drawing in another process and return the fault, or None.
 
     A missing driver may end the process that tries.
 

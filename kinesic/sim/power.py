@@ -77,8 +77,6 @@ class Supply:
     def of(cls, drives: Drives, factors: Factors) -> "Supply | None":
         """Return the supply described by servo factors, None for constant voltage.
 
-        None if its voltage is constant.
-
         Args:
             drives: Drives at the open-circuit voltage of the supply.
             factors: Deviations with resistance and current limit of the supply.
@@ -114,7 +112,7 @@ class Supply:
     def equivalent_setpoints(
         self, goals: Floats, angles: Floats, velocities: Floats, caps: Floats | float = 1.0
     ) -> tuple[Floats, float]:
-        """Compute setpoints that mimic the sagged voltage at full voltage.
+        """Compute setpoints whose torque at full voltage equals that at sagged voltage.
 
         Args:
             goals: (n,) [rad] setpoints of the servos.

@@ -38,7 +38,7 @@ class Rod:
 
 
 def find_scene_view(robot: Robot) -> SceneView:
-    """Find a floor height and a view of all hand positions."""
+    """Find the floor height and a view that contains all hand positions."""
     arm, rest, straight = robot.arm("l"), _list_balls(robot), robot.skeleton.zero_frames.origins
     arms = {segment for side in SIDES for segment in robot.arm(side).segments}
     hands, trunk = (

@@ -30,18 +30,18 @@ GLINT_OFFSET = (-6.0, -0.42)  # reflection's offset from the pupil's centre: [pi
 GLINT_HALF_AXES = (5.5, 0.28)  # half axes of the reflection: [pixels] horizontally, and pupil heights vertically
 LID_OVERLAP = 3.0  # [pixels] distance by which an open lid clears the eye on all sides
 LID_DEPTH = 14.0  # [pixels] extent of a lid beyond the open eye
-LID_TILT = 17.0  # [pixels] by which a frown lowers the inner end of the upper lid
+LID_TILT = 17.0  # [pixels] lowering of the upper lid's inner end in a full frown
 SLIT_HALF_HEIGHT = 4.0  # [pixels] half the thickness of a closed eye
-CLOSED_SAG = 9.0  # [pixels] by which the line of a closed eye sags in its middle
+CLOSED_SAG = 9.0  # [pixels] sag of a closed eye's line in its middle
 SMILING_SAG = -20.0  # [pixels] change of `CLOSED_SAG` in a full smile
 BROW_HEIGHT = 62.0  # [pixels] height of a relaxed brow above the eye's centre
 BROW_LIFT = 19.0  # [pixels] largest vertical motion of a brow
 BROW_HALF_LENGTH = 32.0  # [pixels] half the length of a brow
 BROW_HALF_WIDTH = 6.0  # [pixels] half the thickness of a brow
 BROW_ARCH = 6.0  # [pixels] height of a brow's middle above its ends
-BROW_FROWN_SHIFT = 6.0  # [pixels] by which a frown moves brows towards the midline
+BROW_FROWN_SHIFT = 6.0  # [pixels] motion of the brows towards the midline in a full frown
 MOUTH_TOP_DISTANCE = 188.0  # [pixels] distance of the mouth corners from the top of the picture
-MOUTH_SAG = 5.0  # [pixels] by which the relaxed mouth's middle is below its corners
+MOUTH_SAG = 5.0  # [pixels] depth of a relaxed mouth's middle below its corners
 MOUTH_HALF_WIDTH = 46.0  # [pixels] distance of a relaxed mouth corner from the midline
 MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
 MOUTH_DROP = 46.0  # [pixels] height of a wide open mouth
@@ -139,7 +139,7 @@ def _read_mouth(units: Mapping[str, float]) -> dict[str, float]:
 
 
 def build_strips(controls: Mapping[str, float]) -> tuple[FaceStrip, ...]:
-    """Return the shapes of a face, the hindmost first."""
+    """Return the coloured shapes of a face, back to front."""
     strips: list[FaceStrip] = []
     for side, sign in SIDES:
         own = {name[2:]: value for name, value in controls.items() if name.startswith(f"{side} ")}
@@ -148,7 +148,7 @@ def build_strips(controls: Mapping[str, float]) -> tuple[FaceStrip, ...]:
 
 
 def _build_eye(controls: Mapping[str, float], sign: float) -> list[FaceStrip]:
-    """Return pupil, lids and brow over the eye of one side."""
+    """Return the shapes of one side's eye, pupil, lids and brow."""
     turn = np.linspace(np.pi, 0.0, STRIP_POINTS)
     cosine, sine = np.cos(turn), np.sin(turn)
     x, y = DESIGN_SIZE[0] / 2 + sign * EYE_MIDLINE_DISTANCE, EYE_TOP_DISTANCE

@@ -56,7 +56,10 @@ def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneV
 
 
 def _find_usual_balls(robot: Robot) -> tuple[Floats, Floats]:
-    """Return centres and radii of head and hands at rest, always shown."""
+    """Return centres and radii of head, hanging hands and forward hands.
+
+    A film shows these places even if the motion does not use them.
+    """
     places, radii = find_capsule_balls(robot, np.zeros((1, len(robot.skeleton.hinges))), list_watched_segments(robot))
     forward = np.array([FORWARD_HANDS * robot.arm_length, 0.0, 0.0])
     return sealed(np.concatenate([places, places + forward])), radii

@@ -27,7 +27,8 @@ FULL_CONFIDENCE_LIKENESS = 3.0  # score of `likeness` from which on it does not 
 LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divides the confidence by e
 ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
 GUESSED_SIDE_FACTOR = 0.7  # factor on the confidence if the left side is guessed
-UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 0.0, 0.0, 0.0)  # 1 Nm stall
+# Placeholder servo with 1 Nm stall torque, until the loads of the hinges are known.
+UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

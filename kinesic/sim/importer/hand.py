@@ -140,7 +140,7 @@ def _find_thumb(tree: Tree, rows: Sequence[_Row]) -> _Row:
 
 
 def _score_apartness(row: _Row, rows: Sequence[_Row]) -> float:
-    """Rate how far a finger stands apart, as a thumb does.
+    """Score a finger's separation from the others, largest for a thumb.
 
     The score adds the angle between directions and the distance of the bases.
     """

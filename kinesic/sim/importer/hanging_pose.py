@@ -17,7 +17,7 @@ ELBOW_WEIGHT = 0.5  # weight of the elbow's axis relative to the directions of t
 HAND_WEIGHT = 0.1  # weight of the hand's direction relative to the directions of the bones
 SEARCH_STAY_WEIGHT = 0.1  # [1/rad] weight of the distance from the file's pose during the search
 REFINEMENT_STAY_WEIGHT = 0.05  # [1/rad] weight of the distance from the chosen solution during refinement
-DISTAL_STAY_FACTOR = 3.0  # factor on the two weights above for hinges beyond the elbow, which hardly move the bones
+DISTAL_STAY_FACTOR = 3.0  # factor on both stay weights for hinges beyond the elbow, which hardly move the bones
 OUTSIDE_WEIGHT = 0.3  # [1/rad] weight of the angle outside a hinge's range
 SYMMETRIC_RANGE_FRACTION = 0.05  # |mid-range - straight| / range below which an elbow may bend both ways
 FULL_TURN = 2 * np.pi  # [rad] angle of one revolution
@@ -113,7 +113,7 @@ def pose_arm(limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges, 
 
 
 def _unwind(angles: Floats, ranges: Ranges) -> Floats:
-    """Shift angles by full turns to the middle of their ranges."""
+    """Shift angles by full turns as close as possible to mid-range."""
     bounded = np.isfinite(ranges.lower)
     middle = np.where(bounded, np.where(bounded, ranges.lower, 0.0) + np.where(bounded, ranges.upper, 0.0), 0.0) / 2
     solutions: Floats = angles - FULL_TURN * np.round((angles - middle) / FULL_TURN)

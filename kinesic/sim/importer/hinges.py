@@ -166,5 +166,5 @@ def _find_default_range(name: str) -> tuple[float, float]:
 
 
 def spell_angle(hinge: MappedHinge, joint: str) -> str:
-    """Write the file's joint angle as a function of kinesic's angle."""
+    """Return the file's joint angle as a formula of kinesic's angle."""
     return f"{joint} = {'' if hinge.sign > 0 else '-'}angle {degrees(hinge.zero):+.4f} deg"

@@ -47,7 +47,7 @@ class UrdfJoint:
 
 
 def urdf_joints(root: ElementTree.Element) -> dict[str, UrdfJoint]:
-    """Return a URDF's joints by name, or none for an MJCF.
+    """Return a URDF's joints by name, empty for an MJCF.
 
     Raises:
         ValueError: a velocity is not a number.

@@ -15,7 +15,7 @@ STL_HEADER_SIZE = 84  # [bytes] size of the header of a binary STL file
 STL_TRIANGLE_SIZE = 50  # [bytes] size of each triangle in a binary STL file
 MAX_VERTEX_COORDINATE = 100.0  # [m] largest accepted coordinate; farther triangles are removed
 CELL_BISECTIONS = 14  # bisection steps for the cell size of simplification
-MAX_GRID_CELLS = 100_000  # cells along a side of the simplification grid
+MAX_GRID_CELLS = 100_000  # largest number of cells along a side of the simplification grid
 
 
 @dataclass(frozen=True, eq=False)

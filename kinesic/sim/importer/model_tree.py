@@ -61,7 +61,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class ModelPart:
-    """Rigid part between a hinge and the next ones.
+    """Rigid part between a hinge and the next hinges.
 
     Bodies on joints that are not motorised hinges belong to it.
     """
@@ -125,7 +125,7 @@ class Tree:
         return self._transform(motion, motion, {})
 
     def turned(self, turns: Mapping[int, float]) -> "Tree":
-        """Return the robot in another pose.
+        """Return the robot with its hinges rotated.
 
         Args:
             turns: Hinge index -> [rad] rotation from this pose.

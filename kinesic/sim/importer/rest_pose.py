@@ -35,7 +35,7 @@ def rest_pose(
 ) -> dict[str, float]:
     """Return rest angles [deg] of arms that hang close to the body.
 
-    Upper arms are slightly forward and elbows slightly bent. The arms are as close to the body as their shapes allow.
+    Elbows are slightly bent. The arms are as close to the body as their shapes allow.
     """
     rest: dict[str, float] = {}
     for tilt in REST_TILTS:
@@ -79,10 +79,7 @@ def _make_hanging_target(tilt: float) -> HangingPose:
 
 
 def _measure_arm_gap(robot: Robot) -> float:
-    """Return the smallest distance [m] of forearms and hands at rest.
-
-    It is measured to all other segments.
-    """
+    """Return the smallest distance [m] of resting forearms and hands from others."""
     ends = {f"{side}_{part}" for side in SIDES for part in ("elbow", "wrist")}
     gaps = CapsuleDistances(robot).gaps(robot.skeleton.rest[None])[0]
     return min(float(gap) for gap, pair in zip(gaps, robot.counted_pairs, strict=True) if ends & set(pair))

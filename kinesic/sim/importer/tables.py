@@ -106,7 +106,7 @@ def _list_chains(figure: HumanoidGeometry, layout: SegmentLayout) -> dict[str, l
 
 
 def _place_palm(figure: HumanoidGeometry, layout: SegmentLayout, side: Side) -> SiteTable:
-    """Return a palm site halfway along the hand that faces the thigh."""
+    """Return a palm site halfway along the hand, facing the thigh."""
     along = compute_hand_vector(figure, layout, side)
     inward = np.array([0.0, -1.0 if side == "l" else 1.0, 0.0])
     direction = along / np.linalg.norm(along)

@@ -147,10 +147,7 @@ def half_space_below(height: float) -> DistanceField:
 
 
 def sharp_union(fields: Sequence[DistanceField]) -> DistanceField | None:
-    """Return the union of solids with sharp edges, or None.
-
-    None without solids.
-    """
+    """Return the sharp-edged union of solids, or None without solids."""
     if not fields:
         return None
     return lambda points: np.asarray(np.min([field(points) for field in fields], axis=0))

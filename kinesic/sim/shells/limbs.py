@@ -27,7 +27,7 @@ END_MARGIN = 0.008  # [m] length of a sleeve beyond the servos inside, as its ed
 JOINT_OVERLAP = 0.010  # [m] length by which a sleeve begins before its joint
 SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint
 LINE_POSITION = 0.62  # position of the panel line along a limb, 0..1
-MIN_LINED_LENGTH = 0.14  # [m] length of a limb from which it has a panel line
+MIN_LINED_LENGTH = 0.14  # [m] shortest limb with a panel line
 TAPER_SLOPE = 0.30  # largest change of a limb's half width along it [m/m]
 # Half width of a cross-section / half width of the rectangle that fits inside its round corners.
 CORNER_ALLOWANCE = 1.17

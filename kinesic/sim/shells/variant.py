@@ -39,7 +39,7 @@ def _adapt_base_shell(robot: Robot) -> Shell | None:
 
 
 def adapt_shell(shell: Shell, base: Robot, robot: Robot) -> Shell:
-    """Adapt the shell of a base robot to a robot that extends it.
+    """Adapt a base robot's shell to a robot that extends it.
 
     Args:
         shell: shell of the base robot.

@@ -9,7 +9,7 @@ import mujoco
 
 from kinesic.body.arrays import Floats, Indices
 
-MARKER_TIMESTEP = 0.0012345678912345  # [s] distinctive timestep, by which its address is found
+MARKER_TIMESTEP = 0.0012345678912345  # [s] distinctive timestep, searched in memory to find its address
 MAX_OPTION_WORDS = 32  # largest number of doubles between the addresses of MuJoCo's timestep and gravity
 DOUBLE_SIZE = ctypes.sizeof(ctypes.c_double)  # [bytes] size of a C double
 

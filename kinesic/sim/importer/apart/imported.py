@@ -90,7 +90,7 @@ def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
 
 
 def _describe_cause(code: int, errors: bytes) -> str:
-    """Return why the process ended, in one line."""
+    """Return the cause of the process's end in one line."""
     if code == -getattr(signal, "SIGXCPU", 0):
         return "signal SIGXCPU: it takes more processor time than any robot needs; simplify its meshes"
     if code < 0:

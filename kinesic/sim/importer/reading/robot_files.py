@@ -101,7 +101,7 @@ class _Reader:
         return text.root(), text.count
 
     def _locate(self, name: str, starts: tuple[Path, ...], named_at: str) -> Path:
-        """Find the file of a reference, with backslashes as separators."""
+        """Find a referenced file, accepting backslashes as separators."""
         spelled, home = name.replace("\\", "/"), self.path.parent.resolve()
         is_foreign = "://" in spelled or spelled.startswith("/") or bool(PureWindowsPath(spelled).drive)
         try:

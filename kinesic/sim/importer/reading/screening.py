@@ -13,7 +13,7 @@ MAX_COPIES = 200  # largest number of copies made by one <replicate> element
 MAX_NAME_LENGTH = 200  # [characters] longest name or prefix, which every copy repeats
 MAX_VALUE_LENGTH = 10_000  # [characters] longest value of any other attribute
 MAX_ACTIVATIONS = 100  # largest number of internal states of an actuator
-COPY_COUNT = re.compile(r"\s*\+?([0-9]{1,18})\s*")  # valid count of a <replicate> element
+COPY_COUNT = re.compile(r"\s*\+?([0-9]{1,18})\s*")  # pattern of a valid count of a <replicate> element
 
 REFUSED_TAGS = ("flexcomp", "composite")  # refused elements, which MuJoCo expands into grids of bodies
 UNUSED_SECTIONS = ("size", "sensor", "keyframe", "custom", "deformable")  # children of <mujoco> that the importer drops
