@@ -33,7 +33,7 @@ MAX_BLOCK_DURATION = 60.0  # [s] corpus documents with a longer plan are skipped
 
 
 def write_passage(repetition: int) -> str:
-    """Return the benchmark passage as BML, its times shifted by the repetition.
+    """Return the benchmark passage as BML, 3 ms later at each repetition.
 
     The shift of 3 ms per repetition prevents planning from reusing cached results.
     """

@@ -120,7 +120,7 @@ def _metrics(
 def measure_throughput(
     engine: Engine, prepare: Callable[[], Callable[[str], CompletedTask]], tasks: list[str], workers: int
 ) -> Throughput:
-    """Run tasks and measure the throughput of started workers.
+    """Run tasks and measure the throughput after all workers have started.
 
     The measurement ends `IGNORED_TAIL_TASKS` tasks per worker before the last one.
     """

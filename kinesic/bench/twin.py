@@ -84,7 +84,7 @@ METRIC_GOALS: dict[str, float | None] = {  # goals by metric; None: reported wit
 METRIC_UNITS = dict.fromkeys(("rmse", "p95", "max"), "deg") | {
     "stroke_lost": "strokes"
 }  # units of the metrics that are not in ms
-CLEARANCE_METRIC = "clearance"  # smallest distance [mm], higher is better; the only metric with a goal in every twin
+CLEARANCE_METRIC = "clearance"  # name of the metric of the smallest distance [mm], which has a goal in every twin
 MIN_CLEARANCE = 0.0  # [mm] goal of the clearance in every twin
 MAX_NOMINAL_RMSE = 0.2  # [deg] goal for the nominal twin's tracking error
 PASSAGE_RUNS = 7  # number of timed dry runs of the passage
@@ -134,7 +134,7 @@ class Errors:
 
 
 def tracking_metrics(setup: Setup, blocks: int = CORPUS_BLOCKS) -> list[Metric]:
-    """Measure tracking metrics for every twin and combination of tracking aids.
+    """Measure tracking metrics for combinations of twins and tracking aids.
 
     Only the first combination, with identification, has goals. It and the second are also measured in the detuned
     twins.

@@ -16,7 +16,7 @@ from kinesic.bench.bml.parsing import judge_parsing, judge_references
 from kinesic.bench.metric import Metric
 from kinesic.session.setup import set_up
 
-SCENARIO_SUITE = "realizertester"  # suite names are file names in the corpus
+SCENARIO_SUITE = "realizertester"  # name of the suite of conformance scenarios, and of its files in the corpus
 DOCUMENT_SUITE = "openbmlparser"
 GRAMMAR_SUITE = "syncref"
 MISSING_SUITE = "no expectations of this suite: KINESIC_CORPUS must name the folder that holds them"

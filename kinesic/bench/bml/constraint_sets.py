@@ -111,7 +111,9 @@ class Constraints:
         return reached
 
     def _find_shortest_path(self, start: str, goal: str, *, excluded_class: int) -> list[str] | None:
-        """Find a shortest constraint path that avoids a set and grounded behaviours.
+        """Find a shortest constraint path that avoids one class and grounded behaviours.
+
+        A class is a set of sync points at fixed offsets.
 
         Returns:
             Behaviours of the path without the goal; None if there is no path.

@@ -34,12 +34,12 @@ BLOCK_TEMPLATE = (
 )
 STOP_MESSAGE = '{"do": "stop"}'
 NO_FLOOD = "idle"  # name of the measurement without a flood
-MAX_ACKNOWLEDGE_DELAY = 50.0  # [ms] 99th percentile from a stop to its acknowledgement
-MAX_STILL_DELAY = 150.0  # [ms] 99th percentile from a stop to standstill
+MAX_ACKNOWLEDGE_DELAY = 50.0  # [ms] goal of the 99th percentile of delays from a stop to its acknowledgement
+MAX_STILL_DELAY = 150.0  # [ms] goal of the 99th percentile of delays from a stop to standstill
 STOPS_PER_FLOOD = 24  # stops per flood in the benchmark
 SETTLING_TIME = 0.35  # [s] wait after a stop before goals are read
 GOAL_RESOLUTION = 2.0 * np.pi / 4096.0  # [rad] resolution of a servo's goal
-MOTION_THRESHOLD = 0.01  # [rad] goal change within two commands that counts as motion: half a radian per second
+MOTION_THRESHOLD = 0.01  # [rad] smallest goal change over two command periods that counts as motion: 0.5 rad/s
 MOTION_TIMEOUT = 3.0  # [s] time limit for a motion to start
 ACKNOWLEDGE_TIMEOUT = 30.0  # [s] time limit of an acknowledgement
 FLOOD_START_TIME = 1.0  # [s] wait after a flood starts, before the first stop
@@ -72,7 +72,7 @@ class WatchedServer:
 
 
 def bench() -> list[Metric]:
-    """Measure emergency-stop delays without and under each network flood."""
+    """Measure emergency-stop delays without a flood and under each network flood."""
     metrics = []
     for name in (NO_FLOOD, *flood.FLOOD_FUNCTIONS):
         with watched_server() as server:

@@ -21,7 +21,7 @@ DRIP_CONNECTIONS = 100  # connections that send single bytes
 IDLE_CONNECTIONS = 1000  # simultaneous connections that send nothing
 BLOCK_RATE = 40  # [1/s] small blocks sent to the server
 DOCUMENT_SIZE = 4_000_000  # [bytes] size of each large document
-QUESTION_ROUNDS = 8  # [1/s] rounds of client requests, one of each kind
+QUESTION_ROUNDS = 8  # [1/s] rounds of client requests; a round has one request of each kind
 REACHES_PER_ROUND = 20  # IK requests per round
 BLANK_PADDING = 400_000  # [bytes] unnecessary blanks in a request
 PLAN_BLOCK = '<bml id="asked"><gesture id="g" lexeme="BEAT" start="0"/></bml>'

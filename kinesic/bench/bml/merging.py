@@ -23,7 +23,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.merge import merge, replace_motion
 from kinesic.session.setup import set_up
 
-REPLACEMENT_COUNT = 200  # motion replacements at random times
+REPLACEMENT_COUNT = 200  # number of motion replacements at random times
 BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 SMALL_BLOCKS = ('<head id="h" lexeme="NOD"/>', '<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')
 LARGE_BLOCKS = (

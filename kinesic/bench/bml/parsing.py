@@ -170,7 +170,7 @@ def _groups(expectation: Iterable[Sequence[SyncOffset]], block: str) -> list[Tim
 
 
 def _sort_classes(groups: Iterable[TimeClass]) -> list[list[tuple[str, float]]]:
-    """Return sets of simultaneous sync points in a comparable form.
+    """Return sets of rigidly linked sync points in a sorted, comparable form.
 
     Offsets are relative to the first point by name.
     """

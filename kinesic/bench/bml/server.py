@@ -38,11 +38,11 @@ END_TIMEOUT = 5.0  # [s] wait for further ended blocks, or the status, after the
 POLL_INTERVAL = 0.05  # [s] between checks whether the server is listening
 ENDURANCE_RATE = 10  # [1/s] block rate of the endurance run
 SETTLED_FRACTION = 0.25  # fraction of the endurance run after which the initial memory is measured
-MAX_COMMAND_LATENCY = 100.0  # [ms] 95th percentile from a block to its first command
-MAX_FEEDBACK_LATENCY = 20.0  # [ms] 95th percentile from a block to its first feedback
+MAX_COMMAND_LATENCY = 100.0  # [ms] goal of the 95th percentile of delays from a block to its first command
+MAX_FEEDBACK_LATENCY = 20.0  # [ms] goal of the 95th percentile of delays from a block to its first feedback
 MAX_MEMORY_GROWTH = 5.0  # [%] goal of the server's memory growth in the endurance run
 MEMORY_UNKNOWN = "this system does not report the memory of a process"
-LATENCY_BLOCKS = 40  # blocks of the latency measurement
+LATENCY_BLOCKS = 40  # number of blocks whose latencies are measured
 ENDURANCE_SECONDS = 20.0  # [s] duration of the endurance run
 
 Verb = Literal["serve", "studio"]
@@ -192,7 +192,7 @@ def run_endurance(server: Server, seconds: float) -> Endurance:
 
 
 def _receive_ends(client: Client, deadline: float, ended: set[str], *, max_count: float = inf) -> None:
-    """Record the ids of ended blocks until a deadline or count."""
+    """Record the ids of ended blocks until a deadline or maximum count."""
     while len(ended) < max_count and (remaining := deadline - monotonic()) > 0.0:
         message = client.receive(remaining)
         end = re.search(r'<blockProgress[^>]* id="(many\d+):end"', message or "")

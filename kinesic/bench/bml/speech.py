@@ -32,7 +32,7 @@ from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recording import read_wav
 
 SENTENCE_SEED = 7  # seed of the random sentences
-SENTENCE_COUNT = 40  # synthesised sentences for the mark errors
+SENTENCE_COUNT = 40  # number of synthesised sentences whose mark errors are measured
 BLOCK_COUNT = 10  # number of spoken blocks whose stroke errors are measured
 LATENCY_REPETITIONS = 20  # utterances timed for the synthesis latency
 VOICE_RATES = (0.8, 1.0, 1.25)  # speech rate factors of the synthesised sentences
@@ -83,7 +83,7 @@ def _metrics(kind: str, errors: list[float], why: str) -> list[Metric]:
 
 
 def mark_errors(count: int) -> Iterator[float]:
-    """Yield mark times minus the audible ends of their silences [s].
+    """Yield each mark's time minus the audible start of its word [s].
 
     The sentences are in several languages and at several rates.
     """
@@ -143,7 +143,7 @@ def write_and_read(spoken: Sound) -> Sound:
 
 
 def find_onsets(audio: Sound) -> list[float]:
-    """Find the end times of silences between sounds [s]."""
+    """Find the times [s] at which sound resumes after a silence."""
     loudness = np.abs(audio.samples)
     loud = np.flatnonzero(loudness > SILENCE_RATIO * loudness.max())
     ends = loud[1:][np.diff(loud) > MIN_SILENCE * audio.rate]

@@ -31,7 +31,7 @@ POSITION_TOLERANCE = 3  # [ticks] error above which a read position counts as wr
 TIME_TOLERANCE = 0.01  # [s] timestamp error, beyond one period, above which a position counts as wrong
 PERIOD_MARGIN = 1.25  # smallest trial period / shortest bus cycle
 FAULT_START = 0.5  # [s] motion time at which timed faults start
-FAULT_RATES = (0.01, 0.05)  # probabilities of random faults, each in trials of its own
+FAULT_RATES = (0.01, 0.05)  # probabilities of random faults, one per fault case
 RANDOM_KINDS: tuple[FaultKind, ...] = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost")
 
 DriverFactory = Callable[[Wire, Sequence[Servo], float], Driver]

@@ -36,7 +36,7 @@ LABEL_SIZE = 7.5  # [pt] font size of labels in small panels
 FAINT_COLOUR = "#8a8a8a"
 VALUE_COLOURS = colormaps["viridis"]
 SHOWN_GESTURES = ("flat_surface", "beat", "ball_round")  # gestures with drawn paths
-PLOT_DPI = 100  # [pixels/inch]
+PLOT_DPI = 100  # [pixels/inch] resolution of the saved plots
 
 
 @cache

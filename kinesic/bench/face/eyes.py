@@ -17,7 +17,7 @@ from kinesic.face.render.presets import DRAFT_PRESET
 
 PICTURE_SIDE = 512  # [pixels] width and height of the eye pictures
 CLOSE_CAMERA = Camera(field_deg=12.0)  # camera with the eyes in full view
-CLOSING_STEPS = 10  # intensities from open to closed lids
+CLOSING_STEPS = 10  # number of intensity steps from open to closed lids
 LID_LINE_WIDTH = 1.5  # [pixels] tolerance around the lids' outline for visible eye pixels
 ACTIVE_UNITS = 5  # mean number of active action units in a random expression
 EXPRESSION_SEED = 23  # seed of the random expressions
@@ -70,7 +70,7 @@ def _find_outline(eye: Lids, on_screen: Floats) -> Floats:
 
 
 def _find_eye_points(portrait: Portrait, units: dict[str, float]) -> tuple[Floats, Floats]:
-    """Return pixel centres and head positions of all visible eye pixels.
+    """Return pixel centres and 3D positions of all visible eye pixels.
 
     The centres (n, 2) [pixels] count from the lower left; the positions (n, 3) [m] are on the head.
     """

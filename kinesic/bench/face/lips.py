@@ -33,8 +33,8 @@ BILABIAL_LETTERS = ("p", "b", "m")  # phonetic letters of sounds with closed lip
 OPEN_SOUNDS = VOWEL_LETTERS | frozenset("lɹrwj")  # letters of sounds that differ audibly from closed lips
 CONTROL_PERIOD = 0.01  # [s] period at which lip motion is sampled, as by servos and screens
 MIN_VISIBLE_GAP = 0.3  # [mm] smallest visible gap between the lips
-BURST_WINDOW = 0.03  # [s] search window around a sound for its burst
-STOP_WINDOW = 0.07  # [s] search window before a sound for the end of the previous sound
+BURST_WINDOW = 0.03  # [s] time before and after a sound in which its burst is searched
+STOP_WINDOW = 0.07  # [s] time before a sound in which the end of the previous sound is searched
 BAND_EDGES = (
     400.0,
     900.0,

@@ -31,7 +31,7 @@ TIMING_REPETITIONS = 5  # number of timed drawings per estimator
 SMILE_UNITS = {"12": 0.5, "26": 0.6}  # action units of the drawn smile, with intensities
 LARGEST_SETTINGS = Occlusion(size=21)  # occlusion with the largest filter
 MAX_OCCLUDED_OPENNESS = 0.9  # openness below which a pixel counts as occluded; open pixels would hide errors
-OTHER_SETTINGS = {  # further occlusion settings for the picture of boxes: Figures 3.9 and 3.3
+OTHER_SETTINGS = {  # further settings for the picture of boxes: thesis Figures 3.9 and 3.3
     "one_axis": replace(LARGEST_SETTINGS, axes=1),
     "one_axis_same_cost": replace(LARGEST_SETTINGS, axes=1, size=2 * LARGEST_SETTINGS.size - 1),
 }

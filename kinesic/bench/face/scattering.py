@@ -28,7 +28,8 @@ def measure_scattering() -> dict[str, float]:
 
     The effect is the colour difference in L*a*b* between no scattering and scattering everywhere. The kept effect is 1
     minus the adaptive picture's difference to scattering everywhere, relative to the effect, on all skin and where the
-    effect is visible. With levels all skin is filtered, by more samples the more it is occluded (Figures 5.2 and 5.3).
+    effect is visible. With levels all skin is filtered, by more samples the more it is occluded (thesis Figures 5.2 and
+    5.3).
     """
     none = _draw(None)[0]
     full, shared, _ = _draw(EVERYWHERE_SETTINGS)

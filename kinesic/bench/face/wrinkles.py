@@ -21,7 +21,7 @@ SUPPORT_MARGIN = 8  # [pixels] margin around a wrinkle map's support for interpo
 
 
 class _Head:
-    """A still head whose wrinkles are drawn independently of its shape."""
+    """Undeformed head on which the wrinkles of action units are drawn."""
 
     def __init__(self, portrait: Portrait) -> None:
         self._pipeline = portrait.pipeline

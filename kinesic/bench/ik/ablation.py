@@ -134,7 +134,7 @@ def guess_angles(arm: AblationArm, points: Sequence[Sequence[float]]) -> tuple[f
 def _aim_bone(link: Link, direction: Vector, start: Sequence[float]) -> list[tuple[float, ...]]:
     """Return up to two joint-angle solutions [rad] that aim a bone.
 
-    Joints before the last two stay.
+    Joints before the last two keep their start angles.
     """
     if not start:
         return [()]

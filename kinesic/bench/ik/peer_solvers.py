@@ -54,7 +54,10 @@ def list_carriers(chain: Chain) -> tuple[WristHinge, ...]:
 
 
 def forearm_offset(chain: Chain) -> Floats:
-    """Return the vector (3,) [m] from the last joint to the hand."""
+    """Return the hand's offset (3,) [m] from the last moving joint.
+
+    This joint is the last one of `list_carriers`.
+    """
     return chain.joints[-2].bone
 
 

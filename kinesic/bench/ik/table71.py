@@ -40,10 +40,10 @@ MIN_DISTANCE = 0.1  # [chain lengths] smallest distance of a reachable target fr
 MAX_DISTANCE = 0.97  # [chain lengths] largest distance of a reachable target from the base
 MIN_FAR_DISTANCE = 1.02  # [chain lengths] smallest distance of an unreachable target from the base
 MAX_FAR_DISTANCE = 2.0  # [chain lengths] largest distance of an unreachable target from the base
-POINTING_RESIDUAL = 1e-2  # residual / chain length at which a chain points at an unreachable target
+POINTING_RESIDUAL = 1e-2  # residual / chain length below which a chain counts as pointing at an unreachable target
 BATCH_COUNT = 8  # batches in which the targets are solved
 TIMING_PASSES = 2  # number of timed passes over all targets
-REFERENCE_METHOD: Method = "pinned_verlet"  # method to whose time all other times refer
+REFERENCE_METHOD: Method = "pinned_verlet"  # method whose time is the unit of all other times
 QUANTITY_UNITS: dict[Quantity, str] = {
     "iterations": "mean",
     "us": "us",
@@ -114,7 +114,7 @@ def thesis_value(method: Method, bones: int, quantity: Quantity) -> float | None
 
 
 def bench() -> list[Metric]:
-    """Measure iterations, times and successes of every IK method and size.
+    """Measure iterations, times and successes of every IK method and chain size.
 
     It is a comparison without goals.
     """

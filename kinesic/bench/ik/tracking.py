@@ -21,7 +21,7 @@ Path = Callable[[float], Floats]  # turn [rad] -> (3,) [m] in the chain's base
 
 DLS_ITERATIONS = 50  # iterations per target of the damped least squares
 DLS_DAMPING = 1e-3  # damping of the damped least squares
-DLS_TOLERANCE = 1e-4  # [m] position error at which its iteration stops
+DLS_TOLERANCE = 1e-4  # [m] position error below which the damped least squares stop
 
 TRACKING_RATE = 200  # [Hz] sample rate of the tracked path
 LAP_DURATION = 2.5  # [s] duration of one lap of the closed path

@@ -105,7 +105,7 @@ def _stressed_fraction(written: Iterable[AuthoredText]) -> float:
 
 
 def _count_negated_nods(written: AuthoredText) -> int:
-    """Count nods during a negated phrase."""
+    """Count the nods of a text that fall into negated phrases."""
     denied = [behaviour.intent for behaviour in written.behaviours if behaviour.intent.name in NEGATION_INTENTS]
     nods = [behaviour.intent.stroke.seconds for behaviour in written.behaviours if behaviour.lexeme == NOD_LEXEME]
     return sum(any(span.start.seconds <= time <= span.end.seconds for span in denied) for time in nods)

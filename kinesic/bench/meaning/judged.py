@@ -87,7 +87,7 @@ def perform(utterance: Utterance, judged: JudgedSet, lexicon: Lexicon, style: St
 def read_shown(
     passage: Passage, utterance: Utterance, behaviours: Iterable[ChosenBehaviour]
 ) -> tuple[list[ShownGesture], set[str], set[str]]:
-    """Return the shown gestures by token, the emotions and the head movements."""
+    """Return shown gestures with their words, emotions and kinds of head movement."""
     tokens = _align(passage, utterance.tokens)
     gestures, faces, heads = list[ShownGesture](), set[str](), set[str]()
     for behaviour in behaviours:

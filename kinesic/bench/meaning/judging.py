@@ -10,8 +10,8 @@ from typing import Literal
 Verdict = Literal["right", "neutral", "wrong"]
 
 MAX_WORD_DISTANCE = 1  # [words] largest distance of a stroke from its word that counts as on the word
-BEAT_KIND = "any beat"  # kind of all beats
-REST_KIND = "any rest"  # kind of rest poses, which count as no gesture
+BEAT_KIND = "any beat"  # name of the gesture kind that contains all beats
+REST_KIND = "any rest"  # name of the gesture kind of rest poses, which do not count as gestures
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people w
 MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a stroke counts as late
 RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
 SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
-MAX_LOSSES = 2.0  # goal for dropped gestures, and for late strokes, in three stories
+MAX_LOSSES = 2.0  # goal for the number of dropped gestures, and of late strokes, in three stories
 MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes, in the restrained style
 
 
@@ -70,7 +70,7 @@ class StoryRhythm:
 
     @property
     def repeats(self) -> int:
-        """Number of gestures shown less than a minute before."""
+        """Number of gestures whose lexeme was shown within the minute before."""
         last: dict[str, float] = {}
         count = 0
         for stroke in self.strokes:
@@ -147,7 +147,7 @@ def measure_plan(planned: Plan) -> StoryRhythm:
 
 
 def _returns(planned: Plan, strokes: Sequence[PlannedStroke]) -> Iterator[bool]:
-    """Yield whether a hand rested between successive strokes of a run."""
+    """Yield whether hands returned to rest between strokes of a run."""
     times = np.arange(0.0, planned.trajectory.duration, SAMPLE_PERIOD)
     angles = planned.trajectory.sample(times)[0]
     distances = {side: _distance_from_rest(planned.setup.robot, side, angles) for side in SIDES}

@@ -38,7 +38,7 @@ def bench() -> list[Metric]:
 
 
 def bench_styles(styles: Sequence[str]) -> list[Metric]:
-    """Measure the hand motion of every gesture alone in some styles.
+    """Measure the hand motion of gestures, each planned alone, in given styles.
 
     The neutral style gets all metrics, other styles only the rows.
     """
@@ -69,7 +69,7 @@ def draw(styles: Sequence[str], folder: Path) -> list[Path]:
 
 @cache
 def measured(styles: tuple[str, ...]) -> tuple[MeasuredGesture, ...]:
-    """Measure the hand motion of the lexicon in some styles.
+    """Measure the hand motion of the lexicon's gestures in given styles.
 
     The result is cached.
     """
@@ -78,7 +78,7 @@ def measured(styles: tuple[str, ...]) -> tuple[MeasuredGesture, ...]:
 
 @cache
 def varied() -> Mapping[int, tuple[MeasuredGesture, ...]]:
-    """Measure the hand motion of the lexicon for several variation seeds.
+    """Measure the hand motion of the lexicon's gestures for each variation seed.
 
     The result is cached.
     """

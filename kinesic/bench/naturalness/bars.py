@@ -33,7 +33,7 @@ COMPARED_ROWS = (
 
 
 def bar_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:
-    """Return the metrics of hand motion: effort, variety, broken naturalness rules.
+    """Return the metrics of hand motion: effort, variety and violations.
 
     Args:
         gestures: lexicon in one style, with at least one performed gesture.

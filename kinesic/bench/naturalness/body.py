@@ -59,7 +59,7 @@ def measure_body(robot: Robot, angles: Floats) -> BodyMeasures:
 
 
 def body_metrics(part: str, bodies: Sequence[tuple[str, str, BodyMeasures]]) -> list[Metric]:
-    """Return how often and how much head, trunk and shoulders move.
+    """Return frequency and amount of head, trunk and shoulder motion as metrics.
 
     Args:
         part: prefix of the metric names.

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.expressivity.lexicon.legibility_table import LegibilityTable
 
 ALIKE_DISTANCE = 0.05  # [m] distance below which two gestures look alike
-LISTING_DISTANCE = 0.08  # [m] largest distance of pairs of similar gestures in the list
+LISTING_DISTANCE = 0.08  # [m] largest distance between two gestures that are listed as similar
 HEAD_ALIKE_DISTANCE = 0.08  # [m] distance below which gestures at the head look alike
 NAMED_PAIRS = 5  # maximum number of gesture pairs, or gestures, named in the note of a metric
 

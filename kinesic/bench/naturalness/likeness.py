@@ -56,7 +56,7 @@ def measure_appearance(robot: Robot, angles: Floats) -> Floats:
 
 
 def nearest_pairs(seen: Mapping[str, Floats], max_distance: float) -> list[Pair]:
-    """List pairs of gestures that look alike, nearest first.
+    """List pairs of gestures that look alike, the most similar first.
 
     The distance of two gestures is that of their most different point, as an RMS over the stroke.
 

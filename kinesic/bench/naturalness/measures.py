@@ -104,7 +104,7 @@ def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: f
 def count_units(speeds: Floats) -> int:
     """Count the movement units of a hand's speed profile.
 
-    Speed peaks separated by less than half of the lower peak.
+    A unit is a speed peak; between two units the speed falls below half of the lower peak.
 
     Args:
         speeds: speeds (m,) in any unit; peaks below a tenth of the largest speed do not count.

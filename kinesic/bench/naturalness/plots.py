@@ -24,7 +24,7 @@ DRAWN_ROWS = (  # hand-motion measures, one panel each
     *("duration", "stroke_time", "hold_time", "return_time"),
 )
 PANEL_COLUMNS = 4  # panels per row of the plot
-MAX_PERCENTILE = 99  # percentile of the largest drawn value
+MAX_PERCENTILE = 99  # [%] percentile of the values at which the plot's axis ends
 RANGE_LINE_WIDTH = 2.0  # [pt] width of the line from the 5th to the 95th percentile
 QUARTILE_LINE_WIDTH = 6.0  # [pt] width of the line between the quartiles
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 
-CHANNEL_WIDTHS: Mapping[str, int] = {"XPos": 1, "YPos": 1, "ZPos": 1, "Quat": 3}  # numbers per frame and channel
+CHANNEL_WIDTHS: Mapping[str, int] = {"XPos": 1, "YPos": 1, "ZPos": 1, "Quat": 3}  # kind of channel -> numbers per frame
 SYNC_NAMES: Mapping[str, str] = {  # BML sync points by the time's name in a motion file
     "ready": "ready",
     "strokeStart": "strokeStart",

@@ -19,7 +19,7 @@ from kinesic.realizer.replan import replan
 from kinesic.session.setup import set_up
 
 COMMAND_REPETITIONS = 40  # number of timed delays of the first command
-SWITCH_TIME = 0.2  # [s] played from the quick plan before the better plan takes over
+SWITCH_TIME = 0.2  # [s] time for which the quick plan plays before the better plan takes over
 
 
 def bench() -> list[Metric]:

@@ -35,7 +35,7 @@ from kinesic.studies.variants.sweep import PHYSICS_STEP as SWEEP_STEP
 ONE_TWIN: tuple[Factors, ...] = (NOMINAL_FACTORS,)
 BOTH_TWINS: tuple[Factors, ...] = (NOMINAL_FACTORS, PESSIMISTIC_FACTORS)
 RUN_REPETITIONS = 15  # number of timed dry runs
-PASSAGE_COUNT = 5  # variations of the passage
+PASSAGE_COUNT = 5  # number of time-shifted copies of the passage
 MIN_RATIO_ONE = 0.6  # goal for bare physics time / dry run time with one twin
 MIN_RATIO_BOTH = 0.7  # goal for bare physics time / dry run time with two twins
 MAX_VARIANT_TIME = 20.0  # [ms] goal for the time of one servo variant

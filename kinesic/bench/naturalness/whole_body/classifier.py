@@ -12,8 +12,8 @@ from kinesic.body.arrays import Flags, Floats, Indices
 
 RIDGE_WEIGHT = 1.0  # penalty on squared logistic weights, relative to the mean loss per clip
 NEIGHBOUR_COUNT = 9  # nearest clips of each class, whose mean distances give the score
-MAX_ITERATIONS = 200  # steps of the logistic regression
-MAX_FOLDS = 5  # folds of the cross-validation
+MAX_ITERATIONS = 200  # largest number of optimizer steps of the logistic regression
+MAX_FOLDS = 5  # largest number of folds of the cross-validation
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class _Trial:
 
 
 def _average(trials: Sequence[_Trial], score: Scorer) -> Separation:
-    """Return the means over folds, weighted by their pairs of clips."""
+    """Return mean AUC and accuracy over folds, weighted by test clip pairs."""
     aucs, accuracies, weights = [], [], []
     for trial in trials:
         train = np.concatenate([trial.train_ours, trial.train_others])
@@ -124,7 +124,7 @@ def assign_folds(performances: Sequence[str]) -> Indices:
 
 
 def area_under_curve(ours: Floats, others: Floats) -> float:
-    """Return the probability that a score of the first sample is larger.
+    """Return the probability that a score of `ours` exceeds one of `others`.
 
     Equal scores count half.
     """

@@ -36,7 +36,7 @@ COMPARED_MEASURES = ("trunk", "stroke_speed", "flow", "path")  # measures whose 
 CLASSIFIER_SCORERS: Mapping[str, Scorer] = {
     "": score_logistic,
     "_neighbours": score_neighbours,
-}  # by metric suffix
+}  # suffix of the metric names -> scores of the classifier
 SPEED_UNIT = "arm lengths/s"
 REST_AXES = ("out", "forward", "down")  # posture features of the wrist position
 
@@ -45,7 +45,7 @@ SampleOf = Callable[..., Sample]
 
 @dataclass(frozen=True)
 class Summary:
-    """Summary number of a set of gestures, with its goal."""
+    """Definition of a number that summarises a set of gestures, with goal."""
 
     label: str
     unit: str

@@ -21,7 +21,7 @@ from kinesic.bench.naturalness.whole_body.posture import (
 )
 from kinesic.body.arrays import Floats
 
-SMALLEST_VALUES: Mapping[str, float] = {  # measure compared by logarithm -> smallest value, used for smaller ones
+SMALLEST_VALUES: Mapping[str, float] = {  # measure compared by its logarithm -> lower bound of its values
     "trunk": 0.1,
     "trunk_speed": 0.1,
     "head": 0.1,

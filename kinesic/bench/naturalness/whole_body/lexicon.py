@@ -14,8 +14,8 @@ from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 from kinesic.tasks.engine import current_engine
 from kinesic.tasks.processes import WorkerCrash
 
-STROKE_TIME = 8.0  # [s] requested stroke time, late enough for the slowest natural preparation
-PERFORMANCE_COUNT = 24  # random seeds, each of which is one performance of several gestures
+STROKE_TIME = 8.0  # [s] requested stroke time, late enough for the slowest preparation
+PERFORMANCE_COUNT = 24  # number of random seeds; the gestures of one seed count as one performance
 
 GestureTask = tuple[str, int]  # gesture id and seed
 

@@ -19,10 +19,10 @@ from kinesic.bench.naturalness.whole_body.motion import BodyMotion, smooth_frame
 from kinesic.body.arrays import Floats
 from kinesic.studies.sweep.geometry import length
 
-RETURN_TIME = 1 / 3  # [s] compared part of the return after `relax`, as most captured clips end there
-WINDOW_TIME = 2.7  # [s] length of the windows of clips without sync points, that of the median gesture
+RETURN_TIME = 1 / 3  # [s] compared time after `relax`; most captured clips end then
+WINDOW_TIME = 2.7  # [s] windows into which clips without sync points are cut; the median gesture's length
 MIN_WINDOW_TIME = 1.4  # [s] shortest compared window of a clip
-MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] windows whose largest hand speed is not above it contain no gesture
+MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] largest hand speed up to which a window contains no gesture
 STILL_RATIO = 0.1  # hand speed / largest hand speed, below which a hand counts as still
 
 

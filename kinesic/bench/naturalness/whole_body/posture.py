@@ -35,7 +35,7 @@ SKELETON_FEATURES = frozenset(("head_pitch", "breadth"))  # features that depend
 COMPARED_FEATURES = tuple(name for name in POSTURE_NAMES if name not in SKELETON_FEATURES)
 
 
-MAX_REST_SPEED = 0.5  # [arm lengths/s] largest hand speed of a clip that starts at rest
+MAX_REST_SPEED = 0.5  # [arm lengths/s] largest hand speed in the first frames of a clip that starts at rest
 FIRST_FRAMES = 3  # number of first frames in which MAX_REST_SPEED must hold
 
 
@@ -80,7 +80,7 @@ def measure_posture(motion: BodyMotion, frame: int = 0) -> StandingPosture:
 
 
 def posture_axes(motion: BodyMotion, frame: int) -> Floats:
-    """Return the axes (3, 3) forward, left and up of the shoulders."""
+    """Return the shoulders' forward, left and up axes as rows (3, 3)."""
     left = motion.shoulders[0, frame] - motion.shoulders[1, frame]
     left = left * [1.0, 1.0, 0.0]
     left = left / np.linalg.norm(left)

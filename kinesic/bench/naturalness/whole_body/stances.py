@@ -41,7 +41,10 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
 
 
 def group_hanging(clips: Iterable[BodyMotion]) -> Mapping[str, Floats]:
-    """Return the stances (k, s) [deg] with hanging arms, by clip group."""
+    """Return the stances (k, s) [deg] with hanging arms, by clip group.
+
+    A group has the clips of one set whose names agree between `@` and the first `_`. Groups of one clip are left out.
+    """
     groups: dict[str, list[Floats]] = {}
     for clip in clips:
         if starts_at_rest(clip) and _is_hanging(stance := measure_stance(clip)):
@@ -53,7 +56,7 @@ def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
     """Fit the predictive distribution of an unseen person's stance.
 
     Every group counts as one person. The standard deviations are those of the predictive t distribution, which is wider
-    than the sample, as few people were captured. Mirror images count as much as what was captured.
+    than the sample, as few people were captured. Mirror images have the same weight as captured stances.
 
     Args:
         groups: stances (k, s) [deg] by person.
