@@ -61,7 +61,7 @@ class HeadForm:
 
 
 def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None:
-    """Create a head movement within the neck's range.
+    """Create the head movement of a lexeme within the neck's range.
 
     A nod of amount a peaks at a x 20 deg, a shake at a x 25 deg to each side, a direction at a x 30 deg on each axis
     that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt. A direction

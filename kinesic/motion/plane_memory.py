@@ -151,7 +151,7 @@ def _mark_keys(keys: Keys, hinge: int, rows: Sequence[int]) -> tuple[KeyMark, ..
 def _make_portable(
     plane: CuttingPlane, hinge: int, keys: Keys, limits: Limits, bottlenecks: Mapping[Pair, Bottleneck]
 ) -> _StoredPlane:
-    """Reduce a plane over all key times to its own keys."""
+    """Reduce a cutting plane over all key times to one hinge's keys."""
     hinge_rows = keys.exact_rows[hinge]
     slopes = plane.slopes[hinge_rows]
     involved = np.flatnonzero(np.abs(slopes) > SLOPE_TOLERANCE * np.abs(slopes).max())

@@ -253,7 +253,7 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
 def find_critical_segments(
     times: Floats, keys: Keys, step: float, rest_durations: Sequence[Floats], hinges: Iterable[int]
 ) -> Iterator[SplineSegment]:
-    """Yield the shortest segments, omitting those that are always feasible.
+    """Yield segments split at all rest points, omitting always feasible ones.
 
     A key interval with ample time is also split in its middle: the two halves are hardly harder to pass than the whole.
     A segment is always feasible if the hinge could rest at each of its keys.

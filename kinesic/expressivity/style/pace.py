@@ -91,7 +91,7 @@ def _least_turn_time(robot: Robot, limits: Limits, chain: str, turn: Turn) -> fl
 class Pace:
     """Minimum and natural movement durations of a robot.
 
-    Natural durations of its hands come from `Effort`.
+    A natural duration is taken where the document gives no times. Those of hands come from `Effort`.
     """
 
     robot: Robot
