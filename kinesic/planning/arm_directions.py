@@ -8,7 +8,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm, from the shoulder outward
 # Per link: angle [deg] from straight down towards the front, and angle [deg] outward, out of the sagittal plane.
 ARM_FEATURES = tuple(f"{link}_{way}" for link in LINK_NAMES for way in ("forward", "outward"))
-SOLVER_STEPS = 8  # Gauss-Newton steps of an arm
+SOLVER_STEPS = 8  # number of Gauss-Newton iterations for an arm's posture
 HINGE_WEIGHT = 0.06  # [1/rad] weight of a hinge's deviation from its start angle, relative to direction errors
 DIFFERENCE_STEP = 1e-4  # [rad] angle step of numeric derivatives
 MIN_SHOULDER_DISTANCE = 1e-6  # [m] smallest assumed distance between the shoulders, which avoids division by zero

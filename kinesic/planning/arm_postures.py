@@ -28,7 +28,7 @@ MAX_HINGE_STEP = float(np.radians(110))  # [rad] largest hinge rotation between 
 OPEN_SWIVEL = float(np.radians(78))  # [rad] elbow swivel at openness 1; above this, elbows rise and palms turn
 # Limits on elbow and hinge changes between two keys.
 REACH_SETTINGS = ReachManner(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)
-MAX_KEYS_PER_CALL = 64  # keys solved together before collisions are checked
+MAX_KEYS_PER_CALL = 64  # largest number of keys solved together before collisions are checked
 
 
 def with_arms(angles: Floats, hands: Mapping[Side, Hand], reaches: Mapping[Side, Reach | None], robot: Robot) -> Floats:
@@ -182,7 +182,7 @@ class ArmsTask:
 def solve_arms(
     tasks: Sequence[ArmsTask], bodies: Floats, robot: Robot, distances: Distances
 ) -> tuple[Floats, list[Mapping[Side, Reach | None]]]:
-    """Solve the inverse kinematics of both arms at all keys without collisions.
+    """Solve collision-free postures of both arms at all keys.
 
     Args:
         tasks: of the keys, in their order.

@@ -20,8 +20,8 @@ MAX_DUTY = 0.995  # largest duty at the knots, as a fraction of full PWM; slight
 LOW_DUTY = 0.5  # duty at a knot below which full duty cannot occur within two knots, because jerk is limited
 TIGHTENING_FACTOR = 0.93  # factor on an overloaded servo's duty limit, in addition to 1 / its peak duty
 MAX_TIGHTENINGS = 6  # largest number of replanning rounds with lower duty limits
-KNOTS_PER_WINDOW = 4096  # knots whose torques are computed together, which bounds the memory
-STATE_TOLERANCE = 1e-5  # [rad, rad/s, rad/s^2] states that differ by less are evaluated once
+KNOTS_PER_WINDOW = 4096  # largest number of knots whose torques are computed together, which bounds the memory
+STATE_TOLERANCE = 1e-5  # [rad, rad/s, rad/s^2] grid to which states are rounded to evaluate equal ones once
 
 
 def certify(

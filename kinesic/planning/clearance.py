@@ -50,7 +50,7 @@ MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too lit
 SAMPLE_COST = 3.0  # budget units per replanned and rescanned motion sample
 REPAIR_MARGIN = 0.002  # [m] added to the missing clearance in the next repair
 EASE_FACTOR = 0.8  # factor that lowers the motion limits if no detour helps
-COLLISION_SPAN = 2.0  # [s] time before and after the worst collision whose collisions count as one with it
+COLLISION_SPAN = 2.0  # [s] collisions up to this time from the worst one are attributed to the same behaviour
 
 
 def keep_clear(

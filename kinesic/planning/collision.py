@@ -16,7 +16,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, Touch
 from kinesic.planning.contact import SurfaceTouch, touched_pairs
 
-MAX_STEPS = 12  # least-squares iterations per posture
+MAX_STEPS = 12  # largest number of least-squares iterations per posture
 GAP_TOLERANCE = 2e-4  # [m] accepted shortfall of the required distance after the last iteration
 TOUCH_TOLERANCE = 3e-3  # [m] accepted excess over the required distance of a touching pair
 CONSTRAINT_RANGE = 0.08  # [m] excess over the required distance above which pairs are ignored

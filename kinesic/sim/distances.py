@@ -21,7 +21,7 @@ from kinesic.sim.reaches import compute_capsule_reach, compute_pair_reaches, sus
 
 POSTURES_PER_BATCH = 512  # number of postures per call of the forward kinematics
 POSTURES_PER_WINDOW = 4096  # number of postures whose frames are in memory at the same time
-SAME_POSTURE_TOLERANCE = 1e-5  # [rad] angle difference of equal postures; moves capsules by 0.01 mm per hinge at most
+SAME_POSTURE_TOLERANCE = 1e-5  # [rad] grid to which angles are rounded to find equal postures
 FINGER_BALL_DISTANCE = 0.03  # [m] distance from the ball around a hand's fingers below which fingers are measured
 MAX_EXACT_FINGER_GAP = 0.13  # [m] finger distance up to which `gaps` is exact; larger ones are lower bounds
 

@@ -13,7 +13,7 @@ from kinesic.body.skeleton import Capsule, Skeleton
 from kinesic.sim.kinematics import MotionFrames, compute_motion_frames
 
 MAX_CACHED_BENDINGS = 32  # number of finger postures whose positions are cached
-SAME_BENDING_TOLERANCE = 1e-5  # [rad] angle difference of equal finger postures; positions differ by less than 1 um
+SAME_BENDING_TOLERANCE = 1e-5  # [rad] grid to which finger angles are rounded to find equal finger postures
 
 
 class FingerPlaces:

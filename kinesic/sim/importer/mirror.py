@@ -10,7 +10,7 @@ from kinesic.sim.importer.model_tree import BASE_INDEX, Joint, Tree
 
 MIN_GEOMETRIC_PAIRS = 6  # number of pairs found by symmetry below which pairs by joint name are tried
 MAX_MIRROR_OFFSET = 0.02  # [m] largest distance between an axis and the mirror image of its partner's axis
-MIN_MIRROR_COSINE = 0.98  # smallest cosine between an axis and the mirror image of its partner
+MIN_MIRROR_COSINE = 0.98  # smallest cosine between an axis and the mirror image of its partner's axis
 MIN_FORWARD_EXTENT = 0.01  # [m] forward extent of toes and head below which the forward direction is undecided
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # unit vector upward in the world
 

@@ -22,11 +22,11 @@ REST_FORWARD_ANGLE = 0.0  # [deg] forward angle of the resting upper arm from th
 MIN_ARM_GAP = 0.025  # [m] smallest distance of resting forearms and hands from other segments
 SAMPLED_POSTURES = 300  # number of random postures in which overlaps are counted
 MAX_OVERLAP_FRACTION = 0.9  # fraction of random postures with overlap, above which a pair is excluded
-EXTRA_REST_CLEARANCE = 0.008  # [m] clearance at rest beyond the required one, otherwise a pair is excluded
+EXTRA_REST_CLEARANCE = 0.008  # [m] a pair is excluded if its clearance at rest exceeds the required one by less
 
 
 def find_limits_nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
-    """Return the limit nearest zero [deg] of hinges whose range excludes zero."""
+    """Return the limit [deg] nearest zero of hinges whose range excludes zero."""
     return {h.name: _round_into_range(h, 0.0) for h in hinges if not h.lower <= 0.0 <= h.upper}
 
 
