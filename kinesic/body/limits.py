@@ -12,7 +12,7 @@ USABLE_STALL_FRACTION = 0.8  # Fraction of the stall torque available to holding
 MIN_ACCELERATION = 1.0  # [rad/s^2] lower bound of acceleration limits, for hinges that can hardly hold their load
 ACCELERATION_RISE_TIME = 0.04  # [s] time from zero acceleration to its limit at maximum jerk
 PLANNED_DUTY = 0.73  # Fraction of full PWM for plans; the rest covers coupled loads and servos that are 25 % weaker
-NEGLIGIBLE_DUTY = 1e-6  # Duty assumed at the velocity or acceleration limit without drive data, too small to bind
+NEGLIGIBLE_DUTY = 1e-6  # Duty assumed at the velocity or acceleration limit without drive data; it limits no motion
 MIN_DUTY = 0.1  # Lower bound of the duty limit, for hinges that can hardly hold their load
 
 

@@ -48,9 +48,9 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
 
 
 def _check_size(path: Path, file: RobotFile) -> None:
-    """Refuse a robot file with too many parts or negative clearance.
+    """Refuse too many bodies, hinges or capsules, or a negative clearance.
 
-    A file with too many parts would keep the machine busy for hours.
+    A file with too many of them would keep the machine busy for hours.
     """
     capsules = sum(len(body.capsules) for body in file.body)
     counts = (

@@ -15,7 +15,7 @@ REACHED_DISTANCE = 1e-3  # [m] largest distance at which a target counts as reac
 
 
 class Solution(Struct, frozen=True, eq=False):
-    """Arm posture for a hand target, with the remaining distance."""
+    """Arm posture for a hand target, with its remaining errors."""
 
     angles: Floats  # (k,) [rad] inside the ranges
     residual: float  # [m] from the hand to the requested position

@@ -82,7 +82,7 @@ class DocumentLine:
         return self._is_talking
 
     def outcome(self, block: str) -> str | None:
-        """Return how a block of this connection ended.
+        """Return the outcome of a block of this connection, None if unknown.
 
         Returns:
             For example `finished`; empty for a block that has not ended, None for an unknown one.
@@ -219,7 +219,7 @@ class DocumentLine:
             self._judge(feedback)
 
     def _follow_talk(self, answer: RobotAnswer) -> None:
-        """Note the first phrase and the end of a streamed text."""
+        """Record the first phrase and the end of a streamed text."""
         match answer:
             case {"told": "saying", "block": str(block)} if self._phrase is not None:
                 _settle(self._phrase, block)

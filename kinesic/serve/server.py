@@ -29,7 +29,7 @@ from kinesic.serve.wire.transport import Console
 THREAD_SWITCH_INTERVAL = 0.001  # [s] interval at which client threads and loop yield the interpreter lock
 CLOSE_GOING_AWAY = 1001  # WebSocket close code: the server ends
 FOLDING_TIMEOUT = 30.0  # [s] time limit to end all blocks and fold to rest
-LOOP_POLL_PERIOD = 0.1  # [s] between two checks of the loop thread
+LOOP_POLL_PERIOD = 0.1  # [s] between two checks whether the loop thread is alive
 
 
 @dataclass(frozen=True, eq=False)

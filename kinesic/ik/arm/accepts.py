@@ -55,7 +55,7 @@ def accept_chain(chain: Chain) -> Chain:
 
 
 def _slid(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
-    """Move first hinges to the parent joint if along its bone."""
+    """Reassign first hinges parallel to the parent's bone to the parent joint."""
     slid = [joints[0]]
     for joint in joints[1:]:
         parent = slid[-1]

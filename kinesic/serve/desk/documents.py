@@ -15,7 +15,7 @@ from kinesic.files.output_file import write_text
 from kinesic.files.plain_name import is_device_name
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
-NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}\.(bml|toml)")  # valid document names
+NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}\.(bml|toml)")  # pattern of valid document names
 GESTURE_SUFFIX = ".toml"  # file suffix of gesture files
 MAX_DOCUMENT_SIZE = 1_000_000  # [bytes] largest document that is read
 MAX_LISTED_NAMES = 1000  # largest number of document names in a listing

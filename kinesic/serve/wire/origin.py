@@ -74,7 +74,7 @@ def own_authorities(listening: str, local: str, port: int) -> frozenset[str]:
 
 
 def find_rejection(headers: Headers, authorities: frozenset[str], origins: frozenset[str]) -> Rejection | None:
-    """Return why a request is refused, or None if it is allowed.
+    """Return the reason to refuse a request, or None to allow it.
 
     Programs and pages of allowed origins may connect.
 
