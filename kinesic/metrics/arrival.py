@@ -19,7 +19,7 @@ ENTRY_WINDOW = 0.3  # [s] time before and after the planned time in which an arr
 MIN_ARRIVAL_RADIUS = 0.005  # [m] smallest radius of a hand's target ball
 MIN_ARRIVAL_ANGLE = np.radians(0.5)  # [rad] smallest radius of the target region of head and torso
 ARRIVAL_PATH_FRACTION = 0.05  # radius of the target ball, relative to the path length of the behaviour
-POSTURES_PER_WINDOW = 1024  # postures evaluated together, which bounds the memory
+POSTURES_PER_WINDOW = 1024  # postures evaluated at once; more need more memory
 
 
 def compute_part_paths(

@@ -7,7 +7,7 @@ from kinesic.body.dynamics import Distances
 
 LOOK_PERIOD = 0.05  # [s] between clearance checks
 ERROR_MEMORY = 1.0  # [s] time during which a tracking error is expected to recur
-LOOKS_PER_ERROR = 2  # clearance checks per considered tracking error, as errors change slowly
+LOOKS_PER_ERROR = 2  # one tracking error is considered per this many clearance checks, as errors change slowly
 
 
 def forecast_clearance(planned: Floats, measured: Floats, distances: Distances, *, every: int) -> Floats:

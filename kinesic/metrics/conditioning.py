@@ -15,7 +15,7 @@ STROKE_SYNCS = ("strokeStart", "strokeEnd")  # first and last sync point of a st
 PATH_RATE = 100  # [Hz] sampling rate of desired hand paths
 MIN_REPORTED_LOSS = 0.05  # smallest reported loss, as a fraction of a stroke's speed or path
 MIN_REPORTED_DEVIATION = 1.0  # [deg] smallest reported RMS deviation of a hinge
-POSTURES_PER_WINDOW = 1024  # postures evaluated together, which bounds the memory
+POSTURES_PER_WINDOW = 1024  # postures evaluated at once; more need more memory
 MAX_REPORTED_HINGES = 3  # deviating hinges listed in a report
 MIN_VISIBLE_STROKE = {
     "m": 0.01,
@@ -68,7 +68,7 @@ class HingeDeviation:
 
 @dataclass(frozen=True)
 class ChangedBehaviour:
-    """Behaviour that the limits shifted or weakened."""
+    """Behaviour that motion limits shifted or weakened."""
 
     behaviour: str
     moved: tuple[SyncShift, ...]
@@ -144,7 +144,7 @@ def _sync_shift(sync: SyncTime, plan: Plan) -> SyncShift:
 
 
 def _merge_shifts(moved: Iterable[SyncShift]) -> tuple[SyncShift, ...]:
-    """Merge shifts of consecutive sync points with equal size and limit."""
+    """Merge the shifts of consecutive sync points if size and limit agree."""
     changes: list[SyncShift] = []
     for shift in moved:
         last = changes[-1] if changes else None

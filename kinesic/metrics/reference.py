@@ -100,7 +100,7 @@ class Reference:
 
     @cached_property
     def smoothness(self) -> Mapping[str, float | None]:
-        """Dimensionless jerk of each hand, None if it hardly moves."""
+        """Dimensionless jerk of each hand's path, None if it hardly moves."""
         period = float(self.times[-1] - self.times[0]) / max(1, len(self.times) - 1)
         return {
             side: dimensionless_jerk(path, period=period) if np.ptp(path, axis=0).max() >= MIN_HAND_TRAVEL else None

@@ -22,7 +22,7 @@ class HandSmoothness:
 
     @classmethod
     def of(cls, planned: Floats, performed: Floats, *, period: float) -> "HandSmoothness":
-        """Measure the planned and the performed path of a hand.
+        """Measure the smoothness of a hand's planned and performed path.
 
         Args:
             planned: (m, 3) [m].
@@ -78,7 +78,7 @@ def visible_jerk(path: Floats, *, period: float) -> float:
 
 
 def spectral_arc_length(path: Floats, *, period: float) -> float | None:
-    """Compute the spectral arc length, SPARC (Balasubramanian et al., 2015).
+    """Compute a path's spectral arc length, SPARC (Balasubramanian et al., 2015).
 
     It is minus the length of the normalised speed spectrum: about -1.4 for one smooth reach, more negative for a
     rougher one, and insensitive to noise.

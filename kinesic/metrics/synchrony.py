@@ -46,7 +46,7 @@ def measure_planned_lags(plan: Plan) -> tuple[StrokeLag, ...]:
 
 
 def measure_lags(plan: Plan, times: Floats, hands: Mapping[str, Floats]) -> tuple[StrokeLag, ...]:
-    """Measure stroke delays relative to words from the hands' paths.
+    """Measure stroke delays after words, given the paths of the hands.
 
     The faster hand counts, between `ready` and `strokeEnd`. Strokes after a stop are left out. The order is the planned
     one.

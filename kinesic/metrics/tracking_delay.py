@@ -9,7 +9,7 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 
 MAX_DELAY = 0.3  # [s] largest delay searched
-VELOCITIES_PER_WINDOW = 100_000  # velocities correlated together, which bounds the memory
+VELOCITIES_PER_WINDOW = 100_000  # velocities correlated at once; more need more memory
 
 
 def estimate_tracking_delays(

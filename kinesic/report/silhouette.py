@@ -40,8 +40,8 @@ _PALM_SPAN = (0.012, 0.056)  # [m] distances of the palm's ends from the wrist
 _FINGER_WIDTH = 0.0105  # [m] width of a finger
 _EYE_SIZE = 0.014  # [m] diameter of an eye
 _DOT_OFFSET = np.array([0.0, 0.003, 0.0])  # [m] length of the smallest drawable line, as a vector
-_FINGER_BASES = (0.017, 0.006, -0.006, -0.017)  # [m] position across the palm, forefinger to little finger
-_FINGER_LENGTHS = (0.048, 0.053, 0.048, 0.038)  # [m] length from forefinger to little finger
+_FINGER_BASES = (0.017, 0.006, -0.006, -0.017)  # [m] positions across the palm, from forefinger to little finger
+_FINGER_LENGTHS = (0.048, 0.053, 0.048, 0.038)  # [m] lengths of the fingers, from forefinger to little finger
 _THUMB_LENGTH = 0.046  # [m] length of the thumb
 _CLOSED_BEND = radians(190)  # [rad] total bend of a closed finger
 _MAX_SPREAD = radians(24)  # [rad] spread of the outer fingers to either side
@@ -60,7 +60,7 @@ class PenStroke:
 
 @dataclass(frozen=True)
 class OutlineWindow:
-    """A window of a line drawing's plane, centred horizontally on the robot."""
+    """Window in a line drawing's plane, centred horizontally on the robot."""
 
     wide: float  # [m]
     low: float  # [m]

@@ -91,7 +91,7 @@ class Cluster:
     def _submit_more(
         self, code: bytes, left: Iterator[Task], begun: "dict[str, _SubmittedGroup[Task]]", workers: int, *, size: int
     ) -> "Iterator[Future]":
-        """Submit task groups until the workers have enough, and yield futures."""
+        """Submit task groups up to `GROUPS_PER_WORKER`, and yield their futures."""
         while len(begun) < GROUPS_PER_WORKER * max(1, workers):
             tasks = tuple(islice(left, size))
             if not tasks:

@@ -57,7 +57,7 @@ _CURRENT_ENGINE: ContextVar[Engine | None] = ContextVar("engine", default=None)
 
 
 def current_engine() -> Engine:
-    """Return the task engine in use, or one process per core."""
+    """Return the engine set by `using_engine`, or one process per core."""
     return _CURRENT_ENGINE.get() or Processes(os.cpu_count() or 1)
 
 

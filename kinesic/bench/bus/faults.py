@@ -41,7 +41,7 @@ DRIVER_FACTORIES: Mapping[str, DriverFactory] = {
 MISSING_REASONS: Mapping[str, Callable[[], str]] = {
     name: why_lerobot_is_missing for name in DRIVER_FACTORIES if LerobotDriver.name in name
 }
-MAX_CELL_WIDTH = 12  # [characters] text in the fourth column that is a refusal, and does not widen columns
+MAX_CELL_WIDTH = 12  # [characters] a text this long in the fourth column is a refusal, and widens no column
 TABLE_COLUMNS = (
     "fault",
     "servos",

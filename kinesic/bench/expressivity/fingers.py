@@ -21,7 +21,7 @@ from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 METRIC_PREFIX = "expressivity.fingers"
 FINGER_ROBOT = "upper36"
 MAX_SHAPE_ERROR = np.radians(4.0)  # [rad] largest finger angle error of a complete hand shape
-MIN_COMPLETE = 95.0  # [%] goal of hands whose shape is complete at strokeStart
+MIN_COMPLETE = 95.0  # [%] goal for the fraction of hands with complete shapes at strokeStart
 
 
 @dataclass(frozen=True)

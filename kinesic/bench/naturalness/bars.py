@@ -19,7 +19,7 @@ MEDIAN_GOALS: Mapping[str, float] = {  # goals for the medians of hand-motion me
     "sparc": -3.0,
 }
 MAX_RETURN_SPEED = 2.6  # [arm lengths/s] goal for the 95th percentile of the return speed
-MIN_FLOW = 0.3  # speed at strokeStart / largest speed from which a gesture counts as flowing
+MIN_FLOW = 0.3  # smallest ratio of speed at strokeStart to largest speed in a flowing gesture
 EXPRESSIVE_CATEGORIES = frozenset(("beat", "deictic", "emblem"))  # categories whose fastest phase is the stroke
 MIN_VARIETY = 4.0  # goal for the 95th / 5th percentile of gestures' largest speeds
 MAX_DISTANCE = 0.25  # goal for the Kolmogorov-Smirnov distance from captured distributions

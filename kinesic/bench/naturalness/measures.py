@@ -13,10 +13,10 @@ from kinesic.studies.sweep.geometry import length
 
 PROFILE_RATE = 30.0  # [Hz] sample rate of captured clips, used for movement units and spectra
 MAX_FREQUENCY = 10.0  # [Hz] upper limit of the speed spectrum in the spectral arc length
-MIN_AMPLITUDE = 0.05  # spectral amplitude / largest one below which the speed spectrum is cut off
+MIN_AMPLITUDE = 0.05  # ratio of spectral amplitude to the largest one, below which the spectrum is cut off
 PADDING_DOUBLINGS = 4  # number of times a speed profile is doubled with zeros for a smooth spectrum
 MIN_PEAK_RATIO = 0.1  # smallest peak speed of a movement unit / largest speed
-MAX_DIP_RATIO = 0.5  # largest minimum speed between two movement units / lower peak
+MAX_DIP_RATIO = 0.5  # largest ratio of the minimum speed between two movement units to the lower peak
 ONSET_RATIO = 0.05  # speed at which a preparation starts / largest speed before strokeStart
 MIN_PREPARATION_TIME = 0.2  # [s] shortest preparation whose smoothness is measured
 STILL_SPEED = 1e-3  # [arm lengths/s] speed below which a hand counts as still

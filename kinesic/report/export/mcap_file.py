@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from foxglove.messages import JointStates, Log, SceneEntity
 
 NANOSECONDS_PER_SECOND = 1_000_000_000  # nanoseconds per second
-JOINT_TOPICS = {"planned": "/joint_states", "measured": "/measured/joint_states"}  # topics by joint track
+JOINT_TOPICS = {"planned": "/joint_states", "measured": "/measured/joint_states"}  # MCAP topic of each joint track
 TRANSFORM_TOPIC = "/tf"  # MCAP topic of segment poses
 SCENE_TOPIC = "/scene"  # MCAP topic of the segments' surfaces
 WORD_TOPIC = "/speech"  # MCAP topic of spoken words

@@ -51,7 +51,10 @@ def _clearance(axes: Axes, performance: DryRun) -> None:
 
 
 def _limit_ratios(axes: Axes, performance: DryRun) -> None:
-    """Draw the largest limit ratio of velocity, acceleration, jerk and duty."""
+    """Draw velocity, acceleration, jerk and duty, each relative to its limit.
+
+    The largest ratio of all hinges is drawn.
+    """
     limits, times = performance.plan.setup.limits, performance.measured.times
     speeds, accelerations = performance.reference.velocities, performance.reference.accelerations
     ratios_by_name = (

@@ -26,14 +26,14 @@ from kinesic.body.config import ConfigError
 IDLE_CLIPS = re.compile(r"@Idle[A-Za-z]*\d*$|_ToIdle|_WeightShift|^idle\d*$")  # names of clips without gestures
 OTHER_CLIPS = re.compile(r"catch|walk")  # names of BVH clips that show no gestures
 GESTURE_SET = "bvh gestures"  # name of the set of all BVH files with gestures
-OTHER_SET = "bvh other"  # name of the set of all other BVH files
+OTHER_SET = "bvh other"  # name of the set of all BVH files without gestures
 SET_FOLDERS = ("motions",)  # subfolders of a set that hold its clips
 MAX_ARM_LENGTH = 3.0  # [m] arm length above which a skeleton counts as given in centimetres
-METRES_PER_CENTIMETRE = 0.01  # [m/cm]
+METRES_PER_CENTIMETRE = 0.01  # [m/cm] conversion of lengths
 STRAIGHT_RATIO = 0.95  # wrist distance from the shoulder / arm length, above which an arm counts as straight
 LEVEL_HEIGHT = 0.2  # [arm lengths] largest height difference of wrists and shoulders in a T-pose
 LOWERED_HEIGHT = 0.7  # [arm lengths] depth of both wrists below the shoulders after a T-pose
-TO_Z_UP = sealed([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # from y up, z ahead to z up, x ahead
+TO_Z_UP = sealed([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # rotation from y up, z ahead to z up, x ahead
 
 
 @dataclass(frozen=True)

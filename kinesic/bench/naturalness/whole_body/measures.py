@@ -20,7 +20,7 @@ from kinesic.body.arrays import Floats
 from kinesic.studies.sweep.geometry import length
 
 RETURN_TIME = 1 / 3  # [s] compared time after `relax`; most captured clips end then
-WINDOW_TIME = 2.7  # [s] windows into which clips without sync points are cut; the median gesture's length
+WINDOW_TIME = 2.7  # [s] length of windows cut from clips without sync points; that of the median gesture
 MIN_WINDOW_TIME = 1.4  # [s] shortest compared window of a clip
 MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] largest hand speed up to which a window contains no gesture
 STILL_RATIO = 0.1  # hand speed / largest hand speed, below which a hand counts as still
@@ -54,7 +54,7 @@ MEASURE_NAMES = tuple(field.name for field in fields(WholeBodyMeasures))
 
 
 def cut_clips(motion: BodyMotion) -> Iterator[BodyMotion]:
-    """Yield a clip's gesture, or moving windows if `relax` is missing.
+    """Yield a clip's gesture, or windows with motion if `relax` is missing.
 
     A gesture ends `RETURN_TIME` after `relax`. Windows last `WINDOW_TIME`; those without motion are left out.
     """
@@ -138,7 +138,7 @@ def _largest_rotation_speed(rotations: Floats) -> float:
 
 
 def _smooth_rotations(rotations: Floats) -> Floats:
-    """Smooth rotations over neighbouring frames, as positions are."""
+    """Smooth rotations (m, 3, 3) over neighbouring frames."""
     u, _, v = np.linalg.svd(smooth_frames(rotations))
     signs = np.ones((len(u), 3))
     signs[:, 2] = np.linalg.det(u @ v)
