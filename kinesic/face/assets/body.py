@@ -33,7 +33,7 @@ TUCK_DEPTH = 0.009  # [m] by which covered skin is moved inward
 TUCK_RAMP = 0.014  # [m] distance below the neckline over which `TUCK_DEPTH` is reached
 COLLAR_RAMP = 0.045  # [m] distance below the neckline within which the suit is drawn to the neck
 COLLAR_GAP = 0.0015  # [m] distance of the suit from the neck at the neckline; the shirt lies outside the suit
-COLLAR_NEIGHBOURS = 4  # nearest skin points that are averaged for the neck's surface
+COLLAR_NEIGHBOURS = 4  # number of nearest skin points that are averaged for the neck's surface
 MAX_FRAMES_PER_VERTEX = 8  # largest number of skinning frames that move a vertex
 
 
@@ -48,7 +48,7 @@ class DressedPerson:
 
     @cached_property
     def hair(self) -> Floats:
-        """(v,) distance of the painted hair from the scalp [m]."""
+        """Distance (v,) [m] of the painted hair from the scalp."""
         return measure_painted_hair(self.mesh)
 
     @property

@@ -19,7 +19,7 @@ from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
 HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull, in distances between the eyes
 NEIGHBOUR_COUNT = 24  # number of skin vertices averaged for the skull radius in a direction
-SMOOTHING_ANGLE = 0.08  # [rad] width of the average of the skull radius
+SMOOTHING_ANGLE = 0.08  # [rad] standard deviation of the weights in the average of the skull radius
 MAX_EAR_SLOPE = 0.45  # slope at which hair rises over an ear and descends behind it
 EAR_REGION = (
     -1.75,

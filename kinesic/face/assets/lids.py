@@ -81,7 +81,7 @@ class Lids:
 
 
 def find_lids(mesh: Mesh, side: str, number: int) -> Lids:
-    """Find the lids of an eye.
+    """Find the lid edges, lid skin and lashes of an eye.
 
     Args:
         mesh: mesh of a head.
