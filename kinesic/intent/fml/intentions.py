@@ -8,9 +8,9 @@ from kinesic.bml.reading.tree import Element
 from kinesic.intent.fml.mark_times import MarkTimes
 from kinesic.intent.intents import Intent, Moment
 
-DEFAULT_TYPE = "any"  # type of an intention without one
+DEFAULT_TYPE = "any"  # type of an intention whose document gives none
 SPEECH_INTENTIONS = ("pitchaccent", "boundary")  # intentions inside a speech
-DEFAULT_IMPORTANCE = 0.5  # importance of an intention without one
+DEFAULT_IMPORTANCE = 0.5  # 0..1 importance of an intention whose document gives none
 MIN_DURATION = 0.3  # [s] shortest duration of an intention
 DEFAULT_DURATION = 1.5  # [s] duration of an intention without an end
 MAX_STROKE_DELAY = 0.6  # [s] longest time from the start of an intention without accent to its stroke

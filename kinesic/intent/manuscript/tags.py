@@ -23,7 +23,7 @@ _AUTOLINK_PATTERN = re.compile(r"<(?:https?|ftp|mailto):[^<>\s]*>", re.IGNORECAS
 _MAIL_LINK = re.compile(r"<([\w.+-]{1,64}@[A-Za-z0-9.-]{3,120})>")
 _CUT_TAG = re.compile(
     r"</[A-Za-z][^<>\n]*|<[A-Za-z][\w.-]*(?::[^<>\n]*|\s+[\w:-]+\s*=[^<>\n]*)"
-)  # a closing tag, or one with a prefix or attribute
+)  # incomplete tag: a closing one, or one with a prefix or an attribute
 _NUMBERED_PATTERN = re.compile(r"[-_.]?\d+$")
 
 

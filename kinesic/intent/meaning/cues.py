@@ -17,7 +17,7 @@ CueKind = Literal[
 ]  # idiom: fixed words; word: literal; feeling: only where felt; question: asked words
 CueContext = Literal["any", "statement", "question", "exclamation", "talk"]  # talk: between speaker and listener
 
-CUE_FOLDER = CONFIGS / "intents" / "cues"  # one folder of cue files for each language
+CUE_FOLDER = CONFIGS / "intents" / "cues"  # folder with one folder of cue files per language
 PICTURE_INTENT = "picture"  # intent of a gesture that depicts the meaning of words
 # Certainty of a cue whose file entry gives none, by kind of cue.
 DEFAULT_CERTAINTIES: Mapping[CueKind, float] = {"idiom": 0.8, "word": 0.7, "feeling": 0.75, "question": 0.65}

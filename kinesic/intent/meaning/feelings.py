@@ -20,12 +20,12 @@ STRUCTURE_PREFIXES = (
     "compound",
     "deictic",
     "world",
-)  # prefixes of intents about structure, without an attitude
+)  # prefixes of intents about the text's structure, without an attitude
 SOCIAL_PREFIX = "performative"  # prefix of intents that address the listener
 GREETING_INTENT = "performative-greet"  # intent of greetings, which begin a clause
 EMOTION_PREFIX = "emotion"  # prefix of intents that show the emotion of a person
 JUDGEMENT_INTENTS = frozenset({"positive", "negative"})  # intents of judgements, shown by a small smile or a sad mouth
-ASKING_INTENTS = frozenset({"question", "rhetorical"})  # intents whose words also begin clauses of statements
+ASKING_INTENTS = frozenset({"question", "rhetorical"})  # question intents whose words also begin clauses of statements
 NOD_INTENTS = frozenset({"affirmation", "intensification", "obligation", "assumption"})  # intents shown by a nod
 FORMAL_INTENTS = frozenset(
     {"inclusivity", "interjection", "possibility"}

@@ -16,7 +16,7 @@ ANY_NUMBER = "#"  # sign in a pattern that matches a number word
 
 @dataclass(frozen=True)
 class Slot:
-    """Slot of a pattern: the words that one place accepts."""
+    """Place in a pattern, with the words that it accepts."""
 
     words: frozenset[str]
     stems: frozenset[str] = frozenset()  # of words in any inflection

@@ -73,7 +73,7 @@ def _beat(context: Context, k: int) -> Intent:
 
 
 def place_stroke(passage: Passage, k: int) -> int:
-    """Return the index of the content word at or near `k`.
+    """Return the index of the content word at or near word `k`.
 
     Only the next and the previous word of the same phrase count as near. The result is `k` for an emphasised word, and
     if no content word is near.

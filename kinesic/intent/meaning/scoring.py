@@ -58,7 +58,7 @@ REPORT_CATEGORIES = frozenset(
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents that address the listener
 # Further gestures that address the listener.
 SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})
-LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures to the listener
+LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures towards the listener
 
 
 @dataclass(frozen=True, eq=False)

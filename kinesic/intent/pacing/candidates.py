@@ -9,7 +9,7 @@ from kinesic.intent.intents import Intent
 
 @dataclass(frozen=True)
 class Candidate:
-    """Signal of an intent that may be chosen."""
+    """Signal that may be chosen to show an intent."""
 
     intent: Intent
     signal: Signal

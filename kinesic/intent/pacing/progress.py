@@ -11,7 +11,7 @@ from kinesic.intent.pacing.rhythm import is_beat
 
 @dataclass(frozen=True)
 class Progress:
-    """Words, time and gestures of the spoken parts of a text."""
+    """Counts of words and gestures, and duration, of a text's spoken parts."""
 
     words: int = 0
     seconds: float = 0.0  # [s] estimated duration of these words and their pauses

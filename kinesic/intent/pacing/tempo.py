@@ -73,7 +73,7 @@ def _level_of(style: Style) -> float:
 
 
 def tempo_of(style: Style) -> Tempo:
-    """Return the gesture tempo of a style, within the range of people."""
+    """Return a style's gesture tempo, within the range observed in people."""
     level = _level_of(style)
 
     def at_level(values: tuple[float, float, float]) -> float:

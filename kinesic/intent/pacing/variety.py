@@ -13,10 +13,10 @@ from kinesic.intent.pacing.memory import PastGesture
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS, MAIN_BEAT_INTENT, is_beat
 
 NO_REPEAT_WINDOW = 3  # [gestures] successive gestures that must differ if no time window is given
-BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat instead of a repeated gesture
+BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat that replaces a repeated gesture
 # Intents whose words recur in any text.
 FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})
-EMPHATIC_CERTAINTY = 0.8  # certainty of an intent from which its beat has the expressivity of the style
+EMPHATIC_CERTAINTY = 0.8  # smallest certainty of an intent whose beat has the style's expressivity
 NO_PREFERENCES: Mapping[str, float] = {}  # equal preference for all gestures
 NEUTRAL_MANNER: Mapping[str, float] = {}  # no changes to the expressivity of the style
 MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all alternatives are used up

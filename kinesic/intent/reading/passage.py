@@ -115,5 +115,5 @@ def is_phrase_start(word: Word) -> bool:
 
 
 def mark(index: int) -> str:
-    """Return the sync point name at the start of a word."""
+    """Return the name of the sync point before a word."""
     return f"w{index + 1}"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from kinesic.intent.markup import quote
 
-PROSODY_TAG = "kinesic:prosody"  # name of the tag around words with a prosody of their own
+PROSODY_TAG = "kinesic:prosody"  # name of the tag around words with a requested prosody
 VOICE_TAG = "kinesic:voice"  # name of the tag that sets the voice until the next such tag
 PROSODY_ATTRIBUTES = ("rate", "pitch", "range", "volume")  # attributes that the voice follows
 MAX_OPEN_ELEMENTS = 16  # largest depth of nested prosody elements; deeper ones are ignored
