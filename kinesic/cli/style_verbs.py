@@ -16,7 +16,7 @@ def style_verbs() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print a JSON list of the styles with their values.")
 @implemented_by("styles:list_styles")
 def _list_styles() -> None:
-    """List the built-in styles with their parameters of gestures."""
+    """List the built-in styles with their gesture parameters."""
 
 
 @style_verbs.command("show")
@@ -25,7 +25,7 @@ def _list_styles() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print the values as JSON.")
 @implemented_by("styles:show_style")
 def _show_style() -> None:
-    """Show each value of STYLE, a name or a TOML file, with unit and effect.
+    """Show all values of STYLE (name or file) with units and effects.
 
     Keys are those of the style's file; those before `standing` are also names for --set. A modality (head, torso, face)
     is listed only where it differs from gestures.

@@ -23,8 +23,8 @@ CATEGORY_COLOURS = {
     "partly": "yellow",
     "substituted": "yellow",
     "warning": "yellow",
-}  # the most severe first
-MAX_PRINTED_WARNINGS = 40  # warnings printed after a performance
+}  # warning category -> colour, the most severe first
+MAX_PRINTED_WARNINGS = 40  # largest number of warnings printed after a performance
 
 
 def print_checks(checks: Sequence[Check], screen: Console) -> None:

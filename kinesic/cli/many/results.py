@@ -12,7 +12,7 @@ from kinesic.files.output_file import new_file
 from kinesic.tasks.store import QueryResult, open_store
 
 PICTURE_FILE = "results.png"  # default file name of the plot
-SUMMARY_QUERIES: Mapping[str, str] = {  # SQL by the table that it reads
+SUMMARY_QUERIES: Mapping[str, str] = {  # table -> SQL query that summarises it
     "checks": """
 SELECT name AS "check", count(*) AS documents, count(*) FILTER (status = 'fail') AS failed,
     count(*) FILTER (status = 'poor') AS poor, quantile_cont("value", 0.5) AS median,
