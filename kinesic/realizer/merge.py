@@ -83,7 +83,7 @@ def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: flo
 
 @dataclass(frozen=True, eq=False)
 class _Attempt:
-    """Result of merging a block that begins at a certain knot."""
+    """Result of merging a block that begins at a given knot."""
 
     offset: int  # knot at which the block's motion begins
     occupancies: Sequence[Occupancy]  # of all its behaviours

@@ -60,7 +60,7 @@ class Occupancy:
 
 
 def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
-    """Return the occupancies of a plan's moving behaviours, sorted by begin.
+    """Return the occupancies of a plan's moving behaviours, sorted by start time.
 
     Args:
         plan: plan, whose time is used.
