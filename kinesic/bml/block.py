@@ -76,7 +76,7 @@ __all__ = [
     "find_modality",
 ]
 
-DEFAULT_BLOCK_ID = "block"  # id of a block without one
+DEFAULT_BLOCK_ID = "block"  # id of a block whose document gives none
 
 Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 

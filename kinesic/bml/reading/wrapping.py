@@ -22,7 +22,7 @@ _MARKDOWN_FENCE = re.compile(
 _XML_DECLARATION = re.compile(r"\s*<\?xml[^<>]*\?>", re.IGNORECASE)
 _JSON_START = re.compile(r"\{\s*\"|\[\s*\{\s*\"")
 _JSON_DOCUMENT = re.compile(r"\"(?:type|behaviours|behaviors|data|bml)\"\s*:")
-_JSON_TOKEN = re.compile(r"\"(?:[^\"\\\n]|\\.)*+\"?|[{}\[\]]")  # an unclosed text ends with its line
+_JSON_TOKEN = re.compile(r"\"(?:[^\"\\\n]|\\.)*+\"?|[{}\[\]]")  # an unclosed string ends with its line
 _BLANK_RUN = re.compile(r"[\s\ufeff]*")
 
 

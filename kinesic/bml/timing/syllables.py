@@ -13,7 +13,7 @@ TIME_ROUNDING = 1e-6  # [s] tolerance for phonemes that start just before a mark
 
 
 def find_syllables(block: Block, utterances: Mapping[str, Utterance]) -> Mapping[tuple[str, str], float]:
-    """Return the time [s] from word-tied sync points to the syllable's end.
+    """Return times [s] from word-tied sync points to ends of accented syllables.
 
     Args:
         block: block with its speeches.
