@@ -18,7 +18,7 @@ from kinesic.controller.watch.clearance import ClearanceWatch, look_ahead, looka
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 
-MAX_STORED_CYCLES = 100  # bus cycles with stored times: 1 s, longer than the age of any used reading
+MAX_STORED_CYCLES = 100  # number of bus cycles with stored times: 1 s, longer than the age of any used reading
 MIN_LOOK_INTERVAL = 0.9 * LOOK_PERIOD  # [s] shortest time between clearance checks; tolerates bus jitter
 POSTURE_MEMORY = 3.0  # [s] duration of stored commanded postures, longer than the age of any used reading
 TRIM_COUNT = 100  # number of outdated commands above which all of them are deleted
