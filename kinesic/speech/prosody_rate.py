@@ -6,7 +6,7 @@ from kinesic.body.utterance import Script
 
 RATE_WORDS = {
     "x-slow": 0.6, "slow": 0.8, "medium": 1.0, "default": 1.0, "fast": 1.25, "x-fast": 1.6,
-}  # relative to normal speech, as in espeak-ng  # fmt: skip
+}  # speech rate by word, relative to normal speech, as in espeak-ng  # fmt: skip
 MIN_RATE = 0.2  # lowest speech rate of nested elements, relative to normal speech
 MAX_RATE = 5.0  # highest speech rate of nested elements, relative to normal speech
 _NUMBER_PATTERN = re.compile(r"([+-]?)(\d+(?:\.\d+)?)(%?)")
