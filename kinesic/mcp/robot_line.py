@@ -22,7 +22,7 @@ class RobotLine:
     """
 
     def __init__(self, host: str, port: int, *, token: str | None = None) -> None:
-        """Open the connections for documents, status and stops.
+        """Open the connections for documents, previews, status and stops.
 
         Raises:
             OSError: no server listens at this address.

@@ -15,7 +15,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, find_bonds
 MAX_RATE_FACTOR = 1.25  # speech rate factor at style value temporal = 1; its inverse at -1
 SEMITONES_PER_UNIT = 1.5  # [semitones] pitch change per unit of power or activation
 PAUSE_TOLERANCE = 0.002  # [s] accepted shortfall of a speech pause
-MAX_WORD_LENGTH = 24  # longest word quoted in a message, in characters
+MAX_WORD_LENGTH = 24  # [characters] longest quotation of a word in a message
 MAX_SOUND_DURATION = 2400.0  # [s] longest audible speech of a block
 
 UNHEARD_REMARK = (

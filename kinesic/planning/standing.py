@@ -23,7 +23,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.stance import StanceDeviation, draw_deviation, expand_features, read_stances
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
-POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of the arm offsets, tried until no body parts are too close
+POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of posture offsets, tried until no body parts are too close
 RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the joint limits
 STANDING_STREAM = 7  # index of the random stream for standing postures
 MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk

@@ -21,7 +21,7 @@ MIN_HEAD_POINTS = 12  # surface points needed to recognise a head
 
 
 def place_eyes(figure: HumanoidGeometry, layout: SegmentLayout, carried: Mapping[str, Sequence[int]]) -> SiteTable:
-    """Return a forward-facing site on the middle of the head's front.
+    """Return a forward-facing eye site in the middle of the head's front.
 
     Args:
         figure: Robot with hanging arms.
