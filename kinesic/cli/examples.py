@@ -11,7 +11,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "doctor": ("kinesic doctor",),
     "export": ("kinesic export welcome --to mcap",),
     "face": ("kinesic face --emotion joy --out joy.png", "kinesic face --bml welcome --out face.webp"),
-    "gestures find": ("kinesic gestures find weigh two things", "kinesic gestures find big --category iconic --json"),
+    "gestures find": (
+        "kinesic gestures find weigh two things",
+        "kinesic gestures find hand to the temple",
+        "kinesic gestures find big --category iconic --json",
+    ),
     "gestures list": ("kinesic gestures list --category emblem", "kinesic gestures list --json"),
     "gestures render": ("kinesic gestures render offer --out offer.png", "kinesic gestures render --all --out all.png"),
     "gestures show": ("kinesic gestures show offer",),

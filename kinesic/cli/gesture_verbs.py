@@ -39,9 +39,10 @@ def _list_gestures() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print the gestures as JSON.")
 @implemented_by("gesture_search:search_gestures")
 def _find_gestures() -> None:
-    """Find gestures by WORDS for their meaning, the best first.
+    """Find gestures by WORDS for their meaning or movement, the best first.
 
-    Names, synonyms, meanings and descriptions are searched, for example: kinesic gestures find weigh two things.
+    Names, synonyms, meanings, descriptions and touched body parts are searched, for example: kinesic gestures find hand
+    to the temple.
     """
 
 

@@ -12,7 +12,14 @@ from kinesic.expressivity.lexicon.entries import LexiconEntry
 from kinesic.expressivity.lexicon.form import MatchKind
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.names import split_words
-from kinesic.expressivity.lexicon.word_stems import word_stem
+from kinesic.expressivity.lexicon.query_words import (
+    BODY_WORDS,
+    content_words,
+    form_words,
+    is_function_word,
+    related_words,
+    search_stem,
+)
 
 HitKind = Literal["all", "name", "synonym", "class", "words", "near"]
 
@@ -38,9 +45,12 @@ LAST_MEANING_WEIGHT = 0.7  # weight of the least characteristic word of a meanin
 SYNONYM_WEIGHT = 0.95  # weight of a synonym that is one word
 PHRASE_WEIGHT = 0.6  # weight of a word in a synonym of several words
 DESCRIPTION_WEIGHT = 0.5  # weight of a word in the description
+BODY_WEIGHT = 0.75  # weight of a part of the body in the description
 CATEGORY_WEIGHT = 0.4  # weight of the category's name
+FORM_WEIGHT = 0.4  # weight of a word for the gesture's hands or a touched body part
 
 STEM_QUALITY = 0.95  # match quality of another form of the word, such as waving for wave
+RELATED_QUALITY = 0.6  # match quality of a word for a similar movement or place, such as silent for quiet
 PREFIX_QUALITY = 0.7  # match quality of a word that begins with an unknown word of the query
 LONGER_WORD_QUALITY = 0.35  # match quality of a longer word, such as yesterday for yes
 SPELLING_QUALITY = 0.6  # match quality of a word spelt similarly to an unknown word of the query
@@ -86,7 +96,7 @@ def find_gestures(
 
 def _rank(index: "_Index", lexicon: Lexicon, query: str) -> list[GestureHit]:
     """Return all hits of a query, sorted by relevance."""
-    words = tuple(dict.fromkeys(split_words(query)))
+    words = content_words(query)
     hits = [_hit(index.entries[k], score, kind, matched) for k, (score, kind, matched) in index.scores(words).items()]
     named = _find_named(lexicon, query, words) if words else None
     if named is not None:
@@ -95,9 +105,12 @@ def _rank(index: "_Index", lexicon: Lexicon, query: str) -> list[GestureHit]:
 
 
 def _find_named(lexicon: Lexicon, query: str, words: Sequence[str]) -> GestureHit | None:
-    """Return the gesture that the query names as a lexeme, or None."""
+    """Return the gesture that the query names as a lexeme, or None.
+
+    A gesture that only some words name is left to the ranking.
+    """
     match = lexicon.find(query)
-    if match is None:
+    if match is None or (match.kind != "class" and match.substitute):
         return None
     kind, score = NAME_HITS[match.kind]
     sense = lexicon.sense(match.form)
@@ -123,8 +136,8 @@ class _Index:
         rarities: dict[str, float] = {}
         for word in words:
             matches = dict(self._matches(word))
-            matched_rarities = [self._rarity(other) for other in matches]
-            rarities[word] = max(matched_rarities, default=self._rarity(""))
+            known = [other for other, quality in matches.items() if quality >= STEM_QUALITY]
+            rarities[word] = max(map(self._rarity, known or matches), default=self._rarity(""))
             for other, quality in matches.items():
                 for k, weight in self.weights[other].items():
                     gain = weight * quality * min(1.0, self._rarity(other) / rarities[word])
@@ -138,14 +151,16 @@ class _Index:
 
     def _matches(self, word: str) -> Iterator[tuple[str, float]]:
         """Yield lexicon words that match a query word, with their quality."""
-        alike = self.stems.get(word_stem(word), ())
+        alike = [other for other in self.stems.get(search_stem(word), ()) if not is_function_word(other)]
+        related = [other for name in related_words(word) for other in self.stems.get(search_stem(name), ())]
         begun = self._words_with_prefix(word)
         begun_quality = LONGER_WORD_QUALITY if alike or word in self.weights else PREFIX_QUALITY
+        yield from ((other, RELATED_QUALITY) for other in related)
         yield from ((other, begun_quality) for other in begun)
         yield from ((other, STEM_QUALITY) for other in alike)
         if word in self.weights:
             yield word, 1.0
-        elif not alike and not begun and len(word) >= MIN_SPELLING_LENGTH:
+        elif not alike and not begun and not related and len(word) >= MIN_SPELLING_LENGTH:
             near = difflib.get_close_matches(word, self.vocabulary, cutoff=SPELLING_CUTOFF)
             yield from ((other, SPELLING_QUALITY) for other in near)
 
@@ -178,7 +193,7 @@ def _index(lexicon: Lexicon) -> _Index:
             by_gesture[k] = max(weight, by_gesture.get(k, 0.0))
     stems: dict[str, list[str]] = {}
     for word in weights:
-        stems.setdefault(word_stem(word), []).append(word)
+        stems.setdefault(search_stem(word), []).append(word)
     return _Index(ordered, weights, {stem: tuple(words) for stem, words in stems.items()}, tuple(sorted(weights)))
 
 
@@ -192,5 +207,7 @@ def _weighted_words(entry: LexiconEntry, synonyms: Iterable[str]) -> Iterator[tu
     step = (MEANING_WEIGHT - LAST_MEANING_WEIGHT) / max(len(meaning) - 1, 1)
     for rank, name in enumerate(meaning):
         yield from ((word, MEANING_WEIGHT - rank * step) for word in split_words(name))
-    yield from ((word, DESCRIPTION_WEIGHT) for word in split_words(entry.sense.says))
+    for word in split_words(entry.sense.says):
+        yield word, BODY_WEIGHT if word in BODY_WORDS else DESCRIPTION_WEIGHT
     yield from ((word, CATEGORY_WEIGHT) for word in split_words(entry.category))
+    yield from ((word, FORM_WEIGHT) for word in form_words(entry.form))

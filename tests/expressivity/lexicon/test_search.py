@@ -34,10 +34,49 @@ def ids(lexicon: Lexicon, query: str, count: int = 5) -> list[str]:
         ("GREET_WAVE", "greet_wave"),
         ("drink coffee", "drink"),
         ("idea bowl", "conduit"),
+        ("shrug", "doubt_shrug"),
+        ("look at the watch", "watch_time"),
+        ("two hands apart", "large"),
+        ("be quiet", "hush"),
+        ("call me on the phone", "phone_call"),
+        ("push it away", "refuse_push"),
+        ("point at my nose", "nose"),
     ],
 )
 def test_gesture_search_lists_the_fitting_gesture_first(lexicon, query, gesture):
     assert ids(lexicon, query)[0] == gesture
+
+
+@pytest.mark.parametrize(
+    ("query", "gestures"),
+    [
+        ("hand to the temple", {"think", "crazy", "salute"}),
+        ("finger at the temple", {"think", "crazy"}),
+        ("touch the forehead", {"palm_to_forehead", "wipe_brow"}),
+        ("hand on the belly", {"belly", "pat_tummy"}),
+        ("big box", {"large", "object_hold"}),
+        ("cover the mouth", {"gasp", "yawn"}),
+        ("hands on the hips", {"akimbo", "hand_on_hip"}),
+        ("palm down", {"flat_hand_down", "calm_down"}),
+        ("fold your hands", {"hands_folded_low", "hands_together"}),
+        ("small amount of money", {"money"}),
+        ("show the biceps", {"beat_strong", "yes_fist"}),
+        ("hands in the air", {"joy_cheer"}),
+    ],
+)
+def test_gesture_search_finds_movements_and_places_of_the_body_first(lexicon, query, gestures):
+    assert gestures <= set(ids(lexicon, query, 3))
+
+
+def test_function_words_of_a_query_do_not_change_its_hits(lexicon):
+    assert ids(lexicon, "the hand is at the temple") == ids(lexicon, "hand temple")
+    assert ids(lexicon, "come here")[0] == ids(lexicon, "come")[0] == "come"
+    assert ids(lexicon, "you")[0] == "you"
+
+
+def test_gesture_that_only_some_words_name_is_ranked_by_its_words(lexicon):
+    assert lexicon.find("point at my nose").form.id == "me"
+    assert "me" not in ids(lexicon, "point at my nose", 3)
 
 
 def test_gesture_search_does_not_match_inside_a_word(lexicon):

@@ -1,0 +1,27 @@
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.query_words import content_words, form_words, related_words, search_stem
+
+
+def test_content_words_leave_out_function_words_and_repetitions():
+    assert content_words("Put the hand on your hand") == ("hand",)
+    assert content_words("to the") == ("to", "the")
+    assert content_words("") == ()
+
+
+def test_related_words_are_found_for_inflected_forms():
+    assert "part" in related_words("apart")
+    assert set(related_words("fingers")) == {"forefinger", "index"}
+    assert related_words("violin") == ()
+
+
+def test_plural_of_a_word_in_er_has_the_stem_of_the_word():
+    assert search_stem("fingers") == search_stem("finger")
+    assert search_stem("waving") == search_stem("waves")
+
+
+def test_form_words_name_both_hands_and_touched_parts():
+    forms = Lexicon.load().forms_by_id
+    assert {"both", "two", "arm", "touch"} <= set(form_words(forms["scratch_arm"]))
+    assert {"head", "touch"} <= set(form_words(forms["think"]))
+    assert "both" not in set(form_words(forms["think"]))
+    assert list(form_words(forms["beat"])) == []
