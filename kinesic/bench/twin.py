@@ -48,7 +48,7 @@ DETUNED_TWINS: tuple[tuple[str, Factors], ...] = (  # twins that each differ fro
 SOFT_LATE_LOOSE_FACTORS = Factors(gain=0.5, latency=0.015, play=LOOSE_PLAY, resistance=0.2)
 WORST_TWINS: tuple[
     tuple[str, Factors], ...
-] = (  # several wrong factors at once; only freedom from collisions is required
+] = (  # twins with several wrong factors at once, which must only be free of collisions
     ("supply_3_a", Factors(resistance=0.1, amps=3.0)),
     ("weak_and_heavy", Factors(stall=0.7, friction=2.0, armature=1.5, mass=1.25)),
     ("soft_late_and_loose", SOFT_LATE_LOOSE_FACTORS),

@@ -33,8 +33,8 @@ SWEPT_GESTURES = (
     "heart",
 )
 LABEL_SIZE = 7.5  # [pt] font size of labels in small panels
-FAINT_COLOUR = "#8a8a8a"
-VALUE_COLOURS = colormaps["viridis"]
+FAINT_COLOUR = "#8a8a8a"  # colour of tick labels
+VALUE_COLOURS = colormaps["viridis"]  # colours of hand paths by parameter value
 SHOWN_GESTURES = ("flat_surface", "beat", "ball_round")  # gestures with drawn paths
 PLOT_DPI = 100  # [pixels/inch] resolution of the saved plots
 

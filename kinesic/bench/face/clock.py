@@ -13,9 +13,11 @@ BUSY_TIME = 0.015  # [s] filler work of the graphics card while the measured com
 BUSY_SIZE = 512  # [pixels] side of the picture drawn as filler work
 MAX_BUSY_STEPS = 1e7  # largest filler iterations per pixel
 
+# Shader of the filler work that draws one triangle over the whole picture.
 VERTEX_SHADER = """#version 330 core
 in vec2 corner;
 void main() { gl_Position = vec4(corner, 0.5, 1.0); }"""
+# Shader of the filler work that computes `steps` iterations per pixel.
 FRAGMENT_SHADER = """#version 330 core
 uniform float steps;
 out vec4 found;

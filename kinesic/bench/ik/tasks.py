@@ -35,6 +35,7 @@ MAX_ANGLE_ERROR = 1e-2  # [rad] direction error below which a task counts as sol
 RESIDUAL_MARGIN = 5e-3  # [m] largest excess over the optimizer's residual of a task that counts as solved
 PERFECT_COST = 1e-12  # cost below which the optimizer tries no further start
 DIRECTION_WEIGHT = 0.1  # cost weight of pointing and palm directions; the position has weight 1
+# Options of IPOPT: no output, small tolerance, bounds kept exactly.
 IPOPT_OPTIONS: Mapping[str, bool | int | float | str] = {
     "print_time": False,
     "ipopt.print_level": 0,

@@ -35,14 +35,17 @@ SENTENCE_VERBS = (
     "could hardly believe",
     "sold",
 )
+# Objects from which sentences are composed.
 SENTENCE_OBJECTS = (
     "three enormous boxes", "a tiny silver key", "the whole story", "nothing at all", "the long road to the river",
     "many wonderful pictures", "a heavy round stone", "the letter from his mother", "the small wooden bridge",
 )  # fmt: skip
+# Ends of composed sentences; empty: none.
 SENTENCE_ENDINGS = (
     "", " before the rain came", ", but nobody listened", " and laughed", ", first slowly and then very fast",
     " in the great hall of the palace", ", because the night was cold", " on Sunday morning", ", my friend",
 )  # fmt: skip
+# Short sentences between the composed ones.
 SHORT_ASIDES = (
     "Is that not strange?", "Hello, and welcome!", "No, I do not believe it.", "What can we do now?",
     "Thank you very much!",
@@ -61,6 +64,7 @@ DEICTIC_TEMPLATES = (  # sentence template and its deictic intent; empty: no dei
     ("I said that the {thing} was broken.", "deictic-me"),
     ("The {thing} that he found was new.", ""),
 )
+# Things inserted into `DEICTIC_TEMPLATES`.
 DEICTIC_OBJECTS = (
     "lamp", "basket", "table", "garden chair", "red bicycle", "kettle", "picture", "blanket", "candle", "little boat",
     "umbrella", "drum", "ladder", "mirror", "old clock", "guitar", "bottle", "hammer", "carpet", "wooden spoon",

@@ -17,7 +17,7 @@ AHEAD_DISTANCE = 0.9  # [arm lengths] distance of the position "ahead" from the 
 HIP_OFFSET = 0.2  # [arm lengths] distance of a hip position from the midline
 FACE_POINTS: Mapping[
     str, tuple[float, float, float]
-] = {  # fractions: forward, to the side, up to the crown or down to the chin
+] = {  # position -> fractions of the head: forward, sideways, from the eyes up to the crown or down to the chin
     "mouth": (0.9, 0.0, -0.63),
     "nose": (1.0, 0.0, -0.47),
     "chin": (0.57, 0.0, -0.9),

@@ -27,6 +27,7 @@ class Limit:
         return not (value >= bound if self.at_least else value <= bound)
 
 
+# Check name -> unit, direction and severity of its limit.
 CHECK_LIMITS = {
     "limits.margin": Limit("deg", "fail", at_least=True),
     **{f"limits.{quantity}": Limit("ratio", "fail") for quantity in ("position", "speed", "acceleration", "jerk")},

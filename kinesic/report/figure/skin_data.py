@@ -25,6 +25,7 @@ MOUTH_DARKENING = 0.9  # fraction by which skin inside the mouth is darkened
 TEETH_BRIGHTNESS = 0.45  # factor on the linear colours of teeth and tongue
 MAX_BORDER_DISTANCE = 0.32767  # [m] largest stored distance of a cloth vertex beyond the garment's border
 FRAME_DIGITS = 6  # decimal places of rig frame rotations and positions [m]
+# Bytes of one packed vertex, as the page's shader reads them.
 VERTEX_TYPE = np.dtype(
     [
         ("place", "<i2", 4),  # multiples of POSITION_STEP; the last is padding

@@ -67,6 +67,7 @@ def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
     return answers
 
 
+# Measure as named in the thesis -> points (1 to 5) of an answer.
 RATING_MEASURES: Mapping[str, Callable[[Rating], int]] = {
     "EXP": lambda answer: answer.labels[answer.action],  # recognition of the expression
     "NAT": lambda answer: answer.opinions["naturalness"],
