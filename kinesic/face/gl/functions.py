@@ -18,6 +18,7 @@ NumberType: TypeAlias = type[
     | ctypes.c_ssize_t
 ]
 
+# Letter in FUNCTION_TABLE -> C type of an argument.
 ARGUMENT_TYPES: Mapping[str, NumberType] = {
     "i": ctypes.c_int,  # also sizes
     "u": ctypes.c_uint,  # also enumerations and masks

@@ -16,7 +16,7 @@ from kinesic.face.gl.programs import Column, Program
 from kinesic.face.gl.textures import DepthBuffer, Framebuffer, Rectangle, Size, Texture
 
 SHADER_FOLDER = Path(__file__).parent / "shaders"
-VERSION_LINE = "#version 330 core\n"
+VERSION_LINE = "#version 330 core\n"  # first line of every shader
 
 PassRegion = Literal["head", "marked", "marking", "everywhere"]
 # By region: OpenGL comparison of the drawn depth (far plane, 1.0) with the depth buffer; "1" always passes.

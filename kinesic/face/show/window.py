@@ -21,12 +21,14 @@ if TYPE_CHECKING:
 
 KEY_NAMES = ("left", "right", "up", "down", "escape", "comma", "period", *"0123wvq")
 BACKGROUND_COLOUR = (0.055, 0.075, 0.105)  # linear RGB colour behind the picture
+# Vertex shader that fills the viewport with a picture, whose first row is at the top.
 _VERTEX_SHADER = """
 #version 330
 in vec2 corner;
 out vec2 place;
 void main() { place = vec2(corner.x, 1.0 - corner.y); gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0); }
 """
+# Fragment shader that copies the colours of the picture.
 _FRAGMENT_SHADER = """
 #version 330
 uniform sampler2D picture;
