@@ -5,7 +5,7 @@ from kinesic.intent.reading.passage import PHRASE_PAUSE, SENTENCE_PAUSE, Passage
 MIN_PARAGRAPH_PAUSE = 0.2  # [s] shortest silence before a word that begins a paragraph
 SHORT_SPEECH = 60  # [words] length from which a speech ends with its paragraph
 FULL_SPEECH = 120  # [words] length from which a speech ends with its sentence
-LONGEST_SPEECH = 180  # [words] length from which a speech ends with its phrase, or anywhere if it has none
+LONGEST_SPEECH = 180  # [words] length from which a speech ends with its phrase; from twice this length, anywhere
 UNDIVIDED_TEXT = 240  # [words] length up to which a text is a single speech
 
 

@@ -29,7 +29,7 @@ def _clip(value: float, least: float, most: float) -> float:
 
 MODULATION_OPERATORS: Mapping[
     str, Callable[[float, float, float, float], float]
-] = {  # arguments: value, first and second operand, intensity
+] = {  # operator -> function of value, first and second operand, intensity
     "ADD": lambda _, one, other, __: one + other,
     "SUB": lambda _, one, other, __: one - other,
     "VAL": lambda _, one, __, ___: one,

@@ -18,7 +18,7 @@ MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech syste
 _NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
 _SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1):(?!\w)")
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
-_HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")
+_HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")  # `&amp;`, `&#39;`
 _JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
 _EMOJI_PATTERN = re.compile(
     f"[\U0001f1e6-\U0001f1ff]{{1,2}}|[{PICTOGRAPH_RANGES}][{_JOINABLE_RANGES}]*(?:\u200d[{PICTOGRAPH_RANGES}]?[{_JOINABLE_RANGES}]*)*"

@@ -10,6 +10,7 @@ MAX_LABEL_LENGTH = 40  # [characters] longest name of a speaker
 MAX_MARKER_LENGTH = 12  # [characters] longest indent and marker of a list item
 MAX_SKIPPED_LENGTH = 2000  # [characters] length from which another speaker's line is skipped before its end arrives
 MIN_WRAPPED_LENGTH = 55  # [characters] shortest line that counts as wrapped text; its end causes no pause
+# Markdown marker of a heading, list item or quotation at the start of a line.
 _MARKER_PATTERN = re.compile(r"[ \t]*(?:#{1,6}[ \t]+|[-+\u2022\u2023\u25e6*][ \t]+|\d{1,3}[.)][ \t]+|(?:>[ \t]?)+)")
 _TASK_PATTERN = re.compile(r"\[[ xX]\][ \t]+")
 MIN_RULE_LENGTH = 3  # smallest number of signs in a horizontal rule, or below the head of a table
@@ -17,6 +18,7 @@ FRONT_MATTER_SIGN = "---"  # line before and after the settings of a document
 _SETTING_PATTERN = re.compile(r"\w[\w-]*:(?:[ \t]|$)")
 _OPEN_SETTING = re.compile(r"[\w-]*:?")
 _FENCE_PATTERN = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`]*)")
+# Markdown definition of the address of a link: `[name]: address`.
 _REFERENCE_PATTERN = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
 _LABEL_PATTERN = re.compile(r"(\*\*|__|\[)?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
 _OPEN_LABEL = re.compile(r"(\*\*|\*|__|_|\[)?([^\W\d_][\w .'\u2019()-]*)?(\*\*|\*|__|_|\])?:?(\*\*|\*|__|_)?[ \t]*")

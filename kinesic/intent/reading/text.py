@@ -15,7 +15,7 @@ from kinesic.intent.reading.spacy_parser import parse_grammar
 
 CATEGORY_CERTAINTIES = {"iconic": 0.45, "metaphoric": 0.38}  # certainty of illustrating gestures, by category
 MIN_WORD_LENGTH = 3  # [letters] shortest word with an illustrating gesture
-LONG_TEXT = 8  # [words] shortest text at whose beginning the speaker looks away
+LONG_TEXT = 8  # [words] at the beginning of a longer text, the speaker looks away
 EMPHASIS_BONUS = 0.25  # bonus on the certainty of intents of emphasised words
 EMOTICON_CERTAINTY = 0.7  # certainty of an emotion shown by an emoticon
 EMOTION_STYLES = {
