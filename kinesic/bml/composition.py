@@ -25,6 +25,7 @@ from kinesic.bml.reading.tree import Element
 
 Until = Literal["relax", "end"]  # point that another block must have reached
 
+# Value of the attribute `composition`, in lower case -> composition.
 _COMPOSITIONS_BY_NAME = {
     "": Composition.MERGE,
     "merge": Composition.MERGE,

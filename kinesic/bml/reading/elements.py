@@ -36,7 +36,7 @@ from kinesic.bml.reading.tree import Element
 from kinesic.bml.reading.vocabulary import HAND_SHAPE_NAMES, NOTATION_TYPES
 
 MAX_HEAD_STROKES = 100  # largest number of strokes per head movement
-MAX_ACTION_UNIT = 99  # largest number in the Facial Action Coding System
+MAX_ACTION_UNIT = 99  # largest accepted number of an action unit
 # types of descriptions that supplement the core form instead of replacing it
 SUPPLEMENTARY_TYPES = frozenset({"gretabml", "kinesic", "application/ssml+xml", "audio/x-wav", "audio/wav"})
 
