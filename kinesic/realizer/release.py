@@ -28,7 +28,7 @@ from kinesic.realizer.held import offset_to_held_posture
 from kinesic.realizer.occupancy import ARM_ROLES, Occupancy, arm_hinges
 
 MIN_RELEASE_DELAY = 10  # [knots] first delay tried for a return to rest that would collide
-MAX_DELAY_DOUBLINGS = 6  # number of delays tried for a return to rest, each twice as long as the previous one
+MAX_DELAY_DOUBLINGS = 6  # largest number of tried delays of a return to rest, each twice the previous one
 RETURN_DURATION_FACTOR = 1.5  # return duration relative to the minimum-time rest-to-rest profile
 RETURN_GROWTH_FACTOR = 1.25  # return duration of an attempt / that of the previous attempt
 MAX_RETURN_PIECES = 400  # spline pieces of the longest return
