@@ -38,7 +38,7 @@ class Preview:
         look: PreviewSettings = DEFAULT_SETTINGS,
         windowed: bool | None = None,
     ) -> None:
-        """Open the preview window and wait for its first picture.
+        """Start the preview process and wait for its first picture.
 
         Args:
             robot: robot whose head turns the face; None: the face looks ahead.
