@@ -49,7 +49,7 @@ def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: 
     """
     if "emoticon" in intent.reason:
         return intent
-    if intent.name.startswith(NOD_PREFIXES) and _is_grave(context, intent.word):
+    if intent.name.startswith(NOD_PREFIXES) and (_is_grave(context, intent.word) or context.is_reported(intent.word)):
         return replace(intent, muted=intent.muted | HEAD_CHANNEL)
     if intent.name in ASKING_INTENTS and not context.is_question(intent.word):
         return None
@@ -72,21 +72,25 @@ def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: 
     if intent.name in JUDGEMENT_INTENTS:
         return context.is_talk(at) and not _is_unreal(context, at, harmless) and not _is_grave(context, at)
     if intent.name in NOD_INTENTS:
-        return not _is_grave(context, at) and not (intent.name == "affirmation" and context.is_question(at))
+        is_agreed = not context.is_question(at) and context.is_talk(at)
+        return not _is_grave(context, at) and (intent.name != "affirmation" or is_agreed)
     return True
 
 
 def _is_denied_here(context: Context, at: int) -> bool:
     """Return whether the speaker denies something that is not bad.
 
-    A question, a report, a condition (`if you don't`), and a bad thing denied (`not a single mistake`) do not count.
+    A question, a report, a condition (`if you don't`), a bad thing denied (`not a single mistake`), and a denial that
+    another one takes back (`never without`) do not count.
     """
     clause = context.clause_words(at)
     is_condition = any(context.language.has("condition", context.plain[k]) for k in range(clause.start, at))
     denies_bad = any(
         context.language.has(name, context.plain[k]) for k in range(at + 1, clause.stop) for name in ("sad", "stern")
     )
-    return not (context.is_question(at) or context.is_reported(at) or is_condition or denies_bad)
+    denials = sum(context.language.has("denial", context.plain[k]) for k in clause)
+    is_taken_back = denials > 1 and any(context.language.has("denied_lack", context.plain[k]) for k in clause)
+    return not (context.is_question(at) or context.is_reported(at) or is_condition or denies_bad or is_taken_back)
 
 
 def _is_unreal(context: Context, at: int, harmless: Collection[int]) -> bool:

@@ -30,6 +30,8 @@ class Penalties:
     asked_idiom: float = 0.35  # idiom with an emblem or feeling within a question about facts
     others_idiom: float = 0.3  # idiom with a face, as a greeting has, in a sentence about a third person
     others_listener: float = 0.3  # gesture to the listener in a sentence about a third person
+    grave_praise: float = 0.3  # praise, joy or pride in a sentence about something sad or bad
+    ironic_praise: float = 0.3  # praise after `oh`, or of something that happens again
     emphasis: float = -0.1  # word that the writer stresses
 
 
@@ -55,9 +57,12 @@ SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories th
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
 )  # gesture categories that plain reports rarely need
+GRAVE_CLASSES = ("sad", "stern")  # word classes of sentences without praise or joy
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents that address the listener
+# Prefixes of intents of gladness.
+GLAD_INTENTS = ("performative-praise", "performative-agree", "emotion-joy", "emotion-pride")
 # Further gestures that address the listener.
-SENSITIVE_GESTURES = frozenset({"you", "you_all", "left", "right", "we", "between_us"})
+SENSITIVE_GESTURES = frozenset({"doubt_shrug", "shrug_small", "you", "you_all", "left", "right", "we", "between_us"})
 LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures towards the listener
 
 
@@ -93,6 +98,9 @@ def score(
     value = cue.certainty
     if any(context.passage.words[k].emphatic for k in range(candidate.first, candidate.last + 1)):
         value -= DEFAULT_PENALTIES.emphasis
+    if cue.intent.startswith(GLAD_INTENTS):
+        value -= DEFAULT_PENALTIES.grave_praise * _is_about_grave(context, candidate)
+        value -= DEFAULT_PENALTIES.ironic_praise * _sounds_ironic(context, candidate)
     if not LISTENER_GESTURES.isdisjoint(cue.shows):
         value -= DEFAULT_PENALTIES.others_listener * context.is_others(at)
     if is_literal and context.is_negated(at, idioms):
@@ -119,6 +127,22 @@ def score(
             value -= DEFAULT_PENALTIES.asked_idiom * context.is_asked_within(at)
             value -= DEFAULT_PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))
     return min(max(value, 0.0), 1.0)
+
+
+def _is_about_grave(context: Context, candidate: Candidate) -> bool:
+    """Return whether a sentence has a sad or stern word outside a candidate's words."""
+    outside = (k for k in context.sentence(candidate.first) if not candidate.first <= k <= candidate.last)
+    return any(context.language.has(name, context.plain[k]) for k in outside for name in GRAVE_CLASSES)
+
+
+def _sounds_ironic(context: Context, candidate: Candidate) -> bool:
+    """Return whether praise follows an exclamation, or its sentence names a repetition."""
+    indices = context.sentence(candidate.first)
+    before = context.plain[candidate.first - 1] if candidate.first > indices[0] else ""
+    outside = (k for k in indices if not candidate.first <= k <= candidate.last)
+    return context.language.has("exclaimer", before) or any(
+        context.language.has("repetition", context.plain[k]) for k in outside
+    )
 
 
 def choose_pictures(
