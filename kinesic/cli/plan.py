@@ -75,7 +75,7 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
     median_lag = compute_median_lag(lags)
     if median_lag is not None:
         click.echo(f"hands are fastest {median_lag:.2f} s from their times on words (median, strokes: {len(lags)})")
-    click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
+    click.echo(f"{planned.duration:.2f} s, {len(planned.postures.postures)} keys")
     click.echo("nothing written; --out motion.npz (.csv, .bap) writes the motion" if out is None else f"motion: {out}")
     return 0
 

@@ -6,7 +6,8 @@ from typing import cast
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import Json
 
-STARTING_STATE = "starting"  # state reported for a resting robot with blocks waiting
+STARTING_STATE = "starting"  # state reported while no block plays and one waits or is planned
+SETTLING_STATE = "settling"  # state reported after the last block, until the robot is at rest
 TORQUE_NOTE = "the servos hold their posture with torque on, until a person at the robot resumes or disarms them"
 TIME_DIGITS = 1  # decimal places of the times [s] in a robot status
 
@@ -22,10 +23,10 @@ def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[s
     blocks = list_blocks(status)
     answer: dict[str, Json] = {
         "robot": status.get("robot"),
-        "state": status["state"],
+        "state": describe_state(status),
         "playing": [_playing(block) for block in blocks if not block["starts_in"]],
     }
-    unplanned = cast(int, status.get("waiting", 0)) + bool(status.get("planning"))
+    unplanned = _count_unplanned(status)
     waiting: list[Json] = [
         {**_playing(block), "starts_in": _rounded(block["starts_in"])} for block in blocks if block["starts_in"]
     ]
@@ -35,8 +36,6 @@ def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[s
         answer["documents_not_planned_yet"] = unplanned
     if waiting:
         answer["next"] = waiting
-    if status["state"] == "resting" and (waiting or unplanned):
-        answer["state"] = STARTING_STATE
     if status.get("servos") is not None:
         answer["servos"] = status["servos"]
         if status["state"] == "stopped" and status["servos"] == "armed":
@@ -44,6 +43,24 @@ def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[s
     if warnings:
         answer["last_warnings"] = list(warnings)
     return answer
+
+
+def describe_state(status: RobotAnswer) -> Json:
+    """Return resting, starting, playing, settling or stopped.
+
+    A server's state is playing as long as the robot moves, also after the end of the last block.
+    """
+    state, blocks = status["state"], list_blocks(status)
+    if state == "stopped" or (state == "playing" and blocks):
+        return state
+    if blocks or _count_unplanned(status):
+        return STARTING_STATE
+    return SETTLING_STATE if state == "playing" else state
+
+
+def _count_unplanned(status: RobotAnswer) -> int:
+    """Return the number of documents that wait for their plan."""
+    return cast(int, status.get("waiting", 0)) + bool(status.get("planning"))
 
 
 def list_blocks(status: RobotAnswer) -> list[Mapping[str, Json]]:

@@ -184,8 +184,8 @@ def _add_quiet_tools(
     async def status() -> str:
         """Report running blocks, waiting ones (`next`), seconds left, and the last warnings.
 
-        `state` is resting, starting (a performance is planned or begins soon), playing or stopped (by an emergency
-        stop).
+        `state` is resting, starting (a performance is planned or begins soon), playing, settling (nothing plays; the
+        robot is at rest within a second) or stopped (by an emergency stop).
         """
 
         async def ask() -> RobotAnswer:

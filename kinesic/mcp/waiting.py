@@ -6,7 +6,7 @@ from time import monotonic
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.errors import RefusedError
 from kinesic.mcp.robot_gate import RobotGate
-from kinesic.mcp.robot_status import list_blocks, summarise
+from kinesic.mcp.robot_status import describe_state, list_blocks, summarise
 
 POLL_PERIOD = 0.1  # [s] between two status requests while waiting for a block
 
@@ -42,7 +42,7 @@ async def wait_for_end(gate: RobotGate, block: str, timeout: float) -> RobotAnsw
             blocks = f"; {', '.join(names)} play or wait" if names else "; nothing plays"
             raise RefusedError(f"no block {block!r} was performed here{blocks}")
         if not is_active:
-            return {"block": block, "ended": True} if block else {"ended": True, "state": status["state"]}
+            return {"block": block, "ended": True} if block else {"ended": True, "state": describe_state(status)}
         was_seen = True
         if monotonic() >= end:
             named_block = {"block": block} if block else {}

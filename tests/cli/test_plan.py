@@ -4,6 +4,11 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
+
+from kinesic import Performer
+from kinesic.body.command import SETTLE_DURATION
+
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 TALK = BLOCK.format(
     '<speech id="s"><text>Good <sync id="m"/>morning to you all, wherever you may be today</text></speech>'
@@ -24,6 +29,14 @@ def test_plan_without_out_prints_a_timeline_and_writes_no_file(kinesic, tmp_path
         assert shown in ended.out
     assert lines[-1].startswith("nothing written; --out motion.npz")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_plan_prints_the_duration_of_the_performance_and_not_of_the_motion_alone(kinesic):
+    smile = BLOCK.format('<head id="h" lexeme="NOD"/><faceLexeme id="f" lexeme="smile" start="0" end="6"/>')
+    planned = Performer("upper22").plan(smile)
+    assert planned.trajectory.duration < planned.duration == 6.0
+    assert planned.command_times[-1] == pytest.approx(planned.duration + SETTLE_DURATION)
+    assert "\n6.00 s, " in kinesic("plan", "-", stdin=smile.encode()).out
 
 
 def test_timeline_shows_lexicon_entry_and_hands_of_gestures(kinesic):

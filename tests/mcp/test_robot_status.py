@@ -72,6 +72,14 @@ def test_status_names_an_accepted_block_that_is_being_planned():
     assert summarise({**status, "state": "stopped"}, [])["state"] == "stopped"
 
 
+def test_status_after_the_last_block_is_settling_until_the_robot_rests():
+    status = {"robot": "upper22", "state": "playing", "waiting": 0, "blocks": []}
+    assert summarise(status, []) == {"robot": "upper22", "state": "settling", "playing": []}
+    assert summarise({**status, "waiting": 1}, [])["state"] == "starting"
+    assert summarise({**status, "blocks": [PLAYING]}, [])["state"] == "playing"
+    assert summarise({**status, "state": "stopped", "waiting": 1}, [])["state"] == "stopped"
+
+
 def test_status_names_each_accepted_block_once():
     status = {"robot": "upper22", "state": "resting", "waiting": 0, "blocks": [NEXT]}
     assert summarise(status, [], ["b"])["next"] == [{"block": "b", "seconds_left": 4.0, "starts_in": 2.3}]
