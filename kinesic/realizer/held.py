@@ -27,7 +27,7 @@ HELD_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and trunk posture, whic
 STEP_DURATION_FACTOR = 1.5  # duration of a change of the held posture / minimum duration
 HELD_POSTURE_TOLERANCE = np.radians(1.0)  # [rad] deviation from a held posture above which the client is warned
 
-_Source = Literal["running", "performed", "left out"]
+_Source = Literal["running", "block"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +170,7 @@ def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
     unexplained = np.where(hinges, work.base[-1] - setup.robot.skeleton.rest - sum(stated), 0.0)
     ramps: list[HeldRamp] = []
     for role in HELD_ROLES:
-        if any(role in entry.roles for entry in (*work.performed, *work.dropped)):
+        if any(role in entry.roles for entry in work.performed):
             ramps += _Succession(work, role, hinges, unexplained, limits).ramps()
             unexplained = np.zeros(len(hinges))
     return ramps
@@ -201,13 +201,11 @@ class _Succession:
             if back is not None and entry.begin >= back.end:
                 steps, level = [*steps, back], level + back.change
             back = None
-            side = "running" if source == "running" else "block"
             if entry.offset is not None:
-                shown[side] = self._value(entry)
-                desired = desired if source == "left out" else shown[side]
+                desired = shown[source] = self._value(entry)
                 steady = desired - shown["running"] - shown["block"]
                 steps, level = [*steps, self._step(entry, source, steady - level)], steady
-            elif source != "left out":
+            else:
                 steady = desired - shown["running"] - shown["block"]
                 during = -shown["block" if source == "running" else "running"]
                 steps, level = [*steps, self._step(entry, source, during - level)], during
@@ -225,9 +223,9 @@ class _Succession:
 
         Running behaviours that are ready before the block's first behaviour are left out.
         """
-        block_behaviours: list[tuple[Occupancy, _Source]] = [(entry, "performed") for entry in self.work.performed]
-        block_behaviours += [(entry, "left out") for entry in self.work.dropped]
-        block_behaviours = [(entry, source) for entry, source in block_behaviours if self.role in entry.roles]
+        block_behaviours: list[tuple[Occupancy, _Source]] = [
+            (entry, "block") for entry in self.work.performed if self.role in entry.roles
+        ]
         first = min(entry.ready for entry, _ in block_behaviours)
         coming: list[tuple[Occupancy, _Source]] = [
             (entry, "running") for entry in self._running if entry.ready >= first

@@ -17,6 +17,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, Trajectory
 from kinesic.motion.transition import delay_controls, extend_controls, knot_at, trim_final_rest, widen_limits
 from kinesic.planning.plan import Plan
+from kinesic.planning.reduced_plan import plan_without
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import find_conflict
 from kinesic.realizer.held import end_warnings, with_superseded_hinges
@@ -60,8 +61,7 @@ def merge(
         begin: desired time [s] of the block's zero.
         occupied: occupancies of the running motion.
     """
-    laid = _Merge.of(running, time, coming, occupied)
-    return laid.merged(begin - running.start, waits=not coming.utterances)
+    return _Merge.of(running, time, coming, occupied, begin).merged(waits=not coming.utterances)
 
 
 def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> MergedMotion:
@@ -78,19 +78,24 @@ def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: flo
     all_hinges = np.ones(len(coming.setup.limits.lower), dtype=np.bool_)
     leaving = release_motion(running, time, all_hinges, coming.setup)
     desired = time + coming.trajectory.zero if begin is None else begin
-    return _Merge.of(leaving, time, coming, ()).merged(desired - leaving.start, waits=True)
+    return _Merge.of(leaving, time, coming, (), desired).merged(waits=True)
 
 
 @dataclass(frozen=True, eq=False)
 class _Attempt:
     """Result of merging a block that begins at a given knot."""
 
+    coming: Plan  # of the block without dropped behaviours
     offset: int  # knot at which the block's motion begins
-    occupancies: Sequence[Occupancy]  # of all its behaviours
     base: Floats  # (k + 3, n) [rad] control points of the running motion
     controls: Floats  # (k + 3, n) [rad] control points of the merged motion
     performed: Sequence[Occupancy]
     left_out: Mapping[str, str]  # dropped behaviours with reasons
+
+    @property
+    def zero(self) -> float:
+        """Time [s] of the block's time zero, on the knot grid."""
+        return self.offset * KNOT_INTERVAL + self.coming.trajectory.zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,62 +109,94 @@ class _Merge:
     coming: Plan
     cut: int  # first knot that may change
     others: Sequence[Occupancy]  # occupancies of the running motion after the cut
+    desired: float  # [s] of the block's time zero
 
     @classmethod
-    def of(cls, running: Trajectory, time: float, coming: Plan, occupied: Sequence[Occupancy]) -> "_Merge":
+    def of(
+        cls, running: Trajectory, time: float, coming: Plan, occupied: Sequence[Occupancy], desired: float
+    ) -> "_Merge":
         cut = knot_at(time - running.start)
         others = remaining_occupancy([entry.shifted(-running.start) for entry in occupied], cut * KNOT_INTERVAL)
-        return cls(running, coming, cut, others)
+        return cls(running, coming, cut, others, desired - running.start)
 
     @cached_property
     def block_occupancy(self) -> tuple[Occupancy, ...]:
-        """Occupancies of the block's behaviours, in the time of its plan."""
+        """Occupancies of all behaviours of the block, in the time of its plan."""
         return occupancy_of(self.coming)
 
-    def merged(self, desired: float, *, waits: bool) -> MergedMotion:
-        """Merge the block, with its time 0 at a desired time [s].
+    def merged(self, *, waits: bool) -> MergedMotion:
+        """Merge the block, with its time 0 at the desired time.
 
         If it may wait, it is delayed where that avoids dropped behaviours.
         """
-        soonest = max(ceil((desired - self.coming.trajectory.zero) / KNOT_INTERVAL - KNOT_TOLERANCE), self.cut)
-        first = attempt = self.attempt(soonest)
+        first = attempt = self.attempt()
         if first.left_out and waits:
-            later = (self.attempt(soonest + more, whole=True) for more in _delays(first, self.others))
+            later = (self.attempt(delay, whole=True) for delay in self._delays)
             attempt = next((attempt for attempt in later if not attempt.left_out), first)
-        return self.result(attempt, desired)
+        return self.result(attempt)
 
-    def attempt(self, offset: int, *, whole: bool = False) -> _Attempt:
-        """Merge the block from a knot on and drop conflicting behaviours.
+    @property
+    def _delays(self) -> list[int]:
+        """Candidate delays [knots]: the shortest without conflicts, and longer ones."""
+        offset = self._soonest(self.coming) * KNOT_INTERVAL
+        lacking = [
+            other.relax - entry.ready
+            for entry in (entry.shifted(offset) for entry in self.block_occupancy)
+            for other in self.others
+            if entry.conflicts_with(other) and not other.is_held
+        ]
+        least = ceil(max(lacking, default=0.0) / KNOT_INTERVAL - KNOT_TOLERANCE)
+        return [least + more for more in DELAY_STEPS if 0 < least + more <= MAX_BLOCK_DELAY]
 
-        If `whole`, stop at the first conflict.
+    def _soonest(self, coming: Plan) -> int:
+        """Return the first knot at which a plan's motion may begin."""
+        return max(ceil((self.desired - coming.trajectory.zero) / KNOT_INTERVAL - KNOT_TOLERANCE), self.cut)
+
+    def attempt(self, delay: int = 0, *, whole: bool = False) -> _Attempt:
+        """Merge the block and drop conflicting behaviours.
+
+        The rest of the block is planned again after each drop: a dropped behaviour leaves nothing in the motion.
+
+        Args:
+            delay: [knots] after the soonest begin.
+            whole: whether to stop at the first conflict.
         """
-        setup = self.coming.setup
-        occupancies = [entry.shifted(offset * KNOT_INTERVAL) for entry in self.block_occupancy]
-        left_out = _conflicts(occupancies, self.others)
-        delayed = delay_controls(self.coming.trajectory.controls, offset)
-        count = max(len(delayed), len(self.running.controls))
-        base, delayed = extend_controls(self.running.controls, count), extend_controls(delayed, count)
+        setup, names = self.coming.setup, [entry.behaviour for entry in self.block_occupancy]
+        left_out: dict[str, str] = {}
         while True:
-            performed = [entry for entry in occupancies if entry.behaviour not in left_out]
-            if (occupancies and not performed) or (whole and left_out):
-                return _Attempt(offset, occupancies, base, base, performed, left_out)
-            dropped = [entry for entry in occupancies if entry.behaviour in left_out]
-            start = self.coming.trajectory.controls[0]
-            work = Overlay(base, delayed, start, self.cut, self.others, performed, dropped)
+            is_over = (names and len(left_out) == len(names)) or (whole and left_out)
+            coming = self.coming if is_over else plan_without(self.coming, left_out)
+            offset = self._soonest(coming) + delay
+            delayed = delay_controls(coming.trajectory.controls, offset)
+            count = max(len(delayed), len(self.running.controls))
+            base, delayed = extend_controls(self.running.controls, count), extend_controls(delayed, count)
+            performed = [entry.shifted(offset * KNOT_INTERVAL) for entry in occupancy_of(coming)]
+            unchanged = _Attempt(coming, offset, base, base, [], left_out)
+            if is_over:
+                return unchanged
+            present = {entry.behaviour for entry in performed}
+            new_drops = _conflicts(performed, self.others) | {
+                name: coming.keyframes.outcomes[name].why for name in names if name not in present | left_out.keys()
+            }
+            if new_drops:
+                left_out |= new_drops
+                continue
+            work = Overlay(base, delayed, coming.trajectory.controls[0], self.cut, self.others, performed)
             controls = overlay_motions(work, setup, widen_limits(setup.limits))
             failed = controls if isinstance(controls, MergeFailure) else find_conflict(work, controls, setup)
             if failed is None and not isinstance(controls, MergeFailure):
-                return _Attempt(offset, occupancies, base, controls, performed, left_out)
-            if not performed:  # only idle motion, which has the lowest priority
-                return _Attempt(offset, occupancies, base, base, performed, left_out)
-            if failed is not None:
-                left_out[failed.behaviour] = failed.why
+                return replace(unchanged, controls=controls, performed=performed)
+            if failed is None or not performed:  # only idle motion, which has the lowest priority
+                return unchanged
+            left_out[failed.behaviour] = failed.why
 
-    def result(self, attempt: _Attempt, desired: float) -> MergedMotion:
+    def result(self, attempt: _Attempt) -> MergedMotion:
         """Build the merged motion with notices on dropped and delayed behaviours."""
-        robot, block = self.coming.setup.robot, self.coming.timeline.block
-        zero = attempt.offset * KNOT_INTERVAL + self.coming.trajectory.zero
-        syncs = tuple(sync for sync in self.coming.syncs if sync.behaviour not in attempt.left_out)
+        robot, block, desired = self.coming.setup.robot, self.coming.timeline.block, self.desired
+        zero, syncs = (
+            attempt.zero,
+            tuple(sync for sync in attempt.coming.syncs if sync.behaviour not in attempt.left_out),
+        )
         texts = [(name, f"left out: {why}") for name, why in attempt.left_out.items()]
         if zero - desired > SHIFT_TO_WARN:
             late = f"comes {zero - desired:.3f} s later, with the block"
@@ -180,18 +217,6 @@ class _Merge:
                 Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text) for name, text in texts
             ),
         )
-
-
-def _delays(first: _Attempt, others: Sequence[Occupancy]) -> list[int]:
-    """Return candidate delays [knots]: the shortest without conflicts, and longer ones."""
-    lacking = [
-        other.relax - entry.ready
-        for entry in first.occupancies
-        for other in others
-        if entry.conflicts_with(other) and not other.is_held
-    ]
-    least = ceil(max(lacking, default=0.0) / KNOT_INTERVAL - KNOT_TOLERANCE)
-    return [least + more for more in DELAY_STEPS if 0 < least + more <= MAX_BLOCK_DELAY]
 
 
 def _conflicts(block_occupancy: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[str, str]:

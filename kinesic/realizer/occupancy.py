@@ -216,8 +216,8 @@ class Overlay:
     start: Floats  # (n,) [rad] start of the block's motion, possibly before the first knot
     cut: int  # first knot that may change
     holding: Sequence[Occupancy]  # occupancies of the running motion after the cut
-    performed: Sequence[Occupancy]  # performed behaviours of the block
-    dropped: Sequence[Occupancy]  # dropped behaviours of the block
+    performed: Sequence[Occupancy]  # behaviours of the block
+    finishing: Sequence[Occupancy] = ()  # behaviours of the block that its hands finish in the running motion
 
     def trunk_failure(self, why: str) -> MergeFailure:
         """Return a failure of the block's last behaviour that moves the trunk."""

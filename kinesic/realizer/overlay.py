@@ -22,7 +22,7 @@ from kinesic.motion.transition import (
     largest_limit_ratios,
 )
 from kinesic.planning.setup import Setup
-from kinesic.realizer.held import HELD_ROLES, held_ramps
+from kinesic.realizer.held import held_ramps
 from kinesic.realizer.occupancy import ARM_ROLES, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
 RETURN_GROWTH_FACTOR = 1.5  # return duration of an attempt / that of the previous attempt
@@ -48,9 +48,6 @@ def add_motions(work: Overlay, alone: Flags, setup: Setup, limits: Limits) -> Fl
     base, coming = extend_controls(work.base, count), extend_controls(work.coming, count)
     change = coming - work.start
     change[:, alone] = 0.0
-    for dropped in work.dropped:
-        if not any(dropped.holds(role) for role in HELD_ROLES):
-            _flatten(change, dropped, work, limits)
     for ramp in ramps:
         change += ramp.at(count, lead=FEWEST_PIECES)
     controls = np.asarray(base + change)
@@ -73,25 +70,6 @@ def add_motions(work: Overlay, alone: Flags, setup: Setup, limits: Limits) -> Fl
     return controls
 
 
-def _flatten(change: Floats, dropped: Occupancy, work: Overlay, limits: Limits) -> None:
-    """Remove a dropped behaviour from the block's offsets (k + 3, n)."""
-    begin, end = (
-        max(0, floor(dropped.begin / KNOT_INTERVAL)),
-        min(ceil(dropped.end / KNOT_INTERVAL), len(change) - FEWEST_PIECES),
-    )
-    concurrent = [entry for entry in work.performed if entry.begin < dropped.end and dropped.begin < entry.end]
-    exclusive = (
-        dropped.hinges & ~np.any([entry.hinges for entry in concurrent], axis=0)
-        if concurrent
-        else np.ones_like(dropped.hinges)
-    )
-    for hinge in np.flatnonzero(exclusive).tolist() if begin < end else ():
-        column = change[:, hinge]
-        transition = cross_over(column, np.full(len(column), column[end + 1]), (begin, end), limits, hinge)
-        if transition is not None:
-            change[begin : end + 1, hinge] = transition[begin : end + 1]
-
-
 def join_hinge_motions(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
     """Join all motions of one arm hinge in sequence.
 
@@ -111,7 +89,7 @@ def join_hinge_motions(work: Overlay, role: Role, hinge: int, limits: Limits) ->
     for stop, of in _stops(work, role):
         if stop.ready < work.cut * KNOT_INTERVAL - KNOT_TOLERANCE:
             column, source = sources[of], of  # the hand is there already
-        elif of != source or (done and of == "coming" and _has_dropped_between(work.dropped, role, done, stop)):
+        elif of != source or (done and of == "coming" and _has_finishing_between(work.finishing, role, done, stop)):
             transition = _cross_over_to(column, sources[of], left, stop, limits, hinge)
             if transition is None:
                 name = stop.behaviour if of == "coming" or done is None else done.behaviour
@@ -138,8 +116,8 @@ def _stops(work: Overlay, role: Role) -> list[tuple[Occupancy, Literal["base", "
     )
 
 
-def _has_dropped_between(dropped: Sequence[Occupancy], role: Role, before: Occupancy, after: Occupancy) -> bool:
-    return any(role in entry.roles and before.ready <= entry.ready <= after.ready for entry in dropped)
+def _has_finishing_between(finishing: Sequence[Occupancy], role: Role, before: Occupancy, after: Occupancy) -> bool:
+    return any(role in entry.roles and before.ready <= entry.ready <= after.ready for entry in finishing)
 
 
 def _cross_over_to(
@@ -169,7 +147,7 @@ def _return_to_rest(
     The hand stays if the block ends in another pose.
     """
     base, start = work.base[:, hinge], work.start[hinge]
-    cleanly = not any(role in entry.roles and entry.ready >= done.ready for entry in work.dropped)
+    cleanly = not any(role in entry.roles and entry.ready >= done.ready for entry in work.finishing)
     has_other_rest = abs(work.coming[-1, hinge] - start) > SAME_ANGLE
     if cleanly and (has_other_rest or abs(base[-1] - start) <= SAME_ANGLE):
         return column
@@ -200,7 +178,7 @@ def overlay_motions(work: Overlay, setup: Setup, limits: Limits) -> Floats | Mer
         (k + 3, n) [rad] control points, equal to the running motion before the cut and at rest in the end; or the
         behaviour that cannot be merged.
     """
-    is_idle = not work.performed and not work.dropped  # idle motion is added to resting arms
+    is_idle = not work.performed and not work.finishing  # idle motion is added to resting arms
     held_roles = {role for entry in work.holding for role in entry.roles}
     arms = {
         hinge: role

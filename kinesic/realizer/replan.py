@@ -25,8 +25,9 @@ from kinesic.motion.transition import (
     widen_limits,
 )
 from kinesic.planning.plan import Plan
+from kinesic.planning.reduced_plan import plan_without
 from kinesic.realizer.conflicts import find_conflict
-from kinesic.realizer.held import HELD_ROLES, add_step_to_held_posture, with_superseded_hinges
+from kinesic.realizer.held import add_step_to_held_posture, with_superseded_hinges
 from kinesic.realizer.merge import MergedMotion
 from kinesic.realizer.occupancy import (
     ARM_ROLES,
@@ -87,7 +88,7 @@ class _PlanSwitch:
     playing: MergedMotion  # by the old plan; its times are clock times
     playing_zero: float  # [s] time of the block's zero in the old plan
     playing_occupancy: Sequence[Occupancy]
-    new_plan: Plan
+    new_plan: Plan  # without behaviours that the merge has dropped
     others: Sequence[Occupancy]
 
     @classmethod
@@ -98,7 +99,8 @@ class _PlanSwitch:
         playing_occupancy, others = (
             [entry.shifted(-start) for entry in needs] for needs in (playing.occupancy, others)
         )
-        return cls(running, knot, playing, playing.zero - start, playing_occupancy, new_plan, others)
+        remaining_plan = plan_without(new_plan, playing.dropped)
+        return cls(running, knot, playing, playing.zero - start, playing_occupancy, remaining_plan, others)
 
     @cached_property
     def offset(self) -> int:
@@ -133,13 +135,13 @@ class _PlanSwitch:
 
     def attempt(self, ending: Collection[str]) -> MergedMotion | MergeFailure:
         """Switch to the new plan, letting some old behaviours finish."""
-        kept, setup, count = {*self.playing.dropped, *ending}, self.new_plan.setup, self._count
+        setup, count = self.new_plan.setup, self._count
         going_on = [
             entry
             for entry in self.playing_occupancy
             if entry.behaviour in ending and entry.relax > self.knot * KNOT_INTERVAL
         ]
-        performed, dropped = _split(self.new_occupancy, kept, ending)
+        performed, finishing = _split(self.new_occupancy, ending)
         base = self._without_block(count)
         if base is None:
             return MergeFailure("", "the trunk cannot follow other blocks within its limits")
@@ -150,7 +152,7 @@ class _PlanSwitch:
             self.knot,
             remaining_occupancy((*self.others, *going_on), self.knot * KNOT_INTERVAL),
             performed,
-            dropped,
+            finishing,
         )
         goal = overlay_motions(work, setup, widen_limits(setup.limits))
         if isinstance(goal, MergeFailure):
@@ -160,7 +162,7 @@ class _PlanSwitch:
         if controls is None:
             return MergeFailure("", "a hinge cannot catch up")
         occupancy = (*going_on, *with_superseded_hinges(performed, self.others, setup.robot))
-        return find_conflict(work, controls, setup) or self._result(controls, kept, occupancy)
+        return find_conflict(work, controls, setup) or self._result(controls, ending, occupancy)
 
     @property
     def _count(self) -> int:
@@ -208,19 +210,19 @@ class _PlanSwitch:
         controls[: self.knot + FEWEST_PIECES] = current[: self.knot + FEWEST_PIECES]
         return controls
 
-    def _result(self, controls: Floats, kept: Collection[str], occupancy: Sequence[Occupancy]) -> MergedMotion:
-        """Build the merged block, with old sync points for kept behaviours."""
+    def _result(self, controls: Floats, ending: Collection[str], occupancy: Sequence[Occupancy]) -> MergedMotion:
+        """Build the merged block, with old sync points for behaviours that finish."""
         zero_shift, playing, running = self.zero - self.playing_zero, self.playing, self.running
         layer = (
             controls
             - extend_controls(running.controls, len(controls))
             + extend_controls(playing.layer.controls, len(controls))
         )
-        syncs = [sync for sync in playing.syncs if sync.behaviour in kept]
+        syncs = [sync for sync in playing.syncs if sync.behaviour in ending]
         syncs += [
             replace(sync, planned=sync.planned + zero_shift)
             for sync in self.new_plan.syncs
-            if sync.behaviour not in kept
+            if sync.behaviour not in ending
         ]
         return replace(
             playing,
@@ -232,24 +234,19 @@ class _PlanSwitch:
         )
 
 
-def _split(
-    new_occupancy: Sequence[Occupancy], kept: Collection[str], ending: Collection[str]
-) -> tuple[list[Occupancy], list[Occupancy]]:
-    """Split the behaviours of the new plan into performed and dropped ones.
+def _split(new_occupancy: Sequence[Occupancy], ending: Collection[str]) -> tuple[list[Occupancy], list[Occupancy]]:
+    """Split the occupancies of the new plan by the motion that performs them.
 
-    The held trunk posture of a behaviour moves to the new plan, while its arms finish in the old one.
+    Of behaviours that finish in the old plan, only the arms do; their trunk moves to the new plan.
     """
-    performed, dropped = [], []
+    performed, finishing = [], []
     for entry in new_occupancy:
-        held = frozenset(role for role in HELD_ROLES if entry.holds(role))
-        if entry.behaviour not in kept:
-            performed.append(entry)
-        elif entry.behaviour in ending and held:
-            performed.append(replace(entry, roles=held))
-            dropped.append(replace(entry, roles=entry.roles - held))
-        else:
-            dropped.append(entry)
-    return performed, dropped
+        arms = entry.roles & set(ARM_ROLES) if entry.behaviour in ending else frozenset()
+        if entry.roles - arms:
+            performed.append(replace(entry, roles=entry.roles - arms))
+        if arms:
+            finishing.append(replace(entry, roles=arms))
+    return performed, finishing
 
 
 def _join(current: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:

@@ -175,9 +175,9 @@ class RunningBlock:
         """Return the block without some behaviours, but with its motion."""
         merged = self.merged
         if merged is not None:
-            merged = replace(
-                merged, occupancy=tuple(entry for entry in merged.occupancy if entry.behaviour not in behaviours)
-            )
+            remaining = tuple(entry for entry in merged.occupancy if entry.behaviour not in behaviours)
+            ended = behaviours & {entry.behaviour for entry in merged.occupancy}
+            merged = replace(merged, occupancy=remaining, dropped=(*merged.dropped, *sorted(ended)))
         times = {id: sync_times for id, sync_times in self.times.items() if id not in behaviours}
         return replace(self, merged=merged, times=times)
 

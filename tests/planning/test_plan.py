@@ -177,9 +177,9 @@ def rounds(monkeypatch) -> list[bool]:
     """Record whether each planning round resolves clashes."""
     once, results = plan_module._plan_once, []
 
-    def spied(*given, resolve_clashes=True):
+    def spied(*given, resolve_clashes=True, **options):
         results.append(resolve_clashes)
-        return once(*given, resolve_clashes=resolve_clashes)
+        return once(*given, resolve_clashes=resolve_clashes, **options)
 
     monkeypatch.setattr(plan_module, "_plan_once", spied)
     return results
@@ -217,7 +217,12 @@ def test_block_that_needs_no_speech_pause_is_planned_twice(planned, rounds):
     assert rounds == [False, True]
 
 
-def test_replanning_is_charged_to_budget(planned, monkeypatch):
+@pytest.mark.parametrize(
+    ("constant", "cost"),
+    [("REPLAN_COST_PER_BEHAVIOUR", 10**9), ("SAMPLE_COST", plan_module.WORK_BUDGET / 100)],
+)
+def test_replanning_is_charged_to_budget(planned, monkeypatch, constant, cost):
+    """A discarded motion costs as much as its samples, of which there are hundreds."""
     usual, asked = plan_module.keep_clear, []
 
     def spied(*given, **named):
@@ -225,7 +230,8 @@ def test_replanning_is_charged_to_budget(planned, monkeypatch):
         return usual(*given, **named)
 
     monkeypatch.setattr(plan_module, "keep_clear", spied)
-    monkeypatch.setattr(plan_module, "REPLAN_COST_PER_BEHAVIOUR", 10**9)
+    for name in ("REPLAN_COST_PER_BEHAVIOUR", "REPLAN_COST_PER_KEYFRAME", "SAMPLE_COST"):
+        monkeypatch.setattr(plan_module, name, cost if name == constant else 0)
     monkeypatch.setattr(
         plan_module,
         "find_colliding_behaviours",

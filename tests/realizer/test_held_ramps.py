@@ -59,11 +59,11 @@ def need(known, offset):
 def steps(known):
     """Return the steps of the neck: (change [rad], begin [s], end [s])."""
 
-    def of(running=(), performed=(), dropped=(), *, ends: float) -> list[tuple[float, float, float]]:
+    def of(running=(), performed=(), *, ends: float) -> list[tuple[float, float, float]]:
         neck = known.robot.joints("neck")[0]
         base = np.tile(known.robot.skeleton.rest, (KNOT_COUNT, 1))
         base[:, neck] += ends
-        work = Overlay(base, base, known.robot.skeleton.rest, 0, running, performed, dropped)
+        work = Overlay(base, base, known.robot.skeleton.rest, 0, running, performed)
         result = held_ramps(work, known, known.limits)
         for ramp in result:
             assert not np.delete(ramp.change, neck).any()
@@ -214,12 +214,6 @@ def test_gaze_that_starts_before_another_gaze_has_returned_replaces_its_return(s
     soon, later = need(-0.2, begin=5.0, ready=7.0, end=7.0), need(-0.2, begin=6.0, ready=8.0, end=8.0)
     assert steps([running], [gaze, soon], ends=0.3) == [(-0.3, 1.0, 2.0), (0.0, 5.0, 7.0)]
     assert steps([running], [gaze, later], ends=0.3) == [(-0.3, 1.0, 2.0), (0.3, 4.0, 6.0), (-0.3, 6.0, 8.0)]
-
-
-def test_dropped_gaze_does_not_change_the_permanent_gaze_angle(steps, need):
-    running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
-    assert steps([running], [], [need(-0.2)], ends=0.3) == [(0.2, 1.0, 2.0)]
-    assert steps([running], [], [need(None, relax=4.0, end=6.0)], ends=0.3) == []
 
 
 def test_rest_of_a_running_gaze_after_a_new_gaze_is_removed_by_a_second_trunk_transition(steps, need):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.realizer.ending import end_behaviours
+from kinesic.realizer.realizer import change_style, improve_block, prepare_block, take_replans
 
 from .conftest import Play
 
@@ -60,3 +61,17 @@ def test_ending_a_speech_leaves_the_motion_unchanged(play: Play):
     assert play.scene.motion is before
     play.until(9.0)
     assert play.was_told("a:h:end")
+
+
+def test_ended_gaze_does_not_return_with_another_style(play: Play):
+    """The block continues with a new plan, which leaves the gaze out."""
+    play.send("a", '<gaze id="z" target="left" start="4" end="8"/>' + NODS).until(1.0)
+    running = play.scene.find("a")
+    assert running is not None
+    play.take(end_behaviours(play.scene, running, frozenset({"z"}), play.now))
+    scene, (request,) = take_replans(change_style(play.scene, play.now, style="joyful", block="a"))
+    improved = improve_block(play.take(scene).scene, "a", prepare_block(request, scene.setup).plan, play.now)
+    assert improved is not None
+    play.take(improved)
+    assert np.abs(posture(play, 6.0, "neck")[0]) < 0.1
+    assert not play.until(12.0).was_told("a:z:ready")

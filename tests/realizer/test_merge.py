@@ -14,7 +14,7 @@ from kinesic.motion.transition import extend_controls, knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
-from kinesic.realizer.occupancy import arm_hinges
+from kinesic.realizer.occupancy import arm_hinges, occupancy_of
 
 from ..passage import passage_text
 
@@ -150,10 +150,12 @@ def test_hand_returns_to_rest_if_its_next_gesture_is_dropped(planned, rest, know
     assert list(merged.dropped) == ["k"]
     hand = list(arm_hinges("r_hand", known.robot))
     strokes(plan, merged, hand)
-    relax = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == ("g", "relax"))
-    times = np.linspace(0.0, relax + plan.trajectory.zero, 100)
-    offset = merged.zero - plan.trajectory.zero
-    same = (each.trajectory.sample(times + by)[0][:, hand] for each, by in ((plan, 0.0), (merged, offset)))
+    alone = planned(SPOKEN + gesture("RIGHT"))
+    times = np.linspace(-alone.trajectory.zero, alone.duration, 100)
+    same = (
+        each.trajectory.sample(times + zero)[0][:, hand]
+        for each, zero in ((alone, alone.trajectory.zero), (merged, merged.zero))
+    )
     np.testing.assert_allclose(*same, atol=1e-6)
     resting = known.robot.skeleton.rest[hand]
     np.testing.assert_allclose(merged.trajectory.at(merged.zero + 3.0).angles[hand], resting, atol=1e-3)
@@ -171,16 +173,38 @@ def test_colliding_arms_do_not_move_at_the_same_time(planned, rest, known):
     assert merged.trajectory is first.trajectory
 
 
-def test_dropped_gaze_leaves_the_trunk_to_the_running_gaze(planned, rest, known):
+def test_dropped_gaze_changes_nothing_on_the_trunk(planned, rest, known):
     looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="{}"/>'
     first = merge(rest, 0.0, planned(looks.format("z", "left", 6, 7)), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT") + looks.format("y", "right", 2, 3))
-    merged = merge(first.trajectory, 1.0, plan, begin=1.0, occupied=first.occupancy)
-    assert merged.dropped == ("y",)
-    trunk = [*known.robot.joints("torso"), *known.robot.joints("neck")]
+    merged, alone = (
+        merge(first.trajectory, 1.0, coming, begin=1.0, occupied=first.occupancy)
+        for coming in (plan, planned(SPOKEN + gesture("RIGHT")))
+    )
+    assert (merged.dropped, alone.dropped) == (("y",), ())
     times = np.linspace(0.0, 8.0, 80)
-    before, after = (item.trajectory.sample(times)[0][:, trunk] for item in (first, merged))
-    np.testing.assert_allclose(after, before, atol=1e-9)
+    expected, result = (item.trajectory.sample(times)[0] for item in (alone, merged))
+    np.testing.assert_allclose(result, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("id", ["y", "g"])
+def test_dropped_behaviour_leaves_the_neck_to_the_nod_of_its_block(planned, rest, known, id):
+    """Gaze and gesture move the neck like the nod does."""
+    nod = '<head id="n" lexeme="NOD" start="0.5" end="3.5" repetition="4"/>'
+    look = '<gaze id="y" target="right" start="0" ready="0.8" relax="3" end="4"/>'
+    whole = {"y": look, "g": gesture("RIGHT", 1.5, lexeme="offer"), "n": nod}
+    first = planned(look if id == "y" else whole["g"])
+    others = [replace(entry, behaviour="other").shifted(1.0) for entry in occupancy_of(first)]
+    merged = merge(rest, 0.0, planned(SPOKEN + "".join(whole.values())), begin=1.0, occupied=others)
+    alone = planned(SPOKEN + "".join(text for name, text in whole.items() if name != id))
+    assert merged.dropped == (id,)
+    trunk = [*known.robot.joints("torso"), *known.robot.joints("neck")]
+    times = np.linspace(-0.5, 6.0, 130)
+    expected, result = (
+        motion.sample(times + zero)[0][:, trunk]
+        for motion, zero in ((alone.trajectory, alone.trajectory.zero), (merged.trajectory, merged.zero))
+    )
+    np.testing.assert_allclose(result, expected, atol=1e-6)
 
 
 def test_retraction_is_replaced_by_the_next_gesture(planned, rest, known):

@@ -1,0 +1,75 @@
+"""Plans of blocks without some of their behaviours."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.planning.plan import plan_block
+from kinesic.planning.quick_plan import plan_quickly, rest_at_keys
+from kinesic.planning.reduced_plan import plan_without
+
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = '<head id="n" lexeme="NOD" start="1" end="3"/>'
+LOOK = '<gaze id="z" target="left" start="0" ready="1" relax="3" end="4"/>'
+SPOKEN = '<speech id="s"><text>One <sync id="m"/>two three.</text></speech>'
+BEATS = "".join(f'<gesture id="{id}" lexeme="large" mode="BOTH_HANDS" stroke="2"/>' for id in "ab")
+
+
+@pytest.fixture
+def planned(known):
+    return lambda inside, plan=plan_quickly: plan(parse(BLOCK.format(inside)), known)
+
+
+def moved(plan) -> set[str]:
+    return {behaviour for behaviour, parts in plan.keyframes.uses.items() if parts}
+
+
+def test_plan_without_no_behaviours_is_the_plan_itself(planned):
+    plan = planned(NOD)
+    assert plan_without(plan, ()) is plan
+
+
+@pytest.mark.parametrize("planner", [plan_quickly, plan_block])
+def test_remaining_behaviours_move_as_if_planned_alone(planned, planner):
+    reduced, alone = plan_without(planned(LOOK + NOD, planner), ["z"]), planned(NOD, planner)
+    assert moved(reduced) == {"n"}
+    assert reduced.conditioned is alone.conditioned
+    times = np.linspace(0.0, 4.0, 50)
+    result, expected = (plan.trajectory.sample(times + plan.trajectory.zero)[0] for plan in (reduced, alone))
+    np.testing.assert_allclose(result, expected, atol=1e-6)
+
+
+def test_required_behaviour_can_be_left_out(planned):
+    reduced = plan_without(planned(f"<required>{LOOK}{NOD}</required>"), {"z"})
+    assert moved(reduced) == {"n"}
+    assert "another block" in reduced.keyframes.outcomes["z"].why
+
+
+def test_behaviour_dropped_for_lack_of_a_hand_does_not_return(planned):
+    plan = planned(BEATS + NOD)
+    (kept,) = moved(plan) - {"n"}
+    (dropped,) = {"a", "b"} - {kept}
+    reduced = plan_without(plan, {kept})
+    assert moved(reduced) == {"n"}
+    assert reduced.keyframes.outcomes[dropped].why == plan.keyframes.outcomes[dropped].why
+
+
+def test_speech_of_the_block_is_kept(planned):
+    plan = planned(SPOKEN + '<head id="n" lexeme="NOD" stroke="s:m"/>' + LOOK)
+    reduced = plan_without(plan, {"z"})
+    assert reduced.utterances is plan.utterances
+    assert reduced.timeline.block.behaviours[0].id == "s"
+
+
+def test_same_behaviours_are_left_out_only_once(planned):
+    plan = planned(LOOK + NOD)
+    assert plan_without(plan, ["z"]) is plan_without(plan, {"z"})
+    assert plan_without(plan, ["n"]) is not plan_without(plan, ["z"])
+
+
+def test_pickled_plan_keeps_its_conditioner(planned):
+    """The background replanner returns pickled plans."""
+    restored = pickle.loads(pickle.dumps(planned(NOD).conditioned))
+    assert restored is rest_at_keys
