@@ -77,15 +77,20 @@ def pytest_make_collect_report(
     return report
 
 
+def excludes_soak(config: pytest.Config) -> bool:
+    """Return whether the marker expression deselects all tests of `make soak`."""
+    return config.getoption("markexpr").startswith("not soak")
+
+
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Skip the files of `make soak`, whose thousands of tests would be deselected anyway."""
-    return True if collection_path.name == "soak" and config.getoption("markexpr") == "not soak" else None
+    return True if collection_path.name == "soak" and excludes_soak(config) else None
 
 
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:
     """Skip functions marked for `make soak` in other folders, with all parameters."""
     marks = getattr(obj, "pytestmark", None) if name.startswith("test_") else None
-    if marks and collector.config.getoption("markexpr") == "not soak" and any(mark.name == "soak" for mark in marks):
+    if marks and excludes_soak(collector.config) and any(mark.name == "soak" for mark in marks):
         return []
     return None
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
-from scipy.stats import rankdata
 
 from kinesic.body.arrays import Flags, Floats, Indices
 
@@ -128,6 +127,8 @@ def area_under_curve(ours: Floats, others: Floats) -> float:
 
     Equal scores count half.
     """
+    from scipy.stats import rankdata  # noqa: PLC0415 - slow import, rarely needed
+
     ranks = rankdata(np.concatenate([ours, others]))
     wins = float(ranks[: len(ours)].sum()) - len(ours) * (len(ours) + 1) / 2
     return wins / (len(ours) * len(others))
