@@ -40,7 +40,8 @@ def page_name(page: Path) -> str:
 
 
 def blocks(page: Path, language: str) -> list[str]:
-    return re.findall(rf"^ *```{language}\n(.*?)^ *```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    fences = re.findall(r"^ *```(.*?)\n(.*?)^ *```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    return [text for name, text in fences if re.fullmatch(language, name)]
 
 
 def shell_lines() -> Iterator[tuple[str, str]]:
