@@ -8,6 +8,7 @@ from kinesic.intent.meaning.context import Context
 
 HEAD_CHANNEL = frozenset({"head"})  # channel of head movements
 GRAVE_REACH = 12  # [words] distance from a word within which denials, sad and stern words count
+MIN_RHYTHM_WORDS = 16  # [words] length of text from which nods on accents are read as rhythm, not as assent
 NOD_PREFIXES = ("accent", "noun", "first-noun", "emphasis")  # prefixes of intents that cause a small nod
 STRUCTURE_PREFIXES = (
     "turn",
@@ -49,7 +50,7 @@ def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: 
     """
     if "emoticon" in intent.reason:
         return intent
-    if intent.name.startswith(NOD_PREFIXES) and (_is_grave(context, intent.word) or context.is_reported(intent.word)):
+    if intent.name.startswith(NOD_PREFIXES) and _is_misread_nod(context, intent.word):
         return replace(intent, muted=intent.muted | HEAD_CHANNEL)
     if intent.name in ASKING_INTENTS and not context.is_question(intent.word):
         return None
@@ -102,6 +103,12 @@ def _is_grave(context: Context, k: int) -> bool:
     """Return whether a nearby word denies something, or is sad or stern."""
     near = range(max(0, k - GRAVE_REACH), min(len(context.plain), k + GRAVE_REACH + 1))
     return any(context.language.has(name, context.plain[j]) for j in near for name in ("denial", "sad", "stern"))
+
+
+def _is_misread_nod(context: Context, k: int) -> bool:
+    """Return whether a viewer may take the nod on an accent for assent."""
+    is_short = len(context.plain) < MIN_RHYTHM_WORDS
+    return is_short or _is_grave(context, k) or context.is_reported(k)
 
 
 def _first_word(intent: Intent) -> int:
