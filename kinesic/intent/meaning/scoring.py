@@ -40,10 +40,10 @@ DEFAULT_PENALTIES = Penalties()  # default score penalties for unsuitable contex
 CATEGORY_THRESHOLDS: Mapping[str, float] = {
     "emblem": 0.62,
     "emotion": 0.64,
-    "deictic": 0.5,
-    "iconic": 0.54,
-    "metaphoric": 0.5,
-    "adaptor": 0.56,
+    "deictic": 0.52,
+    "iconic": 0.56,
+    "metaphoric": 0.52,
+    "adaptor": 0.58,
     "beat": 0.3,
     "rest": 0.7,
 }

@@ -23,7 +23,7 @@ def is_beat(lexemes: set[str]) -> bool:
     ("literal", "other", "gesture"),
     [
         ("We climbed up the tower.", "Temperatures climbed up the scale.", "climb_ladder"),
-        ("This bag is so heavy.", "The traffic is so heavy.", "lift_weight"),
+        ("My bag is so heavy.", "The traffic is so heavy.", "lift_weight"),
         ("I opened the door.", "I opened the letter.", "open_door"),
         ("Cut along the line.", "We were cut off.", "cut"),
         ("It's the second door on the right.", "The right answer is no.", "right"),
@@ -33,6 +33,13 @@ def is_beat(lexemes: set[str]) -> bool:
         ("Sorry, I was miles away.", "The shop is ten miles away.", "dream_off"),
         ("We ran down the hill.", "Tears ran down my face.", "run"),
         ("Then I stretched it out.", "Then I stretched out my hand.", "pull_thread"),
+        ("It broke in two.", "The bell rings in two minutes.", "break_apart"),
+        ("Turn left at the oak.", "My left knee hurts.", "left"),
+        ("Who knows!", "Ask a man who knows about cars.", "shrug_small"),
+        ("The exam was a piece of cake.", "I had a piece of cake.", "thumb_up"),
+        ("Look at the time!", "I lived in Rome at the time.", "watch_time"),
+        ("Hold it!", "Breathe in and hold it.", "stop_low"),
+        ("I stood in the middle of the road.", "I was in the middle of a chapter.", "between_fingers"),
     ],
 )
 def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture: str):
@@ -49,6 +56,31 @@ def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture:
 )  # fmt: skip
 def test_figurative_words_get_no_illustrating_gesture(text: str):
     assert is_beat(shown(text))
+
+
+def test_praise_after_an_exclamation_or_beside_a_bad_thing_is_not_shown():
+    assert shown("Brilliant!") & {"thumb_up", "thumb_up_low"}
+    assert is_beat(shown("Oh, brilliant, the train is late."))
+    assert is_beat(shown("Brilliant, it's raining again.") - {"rain"})
+    assert "heart" in shown("I made it myself.")
+    assert "heart" not in shown("It was a mistake, and I made it myself.")
+
+
+def test_shrug_is_not_shown_for_the_ignorance_of_others():
+    assert shown("I have no idea what it is.") & {"doubt_shrug", "shrug_small"}
+    assert is_beat(shown("He has no idea what it is."))
+
+
+def test_denial_that_is_taken_back_shakes_no_head():
+    assert "SHAKE" in shown("The second step never works.", "head")
+    assert "SHAKE" not in shown("The second step never works without the first.", "head")
+
+
+def test_accents_nod_only_in_longer_texts():
+    long = "We walked along the river to the old mill and had lunch in the garden behind the house."
+    assert "NOD" not in shown("He put the cup on the table.", "head")
+    assert "NOD" in shown(long, "head")
+    assert "NOD" not in shown(f"They say that {long}", "head")
 
 
 def test_denied_emblem_is_not_shown():
