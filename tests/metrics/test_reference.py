@@ -40,6 +40,15 @@ def test_long_reference_is_sampled_in_windows(calm: DryRun, monkeypatch: pytest.
     ]
 
 
+@pytest.mark.parametrize(("count", "batches"), [(4096, 1), (4097, 5)])
+def test_motion_of_over_41_seconds_is_sampled_in_batches_of_ten_seconds(calm: DryRun, count: int, batches: int) -> None:
+    times = np.linspace(0.0, calm.plan.trajectory.duration, count)
+    duties = np.broadcast_to(0.0, (count, calm.reference.duties.shape[1]))
+    rows = [rows for rows, _ in Reference(calm.plan, times, duties).motions()]
+    assert len(rows) == batches
+    assert sum(len(times[part]) for part in rows) == count
+
+
 @pytest.mark.parametrize("rounds", [True, False])
 def test_setpoints_too_large_for_integer_ticks_are_stored_as_floats(rounds: bool) -> None:
     robot = Robot.load()

@@ -22,7 +22,8 @@ PATIENCE = (20.0, 8.0)  # [s] that tests of a mutant may take, and how many time
 SELECTION = ("-m", "not soak and not realtime", "-k", "not manual")  # the same on its servos takes twice as long
 
 FORKS = multiprocessing.get_context("forkserver")  # each trial begins with the heavy libraries loaded
-FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "mujoco", "casadi", "msgspec"])
+# Without MuJoCo, whose way of drawing kinesic chooses before the import.
+FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
 os.environ |= {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # of the trials
 
 Outcome = Literal["killed", "timeout", "survived"]

@@ -8,13 +8,14 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
-from kinesic.motion.transition import extend_controls, knot_at
+from kinesic.motion.transition import FEWEST_PIECES, extend_controls, knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer import pointing
 from kinesic.realizer.occupancy import occupancy_of
 from kinesic.realizer.pointing import PointingStroke, correct_pointing, pointing_hands
 from kinesic.realizer.realizer import begin, improve_block, interrupt, prepare_block, take_replans
+from kinesic.realizer.release import motion_from_knot
 from kinesic.realizer.scene import Scene
 
 from .conftest import Play
@@ -209,3 +210,15 @@ def test_refined_plan_keeps_pointing(play):
     play.scene = after
     assert missed(play, "b") < POINTING_ACCURACY
     check(play)
+
+
+def test_arm_may_come_as_near_to_the_body_as_the_required_clearance(alone, known):
+    controls = alone.trajectory.controls
+    last = len(controls) - FEWEST_PIECES
+    nearest = float(scan_clearance(motion_from_knot(controls, 0), known.distances)[1].distances.min())
+    least = nearest - LAG_RESERVE
+    while least + LAG_RESERVE < nearest:
+        least = np.nextafter(least, np.inf)
+    for required, is_feasible in ((least, True), (least + 1e-9, False)):
+        setup = replace(known, robot=replace(known.robot, min_clearance=required))
+        assert pointing._is_feasible(controls, alone.trajectory, 0, last, setup) is is_feasible

@@ -1,5 +1,7 @@
 """Removal of motion and of the past."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer import release as module
 from kinesic.realizer.merge import merge
-from kinesic.realizer.occupancy import arm_hinges, freed_hinges
+from kinesic.realizer.occupancy import arm_hinges, freed_hinges, occupancy_of
 from kinesic.realizer.release import motion_from_knot, release_motion
 
 from ..passage import passage_text
@@ -109,3 +111,21 @@ def test_motion_truncated_before_a_knot_keeps_the_later_control_points(planned, 
     cut = len(running.controls) - len(left.controls)
     assert cut == min(max(knot, 0), len(running.controls) - 7)
     np.testing.assert_array_equal(left.controls, running.controls[cut:])
+
+
+@pytest.mark.parametrize(("late", "rejoins"), [(0.0, False), (1.0, True)])
+def test_released_arm_rejoins_only_behaviours_that_are_not_ready_yet(planned, known, late, rejoins):
+    """A behaviour that is ready exactly at the release has reached its posture."""
+    running, knot = planned(OFFER.format("g", "RIGHT", 0, 1, 6)), 120
+    ready = knot * KNOT_INTERVAL + late
+    hand = list(arm_hinges("r_hand", known.robot))
+    other = replace(occupancy_of(running)[0], behaviour="o", begin=ready - 0.4, ready=ready, relax=5.0)
+    released = release_motion(
+        running.trajectory,
+        knot * KNOT_INTERVAL,
+        np.isin(np.arange(len(known.limits.lower)), hand),
+        known,
+        others=[other],
+    )
+    before, after = (motion.at(4.0).angles[hand] for motion in (running.trajectory, released))
+    assert bool(np.abs(after - before).max() < 1e-6) is rejoins

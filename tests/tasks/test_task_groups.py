@@ -1,8 +1,10 @@
 """Groups of tasks on a cluster, with a simulated dask client."""
 
+import logging
 import pickle
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import partial
 from types import SimpleNamespace
 
@@ -281,3 +283,13 @@ def test_program_is_sent_in_a_form_that_workers_can_read(client: PlayedClient) -
     assert result.seconds > 0.0
     with pytest.raises(WrongProgramError, match=r"worker tcp://here runs another kinesic"):
         cluster_module._run_group(code, ("1",), "another version")
+
+
+def test_log_of_dask_is_silent_while_a_cluster_is_open(monkeypatch: pytest.MonkeyPatch, client: PlayedClient) -> None:
+    """The results report dead workers."""
+    log = logging.getLogger("distributed")
+    monkeypatch.setattr(log, "level", logging.WARNING)
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace())
+    monkeypatch.setattr(cluster_module, "open_client", lambda *_, **__: nullcontext(client))
+    with cluster("local:1"):
+        assert log.level == logging.CRITICAL

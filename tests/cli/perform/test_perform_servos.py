@@ -152,3 +152,11 @@ def test_perform_on_the_face_alone_plays_the_whole_plan(kinesic, drive: Drive, r
     monkeypatch.setattr(perform, "play_whole", lambda *given: played.append(given))
     assert kinesic("perform", "nod.bml", "--no-film", "--out", "out", "--on", "face").code == 0
     assert played == [(runs[0].plan, "window")]
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_tracking_errors_of_several_twins_are_printed_side_by_side(runs, capsys, count):
+    (run,) = runs
+    perform._print_report(count * (run,), None, report(run, source="nod.bml", seed=0))
+    headings = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[:1] == ["error"]]
+    assert headings == [["error", run.twin_name, run.twin_name]] * (count - 1)

@@ -132,6 +132,20 @@ def test_path_grows_with_spatial_extent_within_easy_reach(robot):
     assert work.path("l", 0) is None
 
 
+def test_path_is_not_reduced_if_it_swings_out_before_the_hand_is_far(robot):
+    """In the opposite direction, the same path would leave the easy reach."""
+    wide = Expressivity(spatial=0.5)
+    near, far = (poses(with_path(0.25, last=last), robot, wide) for last in (A, (0.6, 0.9, 0.6)))
+    path, (start, end) = far.path("r", 1), places(far, "r")
+    centre, easy = shoulder(robot, "r"), EASY_REACH * robot.arm_length
+    forth, back = (
+        np.linalg.norm(path.at(*ends, np.linspace(0.0, 1.0, 101)) - centre, axis=1).max()
+        for ends in ((start, end), (end, start))
+    )
+    assert forth < easy < back
+    np.testing.assert_allclose(path.amplitude, near.path("r", 1).amplitude)
+
+
 def test_one_hand_of_a_two_handed_gesture_can_be_selected(robot):
     work = poses(form({"r": A, "l": A}, {"r": B, "l": C}), robot, NEUTRAL_EXPRESSIVITY)
     left = work.only("l")

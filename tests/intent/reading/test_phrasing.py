@@ -76,3 +76,14 @@ def test_stroke_of_distant_weak_word_moves_to_the_nearest_content_word(weak, str
     words = [word.plain for word in passage.words]
     assert len(passage.phrases) == 1
     assert words[stressed_near(passage, words.index(weak))] == stressed
+
+
+def test_noun_phrases_are_less_certain_than_accents_and_emphasised_words():
+    """Otherwise a gesture for a noun would displace the beat of its phrase."""
+    language = load_language()
+    passage = read_text("The dog saw a *big* cat.", language)
+    certainty = {
+        phrase.intent: phrase.certainty for phrase in find_phrases(passage, language, read_grammar(passage, language))
+    }
+    assert 0.0 < certainty["first-noun-phrase"] == certainty["noun-phrase"] < certainty["accent"]
+    assert certainty["accent"] < certainty["emphasis-strong"] < 1.0

@@ -10,6 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from kinesic.body.arrays import sealed
 from kinesic.body.robot import SIDES, Robot
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.skinning import Skin
@@ -20,7 +21,7 @@ from kinesic.report.gltf.scene import (
     save_scene,
     write_scene,
 )
-from kinesic.report.segment_motion import smooth_quaternions
+from kinesic.report.segment_motion import segment_motions, smooth_quaternions
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.shells.shell import load_shell
@@ -194,3 +195,28 @@ def test_gltf_key_frame_times_are_distinct_and_end_with_the_motion(duration: flo
     assert times[-1] == np.float32(duration)
     assert (np.diff(times) > 1e-4).all()
     assert (np.diff(times) < 1.02 / KEY_FRAME_RATE).all()
+
+
+def test_segment_with_an_offset_joint_axis_is_translated(tmp_path: Path):
+    robot, tilt = ROBOTS["upper22"], ROBOTS["upper22"].joints("neck")[1]
+    hinges = [
+        replace(hinge, at=sealed([0.0, 0.0, 0.02])) if k == tilt else hinge
+        for k, hinge in enumerate(robot.skeleton.hinges)
+    ]
+    offset = replace(robot, skeleton=replace(robot.skeleton, hinges=tuple(hinges)))
+    angles = wild(offset)
+    tables, block = read(written(offset, angles, tmp_path / "offset.glb"))
+    (animation,) = tables["animations"]
+    translated = {
+        tables["nodes"][channel["target"]["node"]]["name"]: animation["samplers"][channel["sampler"]]["output"]
+        for channel in animation["channels"]
+        if channel["target"]["path"] == "translation"
+    }
+    head = hinges[tilt].segment
+    assert set(translated) == {head}
+    (expected,) = (
+        motion.translations
+        for motion in segment_motions(offset, angles)
+        if offset.skeleton.segments[motion.segment].name == head
+    )
+    np.testing.assert_allclose(values(tables, block, translated[head]), expected, atol=1e-6)
