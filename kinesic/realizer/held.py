@@ -69,9 +69,13 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the last offset (n,) [rad] held in a role, or zeros."""
-    last = max((entry for entry in occupancy if entry.holds(role)), key=lambda entry: entry.end, default=None)
-    return np.zeros(len(hinges)) if last is None or last.offset is None else np.where(hinges, last.offset, 0.0)
+    """Return the last offset (n,) [rad] held in a role, or zeros.
+
+    Of occupancies with the same end, the last one counts.
+    """
+    holding = sorted((entry for entry in occupancy if entry.holds(role)), key=lambda entry: entry.end)
+    last = holding[-1].offset if holding else None
+    return np.zeros(len(hinges)) if last is None else np.where(hinges, last, 0.0)
 
 
 def held_posture(occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
@@ -221,7 +225,8 @@ class _Succession:
     def _behaviours(self) -> list[tuple[Occupancy, _Source]]:
         """Running and new behaviours with their sources, sorted by time.
 
-        Running behaviours that are ready before the block's first behaviour are left out.
+        New behaviours follow running ones of the same time. Running behaviours that are ready before the block's first
+        behaviour are left out.
         """
         block_behaviours: list[tuple[Occupancy, _Source]] = [
             (entry, "block") for entry in self.work.performed if self.role in entry.roles
@@ -230,7 +235,7 @@ class _Succession:
         coming: list[tuple[Occupancy, _Source]] = [
             (entry, "running") for entry in self._running if entry.ready >= first
         ]
-        return sorted((*block_behaviours, *coming), key=lambda pair: _sort_key(pair[0]))
+        return sorted((*coming, *block_behaviours), key=lambda pair: _sort_key(pair[0]))
 
     @cached_property
     def _value_before(self) -> Floats:

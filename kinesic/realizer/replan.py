@@ -167,7 +167,7 @@ class _PlanSwitch:
     @property
     def _count(self) -> int:
         coming = self.offset + len(self.new_plan.trajectory.controls)
-        return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + FEWEST_PIECES)
+        return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + 2 * FEWEST_PIECES)
 
     def _without_block(self, count: int) -> Floats | None:
         """Return the running motion without the block's trunk motion.

@@ -11,6 +11,7 @@ from kinesic.body.arrays import Floats
 
 from .holding_chain import GAZE_BLOCKS, HOLDING_BLOCKS, PASSING_BLOCKS, STANCE_BLOCKS, Chain, held_alone
 
+WAITING_BLOCK = HOLDING_BLOCKS[-1]  # waits 6 s before its gaze
 ANGLE_TOLERANCE = np.radians(1.0)
 MAX_LIMIT_RATIO = 1.0015
 PAUSE_TIMES = st.one_of(st.floats(0.0, 0.6), st.floats(0.0, 4.0))
@@ -31,7 +32,7 @@ def test_final_posture_of_a_gaze_chain_equals_that_of_the_last_gaze(
     assert chain.limit_ratio <= MAX_LIMIT_RATIO
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.lists(CHAIN_EVENTS, min_size=2, max_size=9), st.sampled_from([0.0, 0.13]), st.data())
 def test_final_posture_of_a_mixed_chain_combines_the_last_gaze_and_posture_shift(
     events: list[tuple[float, str]], ahead: float, data: st.DataObject
@@ -45,6 +46,19 @@ def test_final_posture_of_a_mixed_chain_combines_the_last_gaze_and_posture_shift
     chain.finish()
     assert np.abs(chain.end - chain.expected_end).max() < ANGLE_TOLERANCE
     assert chain.limit_ratio <= MAX_LIMIT_RATIO
+
+
+@pytest.mark.parametrize(("first", "second"), [GAZE_BLOCKS[:2], GAZE_BLOCKS[1::-1]])
+def test_later_of_two_gazes_sent_at_the_same_time_is_held(first: str, second: str) -> None:
+    chain = Chain(ahead=0.0).send(first).send(second)
+    chain.finish()
+    np.testing.assert_allclose(chain.end, held_alone(second), atol=1e-6)
+
+
+def test_block_that_waits_is_restyled_before_its_first_motion() -> None:
+    chain = Chain(ahead=0.0).send(WAITING_BLOCK).wait(2.0).do("restyle", 0)
+    chain.finish()
+    np.testing.assert_allclose(chain.end, held_alone(WAITING_BLOCK), atol=1e-6)
 
 
 @pytest.mark.soak
