@@ -24,7 +24,7 @@ def run_driver(driver: str, case: str, cycles: int = 120) -> TrialResult:
     return run_trial(CASES[case], make_driver, servos=7, baud=1_000_000, seed=1, cycles=cycles)
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param(name, marks=[pytest.mark.soak] * ("1%" in name)) for name in CASES])
 def test_kinesic_never_raises_and_reports_no_wrong_position(case: str):
     result = run_driver("kinesic", case)
     if case in REFUSALS:

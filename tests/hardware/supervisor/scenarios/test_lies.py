@@ -40,10 +40,10 @@ def lying(made: Desk, register: Register, lie: int) -> Iterator[None]:
     ("register", "lie"),
     [
         (Register.PRESENT_POSITION, 1_000_000),
-        (Register.PRESENT_POSITION, -(2**31)),
+        pytest.param(Register.PRESENT_POSITION, -(2**31), marks=pytest.mark.soak),
         (Register.PRESENT_POSITION, 3300),
         (Register.PRESENT_VELOCITY, 30_000),
-        (Register.PRESENT_TEMPERATURE, 255),
+        pytest.param(Register.PRESENT_TEMPERATURE, 255, marks=pytest.mark.soak),
         (Register.PRESENT_INPUT_VOLTAGE, 65_535),
         (Register.PRESENT_CURRENT, -32_768),
     ],

@@ -16,6 +16,15 @@ from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, PlannedFault
 Make = Callable  # of a desk, see conftest
 REFUSED = {"duplicate id", "wrong model"}
 HELD = {"alert encoder"}  # who does not know where he is, and has torque: nobody moves him
+SIMILAR = {  # to other faults that strike in every run
+    "calm",
+    "truncate 5%",
+    "duplicate 5%",
+    "noise 5%",
+    "alert voltage",
+    "alert overheating",
+    "alert electrical_shock",
+}
 FEW = 3  # servos where every fault strikes once; two beside the one that it meets
 SIZES, BAUDS, SEEDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000), (1, 2, 3)
 
@@ -60,7 +69,14 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
     assert max(desk.jumps) <= 2
 
 
-@pytest.mark.parametrize("case", [case for case in list_cases() if "1%" not in case.name], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=case.name, marks=[pytest.mark.soak] * (case.name in SIMILAR))
+        for case in list_cases()
+        if "1%" not in case.name
+    ],
+)
 def test_performance_survives_every_fault(crowd: Make, case: FaultCase):
     struck(crowd, case, FEW, 1_000_000, 1)
 
