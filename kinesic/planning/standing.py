@@ -1,5 +1,6 @@
 """Standing posture of a robot in a style, checked for clearance."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
@@ -28,6 +29,8 @@ RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the jo
 STANDING_STREAM = 7  # index of the random stream for standing postures
 MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk
 HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
+MAX_ARM_LIFT_DEG = 8.0  # largest outward angle added to an arm that hangs too close to the body
+ARM_LIFT_STEP_DEG = 1.0  # step in which this angle is searched
 FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
 
 
@@ -111,11 +114,10 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
     table = read_stances().hanging
     stance = StanceDeviation(draw_deviation(table, chance), MAX_TORSION * float(chance.uniform(-1.0, 1.0)))
     mean = expand_features(table.mean) if _stands_upright(style) else None
-    for fraction in POSTURE_AMOUNTS:
-        angles = _take_stance(robot, style, stance.scaled(fraction * variation.amount), mean)
-        if _is_clear(angles, robot, distances):
-            return _with_rest(robot, angles)
-    return robot
+    scaled = (stance.scaled(fraction * variation.amount) for fraction in POSTURE_AMOUNTS)
+    candidates = (_take_clear_stance(robot, style, deviation, mean, distances) for deviation in scaled)
+    angles = next((angles for angles in candidates if angles is not None), None)
+    return robot if angles is None else _with_rest(robot, angles)
 
 
 def _stands_upright(style: Style) -> bool:
@@ -123,10 +125,37 @@ def _stands_upright(style: Style) -> bool:
     return style.posture == 0.0 or not style.standing.moves_body
 
 
-def _take_stance(robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None) -> Floats:
+def _take_clear_stance(
+    robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None, distances: Distances
+) -> Floats | None:
+    """Return the rest posture (n,) [rad] with a deviation and clear arms, or None.
+
+    An arm too close to the body is moved outward, as the deviation of trunk and head should remain.
+    """
+    lifts = dict.fromkeys(SIDES, 0.0)
+    while max(lifts.values()) <= MAX_ARM_LIFT_DEG:
+        angles = _take_stance(robot, style, stance, mean, lifts)
+        close = _find_close_segments(angles, robot, distances)
+        if not close:
+            return angles
+        sides = [side for side in SIDES if close & robot.arm(side).bodies]
+        if not sides:
+            return None
+        lifts |= {side: lifts[side] + ARM_LIFT_STEP_DEG for side in sides}
+    return None
+
+
+def _take_stance(
+    robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None, lifts: Mapping[Side, float]
+) -> Floats:
     """Return the rest posture (n,) [rad] with a deviation from a mean.
 
-    Without a mean, the deviation is from the robot's own rest posture.
+    Args:
+        robot: with the rest posture of the style.
+        style: of this posture.
+        stance: deviation.
+        mean: (s,) [deg] mean stance; None for the robot's own rest posture.
+        lifts: angle [deg] by which each arm is moved outward.
     """
     angles = np.array(robot.skeleton.rest)
     torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
@@ -140,7 +169,8 @@ def _take_stance(robot: Robot, style: Style, stance: StanceDeviation, mean: Floa
     start = np.array(robot.skeleton.rest)
     for side, deviation in zip(SIDES, np.split(stance.features[len(own) :], len(SIDES)), strict=True):
         hanging = measure_arm(robot, side, start) if mean is None else mean[-len(deviation) :]
-        angles = set_arm(robot, side, hanging + fraction * deviation, angles)
+        outward = [lifts[side] if name.endswith("outward") else 0.0 for name in ARM_FEATURES]
+        angles = set_arm(robot, side, hanging + fraction * deviation + outward, angles)
     return _inside(angles, robot)
 
 
@@ -210,9 +240,15 @@ def _inside(angles: Floats, robot: Robot) -> Floats:
 
 
 def _is_clear(angles: Floats, robot: Robot, distances: Distances) -> bool:
-    """Return whether a posture keeps the required clearance, or that at rest.
+    """Return whether a posture keeps the required clearance, or that at rest."""
+    return not _find_close_segments(angles, robot, distances)
 
-    Pairs of segments that are too close at rest must not come nearer.
+
+def _find_close_segments(angles: Floats, robot: Robot, distances: Distances) -> frozenset[str]:
+    """Return the segments that are closer to others than required.
+
+    Pairs that are too close at rest must not come nearer.
     """
     gaps, own_gaps = distances.gaps(np.stack([angles, robot.skeleton.rest]))
-    return bool(np.all(gaps >= np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps)))
+    close = gaps < np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps)
+    return frozenset(name for pair, near in zip(robot.counted_pairs, close, strict=True) if near for name in pair)

@@ -9,7 +9,7 @@ from kinesic.bml.parse import parse
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
 from kinesic.expressivity.style.style import Style
-from kinesic.expressivity.turns import rest_head_turn, rest_turn
+from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.face_track import compute_action_units
 from kinesic.planning.quick_plan import plan_quickly
@@ -121,6 +121,13 @@ def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
     assert np.degrees(np.abs(bodies[0] - bodies[2]).max()) > 3.0
     assert abs(np.degrees(bodies[0][mirrored[0]] - bodies[0][mirrored[1]])) > 1.0
     assert np.array_equal(set_up(seed=1).robot.skeleton.rest, ROBOTS["upper22"].skeleton.rest)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_trunk_and_head_of_a_seed_do_not_depend_on_the_girth_of_the_body(seed):
+    bodies = [set_up(name, variation=1.0, seed=seed).robot for name in ("human", "upper36")]
+    turns = [[*turn_angles(rest_turn(body, "torso")), *turn_angles(rest_head_turn(body))] for body in bodies]
+    assert np.degrees(turns[0]) == pytest.approx(np.degrees(turns[1]), abs=0.5)
 
 
 def test_averted_eyes_return_to_the_listener_now_and_then(sad):
