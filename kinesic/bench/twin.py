@@ -119,7 +119,7 @@ class Errors:
 
     @property
     def metrics(self) -> dict[str, float]:
-        """Tracking and stroke error statistics by metric name."""
+        """Statistics by metric name: tracking [deg], strokes [ms], clearance [mm]."""
         degrees = np.degrees(self.angles)
         return {
             "rmse": float(np.sqrt(np.mean(degrees**2))),

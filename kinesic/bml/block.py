@@ -83,7 +83,7 @@ Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 GAZE_SYNCS = ("start", "ready", "relax", "end")  # sync points of gazes in order
 FACE_SYNCS = ("start", "attackPeak", "relax", "end")  # sync points of facial expressions in order
-SHIFT_SYNCS = ("start", "end")  # sync points of lasting changes in order
+SHIFT_SYNCS = ("start", "end")  # sync points of `<gazeShift>` and other shifts, in order
 
 EXPRESSIVITY_RANGES: Mapping[str, tuple[float, float]] = {  # allowed values of each parameter (thesis 8.7)
     "spatial": (-1.0, 1.0),

@@ -32,7 +32,7 @@ SINK_NAMES = ("twin", "servos", "face")
 FAULT_EXIT_CODE = 3  # exit code after a robot or servo fault
 SHEET_PICTURE_SIDE = 176  # [pixels] side of each picture on a contact sheet of faces
 STRIP_PICTURE_SIDE = 192  # [pixels] side of each picture in a film strip
-DEFAULT_PICTURE_SIDE = 512  # [pixels] side of all other pictures of the face
+DEFAULT_PICTURE_SIDE = 512  # [pixels] default side of single pictures of the face
 
 STYLE_HELP = f"Style, unless a document sets another: {', '.join(names_of('style'))}, or a TOML file."
 FORCE_HELP = "Replace a folder made by kinesic."

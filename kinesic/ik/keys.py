@@ -33,11 +33,11 @@ class Key:
 
 @dataclass(frozen=True)
 class ReachManner:
-    """Limits of joint changes between keys, and the swivel at openness 1."""
+    """Limits of an arm's elbow swing and hinge steps between keys."""
 
     widest: float  # [rad] that an elbow swings aside for the palm and the pointing of its hand
     leap: float  # [rad] of a hinge from key to key, at most, where the elbow need not swing for these
-    open: float  # [rad] swivel at openness 1
+    open: float  # [rad] swivel of the elbow at openness 1
 
 
 @dataclass(frozen=True, eq=False)

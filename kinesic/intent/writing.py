@@ -74,7 +74,7 @@ def write_block(
 
 
 def _refer(word: str, ids: Sequence[str]) -> str:
-    """Return a sync reference to the mark at a word."""
+    """Return `="SPEECH:wWORD`, a sync reference without closing quote."""
     return f'="{ids[int(word) - 1]}:w{word}'
 
 

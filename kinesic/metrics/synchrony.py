@@ -31,7 +31,7 @@ class StrokeLag:
 
     @property
     def lag(self) -> float:
-        """Delay of the highest wrist speed after the word [s]."""
+        """Delay [s] of the highest wrist speed after the word's accent."""
         return self.fastest - self.accent
 
 

@@ -112,10 +112,10 @@ class Grid:
         return np.array([*boxes, duty / self.duty(limits)[hinge]])
 
     def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
-        """Return a hinge's limits as sparse rows with bounds -1..1.
+        """Return sparse rows of a hinge's limits, for bounds -1..1.
 
-        Of shape (4 k + 4, k + 3), without the range: velocity, acceleration and jerk on their control points, then the
-        duty at the knots.
+        -1 <= rows @ controls <= 1. Of shape (4 k + 4, k + 3) for k pieces, without the range: velocity, acceleration
+        and jerk on their control points, then the duty at the knots.
         """
         groups = zip(self.stencils(limits, hinge), STENCIL_WIDTHS, self.counts, strict=True)
         data = np.concatenate([np.tile(stencil[:width], count) for stencil, width, count in groups])

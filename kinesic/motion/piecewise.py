@@ -81,7 +81,10 @@ class QuinticSpline:
 
 
 def _quintics(steps: Floats, angles: Floats, velocities: Floats, accelerations: Floats) -> Floats:
-    """Return quintic coefficients (6, k, h), highest power first, from states."""
+    """Return quintic coefficients (6, k, n), highest power first, between knots.
+
+    The knots have given angles, velocities and accelerations (k + 1, n).
+    """
     h, v0, a0 = steps[:, None], velocities[:-1], accelerations[:-1]
     d = angles[1:] - angles[:-1] - v0 * h - a0 * h**2 / 2
     v = (velocities[1:] - v0 - a0 * h) * h

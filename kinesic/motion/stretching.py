@@ -103,7 +103,10 @@ def stretch_until_enough(
 
 
 def _solve_exactly(problem: KeyTimeProblem, times: Floats, previous: _Candidate) -> Floats:
-    """Return optimal key times [s] that keep given segment durations."""
+    """Return optimal key times [s] with no shorter critical segments.
+
+    If the solver fails, the given times remain.
+    """
     gaps = dict(problem.gaps)
     for segment, _ in previous.deficits:
         for i, j in segment.pairs:

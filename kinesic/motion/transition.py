@@ -13,7 +13,7 @@ from kinesic.motion.segments import NO_KNOT_POSITIONS, SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, spline_weights
 
-FEWEST_PIECES = 3  # smallest number of knot intervals that replace three control points by three others
+FEWEST_PIECES = 3  # [knot intervals] shortest transition: its end must not share control points with its start
 LIMIT_WIDENING = 1.0008  # factor on limits, because a motion at a limit may have only one continuation
 SAME_ANGLE = 1e-9  # [rad] smaller angle differences count as zero
 CORRECTION_MARGINS = (15, 40, 10000)  # [knots] ranges around a violation that may change, tried in turn

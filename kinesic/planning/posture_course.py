@@ -69,7 +69,7 @@ class PostureCourse:
         return nearest if abs(self.planned[nearest] - time) < MIN_KEY_INTERVAL else None
 
     def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
-        """Return the indices of detour keys next to a block time."""
+        """Return each arm's detour keys around a block time [s]."""
         matches = set[int]()
         for arm in arms:
             keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]

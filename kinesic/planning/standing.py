@@ -128,7 +128,7 @@ def _stands_upright(style: Style) -> bool:
 def _take_clear_stance(
     robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None, distances: Distances
 ) -> Floats | None:
-    """Return the rest posture (n,) [rad] with a deviation and clear arms, or None.
+    """Take a stance (n,) [rad] with clear arms, or return None.
 
     An arm too close to the body is moved outward, as the deviation of trunk and head should remain.
     """

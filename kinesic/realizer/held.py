@@ -253,12 +253,12 @@ class _Succession:
         return value + self.unexplained if holding and entry is holding[-1] else value
 
     def _step(self, entry: Occupancy, source: _Source, change: Floats) -> HeldRamp:
-        """Return the trunk step at the start of a behaviour."""
+        """Return the ramp to a held trunk posture as a behaviour starts."""
         begin = entry.begin if source != "running" else max(entry.begin, self._begin)
         return HeldRamp(change, begin, max(entry.ready, begin + self._least(change)))
 
     def _step_back(self, entry: Occupancy, change: Floats) -> HeldRamp:
-        """Return the trunk step at the end of a returning behaviour."""
+        """Return the ramp from a held trunk posture as a behaviour ends."""
         return HeldRamp(change, min(entry.relax, entry.end - self._least(change)), entry.end)
 
     @cached_property

@@ -159,7 +159,10 @@ def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
 
 
 def remaining_occupancy(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Return occupancies that relax after a time [s] or hold a posture."""
+    """Return occupancies that relax after a time [s] or hold on.
+
+    A posture holds on if it is the last one of a role to end.
+    """
     all_occupancies = tuple(occupancy)
     over = sorted(
         (entry for entry in all_occupancies if entry.is_held and entry.relax <= time), key=lambda entry: entry.end

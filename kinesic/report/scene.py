@@ -109,7 +109,7 @@ def _servos(robot: Robot) -> list[Json]:
 
 
 def _screen(robot: Robot) -> Json:
-    """Return the meshes of the head's screen as flat number lists."""
+    """Return segment and meshes of the head's screen, or None without one."""
     screen = build_face_screen(robot)
     if screen is None:
         return None

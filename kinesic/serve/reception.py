@@ -148,7 +148,10 @@ class Reception:
             self._await_first(connection, ":".join(map(str, address[:2])))
 
     def _drop_pending(self, *, min_count: int) -> None:
-        """Close `min_count` of the oldest connections, and more above the limit."""
+        """Close at least `min_count` of the oldest pending connections.
+
+        Afterwards, fewer than the limit are pending.
+        """
         while self._pending and (min_count > 0 or len(self._pending) >= self._max_pending):
             self._dismiss(next(iter(self._pending)))
             min_count -= 1

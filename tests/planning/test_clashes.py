@@ -139,7 +139,7 @@ def test_required_gesture_is_never_dropped_for_a_timing_conflict(planned):
         planned(ROOT.format(f"<required>{one}{two}</required>"))
 
 
-def test_minimum_gesture_time_is_computed_between_reversals(known):
+def test_minimum_time_of_a_hinge_is_computed_between_its_reversals(known):
     rest, hinge = known.robot.skeleton.rest, known.robot.arm("r").joints[0]
     rows = []
     for k, angle in enumerate((0.0, 0.1, 0.3, 0.3, 0.2)):

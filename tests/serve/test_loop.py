@@ -30,7 +30,7 @@ def heard(client, wanted):
     return messages
 
 
-def test_robot_resumes_immediately_after_an_emergency_stop(server, becomes):
+def test_resume_directly_after_an_emergency_stop_is_obeyed(server, becomes):
     loop = server.open.clients.session.loop
     with server.client() as client:
         for k in range(3):

@@ -12,11 +12,11 @@ from kinesic.bench.naturalness.rows import SPEED_UNIT, has_complete_return, valu
 from kinesic.body.arrays import Flags, Floats
 
 METRIC_PREFIX = "naturalness"  # prefix of the metric names
-MEDIAN_GOALS: Mapping[str, float] = {  # goals for the medians of hand-motion measures
-    "return_speed": 1.5,
-    "return_speed_all": 1.5,
-    "units_per_second": 1.0,
-    "sparc": -3.0,
+MEDIAN_GOALS: Mapping[str, float] = {  # goals for medians
+    "return_speed": 1.5,  # [arm lengths/s]
+    "return_speed_all": 1.5,  # [arm lengths/s]
+    "units_per_second": 1.0,  # [1/s] gesture units
+    "sparc": -3.0,  # lower bound
 }
 MAX_RETURN_SPEED = 2.6  # [arm lengths/s] goal for the 95th percentile of the return speed
 MIN_FLOW = 0.3  # smallest ratio of speed at strokeStart to largest speed in a flowing gesture

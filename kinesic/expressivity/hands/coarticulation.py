@@ -268,7 +268,10 @@ class _Hands:
         return False
 
     def _try_displacing(self, stroke: Stroke) -> bool:
-        """Drop conflicting strokes that are all less important."""
+        """Place a stroke if all conflicting ones are less important.
+
+        They are dropped. Returns whether the stroke was placed.
+        """
         for option in stroke.options:
             works = [(side, work) for side, row in self._clashes(stroke, option).items() for work in row]
             if all(work.stroke.importance < stroke.importance for _, work in works):

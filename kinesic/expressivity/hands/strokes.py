@@ -90,7 +90,7 @@ def overlaps(work: HandStroke, stroke: Stroke) -> bool:
 
 
 def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
-    """Time the stroke keys, keeping repetitions and path periods that fit."""
+    """Assign key times to a stroke, with only the repetitions that fit."""
     feasible = _drop_repetitions(option, stroke.times, pace)
     remarks = []
     if feasible.stroke_count < option.stroke_count:

@@ -33,7 +33,7 @@ HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between t
     (140.0, -0.75),
     (180.0, -1.0),
 )
-MOUTH_REGION = (0.6, -1.45, -0.8)  # [eye distances] search region of the mouth: half width, lowest and highest position
+MOUTH_REGION = (0.6, -1.45, -0.8)  # [eye distances] search region of the mouth: half width, lowest and highest point
 THROAT_DEPTH = -1.0  # [eye distances] rearmost forward position in the mouth; the neck lies behind it
 MOUTH_DEPTH_UNIT = 0.1  # unit of depth in the mouth, in distances between the eyes
 LIP_DEPTH = 0.35  # depth up to which the inside of the mouth counts as lip, in MOUTH_DEPTH_UNIT

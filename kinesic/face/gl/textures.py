@@ -94,7 +94,7 @@ class Texture:
         gl.TexSubImage2D(n.GL_TEXTURE_2D, 0, 0, 0, *self.size, *self._shape, data)
 
     def read(self) -> bytes:
-        """Return all texture pixels from the bottom row without gaps."""
+        """Return the texture's pixels, bottom row first, without row padding."""
         gl, pixels = self._context.functions, ctypes.create_string_buffer(self._bytes)
         self._bind()
         gl.PixelStorei(n.GL_PACK_ALIGNMENT, 1)
@@ -206,7 +206,7 @@ class Framebuffer:
             gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, n.GL_COLOR_BUFFER_BIT, n.GL_NEAREST)
 
     def read(self, number: int = 0, *, components: int | None = None) -> bytes:
-        """Return the pixels of a texture from the bottom row without gaps."""
+        """Return a texture's pixels, bottom row first, without row padding."""
         texture = self._colours[number]
         component_count = texture.components if components is None else components
         type_, bytes_, _ = COMPONENT_FORMATS[texture.dtype]

@@ -58,9 +58,9 @@ class Pupils:
         self.diameter: float | None = None  # [m]; None before the first call of `follow`
 
     def follow(self, light: float, seconds: float) -> float:
-        """Advance time under a light and return the pupils' new diameter [m].
+        """Advance by `seconds` [s] and return the pupils' new diameter [m].
 
-        The first call returns the settled diameter.
+        The first call returns the diameter settled under the light, which is as from `compute_light_on_eyes`.
         """
         goal = compute_settled_diameter(light)
         if self.diameter is None:

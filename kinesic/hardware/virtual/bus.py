@@ -109,7 +109,7 @@ class VirtualBus:
         return bytes(received)
 
     def _collide(self, begun: float, ended: float) -> None:
-        """Drop all bytes of overlapping transmissions."""
+        """Drop unread bytes, and those sent during an overlap [s]."""
         self._reader.clear()
         remaining = (piece.without(begun, ended) for piece in self._coming)
         self._coming = deque(piece for piece in remaining if piece.data)

@@ -79,7 +79,7 @@ def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: 
 
 
 def _is_denied_here(context: Context, at: int) -> bool:
-    """Return whether the speaker denies something that is not bad.
+    """Return whether a negation is the speaker's denial of something not bad.
 
     A question, a report, a condition (`if you don't`), a bad thing denied (`not a single mistake`), and a denial that
     another one takes back (`never without`) do not count.

@@ -19,7 +19,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
 
-SHOULDER_LEAD_FRACTION = 0.5  # shoulder advance before the elbow, relative to the wrist delay
+SHOULDER_LEAD_FRACTION = 0.5  # shoulder lead / delay from shoulder to wrist; the wrist lags by the rest
 MAX_CATCH_UP = 0.15  # largest delay that a joint makes up along a path / duration of the path
 MAX_DELAY_RATE = 0.35  # largest delay that a joint builds up during a rest / duration of the rest
 MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion

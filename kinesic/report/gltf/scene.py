@@ -32,7 +32,7 @@ SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
 KEY_FRAME_RATE = 30.0  # [Hz] rate of the animation's key frames
 FRAME_QUATERNION = [-0.5, -0.5, -0.5, 0.5]  # rotation (x, y, z, w) from kinesic's axes x, y, z to glTF's z, x, y
 # Linear RGBA colours of light housings and dark parts.
-SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear RGBA of housings and of joints
+SURFACE_COLOURS = ([0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0])  # linear RGBA of pale housings, and of dark joints
 HAND_PARTS: tuple[RodPart, ...] = ("l_hand", "r_hand")  # parts drawn in their own `PART_COLOURS`
 MIN_TRANSLATION = 1e-9  # [m] smaller translations of a segment are not animated
 MIN_END_GAP = 0.01  # smallest time between the last two key frames, in key frame intervals

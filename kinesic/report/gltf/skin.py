@@ -88,7 +88,11 @@ def add_skin(file: GltfFile, nodes: Sequence[int], robot: Robot) -> AddedSkin:
 def _joints(
     file: GltfFile, nodes: Sequence[int], robot: Robot, skin_of: Skin
 ) -> tuple[dict[int, tuple[int, int]], list[int]]:
-    """Add nodes for rig frames between segments and return all joints."""
+    """Add nodes for rig frames that are not segments.
+
+    Returns:
+        Node and parent segment of each added frame, by frame index; the nodes of all frames.
+    """
     partial: dict[int, tuple[int, int]] = {}
     joints: list[int] = []
     for name, place in FRAME_INDICES.items():

@@ -38,7 +38,7 @@ ANATOMICAL_RANGES = {
 }
 # Signs of a hinge's positive rotation axis x, y, z, by name suffix, left side.
 _POSITIVE_AXES = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}
-_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # signs of the positive rotation axis of all other hinges, left side
+_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # likewise for all other hinges
 
 
 @dataclass(frozen=True, eq=False)

@@ -144,7 +144,7 @@ def _is_dark(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:
 def _place_surfaces(
     model: mujoco.MjModel, data: mujoco.MjData, meshes_to_place: list[tuple[str, Triangles, bool]]
 ) -> dict[int, tuple[Surface, ...]]:
-    """Return the surfaces of each body in the world."""
+    """Return surfaces in world coordinates, by MuJoCo body id."""
     placed_surfaces: dict[int, tuple[Surface, ...]] = {}
     for name, triangles, dark in meshes_to_place:
         geom = model.geom(name).id

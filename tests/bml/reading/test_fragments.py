@@ -70,7 +70,7 @@ def test_hold_durations_become_sync_points() -> None:
     }
 
 
-def test_smartbody_posture_is_reached_at_its_ready_time_or_immediately() -> None:
+def test_smartbody_posture_shift_ends_at_ready_unless_ready_is_0() -> None:
     one, two = parse('<body posture="a" start=".4" ready="0" relax="0"/><body posture="b" ready="2"/>').behaviours
     assert {sync: ref.offset for sync, ref in one.syncs.items()} == {"start": 0.4}
     assert {sync: ref.offset for sync, ref in two.syncs.items()} == {"end": 2.0}
