@@ -72,7 +72,7 @@ TRACKING_AIDS: tuple[TrackingAid, ...] = (
     TrackingAid("_feedforward_only", "full"),
     TrackingAid("_without", "none"),
 )
-METRIC_GOALS: dict[str, float | None] = {  # goals by metric; None: reported without a goal
+METRIC_GOALS: dict[str, float | None] = {  # goals in `METRIC_UNITS`; None: reported without a goal
     "rmse": 1.0,
     "p95": 2.5,
     "max": 5.0,

@@ -121,7 +121,7 @@ def range_excess(turn: Turn, limits: tuple[Turn, Turn]) -> float:
 
 
 def turn_at(layer: Layer, time: float) -> Turn:
-    """Return the rotation of a layer at a time."""
+    """Return a layer's rotation at a block time [s]."""
     return Turn(*(float(v) for v in sum_layers([layer], np.array([time]))[0]))
 
 

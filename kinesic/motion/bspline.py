@@ -99,7 +99,9 @@ class Grid:
         return bands
 
     def stencils(self, limits: Limits, hinge: int) -> Floats:
-        """Return four control-point weights per limit of a hinge, normalised to 1.
+        """Return four control-point weights per limit of a hinge.
+
+        The weighted sum of control points is 1 at the limit.
 
         One row each of weights of neighbouring control points: velocity (the first two), acceleration (three), jerk
         (four), and the duty at the knots (three).

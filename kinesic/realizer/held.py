@@ -161,7 +161,7 @@ def end_warnings(
 
 
 def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
-    """Return the trunk steps that remove held angles of superseded behaviours.
+    """Return the trunk ramps that remove angles held by superseded behaviours.
 
     Args:
         work: block and running motion.

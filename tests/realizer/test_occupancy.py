@@ -97,7 +97,7 @@ def test_latest_held_posture_remains_if_an_older_one_is_processed_after_it():
     assert not left.conflicts_with(need("look").shifted(2.5))
 
 
-def test_interrupted_block_releases_its_arms(known):
+def test_interrupted_block_releases_only_the_arm_that_it_still_uses(known):
     robot, moved = known.robot, np.ones(22, dtype=bool)
     own = [need("r_hand"), need("l_hand").shifted(-2.0)]
     free = freed_hinges(own, moved, 0.2, robot)

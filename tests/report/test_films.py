@@ -134,7 +134,7 @@ def test_missing_rendered_face_is_replaced_by_a_painted_one(drawn: dict[str, Dra
     assert np.ptp(differs, axis=0).max() < 0.15 * SMALL.size[0]
 
 
-def test_film_has_face_and_caption_of_its_plan_per_picture() -> None:
+def test_film_has_a_face_per_picture_and_the_captions_of_its_plan() -> None:
     planned = plan(SPOKEN, set_up("upper22", voice="durations"))
     times = np.arange(round(planned.duration * 100) + 1) / 100
     film = TwinFilm.of(planned, times, planned.trajectory.sample(times)[0])

@@ -104,7 +104,7 @@ def test_fml_without_bml_is_performed():
     assert {"gesture", "faceLexeme"} <= {each.type for each in block.behaviours}
 
 
-def test_words_of_a_recording_keep_their_marks():
+def test_marks_follow_the_words_and_the_silence_of_a_recording():
     plan = planned("22_recording.bml")
     (utterance,) = plan.utterances.values()
     times = {mark: round(time, 2) for mark, time in utterance.marks.items()}

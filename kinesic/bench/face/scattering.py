@@ -17,9 +17,9 @@ from kinesic.face.render.wrinkles import compute_map_strengths
 SMILE_UNITS = {"6": 0.6, "12": 0.8, "26": 0.4}  # action units of the drawn smile, with intensities
 TIMING_REPETITIONS = 9  # number of timed drawings per scattering setting
 VISIBLE_DIFFERENCE = 1.0  # smallest visible colour difference in L*a*b*
-ADAPTIVE_SETTINGS = Scattering()  # scattering settings of preset normal
+ADAPTIVE_SETTINGS = Scattering()  # settings of preset "normal", which filter where scattering is visible
 EVERYWHERE_SETTINGS = Scattering(threshold=1.0)  # scattering that filters every pixel
-FULL_SETTINGS = Scattering(threshold=1.0, steps=5)  # scattering settings of preset full
+FULL_SETTINGS = Scattering(threshold=1.0, steps=5)  # settings of preset "full"
 LEVEL_SETTINGS = replace(FULL_SETTINGS, levels=3)  # full scattering at three levels of detail
 
 

@@ -159,7 +159,10 @@ class _Skull:
         return np.asarray((weight * self._away[which]).sum(axis=1) / weight.sum(axis=1))
 
     def cover(self, directions: Floats) -> Floats:
-        """Return the (n,) minimum radius of hair, with limited slopes over ears."""
+        """Return smallest distances (n,) of hair from the head centre.
+
+        They are in distances between the eyes. Hair covers skin and ears, without steep slopes at the ears.
+        """
         radius = self.radius(directions)
         if self._ears is None:
             return radius

@@ -21,7 +21,7 @@ SKIN_CLEARANCE = 0.0004  # [m] minimum distance of skin from the eyeball, unless
 BURIED_DEPTH = 0.001  # [m] depth in the eyeball at rest from which skin is never visible
 LID_OVERLAP = 0.02  # fraction of its travel by which a closed upper lid overlaps the lower one
 PROTRUSION_WEIGHT = 20.0  # [rad/m] weight of protrusion relative to height in the search for the lid edge
-LID_STEPS = 40  # number of sampled lid positions between open and closed
+LID_STEPS = 40  # number of steps between sampled lid positions from open to closed
 MIN_BLINK = 5e-4  # [m] blink displacement below which a vertex counts as unmoved
 
 Vertices = NDArray[np.intp]

@@ -180,7 +180,7 @@ def _paint_brows(complexion: Complexion, random: np.random.Generator) -> Floats:
 
 
 def _measure_brow(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
-    """Return brow points: position along the brow 0..1, chart a and y."""
+    """Return brow points: positions 0..1 along the brow, chart coordinates."""
     points = np.array(complexion.brow)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     return lengths / lengths[-1], points[:, 0], points[:, 1]

@@ -34,7 +34,7 @@ def balance_springs(task: Task) -> Rest:
 
 
 def _correction(points: Floats, task: Task, weights: Floats) -> Floats:
-    """Return the displacements (n + 1, 3) of the masses per step."""
+    """Return point displacements (n + 1, 3) [m] towards the rest lengths."""
     bones = np.diff(points, axis=0)
     lengths = np.maximum(np.sqrt((bones * bones).sum(axis=1)), MIN_SPRING_LENGTH)
     along = bones / lengths[:, None]

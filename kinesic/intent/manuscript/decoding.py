@@ -9,7 +9,7 @@ from kinesic.intent.manuscript.pieces import pause
 MIN_CUE_PAUSE = 0.3  # [s] shortest silence between subtitle cues that is kept
 MAX_CUE_PAUSE = 10.0  # [s] longest silence between subtitle cues; longer ones are shortened
 NUL_FRACTION = 0.2  # fraction of zero bytes above which a text without byte order mark is UTF-16
-_BYTE_ORDER_MARKS = (  # byte order marks, the longest first
+_BYTE_ORDER_MARKS = (  # byte order marks; UTF-32 before UTF-16, whose mark begins it
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),

@@ -47,7 +47,7 @@ def test_modalities_are_listed_only_where_they_differ_from_gestures():
     assert listed["spatial"] == asdict(style.gesture)["spatial"] == 0.6
 
 
-def test_hand_of_a_mirrored_rest_is_named():
+def test_text_of_a_rest_gesture_says_when_the_other_hand_rests():
     rest = next(parameter for parameter in Style.load("proud").parameters if parameter.key == "standing.rest")
     assert str(rest) == "standing.rest = hand_on_hip: gesture in which the hands rest, by the other hand"
 

@@ -134,7 +134,7 @@ def test_language_without_cues_keeps_the_gestures_of_its_rules():
     }
 
 
-def test_beat_replaces_a_repeated_pictorial_gesture():
+def test_repeated_meaning_does_not_repeat_a_gesture():
     _, selection = plan_behaviours("I have no idea. I have no clue. Who knows. I don't know why.", LEXICON, NEUTRAL)
     gestures = [behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == "gesture"]
     assert len(gestures) == len(set(gestures)) > 1

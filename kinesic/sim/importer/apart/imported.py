@@ -25,7 +25,7 @@ class Bounds:
     memory: int = 2_000_000_000  # [bytes] of data
 
 
-USUAL_BOUNDS = Bounds()  # limits that suffice for every tested robot
+USUAL_BOUNDS = Bounds()  # memory and time limits that suffice to import every tested robot
 
 
 class ImportedRobot(msgspec.Struct, frozen=True, tag=True):
