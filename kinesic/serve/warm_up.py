@@ -31,7 +31,7 @@ def warm_up(setup: Setup, accompaniment: SoundAndFace) -> None:
     advance(scene, 0.1)
     talks = Talks()
     talks.take(Words(WARM_UP_TEXT, 0, ends=True), 0.0)
-    phrase = talks.next_phrase(Scene.of(warm_setup), 0.0)
+    phrase = talks.next_phrase(Scene.of(setup), 0.0)  # builds the tables of its own lexicon
     assert phrase is not None  # the text is complete
     prepare_block(read_request(Message(phrase.bml), warm_setup), warm_setup)
     plan_idle(warm_setup, 0)

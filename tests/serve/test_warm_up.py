@@ -3,6 +3,7 @@
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.intent.meaning.lexicon_names import index_names
 from kinesic.intent.reading.language import load_language
 from kinesic.serve.tracks import NO_ACCOMPANIMENT
 from kinesic.serve.warm_up import warm_up
@@ -15,6 +16,14 @@ def test_warm_up_loads_all_data_of_the_first_streamed_phrase():
     before = load_language.cache_info()
     load_language("nl")
     assert load_language.cache_info().hits == before.hits + 1
+
+
+def test_warm_up_builds_the_names_of_the_lexicon_in_use():
+    setup = set_up()
+    warm_up(setup, NO_ACCOMPANIMENT)
+    before = index_names.cache_info()
+    index_names(setup.lexicon)
+    assert index_names.cache_info().hits == before.hits + 1
 
 
 def test_invalid_language_tag_is_refused_before_a_server_starts():

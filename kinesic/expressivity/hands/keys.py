@@ -113,11 +113,11 @@ def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
     return interpolate_hands(a.hand, b.hand, (time - a.time) / (b.time - a.time), rest)
 
 
-def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> Hand:
-    """Interpolate the hand orientation by a spline through nearby keys.
+def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
+    """Return the hand orientation between keys k - 1 and k as a spline through nearby keys.
 
-    Its angular velocity is then continuous at the keys, as is needed where the poses between them become keys too. The
-    hand stays unchanged if the keys do not rotate it, or leave its pointing direction or its palm open.
+    Its angular velocity is continuous at the keys, as is needed where the poses between them become keys too. The
+    result is None if the keys do not rotate the hand, or leave its pointing direction or its palm open.
     """
     neighbours = [
         (key, reach.pointing, reach.palm)
@@ -127,14 +127,20 @@ def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> H
         if j in (k - 1, k) or min(abs(key.time - other.time) for other in keys[k - 1 : k + 1]) >= MIN_KEY_SPACING
     ]
     ends = [row for row in neighbours if row[0] in (keys[k - 1], keys[k])]
-    if hand.reach is None or len(ends) < 2 or all(np.array_equal(*pair) for pair in list(zip(*ends, strict=True))[1:]):
-        return hand
+    if len(ends) < 2 or all(np.array_equal(*pair) for pair in list(zip(*ends, strict=True))[1:]):
+        return None
     near, pointing, palm = zip(*neighbours, strict=True)
-    turning = RotationSpline.through(
+    return RotationSpline.through(
         [key.time for key in near], facing_rotations(np.array(pointing), np.array(palm)), [key.passage for key in near]
     )
-    pointing_there, _, palm_there = turning.at(np.array([time])).as_matrix()[0].T
-    return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(pointing_there), palm=sealed(palm_there)))
+
+
+def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
+    """Give a hand the orientation of a spline at a time [s], if there is one."""
+    if hand.reach is None or turning is None:
+        return hand
+    pointing, _, palm = turning.at(np.array([time])).as_matrix()[0].T
+    return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(pointing), palm=sealed(palm)))
 
 
 def path_keys_between(
@@ -171,10 +177,10 @@ def path_keys_between(
         parameters, path.swings(start.position, end.position), power, brake, start_velocity
     )
     positions = path.at(start.position, end.position, parameters)
-    path_keys: list[HandKey] = []
+    path_keys, turning = list[HandKey](), _facing_between(keys, k)
     for parameter, time, position in zip(parameters, map(float, times), positions, strict=True):
         if min(time - (path_keys[-1].time if path_keys else a.time), b.time - time) >= MIN_KEY_SPACING:
-            hand = _face_between(interpolate_hands(a.hand, b.hand, float(parameter), start), keys, k, time)
+            hand = _turn_hand(interpolate_hands(a.hand, b.hand, float(parameter), start), turning, time)
             path_keys.append(HandKey(time, _move_hand(hand, position)))
     return path_keys
 

@@ -18,8 +18,8 @@ SILENT_CATEGORIES = frozenset({"beat", "rest"})  # gesture categories whose name
 
 
 @lru_cache(maxsize=4)
-def _names_by_stem(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...], str], ...]]:
-    """Return the multi-word gesture names by the stem of the first word."""
+def index_names(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...], str], ...]]:
+    """Return the multi-word gesture names of a lexicon, by the stem of the first word."""
     categories = {entry.id: entry.category for entry in reversed(lexicon.entries)}
     names: dict[str, list[tuple[tuple[str, ...], str]]] = {}
     seen = set[tuple[str, ...]]()
@@ -34,7 +34,7 @@ def _names_by_stem(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...]
 
 def find_names(context: Context, lexicon: Lexicon) -> Iterator[Candidate]:
     """Yield a candidate for each gesture name that occurs in a text."""
-    names = _names_by_stem(lexicon)
+    names = index_names(lexicon)
     stems = [word_stem(word.replace("'", "")) for word in context.plain]
     for first, stem in enumerate(stems):
         end = context.sentence(first)[-1] + 1
