@@ -2,21 +2,31 @@
 
 `make test` starts two processes more than there are processors. Realtime tests wait for three quarters of their time,
 so they run in these two processes; the others calculate at a lower priority, except on a machine that is busy at the
-start, where low priority would stall the run. Large files come first, so that all processes end together.
+start, where low priority would stall the run. Files with pages share one process, which starts the browser once. Large
+files come first, so that all processes end together.
 
 Each process imports all tests. After a change, all would compile the same file at the same time, so each starts with
 another file and finds compiled files of the others.
 """
 
 import os
+from collections.abc import Collection
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from xdist.scheduler import LoadFileScheduling
 from xdist.workermanage import WorkerController
 
+Kind = Literal["page", "clock", "calculation"]
+
 CLOCK_WORKERS = ("gw0", "gw1")
+FILE_ORDER: dict[str, tuple[Kind, ...]] = {  # kinds of files that a process prefers, the first most
+    "gw0": ("page", "clock", "calculation"),
+    "gw1": ("clock", "calculation", "page"),
+}
+OTHER_ORDER: tuple[Kind, ...] = ("calculation", "clock", "page")  # of all other processes
 SLOWEST_FILES = ("tests/serve/test_server.py", "tests/bench/bml/test_server.py")  # started first, in this order
 CALCULATION_NICENESS = 5  # niceness of calculating processes
 MAX_BUSY_PROCESSES = 3  # runnable processes per processor above which no process lowers its priority
@@ -36,18 +46,26 @@ def begin_elsewhere(nodes: list, worker: str, count: int) -> list:
 
 
 @cache
-def waits(file: Path) -> bool:
-    """Return whether a file contains realtime tests."""
-    return "mark.realtime" in file.read_text(encoding="utf-8")
+def kind_of(file: str, root: Path) -> Kind:
+    """Return whether tests of a file show pages in a browser, are realtime tests, or calculate."""
+    text = (root / file).read_text(encoding="utf-8")
+    if "chromium import" in text:
+        return "page"
+    return "clock" if "mark.realtime" in text else "calculation"
+
+
+def choose_file(files: Collection[str], worker: str, root: Path) -> str:
+    """Return the first file of the kind that a process prefers."""
+    order = FILE_ORDER.get(worker, OTHER_ORDER)
+    return next(file for kind in order for file in files if kind_of(file, root) == kind)
 
 
 class ClockBesideCalculation(LoadFileScheduling):
     """Scheduler that gives each process files of its kind first."""
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        clock, root = node.gateway.id in CLOCK_WORKERS, Path(self.config.rootpath)
-        mine = next((file for file in self.workqueue if waits(root / file) == clock), None)
-        if mine is not None:
+        if self.workqueue:
+            mine = choose_file(self.workqueue, node.gateway.id, Path(self.config.rootpath))
             self.workqueue.move_to_end(mine, last=False)
         super()._assign_work_unit(node)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from .scheduling import SLOWEST_FILES, begin_elsewhere, rank
+from .scheduling import SLOWEST_FILES, begin_elsewhere, choose_file, rank
 
 
 def test_each_test_process_collects_all_files_in_another_order():
@@ -22,3 +22,13 @@ def test_equal_sized_test_files_have_a_fixed_order(tmp_path: Path):
 
 def test_test_files_listed_as_slowest_exist():
     assert all((Path(__file__).parents[1] / name).is_file() for name in SLOWEST_FILES)
+
+
+def test_pages_are_shown_by_one_process_while_others_have_files(tmp_path: Path):
+    texts = {"sum.py": "", "tick.py": "pytest.mark.realtime", "page.py": "from ..chromium import opened"}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    chosen = {worker: choose_file(texts, worker, tmp_path) for worker in ("gw0", "gw1", "gw2")}
+    assert chosen == {"gw0": "page.py", "gw1": "tick.py", "gw2": "sum.py"}
+    assert choose_file(["tick.py", "page.py"], "gw2", tmp_path) == "tick.py"
+    assert choose_file(["page.py"], "gw2", tmp_path) == "page.py"

@@ -59,6 +59,7 @@ def test_mcp_server_on_stdio_performs_and_stops_at_once_and_ends_with_its_client
     judge(timings)
 
 
+@pytest.mark.soak
 def test_http_stop_is_not_delayed_by_fifty_calls_of_other_clients():
     async def run(url: str) -> list[StopTiming]:
         async with AsyncExitStack() as opened:

@@ -42,7 +42,7 @@ class Drawn(NamedTuple):
     shares: list[float]
 
 
-def face(units: dict[str, float], seconds: float = 0.25) -> FaceFilm:
+def face(units: dict[str, float], seconds: float = 0.1) -> FaceFilm:
     times = np.arange(round(seconds * FACE_RATE) + 1) / FACE_RATE
     return FaceFilm.of(ROBOT, (Command(time, REST, NONE, NONE, REST, units) for time in times.tolist()))
 

@@ -197,7 +197,7 @@ def test_bench_measures_drag_latency_and_first_paint(studio: Studio):
 def test_lost_server_is_shown_during_a_drag_until_it_returns(studio: Studio):
     way = ExitStack()
     door = way.enter_context(relay(studio.server.port, studio.files))
-    with way, opened(f"http://{door}/") as page:
+    with way, opened(f"http://{door}/", drawn=False) as page:
         there = Studio(page, studio.server, studio.folder)
         page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
         page.value("faults = [], onerror = onunhandledrejection = fault => faults.push(String(fault)), 0")

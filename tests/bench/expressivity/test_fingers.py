@@ -36,7 +36,7 @@ def test_finger_shapes_of_both_hands_are_measured(setup):
         ("vase", "neutral"),
         ("vase", "calm"),
         ("house", "calm"),
-        ("scratch_arm", "joyful"),
+        pytest.param("scratch_arm", "joyful", marks=pytest.mark.soak),
         ("crossed_out", "shy"),
     ],
 )

@@ -30,6 +30,7 @@ def test_hostile_document_is_planned_or_refused_with_a_location(name, known, lex
         assert plan(text, known).timeline.block.id == "crowd"
 
 
+@pytest.mark.soak
 def test_fifty_overlapping_gestures_stay_within_the_planning_budgets(known, lexemes, monkeypatch):
     pieces, rounds = [], []
     measure, solve = key_times.measure_time_deficit, plan_module.solve_postures

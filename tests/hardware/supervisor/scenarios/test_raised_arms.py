@@ -111,7 +111,7 @@ FOLDED = {
     "both elbows overloaded": alert(OVERLOAD, "l_elbow_flexion", "r_elbow_flexion"),
     "a low supply": alert(VOLTAGE),
 }
-ORDINARY = 2  # of them in every run
+ORDINARY = 1  # of them in every run
 
 
 @pytest.mark.parametrize(

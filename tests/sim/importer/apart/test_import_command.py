@@ -13,7 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.sim.importer.apart import answer, import_process, imported
 from kinesic.sim.importer.apart.answer import answer_import
 from kinesic.sim.importer.apart.imported import Answer, Bounds, ImportedRobot, Refusal, import_apart
-from kinesic.sim.importer.convert import import_humanoid
+from kinesic.sim.importer.convert import Mapped
 
 IMPORTED_ROBOT = ImportedRobot("text", (("l_elbow", "left", "0..90", "0"),), b"shell", ("mesh.stl",), "")
 
@@ -157,8 +157,8 @@ def test_timeout_of_an_import_names_its_duration(monkeypatch):
     assert refused(Path("robot.xml")) == "robot.xml: its import takes longer than 300 s; simplify its meshes"
 
 
-def test_imported_robot_with_uncertain_sides_is_marked_for_review(hanging_path: Path):
-    result = import_humanoid(hanging_path)
+def test_imported_robot_with_uncertain_sides_is_marked_for_review(hanging_mapped: Mapped):
+    result = hanging_mapped
     sure, doubted = (
         answer._write_heading(result, "a.xml", ""),
         answer._write_heading(result, "a.xml", "its sides may be wrong"),
@@ -169,15 +169,17 @@ def test_imported_robot_with_uncertain_sides_is_marked_for_review(hanging_path: 
     assert said.startswith(f"confidence {result.confidence:.2f} is below {answer.REVIEW_CONFIDENCE:g}, so ")
 
 
-def test_hinge_mapping_of_an_import_lists_the_rest_angles_of_the_robot_file(hanging_path: Path):
-    result = import_humanoid(hanging_path)
-    rests = {row[0]: row[3] for row in answer._list_mapping(result)}
-    assert rests == {hinge.name: f"{result.file.rest.get(hinge.name, 0.0) + 0.0:.0f}" for hinge in result.hinges}
+def test_hinge_mapping_of_an_import_lists_the_rest_angles_of_the_robot_file(hanging_mapped: Mapped):
+    rests, file = {row[0]: row[3] for row in answer._list_mapping(hanging_mapped)}, hanging_mapped.file
+    assert rests == {hinge.name: f"{file.rest.get(hinge.name, 0.0) + 0.0:.0f}" for hinge in hanging_mapped.hinges}
     assert "0" in rests.values()
 
 
-def test_import_answer_contains_a_shell_if_the_robot_has_meshes(hanging_path: Path, tmp_path: Path, monkeypatch):
+def test_import_answer_contains_a_shell_if_the_robot_has_meshes(
+    hanging_path: Path, hanging_mapped: Mapped, tmp_path: Path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(answer, "import_humanoid", lambda path: hanging_mapped)  # an import takes half a second
     assert answered(hanging_path).shell == b""
     monkeypatch.setattr(answer, "build_imported_shell", lambda found, robot: f"shell of {robot.name}")
     monkeypatch.setattr(answer, "write_shell", lambda shell, path: path.write_text(shell))

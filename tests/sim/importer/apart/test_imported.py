@@ -10,7 +10,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.apart.imported import Bounds, import_apart
-from kinesic.sim.importer.convert import import_humanoid
+from kinesic.sim.importer.convert import Mapped
 
 LINUX_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="memory and processor time are bounded on Linux")
 
@@ -39,8 +39,8 @@ def large_mesh(puppets, tmp_path: Path) -> Path:
     return path
 
 
-def test_separate_process_imports_the_same_robot(hanging_path: Path):
-    result, here = import_apart(hanging_path), import_humanoid(hanging_path)
+def test_separate_process_imports_the_same_robot(hanging_path: Path, hanging_mapped: Mapped):
+    result, here = import_apart(hanging_path), hanging_mapped
     assert [row[0] for row in result.mapping] == [hinge.name for hinge in here.hinges]
     assert result.left_out == here.figure.tree.left_out
     assert f"confidence {here.confidence:.2f} of 1" in result.text
