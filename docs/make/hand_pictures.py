@@ -12,6 +12,7 @@ from kinesic.expressivity.hands.fingers import finger_joints, shape_angles
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.figure import FigurePortrait
+from kinesic.sim.filming.scene_renderer import SceneRenderer
 from kinesic.sim.model import find_turn_indices
 from kinesic.sim.scene_style import styled_model
 
@@ -38,7 +39,7 @@ def of_capsules(robot: Robot) -> Draw:
     import mujoco  # noqa: PLC0415 - MuJoCo chooses its renderer at import, after kinesic.sim
 
     model = styled_model(robot, width=SIDE, height=SIDE)
-    data, order, renderer = mujoco.MjData(model), find_turn_indices(robot, model), mujoco.Renderer(model, SIDE, SIDE)
+    data, order, renderer = mujoco.MjData(model), find_turn_indices(robot, model), SceneRenderer(model, (SIDE, SIDE))
 
     def draw(angles: Floats, middle: Floats, seen: float, yaw: float) -> Picture:
         data.qpos[order] = robot.skeleton.with_couplings(angles)
@@ -46,8 +47,7 @@ def of_capsules(robot: Robot) -> Draw:
         camera = mujoco.MjvCamera()
         camera.lookat[:], camera.distance, camera.azimuth, camera.elevation = middle, AWAY, 180 + yaw, 0
         model.vis.global_.fovy = 2 * np.degrees(np.arctan(seen / 2 / AWAY))
-        renderer.update_scene(data, camera=camera)
-        return renderer.render().copy()
+        return renderer.draw(data, camera)
 
     return draw
 

@@ -32,8 +32,8 @@ def open_offscreen_context() -> "Iterator[GlContext]":
     Raises:
         DisplayError: there is no OpenGL driver.
     """
-    from kinesic.face.gl.egl import open_context  # noqa: PLC0415 - only pictures need it
-    from kinesic.face.gl.functions import GraphicsError  # noqa: PLC0415 - as above
+    from kinesic.egl import GraphicsError  # noqa: PLC0415 - as above
+    from kinesic.face.gl.offscreen import open_context  # noqa: PLC0415 - only pictures need it
 
     try:
         context = open_context()

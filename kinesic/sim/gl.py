@@ -9,19 +9,19 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 from functools import cache
 
 INSTALL_COMMAND = "apt-get install libegl1 libgl1-mesa-dri libopengl0"
 _OFF_VALUES = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that disable drawing
 _SAFE_VALUES = (*_OFF_VALUES, "enable", "enabled", "on", "true", "1", "glfw", "glx")  # values that allow the import
 _DRAWING_TEST = """
+from kinesic.sim.filming.offscreen import Offscreen
 import mujoco
 model = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
-renderer = mujoco.Renderer(model, 8, 8)
-renderer.update_scene(mujoco.MjData(model))
-renderer.render()
-renderer.close()
+with Offscreen(model, (8, 8)) as offscreen:
+    scene = mujoco.MjvScene(model=model, maxgeom=10)
+    mujoco.mjr_render(mujoco.MjrRect(0, 0, 8, 8), scene, offscreen.context)
 """
 
 
@@ -29,7 +29,7 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
     """Set MUJOCO_GL so that `import mujoco` works.
 
     The value is `egl` if its libraries are installed, otherwise `disable`. A value set by the user stays unless its
-    libraries are missing. Only Linux needs this.
+    libraries are missing. Only Linux needs this, and only for programs that draw by MuJoCo's own renderer.
 
     Args:
         environment: Mapping from which the variable is read and in which it is set.
@@ -44,7 +44,10 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
         or (requested == "osmesa" and _can_load("libOSMesa.so.8"))
     ):
         return requested
-    environment["MUJOCO_GL"] = "disable" if _find_missing_backends(environment) else "egl"
+    if _find_missing_libraries():
+        environment["MUJOCO_GL"] = "disable"
+    else:  # MuJoCo's own use of EGL refuses another platform of PyOpenGL; kinesic draws without PyOpenGL
+        environment["MUJOCO_GL"] = "egl" if environment.get("PYOPENGL_PLATFORM", "egl").lower() == "egl" else "glfw"
     return environment["MUJOCO_GL"]
 
 
@@ -55,11 +58,16 @@ def missing_libraries() -> str | None:
         The reason with a remedy; None if no obstacle was found.
     """
     if platform.system() == "Linux":
-        if missing := _find_missing_backends(os.environ):
+        if missing := _find_missing_libraries():
             return f"OpenGL is missing ({', '.join(missing)}): {INSTALL_COMMAND}"
-        if os.environ.get("MUJOCO_GL", "").lower().strip() in _OFF_VALUES:
+        if is_switched_off(os.environ):
             return f"drawing is switched off by MUJOCO_GL={os.environ['MUJOCO_GL']}: unset it"
     return None
+
+
+def is_switched_off(environment: Mapping[str, str]) -> bool:
+    """Return whether the user has switched drawing off by MUJOCO_GL."""
+    return environment.get("MUJOCO_GL", "").lower().strip() in _OFF_VALUES
 
 
 @cache
@@ -90,14 +98,11 @@ def opengl_fault() -> str | None:
     return f"OpenGL does not draw ({last}): {INSTALL_COMMAND}"
 
 
-def _find_missing_backends(environment: MutableMapping[str, str]) -> list[str]:
+def _find_missing_libraries() -> list[str]:
     missing = [] if _can_load("libEGL.so.1") else ["libEGL.so.1"]
     if not (_can_load("libOpenGL.so.0") or _can_load("libGL.so.1")):
         missing.append("libOpenGL.so.0")
-    platform_requested = environment.get("PYOPENGL_PLATFORM", "egl").lower()
-    return (
-        missing if platform_requested == "egl" else [*missing, f"EGL, since PYOPENGL_PLATFORM is {platform_requested}"]
-    )
+    return missing
 
 
 @cache

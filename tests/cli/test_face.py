@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from kinesic import egl
 from kinesic.cli import main
 from kinesic.cli.effects import FaceView
 from kinesic.cli.face import ViewSettings
 from kinesic.face.assets.mesh import load_head
-from kinesic.face.gl import egl
 from kinesic.face.render import portrait
 from kinesic.face.render.camera import CLOSE_CAMERA
 from kinesic.face.render.effects import Effects

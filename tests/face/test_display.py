@@ -5,8 +5,8 @@ import sys
 
 import pytest
 
+from kinesic import egl
 from kinesic.face.display import INSTALL_DRIVER, find_display_problem, open_offscreen_context
-from kinesic.face.gl import egl
 
 
 def draws() -> None:

@@ -39,8 +39,10 @@ def test_mujoco_rendering_is_disabled_without_opengl_libraries(asked, no_librari
     assert gl.prepare(environment) == environment["MUJOCO_GL"] == "disable"
 
 
-def test_other_pyopengl_platform_rules_out_egl(all_libraries):
-    assert gl.prepare({"PYOPENGL_PLATFORM": "osmesa"}) == "disable"
+def test_other_pyopengl_platform_rules_out_egl_of_mujoco_but_no_drawing(all_libraries):
+    environment = {"PYOPENGL_PLATFORM": "osmesa"}
+    assert gl.prepare(environment) == "glfw"
+    assert not gl.is_switched_off(environment)
 
 
 def test_fault_names_missing_libraries_and_install_command(no_libraries):

@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
+from kinesic.egl import GraphicsError
+
 FindAddress: TypeAlias = Callable[[str], int]  # address of a function, 0 for an unknown one
 Function: TypeAlias = Callable[..., int]
 
@@ -54,10 +56,6 @@ def _parse_signatures() -> Mapping[str, str]:
 
 
 FUNCTION_SIGNATURES = _parse_signatures()
-
-
-class GraphicsError(RuntimeError):
-    """Error if OpenGL cannot perform an operation, with the reason."""
 
 
 class Functions:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kinesic.egl import GraphicsError
 from kinesic.face.gl import numbers as n
-from kinesic.face.gl.functions import GraphicsError
 
 if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext

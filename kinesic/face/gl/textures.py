@@ -4,8 +4,8 @@ import ctypes
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from kinesic.egl import GraphicsError
 from kinesic.face.gl import numbers as n
-from kinesic.face.gl.functions import GraphicsError
 
 if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext

@@ -11,13 +11,12 @@ from PIL import Image
 from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
 from kinesic.sim.filming.drawn_face import SCREEN_SIZE
+from kinesic.sim.filming.offscreen import Offscreen, OffscreenError
 from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA_NAME, FLOOR_GROUP
 
 MAX_SCENE_GEOMS = 4000  # largest number of geoms in a MuJoCo scene
-GL_RGBA = 0x1908  # OpenGL pixel format of four colour channels, as in gl.h
-GL_UNSIGNED_BYTE = 0x1401  # OpenGL data type of one byte per channel, as in gl.h
-DRAWING_ERROR_MESSAGE = "MuJoCo cannot draw ({}): import kinesic.sim before mujoco, or set MUJOCO_GL=egl"
+DRAWING_ERROR_MESSAGE = "MuJoCo cannot draw ({}): kinesic doctor says what is missing"
 
 
 class CanvasError(RuntimeError):
@@ -44,14 +43,10 @@ class Canvas:
         self._model, self._size, self._finer = model, size, supersampling
         width, height = (supersampling * side for side in size)
         try:
-            self._gl = mujoco.GLContext(width, height)
-            self._gl.make_current()
-            self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
-            from OpenGL.raw.GL.VERSION.GL_1_0 import glReadPixels  # noqa: PLC0415 - OpenGL may be missing
-        except (mujoco.FatalError, RuntimeError, AttributeError, ImportError) as error:
+            self._offscreen = Offscreen(model, (width, height))
+        except OffscreenError as error:
             raise CanvasError(DRAWING_ERROR_MESSAGE.format(error)) from None
-        self._read_pixels = glReadPixels
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)
+        self._context = self._offscreen.context
         self._scene = mujoco.MjvScene(model=model, maxgeom=MAX_SCENE_GEOMS)
         self._robot, self._room, self._camera = mujoco.MjvOption(), mujoco.MjvOption(), mujoco.MjvCamera()
         self._robot.geomgroup[FLOOR_GROUP] = 0
@@ -145,7 +140,7 @@ class Canvas:
         """
         area = self._find_area(box, box)
         drawn = self._drawn[: 4 * area.height * area.width].reshape(area.height, area.width, 4)
-        self._read_pixels(0, 0, area.width, area.height, GL_RGBA, GL_UNSIGNED_BYTE, drawn)
+        self._offscreen.read(drawn)
         return drawn
 
     def _read_depths(self, area: mujoco.MjrRect) -> NDArray[np.float32]:
@@ -159,8 +154,7 @@ class Canvas:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._context.free()
-        self._gl.free()
+        self._offscreen.close()
 
 
 def _intersect(one: PixelBox, other: PixelBox) -> PixelBox | None:

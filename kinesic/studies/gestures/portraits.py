@@ -1,7 +1,7 @@
 """Shaded pictures of a robot in some postures."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from math import radians
 from types import MappingProxyType
 
@@ -15,6 +15,8 @@ from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.figure import FigurePortrait
 from kinesic.sim.film import FilmError, opengl_fault
+from kinesic.sim.filming.offscreen import OffscreenError
+from kinesic.sim.filming.scene_renderer import SceneRenderer
 from kinesic.sim.model import find_turn_indices
 from kinesic.sim.scene_style import styled_model
 from kinesic.studies.gestures.framing import CAMERA_ELEVATION, Balls, Viewpoint
@@ -109,7 +111,11 @@ def _open_mujoco(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
     data, order = mujoco.MjData(model), find_turn_indices(robot, model)
     camera = mujoco.MjvCamera()
     lamp_positions, lamp_directions = model.light_pos.copy(), model.light_dir.copy()
-    with mujoco.Renderer(model, size[1], size[0]) as renderer:
+    with ExitStack() as closing:
+        try:
+            renderer = closing.enter_context(SceneRenderer(model, size))
+        except OffscreenError as error:
+            raise FilmError(str(error)) from None
 
         def draw_model(angles: Floats, _: Units, view: Viewpoint) -> Picture:
             data.qpos[order] = robot.skeleton.with_couplings(angles)
@@ -122,8 +128,6 @@ def _open_mujoco(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
             model.vis.global_.fovy = view.field_deg
             camera.lookat[:], camera.distance = view.middle, view.distance
             camera.azimuth, camera.elevation = view.yaw_deg + 180.0, -view.rise_deg
-            renderer.update_scene(data, camera=camera)
-            picture: Picture = renderer.render().copy()
-            return picture
+            return renderer.draw(data, camera)
 
         yield draw_model

@@ -6,10 +6,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
+from kinesic.egl import GraphicsError
 from kinesic.face.display import open_offscreen_context
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.functions import FUNCTION_SIGNATURES, Functions, GraphicsError
+from kinesic.face.gl.functions import FUNCTION_SIGNATURES, Functions
 from kinesic.face.gl.programs import Column
 
 VERTEX_SHADER = """#version 330 core

@@ -8,9 +8,6 @@ import ctypes
 from ctypes import CFUNCTYPE, byref, c_char_p, c_int, c_uint, c_void_p
 from functools import cache
 
-from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.functions import GraphicsError
-
 EGL_LIBRARY = "libEGL.so.1"
 GL_LIBRARIES = ("libGL.so.1", "libOpenGL.so.0")  # either one is enough; EGL of a graphics card needs none of them
 NEEDED_VERSION = (3, 3)  # required OpenGL version: major, minor
@@ -20,18 +17,30 @@ _DEVICE_PLATFORM = 0x313F  # EGL constant of eglext.h, like the following ones
 _OPENGL_API = 0x30A2
 _RENDERABLE_TYPE = 0x3040
 _OPENGL_BIT = 0x0008
+_LIST_END = 0x3038
 _MAJOR_VERSION = 0x3098
 _MINOR_VERSION = 0x30FB
 _PROFILE_MASK = 0x30FD
 _CORE_PROFILE = 0x0001
-_LIST_END = 0x3038
 _DRAW_SURFACE = 0x3059
 _READ_SURFACE = 0x305A
 _VERSION_STRING = 0x1F02  # GL_VERSION of gl.h
 _MAX_DEVICES = 16  # largest number of EGL devices that are tried
 
+_PLAIN_ATTRIBUTES = (_RENDERABLE_TYPE, _OPENGL_BIT)  # configuration for framebuffers of the program's own
+_MUJOCO_ATTRIBUTES = (  # configuration that MuJoCo requests from EGL: name and value in turn
+    *(0x3024, 8, 0x3023, 8, 0x3022, 8, 0x3021, 8),  # bits of red, green, blue and alpha
+    *(0x3025, 24, 0x3026, 8),  # bits of depth and stencil
+    *(0x303F, 0x308E, 0x3033, 0x0001),  # RGB colours, surfaces without a window
+    *_PLAIN_ATTRIBUTES,
+)
+
 _GetDisplay = CFUNCTYPE(c_void_p, c_uint, c_void_p, c_void_p)
 _QueryDevices = CFUNCTYPE(c_uint, c_int, c_void_p, c_void_p)
+
+
+class GraphicsError(Exception):
+    """Error if OpenGL cannot perform an operation, with the reason."""
 
 
 class Egl:
@@ -59,7 +68,7 @@ class Egl:
         self._surface = CFUNCTYPE(c_void_p, c_int)(("eglGetCurrentSurface", egl))
         self._current_display = CFUNCTYPE(c_void_p)(("eglGetCurrentDisplay", egl))
         self._display = self._start_display()
-        self._config = self._choose_config()
+        self._config = self._choose_config(_PLAIN_ATTRIBUTES)
 
     def find(self, name: str) -> int:
         """Return the address of an OpenGL function, 0 if unknown."""
@@ -86,6 +95,17 @@ class Egl:
             return int(context)
         version, needed = self._read_version(), "{}.{}".format(*NEEDED_VERSION)
         raise GraphicsError(f"OpenGL is {version or 'missing'} here, the face needs {needed}; {SOFTWARE_HINT}")
+
+    def create_for_mujoco(self) -> int:
+        """Create an OpenGL context that also has the old functions, which MuJoCo calls.
+
+        Raises:
+            GraphicsError: OpenGL has no such context here.
+        """
+        context = self._create(self._display, self._choose_config(_MUJOCO_ATTRIBUTES), None, None)
+        if not context:
+            raise GraphicsError(f"EGL has no OpenGL for MuJoCo (0x{self._egl.eglGetError():x})")
+        return int(context)
 
     def current(self) -> "Current":
         """Return the current display, surfaces and context."""
@@ -124,11 +144,12 @@ class Egl:
                 return int(display)
         raise GraphicsError(f"EGL does not start (0x{self._egl.eglGetError():x})")
 
-    def _choose_config(self) -> c_void_p:
+    def _choose_config(self, attributes: tuple[int, ...]) -> c_void_p:
+        """Return the first configuration with some attributes; null if there is none, which suits plain contexts."""
         self._bind_api()
         config, count = c_void_p(), c_int()
         choose = CFUNCTYPE(c_uint, c_void_p, c_void_p, c_void_p, c_int, c_void_p)(("eglChooseConfig", self._egl))
-        if not choose(self._display, _make_attributes(_RENDERABLE_TYPE, _OPENGL_BIT), byref(config), 1, byref(count)):
+        if not choose(self._display, _make_attributes(*attributes), byref(config), 1, byref(count)):
             raise GraphicsError(f"EGL has no suitable configuration (0x{self._egl.eglGetError():x})")
         return config
 
@@ -150,38 +171,6 @@ class Egl:
 
 
 Current = tuple[int | None, int | None, int | None, int | None]  # display, surfaces to draw in and to read, context
-
-
-class _Offscreen:
-    """OpenGL context without a window, owned by EGL."""
-
-    def __init__(self, egl: Egl) -> None:
-        self._egl, self._before = egl, list[Current]()
-        self._context = egl.create()
-        egl.enter(self._context)
-
-    def enter(self) -> None:
-        """Make the offscreen context current."""
-        self._before.append(self._egl.current())
-        self._egl.enter(self._context)
-
-    def leave(self) -> None:
-        """Make the previous OpenGL context current again."""
-        self._egl.restore(self._before.pop())
-
-    def release(self) -> None:
-        """Free the offscreen context."""
-        self._egl.destroy(self._context)
-
-
-def open_context() -> GlContext:
-    """Open an OpenGL context without a window and make it current.
-
-    Raises:
-        GraphicsError: nothing can be drawn here; the message says why.
-    """
-    egl = start_egl()
-    return GlContext(egl.find, _Offscreen(egl))
 
 
 @cache
