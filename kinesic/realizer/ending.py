@@ -10,10 +10,11 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.body.arrays import Flags, sealed
 from kinesic.motion.trajectory import Trajectory
-from kinesic.realizer.feedback import retime_feedback, withdraw_feedback, withdraw_provisional
-from kinesic.realizer.held import HELD_POSTURE_TOLERANCE, offset_to_held_posture
+from kinesic.realizer.feedback import retime_feedback, times_by_behaviour, withdraw_feedback, withdraw_provisional
+from kinesic.realizer.held import HELD_POSTURE_TOLERANCE, offset_to_held_posture, trunk_hinges
 from kinesic.realizer.occupancy import MOTION_TOLERANCE, Occupancy, freed_hinges
 from kinesic.realizer.release import release_motion
+from kinesic.realizer.replan import replan
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
@@ -82,11 +83,40 @@ def end_behaviours(scene: Scene, running: RunningBlock, behaviours: frozenset[st
         return scene
     ended = [entry for entry in running.occupancy if entry.behaviour in behaviours]
     moved = scene.hinges_of(ended) & ~scene.hinges_of(remaining.occupancy)
-    motion = _take_back(scene, running, ended, moved, now)
+    replanned = _replan_trunk(scene, remaining, ended, change)
+    if replanned is None or replanned.merged is None:
+        motion = _take_back(scene, running, ended, moved, now)
+    else:
+        arms, others = (
+            moved & ~trunk_hinges(scene.setup.robot),
+            (*scene.occupancy_without(running.id), *remaining.occupancy),
+        )
+        motion, remaining = replanned.merged.trajectory, replanned
+        motion = release_motion(motion, change, arms, scene.setup, layer=replanned.merged.layer, others=others)
     agenda = withdraw_feedback(scene.agenda, running.run, behaviours, after=change)
     agenda = retime_feedback(agenda, running.run, remaining.agenda(), change)
     after = replace(scene.with_block(remaining), motion=motion, agenda=agenda)
     return _warn_of_incomplete_return(after.with_feedback(remaining.prediction(now)), running, now)
+
+
+def _replan_trunk(
+    scene: Scene, remaining: RunningBlock, ended: Sequence[Occupancy], change: float
+) -> RunningBlock | None:
+    """Continue a block without behaviours whose trunk hinges its other behaviours move, too.
+
+    Returns:
+        None if there is no such hinge, or if the motion cannot change over in time.
+    """
+    trunk, merged = trunk_hinges(scene.setup.robot), remaining.merged
+    shared = trunk & scene.hinges_of(ended) & scene.hinges_of(remaining.occupancy)
+    if merged is None or not shared.any() or all(entry.end <= change and not entry.is_held for entry in ended):
+        return None
+    others = scene.occupancy_without(remaining.id)
+    replanned = replan(scene.motion, change, merged, remaining.prepared.plan, others=others)
+    if replanned is None:
+        return None
+    times = times_by_behaviour(replanned.syncs)
+    return replace(remaining, merged=replanned, times={id: times.get(id, at) for id, at in remaining.times.items()})
 
 
 def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:

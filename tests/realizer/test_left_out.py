@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from kinesic.planning.reduced_plan import plan_without
 from kinesic.realizer.ending import end_behaviours
 from kinesic.realizer.realizer import change_style, improve_block, prepare_block, take_replans
 
@@ -75,3 +76,18 @@ def test_ended_gaze_does_not_return_with_another_style(play: Play):
     play.take(improved)
     assert np.abs(posture(play, 6.0, "neck")[0]) < 0.1
     assert not play.until(12.0).was_told("a:z:ready")
+
+
+def test_ended_gaze_returns_while_the_block_nods(play: Play):
+    """Gaze and nod move the neck together."""
+    look = '<gaze id="z" target="left" start="0" ready="1" relax="9" end="10"/>'
+    play.send("a", look + '<head id="h" lexeme="NOD" start="1" end="9" repetition="6"/>').until(2.0)
+    assert posture(play, 5.0, "neck")[0] > 0.5
+    running = play.scene.find("a")
+    assert running is not None
+    play.take(end_behaviours(play.scene, running, frozenset({"z"}), play.now))
+    rest = plan_without(running.prepared.plan, {"z"}).trajectory
+    for time in np.arange(2.9, 9.0, 0.05):
+        expected = rest.at(time + rest.zero).angles[list(play.scene.setup.robot.joints("neck"))]
+        np.testing.assert_allclose(posture(play, time + running.zero, "neck"), expected, atol=0.02)
+    assert play.until(12.0).at("a:h:end") == pytest.approx(9.0, abs=0.1)
