@@ -29,10 +29,15 @@ def servos(monkeypatch) -> Hardware:
     result = Hardware()
 
     @contextmanager
+    def open_speaker(warn):
+        warn("no loudspeaker")
+        yield
+
+    @contextmanager
     def speak_along(plan, warn):
         result.said.append(plan)
-        warn("no loudspeaker")
-        yield f"voice of {len(result.said)}"
+        with open_speaker(warn):
+            yield f"voice of {len(result.said)}"
 
     @contextmanager
     def catch_interrupts():
@@ -61,8 +66,9 @@ def test_performer_on_servos_uses_ports_and_voice_and_can_be_stopped(performer, 
     kept = []
     monkeypatch.setattr("kinesic.report.run.performance_of", _kept(kept))
     plan = performer.plan(NOD)
-    with pytest.warns(UserWarning, match="no loudspeaker"):
+    with pytest.warns(UserWarning, match="no loudspeaker") as warned:
         performer.perform(plan, on="servos", ports=PORTS)
+    assert [warning.filename for warning in warned] == [__file__], "the warning names the call of `perform`"
     assert servos.checked == [(performer.robot, PORTS)]
     ((run, robot, shown),) = servos.performed
     assert run.plan is plan

@@ -1,8 +1,11 @@
 import json
+from types import SimpleNamespace
 
 import pytest
 from PIL import Image
 
+from kinesic.bml.block import BmlError
+from kinesic.cli import gestures
 from kinesic.studies.gestures import portraits
 
 OWN_LEXICON = """
@@ -33,6 +36,7 @@ def test_json_gesture_list_has_all_fields_of_every_gesture(kinesic):
 
 def test_gesture_list_is_filtered_by_category_and_unknown_ones_reported(kinesic):
     listed = kinesic("gestures", "list", "--category", "emotion")
+    assert listed.code == 0
     assert "joy_cheer" in listed.out
     assert "greet_wave" not in listed.out
     assert any("gasp" in line and "sudden" in line for line in listed.out.splitlines())
@@ -150,3 +154,17 @@ def test_gesture_search_without_a_result_prints_one_line(kinesic):
     assert "no gesture for 'qqqq'; try other words" in ended.err
     assert len(kinesic("gestures", "find", "q" * 5000).err) < 200
     assert "no category iconik; did you mean iconic?" in kinesic("gestures", "find", "x", "--category", "iconik").err
+
+
+def test_gesture_without_a_plan_is_reported_and_the_others_are_drawn(monkeypatch, capsys):
+    def plan(form, setup):
+        if form == "far":
+            raise BmlError("gesture far cannot be performed")
+
+    monkeypatch.setattr(gestures, "plan_gesture", plan)
+    monkeypatch.setattr(gestures, "key_postures", lambda form, *_: form)
+    done = []
+    forms = SimpleNamespace(lexicon=SimpleNamespace(forms=("near", "far", "high", "low")))
+    assert list(gestures._plan_feasible_gestures(forms, done.append)) == ["near", "high", "low"]
+    assert capsys.readouterr().err == "kinesic: gesture far cannot be performed\n"
+    assert done == [0.0, 0.25, 0.5, 0.75]
