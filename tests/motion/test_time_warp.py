@@ -147,3 +147,15 @@ def test_linear_warp_of_a_parabola_matches_calculus():
     np.testing.assert_allclose(jerk, np.full(k, -6 * share) / LIMITS.jerk, atol=1e-9)
     needed = LIMITS.inertial * 6 * share * knots + LIMITS.viscous * 2 * share * knots**2
     np.testing.assert_allclose(duty, -needed / grid.duty(LIMITS)[0], rtol=1e-3, atol=1e-6)
+
+
+def test_parabolic_warp_of_a_uniform_motion_matches_calculus():
+    """Time stretched by s t^2 takes 2 s t v off the acceleration of v t, and 2 s v off its jerk."""
+    (segment, _) = measure(KEYS.requested_times)[0]
+    grid, share, speed = segment.grid, 0.3, 2.0
+    k, h = grid.pieces, grid.step
+    knots, middles = h * np.arange(k + 1), h * (np.arange(k + 2) - 0.5)
+    changed = _ratio_change(segment, speed * h * (np.arange(k + 3) - 1.0), LIMITS) @ (share * middles**2)
+    _, acceleration, jerk, _ = np.split(changed, np.cumsum([k + 2, k + 1, k]))
+    np.testing.assert_allclose(acceleration, -2 * share * speed * knots / LIMITS.acceleration, atol=1e-9)
+    np.testing.assert_allclose(jerk, np.full(k, -2 * share * speed) / LIMITS.jerk, rtol=1e-6)

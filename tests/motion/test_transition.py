@@ -90,7 +90,8 @@ def test_delayed_motion_is_shifted_by_whole_knots():
     motion = np.arange(12.0).reshape(6, 2)
     np.testing.assert_array_equal(delay_controls(motion, 2)[:3], motion[[0, 0, 0]])
     np.testing.assert_array_equal(delay_controls(motion, 2)[2:], motion)
-    np.testing.assert_array_equal(delay_controls(motion, -2), motion[2:])
+    for knots in (1, 2):
+        np.testing.assert_array_equal(delay_controls(motion, -knots), motion[knots:])
     np.testing.assert_array_equal(delay_controls(motion, -50), motion[3:], "three stay at least")
     np.testing.assert_array_equal(extend_controls(motion, 9)[6:], motion[[-1, -1, -1]])
     assert extend_controls(motion, 4) is motion
