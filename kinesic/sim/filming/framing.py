@@ -100,11 +100,10 @@ def find_capsule_balls(robot: Robot, postures: Floats, names: Sequence[str]) -> 
         (m, k, 3) [m] centres in the world, and (k,) [m] radii.
     """
     frames = robot.skeleton.frames(postures)
-    bars = {name: [rod.shape for rod in rods(robot) if rod.segment == name] for name in names}
-    places, radii = [], []
+    bars, places, radii = rods(robot), [], []
     for name in names:
         k = robot.skeleton.segment(name)
-        shapes = (*robot.skeleton.segments[k].capsules, *bars[name])
+        shapes = (*robot.skeleton.segments[k].capsules, *(bar.shape for bar in bars if bar.segment == name))
         for shape in shapes:
             for end in (shape.start, shape.end):
                 places.append(frames.origins[..., k, :] + frames.rotations[..., k, :, :] @ end)
