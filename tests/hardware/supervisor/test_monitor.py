@@ -60,6 +60,12 @@ def test_hot_servo_slows_the_time_scale_before_it_shuts_down(celsius: int, scale
     assert derate(LoadState.none(2), records(celsius=celsius), STRENGTH) == pytest.approx([1.0, scale])
 
 
+@pytest.mark.parametrize(("velocity", "stuck"), [(2, True), (-2, True), (3, False), (-3, False)])
+def test_servo_that_creeps_at_three_counts_of_velocity_is_not_stuck(velocity: int, stuck: bool):
+    """Three counts are 4 degrees a second."""
+    assert after(LOAD_TUNING.stuck_time + 0.02, position=200, velocity=velocity).stuck.tolist() == [False, stuck]
+
+
 def test_servo_far_from_its_goal_that_does_not_move_is_stuck():
     assert after(LOAD_TUNING.stuck_time + 0.02, position=200).stuck.tolist() == [False, True]
     assert not after(LOAD_TUNING.stuck_time + 0.02, position=100).stuck.any()
