@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -49,6 +51,23 @@ def test_each_behaviour_occupies_its_body_part(planned, known):
     assert not np.delete(occupancies["p"].hinges, left).any()
     for each in occupancies.values():
         assert each.begin <= each.ready <= each.relax <= each.end
+
+
+@pytest.mark.parametrize(
+    ("missing", "ready", "relax"),
+    [
+        ((), "ready", "relax"),
+        (("ready", "relax"), "strokeStart", "strokeEnd"),
+        (("ready", "relax", "strokeStart", "strokeEnd"), "stroke", "stroke"),
+        (("ready", "relax", "strokeStart", "strokeEnd", "stroke"), "end", "end"),
+    ],
+)
+def test_hand_is_busy_between_the_best_known_sync_points(planned, missing, ready, relax):
+    plan = planned('<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="1.2"/>')
+    times = {sync.sync: sync.planned + plan.trajectory.zero for sync in plan.syncs}
+    known_syncs = type(plan.syncs)(sync for sync in plan.syncs if sync.sync not in missing)
+    (need,) = occupancy_of(replace(plan, syncs=known_syncs))
+    assert (need.ready, need.relax) == pytest.approx((times[ready], times[relax]))
 
 
 def test_occupancy_times_match_the_plan(planned):
