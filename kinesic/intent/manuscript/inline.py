@@ -7,6 +7,7 @@ import unicodedata
 from kinesic.body.pictographs import JOINER_RANGES, PICTOGRAPH_RANGES, is_pictograph
 from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.addresses import WEB_ADDRESS, read_address
+from kinesic.intent.manuscript.long_words import cut_long_word
 from kinesic.intent.manuscript.pieces import DIRECTED_PAUSE, END_OF_SENTENCE, Manuscript, Step, direct, pause
 from kinesic.intent.manuscript.tags import read_tag
 from kinesic.intent.reading.prosody import VOICE_TAG, write_tag
@@ -58,7 +59,7 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
         return _read_emoji(rest, ends=ends)
     if sign in "~|#":
         return _read_sign(state, ends=ends)
-    return _read_words(rest)
+    return cut_long_word(state) or _read_words(rest)
 
 
 def _read_emphasis(state: Manuscript, *, ends: bool) -> Step | None:

@@ -11,7 +11,7 @@ from kinesic.intent.manuscript.lines import end_line, find_speakers, read_line_s
 from kinesic.intent.manuscript.pieces import Manuscript, Step
 
 CHUNK_LENGTH = 2048  # [characters] read at once, so that long texts take time in proportion to their length
-KEPT_CHARACTERS = 40  # [characters] end of the spoken text that is kept as context of later markup
+KEPT_CHARACTERS = 90  # [characters] end of the spoken text that is kept as context of later markup
 MAX_FENCE_LENGTH = 200  # [characters] longest incomplete line that may close a code block
 _TAG_PATTERN = re.compile(r"<[^<>]*>")
 _UNUSUAL_SPACES = str.maketrans({"\r": None, "\xa0": " ", "\u2028": "\n", "\u2029": "\n", "\ufeff": None})
