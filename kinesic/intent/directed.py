@@ -70,8 +70,10 @@ def find_act(direction: str, lexicon: Lexicon) -> tuple[Channel, str] | None:
         match = lexicon.find(name)
         if match is not None and not match.substitute:
             return "gesture", match.form.id
-    hits = find_gestures(lexicon, " ".join(acts.content(direction)), count=1)
-    return ("gesture", hits[0].id) if hits and hits[0].score >= MIN_SEARCH_SCORE else None
+    content = acts.content(direction)
+    hits = find_gestures(lexicon, " ".join(content), count=1)
+    is_meant = bool(hits) and hits[0].score >= MIN_SEARCH_SCORE and set(content) <= set(hits[0].words)
+    return ("gesture", hits[0].id) if is_meant else None
 
 
 def _names(direction: str) -> Iterator[str]:

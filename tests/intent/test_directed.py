@@ -9,6 +9,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import MIN_WAVE_DELAY, author, author_text
 from kinesic.intent.behaviour_sets import builtin_sets
+from kinesic.intent.directed import find_act
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.talk import MAX_SILENCE, Part, Talk, add_words, is_all_said, next_part
 
@@ -90,3 +91,9 @@ def test_each_streamed_phrase_has_its_own_warnings():
     assert len(warnings) == 2
     assert "https://a.b/c" in warnings[0]
     assert "juggles plates" in warnings[1]
+
+
+@pytest.mark.parametrize("direction", ["at the table", "two of them", "in front of the house"])
+def test_place_or_number_in_a_direction_is_no_gesture(direction: str):
+    assert find_act(direction, LEXICON) is None
+    assert find_act("drinks coffee", LEXICON) == ("gesture", "drink")

@@ -10,7 +10,7 @@ from kinesic.expressivity.lexicon.word_stems import word_stem
 _FUNCTION_WORDS = word_set(
     "a an the of to at on with and or is are was be being been am does did it its as than my your his their our "
     "i me you we they he she him her them this that these those some any something someone somebody for "
-    "show make do put"
+    "show make do put in front"
 )
 _RELATED_WORDS = (  # groups of words for similar movements or places of the body
     "apart part spread wide",
