@@ -52,6 +52,9 @@ from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
+TEXT_TABLES_MODULE = (
+    "kinesic.intent.read_ahead"  # module that planners share with the process that they are forked from
+)
 MIN_POLL_PERIOD = 0.05  # [s] smallest time between two checks for due events
 DEFECT_TYPES = (
     ArithmeticError,

@@ -139,7 +139,9 @@ class Planner:
 
     def _context(self) -> ProcessContext:
         """Return a multiprocessing context that inherits no threads of the server."""
-        return child_context(planner.__name__, session_setup.__name__, self._make_setup.__module__)
+        return child_context(
+            planner.__name__, session_setup.__name__, self._make_setup.__module__, planner.TEXT_TABLES_MODULE
+        )
 
     def send(self, request: ClientRequest) -> None:
         """Send a request to the planner, which must be free.

@@ -172,13 +172,19 @@ def test_number_of_stop_connections_is_limited(lines: StopLines, monkeypatch: py
         client.close()
 
 
+def count_threads() -> int:
+    """Return the number of threads of stop lines, also of servers of other tests."""
+    return sum(thread.name == "stop lines" for thread in threading.enumerate())
+
+
 def test_closing_ends_all_stop_connections_and_accepts_no_new_ones(lines: StopLines, robot: Robot) -> None:
     wire = PlayedWire(stays_open=True)
     with take(lines, wire) as client:
         assert wire.is_open.wait(PATIENCE)
+        before = count_threads()
         lines.close()
         assert client.recv(1) == b""
-    assert "stop lines" not in {thread.name for thread in threading.enumerate()}
+    assert count_threads() == before - 1
     assert talk(lines, PlayedWire(b'{"do": "stop"}')).sent == []
     assert robot.stops == 0
     lines.close()

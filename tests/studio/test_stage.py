@@ -186,6 +186,7 @@ def test_drag_sends_requests_at_the_rate_of_the_server(studio: Studio):
     studio.page.click("#mode-plan")
 
 
+@pytest.mark.soak
 def test_bench_measures_drag_latency_and_first_paint(studio: Studio):
     metrics = time_page(browser(), f"http://localhost:{studio.server.port}/", loads=1, seconds=0.5)
     assert [metric.name for metric in metrics] == list(PAGE_GOALS)

@@ -154,7 +154,9 @@ class Helper(Generic[Q]):
         return await get_running_loop().run_in_executor(self._thread, action)
 
     def _begin(self) -> tuple[Child, PipeEnd]:
-        context = child_context(planner.__name__, session_setup.__name__, self._make_setup.__module__)
+        context = child_context(
+            planner.__name__, session_setup.__name__, self._make_setup.__module__, planner.TEXT_TABLES_MODULE
+        )
         server_end, helper_end = context.Pipe()
         arguments = (self._make_setup, helper_end, self._answer, self._rules)
         return Child(context, run_helper, *arguments, name=self._name), server_end

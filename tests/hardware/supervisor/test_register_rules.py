@@ -80,6 +80,8 @@ MOVED = {  # of the wrong registers above: performed with torque, in every run
     (Register.PROFILE_VELOCITY, 1),
     (Register.MAX_POSITION_LIMIT, 4095),
 }
+ALL_WRONG = (SET | NARROWED).items()
+PERFORMED = [pytest.param(*row, id=str(row[0]), marks=[pytest.mark.soak] * (row[0] not in MOVED)) for row in ALL_WRONG]
 DRIVEN = {
     (Register.BUS_WATCHDOG, -1),
     (Register.BUS_WATCHDOG, 1),
@@ -204,7 +206,7 @@ def test_register_tests_cover_every_register_that_can_be_wrong():
         assert {r for r in Register if RULES[r].treatment == treatment} - sensors <= result
 
 
-@pytest.mark.parametrize(("hostile", "value"), (SET | NARROWED).items(), ids=str)
+@pytest.mark.parametrize(("hostile", "value"), ALL_WRONG, ids=str)
 def test_wrong_register_is_set_before_torque(tmp_path: Path, hostile: tuple[Register, int], value: int):
     made = two_servos(tmp_path, model_with(hostile[0]))
     leave(made, *hostile)
@@ -216,13 +218,7 @@ def test_wrong_register_is_set_before_torque(tmp_path: Path, hostile: tuple[Regi
     made.end()
 
 
-@pytest.mark.parametrize(
-    ("hostile", "value"),
-    [
-        pytest.param(hostile, value, id=str(hostile), marks=[pytest.mark.soak] * (hostile not in MOVED))
-        for hostile, value in (SET | NARROWED).items()
-    ],
-)
+@pytest.mark.parametrize(("hostile", "value"), PERFORMED)
 def test_wrong_register_keeps_its_value_with_torque_and_motion_is_correct(
     tmp_path: Path, hostile: tuple[Register, int], value: int
 ):

@@ -15,13 +15,13 @@ TEXT_PIECES = (
     "no, ",
     "you I ",
     "so happy! ",
-    "NO so ",
+    pytest.param("NO so ", marks=pytest.mark.soak),
     "a, b and c, ",
     ":) a ",
     "!",
     "ly",
     "<break ",
-    "<break time='1s' ",
+    pytest.param("<break time='1s' ", marks=pytest.mark.soak),
     "<a-",
 )
 

@@ -1,0 +1,9 @@
+"""Read the tables for English texts at import, once for all forked processes."""
+
+from kinesic.intent.behaviour_sets import builtin_sets
+from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.reading.language import ENGLISH_TAG, load_language
+
+CUES_READ = load_cues(ENGLISH_TAG)
+RULES_READ = load_language(ENGLISH_TAG)
+BEHAVIOUR_SETS_READ = builtin_sets()

@@ -1,0 +1,15 @@
+"""Tables that forked processes share."""
+
+from kinesic.intent import read_ahead
+from kinesic.intent.behaviour_sets import builtin_sets
+from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.reading.language import load_language
+from kinesic.serve.planner import TEXT_TABLES_MODULE
+
+
+def test_planners_find_the_english_tables_read_before_their_fork():
+    assert read_ahead.__name__ == TEXT_TABLES_MODULE
+    assert read_ahead.CUES_READ is load_cues("en")
+    assert read_ahead.CUES_READ.cues
+    assert read_ahead.RULES_READ is load_language("en")
+    assert read_ahead.BEHAVIOUR_SETS_READ is builtin_sets()
