@@ -23,7 +23,9 @@ KINDS = {
 }
 HEAD = """# Gestures
 
-The lexicon has {count} gestures. `docs/make/gestures.py` writes this page from `kinesic/configs/gestures/`.
+This page shows all {count} gestures of the lexicon, so that you find the lexeme for a document.
+`kinesic gestures find big box` searches them by words. `docs/make/gestures.py` writes this page from
+`kinesic/configs/gestures/`.
 [Write a gesture](../how-to/write-a-gesture.md) shows how to add one.
 
 No two gestures are alike. Two count as different if, at neutral expressivity, the paths of their hands differ by
