@@ -31,6 +31,9 @@ FAULTS = [
 ]
 
 
+FAULTS_OF_ONE_CHECK = {"wrong_model", "old_firmware", "undervoltage"}  # refused like an alert
+
+
 @pytest.fixture(scope="module")
 def twins() -> tuple[DryRun, ...]:
     """Dry runs of a nod in the twin."""
@@ -61,7 +64,13 @@ def refused(kinesic: Callable, nod: Path, table: Table) -> str:
     return lines[0]
 
 
-@pytest.mark.parametrize(("fault", "message"), FAULTS, ids=[fault.kind for fault, _ in FAULTS])
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        pytest.param(*case, id=case[0].kind, marks=[pytest.mark.soak] * (case[0].kind in FAULTS_OF_ONE_CHECK))
+        for case in FAULTS
+    ],
+)
 def test_faulty_servos_are_refused_with_one_line(
     kinesic: Callable, nod: Path, tmp_path: Path, fault: PlannedFault, message: str
 ):

@@ -41,19 +41,19 @@ def _rests(way: str, joints: int, count: int = REACHABLE, **given) -> list[tuple
     ("way", "joints", "median", "least"),
     [
         ("force", 3, 17, 1.0),
-        ("force", 6, 27, 1.0),
+        pytest.param("force", 6, 27, 1.0, marks=pytest.mark.soak),
         ("force", 10, 35, 0.97),
-        ("force", 20, 71, 0.97),
+        pytest.param("force", 20, 71, 0.97, marks=pytest.mark.soak),
         ("force", 32, 97, 0.97),
         ("position", 3, 14, 1.0),
-        ("position", 6, 19, 1.0),
+        pytest.param("position", 6, 19, 1.0, marks=pytest.mark.soak),
         ("position", 10, 33, 1.0),
-        ("position", 20, 67, 0.97),
+        pytest.param("position", 20, 67, 0.97, marks=pytest.mark.soak),
         ("position", 32, 90, 0.97),
         ("direct", 3, 4, 1.0),
-        ("direct", 6, 7, 1.0),
+        pytest.param("direct", 6, 7, 1.0, marks=pytest.mark.soak),
         ("direct", 10, 15, 1.0),
-        ("direct", 20, 30, 1.0),
+        pytest.param("direct", 20, 30, 1.0, marks=pytest.mark.soak),
         ("direct", 32, 60, 0.97),
     ],
 )
@@ -63,7 +63,7 @@ def test_mass_spring_methods_reach_targets_in_the_expected_number_of_iterations(
     assert np.mean([task.arrived(rest.points) for task, rest in rests]) >= least
 
 
-@pytest.mark.parametrize("joints", [3, 6, 10, 20])
+@pytest.mark.parametrize("joints", [3, *(pytest.param(count, marks=pytest.mark.soak) for count in (6, 10)), 20])
 @pytest.mark.parametrize("way", WAYS)
 def test_mass_spring_methods_approach_targets_at_the_reach_limit(way, joints):
     strict, loose = Effort(), Effort(tolerance=0.04 if joints == 20 else 0.01)
