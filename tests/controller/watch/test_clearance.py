@@ -84,6 +84,14 @@ def test_clearance_watch_ends_by_the_latest_tracking_error():
         assert watch.near is near
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_clearance_watch_expects_the_latest_tracking_error_in_both_directions(way):
+    watch = ClearanceWatch()
+    for strayed, room in ((0.0, 0.05), (0.02, 0.03), (0.0, 0.05), (0.03, 0.02)):
+        watch = seen(watch, 0.05, strayed=way * strayed)
+        assert watch.room == pytest.approx(room)
+
+
 def test_clearance_watch_at_minimum_speed_applies_the_error_only_with_its_sign():
     watch, looks = ClearanceWatch(), 0
     while watch.pace <= CREEP_PACE or not looks:
