@@ -15,6 +15,7 @@ from kinesic.intent.intents import Intent
 from kinesic.intent.manuscript.reading import read_manuscript
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.accents import find_accents
+from kinesic.intent.pacing.long_strokes import stroke_delay
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS
 from kinesic.intent.pacing.tempo import liveliness_of
@@ -194,7 +195,7 @@ def merge_directed(
 
 
 def reachable(intent: Intent, since: float = 0.0) -> Intent:
-    """Delay an intent's stroke until the hand can reach it.
+    """Delay an intent's stroke until the hand can reach it, and a long one so that it accompanies its word.
 
     The hand sets out just before the first word.
 
@@ -207,7 +208,8 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
     is_directed_wave = intent.name == DIRECTION_INTENT and any("wave" in lexeme for lexeme in intent.lexemes)
     is_wave = intent.name == GREETING_INTENT or is_directed_wave
     least = since + (MIN_WAVE_DELAY if is_wave else MIN_STROKE_DELAY)
-    return replace(intent, stroke=intent.stroke.later(max(least - intent.stroke.seconds, 0.0)))
+    delay = max(least - intent.stroke.seconds, stroke_delay(intent.lexemes))
+    return replace(intent, stroke=intent.stroke.later(delay))
 
 
 def hurry_first_gesture(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:

@@ -1,0 +1,42 @@
+"""Gestures that draw their meaning in a long stroke, which accompanies a word instead of ending at it."""
+
+from collections.abc import Collection, Mapping
+
+STROKE_LEAD = 0.9  # [s] from the start of a long stroke to its word, about as in a short one with its preparation
+MAX_STROKE_DELAY = 1.3  # [s] longest time from a word to the stroke point of its gesture
+LONG_STROKES: Mapping[str, float] = {
+    "around_here": 1.6,
+    "brush_teeth": 2.4,
+    "chaos": 2.2,
+    "circle_drawn": 1.3,
+    "dream_off": 2.7,
+    "everything_circle": 1.6,
+    "fire": 2.3,
+    "flow": 2.2,
+    "growth_curve": 1.4,
+    "path_along": 1.7,
+    "piano": 2.5,
+    "rain": 2.4,
+    "ride_horse": 2.9,
+    "river": 3.2,
+    "roll_low": 2.4,
+    "sea": 2.8,
+    "slow_glide": 2.4,
+    "spiral_stairs": 2.3,
+    "stir": 2.1,
+    "sunrise": 1.4,
+    "walk_fingers": 2.3,
+    "wind": 1.9,
+}  # [s] natural time from the start of a gesture to its stroke point, in the neutral style
+
+
+def stroke_delay(lexemes: Collection[str]) -> float:
+    """Return the time [s] from a word to the stroke of a gesture that draws its meaning.
+
+    Args:
+        lexemes: gestures of which one is shown; their mean duration counts.
+    """
+    if not lexemes:
+        return 0.0
+    mean = sum(LONG_STROKES.get(lexeme, STROKE_LEAD) for lexeme in lexemes) / len(lexemes)
+    return min(mean - STROKE_LEAD, MAX_STROKE_DELAY)

@@ -1,0 +1,39 @@
+"""Gestures whose long stroke accompanies a word."""
+
+import pytest
+
+from kinesic.expressivity.durations import stroke_durations
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.style.effort import Effort
+from kinesic.expressivity.style.style import Style
+from kinesic.intent.author import plan_behaviours
+from kinesic.intent.pacing.long_strokes import LONG_STROKES, MAX_STROKE_DELAY, stroke_delay
+from kinesic.session.setup import set_up
+
+DRAWING_CATEGORIES = ("iconic", "metaphoric", "deictic")
+MIN_LONG_STROKE = 1.6  # [s]
+
+
+def test_table_has_the_strokes_of_all_slowly_drawing_gestures():
+    setup = set_up(robot="human")
+    natural = {}
+    for form in setup.lexicon.forms:
+        if form.category in DRAWING_CATEGORIES:
+            work = poses(form, setup.robot, setup.style.gesture)
+            natural[form.id] = stroke_durations(work, Effort(setup.context.pace, work.traits))["stroke"]
+    assert {name for name, time in natural.items() if time > MIN_LONG_STROKE} <= LONG_STROKES.keys()
+    for name, time in LONG_STROKES.items():
+        assert natural[name] == pytest.approx(time, abs=0.2), name
+
+
+def test_long_stroke_begins_near_its_word():
+    setup = set_up()
+    _, selection = plan_behaviours("We sat in the kitchen and the rain came.", setup.lexicon, Style.load("neutral"))
+    rain = next(behaviour for behaviour in selection.behaviours if behaviour.lexeme == "rain")
+    assert rain.intent.stroke.reference == "s:w8+1.37"
+
+
+def test_delay_is_that_of_the_mean_stroke():
+    assert stroke_delay(()) == stroke_delay(("large",)) == 0.0
+    assert stroke_delay(("river",)) == MAX_STROKE_DELAY
+    assert stroke_delay(("path_along", "large")) == pytest.approx(stroke_delay(("path_along",)) / 2)
