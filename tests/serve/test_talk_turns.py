@@ -33,7 +33,7 @@ def texts(talks: Talks, scene: Scene, now: float) -> list[tuple[int, str]]:
 
 def test_length_of_waiting_text_is_limited():
     talks = Talks()
-    assert talks.take(Words("x" * MAX_TEXT_LENGTH, 1), 0.0) == ""
+    assert talks.take(Words("x " * (MAX_TEXT_LENGTH // 2), 1), 0.0) == ""
     assert "characters already wait" in talks.take(Words("y", 1), 0.0)
     assert talks.take(Words("y", 2), 0.0) == "", "each client for itself"
     assert talks.senders == {1, 2}
