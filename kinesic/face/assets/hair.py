@@ -159,10 +159,7 @@ class _Skull:
         return np.asarray((weight * self._away[which]).sum(axis=1) / weight.sum(axis=1))
 
     def cover(self, directions: Floats) -> Floats:
-        """Return smallest distances (n,) of hair from the head centre.
-
-        They are in distances between the eyes. Hair covers skin and ears, without steep slopes at the ears.
-        """
+        """Return smallest distances (n,) [eye distances] of hair from the centre."""
         radius = self.radius(directions)
         if self._ears is None:
             return radius

@@ -58,14 +58,7 @@ class Supervisor:
     def __init__(
         self, manifest: Manifest, context: SupervisorContext, settings: SupervisorSettings, *, watchdog: float
     ) -> None:
-        """Create the supervisor without opening a port.
-
-        Args:
-            manifest: description of the servos.
-            context: channel, journal and planner.
-            settings: of the supervision.
-            watchdog: [s] shortest time without packets after which servos stop.
-        """
+        """Create the supervisor, with a servo watchdog [s], without opening a port."""
         self.manifest, self.state = manifest, SupervisorState()
         self.late = 0  # number of cycles that began more than a period late, counted by the caller's loop
         self._context, self._channel, self._settings = context, context.channel, settings
