@@ -174,6 +174,17 @@ def test_large_block_is_refined_while_it_runs(play):
     assert improve_block(play.scene, "a", better, play.now) is None
 
 
+def test_prediction_of_a_new_plan_precedes_its_warnings(play):
+    quick = play.ready("a", HURRIED)
+    better = prepare_block(quick.replan_request, play.scene.setup)
+    play.take(begin(play.scene, better, play.now)).until(0.2)
+    after = improve_block(play.scene, "a", quick.plan, play.now)
+    assert after is not None
+    messages = [due.xml for due in after.agenda if due.time == play.now]
+    assert ["<predictionFeedback" in xml for xml in messages] == [True, *(False for _ in messages[1:])]
+    assert len(messages) > len(quick.plan.notices) > 1
+
+
 def test_refined_plan_keeps_using_the_free_hand(play):
     play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
@@ -212,3 +223,13 @@ def test_waiting_block_is_refined(play):
     play.scene = after
     play.until(9.0)
     assert play.at("a:g4:stroke") == pytest.approx(1.0 + 1.2 + 0.5 * 4, abs=0.03)
+
+
+def test_trunk_turns_to_another_held_gaze_after_the_motion_has_ended(play):
+    wait, look = '<wait id="w" duration="6"/>', '<gazeShift id="l" target="{}"/>'
+    play.send("a", wait + look.format("left")).until(3.0)
+    assert play.scene.motion.end < play.now
+    other = play.ready("a", wait + look.format("right")).plan
+    improved = improve_block(play.scene, "a", other, play.now)
+    assert improved is not None
+    np.testing.assert_allclose(improved.motion.controls[-1], other.trajectory.controls[-1], atol=1e-6)

@@ -73,6 +73,12 @@ def test_arm_compensates_for_a_turned_trunk(leaning, alone, stroke, known):
     np.testing.assert_array_equal(mended[others], off[others])
 
 
+def test_hand_without_a_position_is_not_aimed(alone, stroke, known):
+    (one,), angles = pointing_hands(alone), posture(alone.trajectory, stroke)
+    hanging = replace(one, hand=replace(one.hand, reach=None))
+    assert hanging.arm(angles, known.robot) is angles
+
+
 def test_correction_changes_only_the_pointing_arm_during_its_stroke(leaning, alone, stroke, known):
     (one,), needs = pointing_hands(alone), {item.behaviour: item for item in occupancy_of(alone)}
     cut = stroke - 0.4
