@@ -157,7 +157,7 @@ class ClientRegistry:
         if not client.admitted:
             self._admit(client, request)
         elif isinstance(request, Stop):
-            client.send(self._stop())
+            self._obey(client, request)
         elif isinstance(request, StopLineRequest):
             self._free(client)
         elif not self.place(client) and not isinstance(request, Hello):
