@@ -160,3 +160,15 @@ def test_tracking_errors_of_several_twins_are_printed_side_by_side(runs, capsys,
     perform._print_report(count * (run,), None, report(run, source="nod.bml", seed=0))
     headings = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[:1] == ["error"]]
     assert headings == [["error", run.twin_name, run.twin_name]] * (count - 1)
+
+
+@pytest.mark.parametrize("servo_log", [None, Path("out/servos.npz")])
+def test_only_written_files_are_printed(capsys, servo_log):
+    """A log of servos exists if servos performed, a voice if the block speaks."""
+    files = {name: Path("out", name) for name in ("report", "page", "measured")}
+    written = output.WrittenPaths(**files, film=Path("out/film.webp"), why_no_face="no face")
+    perform._print_paths(written, servo_log, to_stderr=False)
+    names = ["film", "face", "measured", *(["servos"] if servo_log else []), "report", "page"]
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(":")[0] for line in lines] == names
+    assert lines[:2] == ["film: out/film.webp", "face: none (no face)"]
