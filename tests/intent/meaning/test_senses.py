@@ -66,6 +66,11 @@ def test_praise_after_an_exclamation_or_beside_a_bad_thing_is_not_shown():
     assert "heart" not in shown("It was a mistake, and I made it myself.")
 
 
+def test_tears_of_joy_are_not_sad():
+    assert "sadness" in shown("It was awful, I could cry.")
+    assert "sadness" not in shown("I'm so happy for you, I could cry.")
+
+
 def test_shrug_is_not_shown_for_the_ignorance_of_others():
     assert shown("I have no idea what it is.") & {"doubt_shrug", "shrug_small"}
     assert is_beat(shown("He has no idea what it is."))
