@@ -7,7 +7,6 @@ MAX_STROKE_DELAY = 1.3  # [s] longest time from a word to the stroke point of it
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,
     "brush_teeth": 2.4,
-    "chaos": 2.2,
     "circle_drawn": 1.3,
     "dream_off": 2.7,
     "everything_circle": 1.6,
@@ -17,7 +16,6 @@ LONG_STROKES: Mapping[str, float] = {
     "path_along": 1.7,
     "piano": 2.5,
     "rain": 2.4,
-    "ride_horse": 2.9,
     "river": 3.2,
     "roll_low": 2.4,
     "sea": 2.8,
