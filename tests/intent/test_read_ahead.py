@@ -1,5 +1,7 @@
 """Tables that forked processes share."""
 
+from importlib import reload
+
 from kinesic.intent import read_ahead
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.meaning.cues import load_cues
@@ -8,6 +10,7 @@ from kinesic.serve.planner import TEXT_TABLES_MODULE
 
 
 def test_planners_find_the_english_tables_read_before_their_fork():
+    reload(read_ahead)  # other tests may have emptied the caches
     assert read_ahead.__name__ == TEXT_TABLES_MODULE
     assert read_ahead.CUES_READ is load_cues("en")
     assert read_ahead.CUES_READ.cues
