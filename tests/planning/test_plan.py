@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
+from kinesic.body.config import ConfigError
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.planning import plan as plan_module
@@ -282,3 +283,14 @@ def test_style_parameters_are_resolved_for_each_behaviour_that_moves_the_body(pl
     assert set(made.numbers) == {"h", "g"}
     assert made.numbers["g"].expressivity.power == 0.8
     assert made.numbers["h"].expressivity == made.setup.style.of("head")
+
+
+def test_motion_replaces_another_kind_of_file_only_if_forced(planned, tmp_path):
+    made, path = planned(""), tmp_path / "notes.csv"
+    path.write_text("my notes")
+    with pytest.raises(ConfigError):
+        made.save(path)
+    assert path.read_text() == "my notes"
+    made.save(path, force=True)
+    made.save(path)
+    assert path.read_text().startswith("time")
