@@ -17,6 +17,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author, plan_behaviours
 from kinesic.intent.behaviours import ChosenBehaviour
 from kinesic.intent.choosing import NEGATION_INTENTS
+from kinesic.intent.pacing.long_strokes import LONG_STROKES
 from kinesic.intent.pacing.spacing import NOD_LEXEME
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import Passage
@@ -95,12 +96,16 @@ def _author_text(text: str, lexicon: Lexicon, style: Style) -> AuthoredText:
 
 
 def _stressed_fraction(written: Iterable[AuthoredText]) -> float:
-    """Return the fraction of strokes on stressed syllables."""
+    """Return the fraction of strokes on stressed syllables.
+
+    Long drawing strokes, which accompany their word instead of ending at it, are left out.
+    """
     hits = []
     for text in written:
         words = text.passage.words
         heavy = {text.passage.stress(k).reference for k, word in enumerate(words) if word.is_content or word.emphatic}
-        hits += [gesture.intent.stroke.reference in heavy for gesture in text.gestures]
+        short = [gesture for gesture in text.gestures if gesture.lexeme not in LONG_STROKES]
+        hits += [gesture.intent.stroke.reference in heavy for gesture in short]
     return float(np.mean(hits))
 
 
