@@ -34,7 +34,7 @@ PASSAGE_RANGES: Mapping[str, tuple[float, float]] = {
     "steepness": (MIN_STEEPNESS, MAX_STEEPNESS),
     "swing": (0.0, 1.0),
 }
-SWING_GAIN = 1.5  # extra velocity of a full swing, relative to the usual key velocity
+SWING_GAIN = 2.0  # extra velocity of a full swing, relative to the usual key velocity
 LINEAR_STEEPNESS = 3.3  # easing steepness at which the linear easing peaks as fast as minimum jerk
 
 MIN_GAP = 0.02  # [s] smallest time between keys

@@ -185,6 +185,20 @@ def test_larger_swing_overshoots_a_reversal_further_but_within_the_joint_range()
     np.testing.assert_allclose(still.sample(times)[1], 0.0, atol=1e-9)
 
 
+def test_accent_after_a_swing_does_not_rebound_at_the_next_key():
+    angles, times, grid = np.array([[0.0], [1.2], [0.6]]), np.array([0.0, 0.5, 1.0]), np.linspace(0.5, 1.0, 401)
+    keyed = np.ones((3, 1), dtype=bool)
+
+    def lowest(easing: str, tension: float = 0.0) -> float:
+        passage = KeyPassage(tension, continuity=-0.5, easing=easing, steepness=2.9, swing=0.9)
+        return float(joined(passage, keyed, angles=angles, times=times).angles(grid).min())
+
+    assert lowest("out_power") == pytest.approx(0.6, abs=1e-3)
+    assert lowest("out_power", -0.5) == pytest.approx(0.6, abs=1e-3)
+    assert 0.59 < lowest("out_back") < 0.599
+    assert lowest("out_back", -0.5) < 0.59
+
+
 def test_key_passage_parameters_can_differ_per_hinge_and_key():
     stiff, plain = KeyPassage(tension=1.0), PLAIN_PASSAGE
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]

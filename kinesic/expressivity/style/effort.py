@@ -48,7 +48,7 @@ REFERENCE_STROKE_TIME = 0.6  # [s] stroke duration to which the hold times of ca
 POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
 STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 
-STROKE_ACCENT = 1.9  # easing steepness added to the minimum of 1 in dynamic strokes without a word
+STROKE_ACCENT = 2.4  # easing steepness added to the minimum of 1 in dynamic strokes without a word
 SPOKEN_ACCENT = 6.4  # easing steepness added to the minimum of 1 in strokes that are fastest at an accented word
 STROKE_START_SWING = 0.9  # overshoot (0 none .. 1 full) at the key where a stroke begins
 STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first one
@@ -61,6 +61,8 @@ MIN_LEISURE = 0.7  # available / natural time below which keys have neither swin
 RETRACTION_STEEPNESS = 7.5  # steepness of a retraction without fluidity: peak / mean velocity is 4/3
 FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
 FULL_FIRMNESS = 0.5  # power, tension or stiffness that removes all swing
+WEAKNESS_REDUCTION = 0.5  # fraction of the swing removed at power -1
+STIFFNESS_GAIN = 0.6  # increase of the accent at fluidity -1 / accent at fluidity 0
 LOOSENESS_REDUCTION = 0.3  # fraction of the swing removed at tension -1, where the spline itself swings
 
 
@@ -249,12 +251,15 @@ class Effort:
     def _swing_factor(self) -> float:
         """Factor on overshoot at keys, reduced by power, tension and stiffness."""
         firmness = max(self.manner.power, self.manner.tension, -self.manner.fluidity, 0.0)
-        return max(1.0 - firmness / FULL_FIRMNESS, 0.0) * (1.0 + LOOSENESS_REDUCTION * min(self.manner.tension, 0.0))
+        looseness, weakness = max(-self.manner.tension, 0.0), max(-self.manner.power, 0.0)
+        reduction = (1.0 - LOOSENESS_REDUCTION * looseness) * (1.0 - WEAKNESS_REDUCTION * weakness)
+        return max(1.0 - firmness / FULL_FIRMNESS, 0.0) * reduction
 
     @property
     def _accent_factor(self) -> float:
         """Factor on stroke accents, high for jerky and low for fluid motion."""
-        return (1.0 - self.manner.fluidity) * (1.0 + min(self.manner.tension, 0.0))
+        fluidity = self.manner.fluidity
+        return (1.0 - fluidity * (1.0 if fluidity > 0.0 else STIFFNESS_GAIN)) * (1.0 + min(self.manner.tension, 0.0))
 
     def _accent(self, *, is_spoken_key: bool) -> float:
         """Return the easing steepness added to accent the stroke, 0 without accent.

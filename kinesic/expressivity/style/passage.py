@@ -17,7 +17,8 @@ from kinesic.motion.keys import (
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
 POWER_STEEPNESS = 1.5  # extra steepness of a movement's easing curve at a power of 1, which short strokes can follow
-FORCE_EXPONENT = 3.0  # exponent of power and tension in the easing steepness, so that medium values add little
+FORCE_EXPONENT = 3.0  # exponent of power in the easing steepness, so that medium values add little
+TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness
 OVERSHOOT_THRESHOLD = 0.5  # power above which a hand overshoots; with as much tension it bounces
 OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of OutBack / steepness of an accent with the same peak velocity
 MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
@@ -46,7 +47,7 @@ def passage_of(
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
     force, left = (
-        POWER_STEEPNESS * power**FORCE_EXPONENT + tension**FORCE_EXPONENT,
+        POWER_STEEPNESS * power**FORCE_EXPONENT + tension**TENSION_EXPONENT,
         accent * (1.0 - weakness) - weakness,
     )
     if late and min(power, tension) < OVERSHOOT_THRESHOLD and accent > 0.0:
@@ -79,6 +80,5 @@ def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]
         return "out_bounce", 1.0
     if accent > 0.0 and tension <= 0.0 and power < OVERSHOOT_THRESHOLD:
         return ACCENT_EASING, 1.0
-    return "out_back", OVERSHOOT_ACCENT_FRACTION + (1.0 - OVERSHOOT_ACCENT_FRACTION) * min(
-        max(power - OVERSHOOT_THRESHOLD, tension) / OVERSHOOT_THRESHOLD, 1.0
-    )
+    firmness = max((power - OVERSHOOT_THRESHOLD) / OVERSHOOT_THRESHOLD, tension)
+    return "out_back", OVERSHOOT_ACCENT_FRACTION + (1.0 - OVERSHOOT_ACCENT_FRACTION) * min(firmness, 1.0)

@@ -6,6 +6,7 @@ from scipy.spatial import ConvexHull, QhullError
 from kinesic.body.arrays import Floats
 
 MIN_THICKNESS = 1e-3  # [m] a path is flat below a tenth of this RMS thickness
+CURVATURE_OFFSET_COUNT = 16  # number of first samples over which the curvature of a path is averaged
 JERK_CUTOFF = 10.0  # [Hz] cutoff frequency: intended motion is slower, servo steps are faster
 
 
@@ -42,7 +43,8 @@ def mean_curvature(path: Floats, *, step: float) -> float | None:
     """Return the mean curvature of a path, its rotation per length [1/m].
 
     The path is resampled at equal arc lengths, so that neither speed nor stops count: a waiting hand adds nothing, and
-    a hand that stops and reverses adds a half turn.
+    a hand that stops and reverses adds a half turn. A short reversal counts fully or not at all, depending on where the
+    first sample lies. The result is therefore the mean over several first samples.
 
     Args:
         path: positions (m, 3) [m].
@@ -51,17 +53,28 @@ def mean_curvature(path: Floats, *, step: float) -> float | None:
     Returns:
         The curvature, None for a path shorter than four steps.
     """
-    distances_along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    count = int(distances_along[-1] / step)
-    if count < 4:
+    distances = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    if distances[-1] < 4 * step:
         return None
-    has_moved = np.concatenate([[True], np.diff(distances_along) > 0.0])
-    even = np.linspace(0.0, distances_along[-1], count + 1)
-    points = np.stack([np.interp(even, distances_along[has_moved], column) for column in path[has_moved].T], axis=1)
-    chords = np.diff(points, axis=0)
+    has_moved = np.concatenate([[True], np.diff(distances) > 0.0])
+    distances, path = distances[has_moved], path[has_moved]
+    offsets = step * np.arange(CURVATURE_OFFSET_COUNT) / CURVATURE_OFFSET_COUNT
+    return float(np.mean([_sum_bends(path, distances, offset, step) for offset in offsets]) / distances[-1])
+
+
+def _sum_bends(path: Floats, distances: Floats, offset: float, step: float) -> float:
+    """Return the total rotation [rad] of a path between samples at equal arc lengths.
+
+    Args:
+        path: positions (m, 3) [m].
+        distances: arc lengths of the positions (m,) [m], increasing.
+        offset: arc length of the first sample [m].
+        step: arc length between samples [m].
+    """
+    samples = np.arange(offset, distances[-1], step)
+    chords = np.diff(np.stack([np.interp(samples, distances, column) for column in path.T], axis=1), axis=0)
     chords /= np.maximum(np.linalg.norm(chords, axis=1, keepdims=True), 1e-12)
-    turns = np.arccos(np.clip(np.vecdot(chords[:-1], chords[1:]), -1.0, 1.0))
-    return float(turns.sum() / distances_along[-1])
+    return float(np.arccos(np.clip(np.vecdot(chords[:-1], chords[1:]), -1.0, 1.0)).sum())
 
 
 def rms_jerk(path: Floats, *, period: float) -> float:

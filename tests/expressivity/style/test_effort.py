@@ -239,6 +239,17 @@ def test_stiffness_removes_overshoot_and_looseness_reduces_it(pace):
     assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSENESS_REDUCTION) * plain)
 
 
+def test_weakness_reduces_overshoot_at_keys(pace):
+    weak, half, plain = (stroke_passage.swing for stroke_passage in stroke_passages(pace, "power")[:3])
+    assert 0.0 < weak < half < plain
+
+
+def test_rebound_of_strokes_grows_with_every_step_of_tension(pace):
+    tense = stroke_passages(pace, "tension", (0.25, 0.5, 0.75, 1.0))
+    assert {stroke_passage.easing for stroke_passage in tense} == {"out_back"}
+    assert np.all(np.diff([stroke_passage.steepness for stroke_passage in tense]) > 0.3)
+
+
 def test_low_fluidity_sharpens_the_velocity_peak_of_strokes(pace):
     steepness = [stroke_passage.steepness for stroke_passage in stroke_passages(pace, "fluidity")[:4]]
     assert np.all(np.diff(steepness) < 0.0)

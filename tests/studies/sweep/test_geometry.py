@@ -72,6 +72,15 @@ def test_line_has_no_curvature_and_a_reversal_adds_pi():
     assert curvature(along((0, 0, 0), (0.5, 0, 0), (0.5, 0.5, 0))) == pytest.approx(np.pi / 2, rel=0.05)
 
 
+def test_curvature_of_short_reversals_is_independent_of_the_path_start():
+    results = [
+        curvature(along((-offset, 0, 0), (0.2, 0, 0), (0.193, 0, 0), (0.193, 0.1, 0)))
+        for offset in np.arange(0.0, 0.01, 0.001)
+    ]
+    assert min(results) > 0.0
+    assert max(results) - min(results) < 0.1 * max(results)
+
+
 def test_hand_motion_below_the_minimum_size_has_no_curvature():
     assert curvature(np.zeros((10, 3))) is None
     assert curvature(along((0, 0, 0), (0.03, 0, 0))) is None

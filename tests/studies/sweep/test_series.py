@@ -53,6 +53,7 @@ def test_every_expressivity_parameter_has_a_main_measure():
         ("power", (0.4, 0.5, 0.9), True),
         ("power", (0.4, 0.4, 0.9), False),
         ("power", (0.4, 0.9, 0.8), False),
+        ("tension", (9.0, 9.0, 9.0, 9.0, 9.0), False),
         ("temporal", (0.9, 0.5, 0.4), True),
         ("temporal", (0.4, 0.5, 0.9), False),
         ("repetition", (1, 1, 2, 3), True),
