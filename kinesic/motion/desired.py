@@ -24,7 +24,6 @@ from kinesic.motion.keys import (
     HOLD_TOLERANCE,
     LINEAR_STEEPNESS,
     MIN_STEEPNESS,
-    OVERSHOOTING_EASINGS,
     SMOOTHEST_EASING,
     Choices,
     Keys,
@@ -44,7 +43,8 @@ TURNING_ACCELERATION = 6.0  # key acceleration, in distance / duration^2, of a r
 STEEPNESS_STEP = 0.25  # reduction of an easing curve's steepness per step until limits hold
 MIN_OVERSHOOT = 0.02  # relative overshoot below which OutQuart replaces OutBack
 OVERSHOOT_STEP = 0.01  # resolution of the relative overshoot
-OVERSHOOTING_INDICES = tuple(map(EASING_NAMES.index, OVERSHOOTING_EASINGS))  # indices of easings that pass the key
+BOUNCE_INDEX = EASING_NAMES.index("out_bounce")  # index of the easing that bounces at the key
+OVERSHOOT_INDEX = EASING_NAMES.index("out_back")  # index of the easing that passes the key and returns
 STEP_TOLERANCE = 1e-6  # rounding tolerance, in units of `OVERSHOOT_STEP`
 CURVE_CACHE_SIZE = 24  # largest number of cached desired curves, each of hinges with the same keys
 MAX_CACHED_KEYS = 1024  # largest number of keys of a cached curve: 0.4 MB, half a minute of gestures
@@ -297,9 +297,10 @@ def _join(times: Floats, keys: Keys) -> QuinticSpline:
         return plain
     rotations, covered = course.rotations, course.steps * (velocities[:-1] + velocities[1:]) / 2
     fractions = (rotations - covered) / np.where(rotations == 0.0, 1.0, rotations)
-    # An accent of more than the rotation outruns a swing and rebounds, as only a loose and forceful hand does.
-    overshoots = np.isin(keys.passage_values[4, 1:], OVERSHOOTING_INDICES) & (keys.passage_values[0, 1:] < 0.0)
-    remaining = rotations * np.clip(fractions, 0.0, np.where(overshoots, np.inf, 1.0))
+    # An accent of more than the rotation outruns a swing and rebounds, as only a forceful hand does.
+    tension, easings = keys.passage_values[[0, 4], 1:]
+    rebounds = (easings == BOUNCE_INDEX) | ((easings == OVERSHOOT_INDEX) & (tension < 0.0))
+    remaining = rotations * np.clip(fractions, 0.0, np.where(rebounds, np.inf, 1.0))
     sample_times = np.append((times[:-1, None] + steps[:, None] * SAMPLE_TIMES).ravel(), times[-1])
     states = plain.derivatives(sample_times, 3)
     by_interval = states[:, :-1].reshape(3, len(steps), EASING_INTERVALS, -1).transpose(0, 1, 3, 2)

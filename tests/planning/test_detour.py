@@ -64,7 +64,7 @@ def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
 
     def swinging(time, arm):
         plain = key(time, left=arm, right=arm)
-        return replace(plain, passages=(KeyPassage(continuity=-0.5, swing=1.0),) * len(REST))
+        return replace(plain, passages=(KeyPassage(continuity=-0.5, swing=0.75),) * len(REST))
 
     def swings(course):
         return [posture.passages[LEFT[0]].swing if posture.passages else None for posture in course.postures]
@@ -72,14 +72,14 @@ def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
     near = course(key(0.0), swinging(0.5, inner), swinging(0.8, outer), swinging(4.0, outer), key(6.0))
     assert least(near) < 0.0
     calm = near.calmed(0.45)
-    assert swings(calm) == [None, 0.0, 1.0, 1.0, None]
+    assert swings(calm) == [None, 0.0, 0.75, 0.75, None]
     assert least(calm) > LEAST
     led = add_detours(near, DISTANCES, least=LEAST)
     assert least(led) > LEAST
     assert [posture.time for posture in led.postures] == [posture.time for posture in near.postures]
-    assert swings(led)[1] == 0.5
-    assert swings(near.calmed(0.45, 0.5)) == [None, 0.5, 1.0, 1.0, None]
-    assert swings(led)[3] == 1.0
+    assert swings(led)[1] == 0.375
+    assert swings(near.calmed(0.45, 0.5)) == [None, 0.375, 0.75, 0.75, None]
+    assert swings(led)[3] == 0.75
     plain = course(key(0.0), key(0.5, left=inner), key(6.0))
     assert plain.calmed(0.45) is plain
 

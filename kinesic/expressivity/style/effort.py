@@ -210,7 +210,14 @@ class Effort:
         free = self.traits.weight * min(max((time_ratio - MIN_LEISURE) / (1.0 - MIN_LEISURE), 0.0), 1.0)
         accent = self._accent(is_spoken_key=self.spoken and stroke) if phase == "stroke" and not led else 0.0
         swing = self._swing_factor * self._largest_swing(phase, led=led) if self.traits.dynamic else 0.0
-        passed = passage_of(manner, phase, accent=free * accent, late=self.spoken, swing=free * swing)
+        passed = passage_of(
+            manner,
+            phase,
+            accent=free * accent,
+            late=self.spoken,
+            swing=free * swing,
+            gesture_power=self.manner.power,
+        )
         if self.traits.dynamic or phase == "stroke":
             return passed
         return replace(passed, continuity=passed.continuity * (1.0 - free * self._pose_flow))

@@ -17,8 +17,8 @@ from kinesic.motion.keys import (
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
 POWER_STEEPNESS = 1.5  # extra steepness of a movement's easing curve at a power of 1, which short strokes can follow
-FORCE_EXPONENT = 3.0  # exponent of power in the easing steepness, so that medium values add little
-TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness
+FORCE_EXPONENT = 3.0  # exponent of high power, and of tension with it, in the easing steepness
+TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness of gestures without power
 OVERSHOOT_THRESHOLD = 0.5  # power above which a hand overshoots; with as much tension it bounces
 OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of OutBack / steepness of an accent with the same peak velocity
 MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
@@ -26,7 +26,13 @@ POWER_BIAS = 0.25  # spline bias at a power of 1: the hand continues a little in
 
 
 def passage_of(
-    manner: Expressivity, phase: Phase, *, accent: float = 0.0, late: bool = False, swing: float = 0.0
+    manner: Expressivity,
+    phase: Phase,
+    *,
+    accent: float = 0.0,
+    late: bool = False,
+    swing: float = 0.0,
+    gesture_power: float | None = None,
 ) -> KeyPassage:
     """Derive the spline parameters of a gesture phase from expressivity.
 
@@ -41,13 +47,15 @@ def passage_of(
         accent: steepness of the stroke itself, beyond the softest easing.
         late: whether the accent lies at the end of the movement instead of its beginning.
         swing: of the key.
+        gesture_power: power of the whole gesture, if this phase has another one.
     """
     passed = KeyPassage(manner.tension, (manner.fluidity - 1.0) / 2.0, swing=swing)
     if phase not in ("preparation", "stroke"):
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
     force, left = (
-        POWER_STEEPNESS * power**FORCE_EXPONENT + tension**TENSION_EXPONENT,
+        POWER_STEEPNESS * power**FORCE_EXPONENT
+        + tension ** tension_exponent(manner.power if gesture_power is None else gesture_power),
         accent * (1.0 - weakness) - weakness,
     )
     if late and min(power, tension) < OVERSHOOT_THRESHOLD and accent > 0.0:
@@ -69,6 +77,12 @@ def passage_of(
         if left > 0.0
         else passed
     )
+
+
+def tension_exponent(power: float) -> float:
+    """Return the exponent of tension in the easing steepness, larger with power."""
+    fraction = min(max(power, 0.0) / OVERSHOOT_THRESHOLD, 1.0)
+    return TENSION_EXPONENT + (FORCE_EXPONENT - TENSION_EXPONENT) * fraction
 
 
 def _forced(power: float, tension: float, accent: float) -> tuple[Easing, float]:
