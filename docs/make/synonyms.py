@@ -12,8 +12,8 @@ HEAD = """# Names of gestures
 {gestures} gestures. The names come from the lexicons of Greta, SmartBody, EMBR, Asap, NAO and Reachy, from BML's
 gesture types and McNeill's classes, and from everyday English. A name belongs to one gesture only, on which all
 speakers of the language should agree.
-[Write a gesture](../how-to/write-a-gesture.md#how-a-lexeme-finds-a-gesture) explains the search for a lexeme, and
-how to add names.
+[Gesture files](gesture-files.md#how-a-lexeme-finds-a-gesture) explains the search for a lexeme, and
+[Write a gesture](../how-to/write-a-gesture.md#names-of-your-own) how to add names.
 
 `kinesic gestures show LEXEME` prints the result for any lexeme.
 

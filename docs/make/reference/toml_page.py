@@ -42,8 +42,8 @@ DOCUMENTS = (
     Document(
         "Gestures",
         "Read by `--lexicon FILE.toml`, and from `kinesic/configs/gestures/`. `kinesic new gesture NAME` "
-        "writes one. [Write a gesture](../how-to/write-a-gesture.md) explains sectors, direction words and "
-        "hand shapes.",
+        "writes one. [Gesture files](gesture-files.md) explains sectors, direction words and paths, and "
+        "[Write a gesture](../how-to/write-a-gesture.md#hand-shapes) hand shapes.",
         (GestureFile,),
     ),
     Document(
