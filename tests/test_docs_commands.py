@@ -46,7 +46,7 @@ def parse_command(words: list[str]) -> None:
         click.UsageError: a verb, an option, a value or an argument is wrong.
     """
     command: click.Command = kinesic
-    context = click.Context(kinesic, info_name="kinesic")
+    context = click.Context(kinesic, info_name="kinesic", **kinesic.context_settings)
     while isinstance(command, click.Group) and words:
         name, found, words = command.resolve_command(context, words)
         assert found is not None

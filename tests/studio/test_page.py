@@ -218,7 +218,7 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     hand = studio.state("left")
     page.drag((hand["x"], hand["y"]), (hand["x"] + 10, hand["y"] - 15), (hand["x"] + 20, hand["y"] - 30))
     studio.until("s.past === 1 && s.draft.keys[1].both.at[1] > 0.24")  # higher than before
-    assert studio.state("draft")["keys"][0]["both"]["at"] == [0.22, 0.10, 0.42]
+    assert studio.state("draft")["keys"][0]["both"]["at"] == [0.16, 0.14, 0.38]
     page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.toml'")
     page.click("#save")
     page.until("document.querySelector('#file').textContent === 'mine.toml'")
@@ -228,7 +228,7 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     page.click("#perform")
     studio.until("s.mode === 'robot' && s.report.planned.some((angle, k) => Math.abs(angle) > 0.5)")
     page.click("#undo")
-    studio.until("s.past === 0 && s.text.includes('[0.42, 0.24, 0.70]')")
+    studio.until("s.past === 0 && s.text.includes('[0.18, 0.24, 0.76]')")
     page.value(
         "(m => { m.value = 'example:one_gesture'; m.dispatchEvent(new Event('change')) })"
         "(document.querySelector('#examples'))"

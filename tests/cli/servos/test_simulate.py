@@ -117,8 +117,8 @@ def test_simulated_servos_support_errors_reboots_and_registered_writes_of_the_sd
     assert protocol.regWriteTxRx(port, 1, 65, 1, [1]) == (COMM_SUCCESS, 0)
     assert protocol.read1ByteTxRx(port, 1, 65)[0] == 0
     assert protocol.action(port, 1) == COMM_SUCCESS
-    time.sleep(0.05)  # The SDK does not read the answer, and would take it for the next one.
-    assert protocol.read1ByteTxRx(port, 1, 65)[0] == 1
+    # The SDK does not read the answer to the action, and would take it for that of the next request.
+    until(lambda: port.clearPort() or protocol.read1ByteTxRx(port, 1, 65)[0] == 1)
     assert protocol.reboot(port, 1) == (COMM_SUCCESS, 0)
     until(lambda: protocol.ping(port, 1)[1] == COMM_SUCCESS)
     assert protocol.read1ByteTxRx(port, 1, 64)[0] == 0
