@@ -61,8 +61,9 @@ GRAVE_CLASSES = ("sad", "stern")  # word classes of sentences without praise or 
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents that address the listener
 # Prefixes of intents of gladness.
 GLAD_INTENTS = ("performative-praise", "performative-agree", "emotion-joy", "emotion-pride")
+SHRUG_GESTURES = frozenset({"doubt_shrug", "shrug_small"})  # gestures of uncertainty, which fit a question
 # Further gestures that address the listener.
-SENSITIVE_GESTURES = frozenset({"doubt_shrug", "shrug_small", "you", "you_all", "left", "right", "we", "between_us"})
+SENSITIVE_GESTURES = SHRUG_GESTURES | {"you", "you_all", "left", "right", "we", "between_us"}
 LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures towards the listener
 
 
@@ -119,7 +120,10 @@ def score(
         value -= DEFAULT_PENALTIES.reported * (is_literal and context.is_reported(at))
         value -= DEFAULT_PENALTIES.plain_emblem * (not context.is_talk(at))
         value -= DEFAULT_PENALTIES.asked_emblem * (
-            cue.kind == "idiom" and cue.where == "any" and context.is_question(at)
+            cue.kind == "idiom"
+            and cue.where == "any"
+            and context.is_question(at)
+            and SHRUG_GESTURES.isdisjoint(cue.shows)
         )
         if cue.kind == "idiom":
             value -= DEFAULT_PENALTIES.told_idiom * context.is_reported(at)

@@ -45,8 +45,9 @@ def test_answer_to_a_reach_query_repeats_the_query_id(server, upper22_setup):
         assert "target" in told(client, "refused")["why"]
 
 
-def test_plan_query_does_not_move_the_robot(server):
+def test_plan_query_does_not_move_the_robot(server, becomes):
     with server.client() as client, server.client() as other:
+        assert becomes(lambda: other.do("status") or told(other, "status")["state"] == "resting")
         client.do("plan", bml=NOD + " " * 5000, id=3)  # longer than the limit of other control messages
         message = told(client, "plan")
         assert (message["id"], message["block"], [item["id"] for item in message["behaviours"]]) == (3, "b", ["n"])
