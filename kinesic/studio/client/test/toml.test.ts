@@ -28,11 +28,11 @@ test("keys of every gesture are found, and mirroring twice restores a gesture", 
 test("a value is changed in place, added, and removed", () => {
   assert.equal(
     setHand(own, 1, "both", "at", formatPosition([0.5, -0.1, 0.66666])),
-    own.replace("[0.42, 0.24, 0.70]", "[0.5, -0.1, 0.667]"),
+    own.replace("[0.18, 0.24, 0.76]", "[0.5, -0.1, 0.667]"),
   );
   assert.equal(setHand(own, 1, "left", "palm", '"up"'), own);
   const touched = setHand(own, 0, "both", "touch", '"chest"');
-  assert.ok(touched.includes('openness = 0.1, touch = "chest" }'));
+  assert.ok(touched.includes('openness = 0.2, touch = "chest" }'));
   assert.equal(setHand(touched, 0, "both", "touch", null), own);
   assert.equal(formatPosition([1, -0.00001, 0.25]), "[1.0, 0.0, 0.25]");
 });
