@@ -97,7 +97,7 @@ class Egl:
         raise GraphicsError(f"OpenGL is {version or 'missing'} here, the face needs {needed}; {SOFTWARE_HINT}")
 
     def create_for_mujoco(self) -> int:
-        """Create an OpenGL context that also has the old functions, which MuJoCo calls.
+        """Create an OpenGL context with the deprecated functions that MuJoCo calls.
 
         Raises:
             GraphicsError: OpenGL has no such context here.
@@ -145,7 +145,10 @@ class Egl:
         raise GraphicsError(f"EGL does not start (0x{self._egl.eglGetError():x})")
 
     def _choose_config(self, attributes: tuple[int, ...]) -> c_void_p:
-        """Return the first configuration with some attributes; null if there is none, which suits plain contexts."""
+        """Return the first configuration with given attributes, null without one.
+
+        Contexts without a window surface accept null.
+        """
         self._bind_api()
         config, count = c_void_p(), c_int()
         choose = CFUNCTYPE(c_uint, c_void_p, c_void_p, c_void_p, c_int, c_void_p)(("eglChooseConfig", self._egl))

@@ -195,9 +195,9 @@ def merge_directed(
 
 
 def reachable(intent: Intent, since: float = 0.0) -> Intent:
-    """Delay an intent's stroke until the hand can reach it, and a long one so that it accompanies its word.
+    """Delay an intent's stroke until the hand can reach it.
 
-    The hand sets out just before the first word.
+    A long stroke is delayed until it accompanies its word. The hand sets out just before the first word.
 
     Args:
         intent: that a gesture shows.

@@ -114,7 +114,7 @@ def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
 
 
 def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
-    """Return the hand orientation between keys k - 1 and k as a spline through nearby keys.
+    """Interpolate the hand orientation between keys k - 1 and k by a spline.
 
     Its angular velocity is continuous at the keys, as is needed where the poses between them become keys too. The
     result is None if the keys do not rotate the hand, or leave its pointing direction or its palm open.
@@ -136,7 +136,7 @@ def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
 
 
 def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
-    """Give a hand the orientation of a spline at a time [s], if there is one."""
+    """Rotate a hand to the orientation of a spline, if any, at a time [s]."""
     if hand.reach is None or turning is None:
         return hand
     pointing, _, palm = turning.at(np.array([time])).as_matrix()[0].T

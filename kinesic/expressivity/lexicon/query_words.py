@@ -1,4 +1,4 @@
-"""Words of search queries: function words without weight, and words that describe similar movements."""
+"""Function words and related movement words of gesture searches."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -74,7 +74,7 @@ def related_words(word: str) -> tuple[str, ...]:
 
 
 def form_words(form: GestureForm) -> Iterable[str]:
-    """Return words for the hands of a gesture and the body parts that they touch."""
+    """Return words for a gesture's hands and the touched body parts."""
     if len(form.sides) > 1:
         yield from _TWO_HANDS_WORDS
     touched = {pose.touch for key in form.keys for pose in key.hands.values()}

@@ -1,4 +1,4 @@
-"""Parse all gestures of kinesic and their names at import, once for all forked processes."""
+"""Parse the built-in gestures at import, once for all forked processes."""
 
 from kinesic.expressivity.lexicon.entries import builtin_gestures
 

@@ -1,4 +1,4 @@
-"""Values of a style with their units and effects, for people who compare or change styles."""
+"""Parameters of a style with their values, units and effects."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

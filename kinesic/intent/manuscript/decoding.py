@@ -10,7 +10,7 @@ from kinesic.intent.manuscript.pieces import pause
 MIN_CUE_PAUSE = 0.3  # [s] shortest silence between subtitle cues that is kept
 MAX_CUE_PAUSE = 10.0  # [s] longest silence between subtitle cues; longer ones are shortened
 SILENT_BLOCKS = ("WEBVTT", "NOTE", "STYLE", "REGION")  # first words of the blocks of WebVTT that are not spoken
-DASHES = "-\u2013\u2014"  # signs before the line of another speaker
+SPEAKER_DASHES = "-\u2013\u2014"  # signs before the line of another speaker
 NUL_FRACTION = 0.2  # fraction of zero bytes above which a text without byte order mark is UTF-16
 _BYTE_ORDER_MARKS = (  # byte order marks; UTF-32 before UTF-16, whose mark begins it
     (codecs.BOM_UTF8, "utf-8-sig"),
@@ -90,11 +90,14 @@ def read_subtitles(text: str) -> str:
 
 
 def _join_lines(lines: Sequence[str]) -> str:
-    """Join the lines of a subtitle cue; a dash begins the line of another speaker."""
+    """Join the lines of a subtitle cue, but not those of other speakers.
+
+    A dash begins the line of another speaker.
+    """
     joined = ""
     for line in lines:
         words = _CUE_SIGN.sub("", line).strip()
-        is_reply = words and joined and line.lstrip()[:1] in DASHES
+        is_reply = words and joined and line.lstrip()[:1] in SPEAKER_DASHES
         joined += ("\n" if is_reply else " ") + words
     return joined.strip()
 

@@ -1,4 +1,4 @@
-"""Words without an end, such as keys and encoded data, of which only the beginning is spoken."""
+"""Truncation of overlong words, such as keys and encoded data."""
 
 import re
 

@@ -106,7 +106,7 @@ def _is_grave(context: Context, k: int) -> bool:
 
 
 def _is_misread_nod(context: Context, k: int) -> bool:
-    """Return whether a viewer may take the nod on an accent for assent."""
+    """Return whether viewers may mistake a nod on an accent for assent."""
     is_short = len(context.plain) < MIN_RHYTHM_WORDS
     return is_short or _is_grave(context, k) or context.is_reported(k)
 
