@@ -255,8 +255,8 @@ async def _say(
 ) -> RobotAnswer:
     """Speak a text, and list its omitted parts in the answer."""
     if len(text) > LONG_TEXT or (await gate.line()).documents.is_talking:  # a talk continues in order
-        omitted = await to_thread(list_omissions, text)
         answer = await performing.speak(text, style)
+        omitted = await to_thread(list_omissions, text)  # only now, as pending calls would delay an emergency stop
         return {**answer, "not_spoken": [*omitted]} if omitted else answer
     unspoken = list[str]()
     before = spoken.memory

@@ -22,6 +22,7 @@ from kinesic.serve.wire.quotas import Quotas
 from kinesic.session.setup import set_up
 
 from ..serve.conftest import Running, running
+from .fake_server import line
 
 pytestmark = [
     pytest.mark.realtime,
@@ -222,6 +223,26 @@ def test_long_text_is_streamed_in_its_style_until_a_stop(server: Running):
     assert "about_seconds" in short
     assert not held["ended"]
     assert ended["ended"]
+
+
+def test_pending_long_texts_are_not_read_before_their_turn(monkeypatch: pytest.MonkeyPatch):
+    tools, read = import_module("kinesic.mcp.server"), list[str]()
+    monkeypatch.setattr(tools, "list_omissions", read.append)
+
+    async def run(robot: RobotLine) -> list[object]:
+        setup = warm_setup()
+        gate = RobotGate.of(robot, setup)
+        server = tools.make_server(gate, lambda: setup.lexicon, resumes=True)
+        async with import_module("mcp").Client(server) as client:
+            calls = [asyncio.create_task(client.call_tool("say", {"text": "and so on. " * 300})) for _ in range(3)]
+            await client.list_tools()
+            await client.call_tool("stop", {})
+            return await asyncio.gather(*calls)
+
+    with line(lambda _message, _say: None) as (robot, _server):
+        answers = asyncio.run(run(robot))
+    assert all("an emergency stop discarded this call" in text(answer) for answer in answers)
+    assert not read
 
 
 def test_stop_is_immediate_and_servos_need_a_person_to_resume(server: Running):
