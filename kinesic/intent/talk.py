@@ -17,6 +17,7 @@ from kinesic.intent.directed import find_directed
 from kinesic.intent.intents import Moment
 from kinesic.intent.manuscript.pieces import Manuscript
 from kinesic.intent.manuscript.reading import read_more
+from kinesic.intent.manuscript.subtitles import read_more_subtitles
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory
 from kinesic.intent.pacing.progress import NO_PROGRESS, Progress
@@ -57,7 +58,7 @@ class Talk:
     @property
     def length(self) -> int:
         """Number of stored characters of the streamed text, parsed or not."""
-        return len(self.text) + len(self.manuscript.rest)
+        return len(self.text) + len(self.manuscript.waiting)
 
 
 @dataclass(frozen=True)
@@ -117,9 +118,14 @@ def add_words(talk: Talk, text: str, *, ends: bool = False, instead: bool = Fals
 
 def _settle(talk: Talk, quiet: float) -> Talk:
     """Read incomplete markup as plain text if the sender stays silent."""
-    if not talk.manuscript.rest.strip() or quiet < MAX_SILENCE or talk.manuscript.mode != "text":
+    if not talk.manuscript.waiting.strip() or quiet < MAX_SILENCE or talk.manuscript.mode != "text":
         return talk
-    return add_words(talk, "", ends=True) if talk.is_over else replace(add_words(talk, "", ends=True), is_over=False)
+    settled = add_words(talk, "", ends=True)
+    if talk.is_over:
+        return settled
+    subtitles, _ = read_more_subtitles(talk.manuscript.subtitles, "", ends=True)
+    manuscript = replace(settled.manuscript, subtitles=subtitles, is_line_start=False)
+    return replace(settled, is_over=False, manuscript=manuscript)
 
 
 def next_part(

@@ -14,7 +14,7 @@ from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
 from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
 from kinesic.intent.greta.agent import Agent, read_agent
 from kinesic.intent.greta.lexicon import read_lexicon
-from kinesic.intent.manuscript.decoding import decode_text, is_subtitles, read_subtitles, read_text_file
+from kinesic.intent.manuscript.decoding import decode_text
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
 from kinesic.planning.setup import Setup
 
@@ -78,21 +78,18 @@ def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
     """
     written = write_text(text, setup)
     if written.words > MAX_TEXT_WORDS:
-        raise BmlError(
-            _describe_length(text if isinstance(text, str) else read_text_file(text)[0], written.words, source)
-        )
+        raise BmlError(_describe_length(text if isinstance(text, str) else decode_text(text)[0], written.words, source))
     block = parse(written.bml, source=source, dialect=setup.dialect, performer=setup.character, bounds=TEXT_BOUNDS)
     notices = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, warning) for warning in written.warnings)
     return replace(block, notices=(*block.notices, *notices), max_duration=MAX_TEXT_DURATION)
 
 
-def _describe_length(text: str | bytes, words: int, source: str) -> str:
+def _describe_length(text: str, words: int, source: str) -> str:
     """Return the error message for a text too long for one plan.
 
     It names the line up to which the text would fit.
     """
-    written = text if isinstance(text, str) else read_text_file(text)[0]
-    counts = list(accumulate(len(_WORD_PATTERN.findall(line)) for line in written.splitlines()))
+    counts = list(accumulate(len(_WORD_PATTERN.findall(line)) for line in text.splitlines()))
     line = bisect_left(counts, counts[-1] * MAX_TEXT_WORDS / words) + 1
     place = "" if len(counts) == 1 else f", up to about line {line}"
     remedy = "divide the text, or stream it with `kinesic say - < FILE`, without a report"
@@ -128,7 +125,6 @@ def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY
         memory: gestures of earlier texts, which are not repeated for a minute of speech.
     """
     spoken, warnings = (text, ()) if isinstance(text, str) else decode_text(text)
-    spoken = read_subtitles(spoken) if is_subtitles(spoken) else spoken
     written = author_text(
         spoken,
         setup.lexicon,

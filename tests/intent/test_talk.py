@@ -214,3 +214,26 @@ def test_chosen_style_overrides_emotional_styles_of_words_in_streamed_text():
         builtin_sets(),
     )
     assert not any(behaviour.intent.style for behaviour in other.behaviours)
+
+
+def test_subtitles_streamed_by_letters_and_with_silences_are_spoken_without_times():
+    subtitles = "1\n00:00:01,000 --> 00:00:02,000\nHello\nthere.\n\n2\n00:00:03,000 --> 00:00:04,000\nCome in.\n\n"
+    assert words_of(parts_of(subtitles)[0]) == ["Hello", "there", "Come", "in"]
+    half = subtitles.index("\nthere")
+    silent = parts_of([subtitles[:half], subtitles[half:]], quiet=MAX_SILENCE)[0]
+    assert words_of(silent) == ["Hello", "there", "Come", "in"]
+
+
+def test_words_after_a_silence_within_brackets_are_separate():
+    assert words_of(parts_of(["We saw (the", " red boats) there."], quiet=MAX_SILENCE)[0])[-3:] == [
+        "red",
+        "boats",
+        "there",
+    ]
+
+
+def test_number_at_the_end_of_a_text_is_spoken_after_a_silence():
+    talk = add_words(Talk(), "Forty-two is\n42")
+    part = next_part(talk, BUILTIN_LEXICON, NEUTRAL_STYLE, ENGLISH_RULES, builtin_sets(), quiet=MAX_SILENCE)
+    assert part is not None
+    assert "42" in part.text

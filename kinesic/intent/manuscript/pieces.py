@@ -1,15 +1,33 @@
 """State of the text reader, and results of its single steps."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from kinesic.body.scripts import SENTENCE_STOPS
 
+Place = Literal["text", "silent", "cue"]  # part of a text with subtitles in which a line begins
 Mode = Literal["text", "thought", "code", "skipped", "other"]  # kind of text that the reader is in
 END_OF_SENTENCE = SENTENCE_STOPS  # punctuation signs at the end of a sentence
 LINE_PAUSE = 0.25  # [s] silence at the end of a line, in addition to that of its punctuation
 PARAGRAPH_PAUSE = 0.45  # [s] silence between paragraphs, in addition to that of punctuation
 DIRECTED_PAUSE = 0.8  # [s] silence for a pause that a stage direction requests
+
+
+@dataclass(frozen=True, eq=False)
+class SubtitleState:
+    """State of reading subtitles that arrive in parts."""
+
+    rest: str = ""  # received text that is not decided yet
+    place: Place = "text"
+    is_start: bool = True  # whether nothing but empty lines was received
+    is_line_start: bool = True
+    is_block_start: bool = True  # whether the line before is empty
+    is_webvtt: bool = False  # whether the header of WebVTT was received
+    has_words: bool = False  # whether the present cue has spoken words
+    is_line_open: bool = False  # whether spoken words of a cue have no line end yet
+    pause: float = 0.0  # [s] silence before the words of the present cue
+    end: float | None = None  # [s] end of the present cue
+    last_end: float | None = None  # [s] end of the last spoken cue
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +45,12 @@ class Manuscript:
     speakers: frozenset[str] = frozenset()  # names of a dialogue, in capitals
     character: str = ""  # name whose lines are spoken, in capitals; empty: those of all
     others: frozenset[str] = frozenset()  # speakers whose lines were left out, in capitals
+    subtitles: SubtitleState = field(default_factory=SubtitleState)  # state of the reader of subtitles before it
+
+    @property
+    def waiting(self) -> str:
+        """Received text that may be incomplete."""
+        return self.rest + self.subtitles.rest
 
     def restarted(self) -> "Manuscript":
         """Return the state before a further text of the same dialogue."""

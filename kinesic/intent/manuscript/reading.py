@@ -9,12 +9,13 @@ from dataclasses import replace
 from kinesic.intent.manuscript.inline import read_inline
 from kinesic.intent.manuscript.lines import end_line, find_speakers, read_line_start, skip_other_speaker
 from kinesic.intent.manuscript.pieces import Manuscript, Step
+from kinesic.intent.manuscript.subtitles import read_more_subtitles, read_subtitles
 
 CHUNK_LENGTH = 2048  # [characters] read at once, so that long texts take time in proportion to their length
 KEPT_CHARACTERS = 90  # [characters] end of the spoken text that is kept as context of later markup
 MAX_FENCE_LENGTH = 200  # [characters] longest incomplete line that may close a code block
 _TAG_PATTERN = re.compile(r"<[^<>]*>")
-_UNUSUAL_SPACES = str.maketrans({"\r": None, "\xa0": " ", "\u2028": "\n", "\u2029": "\n", "\ufeff": None})
+_UNUSUAL_SPACES = str.maketrans({"\xa0": " ", "\u2028": "\n", "\u2029": "\n", "\ufeff": None})
 
 
 def read_manuscript(text: str, *, character: str = "") -> tuple[str, tuple[str, ...]]:
@@ -27,7 +28,8 @@ def read_manuscript(text: str, *, character: str = "") -> tuple[str, tuple[str, 
     Returns:
         Spoken text, with tags for emphasis, pauses and directions, and a warning for each part that is not spoken.
     """
-    return read_more(Manuscript(speakers=find_speakers(text), character=character.upper()), text, ends=True)[1:]
+    speakers = find_speakers(read_subtitles(text))
+    return read_more(Manuscript(speakers=speakers, character=character.upper()), text, ends=True)[1:]
 
 
 def read_more(state: Manuscript, text: str, *, ends: bool = False) -> tuple[Manuscript, str, tuple[str, ...]]:
@@ -45,7 +47,8 @@ def read_more(state: Manuscript, text: str, *, ends: bool = False) -> tuple[Manu
     for begin in range(0, max(len(text), 1), CHUNK_LENGTH):
         chunk = text[begin : begin + CHUNK_LENGTH].translate(_UNUSUAL_SPACES)
         is_last = begin + CHUNK_LENGTH >= len(text)
-        state = replace(state, rest=state.rest + chunk)
+        subtitles, kept = read_more_subtitles(state.subtitles, chunk, ends=ends and is_last)
+        state = replace(state, rest=state.rest + kept, subtitles=subtitles)
         while state.rest:
             step = _read_step(state, ends=ends and is_last)
             if step is None:
@@ -96,6 +99,7 @@ def _advance(state: Manuscript, step: Step) -> Manuscript:
         is_block=False if is_over else state.is_block or step.is_block,
         stress="" if is_over else state.stress if step.stress is None else step.stress,
         spoken=(state.spoken + visible)[-KEPT_CHARACTERS:],
+        subtitles=state.subtitles,
     )
 
 
