@@ -20,6 +20,7 @@ from statistics import median
 from time import monotonic, process_time
 
 from kinesic.bench.metric import Metric
+from kinesic.extras import install_extra
 from kinesic.report.batch import DocumentVerdict, judge
 from kinesic.session.setup import set_up
 from kinesic.tasks.engine import Engine, Processes
@@ -32,7 +33,6 @@ EMPTY_TASKS = 400  # tasks without work, which measure the engine's overhead
 IGNORED_TAIL_TASKS = 20  # last tasks per worker, not counted because some workers are idle at the end
 MIN_EFFICIENCY = 0.9  # throughput per worker relative to a single worker, with GOAL_WORKERS workers
 GOAL_WORKERS = 2  # number of workers at which MIN_EFFICIENCY is required
-DASK_MISSING = "dask.distributed is not installed: pip install 'kinesic[cluster]'"
 WORKER_IMPORTS = "import distributed.worker, kinesic.report.batch; from kinesic.session.setup import set_up; set_up()"
 PRINT_CPU_TIME = "\nimport time; print(time.process_time())"
 
@@ -63,7 +63,8 @@ def bench() -> list[Metric]:
     counts = [2**power for power in range(5) if 2**power <= max(os.cpu_count() or 1, GOAL_WORKERS)]
     metrics = [*_metrics("processes", counts, lambda count: nullcontext(Processes(count)))]
     if find_spec("distributed") is None:
-        return [*metrics, Metric("cluster.dask", None, "", None, "lower", DASK_MISSING)]
+        why = f"dask.distributed is not installed: {install_extra('cluster')}"
+        return [*metrics, Metric("cluster.dask", None, "", None, "lower", why)]
     return [*metrics, *_metrics("dask", counts, _open_dask), _measure_start()]
 
 

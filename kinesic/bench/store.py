@@ -13,6 +13,7 @@ from time import perf_counter, process_time
 import msgspec
 
 from kinesic.bench.metric import Metric
+from kinesic.extras import install_extra
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks.check import Check
 from kinesic.tasks.journal import JournalLine
@@ -27,7 +28,6 @@ BENCH_QUERIES = (
     "SELECT status, count(*) FROM checks GROUP BY status",
     "SELECT outcome, max(c.value) FROM documents JOIN checks c USING (file) GROUP BY outcome",
 )
-DUCKDB_MISSING = "duckdb is not installed: pip install 'kinesic[store]'"
 
 
 def bench() -> list[Metric]:
@@ -36,7 +36,8 @@ def bench() -> list[Metric]:
     The store is opened again before each query.
     """
     if find_spec("duckdb") is None:
-        return [Metric("store.query", None, "s", MAX_QUERY_TIME, "lower", DUCKDB_MISSING)]
+        why = f"duckdb is not installed: {install_extra('store')}"
+        return [Metric("store.query", None, "s", MAX_QUERY_TIME, "lower", why)]
     with TemporaryDirectory() as folder_name:
         folder = Path(folder_name)
         _write_journal(folder / JOURNAL_FILE, CHECK_ROWS // CHECKS_PER_DOCUMENT)

@@ -10,7 +10,7 @@ from kinesic.cli.progress import show_stages
 from kinesic.cli.servos.ports import read_ports
 from kinesic.cli.terminal import console, quote_text
 from kinesic.face import display
-from kinesic.files.film_file import NO_ENCODER, find_encoder
+from kinesic.files.film_file import explain_missing_encoder, find_encoder
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -21,7 +21,7 @@ from kinesic.version import __version__
 
 COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # each returns the state to print; empty: it works
     "film (MuJoCo, OpenGL)": gl.opengl_fault,
-    "film as mp4 (ffmpeg)": lambda: find_encoder() or NO_ENCODER,
+    "film as mp4 (ffmpeg)": lambda: find_encoder() or explain_missing_encoder(),
     "face (EGL, OpenGL)": display.find_display_problem,
     "speech (espeak-ng)": espeak_pool.espeak_fault,
     "loudspeaker (PortAudio)": loudspeaker.audio_fault,

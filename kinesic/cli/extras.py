@@ -1,5 +1,7 @@
 """Error lines with install commands for missing optional packages."""
 
+from kinesic.extras import install_extra
+
 EXTRA_OF_PACKAGE = {  # import name of a package -> extra that installs it
     "cryptography": "cluster",
     "dask": "cluster",
@@ -22,4 +24,4 @@ def explain_missing(error: ModuleNotFoundError) -> str | None:
     """
     package = (error.name or "").partition(".")[0]
     extra = EXTRA_OF_PACKAGE.get(package)
-    return None if extra is None else f"this needs {package}: pip install 'kinesic[{extra}]'"
+    return None if extra is None else f"this needs {package}: {install_extra(extra)}"

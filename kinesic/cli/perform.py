@@ -20,7 +20,7 @@ from kinesic.cli.summary import MAX_PRINTED_WARNINGS, print_checks, print_notice
 from kinesic.cli.terminal import console
 from kinesic.controller.dry_run import dry_runs
 from kinesic.controller.learned_gains import Identification, identify_servos
-from kinesic.files.film_file import NO_ENCODER, find_encoder
+from kinesic.files.film_file import explain_missing_encoder, find_encoder
 from kinesic.files.film_settings import FilmSettings
 from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
@@ -65,7 +65,7 @@ def perform_file(
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
     if film is not None and film.format == "mp4" and find_encoder() is None:
-        raise ConfigError(NO_ENCODER)
+        raise ConfigError(explain_missing_encoder())
     with film_processes() if film is not None else nullcontext() as processes, show_stages() as stage:
         stage("reading the robot")
         setup = planning.set_up()

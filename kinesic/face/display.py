@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext
 
 INSTALL_DRIVER = "apt-get install libegl1 libgl1"  # command that installs OpenGL on Debian and Ubuntu
-INSTALL_WINDOWS = "pip install 'kinesic[face]'"  # command that installs the window library
 
 
 class DisplayError(RuntimeError):

@@ -19,12 +19,12 @@ import numpy as np
 from PIL import Image
 
 from kinesic.body.arrays import Picture
+from kinesic.extras import install_command
 
 PixelBox = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
 
 WEBP_SUFFIX = ".webp"
 MP4_SUFFIX = ".mp4"
-NO_ENCODER = "no encoder for .mp4: pip install imageio-ffmpeg, or apt-get install ffmpeg; .webp needs none"
 H264_OPTIONS = (  # ffmpeg options that all players support; they need even sides
     *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
     *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"),
@@ -75,6 +75,12 @@ def open_film(path: Path, size: tuple[int, int], *, rate: float, sound: Path | N
         EncodingError: no encoder is installed.
     """
     return Mp4Film(path, size, rate=rate, sound=sound) if path.suffix.lower() == MP4_SUFFIX else WebpFilm(path, size)
+
+
+def explain_missing_encoder() -> str:
+    """Return an error line with the commands that install an MP4 encoder."""
+    package = f"{install_command()} imageio-ffmpeg"
+    return f"no encoder for .mp4: {package}, or apt-get install ffmpeg; .webp needs none"
 
 
 def find_encoder() -> str | None:
@@ -179,7 +185,7 @@ class Mp4Film:
         """
         encoder = find_encoder()
         if encoder is None:
-            raise EncodingError(NO_ENCODER)
+            raise EncodingError(explain_missing_encoder())
         pictures = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size[0]}x{size[1]}", "-r", f"{rate:g}", "-i", "-"]
         sound_options = ["-i", str(sound), "-c:a", "aac"] if sound else []
         self._command = [encoder, "-y", "-loglevel", "error", *pictures, *sound_options, *H264_OPTIONS, str(path)]

@@ -7,6 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError, suggestion
+from kinesic.extras import install_extra
 from kinesic.importing import import_at_once
 from kinesic.report.verdict import rows_of
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from kinesic.report.run import Performance
 
 FrameName = Literal["motion", "servos", "syncs", "behaviours", "checks"]
-INSTALL_COMMAND = "pip install 'kinesic[notebook]'"  # command that installs the packages for data frames and plots
 BEHAVIOUR_KEYS = ("id", "name", "type", "outcome", "why", "reason")  # keys of report.json shown in a data frame
 
 
@@ -66,7 +66,7 @@ def import_pandas() -> "ModuleType":
     try:
         return import_at_once("pandas")
     except ModuleNotFoundError as error:
-        raise ConfigError(f"to_dataframe needs {error.name}: {INSTALL_COMMAND}") from None
+        raise ConfigError(f"to_dataframe needs {error.name}: {install_extra('notebook')}") from None
 
 
 def _twin_columns(run: "Performance") -> Iterator[tuple[str, Floats]]:

@@ -7,9 +7,9 @@ import numpy as np
 
 from kinesic.bml.block import Speech
 from kinesic.body.config import ConfigError, suggestion
+from kinesic.extras import install_extra
 from kinesic.planning.captions import make_captions
 from kinesic.planning.plan import Plan
-from kinesic.report.data_frames import INSTALL_COMMAND
 from kinesic.report.labels import label
 from kinesic.report.plots.fitting import fit_text
 
@@ -47,7 +47,7 @@ def draw_joint_plot(run: "Performance", hinges: Sequence[str] | None) -> tuple["
     try:
         from matplotlib import pyplot  # noqa: PLC0415 - optional and slow to import
     except ModuleNotFoundError as error:
-        raise ConfigError(f"plot needs {error.name}: {INSTALL_COMMAND}") from None
+        raise ConfigError(f"plot needs {error.name}: {install_extra('notebook')}") from None
 
     plan, times = run.plan, run.measured.times
     chosen = _choose_hinges(run, hinges)

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-INSTALL_COMMAND = "pip install 'kinesic[speech]'"
+from kinesic.extras import install_extra
+
 ENGINE_TIMEOUT = 20.0  # [s] time limit for the synthesis of one text
 
 _WORKER_SCRIPT = Path(__file__).with_name("espeak_process.py")
@@ -70,7 +71,7 @@ def espeak_fault() -> str:
     """
     paths = find_engine()
     if paths is None:
-        return f"espeak-ng is not installed: {INSTALL_COMMAND}"
+        return f"espeak-ng is not installed: {install_extra('speech')}"
     try:
         synthesise("<speak>a</speak>", paths, voice="gmw/en-US", words_per_minute=175, pitch=50)
     except SpeechError as error:

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from kinesic.body.utterance import Samples
+from kinesic.extras import install_extra
 
-INSTALL_COMMAND = "pip install 'kinesic[speech]'"
 BUFFER_DURATION = 0.1  # [s] duration of sound handed over in advance, so that a busy machine does not stutter
 LIBRARY_COMMAND = "apt-get install libportaudio2"  # command that installs PortAudio on Debian and Ubuntu
 
@@ -101,7 +101,7 @@ def audio_fault() -> str:
     try:
         devices = importlib.import_module("sounddevice")
     except ImportError:
-        return f"sounddevice is not installed: {INSTALL_COMMAND}"
+        return f"sounddevice is not installed: {install_extra('speech')}"
     except OSError:
         return f"PortAudio is not installed: {LIBRARY_COMMAND}"
     if not any(device["max_output_channels"] for device in devices.query_devices()):

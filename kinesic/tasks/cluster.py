@@ -16,6 +16,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from kinesic.body.config import ConfigError
+from kinesic.extras import install_extra
 from kinesic.tasks.dask_access import Certificates, open_client
 from kinesic.tasks.processes import WorkerCrash
 from kinesic.tasks.program import program_version
@@ -174,7 +175,7 @@ def cluster(address: str, *, certificates: Certificates | None = None, insecure:
     try:
         import distributed  # noqa: F401, PLC0415 - an extra
     except ModuleNotFoundError as error:
-        raise ConfigError(f"--cluster needs {error.name}: pip install 'kinesic[cluster]'") from None
+        raise ConfigError(f"--cluster needs {error.name}: {install_extra('cluster')}") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # the results report dead workers
     with open_client(address, timeout=SCHEDULER_TIMEOUT, certificates=certificates, insecure=insecure) as client:
         yield Cluster(client)

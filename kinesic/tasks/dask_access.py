@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from kinesic.body.config import ConfigError
+from kinesic.extras import install_extra
 from kinesic.files.private_file import check_private
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ def _local_workers(count: int) -> Iterator[object]:
         try:
             security = distributed.Security.temporary()
         except ImportError:
-            raise ConfigError("--cluster local:N needs cryptography: pip install 'kinesic[cluster]'") from None
+            raise ConfigError(f"--cluster local:N needs cryptography: {install_extra('cluster')}") from None
         yield stack.enter_context(
             distributed.LocalCluster(
                 n_workers=count,

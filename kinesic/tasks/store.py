@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kinesic.body.config import ConfigError
+from kinesic.extras import install_extra
 from kinesic.files.output_file import new_file
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def open_store(folder: Path) -> Iterator[Store]:
     try:
         import duckdb  # noqa: PLC0415 - an extra
     except ModuleNotFoundError:
-        raise ConfigError("results need duckdb: pip install 'kinesic[store]'") from None
+        raise ConfigError(f"results need duckdb: {install_extra('store')}") from None
     with duckdb.connect() as connection:
         connection.execute("SET enable_progress_bar_print = false")  # it would mix with printed rows
         for source, tables in TABLE_QUERIES.items():

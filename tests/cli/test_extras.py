@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.cli.extras import EXTRA_OF_PACKAGE, explain_missing
+from kinesic.extras import install_extra
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
@@ -37,18 +38,20 @@ def run_without(package: str, folder: Path, *arguments: str) -> subprocess.Compl
         pytest.param(("gestures", "render", "beat", "--out", "beat.png"), marks=pytest.mark.soak),
     ],
 )
-def test_missing_matplotlib_is_one_line_that_names_the_extra(arguments, tmp_path):
+def test_missing_matplotlib_is_one_line_that_names_the_extra(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     ended = run_without("matplotlib", tmp_path, *arguments)
     assert ended.returncode == 2
-    assert ended.stderr == "kinesic: this needs matplotlib: pip install 'kinesic[plots]'\n"
+    assert ended.stderr == f"kinesic: this needs matplotlib: {install_extra('plots')}\n"
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.soak
-def test_missing_viewer_library_is_one_line_that_names_the_extra(tmp_path):
+def test_missing_viewer_library_is_one_line_that_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     ended = run_without("rerun", tmp_path, "export", "welcome", "--to", "rerun")
     assert ended.returncode == 2
-    assert ended.stderr == "kinesic: this needs rerun: pip install 'kinesic[rerun]'\n"
+    assert ended.stderr == f"kinesic: this needs rerun: {install_extra('rerun')}\n"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -67,7 +70,7 @@ def test_missing_required_package_is_reported_with_its_traceback(tmp_path):
 def test_extra_suggested_for_a_missing_package_contains_this_package(package):
     line = explain_missing(ModuleNotFoundError(f"No module named '{package}.part'", name=f"{package}.part"))
     extra = EXTRA_OF_PACKAGE[package]
-    assert line == f"this needs {package}: pip install 'kinesic[{extra}]'"
+    assert line == f"this needs {package}: {install_extra(extra)}"
     needed = "distributed" if package == "dask" else package  # which requires dask
     assert any(each.startswith(needed) for each in EXTRAS[extra])
 

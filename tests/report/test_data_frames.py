@@ -69,5 +69,5 @@ def test_data_frame_of_servos_needs_a_performance_on_servos(run: Performance):
 
 def test_missing_pandas_is_named_with_its_extra(run: Performance, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ConfigError, match=r"pandas: pip install 'kinesic\[notebook\]'"):
+    with pytest.raises(ConfigError, match=r'pandas: .*pip install .*"kinesic\[notebook\]"'):
         run.to_dataframe()

@@ -26,6 +26,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
+from kinesic.extras import install_extra
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.solve import solve
 
@@ -164,7 +165,7 @@ def _describe_version(peer: Peer) -> str:
     """Return the IK library's version, or how to install it."""
     if is_installed(peer):
         return f"{peer.package} {version(peer.package)}"
-    return f"{peer.package} is not installed: pip install 'kinesic[bench]'"
+    return f"{peer.package} is not installed: {install_extra('bench')}"
 
 
 def _own_metrics(calls: Mapping[str, Calls], why: str) -> list[Metric]:

@@ -63,8 +63,7 @@ def studio_verb() -> None:
 def mcp_verb() -> None:
     """Serve MCP tools to a language model, so that it performs.
 
-    There are tools for gestures, documents, text, gaze, status and stop. The extra mcp is required: pip install
-    'kinesic[mcp]'.
+    There are tools for gestures, documents, text, gaze, status and stop. It needs the extra mcp.
 
     An MCP client starts this command and exchanges messages with it over standard input and output: kinesic mcp --robot
     upper36.

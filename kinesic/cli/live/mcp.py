@@ -22,6 +22,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.live.addresses import read_address
 from kinesic.cli.options import Performers, Planning
 from kinesic.expressivity.lexicon.categories import GESTURE_CATEGORIES
+from kinesic.extras import install_extra
 from kinesic.heap import freeze_heap
 from kinesic.importing import import_at_once
 from kinesic.mcp.errors import RobotError
@@ -50,7 +51,7 @@ def serve_tools(
         try:
             import_at_once("kinesic.mcp.server")
         except ModuleNotFoundError as error:
-            raise ConfigError(f"kinesic mcp needs {error.name}: pip install 'kinesic[mcp]'") from None
+            raise ConfigError(f"kinesic mcp needs {error.name}: {install_extra('mcp')}") from None
         from kinesic.mcp.robot_gate import RobotGate  # noqa: PLC0415 - optional dependency
         from kinesic.mcp.server import make_server  # noqa: PLC0415 - as above
 

@@ -10,8 +10,8 @@ from PIL import Image
 from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError
 from kinesic.files.film_file import MP4_SUFFIX as ENCODED
-from kinesic.files.film_file import NO_ENCODER, EncodingError, Mp4Film, WebpFilm, find_encoder
 from kinesic.files.film_file import WEBP_SUFFIX as FILM
+from kinesic.files.film_file import EncodingError, Mp4Film, WebpFilm, explain_missing_encoder, find_encoder
 from kinesic.files.film_reader import FilmReader
 
 PICTURE_SUFFIXES = (".png", ".webp")  # formats of single pictures
@@ -113,7 +113,7 @@ def require_encoder() -> str:
     """
     path = find_encoder()
     if path is None:
-        raise DisplayError(NO_ENCODER)
+        raise DisplayError(explain_missing_encoder())
     return path
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinesic.body.arrays import Picture
-from kinesic.face.display import INSTALL_WINDOWS, DisplayError
+from kinesic.extras import install_extra
+from kinesic.face.display import DisplayError
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import Column
@@ -129,7 +130,7 @@ def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
     try:
         import glfw  # noqa: PLC0415 - optional
     except ImportError:
-        raise DisplayError(f"glfw is not installed; {INSTALL_WINDOWS}") from None
+        raise DisplayError(f"glfw is not installed: {install_extra('face')}") from None
     faults: list[str] = []
 
     def note(_code: int, text: bytes | str) -> None:

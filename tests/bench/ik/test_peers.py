@@ -10,6 +10,7 @@ from kinesic.bench.ik import peer_solvers, peers
 from kinesic.bench.ik.arms import draw_targets
 from kinesic.bench.ik.peer_solvers import HAND_LINK, PEER_LIBRARIES, Peer, list_carriers, write_urdf
 from kinesic.body.robot import Robot
+from kinesic.extras import install_extra
 
 ignore_library_warnings = pytest.mark.filterwarnings("ignore")  # warnings of other libraries cannot be fixed here
 
@@ -99,7 +100,7 @@ def test_missing_library_gives_null_metrics_with_a_remedy(monkeypatch):
         for quantity in ("us", "success", *ratios):
             metric = metrics[f"ik.peer_{peer.name}_{quantity}"]
             assert metric.value is None
-            assert metric.why == f"{peer.package} is not installed: pip install 'kinesic[bench]'"
+            assert metric.why == f"{peer.package} is not installed: {install_extra('bench')}"
     assert metrics["ik.peer_kinesic_solve_success"].value == 1.0
     assert metrics["ik.peer_kinesic_reach_us"].value > 0
 

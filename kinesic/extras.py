@@ -1,0 +1,46 @@
+"""Commands that install optional packages, for error messages."""
+
+import shutil
+import sys
+import sysconfig
+from importlib.metadata import PackageNotFoundError, distribution
+from importlib.util import find_spec
+from pathlib import Path
+
+
+def install_extra(extra: str) -> str:
+    """Return the command that adds an extra to this environment.
+
+    The installed kinesic satisfies its own name, so pip and uv only add the packages of the extra. This also works for
+    versions that are not on PyPI.
+    """
+    return f'{install_command()} "{_requirement()}[{extra}]"'
+
+
+def install_command() -> str:
+    """Return the command that installs packages for the running interpreter.
+
+    It is `pip install` in an active environment, and names the interpreter elsewhere.
+    """
+    pip = shutil.which("pip")
+    if pip is not None and Path(pip).parent == Path(sysconfig.get_path("scripts")):
+        return "pip install"
+    if find_spec("pip") is not None:
+        return f"{_interpreter()} -m pip install"
+    return f"uv pip install --python {_interpreter()}"
+
+
+def _requirement() -> str:
+    """Return the name of kinesic, or the folder of its sources if it is not installed."""
+    try:
+        return distribution("kinesic").name
+    except PackageNotFoundError:
+        return str(Path(__file__).resolve().parents[1])
+
+
+def _interpreter() -> str:
+    """Return the interpreter's path, relative inside the current folder, with quotes around spaces."""
+    path = Path(sys.executable)
+    if path.is_relative_to(Path.cwd()):
+        path = path.relative_to(Path.cwd())
+    return f'"{path}"' if " " in str(path) else str(path)
