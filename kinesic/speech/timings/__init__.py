@@ -1,0 +1,1 @@
+"""Readers of files with the times of spoken words or phonemes."""

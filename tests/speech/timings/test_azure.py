@@ -1,0 +1,60 @@
+import json
+
+import pytest
+
+from kinesic.speech.timings.reading import read_timed_words
+from kinesic.speech.timings.timed_words import TimedSpan, TimingError
+
+WORDS = [
+    {"audioOffset": 500_000, "duration": 2_500_000, "text": "Hello", "boundaryType": "Word"},
+    {"audioOffset": 3_000_000, "duration": 500_000, "text": ",", "boundaryType": "Punctuation"},
+    {"audioOffset": 4_000_000, "duration": 4_000_000, "text": "friend", "boundaryType": "WordBoundary.Word"},
+]
+HELLO = (TimedSpan("Hello", 0.05, 0.3), TimedSpan("friend", 0.4, 0.8))
+
+
+def rename(event: dict[str, object], prefix: str) -> dict[str, object]:
+    return {prefix + key[0].upper() + key[1:]: value for key, value in event.items()}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        json.dumps(WORDS),
+        json.dumps({"events": WORDS}),
+        "\n".join(map(json.dumps, WORDS)),
+        json.dumps([rename(event, "priv") for event in WORDS]),
+        json.dumps([rename(event, "") for event in WORDS]),
+    ],
+)
+def test_word_boundaries_in_ticks_are_read_from_lists_and_lines(content: str):
+    words = read_timed_words(content.encode()).words
+    assert [word.text for word in words] == ["Hello", "friend"]
+    for word, expected in zip(words, HELLO, strict=True):
+        assert (word.start, word.end) == pytest.approx((expected.start, expected.end))
+
+
+def test_word_boundaries_of_batch_synthesis_are_in_milliseconds():
+    events = [{"Text": "the", "AudioOffset": 38, "Duration": 153}, {"Text": "fox", "AudioOffset": 201, "Duration": 326}]
+    words = read_timed_words(json.dumps(events).encode()).words
+    assert [word.start for word in words] == pytest.approx([0.038, 0.201])
+
+
+def test_viseme_events_are_phonemes_until_the_next_event():
+    events = [{"audioOffset": 1_000_000 * k, "visemeId": n} for k, n in enumerate((0, 21, 2, 0))]
+    (closed, opened) = read_timed_words(json.dumps(events).encode()).phonemes
+    assert (closed.symbol, closed.start, closed.end) == ("p", pytest.approx(0.1), pytest.approx(0.2))
+    assert (opened.symbol, opened.end) == ("\u0251", pytest.approx(0.3))
+
+
+@pytest.mark.parametrize(
+    ("event", "message"),
+    [
+        ({"audioOffset": "soon", "text": "a"}, "event 1 audiooffset is 'soon'; it must be a number"),
+        ({"audioOffset": 0, "visemeId": 99}, "event 1 visemeId is 99; visemes are 0 to 21"),
+        ({"audioOffset": 10**18, "text": "a"}, "event 1 start is '10{18}'; times are 0 to 13000000000"),
+    ],
+)
+def test_invalid_event_is_refused_with_its_number(event: object, message: str):
+    with pytest.raises(TimingError, match=message):
+        read_timed_words(json.dumps([event]).encode())
