@@ -146,6 +146,14 @@ def test_reply_with_added_bytes_is_received_to_its_end():
     assert answer.whole
 
 
+def test_reply_without_its_first_byte_follows_no_earlier_bytes():
+    made = listener((READY, joint()[1:]))
+    answer = made.receive(QUESTION, end=END)
+    assert answer is not None
+    assert answer.whole
+    assert made.before == b""
+
+
 def test_after_a_damaged_reply_the_listener_examines_each_usb_burst():
     made = listener((0.002, joint()[:USB_BURST_SIZE]), (0.0085, joint()[:30]), (0.2, b""))
     made.receive(QUESTION, end=END)

@@ -1,9 +1,12 @@
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
+from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.supervisor.axes import cycle_together
+from kinesic.hardware.supervisor.axes import Axes, cycle_together
+from kinesic.hardware.supervisor.manifest import Manifest
 
 Make = Callable  # of a rig, see conftest
 MID = 2048
@@ -37,3 +40,12 @@ def test_lost_bus_does_not_delay_other_buses(rig: Make):
     assert not cycles["left"].fresh.any()
     assert cycles["right"].fresh.all()
     assert right.true(Register.GOAL_POSITION).tolist() == [MID, MID + 5, MID + 9]
+
+
+def test_closing_the_axes_closes_the_port_of_every_bus(robot: Robot, rig: Make, monkeypatch: pytest.MonkeyPatch):
+    left, right = rig(3), rig(3)
+    closed: list[str] = []
+    for name, made in (("left", left), ("right", right)):
+        monkeypatch.setattr(made.wire, "close", lambda n=name: closed.append(n))
+    Axes(Manifest.of(robot), {"left": left.bus, "right": right.bus}).close()
+    assert closed == ["left", "right"]

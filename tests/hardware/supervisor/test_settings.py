@@ -1,6 +1,6 @@
 import pytest
 
-from kinesic.hardware.supervisor.settings import SupervisorSettings
+from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS, SupervisorSettings
 from kinesic.hardware.supervisor.torque import watchdog_counts
 
 
@@ -14,3 +14,9 @@ def test_invalid_supervisor_settings_are_refused(changes: dict[str, float]):
 
 def test_watchdog_is_never_shorter_than_requested():
     assert [watchdog_counts(seconds) for seconds in (0.1, 0.2, 0.101, 0.02)] == [5, 10, 6, 1]
+
+
+def test_default_emergency_stop_is_quicker_than_other_stops():
+    settings = DEFAULT_SETTINGS
+    assert settings.quick < settings.watchdog  # or servos would stop by themselves
+    assert settings.quick < settings.wary < settings.slow < settings.lead
