@@ -1,5 +1,7 @@
 import asyncio
+from sys import getsizeof
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -128,6 +130,15 @@ def test_output_queue_respects_its_memory_limit():
     result, *left = drained(queue)
     assert "96 messages were dropped" in result
     assert [item[-2:] for item in left] == ["96", "97", "98", "99"]
+
+
+@pytest.mark.parametrize(("spare", "count"), [(0, 2), (-1, 1)])
+def test_output_queue_keeps_the_messages_that_just_fit(spare, count):
+    size = getsizeof("message")
+    queue = OutputQueue(5, 2 * size + spare, UnreadMemory(1000))
+    for _ in range(3):
+        queue.put("message")
+    assert len(queue) == count
 
 
 def test_single_oversized_message_is_kept():
