@@ -258,13 +258,15 @@ def test_truncating_the_past_does_not_change_a_merge(planned, running, known):
     np.testing.assert_allclose(other.trajectory.controls, one.trajectory.controls[200:], atol=1e-9)
 
 
-def test_merge_is_independent_of_the_clock_time(planned, known):
-    first, second = planned(gesture("RIGHT", 1.0)), planned(NOD)
+@pytest.mark.parametrize("coming", [NOD, gesture("RIGHT", 0.5)], ids=["free", "busy"])
+def test_merge_is_independent_of_the_clock_time(planned, known, coming):
+    first, second = planned(gesture("RIGHT", 1.0)), planned(coming)
     results = []
     for start in (0.0, 1e4):
         one = merge(stay(known.robot.skeleton.rest, start=start), start, first, begin=start)
         results.append(merge(one.trajectory, start + 0.5, second, begin=start + 0.5, occupied=one.occupancy))
     soon, late = results
+    assert [notice.text for notice in late.notices] == [notice.text for notice in soon.notices]
     assert late.zero - soon.zero == pytest.approx(1e4)
     assert [
         each.begin - soon_.begin for each, soon_ in zip(late.occupancy, soon.occupancy, strict=True)
