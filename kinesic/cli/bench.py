@@ -10,13 +10,14 @@ from tempfile import TemporaryDirectory
 
 import click
 from rich.table import Table
+from rich.text import Text
 
 from kinesic.bench import BENCH_PARTS
 from kinesic.bench.metric import Metric
 from kinesic.body.config import names_of
 from kinesic.cli.many.workers import Workers
 from kinesic.cli.progress import Stage, ignore_stage, show_stages
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, quote_text
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import check_folder, new_folder
@@ -98,13 +99,13 @@ def print_metrics(
         click.echo(text)
         return 0
     table = Table("name", "value", "unit", "goal", "", "", box=None)
-    goal_marks = {True: "[green]met[/]", False: "[red]missed[/]", None: ""}
+    goal_marks = {True: Text("met", "green"), False: Text("missed", "red"), None: Text()}
     for metric in metrics:
         value = metric.why if metric.value is None else f"{metric.value:.4g}"
         note = "" if metric.value is None else metric.why
         comparison = ">=" if metric.better == "higher" else "<="
         goal = "" if metric.goal is None else f"{comparison} {metric.goal:g}"
-        table.add_row(metric.name, value, metric.unit, goal, goal_marks[metric.ok], note)
+        table.add_row(metric.name, quote_text(value), metric.unit, goal, goal_marks[metric.ok], quote_text(note))
     console().print(table)
     return 0
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from time import monotonic
 
 import click
-from rich.console import Console
 from rich.live import Live as Display
 
 from kinesic.body.command import COMMAND_RATE
@@ -14,7 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.cli.ending_signals import detach_closed_terminal
 from kinesic.cli.servos.summary import warn_of_lost_events
-from kinesic.cli.terminal import pressed_keys
+from kinesic.cli.terminal import error_console, pressed_keys
 from kinesic.controller.learned_gains import Identification
 from kinesic.controller.play import pace_commands, play
 from kinesic.controller.servo_performance import RunRequest, catch_interrupts, perform_live
@@ -191,7 +190,7 @@ def write_servo_run(
 @contextmanager
 def _open_status_line(quiet: bool) -> Iterator[Callable[[Status], None]]:
     """Open a live status line of the servos, on terminals only."""
-    screen = Console(stderr=True)
+    screen = error_console()
     if quiet or not screen.is_terminal:
         yield lambda status: None
         return

@@ -29,17 +29,17 @@ def show_stages(*, rate: float = 10.0) -> Iterator[Stage]:
     if not sys.stderr.isatty():
         yield ignore_stage
         return
-    from rich.console import Console  # noqa: PLC0415 - slow to import, and unused in pipes
-    from rich.markup import escape  # noqa: PLC0415 - as above
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - as above
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415 - slow to import
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, refresh_per_second=rate) as bar:
+    from kinesic.cli.terminal import error_console  # noqa: PLC0415 - as above
+
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=error_console(), transient=True, refresh_per_second=rate) as bar:
         task = bar.add_task("", total=None)
 
         def display(name: str, fraction: float | None = None, /) -> None:
             bar.tasks[0].total = None if fraction is None else 1.0  # A bar without total only moves.
-            bar.update(task, description=escape(name), completed=fraction or 0.0)
+            bar.update(task, description=name, completed=fraction or 0.0)
 
         yield display
 

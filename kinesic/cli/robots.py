@@ -17,6 +17,7 @@ from kinesic.sim.shells.shell import SHELL_SUFFIX, is_stale, load_shell
 from kinesic.sim.shells.variant import find_shell
 
 WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
+TORQUE_COLOURS = {"pass": "", "warn": "yellow", "fail": "red"}  # verdict on a torque ratio -> its colour
 FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails
 MAX_PRINTED_NOTES = 5  # largest number of printed notes on parts that the import omits
 
@@ -73,10 +74,8 @@ def assess_robot(robot: str) -> int:
     failed = False
     for name, rest, worst in zip(robot_model.skeleton.names, checked.rest_ratios, checked.worst_ratios, strict=True):
         failed |= bool(worst > FAIL_TORQUE_RATIO)
-        status_text = (
-            "[red]fail[/]" if worst > FAIL_TORQUE_RATIO else "[yellow]warn[/]" if worst > WARN_TORQUE_RATIO else "pass"
-        )
-        table.add_row(quote_text(name), f"{rest:.3f}", f"{worst:.3f}", status_text)
+        status = "fail" if worst > FAIL_TORQUE_RATIO else "warn" if worst > WARN_TORQUE_RATIO else "pass"
+        table.add_row(quote_text(name), f"{rest:.3f}", f"{worst:.3f}", quote_text(status, style=TORQUE_COLOURS[status]))
     console().print(table)
     click.echo(
         f"mass {checked.mass:.2f} kg, {checked.moving_mass:.2f} kg of it moving; "

@@ -94,7 +94,7 @@ def print_tracking_errors(performances: Sequence[DryRun], screen: Console) -> No
 def _tabulate(checks: Iterable[Check]) -> Table:
     table = Table("check", "status", "value", "limit", "unit", "where", box=None, header_style="bold")
     for check in checks:
-        status = f"[{STATUS_COLOURS[check.status]}]{check.status}[/]"
+        status = quote_text(check.status, style=STATUS_COLOURS[check.status])
         table.add_row(
             check.name, status, f"{check.value:.4g}", f"{check.limit:.4g}", check.unit, quote_text(check.where)
         )

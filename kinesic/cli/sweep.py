@@ -7,12 +7,13 @@ from pathlib import Path
 
 import click
 from rich.table import Table
+from rich.text import Text
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.progress import show_stages
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, quote_text
 from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES
 from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.report.output import default_folder
@@ -110,9 +111,11 @@ def _tabulate_series(series: Series) -> Table:
     """Tabulate a parameter sweep by value, with the parameter's own measure first."""
     measure = MEASURE_OF[series.parameter]
     names = (measure.name, *(name for name in MEASURE_COLUMNS if name != measure.name))
-    verdict = "[green]monotone[/]" if series.monotone else "[red]not monotone[/]"
-    error_note = "" if series.in_time else f", [red]a stroke error is above {1000 * MAX_STROKE_ERROR:.0f} ms[/]"
-    table = _start_table(f"{series.gesture}: {series.parameter} ({verdict}{error_note})", series.parameter, names)
+    title = Text(f"{series.gesture}: {series.parameter} (")
+    title.append(*(("monotone", "green") if series.monotone else ("not monotone", "red")))
+    if not series.in_time:
+        title.append(", ").append(f"a stroke error is above {1000 * MAX_STROKE_ERROR:.0f} ms", "red")
+    table = _start_table(title.append(")"), series.parameter, names)
     for sample in series.played:
         table.add_row(f"{sample.value:g}", *_format_measures(sample.measures, names))
     return table
@@ -120,14 +123,14 @@ def _tabulate_series(series: Series) -> Table:
 
 def _tabulate_presets(styles: Mapping[str, Played]) -> Table:
     names = ("stroke_speed", "energy", "elbow_offset", *MEASURE_COLUMNS)
-    table = _start_table("presets", "style", names)
+    table = _start_table(Text("presets"), "style", names)
     for name, sample in styles.items():
-        late_note = "" if sample.in_time else "[red]late [/]"
-        table.add_row(late_note + name, *_format_measures(sample.measures, names))
+        late_note = Text("" if sample.in_time else "late ", "red")
+        table.add_row(late_note + quote_text(name), *_format_measures(sample.measures, names))
     return table
 
 
-def _start_table(title: str, first: str, names: Sequence[str]) -> Table:
+def _start_table(title: Text, first: str, names: Sequence[str]) -> Table:
     heads = [f"{MEASURE_FORMATS[name].words}\n{MEASURE_FORMATS[name].unit}" for name in names]
     table = Table(first, title=title, title_justify="left", box=None)
     for head in heads:

@@ -20,18 +20,26 @@ MAX_KEY_BYTES = 64  # [bytes] largest key input per read
 
 
 def console() -> Console:
-    """Return a console for standard output, `FILE_WIDTH` wide without a terminal."""
-    return Console() if sys.stdout.isatty() else Console(width=FILE_WIDTH)
+    """Return a console for standard output, `FILE_WIDTH` wide without a terminal.
+
+    Neither console reads markup or emoji codes in strings, which may come from files; colours are those of `Text`.
+    """
+    return Console(width=None if sys.stdout.isatty() else FILE_WIDTH, markup=False, emoji=False)
 
 
 def error_console() -> Console:
     """Return a console for standard error, in colour only on a terminal."""
-    return Console(stderr=True) if sys.stderr.isatty() else Console(stderr=True, width=FILE_WIDTH)
+    return Console(stderr=True, width=None if sys.stderr.isatty() else FILE_WIDTH, markup=False, emoji=False)
 
 
-def quote_text(text: str) -> Text:
-    """Return untrusted text as a table cell, escaped and without markup."""
-    return Text(printable(text))
+def quote_text(text: str, *, style: str = "") -> Text:
+    """Return untrusted text as a table cell, with control characters escaped.
+
+    Args:
+        text: text of a file, a device or the user.
+        style: colour or weight, such as `red` or `bold`.
+    """
+    return Text(printable(text), style=style)
 
 
 @contextmanager

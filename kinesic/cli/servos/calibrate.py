@@ -20,7 +20,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.cli.servos.ports import open_ports, read_all_ports
-from kinesic.cli.terminal import console, pressed_keys
+from kinesic.cli.terminal import console, pressed_keys, quote_text
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.device import RegisterChange
@@ -210,7 +210,7 @@ def _tabulate(hinges: tuple[HingeCalibration, ...], robot: Robot) -> Table:
             direction_labels[mark.direction],
             f"{mark.lowest:.0f}..{mark.highest:.0f}",
             f"{mark.lower:.0f}..{mark.upper:.0f}",
-            "[green]whole[/]" if mark.is_whole else "",
+            quote_text("whole" if mark.is_whole else "", style="green"),
         )
     return table
 

@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import click
-from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.terminal import console, quote_text
+from kinesic.cli.terminal import console, error_console, quote_text
 from kinesic.hardware.bus.host import list_ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
@@ -37,7 +36,7 @@ def scan_ports(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thoro
     rates = sorted(bauds or BAUD_RATES, key=lambda rate: (rate not in COMMON_BAUD_RATES, rate))
     found_servos: list[tuple[Path, FoundServo]] = []
     notes: list[str] = []
-    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
+    with Progress(console=error_console(), transient=True, disable=not sys.stderr.isatty()) as progress:
         task = progress.add_task("scanning", total=len(paths) * len(rates))
         for path in paths:
             for found_servo in _scan_port(path, rates, thorough, notes, lambda: progress.advance(task)):
@@ -77,7 +76,7 @@ def _tabulate(found_servos: Sequence[tuple[Path, FoundServo]], hinges: dict[int,
     table = Table("port", "baud", "id", "model", "firmware", "hinge", "", box=None, header_style="bold")
     for path, found_servo in found_servos:
         servo = found_servo.servo
-        note = "[red]several servos have this id[/]" if found_servo.shared else ""
+        note = quote_text("several servos have this id" if found_servo.shared else "", style="red")
         cells = (str(found_servo.baud), str(servo.id), servo.name, str(servo.firmware), hinges.get(servo.id, "-"))
         table.add_row(quote_text(path.name), *cells, note)
     return table

@@ -8,7 +8,7 @@ import click
 from rich.table import Table
 
 from kinesic.cli.servos.ports import open_ports, read_ports
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, quote_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.survey import SurveyedServo, survey
@@ -37,14 +37,13 @@ def _tabulate(servos: tuple[SurveyedServo, ...]) -> Table:
     for servo in servos:
         labels = (servo.member.hinge, str(servo.member.id))
         if not servo.model_name:
-            table.add_row(*labels, "[red]does not answer[/]")
+            table.add_row(*labels, quote_text("does not answer", style="red"))
         elif not servo.right:
-            table.add_row(
-                *labels, f"[red]{servo.model_name}, must be {servo.member.model.name}[/]", str(servo.firmware)
-            )
+            model = quote_text(f"{servo.model_name}, must be {servo.member.model.name}", style="red")
+            table.add_row(*labels, model, str(servo.firmware))
         else:
             state = (f"{servo.degrees:.1f}", str(servo.celsius), f"{servo.volts:.1f}", "on" if servo.torque else "off")
-            errors = f"[red]{', '.join(servo.errors)}[/]" if servo.errors else ""
+            errors = quote_text(", ".join(servo.errors), style="red")
             table.add_row(*labels, servo.model_name, str(servo.firmware), *state, errors, _format_differences(servo))
     return table
 

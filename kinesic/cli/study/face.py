@@ -6,12 +6,12 @@ from pathlib import Path
 from statistics import median
 
 import click
-from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+from rich.text import Text
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, error_console, quote_text
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import QUALITY_PRESETS
 from kinesic.files.output_folder import check_folder, new_folder
@@ -51,7 +51,7 @@ def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: s
     try:
         with (
             new_folder(folder, force=force) as temporary,
-            Progress(console=Console(stderr=True), transient=True) as progress,
+            Progress(console=error_console(), transient=True) as progress,
         ):
             task = progress.add_task("faces", total=len(stimuli))
             for _ in draw_stimuli(stimuli, temporary / "stimuli", size=size, preset=QUALITY_PRESETS[preset]):
@@ -118,9 +118,9 @@ def _tabulate(name: str, effect: Comparison) -> Table:
     return table
 
 
-def _format_mean(cell: ComparedMeans, side: int) -> str:
+def _format_mean(cell: ComparedMeans, side: int) -> Text:
     text = "-" if isnan(cell.means[side]) else f"{cell.means[side]:.2f}"
-    return f"[bold]{text}[/]" if cell.significant else text
+    return quote_text(text, style="bold" if cell.significant else "")
 
 
 def _format_p(cell: ComparedMeans) -> str:
