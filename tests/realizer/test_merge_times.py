@@ -5,7 +5,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import stay
 from kinesic.planning.quick_plan import plan_quickly
-from kinesic.realizer.merge import merge
+from kinesic.realizer.merge import merge, replace_motion
 
 from .certified import certified
 
@@ -38,6 +38,14 @@ def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
     assert f"{merged.zero - 0.1:.3f} s later" in merged.notices[0].text
     (need,) = merged.occupancy
     assert need.ready >= first.occupancy[0].relax - 1e-9
+
+
+def test_replacing_block_is_not_reported_as_late_if_it_moves_before_its_zero(planned, rest):
+    plan = planned(gesture("RIGHT", 0.2, lexeme="offer"))
+    assert plan.trajectory.zero > 0.3
+    replaced = replace_motion(rest, 1.0, plan)
+    assert replaced.zero == pytest.approx(1.0 + plan.trajectory.zero, abs=0.01)
+    assert replaced.notices == ()
 
 
 def test_block_with_speech_is_not_delayed(planned, rest):
