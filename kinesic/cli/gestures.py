@@ -16,6 +16,7 @@ from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages, stage_progress
 from kinesic.cli.terminal import console, quote_text
 from kinesic.expressivity.lexicon.body_form import NO_BODY
+from kinesic.expressivity.lexicon.directions import FILE_ORDER, format_direction
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.face.display import DisplayError
@@ -77,14 +78,13 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     if names := lexicon_data.names_of(form.id):
         click.echo(printable(f"synonyms: {', '.join(names)}"))
     click.echo(f"body: {form.body if form.body != NO_BODY else 'hands only'}")
-    headings = ("key", "hand", "forward", "outward", "up", "palm", "pointing", "shape", "openness", "touches", "path")
+    headings = ("key", "hand", "outward", "up", "forward", "palm", "pointing", "shape", "openness", "touches", "path")
     table = Table(*headings, box=None)
     for number, key in enumerate(form.keys, start=1):
         for side, pose in sorted(key.hands.items()):
-            position = [f"{value:.2f}" for value in pose.position]
+            position = [f"{value:.2f}" for value in pose.position[list(FILE_ORDER)]]
             palm, pointing = (
-                "" if direction is None else " ".join(f"{value:.1f}" for value in direction)
-                for direction in (pose.palm, pose.pointing)
+                "" if direction is None else format_direction(direction) for direction in (pose.palm, pose.pointing)
             )
             details = pose.shape or "", f"{pose.openness:.2f}", pose.touch or "", pose.path.kind if pose.path else ""
             table.add_row(str(number), side, *position, palm, pointing, *map(quote_text, details))

@@ -56,6 +56,15 @@ def test_show_prints_description_shapes_and_paths(kinesic, tmp_path):
     assert "fist" in shown.out
 
 
+def test_show_prints_positions_and_directions_as_the_file_has_them(kinesic, tmp_path):
+    pose = 'at = [0.1, 0.2, 0.4], palm = "in down", pointing = "forward", shape = "flat"'
+    gesture = f'[[gesture]]\nid = "own"\nsays = "x."\nmeanings = ["own"]\nkeys = [{{ right = {{ {pose} }} }}]\n'
+    (tmp_path / "own.toml").write_text(f'category = "emotion"\n{gesture}')
+    *_, headings, row = kinesic("gestures", "show", "own", "--lexicon", "own.toml").out.splitlines()
+    assert headings.split()[2:7] == ["outward", "up", "forward", "palm", "pointing"]
+    assert row.split()[2:8] == ["0.10", "0.20", "0.40", "in", "down", "forward"]
+
+
 def test_render_draws_one_gesture(kinesic, tmp_path):
     (tmp_path / "own.toml").write_text(OWN_LEXICON)
     ended = kinesic("gestures", "render", "own", "--lexicon", "own.toml", "--out", "own.png")

@@ -1,20 +1,20 @@
 """Reading of `configs/gestures/*.toml` into gestures, names and body motion."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, get_args
 
 import msgspec
-import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError, check_inside, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyFormTable, body_form, overlay_table
 from kinesic.expressivity.lexicon.categories import Category
+from kinesic.expressivity.lexicon.directions import read_direction
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, Surface, find_shape, finger_motions, hand_shapes
 from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, shape_path
@@ -23,18 +23,10 @@ from kinesic.expressivity.lexicon.space import position
 from kinesic.expressivity.lexicon.synonyms import GestureClass, class_of
 from kinesic.expressivity.style.effort import Tempo
 
-AxisName = Literal["forward", "outward", "up"]
+AxisName = Literal["outward", "up", "forward"]
 
 NO_BODIES: Bodies = MappingProxyType({})  # no default body motion for any gesture category
 _AXIS_NAMES: tuple[AxisName, ...] = ("forward", "outward", "up")
-_DIRECTION_VECTORS: Mapping[str, tuple[int, int, int]] = {  # unit vectors forward, outward, up by direction word
-    "forward": (1, 0, 0),
-    "back": (-1, 0, 0),
-    "out": (0, 1, 0),
-    "in": (0, -1, 0),
-    "up": (0, 0, 1),
-    "down": (0, 0, -1),
-}
 
 
 class StrictTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -296,22 +288,5 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
 
 
 def _direction(words: str | None) -> Floats | None:
-    """Return the mean of direction words, (3,) forward, outward, up, normalised.
-
-    Returns:
-        None without words.
-
-    Raises:
-        ValueError: a word is no direction, or the words cancel out.
-    """
-    if words is None:
-        return None
-    total = np.zeros(3)
-    for word in words.split():
-        if word not in _DIRECTION_VECTORS:
-            raise ValueError(f"{word} is no direction{suggestion(word, list(_DIRECTION_VECTORS))}")
-        total += _DIRECTION_VECTORS[word]
-    length = float(np.linalg.norm(total))
-    if length == 0:
-        raise ValueError(f"{words!r} points nowhere; such as 'up' or 'forward in'")
-    return sealed(total / length)
+    """Return the direction of some words, or None without words."""
+    return None if words is None else read_direction(words)

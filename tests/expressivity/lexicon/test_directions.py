@@ -1,0 +1,30 @@
+"""Words for directions, and the file's order of axes."""
+
+import numpy as np
+import pytest
+
+from kinesic.expressivity.lexicon.directions import FILE_ORDER, format_direction, read_direction
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.space import position
+
+
+def test_file_order_restores_the_numbers_of_a_position():
+    assert position(0.1, 0.2, 0.3)[list(FILE_ORDER)].tolist() == [0.1, 0.2, 0.3]
+
+
+@pytest.mark.parametrize(
+    "words", ["out", "in", "up", "down", "forward", "back", "in up", "out down back", "down down back"]
+)
+def test_words_of_a_direction_are_printed_in_the_order_of_the_file(words: str):
+    assert format_direction(read_direction(words)) == words
+
+
+def test_direction_of_other_proportions_is_printed_as_outward_up_forward():
+    assert format_direction(np.array([0.1, 0.9, -0.43])) == "0.9 -0.4 0.1"
+
+
+def test_printed_directions_of_the_lexicon_read_as_the_same_directions():
+    poses = [pose for form in Lexicon.load().forms for key in form.keys for pose in key.hands.values()]
+    directions = [vector for pose in poses for vector in (pose.palm, pose.pointing) if vector is not None]
+    assert len(directions) > 1000
+    assert max(np.abs(read_direction(format_direction(vector)) - vector).max() for vector in directions) < 1e-9
