@@ -1,0 +1,121 @@
+"""Refusals and required registers of single servos, without a bus."""
+
+import pytest
+
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.manifest import Manifest, Member
+from kinesic.hardware.supervisor.preflight import (
+    VITAL_REGISTERS,
+    RegisterTable,
+    find_refusals,
+    open_wires,
+    required_registers,
+)
+
+TABLE_SIZE = Register.PRESENT_TEMPERATURE.field.end
+XM430, XC430, XC330 = 0, 2, 3  # index of a servo of this model
+
+
+@pytest.fixture(scope="session")
+def manifest(robot) -> Manifest:
+    return Manifest.of(robot)
+
+
+def table(member: Member, **changes: int) -> RegisterTable:
+    """Return the registers of a servo that is configured and stands in the middle of its range."""
+    fields = [register for register in Register if register.field.end <= TABLE_SIZE]
+    values = {register: member.model.factory_value(register) for register in fields} | member.eeprom_values
+    values |= {Register.FIRMWARE_VERSION: 50, Register.PRESENT_POSITION: (member.lower + member.upper) // 2}
+    values |= {Register[name]: value for name, value in changes.items()}
+    data = bytearray(TABLE_SIZE)
+    for register, value in values.items():
+        data[register.field.address : register.field.end] = register.field.pack(value)
+    return RegisterTable(member, bytes(data))
+
+
+def test_configured_servos_with_factory_limits_are_accepted(manifest):
+    assert all(not find_refusals(table(member)) for member in manifest.members)
+
+
+@pytest.mark.parametrize(
+    ("register", "least"),
+    [("PWM_LIMIT", 647), ("CURRENT_LIMIT", 597), ("VELOCITY_LIMIT", 269), ("TEMPERATURE_LIMIT", 50)],
+)
+def test_limit_is_refused_from_one_count_below_the_required_value(manifest, register, least):
+    member = manifest.members[XM430]
+    assert find_refusals(table(member, **{register: least})) == ()
+    (reason,) = find_refusals(table(member, **{register: least - 1}))
+    assert f"limit is {least - 1}" in reason or "velocity limit is" in reason
+
+
+def test_servo_without_a_current_limit_is_accepted(manifest):
+    assert find_refusals(table(manifest.members[XC430], CURRENT_LIMIT=0)) == ()
+
+
+def test_position_limits_of_a_servo_must_contain_the_hinge_range(manifest):
+    member = manifest.members[XM430]
+    lower, upper = member.lower, member.upper
+    assert find_refusals(table(member, MIN_POSITION_LIMIT=lower, MAX_POSITION_LIMIT=upper)) == ()
+    for narrower in ({"MIN_POSITION_LIMIT": lower + 1}, {"MAX_POSITION_LIMIT": upper - 1}):
+        (reason,) = find_refusals(table(member, **narrower))
+        assert f"its hinge needs {lower}..{upper}" in reason
+
+
+@pytest.mark.parametrize("turn", [0, 4096])
+def test_servo_outside_its_goal_range_is_refused_in_any_turn(manifest, turn):
+    member = manifest.members[XM430]
+    lower, upper = member.span
+    for position, is_refused in ((lower, False), (upper, False), (lower - 1, True), (upper + 1, True)):
+        refusals = find_refusals(table(member, PRESENT_POSITION=position + turn))
+        assert [f"is at {position} ticks" in reason for reason in refusals] == [True] * is_refused
+
+
+@pytest.mark.parametrize("register", ["DRIVE_MODE", "OPERATING_MODE", "HOMING_OFFSET"])
+def test_position_is_not_judged_before_the_registers_that_define_it_are_set(manifest, register):
+    assert find_refusals(table(manifest.members[XM430], PRESENT_POSITION=0, **{register: 1})) == ()
+
+
+@pytest.mark.parametrize("register", [register.name for register in VITAL_REGISTERS])
+def test_servo_with_torque_is_refused_if_a_vital_register_is_wrong(manifest, register):
+    member = manifest.members[XM430]
+    (reason,) = find_refusals(table(member, TORQUE_ENABLE=1, **{register: 1}))
+    assert f"has torque, but another {register};" in reason
+    assert find_refusals(table(member, TORQUE_ENABLE=1)) == ()
+    assert find_refusals(table(member, TORQUE_ENABLE=0, **{register: 1})) == ()
+
+
+def test_required_limits_only_narrow_the_present_ones(manifest):
+    member, limits = manifest.members[XM430], ("MIN_VOLTAGE_LIMIT", "MAX_VOLTAGE_LIMIT", "TEMPERATURE_LIMIT")
+    lower, upper = member.span
+    for present, required in (((90, 170, 90), (95, 160, 80)), ((100, 150, 70), (100, 150, 70))):
+        registers = required_registers(table(member, **dict(zip(limits, present, strict=True))))
+        assert tuple(registers[Register[name]] for name in limits) == required
+        assert (registers[Register.MIN_POSITION_LIMIT], registers[Register.MAX_POSITION_LIMIT]) == (lower, upper)
+    narrow = required_registers(table(member, MIN_POSITION_LIMIT=lower + 5, MAX_POSITION_LIMIT=upper - 5))
+    assert (narrow[Register.MIN_POSITION_LIMIT], narrow[Register.MAX_POSITION_LIMIT]) == (lower + 5, upper - 5)
+
+
+@pytest.mark.parametrize(
+    ("place", "firmware", "is_required"), [(XM430, 44, False), (XM430, 45, True), (XC330, 44, True)]
+)
+def test_startup_configuration_is_cleared_where_the_firmware_has_it(manifest, place, firmware, is_required):
+    registers = required_registers(table(manifest.members[place], FIRMWARE_VERSION=firmware))
+    assert registers.get(Register.STARTUP_CONFIGURATION) == (0 if is_required else None)
+
+
+def test_open_ports_are_closed_if_another_does_not_open(manifest):
+    closed = []
+
+    class Port:
+        def close(self) -> None:
+            closed.append("left")
+
+    def open_port(name: str) -> Port:
+        if name == "right":
+            raise BusError("right: no such port")
+        return Port()
+
+    with pytest.raises(BusError, match=r"^right: no such port$"):
+        open_wires(manifest, open_port)
+    assert closed == ["left"]
