@@ -1,5 +1,6 @@
 """Refusals and required registers of single servos, without a bus."""
 
+import numpy as np
 import pytest
 
 from kinesic.hardware.protocol.registers import Register
@@ -119,3 +120,15 @@ def test_open_ports_are_closed_if_another_does_not_open(manifest):
     with pytest.raises(BusError, match=r"^right: no such port$"):
         open_wires(manifest, open_port)
     assert closed == ["left"]
+
+
+@pytest.mark.parametrize(("angle", "is_refused"), [(np.pi, False), (0.1, True)])
+def test_servo_is_judged_again_after_its_zero_was_set(desk, angle, is_refused):
+    made = desk()
+    made.plant.servos[2].memory[Register.HOMING_OFFSET] = 900
+    made.plant.physics.turn(2, angle)
+    made.open()
+    made.cycle()
+    refused = [note.text for note in made.notes() if note.kind == "refused"]
+    assert ["is at 65 ticks, outside 1894..3624" in text for text in refused] == [True] * is_refused
+    assert made.plant.servos[2].memory[Register.HOMING_OFFSET] == 0
