@@ -4,8 +4,8 @@ MuJoCo reads MUJOCO_GL at its first import, so kinesic sets it before. Calibrati
 hidden. Signals that a background shell or nohup ignores are reset, because child processes of tests inherit them.
 Machines are shared, so examples have no deadline. Realtime tests first check whether the machine keeps time, and are
 skipped if not (`machine too slow`). After a failure the machine is checked again: the test is skipped if the machine is
-too slow, and otherwise repeated once, as the summary reports. Examples of theorems are few and fixed; `make soak` runs
-more and new ones each time.
+too slow, and otherwise repeated once, as the summary reports. Examples of theorems are few and fixed, whichever modules
+are imported; `make soak` runs more and new ones each time.
 """
 
 import atexit
@@ -19,6 +19,7 @@ from types import ModuleType
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
 
 from .machine import Watch, depends_on_time
@@ -48,6 +49,17 @@ for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
 
 def pytest_configure(config: pytest.Config) -> None:
     step_back(config)
+    if config.getoption("--hypothesis-profile") != "soak":
+        ignore_source_constants()
+
+
+def ignore_source_constants() -> None:
+    """Keep Hypothesis from mixing constants of all imported modules into its examples.
+
+    With them, a new constant anywhere, or another selection of tests, changes the examples of every theorem. Each
+    process also parses 900 files for them.
+    """
+    providers._get_local_constants = lambda: providers._local_constants
 
 
 @pytest.hookimpl(wrapper=True)

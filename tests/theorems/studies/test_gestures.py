@@ -21,6 +21,7 @@ SYMMETRIC_FORMS = [
     if len(form.sides) == 2 and all(key.hands.get("l") is key.hands.get("r") for key in form.keys)
 ]
 MIRROR_HINGES = [HINGE_NAMES.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in HINGE_NAMES]
+MIRROR_TOLERANCE = 5e-4  # [rad] contact of a hand is searched iteratively, so that last bits grow to 1e-4
 MIRROR_SIGNS = np.array(
     [-1.0 if name[:2] not in ("l_", "r_") and not name.endswith("tilt") else 1.0 for name in HINGE_NAMES]
 )
@@ -40,14 +41,14 @@ def motion(planned):
 @given(st.sampled_from(ONE_HANDED_FORMS))
 def test_left_handed_gesture_mirrors_the_right_handed(form):
     left, right = motion(plan_gesture(form, PLAN_SETUP, "left")), motion(plan_gesture(form, PLAN_SETUP, "right"))
-    assert left == pytest.approx(mirrored(right), abs=1e-9)
+    assert left == pytest.approx(mirrored(right), abs=MIRROR_TOLERANCE)
 
 
 @settings(max_examples=8, deadline=None)
 @given(st.sampled_from(SYMMETRIC_FORMS))
 def test_symmetric_gestures_are_their_own_mirror_image(form):
     both = motion(plan_gesture(form, replace(PLAN_SETUP, style=PLAN_SETUP.style.changed(["whole_body=0"]))))
-    assert both == pytest.approx(mirrored(both), abs=1e-9)
+    assert both == pytest.approx(mirrored(both), abs=MIRROR_TOLERANCE)
 
 
 @pytest.mark.soak
@@ -55,5 +56,5 @@ def test_symmetric_gestures_are_their_own_mirror_image(form):
 @given(st.sampled_from(PLAN_SETUP.lexicon.forms))
 def test_mirrored_gesture_mirrors_the_whole_body(form):
     assert motion(plan_gesture(form, MIRRORED_SETUP)) == pytest.approx(
-        mirrored(motion(plan_gesture(form, PLAN_SETUP))), abs=1e-9
+        mirrored(motion(plan_gesture(form, PLAN_SETUP))), abs=MIRROR_TOLERANCE
     )
