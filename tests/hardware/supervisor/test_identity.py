@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
-from kinesic.hardware.supervisor.identity import IDENTIFY_TRIES, PERSISTENT_REGISTERS, describe_difference, identify
+from kinesic.hardware.supervisor.identity import PERSISTENT_REGISTERS, describe_difference, identify
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import RegisterTable, take_over
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
@@ -72,7 +72,7 @@ def test_unchanged_servos_are_identified_in_one_cycle_each(bench: Bench):
 
 def test_servo_that_is_silent_during_identification_is_accepted_as_booting(bench: Bench):
     bench.servos[0].mute = True
-    assert bench.identify() == (3 + IDENTIFY_TRIES, "")
+    assert bench.identify() == (3 + 4, ""), "four attempts at the silent one"
     assert bench.axes.unidentified == ()
 
 
@@ -80,7 +80,7 @@ def test_port_without_answers_is_closed(bench: Bench):
     for servo in bench.servos[:4]:
         servo.mute = True
     cycles, why = bench.identify()
-    assert cycles == 4 * IDENTIFY_TRIES + 1, "the last one shows that the port is lost"
+    assert cycles == 4 * 4 + 1, "the last one shows that the port is lost"
     assert why == "left: servo 1 (torsion): no servo answers on the reopened port; is the power on?"
     assert bench.cycle().lost
     assert bench.axes.unidentified == LEFT
