@@ -18,9 +18,10 @@ from kinesic.serve.messages import (
     Restyling,
     Words,
 )
+from kinesic.serve.talks import Phrase
 from kinesic.serve.tracks import SoundAndFace
 
-from .planning_bench import LONG_GESTURE_BML, NOD_BML, Line, Planning
+from .planning_bench import BLOCK_BML, LONG_GESTURE_BML, NOD_BML, Line, Planning
 
 
 def test_unknown_style_is_refused_and_a_valid_style_applies_to_future_blocks(planning: Planning):
@@ -89,6 +90,14 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     assert [item["told"] for item in result] == ["saying", "all_said"]
     assert result[0]["text"] == "And so on."
     assert result[1]["block"] == result[0]["block"] == "said7-2"
+
+
+def test_phrase_replaces_behaviours_of_the_block_before_it(planning: Planning, monkeypatch: pytest.MonkeyPatch):
+    planning.document("a", '<head id="n" lexeme="NOD" start="4"/>')
+    phrases = iter([Phrase(7, "b", BLOCK_BML.format("b", NOD_BML), "Yes.", frozenset({"n"}), before="a"), None])
+    monkeypatch.setattr(planning.state._talks, "next_phrase", lambda scene, now: next(phrases))
+    planning.state.plan_phrases()
+    assert [block for block, _ in planning.said()[0][-1].moving] == ["b"]
 
 
 def test_phrase_waits_for_running_speech(planning: Planning):

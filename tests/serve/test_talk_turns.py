@@ -10,7 +10,7 @@ from kinesic.realizer.realizer import Scene, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 from kinesic.serve.messages import Words
 from kinesic.serve.queues import MAX_TEXT_LENGTH
-from kinesic.serve.talks import PHRASE_PLANNING_TIME, Talks
+from kinesic.serve.talks import PHRASE_PLANNING_TIME, Phrase, Talks
 
 
 @pytest.fixture
@@ -149,6 +149,19 @@ def test_streamed_phrase_waits_for_a_pending_block_with_speech(scene: Scene):
     talks.take(Words("Here I am. ", 2, ends=True), 0.0)
     assert talks.next_phrase(lurking, 0.5) is None
     assert talks.next_phrase(speaking, 0.5) is not None
+
+
+def test_phrase_removes_replaced_behaviours_that_have_not_begun(scene: Scene):
+    nods = '<bml id="a"><head id="now" lexeme="NOD" start="0" end="2"/><head id="later" lexeme="NOD" start="4"/></bml>'
+    nodding = performed(scene, nods, 0.0)
+    both = frozenset({"now", "later", "unknown"})
+    after, unchanged = (
+        Phrase(1, "b", "", "", both, before=before).scene_change(nodding, 0.5).find("a") for before in ("a", "gone")
+    )
+    assert after is not None
+    assert unchanged is not None
+    assert set(after.times) == {"now"}
+    assert set(unchanged.times) == {"now", "later"}
 
 
 def test_cleared_streamed_words_are_not_spoken(scene: Scene):
