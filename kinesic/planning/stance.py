@@ -13,18 +13,26 @@ from kinesic.body.robot import SIDES
 from kinesic.planning.arm_directions import ARM_FEATURES
 
 STANCE_FILE = CONFIGS / "standing.toml"
-BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll")  # angles [deg] of trunk and head
+# Angles [deg] of trunk and head; `shoulder_rise` is that of the line of the shoulders over the rolled trunk.
+BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll", "shoulder_rise")
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
 MAX_DRAW = 1.8  # [standard deviations] largest random draw
+
+
+class StanceComponents(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """TOML table of principal components [deg], one standard deviation each."""
+
+    symmetric: Sequence[Mapping[str, float]]  # equal for both arms
+    asymmetric: Sequence[Mapping[str, float]]  # added to the left arm and subtracted from the right
 
 
 class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a distribution of standing postures [deg]."""
 
     mean: Mapping[str, float]  # by feature; arms by features of one arm
-    symmetric: Sequence[Mapping[str, float]]  # standard deviations along each component, equal for both arms
-    asymmetric: Sequence[Mapping[str, float]]  # likewise, added to the left arm and subtracted from the right
-    within: Mapping[str, float]  # standard deviation of rests about the mean of their person
+    handedness: Mapping[str, float]  # mean asymmetry, added to the left arm and subtracted from the right
+    persons: StanceComponents  # deviations of persons from the mean
+    rests: StanceComponents  # deviations of rests from the mean of their person
 
 
 class StanceFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -68,9 +76,14 @@ def expand_features(values: Mapping[str, float], right_sign: float = 1.0) -> Flo
 
 
 def draw_deviation(table: StanceTable, chance: np.random.Generator) -> Floats:
-    """Draw one person's random deviation (s,) [deg] from the mean standing posture."""
-    components = [expand_features(row) for row in table.symmetric]
-    components += [expand_features(row, -1.0) for row in table.asymmetric]
-    draws = np.clip(chance.normal(size=len(components)), -MAX_DRAW, MAX_DRAW)
-    within = np.clip(chance.normal(size=len(STANCE_FEATURES)), -MAX_DRAW, MAX_DRAW)
-    return np.asarray(draws @ np.stack(components) + within * expand_features(table.within))
+    """Draw one person's random deviation (s,) [deg] from the symmetric mean posture."""
+    person, rest = (draw_components(components, chance) for components in (table.persons, table.rests))
+    return np.asarray(expand_features(table.handedness, -1.0) + person + rest)
+
+
+def draw_components(components: StanceComponents, chance: np.random.Generator) -> Floats:
+    """Draw a random sum (s,) [deg] of principal components."""
+    rows = [expand_features(row) for row in components.symmetric]
+    rows += [expand_features(row, -1.0) for row in components.asymmetric]
+    draws = np.clip(chance.normal(size=len(rows)), -MAX_DRAW, MAX_DRAW)
+    return np.asarray(draws @ np.stack(rows))

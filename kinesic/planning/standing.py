@@ -29,8 +29,9 @@ RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the jo
 STANDING_STREAM = 7  # index of the random stream for standing postures
 MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk
 HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
-MAX_ARM_LIFT_DEG = 8.0  # largest outward angle added to an arm that hangs too close to the body
+MAX_ARM_LIFT_DEG = 12.0  # largest outward angle added to an arm that hangs too close to the body
 ARM_LIFT_STEP_DEG = 1.0  # step in which this angle is searched
+COLLAR_STEP = 0.05  # [rad] rotation of collar bones from which their effect on the line of the shoulders is measured
 FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
 
 
@@ -159,12 +160,13 @@ def _take_stance(
     """
     angles = np.array(robot.skeleton.rest)
     torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
-    own = np.degrees([torso[1], torso[2], head[0] - torso[0], head[1], head[2]])
+    own = np.degrees([torso[1], torso[2], head[0] - torso[0], head[1], head[2], 0.0])
     body = np.radians((own if mean is None else mean[: len(own)]) + stance.features[: len(own)])
     torsion = torso[0] + stance.torsion
     set_turn(robot, "torso", np.array([torsion, body[0], body[1]]), angles)
     reached = compute_torso_turn(robot, "torso", angles)
     set_turn(robot, "neck", np.array([torsion + body[2], body[3], body[4]]) - reached, angles)
+    _raise_shoulder(robot, float(body[5]), angles)
     fraction = HELD_ARM_FRACTION if mean is None and style.standing.rest else 1.0
     start = np.array(robot.skeleton.rest)
     for side, deviation in zip(SIDES, np.split(stance.features[len(own) :], len(SIDES)), strict=True):
@@ -172,6 +174,26 @@ def _take_stance(
         outward = [lifts[side] if name.endswith("outward") else 0.0 for name in ARM_FEATURES]
         angles = set_arm(robot, side, hanging + fraction * deviation + outward, angles)
     return _inside(angles, robot)
+
+
+def _raise_shoulder(robot: Robot, rise: float, angles: Floats) -> None:
+    """Turn the line of the shoulders by the collar bones, in place.
+
+    Args:
+        robot: robot; one without hinges that raise the shoulders keeps its posture.
+        rise: [rad], + left shoulder up.
+        angles: (n,) [rad] of all hinges.
+    """
+    left, right = (list(robot.arm(side).shoulder_lift_joints) for side in SIDES)
+    if left and right:
+        tried = np.zeros((2, len(angles)))
+        tried[1, left], tried[1, right] = COLLAR_STEP, -COLLAR_STEP
+        ends = [robot.skeleton.frames(tried).origins[:, robot.arm(side).shoulder] for side in SIDES]
+        line = ends[0] - ends[1]
+        elevations = np.arctan2(line[:, 2], line[:, 1])
+        lift = rise * COLLAR_STEP / float(elevations[1] - elevations[0])
+        angles[left] += lift
+        angles[right] -= lift
 
 
 def _with_rest(robot: Robot, angles: Floats) -> Robot:

@@ -1,6 +1,7 @@
 """Standing postures drawn like those of captured people."""
 
 import numpy as np
+import pytest
 
 from kinesic.planning.arm_directions import ARM_FEATURES
 from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, expand_features, read_stances
@@ -8,7 +9,8 @@ from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, expand_feat
 
 def test_rows_of_the_distribution_have_known_features_only():
     table = read_stances().hanging
-    rows = [table.mean, table.within, *table.symmetric, *table.asymmetric]
+    parts = (table.persons, table.rests)
+    rows = [table.mean, table.handedness, *(row for part in parts for row in (*part.symmetric, *part.asymmetric))]
     features = {name.removeprefix("l_").removeprefix("r_") for name in STANCE_FEATURES}
     assert {name for row in rows for name in row} <= features
 
@@ -16,14 +18,28 @@ def test_rows_of_the_distribution_have_known_features_only():
 def test_drawn_stances_have_the_distribution_of_their_table():
     table = read_stances().hanging
     draws = np.stack([draw_deviation(table, np.random.default_rng(seed)) for seed in range(400)])
-    tilt = [row["trunk_tilt"] for row in table.symmetric] + [table.within["trunk_tilt"]]
+    tilt = [row["trunk_tilt"] for part in (table.persons, table.rests) for row in part.symmetric]
     expected = float(np.linalg.norm(tilt))
     column = STANCE_FEATURES.index("trunk_tilt")
     assert 0.8 * expected < draws[:, column].std() < 1.05 * expected
-    assert np.abs(draws.mean(axis=0)).max() < 1.0
+    assert draws.mean(axis=0) == pytest.approx(expand_features(table.handedness, -1.0), abs=1.2)
+    assert draws[:, STANCE_FEATURES.index("trunk_roll")].mean() == pytest.approx(
+        table.handedness["trunk_roll"], abs=0.2
+    )
     left, right = draws[:, -2 * len(ARM_FEATURES) :].reshape(len(draws), 2, -1).transpose(1, 0, 2)
-    assert np.all((left - right).std(axis=0) > 0.5)
     assert np.corrcoef(left[:, 0], right[:, 0])[0, 1] > 0.5
+
+
+def test_arms_and_head_differ_from_their_mirror_image_as_in_people():
+    table = read_stances().hanging
+    draws = np.stack([draw_deviation(table, np.random.default_rng(seed)) for seed in range(400)])
+    left, right = draws[:, -2 * len(ARM_FEATURES) :].reshape(len(draws), 2, -1).transpose(1, 0, 2)
+    differences = np.median(np.abs(left - right), axis=0)
+    assert np.all((differences > 2.5) & (differences < 9.0))
+    deviations = dict(zip(STANCE_FEATURES, draws.std(axis=0), strict=True))
+    assert 4.0 < deviations["head_turn"] < 7.0
+    assert 2.5 < deviations["head_roll"] < 5.0
+    assert 0.8 < deviations["shoulder_rise"] < 2.0
 
 
 def test_arms_of_the_mean_stance_are_bent_and_near_the_body():

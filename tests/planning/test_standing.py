@@ -13,7 +13,8 @@ from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.face_track import compute_action_units
 from kinesic.planning.quick_plan import plan_quickly
-from kinesic.planning.standing import standing_robot
+from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, read_stances
+from kinesic.planning.standing import STANDING_STREAM, standing_robot
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.distances import CapsuleDistances
@@ -128,6 +129,20 @@ def test_trunk_and_head_of_a_seed_do_not_depend_on_the_girth_of_the_body(seed):
     bodies = [set_up(name, variation=1.0, seed=seed).robot for name in ("human", "upper36")]
     turns = [[*turn_angles(rest_turn(body, "torso")), *turn_angles(rest_head_turn(body))] for body in bodies]
     assert np.degrees(turns[0]) == pytest.approx(np.degrees(turns[1]), abs=0.5)
+
+
+@pytest.mark.parametrize("name", ["human", "upper36"])
+def test_one_shoulder_stands_higher_as_drawn(name):
+    elevations, expected = [], []
+    for seed in range(6):
+        robot = set_up(name, variation=1.0, seed=seed).robot
+        left, right = (robot.skeleton.rest_frames.origins[robot.arm(side).shoulder] for side in "lr")
+        line = left - right
+        elevations.append(np.degrees(np.arcsin(line[2] / np.linalg.norm(line))))
+        features = draw_deviation(read_stances().hanging, np.random.default_rng((seed, STANDING_STREAM)))
+        expected.append(sum(features[STANCE_FEATURES.index(part)] for part in ("trunk_roll", "shoulder_rise")))
+    assert elevations == pytest.approx(expected, abs=0.4)
+    assert max(elevations) - min(elevations) > 1.5
 
 
 def test_averted_eyes_return_to_the_listener_now_and_then(sad):

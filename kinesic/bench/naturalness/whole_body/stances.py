@@ -1,22 +1,28 @@
-"""Fit of a standing posture distribution to first frames of captured clips."""
+"""Fit of a standing posture distribution to resting frames of captured clips."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import sqrt
 
 import numpy as np
 
+from kinesic.bench.naturalness.measures import PROFILE_RATE
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion
-from kinesic.bench.naturalness.whole_body.posture import posture_axes, starts_at_rest
-from kinesic.body.arrays import Floats
+from kinesic.bench.naturalness.whole_body.posture import MAX_REST_SPEED, posture_axes
+from kinesic.body.arrays import Floats, Indices
 from kinesic.planning.arm_directions import ARM_FEATURES
-from kinesic.planning.stance import BODY_FEATURES, STANCE_FEATURES, StanceTable
+from kinesic.planning.stance import BODY_FEATURES, STANCE_FEATURES, StanceComponents, StanceTable
 
 SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
 ASYMMETRIC_BODY = tuple(name for name in BODY_FEATURES if name not in SYMMETRIC_BODY)
+SYMMETRIC_FEATURES = (*SYMMETRIC_BODY, *ARM_FEATURES)  # features of the symmetric part, arms as mean of both
+ASYMMETRIC_FEATURES = (*ASYMMETRIC_BODY, *ARM_FEATURES)  # features of the asymmetric part, arms as half difference
 FIRST_ARM = STANCE_FEATURES.index(f"l_{ARM_FEATURES[0]}")
 # [deg] largest angles of a hanging arm, by feature.
 MAX_HANGING = {"upper_arm_forward": 30.0, "upper_arm_outward": 30.0, "forearm_forward": 45.0}
-MIN_DEVIATION = 0.05  # [deg] principal components with smaller deviations are dropped
+MIN_DEVIATION = 0.3  # [deg] principal components with smaller deviations are dropped
+# [deg] smallest change of a feature since the first frame; clips of a set begin and end in one pose of the animator.
+MIN_POSE_CHANGE = 3.0
+MIN_CLIP_COUNT = 5  # fewest clips of a person
 
 
 def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
@@ -24,12 +30,15 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
     axes = posture_axes(motion, frame)
     up = axes @ motion.chest_rotations[frame, :, 2]
     head = axes @ motion.head_rotations[frame]
+    line = motion.shoulders[0, frame] - motion.shoulders[1, frame]
+    roll = -np.arcsin(np.clip(up[1], -1.0, 1.0))
     features = [
         np.arctan2(up[0], up[2]),
-        -np.arcsin(np.clip(up[1], -1.0, 1.0)),
+        roll,
         np.arctan2(head[1, 0], head[0, 0]),
         -np.arcsin(np.clip(head[2, 0], -1.0, 1.0)),
         -np.arcsin(np.clip(head[1, 2], -1.0, 1.0)),
+        np.arcsin(line[2] / np.linalg.norm(line)) - roll,
     ]
     for k, sign in enumerate((1.0, -1.0)):
         points = [values[k, frame] for values in (motion.shoulders, motion.elbows, motion.wrists)]
@@ -41,41 +50,65 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
 
 
 def group_hanging(clips: Iterable[BodyMotion]) -> Mapping[str, Floats]:
-    """Return the stances (k, s) [deg] with hanging arms, by clip group.
+    """Return the stances (k, s) [deg] at rest with hanging arms, by clip group.
 
-    A group has the clips of one set whose names agree between `@` and the first `_`. Groups of one clip are left out.
+    Frames in the pose of the first frame are left out. A group has the clips of one set whose names agree between `@`
+    and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are left out.
     """
     groups: dict[str, list[Floats]] = {}
     for clip in clips:
-        if starts_at_rest(clip) and _is_hanging(stance := measure_stance(clip)):
-            groups.setdefault(f"{clip.set_name} {clip.name.split('@')[-1].split('_')[0]}", []).append(stance)
-    return {name: np.stack(rows) for name, rows in groups.items() if len(rows) > 1}
+        stances = [stance for frame in find_resting_frames(clip) if _is_hanging(stance := measure_stance(clip, frame))]
+        first = measure_stance(clip)
+        changed = [stance for stance in stances if np.abs(stance - first).max() > MIN_POSE_CHANGE]
+        if changed:
+            name = f"{clip.set_name} {clip.name.split('@')[-1].split('_')[0]}"
+            groups.setdefault(name, []).append(np.stack(changed))
+    return {name: np.concatenate(rows) for name, rows in groups.items() if len(rows) >= MIN_CLIP_COUNT}
+
+
+def find_resting_frames(motion: BodyMotion) -> Indices:
+    """Return the frames (k,) in which both hands are slow."""
+    hands = (motion.wrists - motion.chest) / motion.arm
+    speeds = np.linalg.norm(np.gradient(hands, 1.0 / PROFILE_RATE, axis=1), axis=-1)
+    return np.flatnonzero(speeds.max(axis=0) < MAX_REST_SPEED)
 
 
 def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
     """Fit the predictive distribution of an unseen person's stance.
 
     Every group counts as one person. The standard deviations are those of the predictive t distribution, which is wider
-    than the sample, as few people were captured. Mirror images have the same weight as captured stances.
+    than the sample, as few people were captured. People are not symmetric on average, as most are right-handed.
 
     Args:
         groups: stances (k, s) [deg] by person.
     """
     centres = np.stack([rows.mean(axis=0) for rows in groups.values()])
-    left, right = centres[:, FIRST_ARM:].reshape(len(centres), 2, -1).transpose(1, 0, 2)
-    body = dict(zip(BODY_FEATURES, centres[:, :FIRST_ARM].T, strict=True))
+    symmetric, asymmetric = _split(centres)
+    count, mean, handedness = len(centres), symmetric.mean(axis=0), asymmetric.mean(axis=0)
+    widened = sqrt((1 + 1 / count) * (count - 1) / (count - 3))
+    parts = [_split(rows - rows.mean(axis=0)) for rows in groups.values()]
+    within = [np.concatenate([part[k] / sqrt(count * len(part[k])) for part in parts]) for k in range(2)]
+    return StanceTable(
+        mean=_name(SYMMETRIC_FEATURES, mean),
+        handedness=_name(ASYMMETRIC_FEATURES, handedness),
+        persons=StanceComponents(
+            symmetric=_components((symmetric - mean) / sqrt(count - 1), widened, SYMMETRIC_FEATURES),
+            asymmetric=_components((asymmetric - handedness) / sqrt(count - 1), widened, ASYMMETRIC_FEATURES),
+        ),
+        rests=StanceComponents(
+            symmetric=_components(within[0], 1.0, SYMMETRIC_FEATURES),
+            asymmetric=_components(within[1], 1.0, ASYMMETRIC_FEATURES),
+        ),
+    )
+
+
+def _split(stances: Floats) -> tuple[Floats, Floats]:
+    """Split stances (k, s) into symmetric and asymmetric features."""
+    left, right = stances[:, FIRST_ARM:].reshape(len(stances), 2, -1).transpose(1, 0, 2)
+    body = dict(zip(BODY_FEATURES, stances[:, :FIRST_ARM].T, strict=True))
     symmetric = np.column_stack([*(body[name] for name in SYMMETRIC_BODY), (left + right) / 2])
     asymmetric = np.column_stack([*(body[name] for name in ASYMMETRIC_BODY), (left - right) / 2])
-    count, mean = len(centres), symmetric.mean(axis=0)
-    widened = sqrt((1 + 1 / count) * (count - 1) / (count - 3))
-    within = np.sqrt(np.mean([rows.var(axis=0) for rows in groups.values()], axis=0))
-    arms = np.sqrt((within[FIRST_ARM:].reshape(2, -1) ** 2).mean(axis=0))
-    return StanceTable(
-        mean=_name((*SYMMETRIC_BODY, *ARM_FEATURES), mean),
-        symmetric=_components(symmetric - mean, count - 1, widened, (*SYMMETRIC_BODY, *ARM_FEATURES)),
-        asymmetric=_components(asymmetric, count, sqrt(count / (count - 2)), (*ASYMMETRIC_BODY, *ARM_FEATURES)),
-        within=_name((*BODY_FEATURES, *ARM_FEATURES), np.concatenate([within[:FIRST_ARM], arms])),
-    )
+    return symmetric, asymmetric
 
 
 def _is_hanging(stance: Floats) -> bool:
@@ -84,10 +117,10 @@ def _is_hanging(stance: Floats) -> bool:
     return bool(np.all(np.abs(arms[:, columns]) <= [*MAX_HANGING.values()]))
 
 
-def _components(rows: Floats, degrees_of_freedom: int, factor: float, names: Sequence[str]) -> list[dict[str, float]]:
-    """Return the principal components, each scaled to its standard deviation."""
+def _components(rows: Floats, factor: float, names: Sequence[str]) -> list[dict[str, float]]:
+    """Return the principal components of rows (k, c), times a factor."""
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
-    scaled = factor * sizes[:, None] / sqrt(degrees_of_freedom) * directions
+    scaled = factor * sizes[:, None] * directions
     return [_name(names, row) for row in scaled if np.abs(row).max() > MIN_DEVIATION]
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.naturalness.whole_body.stances import fit_stances, group_hanging, measure_stance
+from kinesic.bench.naturalness.whole_body.stances import find_resting_frames, fit_stances, group_hanging, measure_stance
 from kinesic.planning.arm_directions import ARM_FEATURES
 from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, expand_features
 
@@ -16,17 +16,33 @@ def test_stance_has_the_directions_of_the_links():
     stance = name_features(measure_stance(make_body(bend=(30.0, 10.0))))
     assert (stance["l_upper_arm_forward"], stance["l_forearm_forward"]) == pytest.approx((0.0, 30.0))
     assert stance["r_forearm_forward"] == pytest.approx(10.0)
-    assert stance["trunk_tilt"] == stance["head_turn"] == pytest.approx(0.0)
+    assert stance["trunk_tilt"] == stance["head_turn"] == stance["shoulder_rise"] == pytest.approx(0.0)
+
+
+def make_turning_clips(pose, count=5, **options):
+    return [make_body(head=20.0, set_name="s", name=f"A@{pose}_{k}", **options) for k in range(count)]
 
 
 def test_bent_arms_do_not_count_as_hanging():
-    clips = [
-        make_body(bend=bend, set_name="s", name=f"A@{pose}_{k}")
-        for pose, bend in (("Idle01", (20.0, 20.0)), ("Idle02", (90.0, 90.0)))
-        for k in range(3)
-    ]
-    groups = group_hanging(clips)
-    assert {name: len(rows) for name, rows in groups.items()} == {"s Idle01": 3}
+    clips = [*make_turning_clips("Idle01"), *make_turning_clips("Idle02", bend=(90.0, 90.0))]
+    assert list(group_hanging(clips)) == ["s Idle01"]
+
+
+def test_stances_differ_from_the_first_pose_of_their_clip():
+    turns = group_hanging(make_turning_clips("Idle01"))["s Idle01"][:, STANCE_FEATURES.index("head_turn")]
+    assert 3.0 < turns.min() < 4.0
+    assert turns.max() == pytest.approx(20.0, abs=0.5)
+    assert not group_hanging([make_body(name=f"A@Idle01_{k}") for k in range(5)])
+
+
+def test_persons_with_few_clips_are_left_out():
+    assert not group_hanging(make_turning_clips("Idle01", count=4))
+
+
+def test_hands_that_move_fast_do_not_rest():
+    resting = find_resting_frames(make_body(swing=(0.25, 0.0)))
+    assert 0 in resting
+    assert 18 not in resting  # a quarter of the clip, where the swing is fastest
 
 
 def test_fit_finds_mean_and_correlation_of_a_population():
@@ -44,5 +60,6 @@ def test_fit_finds_mean_and_correlation_of_a_population():
     columns = [STANCE_FEATURES.index(name) for name in ("trunk_tilt", "l_upper_arm_outward", "head_turn")]
     assert draws[:, columns].std(axis=0) == pytest.approx([4.1, 2.3, 5.1], rel=0.25)
     assert np.corrcoef(draws[:, columns].T)[0, 1] > 0.7
-    assert table.within["hand_forward"] == pytest.approx(1.0, rel=0.2)
+    hand = [row["hand_forward"] for row in (*table.rests.symmetric, *table.rests.asymmetric)]
+    assert np.linalg.norm(hand) == pytest.approx(1.0, rel=0.2)
     assert set(table.mean) == {"trunk_tilt", "head_tilt", *ARM_FEATURES}
