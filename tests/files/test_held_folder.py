@@ -72,6 +72,17 @@ def test_folders_are_reached_by_their_path_on_systems_that_cannot_hold_them(
         assert os.listdir(tmp_path / "one") == ["new"]
 
 
+def test_renaming_in_an_open_folder_changes_nothing_in_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for folder in ("here/new", "there/old"):
+        (tmp_path / folder).mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "here")
+    with hold_folder(tmp_path / "there") as held:
+        held.rename_entry("old", "new")
+    assert [sorted(path.name for path in (tmp_path / name).iterdir()) for name in ("here", "there")] == [["new"]] * 2
+
+
 def test_temporary_file_name_is_hidden_and_unique_and_keeps_the_suffix():
     names = {name_beside("motion.npz") for _ in range(100)}
     assert len(names) == 100
