@@ -42,7 +42,7 @@ def test_counting_uses_one_hand(realise, apart):
 
 
 def test_shortened_counting_strokes_are_reported(realise):
-    outcomes = realise(count(0.45)).outcomes.values()
+    outcomes = realise(count(0.35)).outcomes.values()
     brief = [outcome for outcome in outcomes if "shown once, without its movement" in outcome.why]
     assert brief
     assert all(outcome.kind == "substituted" for outcome in brief)
@@ -50,7 +50,7 @@ def test_shortened_counting_strokes_are_reported(realise):
 
 
 def test_counting_gesture_without_its_movement_has_equal_stroke_sync_points(realise):
-    frames = realise(count(0.45))
+    frames = realise(count(0.35))
     for timed in frames.timeline.timed:
         if "without its movement" in frames.outcomes[timed.behaviour.id].why:
             assert timed.times["strokeStart"] == timed.times["stroke"] == timed.times["strokeEnd"]

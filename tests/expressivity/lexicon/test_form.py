@@ -6,7 +6,7 @@ HAND_SHAPES = hand_shapes()
 
 
 def test_hand_shapes_have_distinct_finger_values_and_descriptions():
-    assert len(HAND_SHAPES) == 23
+    assert len(HAND_SHAPES) == 24
     assert len({(shape.straight, shape.apart, shape.across) for shape in HAND_SHAPES.values()}) == len(HAND_SHAPES)
     assert len({shape.says for shape in HAND_SHAPES.values()}) == len(HAND_SHAPES)
 

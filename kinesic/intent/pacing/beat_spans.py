@@ -1,0 +1,41 @@
+"""Time that beats of more than one short stroke need between their neighbours."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from kinesic.intent.behaviour_sets import Choice
+
+
+@dataclass(frozen=True)
+class BeatSpan:
+    """Smallest intervals between a beat and the strokes around it."""
+
+    before: float = 0.0  # [s] since the last stroke
+    after: float = 0.0  # [s] until the next stroke
+
+
+# Beats that roll before their stroke, or go on after it. Other beats fit between all strokes.
+BEAT_SPANS: Mapping[str, BeatSpan] = {
+    "beat_alternate": BeatSpan(after=1.0),
+    "beat_double": BeatSpan(after=1.5),
+    "beat_finger": BeatSpan(after=1.4),
+    "beat_low_double": BeatSpan(after=1.5),
+    "beat_purse": BeatSpan(after=1.5),
+    "beat_roll": BeatSpan(before=1.8),
+}
+PLAIN_SPAN = BeatSpan()  # of a beat with one short stroke
+
+
+def select_fitting(choices: Sequence[Choice], before: float, after: float) -> Sequence[Choice]:
+    """Return the alternatives that fit between two strokes, or all if none does.
+
+    Args:
+        choices: gestures for one word.
+        before: time since the last stroke [s].
+        after: time until the next stroke [s].
+    """
+    spans = (BEAT_SPANS.get(choice.lexeme, PLAIN_SPAN) for choice in choices)
+    fitting = [
+        choice for choice, span in zip(choices, spans, strict=True) if span.before <= before and span.after <= after
+    ]
+    return fitting or choices
