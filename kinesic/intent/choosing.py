@@ -21,6 +21,7 @@ from kinesic.intent.pacing.variety import GestureUses, draw_lexemes
 from kinesic.intent.sequences import draw_sequence
 
 CORE_BONUS = 0.05  # bonus on the certainty of an intent's core signals
+HAND_LEAD_TIME = 0.4  # [s] time before the first word at which a hand may set out
 NEGATION_INTENTS = frozenset({"negation", "negative"})  # intents during which the head does not nod
 
 
@@ -101,12 +102,13 @@ def choose_behaviours(
             beat_manner=budget.beat_manner,
             preferences=budget.preferences,
         )
-        drawn = list(draw(kept))
+        past = [time - offset for time in memory.times if time - offset < since]
+        times = [since - HAND_LEAD_TIME, *past, *(behaviour.intent.stroke.seconds for behaviour in fixed)]
+        drawn = list(draw(kept, others=times))
         if budget.tempo and beats:
             strokes = [*fixed, *(item.earlier for item in kept if item.earlier), *drawn]
             pictures = sum(not is_beat(stroke.lexeme) for stroke in strokes if stroke.intent.stroke.seconds >= since)
             duration = max(beat.intent.stroke.seconds for beat in beats) - since
-            past = [time - offset for time in memory.times if time - offset < since]
             placed = place_beats(
                 beats,
                 [*past, *(stroke.intent.stroke.seconds for stroke in strokes)],
@@ -115,7 +117,7 @@ def choose_behaviours(
                 earlier_strokes=earlier.strokes,
                 earlier_seconds=earlier.seconds,
             )
-            drawn += draw(placed)
+            drawn += draw(placed, others=[*times, *(stroke.intent.stroke.seconds for stroke in strokes)])
         chosen += drawn
     chosen.sort(key=lambda behaviour: (behaviour.intent.stroke.seconds, behaviour.channel))
     return Selection(tuple(chosen), tuple(omitted), tuple(replaced))

@@ -1,13 +1,14 @@
 """Random choice of lexemes without recent repetitions."""
 
 import random
-from bisect import bisect_left, insort
+from bisect import bisect_left, bisect_right, insort
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinesic.intent.behaviour_sets import Channel, Choice
 from kinesic.intent.behaviours import ChosenBehaviour, Omission
 from kinesic.intent.greta.agent import Agent
+from kinesic.intent.pacing.beat_spans import select_fitting
 from kinesic.intent.pacing.candidates import Candidate
 from kinesic.intent.pacing.memory import PastGesture
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS, MAIN_BEAT_INTENT, is_beat
@@ -93,6 +94,20 @@ def prefer(choices: Sequence[Choice], preferences: Mapping[str, float], intent: 
     return tuple(weighted)
 
 
+def _fitting(candidate: Candidate, times: Sequence[float]) -> tuple[Choice, ...]:
+    """Return the alternatives that fit between the strokes before and after.
+
+    Args:
+        candidate: gesture to choose.
+        times: of all strokes, sorted [s].
+    """
+    at = candidate.intent.stroke.seconds
+    before, after = bisect_left(times, at), bisect_right(times, at)
+    last = times[before - 1] if before else float("-inf")
+    following = times[after] if after < len(times) else float("inf")
+    return tuple(select_fitting(candidate.choices, at - last, following - at))
+
+
 def draw_lexemes(
     kept: Sequence[Candidate],
     channel: Channel,
@@ -105,6 +120,7 @@ def draw_lexemes(
     beats: Sequence[Choice] = (),
     beat_manner: Mapping[str, float] = NEUTRAL_MANNER,
     preferences: Mapping[str, float] = NO_PREFERENCES,
+    others: Sequence[float] = (),
 ) -> Iterable[ChosenBehaviour]:
     """Choose a random lexeme for each candidate, without recently used gestures.
 
@@ -119,11 +135,15 @@ def draw_lexemes(
         beats: forms that replace a gesture without an unused alternative.
         beat_manner: expressivity of beats, where it differs from the style.
         preferences: gesture -> factor on its probability; preferred beats are added to the alternatives of beats.
+        others: times of the strokes of other gestures [s].
     """
+    times = sorted([*others, *(candidate.intent.stroke.seconds for candidate in kept)])
     for kept_candidate in kept:
         candidate = kept_candidate
         if channel == "gesture" and preferences:
             candidate = replace(candidate, choices=prefer(candidate.choices, preferences, candidate.intent.name))
+        if channel == "gesture":
+            candidate = replace(candidate, choices=_fitting(candidate, times))
         intent, at = candidate.intent, candidate.intent.stroke.seconds + offset
         if candidate.earlier is not None:
             if channel == "gesture":
