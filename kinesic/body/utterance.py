@@ -50,7 +50,8 @@ class Recording:
 
     path: Path  # WAV file
     marks: tuple[tuple[str, float], ...] = ()  # name, [s] from the start of the file
-    folder: Path | None = None  # folder of the document, in which the file must lie; None: anywhere
+    folder: Path | None = None  # folder of the document, in which the files must lie; None: anywhere
+    words: Path | None = None  # file with the times of words or phonemes; None: the words are found by their sound
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,7 @@ class Phoneme:
     duration: float  # [s]
     onset: float | None = None  # [s] from the same start, when the mouth reaches its shape; None: at its start
     release: float | None = None  # [s] from the same start, when the mouth leaves its shape; None: at its end
+    opening: float = 1.0  # relative lip opening by loudness; 1 at the median level of the speech
 
     @property
     def letters(self) -> str:

@@ -33,6 +33,7 @@ MAX_AUTOMATIC_PAUSE = 2.0  # [s] longest pause for `kinesic:pause="true"`
 
 _PASSED_ELEMENTS: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elements passed to the voice unchanged
 FILE_ATTRIBUTES = ("ref", "src", "href", "file")  # attributes that name a recording
+WORDS_ATTRIBUTE = "words"  # attribute that names the file with the times of a recording's words
 _LANGUAGE_ELEMENTS = frozenset({"lang", "voice", "p", "s"})  # elements with an optional language
 _DURATION_PATTERN = re.compile(r"\+?(\d++(?:\.\d*+)?|\.\d++)(ms|s)")
 _LANGUAGE_CODES = {
@@ -83,8 +84,8 @@ def read_recording(node: BehaviourElement, reading: DocumentReading) -> Recordin
     """Return the recording of a <speech>, or None.
 
     The file name is the description's text, a <reference> in it, or an attribute `ref`, `src`, `href` or `file` of the
-    description or of an element in it; it is relative to the folder of the document. A description with a negative
-    priority is ignored.
+    description or of an element in it; it is relative to the folder of the document. The attribute `words` beside it
+    names a file with the times of words. A description with a negative priority is ignored.
 
     Raises:
         BmlError: the time of a mark is not a number.
@@ -243,7 +244,17 @@ def _read_recording_description(
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
     )
     folder = Path(reading.source).parent
-    return Recording(folder / name, marks, folder)
+    words = _find_words_file(description)
+    return Recording(folder / name, marks, folder, folder / words if words else None)
+
+
+def _find_words_file(description: Element) -> str:
+    """Return the name of the file with the times of words, or an empty text."""
+    for element in (description, *description.children):
+        for name, value in element.attributes.items():
+            if name.rpartition(":")[2] == WORDS_ATTRIBUTE and value.strip():
+                return value.strip()
+    return ""
 
 
 def _find_file_name(description: Element) -> str:

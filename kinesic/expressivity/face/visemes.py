@@ -136,7 +136,7 @@ class _Sound:
         """
         full_units = self.viseme.units
         return {
-            channel: value * self.strength if channel in LIP_OPENINGS else value
+            channel: min(value * self.strength, 1.0) if channel in LIP_OPENINGS else value
             for channel, value in full_units.items()
         }
 
@@ -204,7 +204,7 @@ def _sounds(phonemes: Sequence[Phoneme]) -> Iterator[_Sound]:
         )
         for k, letter in enumerate(letters):
             duration = (end - begin) / len(letters)
-            strength = UNSTRESSED_OPENING if is_unstressed else 1.0
+            strength = (UNSTRESSED_OPENING if is_unstressed else 1.0) * phoneme.opening
             yield _Sound(viseme_of(letter), begin + k * duration, begin + (k + 1) * duration, strength)
         if letters and SEAL_UNIT in viseme_of(letters[-1]).units and end < phoneme.end:  # a plosive opens the lips
             yield _Sound(viseme_of(NEUTRAL_VOWEL), end, phoneme.end, UNSTRESSED_OPENING)

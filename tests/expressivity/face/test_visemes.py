@@ -155,3 +155,13 @@ def test_invalid_action_unit_in_user_visemes_is_refused(tmp_path: Path):
         path.write_text(f'[[viseme]]\nsays = "x"\nsounds = "a"\nunits = {{ {wrong} }}\n', encoding="utf-8")
         with pytest.raises(ConfigError, match=why):
             known_visemes(path)
+
+
+def test_loudness_scales_the_lip_opening_of_a_vowel_and_leaves_closed_lips():
+    times = np.arange(0.0, 0.6, 0.005)
+    quiet, loud = (
+        visemes((Phoneme("m", 0.1, 0.1, opening=value), Phoneme("a", 0.2, 0.3, opening=value)), times)
+        for value in (0.6, 1.2)
+    )
+    assert quiet["26"].max() == pytest.approx(0.5 * loud["26"].max(), rel=0.05)
+    assert quiet["24"].max() == loud["24"].max()

@@ -1,0 +1,1 @@
+"""Timing of recorded speech: lips, words and accents that follow the sound."""

@@ -1,0 +1,105 @@
+"""Accents of recorded speech: words that are louder, higher or longer than those around them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.utterance import STRESS_MARKS, Phoneme
+from kinesic.speech.recorded.spectrum import FRAME_PERIOD
+
+CONTEXT_TIME = 2.0  # [s] time before and after a word to which it is compared
+LEVEL_UNIT = 4.0  # [dB] rise of the level that counts as much as one unit of prominence
+PITCH_UNIT = 2.5  # [semitones] rise of the pitch that counts as much as one unit of prominence
+LENGTH_UNIT = 0.35  # relative lengthening that counts as much as one unit of prominence
+MIN_PROMINENCE = 0.7  # prominence from which a word carries an accent
+PHRASE_GAP = 0.25  # [s] a silence of this length begins a phrase; each phrase has at least one accent
+PEAK_PERCENTILE = 80  # percentile of the frames of a word that counts as its level and pitch
+MIN_RISE = 0.15  # prominence by which the only accent of a phrase exceeds its mean
+
+
+def find_prominences(
+    words: Sequence[tuple[float, float]], levels: Floats, pitch: Floats, natural: Sequence[float]
+) -> Floats:
+    """Return how much each word stands out of its surroundings, shape (words,).
+
+    Args:
+        words: start and end of each word [s].
+        levels: level of each frame [dB].
+        pitch: of each frame [Hz], NaN without voice.
+        natural: duration of each word in a neutral rendition [s].
+    """
+    if not words:
+        return np.zeros(0)
+    times = np.array(words)
+    semitones = 12.0 * np.log2(pitch)
+    peaks = np.array([_peaks(levels, semitones, word) for word in words])
+    stretch = np.log(np.maximum(times[:, 1] - times[:, 0], 0.02) / np.maximum(np.array(natural), 0.02))
+    measures = np.column_stack([peaks[:, 0] / LEVEL_UNIT, peaks[:, 1] / PITCH_UNIT, stretch / LENGTH_UNIT])
+    middles = times.mean(axis=1)
+    result = np.zeros(len(words))
+    for k, middle in enumerate(middles):
+        near = np.abs(middles - middle) <= CONTEXT_TIME
+        above = measures[k] - _mean(measures[near])
+        result[k] = float(np.nansum(above)) / 2.0
+    return result
+
+
+def find_accents(words: Sequence[tuple[float, float]], prominences: Floats, is_stressed: Flags) -> Flags:
+    """Return which words carry an accent, shape (words,).
+
+    Every phrase has an accent unless its words are equally prominent.
+
+    Args:
+        words: start and end of each word [s].
+        prominences: of each word.
+        is_stressed: words that a neutral voice stresses; others need twice the prominence.
+    """
+    needed = np.where(is_stressed, MIN_PROMINENCE, 2.0 * MIN_PROMINENCE)
+    accents: Flags = prominences >= needed
+    begin = 0
+    for k in range(1, len(words) + 1):
+        if k == len(words) or words[k][0] - words[k - 1][1] >= PHRASE_GAP:
+            phrase = slice(begin, k)
+            candidates = np.where(is_stressed[phrase], prominences[phrase], -np.inf)
+            best = int(np.argmax(candidates))
+            if not accents[phrase].any() and candidates[best] - prominences[phrase].mean() >= MIN_RISE:
+                accents[begin + best] = True
+            begin = k
+    return accents
+
+
+def move_stress(
+    phonemes: Sequence[Phoneme], words: Sequence[tuple[float, float]], accents: Flags
+) -> tuple[Phoneme, ...]:
+    """Return sounds with primary stress only in accented words.
+
+    Elsewhere primary stress becomes secondary. Without any accent, the sounds stay unchanged.
+    """
+    if not accents.any():
+        return tuple(phonemes)
+    starts = [start for start, _ in words]
+    moved: list[Phoneme] = []
+    for sound in phonemes:
+        word = int(np.searchsorted(starts, sound.start + FRAME_PERIOD)) - 1
+        if sound.symbol.startswith(STRESS_MARKS[0]) and not (word >= 0 and accents[word]):
+            sound = replace(sound, symbol=STRESS_MARKS[1] + sound.symbol[1:])  # noqa: PLW2901 - a weaker copy
+        moved.append(sound)
+    return tuple(moved)
+
+
+def _peaks(levels: Floats, semitones: Floats, word: tuple[float, float]) -> tuple[float, float]:
+    """Return the level [dB] and pitch [semitones] that a word reaches; NaN without voice."""
+    frames = slice(int(word[0] / FRAME_PERIOD), max(int(word[1] / FRAME_PERIOD), int(word[0] / FRAME_PERIOD) + 1))
+    voiced = semitones[frames][~np.isnan(semitones[frames])]
+    level = float(np.percentile(levels[frames], PEAK_PERCENTILE)) if len(levels[frames]) else np.nan
+    return level, float(np.percentile(voiced, PEAK_PERCENTILE)) if len(voiced) else np.nan
+
+
+def _mean(measures: Floats) -> Floats:
+    """Return the mean of each column without its NaN; 0 without numbers."""
+    is_number = ~np.isnan(measures)
+    counts = np.maximum(is_number.sum(axis=0), 1)
+    mean: Floats = np.where(is_number, measures, 0.0).sum(axis=0) / counts
+    return mean

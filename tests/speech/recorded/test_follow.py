@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+
+from kinesic.body.utterance import Phoneme, Script
+from kinesic.speech.espeak import Espeak
+from kinesic.speech.recorded.follow import FollowedSpeech, follow_recording, release_stops
+from kinesic.speech.recorded.given_times import GivenTime
+from kinesic.speech.recorded.rendition import render
+from tests.speech.recorded.speaking import TEXT, SpokenText, speak
+
+PAUSES = {0: 0.6, 3: 2.0, 8: 0.8}
+
+
+def follow(espeak: Espeak, spoken: SpokenText, given: dict[int, GivenTime] | None = None) -> FollowedSpeech:
+    rendition = render(Script(TEXT), espeak)
+    times = [(given or {}).get(k, GivenTime()) for k in range(len(rendition.words))]
+    followed = follow_recording(rendition, spoken.sound, times)
+    assert followed is not None
+    return followed
+
+
+@pytest.mark.parametrize(("pauses", "noise"), [({}, 0.0), (PAUSES, 0.0), (PAUSES, 0.1)])
+def test_words_are_found_by_their_sound_through_pauses_and_noise(
+    espeak: Espeak, pauses: dict[int, float], noise: float
+):
+    spoken = speak(espeak, pauses=pauses, noise=noise)
+    errors = np.abs(np.array([start for start, _ in follow(espeak, spoken).words]) - spoken.starts)
+    assert np.median(errors) <= 0.05
+    assert np.percentile(errors, 95) <= 0.12
+
+
+def test_given_word_times_are_kept_and_the_others_lie_between(espeak: Espeak):
+    spoken = speak(espeak, pauses=PAUSES)
+    given = {k: GivenTime(float(spoken.starts[k]) + 0.007) for k in (1, 4, 9)}
+    starts = np.array([start for start, _ in follow(espeak, spoken, given).words])
+    for k, time in given.items():
+        assert starts[k] == time.start
+    assert np.all(np.diff(starts) >= 0.0)
+    assert np.median(np.abs(starts - spoken.starts)) <= 0.05
+
+
+def test_no_sound_lies_in_a_long_silence(espeak: Espeak):
+    spoken = speak(espeak, pauses=PAUSES, noise=0.05)
+    followed = follow(espeak, spoken)
+    for word, duration in PAUSES.items():
+        begin, end = spoken.starts[word] - duration + 0.1, spoken.starts[word] - 0.15
+        for sound in followed.phonemes:
+            onset, release = sound.articulation
+            assert release <= begin or onset >= end, sound
+
+
+def test_lips_close_at_every_bilabial_of_the_text(espeak: Espeak):
+    spoken = speak(espeak)
+    expected = [sound.start for sound in spoken.phonemes if sound.letters[:1] in ("p", "b", "m")]
+    placed = [sound.start for sound in follow(espeak, spoken).phonemes if sound.letters[:1] in ("p", "b", "m")]
+    assert placed == pytest.approx(expected, abs=0.08)
+
+
+def test_loud_parts_of_a_recording_open_the_lips_wider(espeak: Espeak):
+    spoken = speak(espeak)
+    half = len(spoken.sound.samples) // 2
+    samples = spoken.sound.samples.copy()
+    samples[half:] *= 0.25
+    quiet = SpokenText(type(spoken.sound).of(spoken.sound.rate, samples), spoken.starts, spoken.phonemes)
+    before, after = (
+        np.mean([p.opening for p in follow(espeak, s).phonemes if p.start * spoken.sound.rate > half])
+        for s in (spoken, quiet)
+    )
+    assert after < before - 0.05
+
+
+def test_given_stops_open_before_their_end():
+    stop, vowel = release_stops((Phoneme("p", 0.0, 0.1), Phoneme("a", 0.1, 0.1)))
+    assert stop.articulation == pytest.approx((0.0, 0.07))
+    assert vowel.articulation == pytest.approx((0.1, 0.2))
