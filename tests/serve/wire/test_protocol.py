@@ -54,6 +54,12 @@ def test_overlong_message_is_detected_immediately(pieces):
         frames.feed(last)
 
 
+@pytest.mark.parametrize("pieces", [[b"1234567890\0"], [b"12345", b"67890", b"\0"]])
+def test_message_of_the_maximum_size_is_read(pieces):
+    frames = MessageFramer(10)
+    assert [message for piece in pieces for message in frames.feed(piece)] == [b"1234567890"]
+
+
 @pytest.mark.parametrize(
     ("text", "wish"),
     [
