@@ -6,10 +6,11 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.condition import LEAD_IN, condition
+from kinesic.motion.condition import LEAD_IN, Conditioned, condition
+from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.keys import Bond, KeyPassage, KeyPosture
 from kinesic.motion.limit_check import check_limits
-from kinesic.motion.trajectory import KNOT_INTERVAL
+from kinesic.motion.trajectory import KNOT_INTERVAL, stay
 
 BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
 DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)
@@ -39,6 +40,18 @@ def test_fast_motion_is_stretched_and_names_its_bottlenecks():
     assert {bottleneck.hinge for bottleneck in motion.bottlenecks.values()} == {0}
     assert highest(motion) <= 1.0 + 1e-6
     assert motion.planned[2] - motion.planned[0] > 0.4
+
+
+@pytest.mark.parametrize("pairs", [((0, 1),), ((0, 1), (1, 2), (2, 4))])
+def test_bottleneck_near_a_time_is_that_of_the_nearest_keys_and_preferably_of_the_given_hinges(pairs):
+    times = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
+    bottlenecks = {pair: Bottleneck(hinge, "velocity", 2.0) for hinge, pair in enumerate(pairs)}
+    motion = Conditioned(stay(np.zeros(3)), times, times, bottlenecks, np.zeros(3))
+    nearest = {(0.4, ()): 0, (1.0, (1,)): 1, (1.5, (2,)): 1, (2.0, (0,)): 1, (2.0, (2,)): 2, (5.0, ()): 2}
+    for (time, hinges), hinge in nearest.items():
+        bottleneck = motion.bottleneck_near(time, hinges)
+        assert bottleneck is not None
+        assert bottleneck.hinge == (hinge if len(pairs) > 1 else 0)
 
 
 def test_sharp_desired_motion_keeps_its_times_and_is_smoothed():
