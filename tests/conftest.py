@@ -23,6 +23,7 @@ from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
 
 from .machine import Watch, depends_on_time
+from .messages import send_few_messages
 from .nudge import nudge_random_inputs
 from .scheduling import CLOCK_WORKERS, ClockBesideCalculation, begin_elsewhere, rank, step_back
 
@@ -47,8 +48,10 @@ for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIG
         signal.signal(_number, _usual)
 
 
+@pytest.hookimpl(trylast=True)  # after pytest-rerunfailures has connected its processes
 def pytest_configure(config: pytest.Config) -> None:
     step_back(config)
+    send_few_messages(config)
     if config.getoption("--hypothesis-profile") != "soak":
         ignore_source_constants()
 

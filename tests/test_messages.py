@@ -1,0 +1,79 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from .messages import is_needed, uses_short_output
+
+ROOT_FOLDER = Path(__file__).parents[1]
+ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")} | {
+    "PYTHONPATH": str(ROOT_FOLDER)
+}
+
+
+def report(when: str, outcome: str) -> dict[str, object]:
+    return {"data": {"when": when, "outcome": outcome}}
+
+
+@pytest.mark.parametrize("when", ["setup", "call", "teardown"])
+def test_failed_and_skipped_phases_of_a_test_are_sent(when):
+    assert all(is_needed("testreport", report(when, outcome)) for outcome in ("failed", "skipped", "rerun"))
+
+
+def test_passed_call_is_sent_and_its_passed_setup_and_teardown_are_not():
+    needed = {when: is_needed("testreport", report(when, "passed")) for when in ("setup", "call", "teardown")}
+    assert needed == {"setup": False, "call": True, "teardown": False}
+
+
+def test_messages_that_schedule_tests_are_sent():
+    names = ("collectionfinish", "runtest_protocol_complete", "warning_recorded", "workerfinished")
+    assert all(is_needed(name, {}) for name in names)
+
+
+def test_verbose_output_and_durations_need_all_messages(pytestconfig):
+    assert uses_short_output(pytestconfig) == (
+        pytestconfig.option.verbose <= 0 and not pytestconfig.option.durations and not pytestconfig.option.xmlpath
+    )
+
+
+SUITE = """
+import pytest
+attempts = []
+
+def test_passes_at_the_second_attempt():
+    attempts.append(1)
+    assert len(attempts) == 2
+
+@pytest.fixture
+def broken():
+    yield
+    raise ValueError
+
+@pytest.fixture
+def missing():
+    raise ValueError
+
+def test_teardown_fails(broken): pass
+def test_setup_fails(missing): pass
+def test_fails(): assert False
+def test_passes(): pass
+def test_skips(): pytest.skip("reason")
+"""
+CONFTEST = """
+import pytest
+from tests.messages import send_few_messages
+
+pytest_configure = pytest.hookimpl(send_few_messages, trylast=True)
+"""
+
+
+@pytest.mark.soak
+def test_summary_of_processes_counts_every_result_and_repetition(tmp_path):
+    (tmp_path / "conftest.py").write_text(CONFTEST)
+    (tmp_path / "test_results.py").write_text(SUITE)
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "1", "--reruns", "1", "-W", "error", str(tmp_path)]
+    ended = subprocess.run(command, cwd=ROOT_FOLDER, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    last = ended.stdout.splitlines()[-1]
+    assert last.startswith("1 failed, 4 passed, 1 skipped, 2 errors, 4 rerun"), ended.stdout
