@@ -67,6 +67,15 @@ def test_segment_with_equal_key_angles_is_still():
     assert [item.is_still for item in cut(1)] == [True, True, False]
 
 
+def test_motion_may_overshoot_its_keys_by_a_tenth_of_their_distance_and_at_least_a_little():
+    still, moving = cut(1)[0], cut(0)[0]
+    for segment, lowest, highest in ((still, 0.95, 1.05), (moving, -0.07, 0.77)):
+        lower, upper = segment.corridor(LIMITS)
+        assert (lower.min(), upper.max()) == pytest.approx((lowest, highest))
+    lower, upper = still.corridor(LIMITS, np.full(still.grid.pieces + 1, 1.5))
+    assert (lower.min(), upper.max()) == pytest.approx((0.95, 1.55))
+
+
 def test_equality_constraints_of_a_segment_fix_key_angles_and_rest_at_its_ends():
     way = cut(0)[1]
     matrix, values = way.fixed.matrix, way.fixed.values

@@ -48,6 +48,7 @@ def test_arm_drifts_several_times_during_a_long_hold():
     assert len(swells) >= 3
     assert min(swell.begin for swell in swells) >= 1.4
     assert max(swell.end for swell in swells) <= 7.6
+    assert all(0.4 <= (swell.peak - swell.begin) / (swell.end - swell.begin) <= 0.6 for swell in swells)
     assert 0.5 * MAX_DRIFT < max(np.abs(swell.away).max() for swell in swells) <= MAX_DRIFT
     moved = np.any([swell.away != 0.0 for swell in swells], axis=0)
     assert {ROBOT.skeleton.names[hinge][:2] for hinge in np.flatnonzero(moved)} == {"l_"}
