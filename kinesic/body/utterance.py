@@ -138,6 +138,7 @@ class Utterance:
     voice: str = ""  # name of the engine
     sound: Sound | None = None  # None: timing only
     remarks: tuple[str, ...] = ()  # requested features that the voice cannot produce
+    accents: tuple[float, ...] = ()  # [s] pitch peaks of accented syllables; empty: the voice reports none
 
 
 class Voice(Protocol):

@@ -20,11 +20,11 @@ def rate_at(script: Script, position: int) -> float:
     rate = 1.0
     for section in script.emphases:
         if section.element == "prosody" and section.begin <= position < section.end:
-            rate *= _read_rate(dict(section.attributes).get("rate", ""))
+            rate *= read_rate(dict(section.attributes).get("rate", ""))
     return min(max(rate, MIN_RATE), MAX_RATE)
 
 
-def _read_rate(text: str) -> float:
+def read_rate(text: str) -> float:
     """Parse a rate such as `slow`, `80%` or `1.2`, or return 1.
 
     A signed number is added to 1: `+20%` is 1.2.

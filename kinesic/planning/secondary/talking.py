@@ -52,7 +52,7 @@ def make_speech_motion(
         if not isinstance(timed.behaviour.action, Speech) or utterance is None:
             continue
         begin, end = timed.times["start"], timed.times["end"]
-        accents = [begin + time for time in find_accented_vowels(utterance.phonemes)]
+        accents = [begin + time for time in utterance.accents or find_accented_vowels(utterance.phonemes)]
         for span in pauses(busy_spans, (begin, end)):
             yield from _straying(span, amount, robot, chance)
             yield from _dips(accents, span, amount, robot, chance)
