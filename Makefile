@@ -13,7 +13,7 @@ UNCHANGED = { ! grep -q "DO NOT MATCH THE HASHES" $(1) || { cat $(1) >&2; exit 1
 COMPILER = { ! $(BIN)/python -c 'import sys, build_backend; sys.exit(not build_backend.needs_zig())' || \
 	$(call TESTED,requirements-compiler.lock,.venv/compiler.log) || { $(call UNCHANGED,.venv/compiler.log); false; }; }
 SOURCES := pyproject.toml build_backend.py $(wildcard requirements*.lock setup.py kinesic/_kernel/*.cpp kinesic/*/kernel/*.cpp kinesic/*/kernel/*.h)
-EXTRAS := speech face
+EXTRAS := speech face voice
 KEPT ?=
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium

@@ -17,12 +17,14 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.diagnosis import Finding, diagnose
 from kinesic.sim import gl
 from kinesic.speech import espeak_pool, loudspeaker
+from kinesic.speech.hibari.engine import hibari_fault
 from kinesic.version import __version__
 
 COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # each returns the state to print; empty: it works
     "film (MuJoCo, OpenGL)": gl.opengl_fault,
     "film as mp4 (ffmpeg)": lambda: find_encoder() or explain_missing_encoder(),
     "face (EGL, OpenGL)": display.find_display_problem,
+    "voice (hibari)": hibari_fault,
     "speech (espeak-ng)": espeak_pool.espeak_fault,
     "loudspeaker (PortAudio)": loudspeaker.audio_fault,
 }

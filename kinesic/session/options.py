@@ -19,7 +19,7 @@ SET_HELP = (
     "One style parameter, which also overrides documents, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
     f"of {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat for more."
 )
-VOICE_HELP = "Voice: espeak is audible, durations is silent; auto is espeak where it is installed."
+VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
 CHARACTER_HELP = "Character of the robot in a block for several; default is the block's character, or the first."
 IDLE_HELP = "Amount of breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."

@@ -2,11 +2,13 @@ import os
 import pickle
 import wave
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
+from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Mark, Recording, Script
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -15,7 +17,9 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.speech import voice as module
 from kinesic.speech.durations import DurationModel
+from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
+from kinesic.speech.hibari.model import find_package
 from kinesic.speech.recording import RecordingError, read_wav
 from kinesic.speech.voice import RecordedVoice, voice
 
@@ -35,12 +39,30 @@ def test_auto_voice_speaks_if_an_engine_is_installed():
     if espeak_fault():
         pytest.skip(espeak_fault())
     utterance = plan(SPEECH, set_up(voice="auto")).utterances["s"]
-    assert utterance.voice == "espeak-ng"
+    assert utterance.voice == ("espeak-ng" if find_package() is None else "hibari")
     assert utterance.sound is not None
     assert utterance.sound.duration == pytest.approx(utterance.duration)
 
 
+@pytest.mark.parametrize("language", ["en", "en-GB", "fr"])
+def test_auto_voice_without_the_neural_one_is_espeak(language: str, monkeypatch: pytest.MonkeyPatch, espeak: Espeak):
+    monkeypatch.setattr(module, "find_package", lambda: None)
+    script = Script("Hello, my friend", (Mark("m", 7),), language)
+    utterance, expected = voice("auto").say(script), espeak.say(script)
+    assert (utterance.voice, utterance.marks, utterance.phonemes) == ("espeak-ng", expected.marks, expected.phonemes)
+    assert utterance.sound is not None
+    assert expected.sound is not None
+    assert np.array_equal(utterance.sound.samples, expected.sound.samples)
+
+
+@pytest.mark.parametrize("name", ["emma", "fable", "fenrir", "kore"])
+def test_voices_that_would_be_downloaded_are_refused(name: str):
+    with pytest.raises(ConfigError, match=f"{name} is not in the package"):
+        voice(cast(VoiceName, name))
+
+
 def test_auto_voice_is_silent_without_an_engine_and_warns(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "find_package", lambda: None)
     monkeypatch.setattr(module, "espeak_fault", lambda: "espeak-ng is not installed: pip install it")
     planned = plan(SPEECH, set_up(voice="auto"))
     assert planned.utterances["s"].voice == "durations"
@@ -62,7 +84,7 @@ def test_default_voice_of_the_library_is_silent_without_warnings():
 
 
 @pytest.mark.parametrize("name", ["auto", "durations"])
-def test_voice_can_be_pickled(name: module.VoiceName):
+def test_voice_can_be_pickled(name: VoiceName):
     block = parse(SPEECH)
     setup, other_setup = set_up(voice=name), set_up()
     object.__setattr__(other_setup, "voice", pickle.loads(pickle.dumps(setup.voice)))
