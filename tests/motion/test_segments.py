@@ -67,7 +67,7 @@ def test_segment_with_equal_key_angles_is_still():
     assert [item.is_still for item in cut(1)] == [True, True, False]
 
 
-def test_motion_may_overshoot_its_keys_by_a_tenth_of_their_distance_and_at_least_a_little():
+def test_motion_may_overshoot_its_keys_by_a_tenth_of_their_distance_or_a_minimum():
     still, moving = cut(1)[0], cut(0)[0]
     for segment, lowest, highest in ((still, 0.95, 1.05), (moving, -0.07, 0.77)):
         lower, upper = segment.corridor(LIMITS)
