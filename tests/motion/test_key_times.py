@@ -86,6 +86,15 @@ def test_infeasible_segment_gets_more_time():
     assert not find_infeasible(search, keys)
 
 
+def test_segment_of_unknown_time_deficit_stops_at_its_keys_at_once():
+    keys = Keys.of(KEYS, FEASIBLE_LIMITS)
+    search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
+    segment = find_infeasible(search, keys)[0]
+    search._request_more_time(segment, None)
+    durations = compute_rest_durations(keys, FEASIBLE_LIMITS)
+    assert all(search._gaps[pair] >= durations[hinge, pair] for hinge, pair in segment.key_intervals)
+
+
 def test_feasible_requested_key_times_are_unchanged():
     slow = tuple(replace(key, time=3 * key.time) for key in KEYS)
     keys = Keys.of(slow, FEASIBLE_LIMITS)
