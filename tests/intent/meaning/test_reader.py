@@ -24,7 +24,8 @@ def is_beat(lexemes: set[str]) -> bool:
 @pytest.mark.parametrize(
     "text",
     ["No problem!", "I couldn't agree more.", "Why not?", "Not bad at all!", "I can't wait to see it.", "Don't worry.",
-     "Nothing beats fresh bread.", "No wonder it broke.", "It's at number 5, not only today."],
+     "They couldn't agree with him more.", "Nothing beats fresh bread.", "No wonder it broke.",
+     "It's at number 5, not only today."],
 )  # fmt: skip
 def test_negative_words_that_deny_nothing_get_no_refusal_gesture(text: str):
     for seed in range(3):
@@ -52,6 +53,40 @@ def test_polite_words_in_other_senses_get_no_face(text: str, face: str):
     assert face not in shown(text, "face")
     assert shown("Good morning!", "face") == {"smile"}
     assert shown("I'm so sorry!", "face") & {"sorry", "sadness", "LOWER_MOUTH_CORNERS"}
+
+
+@pytest.mark.parametrize("text", ["Watch out, the pan is hot!", "Mind your step.", "Look out for the bus."])
+def test_warning_of_a_danger_raises_a_finger(text: str):
+    assert shown(text) == {"warning_finger"}
+    assert "warning_finger" not in shown("Mind your own business.") | shown("You look out of the window.")
+
+
+def test_fixed_words_with_numbers_show_no_sides():
+    assert "on_one_hand" not in shown("I can count on one hand the boats that came back.")
+    assert "on_one_hand" in shown("On one hand, boats are slow; on the other hand, they are quiet.")
+
+
+def test_two_sides_of_an_argument_have_different_gestures():
+    assert shown("On the one hand, it is cheap. On the other hand, it breaks.") & {"balance", "weigh_low"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["We all walked and went down to the harbour.", "A thin mist hung over the canal.", "She pushed the lid over it.",
+     "The iron hook hangs under the roof.", "Here stands the thing that visitors come for."],
+)  # fmt: skip
+def test_words_of_space_in_other_senses_are_not_drawn(text: str):
+    assert is_beat(shown(text))
+
+
+def test_repeated_words_of_a_path_do_not_hurry():
+    assert shown("She walked round and round the pond.") >= {"circle_drawn"}
+    assert "one_after_another" in shown("Step by step the bridge was built.")
+
+
+def test_word_before_its_noun_points_at_nothing():
+    assert "that_low" in shown("I'll take this one.")
+    assert "that_low" not in shown("The whole roof rests on this one beam.")
 
 
 def test_gestures_to_the_listener_need_no_third_person_as_subject():
