@@ -4,7 +4,8 @@
 |---|---|
 | `bash` | commands in the first terminal, which must succeed |
 | `bash title="second terminal"` | commands in another terminal, which may run on |
-| `text` | output of the commands before; `...` is any text, a number with a decimal point any number |
+| `text` | output of the commands before; `...` is any text, a decimal differs by at most 2 % or one last digit |
+| `<!-- measured: next -->` | decimals in the next output depend on the machine, and are any number |
 | any language with `title="FILE"` | content of that file |
 | `<!-- press-enter: TERMINAL -->` | Enter in that terminal |
 | `<!--- skip: next -->` | the next block is not executed |
@@ -37,7 +38,7 @@ def read_tutorial(name: str) -> Document:
 
 def read_page(path: Path) -> Document:
     """Read a page's blocks, presses of Enter and skipped blocks."""
-    return Document.parse(str(path), SkipParser(), _blocks, _presses)
+    return Document.parse(str(path), SkipParser(), _blocks, _presses, _marks)
 
 
 def _blocks(document: Document) -> list[Region]:
@@ -51,6 +52,13 @@ def _presses(document: Document) -> list[Region]:
     regions = list(DirectiveInHTMLCommentLexer(directive="press-enter", arguments=r"[^\n>]+?")(document))
     for region in regions:
         region.evaluator = _press_enter
+    return regions
+
+
+def _marks(document: Document) -> list[Region]:
+    regions = list(DirectiveInHTMLCommentLexer(directive="measured", arguments="next")(document))
+    for region in regions:
+        region.evaluator = _mark_measured
     return regions
 
 
@@ -75,6 +83,7 @@ class Desk:
     def __init__(self, folder: Path, ending: ExitStack) -> None:
         self.folder, self.terminals, self._ending = folder, dict[str, Terminal](), ending
         self._port = _free_port()
+        self.is_measured = False  # whether decimals of the next output depend on the machine
         self.first = self.last = self.terminal(FIRST_TERMINAL)
 
     def terminal(self, name: str) -> Terminal:
@@ -105,7 +114,8 @@ def _follow(example: Example) -> None:
     lexemes = example.region.lexemes
     language, title, source = lexemes["language"], lexemes["title"], desk.at_own_port(str(lexemes["source"]))
     if language == "text":
-        desk.last.await_output(source)
+        desk.last.await_output(source, is_measured=desk.is_measured)
+        desk.is_measured = False
         return
     desk.first.await_end()
     if language == "bash":
@@ -113,6 +123,11 @@ def _follow(example: Example) -> None:
         desk.last.start(source)
     else:
         (desk.folder / title).write_text(source, encoding="utf-8")
+
+
+def _mark_measured(example: Example) -> None:
+    desk: Desk = example.namespace["desk"]
+    desk.is_measured = True
 
 
 def _press_enter(example: Example) -> None:

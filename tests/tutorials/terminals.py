@@ -1,33 +1,20 @@
 """Terminals in which the commands of a tutorial run, one process group each."""
 
-import doctest
 import os
-import re
 import signal
 import subprocess
 import time
 from pathlib import Path
 from threading import Thread
 
+from tests.tutorials.outputs import matches
+
 COMMAND_TIMEOUT = 90.0  # [s] for a command or its shown output, also on a loaded machine
 POLL_PERIOD = 0.05  # [s] between two comparisons of the output
-MATCHING = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
 class TutorialError(AssertionError):
     """Command that failed, or output that differs from the page."""
-
-
-def matches(shown: str, printed: str) -> bool:
-    """Return whether printed text is as shown.
-
-    `...` stands for any text, and numbers with a decimal point for any number.
-    """
-    return doctest.OutputChecker().check_output(_without_decimals(shown), _without_decimals(printed), MATCHING)
-
-
-def _without_decimals(text: str) -> str:
-    return re.sub(r"-?\b\d+\.\d+\b", "0.0", text).strip() + "\n"
 
 
 class Terminal:
@@ -37,6 +24,7 @@ class Terminal:
         self._folder, self._environment = folder, environment
         self._process: subprocess.Popen[str] | None = None
         self._source, self._shown, self._printed = "", "", list[str]()
+        self._is_measured = False
         self._reader: Thread | None = None
 
     @property
@@ -70,15 +58,19 @@ class Terminal:
         self._process.stdin.write("\n")
         self._process.stdin.flush()
 
-    def await_output(self, shown: str) -> None:
+    def await_output(self, shown: str, *, is_measured: bool) -> None:
         """Wait until the output is as shown; commands that still run may print more.
+
+        Args:
+            shown: text of the page.
+            is_measured: whether its decimals depend on the machine.
 
         Raises:
             TutorialError: it is not, at the end of the commands or of the time limit.
         """
-        self._shown, end = shown, time.monotonic() + COMMAND_TIMEOUT
+        self._shown, self._is_measured, end = shown, is_measured, time.monotonic() + COMMAND_TIMEOUT
         while self._is_running() and time.monotonic() < end:
-            if matches(f"{shown.rstrip()}...", self.printed):
+            if matches(f"{shown.rstrip()}...", self.printed, is_measured=is_measured):
                 return
             time.sleep(POLL_PERIOD)
         if not self._is_running() and self._reader is not None:
@@ -103,7 +95,7 @@ class Terminal:
         self._compare()
 
     def _compare(self) -> None:
-        if self._shown and not matches(self._shown, self.printed):
+        if self._shown and not matches(self._shown, self.printed, is_measured=self._is_measured):
             raise TutorialError(f"{self._source}\nprinted\n\n{self.printed}\nbut the page shows\n\n{self._shown}")
 
     def interrupt(self) -> None:

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.tutorials.outputs import matches
 from tests.tutorials.pages import execute, read_page
-from tests.tutorials.terminals import TutorialError, matches
+from tests.tutorials.terminals import TutorialError
 
 SECOND = """
 ```bash title="second terminal"
@@ -37,7 +38,7 @@ def block(info: str, *lines: str) -> str:
 
 def test_tutorial_page_writes_its_files_and_compares_outputs(tmp_path: Path):
     file = block('python title="hello.py"', "print('one', 1.25)", "print('two')", "print('three')")
-    follow(file + block("bash", "python hello.py") + block("text", "one   7.5", "...", "three"), tmp_path)
+    follow(file + block("bash", "python hello.py") + block("text", "one   1.24", "...", "three"), tmp_path)
     assert (tmp_path / "empty" / "hello.py").is_file()
 
 
@@ -67,13 +68,37 @@ def test_commands_in_a_second_terminal_run_until_the_end_of_the_tutorial(tmp_pat
 @pytest.mark.parametrize(
     ("shown", "printed", "same"),
     [
-        ("at 1.20 s", "at  31.7 s", True),
+        ("at 1.20 s", "at  1.21 s", True),
+        ("at 1.20 s", "at  1.223 s", True),
+        ("at 1.20 s", "at  1.23 s", False),
+        ("at 120.0 s", "at 122.3 s", True),
+        ("at 120.0 s", "at 122.5 s", False),
+        ("0.02 0.0", "0.03 -0.1", True),
+        ("0.02", "0.04", False),
         ("at 1.20 s", "at 1 s", False),
+        ("0.2.0", "0.2.1", False),
+        ('{"seconds": 5.58, "x"...', '{"seconds": 5.60, "x": [1, 2]}', True),
+        ("a ... 1.50 b", "a 2.50 b 1.50 b", True),
+        ("a ... 1.50 b", "a 1.50 b 2.50 b", False),
+        ("nothing fails...", "nothing fails; 1 warning", True),
         ("23 servos", "69 servos", False),
         ("a\n...\nc", "a\nb\nb\nc", True),
         ("a\n...\nc", "a\nb", False),
         ("id mcp-...: done", "id mcp-31f: done", True),
     ],
 )
-def test_only_decimals_and_ellipses_in_tutorial_outputs_are_wildcards(shown: str, printed: str, same: bool):
+def test_outputs_are_compared_word_by_word_with_a_tolerance(shown: str, printed: str, same: bool):
     assert matches(shown, printed) is same
+
+
+def test_decimals_of_a_measured_output_are_any_numbers(tmp_path: Path):
+    assert not matches("1.20 s 3", "7.5 s 4", is_measured=True)
+    assert not matches("1.20 s", "7 s", is_measured=True)
+    mark, shown = "<!-- measured: next -->\n", block("text", "1.20 s")
+    follow(block("bash", "echo 1.21 s") + shown + block("bash", "echo 7.5 s") + mark + shown, tmp_path)
+
+
+def test_only_the_next_output_is_measured(tmp_path: Path):
+    text = "<!-- measured: next -->\n" + block("text", "1.20") + block("bash", "echo 8.5") + block("text", "1.20")
+    with pytest.raises(TutorialError, match="but the page shows"):
+        follow(block("bash", "echo 7.5") + text, tmp_path)
