@@ -98,10 +98,7 @@ def draft_json(plan: Plan) -> dict[str, Json]:
         "words": list(_words(plan)),
         "phonemes": list(_phonemes(plan)),
         "loudness": _loudness(plan),
-        "notices": [
-            {"type": notice.type.value, "id": notice.id, "text": notice.text}
-            for notice in (*plan.timeline.notices, *plan.notices)
-        ],
+        "notices": [{"type": notice.type.value, "id": notice.id, "text": notice.text} for notice in plan.notices],
         "rate": ANGLE_RATE,
         "angles": b64encode(plan.trajectory.sample(times)[0].astype("<f4").tobytes()).decode(),
     }

@@ -42,6 +42,14 @@ def test_document_preview_contains_the_speech_loudness_over_time(speaking_setup,
     )
 
 
+def test_document_preview_contains_each_warning_once(upper22_setup):
+    odd = WORDS.replace('id="g"', 'id="g" colour="red"').replace('lexeme="offer"', 'lexeme="xyzzy"')
+    notices = draft(odd, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["notices"]
+    texts = [(item["id"], item["text"]) for item in notices]
+    assert [text for _, text in texts if "colour" in text or "xyzzy" in text] != []
+    assert len(texts) == len(set(texts)) == 2
+
+
 def test_preview_of_an_invalid_document_reports_the_error_with_its_line(upper22_setup):
     wrong = draft(WORDS.replace("s:m", "none:end"), (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     assert wrong["error"]["line"] == 3
