@@ -52,6 +52,12 @@ SERVO_DRIVER = HostFeature(
     sys.platform != "win32",
     "run it in WSL 2 with the adapter attached by usbipd; the twin works here",
 )
+STOP_FROM_OUTSIDE = HostFeature(
+    "a stop of the servos from another program",
+    "Linux",
+    sys.platform == "linux",
+    "press space in `perform`, or send stop to `serve`; if the robot still moves, switch the power off",
+)
 VIRTUAL_PORTS = HostFeature(
     "the simulation of servo ports",
     "Linux",

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import click
@@ -100,6 +101,22 @@ def test_simulated_windows_has_no_folder_descriptors_and_no_user_ids(tmp_path):
     print_platforms = "print(host.sys.platform, host.HAS_FOLDER_DESCRIPTORS, host.user_id(), sys.platform)"
     done = windows(tmp_path, "-c", f"import sys\nfrom kinesic import host\n{print_platforms}")
     assert done.stdout.split() == ["win32", "False", "0", sys.platform], done.stderr
+
+
+@pytest.mark.parametrize(
+    ("platform", "missing"),
+    [("linux", []), ("darwin", ["STOP_FROM_OUTSIDE", "VIRTUAL_PORTS"]), ("win32", None)],
+    ids=["linux", "macos", "windows"],
+)
+def test_features_of_each_system_are_those_of_the_installation_page(monkeypatch, platform, missing):
+    monkeypatch.setattr(sys, "platform", platform)
+    spec = spec_from_file_location("host_of_another_system", host.__file__)
+    assert spec is not None
+    assert spec.loader is not None
+    spec.loader.exec_module(again := module_from_spec(spec))
+    features = {name: value for name, value in vars(again).items() if isinstance(value, again.HostFeature)}
+    lacking = [name for name, feature in features.items() if not feature.is_available]
+    assert sorted(lacking) == sorted(features if missing is None else missing)
 
 
 def test_missing_host_feature_error_names_the_required_system():

@@ -12,6 +12,7 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_faults, find_supervisors
 from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.host import STOP_FROM_OUTSIDE
 
 STANDSTILL_TIMEOUT = 3.0  # [s] time limit for all setpoints to become constant
 POLL_PERIOD = 0.02  # [s] between two checks for standstill, several cycles of a supervisor
@@ -26,8 +27,10 @@ def stop_robots() -> int:
     """Stop all robots driven by this user's supervisors, and await standstill.
 
     Raises:
+        ConfigError: this system cannot find supervisors.
         BusError: no supervisor of this user runs, or one does not stop.
     """
+    STOP_FROM_OUTSIDE.require()
     channels: list[Channel] = []
     for channel in find_supervisors():
         channel.stop("hold")

@@ -3,7 +3,8 @@
 A small file under the port's name holds the process id and the location of the channel; the channel itself has no
 name, and its clock shows whether it is still written. The file is in a folder that no other user may write. Its
 location does not depend on the environment, so that an emergency stop from any shell finds it; if the file is lost, the
-processes of the user are searched. This needs Linux' /proc; other systems find no supervisor.
+processes of the user are searched. Other systems find no supervisor: only Linux opens memory without a name, through
+/proc.
 """
 
 import os
@@ -58,7 +59,7 @@ def publish(ports: Iterable[str | Path], memory: int, joints: int) -> tuple[Path
         return ()
     raise BusError(
         f"`kinesic servos stop` could not find this robot ({'; '.join(faults) or 'no folder is available'}); "
-        "remove what is there, or give this user a home folder"
+        "make these folders writable for this user only, or give this user a home folder"
     )
 
 

@@ -1,11 +1,13 @@
 """Verb `kinesic servos stop` with supervisors of a virtual clock."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from kinesic.body.config import ConfigError
 from kinesic.cli.servos import stop
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -102,3 +104,9 @@ def test_stop_reports_why_no_supervisor_was_found(run):
     ended = run()
     assert ended.code == 2
     assert "from this machine; folder: full; other: missing; if a robot still moves, switch the power off" in ended.err
+
+
+def test_system_without_a_way_to_find_supervisors_says_how_to_stop_instead(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(stop, "STOP_FROM_OUTSIDE", replace(stop.STOP_FROM_OUTSIDE, is_available=False))
+    with pytest.raises(ConfigError, match="press space in `perform`, or send stop to `serve`"):
+        stop.stop_robots()
