@@ -132,7 +132,7 @@ class Performer:
         _check_options(on, twin, sinks)
         if on == "servos" and feedforward != "full":
             raise ConfigError(
-                f"feedforward is {feedforward!r}: servos are led with 'full' alone, as their dry run is then"
+                f"feedforward is {feedforward!r}: servos accept only 'full', with which their dry run is computed"
             )
         planned = plan if isinstance(plan, Plan) else self.plan(plan)
         if on == "servos":

@@ -56,7 +56,7 @@ def read_calibration(robot: Path, name: str) -> Calibration:
     if not path.exists():
         return NO_CALIBRATION
     if not path.is_file():
-        raise ConfigError(f"{path}: no ordinary file; remove or rename it")
+        raise ConfigError(f"{path}: not a regular file; remove or rename it")
     calibration = read_toml(path, Calibration)
     if calibration.robot != name:
         raise ConfigError(f"{path}: calibrates {calibration.robot or 'no robot'}, not {name}; remove or rename it")

@@ -172,7 +172,7 @@ def check_inside(folder: Path, named: Path) -> None:
     if not place.is_relative_to(home):
         raise ConfigError(f"{str(named)!r} is outside of the folder {folder}; copy that file there, and name it alone")
     if is_odd:
-        raise ConfigError(f"{str(named)!r} is no ordinary file; name one")
+        raise ConfigError(f"{str(named)!r} is not a regular file; name one")
 
 
 def names_of(kind: str) -> tuple[str, ...]:

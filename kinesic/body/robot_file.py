@@ -60,9 +60,9 @@ def _check_size(path: Path, file: RobotFile) -> None:
     )
     for what, count, max_count in counts:
         if count > max_count:
-            raise ConfigError(f"{path}: {count} {what}, at most {max_count} are taken")
+            raise ConfigError(f"{path}: {count} {what}, at most {max_count} are allowed")
     if file.collision.clearance < 0.0:
-        what = f"{path}: [collision] clearance is {file.collision.clearance:g} m, and segments would meet"
+        what = f"{path}: [collision] clearance is {file.collision.clearance:g} m, and segments would touch"
         raise ConfigError(f"{what}; it must be 0 or more, such as 0.01")
 
 

@@ -147,12 +147,14 @@ def identify_servos(log: Log, robot: Robot, believed: Factors = NOMINAL_FACTORS)
     part = Log(log.times[begin:end], log.setpoints[begin:end], log.angles[begin:end])
     fit = fit_factors(part, believed.applied(robot), free=FITTED_PARAMETERS)
     if fit.error_after > MAX_RESIDUAL:
-        left = f"{np.degrees(fit.error_after):.1f} deg of error are left"
+        left = f"{np.degrees(fit.error_after):.1f} deg of error remain"
         return Identification(
             believed, fit.error_before, fit.error_after, f"gain and delay do not explain the motion: {left}"
         )
     if all(estimate.why for estimate in fit.estimates):
-        return Identification(believed, fit.error_before, fit.error_after, "the motion tells neither gain nor delay")
+        return Identification(
+            believed, fit.error_before, fit.error_after, "the motion determines neither gain nor delay"
+        )
     return _combine_gains(fit, robot, believed)
 
 

@@ -105,7 +105,7 @@ def open_speaker(warn: Callable[[str], None]) -> Iterator[Speaker | None]:
     try:
         speaker = Speaker()
     except SpeakerError as error:
-        warn(f"voice: not heard ({error})")
+        warn(f"voice: no sound ({error})")
         yield None
         return
     try:

@@ -35,7 +35,7 @@ POINTING_SHAPE = "index"  # hand shape of pointing hands
 POINTING_CATEGORY = "deictic"  # category of gestures that point
 EXTENT_GAIN = 0.5  # relative increase of the body motion at a spatial extent of 1, decrease at -1
 # End of the message about an unknown head movement.
-HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are known"
+HEAD_MOVEMENTS = "nod, shake, up, down, left, right, aside, tilt, forward, back and their synonyms are valid"
 # Modalities whose spatial extents scale the body motion of head, trunk and shoulders.
 SCALED_MODALITIES: tuple[Modality, Modality, Modality] = ("head", "torso", "gesture")
 COUNTING_PREFIX = "count"  # name prefix of gestures that count on one hand
@@ -208,7 +208,7 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
     lean = trunk.named_lean(action, context.robot, context.manner(timed.behaviour).spatial)
     if lean is None:
         return drop_behaviour(
-            f"torso movement {shorten_name(action.lexeme)} is unknown; lean, recline, turn, left and right are known"
+            f"torso movement {shorten_name(action.lexeme)} is unknown; lean, recline, turn, left and right are valid"
         )
     if lean.clipped and lean.turn == UPRIGHT_TURN:
         return drop_behaviour(f"the trunk cannot: {lean.clipped}")

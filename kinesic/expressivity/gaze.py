@@ -205,7 +205,7 @@ def _divide_turn(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, 
     if missing:
         substitute = f"looks at the {AUDIENCE_TARGET}: {missing}"
     elif influenced == "EYES" and "eyes" not in robot.sites:
-        substitute = "the head looks, as the robot has no eyes"
+        substitute = "the head turns, as the robot has no eyes"
     return Aim(
         head=head_turn,
         torso=torso,

@@ -207,7 +207,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
         if posture_pose is None:
             stance_text = [f"stance {action.stance}"] if action.stance else []
             names = ", ".join((*stance_text, *(f"{shorten_name(lexeme)} of {part}" for part, lexeme in action.poses)))
-            hint = "standing, sitting, leaning, and rest poses of the arms, are known"
+            hint = "standing, sitting, leaning, and rest poses of the arms, are valid"
             moves[timed.behaviour.id] = drop_behaviour(f"no pose {names}; {hint}")
         elif posture_pose.lean.clipped and posture_pose.lean.turn == UPRIGHT_TURN and not posture_pose.arms:
             moves[timed.behaviour.id] = drop_behaviour(f"the trunk cannot: {posture_pose.lean.clipped}")

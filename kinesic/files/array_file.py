@@ -71,7 +71,7 @@ def _parse(data: bytes) -> Array:
     begin = 10 if data[6] == 1 else 12
     end = begin + int.from_bytes(data[8:begin], "little")
     if end > min(len(data), MAX_HEADER_SIZE):
-        raise ValueError("the header of an array ends too late")
+        raise ValueError("the header of an array is too long")
     try:
         header = ast.literal_eval(data[begin:end].decode("latin-1").strip())
         kind, in_columns, shape = header["descr"], header["fortran_order"], header["shape"]

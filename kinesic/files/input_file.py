@@ -90,4 +90,4 @@ def _open_beneath(home: Path, place: Path) -> Iterator[BinaryIO]:
 
 def _check_regular(file: BinaryIO, name: str) -> None:
     if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-        raise ConfigError(f"{name} is no ordinary file, but a folder, a pipe or a device; name a file")
+        raise ConfigError(f"{name} is not a regular file, but a folder, a pipe or a device; name a file")

@@ -115,7 +115,7 @@ def _check_name(parent: HeldFolder, name: str, path: Path, *, force: bool) -> in
     if stat.S_ISDIR(mode):
         raise ConfigError(f"{path} is a folder; name a file in it")
     if not stat.S_ISREG(mode):
-        raise ConfigError(f"{path} is no ordinary file; name another")
+        raise ConfigError(f"{path} is not a regular file; name another")
     if not force:
         raise ConfigError(f"{path} exists already; --force replaces it, --out names another")
     is_writable = os.access(parent.entry_path(name), os.W_OK, dir_fd=parent.descriptor)

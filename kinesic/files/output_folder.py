@@ -113,7 +113,7 @@ def _put_aside(name: str, held: HeldFolder, folder: Path, *, parent: HeldFolder)
     parent.rename_entry(name, aside)
     if not is_same(aside, held.renamed(aside), parent=parent):
         _put_back(aside, name, folder, parent=parent)
-        raise ConfigError(f"{folder} was exchanged meanwhile; nothing is replaced")
+        raise ConfigError(f"{folder} was replaced by another program meanwhile and is left as it is")
     return aside
 
 
@@ -132,7 +132,9 @@ def _put_back(aside: str, name: str, folder: Path, *, parent: HeldFolder) -> Non
             )
             parent.remove_entry(aside)
     except OSError:
-        raise ConfigError(f"{folder} was taken meanwhile; what was there is kept beside it as {aside}") from None
+        raise ConfigError(
+            f"{folder} was created by another program meanwhile; the earlier content is kept next to it as {aside}"
+        ) from None
 
 
 @contextmanager

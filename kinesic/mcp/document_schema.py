@@ -72,7 +72,8 @@ BML_SCHEMA: Mapping[str, Json] = {
         "id": _text("New for every performance; wait and status use it."),
         "kinesic:style": _choice(names_of("style"), "How everything moves."),
         "composition": _choice(
-            COMPOSITIONS, "Beside running performances (MERGE, default), after them (APPEND), or instead (REPLACE)."
+            COMPOSITIONS,
+            "Together with running performances (MERGE, default), after them (APPEND), or instead (REPLACE).",
         ),
         "behaviours": {
             "type": "array",

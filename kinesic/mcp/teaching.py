@@ -21,8 +21,8 @@ You move a robot that speaks and gestures. Write one JSON object per performance
 - "kinesic:style" on the object: neutral, joyful, calm, proud, sad, shy, angry.
 - Every id once; a new id for every performance.
 
-The answer lists what was not as asked. An error has the path of the value, such as behaviours[1].stroke: mend it and
-send the document again. preview shows the strokes without moving. perform and say answer when the performance begins;
-wait waits for its end. For plain talk use say: it finds gestures by itself.
+The answer lists what differs from the request. An error has the path of the value, such as behaviours[1].stroke: mend
+it and send the document again. preview shows the strokes without moving. perform and say answer when the performance
+begins; wait waits for its end. For plain talk use say: it finds gestures by itself.
 stop ends every motion at once; use it whenever somebody asks.
 """

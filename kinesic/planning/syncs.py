@@ -154,7 +154,7 @@ def describe_shifts(
         if abs(sync.planned - sync.requested) > SHIFT_TO_WARN:
             met = find_limit_met(sync, frames, motion, robot)
             why = "" if met is None else f": {met.quantity} of {robot.skeleton.names[met.hinge]}"
-            text = f"{sync.sync} asked at {sync.requested:.3f} s is planned at {sync.planned:.3f} s{why}"
+            text = f"{sync.sync} requested at {sync.requested:.3f} s is planned at {sync.planned:.3f} s{why}"
             results.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{sync.behaviour}", text))
     return results
 

@@ -199,7 +199,7 @@ class _Merge:
         )
         texts = [(name, f"left out: {why}") for name, why in attempt.left_out.items()]
         if zero - desired > SHIFT_TO_WARN:
-            late = f"comes {zero - desired:.3f} s later, with the block"
+            late = f"is delayed by {zero - desired:.3f} s with the block"
             texts += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
         texts += end_warnings(attempt.controls, attempt.performed, self.others, robot)
         performed = with_superseded_hinges(attempt.performed, self.others, robot)

@@ -223,5 +223,5 @@ def _refusal(scene: Scene, prepared: PreparedBlock) -> str | None:
     ):
         return f"it is for {' and '.join(dict.fromkeys(agents)) or block.character}, and {performer} performs here"
     if len(scene.blocks) >= MAX_BLOCKS:
-        return f"{MAX_BLOCKS} blocks play and wait already, send it again when some are over"
+        return f"{MAX_BLOCKS} blocks play and wait already; send it again when some have ended"
     return None

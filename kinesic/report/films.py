@@ -248,4 +248,4 @@ def _draw(process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, tell: Ca
             tell(float(text))
     code = process.wait()
     how = f"signal {signal.Signals(-code).name}" if code < 0 else f"code {code}"
-    return f"the process that drew ended with {how}: does OpenGL work? `kinesic doctor` says" if code else ""
+    return f"the process that drew ended with {how}: check OpenGL with `kinesic doctor`" if code else ""

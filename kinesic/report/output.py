@@ -124,7 +124,7 @@ def add_films(
         else:
             figure = FigureFilm.of(plan, times, angles, settings)
             jobs[film] = replace(figure, sound=written.voice)
-        whys = {face: "nothing is asked of it"} | draw_films(jobs, processes, progress)
+        whys = {face: "nothing is requested of it"} | draw_films(jobs, processes, progress)
         for drawn in (path for path, why in whys.items() if not why):
             with new_file(written.report.with_name(drawn.name), force=True) as fresh:
                 shutil.copyfile(drawn, fresh)

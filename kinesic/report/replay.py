@@ -100,7 +100,7 @@ def _marks(plan: Plan, lags: Mapping[SyncTime, float | None] | None = None) -> l
 
 def _mark(sync: SyncTime, name: str, zero: float, lags: Mapping[SyncTime, float | None] | None) -> dict[str, Json]:
     moved = abs(sync.planned - sync.requested) > SHIFT_TO_WARN
-    times = f"asked {sync.requested:.3f} s, planned {sync.planned:.3f} s"
+    times = f"requested {sync.requested:.3f} s, planned {sync.planned:.3f} s"
     if lags is not None:
         lag = lags.get(sync, 0.0)
         times += ", never reached" if lag is None else f", in the twin {sync.planned + lag:.3f} s"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def lead(factors: Factors) -> dict[str, "Json"]:
     """Describe the servo parameters assumed by the feed-forward."""
     gains: dict[str, Json] = {name: servo_factors.gain for name, servo_factors in factors.servos.items()}
-    text = "as data sheets say" if factors == NOMINAL_FACTORS else describe_estimate(factors)
+    text = "as in the data sheets" if factors == NOMINAL_FACTORS else describe_estimate(factors)
     return {"gain": gains or factors.gain, "latency_s": factors.latency, "text": text}
 
 

@@ -50,7 +50,9 @@ class PlanningOptions(TypedDict, total=False):
     ]
     lexicon: Annotated[str | Path | None, CliOption("Gesture lexicon: TOML, or Greta's gestuary XML.", kind=Path)]
     dialect: Annotated[Dialect | Literal["auto"], CliOption("Dialect of the documents.", "auto")]
-    gather: Annotated[KeyFrameFilling, CliOption("Filling of key frames in which some parts have no key.", "complex")]
+    gather: Annotated[
+        KeyFrameFilling, CliOption("Interpolation of body parts that have no key at a key frame.", "complex")
+    ]
     idle: Annotated[float, CliOption(IDLE_HELP, 1.0, float, show_default=True, most=2.0)]
     variation: Annotated[float, CliOption(VARIATION_HELP, 1.0, float, show_default=True, most=2.0)]
     seed: Annotated[int, CliOption("Seed of all random numbers.", 0, int, show_default=True)]

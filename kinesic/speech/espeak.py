@@ -102,19 +102,17 @@ def find_voice(language: str, data: Path) -> tuple[str, str]:
 def _say(script: Script, rate: float, pitch: float) -> Utterance:
     paths = find_engine()
     if paths is None:
-        return DurationModel(f"nothing is heard: {espeak_fault()}").say(script, rate=rate)
+        return DurationModel(f"no sound: {espeak_fault()}").say(script, rate=rate)
     if len(script.text) > MAX_CHARACTERS:
         why = f"a text of {len(script.text)} characters is too long for one speech; the maximum is {MAX_CHARACTERS}"
-        return DurationModel(f"nothing is heard: {why}").say(
-            replace(script, text=script.text[:MAX_CHARACTERS]), rate=rate
-        )
+        return DurationModel(f"no sound: {why}").say(replace(script, text=script.text[:MAX_CHARACTERS]), rate=rate)
     voice, remark = find_voice(script.language, paths.data)
     missing = unreadable_letters(script.text, voice)
     if missing:
         why = f"the voice {voice} cannot read {_list_letters(missing)}"
         readable = script.text.translate(dict.fromkeys(map(ord, missing), " "))
         if not _has_word(readable):
-            return DurationModel(f"nothing is heard: {why}").say(script, rate=rate)
+            return DurationModel(f"no sound: {why}").say(script, rate=rate)
         script = replace(script, text=readable)
         remark = "; ".join(filter(None, (remark, f"{why}: it is omitted")))
     words = min(max(round(WORDS_PER_MINUTE * rate), MIN_WORD_RATE), MAX_WORD_RATE)
@@ -122,7 +120,7 @@ def _say(script: Script, rate: float, pitch: float) -> Utterance:
     try:
         reply = synthesise(write_ssml(script), paths, voice=voice, words_per_minute=words, pitch=pitch_value)
     except SpeechError as error:
-        return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
+        return DurationModel(f"no sound: {error}").say(script, rate=rate)
     utterance = _convert_reply(script, reply)
     articulated = articulate(utterance.phonemes, rate=words / WORDS_PER_MINUTE)
     return replace(utterance, phonemes=articulated, remarks=tuple(filter(None, (remark, *utterance.remarks))))

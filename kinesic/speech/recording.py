@@ -49,7 +49,9 @@ def read_wav(path: Path) -> Sound:
         EOFError,
         RuntimeError,
     ) as error:  # EOFError and RuntimeError: a chunk is shorter than its header declares
-        raise RecordingError(f"{path} is no WAV file of plain samples ({str(error) or 'it ends too soon'})") from None
+        raise RecordingError(
+            f"{path} is not a WAV file of uncompressed samples ({str(error) or 'it is truncated'})"
+        ) from None
 
 
 def _check_header(path: Path, recording: wave.Wave_read, file: BinaryIO) -> int:

@@ -48,5 +48,5 @@ def voice(name: VoiceName = "durations", *, engine: SpeechEngine | None = None) 
     if why and name == "espeak":
         raise ConfigError(f"the voice espeak cannot speak: {why}; --voice durations is silent and needs nothing")
     if why:
-        return RecordedVoice(DurationModel(f"nothing is heard, only its duration is estimated: {why}"))
+        return RecordedVoice(DurationModel(f"no sound, only an estimated duration: {why}"))
     return RecordedVoice(Espeak())

@@ -136,7 +136,7 @@ def test_config_file_outside_the_folder_is_refused(folder: Path, name: str) -> N
 
 
 @pytest.mark.parametrize(
-    ("name", "why"), [("pipe", "no ordinary"), (".", "no ordinary"), ("ring", "ring"), ("a\0b", "null")]
+    ("name", "why"), [("pipe", "not a regular"), (".", "not a regular"), ("ring", "ring"), ("a\0b", "null")]
 )
 def test_special_files_are_refused(folder: Path, name: str, why: str) -> None:
     with pytest.raises(ConfigError, match=why):

@@ -105,11 +105,11 @@ def test_extending_a_file_outside_the_folder_is_refused(extends: str, tmp_path: 
 def test_pipe_as_robot_or_calibration_file_is_refused(tmp_path: Path):
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "mine.toml").write_text(robot("pipe.toml"))
-    with pytest.raises(ConfigError, match=r"mine\.toml: extends = 'pipe\.toml': .* is no ordinary file"):
+    with pytest.raises(ConfigError, match=r"mine\.toml: extends = 'pipe\.toml': .* is not a regular file"):
         Robot.load(tmp_path / "mine.toml")
     (tmp_path / "mine.toml").write_text(robot("upper22"))
     os.mkfifo(tmp_path / "mine.calibration.toml")
-    with pytest.raises(ConfigError, match="no ordinary file"):
+    with pytest.raises(ConfigError, match="not a regular file"):
         Robot.load(tmp_path / "mine.toml")
 
 

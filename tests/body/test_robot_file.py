@@ -96,5 +96,5 @@ def test_excessive_robot_files_are_refused(tmp_path: Path):
     body = '[[body]]\nname = "b{}"\nparent = ""\npos = [0, 0, 0]\nmass = 1.0\ncapsules = []\n'
     rest = "[robot]\nname = 'c'\n[chains]\n[sites]\n[collision]\nclearance = 0.01\n"
     path.write_text("hinge = []\n" + rest + "".join(body.format(k) for k in range(501)), encoding="utf-8")
-    with pytest.raises(ConfigError, match="501 bodies, at most 500 are taken"):
+    with pytest.raises(ConfigError, match="501 bodies, at most 500 are allowed"):
         Robot.load(path)

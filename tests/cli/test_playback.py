@@ -64,7 +64,7 @@ def test_performance_without_a_loudspeaker_is_silent(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(soundtrack, "Speaker", fail_to_open)
     with soundtrack.speak_along(PLAN, playback.warn) as follow:
         follow(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
-    assert capsys.readouterr().err == "voice: not heard (no device; plug one in)\n"
+    assert capsys.readouterr().err == "voice: no sound (no device; plug one in)\n"
 
 
 def test_no_speaker_is_opened_without_speech(monkeypatch: pytest.MonkeyPatch):

@@ -80,7 +80,7 @@ def test_fitted_servo_factors_improve_tracking_and_are_reported(kinesic, perform
     """Fit a log of soft servos, and perform in this robot's twin with and without the fitted factors."""
     (tmp_path / "soft.toml").write_text("gain = 0.6\n")
     unfitted = perform("--twin", "soft.toml", "--learn", "none")
-    assert unfitted["lead"]["text"] == "as data sheets say"
+    assert unfitted["lead"]["text"] == "as in the data sheets"
     fit = ("twin", "fit", tmp_path / "there" / "measured.npz", "--free", "gain", "--out", "mine.toml")
     assert kinesic(*fit).code == 0
     fitted = perform("--twin", "mine.toml")
@@ -94,7 +94,7 @@ def test_fitted_servo_factors_improve_tracking_and_are_reported(kinesic, perform
 def test_learned_servo_factors_improve_the_next_performance(perform, tmp_path):
     (tmp_path / "soft.toml").write_text("gain = 0.6\nlatency = 0.015\n")
     first, second = (perform("--twin", "soft.toml", "--learn", "robot.toml") for _ in range(2))
-    assert first["lead"]["text"] == "as data sheets say"
+    assert first["lead"]["text"] == "as in the data sheets"
     assert first["learned"]["gain"]["xc430_w240"] == pytest.approx(0.6, rel=0.05)
     assert first["learned"]["latency_s"] == pytest.approx(0.015, abs=0.001)
     assert "servos: learned: P gain x" in first["said"]

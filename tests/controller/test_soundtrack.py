@@ -158,7 +158,7 @@ def test_missing_loudspeaker_causes_a_warning(known: Setup, monkeypatch: pytest.
     warnings: list[str] = []
     with speak_along(beeping(known, 2.0), warnings.append) as follow:
         follow(replace(Status(Stage.ACTIVE), clock=12.0, time=2.0, scale=1.0))
-    assert warnings == ["voice: not heard (no device)"]
+    assert warnings == ["voice: no sound (no device)"]
 
 
 def test_plan_without_sound_opens_no_loudspeaker(monkeypatch: pytest.MonkeyPatch):

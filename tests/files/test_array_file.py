@@ -87,8 +87,8 @@ def test_npz_archive_above_the_size_limit_is_refused(tmp_path: Path):
         (npy(PLAIN_HEADER, start=b"\x93NUMPI\1\0"), "an entry is no .npy"),
         (npy(PLAIN_HEADER, start=NPY_START + b"\4\0"), "an entry is no .npy"),
         (npy(PLAIN_HEADER, start=NPY_START + b"\0\0"), "an entry is no .npy"),
-        (NPY_START + b"\1\0" + struct.pack("<H", 60) + b"{}", "ends too late"),
-        (npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE)), "ends too late"),
+        (NPY_START + b"\1\0" + struct.pack("<H", 60) + b"{}", "array is too long"),
+        (npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE)), "array is too long"),
         (npy("{'descr': "), "cannot be read"),
         (npy("open('secret')"), "cannot be read"),
         (npy("[1]"), "cannot be read"),
@@ -117,7 +117,7 @@ def test_broken_or_unsupported_npy_arrays_are_refused_with_a_reason(tmp_path: Pa
 def test_npy_header_of_the_maximum_size_is_read(tmp_path: Path):
     whole = npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE - 10))
     assert parse(tmp_path, whole).tolist() == [1.5, -2.5]
-    with pytest.raises(ConfigError, match="ends too late"):
+    with pytest.raises(ConfigError, match="array is too long"):
         parse(tmp_path, npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE - 9)))
 
 

@@ -61,7 +61,7 @@ def test_new_output_file_has_default_permissions(tmp_path: Path):
 @pytest.mark.parametrize("force", [False, True])
 @pytest.mark.parametrize(
     ("kind", "says"),
-    [("folder", "is a folder"), ("link", "is a link"), ("dangling", "is a link"), ("pipe", "is no ordinary file")],
+    [("folder", "is a folder"), ("link", "is a link"), ("dangling", "is a link"), ("pipe", "is not a regular file")],
 )
 def test_special_file_is_refused_even_if_forced(tmp_path: Path, kind: str, says: str, force: bool):
     path, letter = tmp_path / "a", tmp_path / "letter"

@@ -200,7 +200,7 @@ def test_foreign_folder_that_appears_after_the_output_check_is_restored(
                 made.write_text("dear")
         return f".{name}-aside"
 
-    with pytest.raises(ConfigError, match="was exchanged meanwhile"), new_folder(made, force=True):
+    with pytest.raises(ConfigError, match="was replaced by another program meanwhile"), new_folder(made, force=True):
         monkeypatch.setattr(output_folder, "name_beside", exchange)
     assert (made if kind == "file" else made / "letter").read_text() == "dear"
     assert made.is_symlink() == (kind == "link")

@@ -170,7 +170,7 @@ def test_simultaneous_speech_has_bounded_memory(known: Setup):
     planned = plan_block(parse(text), replace(known, voice=LongVoice()))
     heard = [id for id, said in planned.utterances.items() if said.sound is not None]
     assert heard == ["s0", "s1", "s2", "s3"]
-    warned = {notice.id for notice in planned.notices if "nothing is heard" in notice.text}
+    warned = {notice.id for notice in planned.notices if "no sound: " in notice.text}
     assert warned == {f"b:s{k}" for k in range(4, 40)}
     assert all(said.duration == 700.0 for said in planned.utterances.values())
 

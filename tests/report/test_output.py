@@ -170,7 +170,7 @@ def test_face_is_filmed_only_on_request(calm, smiling, data, drawing, tmp_path: 
     assert film.rate == FACE_RATE
     assert face_film(smiling.plan, 10.0).rate == 10.0
     whole = add_films(write_report(calm, data, tmp_path / "calm"), calm, data, object())
-    assert (whole.face, whole.why_no_face) == (None, "nothing is asked of it")
+    assert (whole.face, whole.why_no_face) == (None, "nothing is requested of it")
     assert whole.film is not None
     assert len(drawing.jobs) == 1
 

@@ -131,7 +131,7 @@ def test_shift_warning_names_both_times_and_the_limit(plans, name):
     texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
     hinges = planned.setup.robot.skeleton.names
     for text in texts:
-        assert " asked at " in text
+        assert " requested at " in text
         assert any(hinge in text for hinge in hinges), text
 
 

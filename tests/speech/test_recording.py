@@ -104,8 +104,8 @@ def test_wav_file_of_300_megabytes_takes_bounded_memory(rate: int, bits: int, mo
 @pytest.mark.parametrize(
     ("content", "why"),
     [
-        (b"", "it ends too soon"),
-        (b"RIFF", "it ends too soon"),
+        (b"", "it is truncated"),
+        (b"RIFF", "it is truncated"),
         (b"no recording at all, but a letter", "file does not start with RIFF id"),
         (b"RIFF\x24\0\0\0WAVEdata\0\0\0\0", "data chunk before fmt chunk"),
     ],
@@ -113,11 +113,11 @@ def test_wav_file_of_300_megabytes_takes_bounded_memory(rate: int, bits: int, mo
 def test_invalid_wav_file_is_rejected_with_the_reason(content: bytes, why: str, tmp_path: Path):
     path = tmp_path / "letter.wav"
     path.write_bytes(content)
-    with pytest.raises(RecordingError, match=rf"letter\.wav is no WAV file of plain samples \({why}\)"):
+    with pytest.raises(RecordingError, match=rf"letter\.wav is not a WAV file of uncompressed samples \({why}\)"):
         read_wav(path)
     with pytest.raises(RecordingError, match=r"none\.wav: No such file or directory"):
         read_wav(tmp_path / "none.wav")
-    with pytest.raises(RecordingError, match="no ordinary file"):
+    with pytest.raises(RecordingError, match="not a regular file"):
         read_wav(Path("/dev/null"))
 
 

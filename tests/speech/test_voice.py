@@ -243,12 +243,12 @@ def test_truncated_recording_is_read_partly_or_rejected(tmp_path: Path):
 def test_missing_recording_is_replaced_by_synthesis(name: str, tmp_path: Path):
     utterance = RECORDED_VOICE.say(Script("one", recording=Recording(tmp_path / name)))
     assert utterance.voice == "durations"
-    assert "said instead" in utterance.remarks[0]
+    assert "its text is spoken instead" in utterance.remarks[0]
 
 
 def test_pipe_as_recording_is_rejected_without_waiting(tmp_path: Path):
     os.mkfifo(tmp_path / "endless.wav")
-    with pytest.raises(RecordingError, match="is no ordinary file"):
+    with pytest.raises(RecordingError, match="is not a regular file"):
         read_wav(tmp_path / "endless.wav")
 
 
@@ -275,7 +275,7 @@ def test_speech_mark_times_given_in_the_text_apply_to_a_recording(tmp_path: Path
     assert (utterance.voice, utterance.marks, utterance.remarks) == ("recording", {"m": 0.25, "n": 1.5}, ())
     missing = RECORDED_VOICE.say(Script("Hello", (Mark("m", 5, 0.125),), recording=Recording(tmp_path / "none")))
     assert missing.marks["m"] == 0.125
-    assert "it is said instead" in missing.remarks[0]
+    assert "its text is spoken instead" in missing.remarks[0]
 
 
 @pytest.mark.parametrize("name", ["../away.wav", "{outside}/away.wav", "link.wav", "link", "../away", "pipe.wav"])
@@ -288,8 +288,8 @@ def test_recording_outside_the_document_folder_is_not_played(name: str, tmp_path
     document = AUDIO_TEMPLATE.format(name.format(outside=tmp_path))
     utterance = synthesise_block(parse(document, source=str(folder / "my.bml")), set_up())["s"]
     assert utterance.voice != "recording"
-    assert "it is said instead" in utterance.remarks[0]
-    assert "is outside of the folder" in utterance.remarks[0] or "is no ordinary file" in utterance.remarks[0]
+    assert "its text is spoken instead" in utterance.remarks[0]
+    assert "is outside of the folder" in utterance.remarks[0] or "is not a regular file" in utterance.remarks[0]
 
 
 @pytest.mark.parametrize("name", ["own.wav", "own", "below/own.wav", "near.wav"])

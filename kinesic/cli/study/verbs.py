@@ -88,7 +88,7 @@ def _make_gesture_study() -> None:
     required=True,
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Text or BML document with speech, at best of similar length. Repeatable; at least two.",
+    help="Text or BML document with speech, preferably of similar length. Repeatable; at least two.",
 )
 @click.option(
     "--compare",

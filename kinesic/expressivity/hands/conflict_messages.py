@@ -16,9 +16,7 @@ def busy_with_stroke(stroke: Stroke, side: Side, work: HandStroke, late: float) 
         late: delay of the hand after that stroke [s]; 0 where the strokes overlap.
     """
     if late > 0.0:
-        times = (
-            f"from that of {work.id} at {work.at('stroke'):.2f} s the {SIDE_NAMES[side]} hand comes {late:.2f} s late"
-        )
+        times = f"from that of {work.id} at {work.at('stroke'):.2f} s the {SIDE_NAMES[side]} hand is {late:.2f} s late"
         return f"its stroke is at {stroke.times['stroke']:.2f} s, {times}"
     use = f"the stroke of {work.id} until {work.at('strokeEnd'):.2f} s"
     return f"{_begins(stroke)}, the {SIDE_NAMES[side]} hand is busy with {use}"
@@ -29,7 +27,7 @@ def busy_with_block(stroke: Stroke, other: BusyHand, travel_time: float) -> str:
 
     It includes the time that the hand needs to arrive [s].
     """
-    use = f"{other.by} until {other.end:.2f} s, and needs {travel_time:.2f} s to come"
+    use = f"{other.by} until {other.end:.2f} s, and needs {travel_time:.2f} s to get there"
     return f"{_begins(stroke)}, the {SIDE_NAMES[other.side]} hand is busy with {use}"
 
 

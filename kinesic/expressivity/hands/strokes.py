@@ -275,9 +275,8 @@ def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Pos
             turns = max(_MIN_PERIODS.get(path.kind, 1.0), np.floor(whole / minimum_time + 1e-9) / 2)
             if turns < path.turns:
                 slowed_row[k] = path.slowed(turns)
-                remarks.append(
-                    f"its {path.kind} makes {turns:g} of its {path.turns:g} turns: in {whole:.2f} s servos do no more"
-                )
+                made = f"its {path.kind} makes {turns:g} of its {path.turns:g} turns"
+                remarks.append(f"{made}: in {whole:.2f} s the servos can do no more")
         paths[side] = tuple(slowed_row)
     return (replace(poses, paths=paths) if remarks else poses), tuple(dict.fromkeys(remarks))
 

@@ -126,4 +126,4 @@ def _wait_for_answer(pipe: PipeEnd) -> str:
     try:
         return str(pipe.recv())
     except EOFError:
-        return "the process that draws ended; `kinesic doctor` tells what works here"
+        return "the process that draws ended; `kinesic doctor` shows what works here"

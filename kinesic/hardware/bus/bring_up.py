@@ -69,7 +69,7 @@ def _problem(access: ServoAccess, servo: Servo) -> str:
     volts = access.read(servo.id, Register.PRESENT_INPUT_VOLTAGE)
     least = access.read(servo.id, Register.MIN_VOLTAGE_LIMIT)
     if volts < least:
-        return f"{where}: supply is {volts / 10:.1f} V, must be {least / 10:.1f} V at least"
+        return f"{where}: supply is {volts / 10:.1f} V, must be at least {least / 10:.1f} V"
     return ""
 
 

@@ -269,7 +269,7 @@ class Bus:
                 self._report(self.ids[place], "heard", "answers again")
             self._question, self._places = self._next_question()
         for place in accepted.doubted:
-            self._report(self.ids[place], "doubted", "reported a surprising value")
+            self._report(self.ids[place], "doubted", "reported an implausible value")
         for place, text in accepted.impossible.items():
             self._report(self.ids[place], "impossible", f"{text}; ignored until the value is possible")
         accepted.doubted.clear()

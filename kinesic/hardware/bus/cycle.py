@@ -43,7 +43,7 @@ EventKind = Literal[
     "watchdog",  # it has stopped because the bus was silent
     "torque",  # switched on or off
     "impossible",  # it reports an impossible value
-    "doubted",  # it reported a surprising value, not yet repeated
+    "doubted",  # it reported an implausible value, not yet repeated
 ]
 
 

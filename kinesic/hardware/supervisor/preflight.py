@@ -209,7 +209,7 @@ def _mode(table: RegisterTable) -> str:
     wrong = [r.name for r in VITAL_REGISTERS if table[r] != table.member.eeprom_values[r]]
     if not table[Register.TORQUE_ENABLE] or not wrong:
         return ""
-    return f"has torque, but another {', '.join(wrong)}; release it with `kinesic servos release`"
+    return f"has torque, but other values of {', '.join(wrong)}; release it with `kinesic servos release`"
 
 
 def configure(axes: Axes, tables: tuple[RegisterTable, ...]) -> tuple[RegisterChange, ...]:

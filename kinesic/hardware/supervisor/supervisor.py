@@ -211,7 +211,7 @@ class Supervisor:
             self._note("stage", f"{before.stage.value} -> {self.state.stage.value} ({event})")
         if self.state.paused and not before.paused and event != "estop" and not self.state.faulty:
             cause = self._interruptions.describe(self._monitor.trouble())
-            self._note("paused", f"{cause}; the performance waits for consent")
+            self._note("paused", f"{cause}; the performance waits for confirmation")
         for action in actions:
             self._perform(action)
 

@@ -127,14 +127,13 @@ def _notices(frames: BapFrames, motion: Conditioned, setup: Setup) -> tuple[Noti
     skeleton = setup.robot.skeleton
     excess = np.abs(frames.angles - skeleton.clamp(frames.angles)).max(axis=0)
     texts += [
-        f"{name} is asked for {np.degrees(excess[k]):.1f} deg beyond its range; it stops at the range's end"
+        f"{name} is requested {np.degrees(excess[k]):.1f} deg beyond its range and stops at its end"
         for k, name in enumerate(skeleton.names)
         if excess[k] > RANGE_TOLERANCE
     ]
     shifts = motion.planned - motion.requested_times
     worst = int(np.abs(shifts[1:-1]).argmax()) + 1
     if abs(shifts[worst]) > SHIFT_TO_WARN:
-        texts.append(
-            f"faster than the servos: what is at {motion.requested_times[worst]:.2f} s comes {shifts[worst]:+.2f} s off"
-        )
+        time, shift = motion.requested_times[worst], shifts[worst]
+        texts.append(f"faster than the servos: the posture of {time:.2f} s is shifted by {shift:+.2f} s")
     return tuple(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", text) for text in texts)

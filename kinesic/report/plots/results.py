@@ -110,18 +110,20 @@ def _draw_figures(store: Store, axes: Axes) -> None:
     axes.axvline(1.0, color=INK_COLOUR, linewidth=0.8)
     axes.set_yticks(range(len(rows)), [str(row[0]) for row in rows])
     axes.set_xlim(left=0.0)
-    _name(axes, "figures beside their goals; red: missed", RATIO_LABEL.format("goal"), "")
+    _name(axes, "metrics relative to their goals; red: missed", RATIO_LABEL.format("goal"), "")
 
 
 def _draw_designs(store: Store, axes: Axes) -> None:
     """Draw lateness over price of robot designs, dot size showing mass."""
     rows = store.ask(DESIGNS_QUERY).rows
-    kinds = (("no other one beats it", GOOD_COLOUR, True), ("beaten, or left behind", FAINT_COLOUR, False))
+    kinds = (("Pareto-optimal", GOOD_COLOUR, True), ("dominated or eliminated", FAINT_COLOUR, False))
     for label, colour, best in kinds:
         chosen = np.array([row[:3] for row in rows if bool(row[3]) is best], dtype=float).reshape(-1, 3)
         axes.scatter(chosen[:, 0], chosen[:, 1], s=12.0 * chosen[:, 2] ** 1.5, color=colour, alpha=0.7, label=label)
     axes.legend(fontsize=FONT_SIZE, frameon=False)
-    _name(axes, "designs; the larger, the heavier", "price of the servos [US$]", "lateness of strokes, mean [ms]")
+    _name(
+        axes, "designs; a larger dot is a heavier robot", "price of the servos [US$]", "lateness of strokes, mean [ms]"
+    )
 
 
 def _name(axes: Axes, title: str, across: str, up: str) -> None:

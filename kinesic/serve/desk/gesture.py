@@ -145,13 +145,13 @@ def _check_distinct(setup: Setup, form: GestureForm) -> Mapping[str, Json]:
     others = {name: other for name, other in _stroke_appearances(setup.pace).items() if name != form.id}
     similar = next((name for name, other in others.items() if not distinct(appearance, other)), None)
     if similar is not None:
-        text = f"looks like {similar}: hands go the same way, turned and shaped alike"
+        text = f"looks like {similar}: hands have the same paths, orientations and shapes"
         return {"name": "distinct", "ok": False, "text": text}
     name, distance = nearest(appearance, others)
     return {
         "name": "distinct",
         "ok": True,
-        "text": f"like no other; the nearest is {name}, {100 * distance:.0f} cm away",
+        "text": f"unlike all others; the nearest is {name}, {100 * distance:.0f} cm away",
     }
 
 

@@ -16,7 +16,7 @@ from kinesic.sim.filming.scene_screen import has_screen, put_face
 from kinesic.sim.scene_style import CAMERA_NAME, FLOOR_GROUP
 
 MAX_SCENE_GEOMS = 4000  # largest number of geoms in a MuJoCo scene
-DRAWING_ERROR_MESSAGE = "MuJoCo cannot draw ({}): kinesic doctor says what is missing"
+DRAWING_ERROR_MESSAGE = "MuJoCo cannot draw ({}): `kinesic doctor` shows what is missing"
 
 
 class CanvasError(RuntimeError):

@@ -35,7 +35,7 @@ def find_assumed_gains(unknowns: Sequence[Unknown], slopes: Floats) -> dict[int,
     """
     deviations, most_correlated = _compute_deviations(slopes, scatter=1.0)
     return {
-        k: f"the log cannot tell it from {unknowns[most_correlated[k]]}"
+        k: f"the log does not distinguish it from {unknowns[most_correlated[k]]}"
         for k, unknown in enumerate(unknowns)
         if unknown.figure == "gain" and deviations[k] > MAX_KNOWN_DEVIATION
     }
@@ -64,7 +64,7 @@ def find_identifiable(
         reasons[k] = (
             "the log hardly depends on it"
             if lone_deviation > MAX_KNOWN_DEVIATION
-            else f"the log cannot tell it from {partner}"
+            else f"the log does not distinguish it from {partner}"
         )
     is_identified = np.array([k not in reasons for k in range(len(unknowns))])
     return Identifiability(is_identified, sealed(deviations), reasons)

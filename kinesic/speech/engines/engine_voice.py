@@ -77,7 +77,7 @@ class EngineVoice:
     def _substitute(self, script: Script, why: str, rate: float, pitch: float) -> Utterance:
         if self.substitute is None:
             text = script.text[:MAX_CHARACTERS]
-            reason = f"nothing is heard: {self.engine.name}: {why}"
+            reason = f"no sound: {self.engine.name}: {why}"
             return DurationModel(reason).say(replace(script, text=text), rate=rate)
         utterance = self.substitute.say(script, rate=rate, pitch=pitch)
         remark = f"{self.engine.name}: {why}: {utterance.voice} speaks instead"

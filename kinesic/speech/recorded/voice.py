@@ -41,7 +41,7 @@ class RecordedVoice:
             sound = read_wav(_find(script.recording, script.recording.path, ".wav"))
         except RecordingError as error:
             utterance = self.say(replace(script, recording=None), rate=rate, pitch=pitch)
-            return replace(utterance, remarks=(f"{error}: it is said instead", *utterance.remarks))
+            return replace(utterance, remarks=(f"{error}: its text is spoken instead", *utterance.remarks))
         timed, remarks = _read_words(script.recording)
         utterance = _play_recording(script, script.recording, sound, timed, self.comparison_voice)
         return replace(utterance, remarks=(*remarks, *utterance.remarks))

@@ -28,7 +28,7 @@ def test_option_out_is_refused_for_streamed_speech():
         (json.dumps({"told": "all_said", "block": "b"}), "", ""),
         ('<warningFeedback id="b">rule waiting: a &lt; b</warningFeedback>', "", "a < b"),
         ('<warningFeedback id="b:g1">left out: no hand</warningFeedback>', "", "no hand"),
-        ('<warningFeedback id="b:g1">stroke asked at 1 s is planned at 2 s</warningFeedback>', "", ""),
+        ('<warningFeedback id="b:g1">stroke requested at 1 s is planned at 2 s</warningFeedback>', "", ""),
     ],
 )
 def test_say_prints_spoken_text_and_reasons_for_omitted_behaviours(message, out, err, capsys):

@@ -212,7 +212,7 @@ def test_rest_pose_with_a_timing_conflict_is_deferred_to_the_retraction(pace, ph
     arrangement = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): Clash(0.4)})
     assert [key.hand for key in arrangement.hands["r"]] == [REST_HAND, A, B, B, C]
     assert times_of(arrangement.hands["r"])[-1] == 2.0
-    assert arrangement.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}
+    assert arrangement.remarks == {"p": ("is taken as the hands go back from g: 0.40 s are missing between the two",)}
 
 
 @pytest.mark.parametrize(("touch", "relax", "home"), [("hand", 4.2, 4.2), (None, 4.2, 3.0), ("hand", 6.0, 3.0)])

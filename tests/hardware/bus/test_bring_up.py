@@ -81,7 +81,7 @@ def test_two_servos_with_one_id_are_reported():
 
 def test_servos_with_low_supply_voltage_are_refused():
     assert refused(PlannedFault("undervoltage", value=9.0)).splitlines() == [
-        f"/dev/ttyUSB0: servo {servo}: supply is 9.0 V, must be 9.5 V at least" for servo in (1, 2, 3)
+        f"/dev/ttyUSB0: servo {servo}: supply is 9.0 V, must be at least 9.5 V" for servo in (1, 2, 3)
     ]
 
 

@@ -270,7 +270,7 @@ def test_servo_with_torque_and_a_deviating_safety_register_is_refused(pair: Desk
     leave(pair, Register.TORQUE_ENABLE, 1)
     pair.open()
     (refused,) = [note.text for note in pair.notes() if note.kind == "refused"]
-    assert f"has torque, but another {register.name}" in refused
+    assert f"has torque, but other values of {register.name}" in refused
 
 
 def test_gains_of_an_adopted_servo_are_set(pair: Desk):

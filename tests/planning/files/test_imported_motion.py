@@ -70,7 +70,7 @@ def test_angles_beyond_range_are_clipped_and_reported(known, wave):
     angles[:, elbow] = -0.1
     planned = plan_imported(BapFrames(wave.times, sealed(angles), wave.given, ()), known, source="bent.bap")
     (notice,) = planned.notices
-    assert "l_elbow_flexion is asked for 5.7 deg beyond its range" in notice.text
+    assert "l_elbow_flexion is requested 5.7 deg beyond its range" in notice.text
 
 
 def test_imported_motion_with_a_single_frame_is_a_posture(known):

@@ -39,7 +39,7 @@ def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper2
     assert ["key 2: the left hand" in item["text"] for item in far["checks"]][:2] == [True, False]
     assert not far["checks"][0]["ok"]
     other = next(item for item in far["checks"] if item["name"] == "distinct")
-    assert (other["ok"], other["text"][:30]) == (True, "like no other; the nearest is ")
+    assert (other["ok"], other["text"][:34]) == (True, "unlike all others; the nearest is ")
     own = draft_gesture(gesture_text("conduit", upper22_setup.lexicon), (), upper22_setup)
     assert own["checks"][2]["ok"], "a gesture is not like itself"
 

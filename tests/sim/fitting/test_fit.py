@@ -98,7 +98,7 @@ def test_servo_gain_is_identified_only_if_the_duty_saturates():
     for result, some in ((slow, False), (quick, True)):
         gains = [estimate for estimate in result.estimates if estimate.unknown.figure == "gain"]
         assert any(not estimate.why for estimate in gains) == some
-        assert all("cannot tell it from" in estimate.why for estimate in gains if estimate.why)
+        assert all("does not distinguish it from" in estimate.why for estimate in gains if estimate.why)
 
 
 @pytest.mark.soak

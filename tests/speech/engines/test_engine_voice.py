@@ -106,7 +106,7 @@ def test_faulty_engine_gives_estimated_times_with_a_remark(fault: str):
     utterance = EngineVoice(FaultyEngine(fault)).say(Script("One. Two.", (Mark("m", 5),)))
     assert (utterance.voice, utterance.sound) == ("durations", None)
     assert utterance.marks == DurationModel().say(Script("One. Two.", (Mark("m", 5),))).marks
-    assert utterance.remarks[0].startswith("nothing is heard: faulty: ")
+    assert utterance.remarks[0].startswith("no sound: faulty: ")
 
 
 @pytest.mark.parametrize("reports", ["words", "nothing"])

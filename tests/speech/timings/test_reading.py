@@ -48,11 +48,11 @@ def test_file_is_read_by_its_path(tmp_path: Path):
 
 @pytest.mark.parametrize("name", ["missing.json", "."])
 def test_missing_file_is_refused_with_its_path(name: str, tmp_path: Path):
-    with pytest.raises(TimingError, match=r"missing\.json|is no ordinary file|directory"):
+    with pytest.raises(TimingError, match=r"missing\.json|is not a regular file|directory"):
         read_words_file(tmp_path / name)
 
 
 def test_pipe_is_refused_without_waiting(tmp_path: Path):
     os.mkfifo(tmp_path / "endless.json")
-    with pytest.raises(TimingError, match="is no ordinary file"):
+    with pytest.raises(TimingError, match="is not a regular file"):
         read_words_file(tmp_path / "endless.json")

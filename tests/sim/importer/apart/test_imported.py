@@ -57,7 +57,7 @@ def test_import_refusal_names_the_file_as_given(tmp_path: Path, monkeypatch: pyt
 
 def test_importing_a_named_pipe_is_rejected_without_waiting(tmp_path: Path):
     os.mkfifo(tmp_path / "pipe.xml")
-    assert "no ordinary file" in refused(tmp_path / "pipe.xml")
+    assert "not a regular file" in refused(tmp_path / "pipe.xml")
 
 
 @LINUX_ONLY

@@ -128,7 +128,7 @@ def test_included_pipe_folder_or_huge_file_is_rejected(robot: Path, part: str):
     with (robot.parent / "sparse.xml").open("wb") as file:
         file.truncate(10**11)
     said = refused(robot, mjcf(f'<include file="{part}"/>'))
-    assert "no ordinary file" in said or "Is a directory" in said or "at most 20000000" in said
+    assert "not a regular file" in said or "Is a directory" in said or "at most 20000000" in said
 
 
 def test_xacro_file_is_rejected_with_the_expansion_command(robot: Path):
