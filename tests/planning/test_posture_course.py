@@ -29,6 +29,13 @@ def test_new_key_has_interpolated_requested_time():
     assert [joint for joint, keyed in enumerate(added.keyed) if keyed] == LEFT
 
 
+def test_requested_time_of_a_new_key_depends_only_on_keys_of_its_arm():
+    both = course(key(0.0), key(1.0, left=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    late = replace(both, planned=sealed([0.0, 1.5, 1.6, 3.0]))
+    (added,) = set(late.extended(2.4, late.at(2.4), tuple(LEFT)).postures) - set(late.postures)
+    assert added.time == pytest.approx(2.2)
+
+
 def synced(posture, name):
     """Return a key with a sync point."""
     return replace(posture, syncs=((name, "stroke"),))
