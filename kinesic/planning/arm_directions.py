@@ -8,7 +8,8 @@ from kinesic.body.robot import SIDES, Robot, Side
 LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm, from the shoulder outward
 # Per link: angle [deg] from straight down towards the front, and angle [deg] outward, out of the sagittal plane.
 ARM_FEATURES = tuple(f"{link}_{way}" for link in LINK_NAMES for way in ("forward", "outward"))
-SOLVER_STEPS = 8  # number of Gauss-Newton iterations for an arm's posture
+SOLVER_STEPS = 8  # largest number of Gauss-Newton iterations for an arm's posture
+STEP_TOLERANCE = 1e-5  # [rad] largest change of a hinge in an iteration after which the solution counts as final
 HINGE_WEIGHT = 0.06  # [1/rad] weight of a hinge's deviation from its start angle, relative to direction errors
 DIFFERENCE_STEP = 1e-4  # [rad] angle step of numeric derivatives
 MIN_SHOULDER_DISTANCE = 1e-6  # [m] smallest assumed distance between the shoulders, which avoids division by zero
@@ -46,7 +47,10 @@ def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Float
         error = wanted.ravel() - directions[-1]
         matrix = np.vstack([slopes, HINGE_WEIGHT * np.eye(len(joints))])
         right = np.concatenate([error, HINGE_WEIGHT * (start - solved[joints])])
-        solved[joints] = np.clip(solved[joints] + np.linalg.lstsq(matrix, right, rcond=None)[0], lower, upper)
+        before = solved[joints]
+        solved[joints] = np.clip(before + np.linalg.lstsq(matrix, right, rcond=None)[0], lower, upper)
+        if np.abs(solved[joints] - before).max() < STEP_TOLERANCE:
+            break
     return solved
 
 

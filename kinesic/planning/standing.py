@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import degrees
 
 import numpy as np
 
 from kinesic.bml.block import Block
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.context import BlockContext
@@ -21,8 +22,15 @@ from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.setup import Setup
-from kinesic.planning.stance import StanceDeviation, draw_deviation, expand_features, read_stances
-from kinesic.planning.torso import compute_torso_turn, set_turn
+from kinesic.planning.stance import (
+    BODY_FEATURES,
+    StanceDeviation,
+    draw_components,
+    draw_deviation,
+    expand_features,
+    read_stances,
+)
+from kinesic.planning.torso import compute_torso_turn, raise_shoulder, set_turn
 
 POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of posture offsets, tried until no body parts are too close
 RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the joint limits
@@ -31,7 +39,6 @@ MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing tr
 HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
 MAX_ARM_LIFT_DEG = 12.0  # largest outward angle added to an arm that hangs too close to the body
 ARM_LIFT_STEP_DEG = 1.0  # step in which this angle is searched
-COLLAR_STEP = 0.05  # [rad] rotation of collar bones from which their effect on the line of the shoulders is measured
 FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
 
 
@@ -97,6 +104,34 @@ def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | 
     return angles if _is_clear(angles, robot, setup.distances) else None
 
 
+def draw_rest(
+    robot: Robot,
+    standing: Standing,
+    distances: Distances,
+    chance: np.random.Generator,
+    *,
+    roll: float = 0.0,
+    torsion: float = 0.0,
+) -> Floats:
+    """Return another random rest posture (n,) [rad] of the same person.
+
+    Arms and shoulders deviate from the rest posture as those of captured people. The head stays level.
+
+    Args:
+        robot: with the usual rest posture.
+        standing: of the style; hands in a rest gesture deviate less.
+        distances: self-distances of the robot.
+        chance: random generator.
+        roll: [rad] of the trunk to the right, in addition to the usual one.
+        torsion: [rad] of the trunk to the left, likewise.
+    """
+    features = draw_components(read_stances().hanging.rests, chance)
+    shift = {"trunk_roll": degrees(roll), "shoulder_rise": features[BODY_FEATURES.index("shoulder_rise")]}
+    features[: len(BODY_FEATURES)] = [shift.get(name, 0.0) for name in BODY_FEATURES]
+    angles = _take_largest_stance(robot, standing, StanceDeviation(sealed(features), torsion), None, distances)
+    return np.array(robot.skeleton.rest) if angles is None else angles
+
+
 def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
     """Return the robot with a random rest posture, as captured people stand.
 
@@ -115,9 +150,7 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
     table = read_stances().hanging
     stance = StanceDeviation(draw_deviation(table, chance), MAX_TORSION * float(chance.uniform(-1.0, 1.0)))
     mean = expand_features(table.mean) if _stands_upright(style) else None
-    scaled = (stance.scaled(fraction * variation.amount) for fraction in POSTURE_AMOUNTS)
-    candidates = (_take_clear_stance(robot, style, deviation, mean, distances) for deviation in scaled)
-    angles = next((angles for angles in candidates if angles is not None), None)
+    angles = _take_largest_stance(robot, style.standing, stance.scaled(variation.amount), mean, distances)
     return robot if angles is None else _with_rest(robot, angles)
 
 
@@ -126,8 +159,17 @@ def _stands_upright(style: Style) -> bool:
     return style.posture == 0.0 or not style.standing.moves_body
 
 
+def _take_largest_stance(
+    robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, distances: Distances
+) -> Floats | None:
+    """Take the largest clear fraction of a deviation (n,) [rad], or return None."""
+    scaled = (stance.scaled(fraction) for fraction in POSTURE_AMOUNTS)
+    candidates = (_take_clear_stance(robot, standing, deviation, mean, distances) for deviation in scaled)
+    return next((angles for angles in candidates if angles is not None), None)
+
+
 def _take_clear_stance(
-    robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None, distances: Distances
+    robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, distances: Distances
 ) -> Floats | None:
     """Take a stance (n,) [rad] with clear arms, or return None.
 
@@ -135,7 +177,7 @@ def _take_clear_stance(
     """
     lifts = dict.fromkeys(SIDES, 0.0)
     while max(lifts.values()) <= MAX_ARM_LIFT_DEG:
-        angles = _take_stance(robot, style, stance, mean, lifts)
+        angles = _take_stance(robot, standing, stance, mean, lifts)
         close = _find_close_segments(angles, robot, distances)
         if not close:
             return angles
@@ -147,13 +189,13 @@ def _take_clear_stance(
 
 
 def _take_stance(
-    robot: Robot, style: Style, stance: StanceDeviation, mean: Floats | None, lifts: Mapping[Side, float]
+    robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, lifts: Mapping[Side, float]
 ) -> Floats:
     """Return the rest posture (n,) [rad] with a deviation from a mean.
 
     Args:
         robot: with the rest posture of the style.
-        style: of this posture.
+        standing: of this posture.
         stance: deviation.
         mean: (s,) [deg] mean stance; None for the robot's own rest posture.
         lifts: angle [deg] by which each arm is moved outward.
@@ -166,34 +208,14 @@ def _take_stance(
     set_turn(robot, "torso", np.array([torsion, body[0], body[1]]), angles)
     reached = compute_torso_turn(robot, "torso", angles)
     set_turn(robot, "neck", np.array([torsion + body[2], body[3], body[4]]) - reached, angles)
-    _raise_shoulder(robot, float(body[5]), angles)
-    fraction = HELD_ARM_FRACTION if mean is None and style.standing.rest else 1.0
+    raise_shoulder(robot, float(body[5]), angles)
+    fraction = HELD_ARM_FRACTION if mean is None and standing.rest else 1.0
     start = np.array(robot.skeleton.rest)
     for side, deviation in zip(SIDES, np.split(stance.features[len(own) :], len(SIDES)), strict=True):
         hanging = measure_arm(robot, side, start) if mean is None else mean[-len(deviation) :]
         outward = [lifts[side] if name.endswith("outward") else 0.0 for name in ARM_FEATURES]
         angles = set_arm(robot, side, hanging + fraction * deviation + outward, angles)
     return _inside(angles, robot)
-
-
-def _raise_shoulder(robot: Robot, rise: float, angles: Floats) -> None:
-    """Turn the line of the shoulders by the collar bones, in place.
-
-    Args:
-        robot: robot; one without hinges that raise the shoulders keeps its posture.
-        rise: [rad], + left shoulder up.
-        angles: (n,) [rad] of all hinges.
-    """
-    left, right = (list(robot.arm(side).shoulder_lift_joints) for side in SIDES)
-    if left and right:
-        tried = np.zeros((2, len(angles)))
-        tried[1, left], tried[1, right] = COLLAR_STEP, -COLLAR_STEP
-        ends = [robot.skeleton.frames(tried).origins[:, robot.arm(side).shoulder] for side in SIDES]
-        line = ends[0] - ends[1]
-        elevations = np.arctan2(line[:, 2], line[:, 1])
-        lift = rise * COLLAR_STEP / float(elevations[1] - elevations[0])
-        angles[left] += lift
-        angles[right] -= lift
 
 
 def _with_rest(robot: Robot, angles: Floats) -> Robot:

@@ -1,4 +1,4 @@
-"""Rotations of trunk and head, and of the gesture volume.
+"""Rotations of trunk, head and line of the shoulders, and of the gesture volume.
 
 Each hinge of trunk and head is named after its axis. The gesture volume follows the torso's own key (thesis 8.7) in
 orientation. Its size is the distance from the first moving vertebra to the shoulder girdle, relative to upright: 1 for
@@ -13,10 +13,11 @@ import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Robot, Side
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import TURN_AXES, UPRIGHT_TURN, turn_angles
 
+COLLAR_STEP = 0.05  # [rad] rotation of collar bones from which their effect on the line of the shoulders is measured
 MIN_RANGE = 1e-9  # [rad] smallest assumed hinge range, which avoids division by zero
 
 
@@ -53,6 +54,26 @@ def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
     ranges = np.where(positive, hinges.above, hinges.below)
     parts = requested * ranges / np.where(positive, hinges.all_above, hinges.all_below)
     angles[hinges.joints] = np.minimum(np.maximum(parts, hinges.lower), hinges.upper)
+
+
+def raise_shoulder(robot: Robot, rise: float, angles: Floats) -> None:
+    """Turn the line of the shoulders by the collar bones, in place.
+
+    Args:
+        robot: robot; one without hinges that raise the shoulders keeps its posture.
+        rise: [rad], + left shoulder up.
+        angles: (n,) [rad] of all hinges.
+    """
+    left, right = (list(robot.arm(side).shoulder_lift_joints) for side in SIDES)
+    if left and right:
+        tried = np.zeros((2, len(angles)))
+        tried[1, left], tried[1, right] = COLLAR_STEP, -COLLAR_STEP
+        ends = [robot.skeleton.frames(tried).origins[:, robot.arm(side).shoulder] for side in SIDES]
+        line = ends[0] - ends[1]
+        elevations = np.arctan2(line[:, 2], line[:, 1])
+        lift = rise * COLLAR_STEP / float(elevations[1] - elevations[0])
+        angles[left] += lift
+        angles[right] -= lift
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.face_track import compute_action_units
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, read_stances
-from kinesic.planning.standing import STANDING_STREAM, standing_robot
+from kinesic.planning.standing import STANDING_STREAM, draw_rest, standing_robot
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.distances import CapsuleDistances
@@ -143,6 +143,20 @@ def test_one_shoulder_stands_higher_as_drawn(name):
         expected.append(sum(features[STANCE_FEATURES.index(part)] for part in ("trunk_roll", "shoulder_rise")))
     assert elevations == pytest.approx(expected, abs=0.4)
     assert max(elevations) - min(elevations) > 1.5
+
+
+@pytest.mark.parametrize("name", ["human", "upper36"])
+def test_other_rest_of_a_person_moves_arms_and_shifts_weight_below_a_level_head(name):
+    setup = set_up(name, variation=1.0)
+    body, standing, roll = setup.robot, setup.style.standing, np.radians(2.0)
+    for seed in range(4):
+        angles = draw_rest(body, standing, setup.distances, np.random.default_rng(seed), roll=roll)
+        gaps, own_gaps = setup.distances.gaps(np.stack([angles, body.skeleton.rest]))
+        assert np.all(gaps >= np.minimum(body.min_clearance + LAG_RESERVE, own_gaps) - 1e-9)
+        offsets = np.degrees(angles - body.skeleton.rest)
+        assert max(abs(offsets[list(body.arm(side).joints)]).max() for side in "lr") > 2.0
+        trunk, neck = (offsets[body.skeleton.joint(joint)] for joint in ("vl5_roll", "skullbase_roll"))
+        assert trunk == pytest.approx(2.0, abs=0.01) == -neck
 
 
 def test_averted_eyes_return_to_the_listener_now_and_then(sad):

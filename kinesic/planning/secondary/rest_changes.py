@@ -1,6 +1,6 @@
 """Changes of the rest posture in long pauses, such as weight shifts."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import pairwise
 from math import ceil, radians
 
@@ -13,8 +13,7 @@ from kinesic.expressivity.style.standing import Standing, choose_rest
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.offset_bumps import OffsetBump, find_runs
 from kinesic.planning.setup import Setup
-from kinesic.planning.standing import take_rest
-from kinesic.planning.torso import set_turn
+from kinesic.planning.standing import draw_rest, take_rest
 
 MIN_REST_SPAN = 6.0  # [s] shorter rests of both arms keep their posture
 REST_DURATION = 15.0  # [s] usual duration of one rest posture; people change it every 10 to 20 s
@@ -25,14 +24,6 @@ REST_MARGIN = 0.4  # [s] time at rest before the first and after the last transi
 REST_TOLERANCE = 0.02  # [rad] largest distance of a resting arm from the rest posture
 WEIGHT_SHIFT = radians(2.6), radians(1.2)  # [rad] largest and smallest trunk roll in a weight shift
 TRUNK_TORSION = radians(3.0)  # [rad] largest trunk torsion in a weight shift
-ARM_RANGES: Mapping[str, tuple[float, float]] = {  # [deg] random offsets of resting arm hinges, by name suffix
-    "shoulder_flexion": (-2.0, 9.0),
-    "shoulder_abduct": (0.0, 4.0),
-    "shoulder_twisting": (-10.0, 4.0),
-    "elbow_flexion": (-4.0, 22.0),
-    "elbow_twisting": (-8.0, 8.0),
-    "wrist_flexion": (-6.0, 8.0),
-}
 
 
 def make_rest_changes(
@@ -55,7 +46,7 @@ def make_rest_changes(
         times = np.linspace(begin + REST_MARGIN, end - REST_MARGIN - CHANGE_DURATIONS[1], count + 1).tolist()
         for start, stop in pairwise(times):
             rise, fall = chance.uniform(*CHANGE_DURATIONS, 2).tolist()
-            offsets = amount * _draw_posture(robot, chance)
+            offsets = amount * _draw_posture(setup, standing, chance)
             hands = _change_hands(setup, standing, chance) if chance.uniform() < OTHER_REST_PROBABILITY else None
             if hands is not None:
                 offsets = min(amount, 1.0) * hands + HELD_SHIFT_FRACTION * _without_arms(offsets, robot)
@@ -92,19 +83,15 @@ def _without_arms(offsets: Floats, robot: Robot) -> Floats:
     return kept
 
 
-def _draw_posture(robot: Robot, chance: np.random.Generator) -> Floats:
+def _draw_posture(setup: Setup, standing: Standing, chance: np.random.Generator) -> Floats:
     """Return the random offset (n,) [rad] of one rest posture.
 
     The head stays level over the shifted trunk.
     """
-    offsets, names = np.zeros(len(robot.skeleton.hinges)), robot.skeleton.names
+    robot = setup.robot
     roll = float(chance.uniform(WEIGHT_SHIFT[1], WEIGHT_SHIFT[0])) * (1.0 if chance.uniform() < 0.5 else -1.0)
-    turn = np.array([chance.uniform(-1.0, 1.0) * TRUNK_TORSION, 0.0, roll])
-    if robot.joints("torso"):
-        set_turn(robot, "torso", turn, offsets)
-        set_turn(robot, "neck", np.array([0.0, 0.0, -roll]), offsets)
-    for side in SIDES:
-        for joint in robot.arm(side).joints:
-            bounds = next((bounds for end, bounds in ARM_RANGES.items() if names[joint].endswith(end)), (0.0, 0.0))
-            offsets[joint] = radians(float(chance.uniform(*bounds)))
-    return np.clip(robot.skeleton.rest + offsets, robot.skeleton.lower, robot.skeleton.upper) - robot.skeleton.rest
+    torsion = float(chance.uniform(-1.0, 1.0)) * TRUNK_TORSION
+    if not robot.joints("torso"):
+        roll = torsion = 0.0
+    posture = draw_rest(robot, standing, setup.distances, chance, roll=roll, torsion=torsion)
+    return np.asarray(posture - robot.skeleton.rest)
