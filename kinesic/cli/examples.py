@@ -33,7 +33,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "robots list": ("kinesic robots list",),
     "robots search": ("kinesic robots search upper22 documents --vary l_upperarm.length=0.25,0.3 --designs 8",),
     "robots show": ("kinesic robots show upper36",),
-    "say": ('kinesic say "You took the big one?"', 'kinesic say "Hello." --style calm --to bml'),
+    "say": (
+        'kinesic say "You took the big one?"',
+        'kinesic say "Hello." --style calm --to bml',
+        "kinesic say --audio speech.wav --words speech.json",
+    ),
     "serve": ("kinesic serve --robot upper36", "kinesic serve --listen 127.0.0.1:9000 --text"),
     "servos calibrate": ("kinesic servos calibrate --port body=/dev/ttyUSB0",),
     "servos doctor": ("kinesic servos doctor --port body=/dev/ttyUSB0",),

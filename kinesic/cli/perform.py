@@ -37,7 +37,9 @@ from kinesic.report.report import Json, report
 from kinesic.report.servo_belief import with_lesson
 from kinesic.report.servo_report import live_checks, live_log
 from kinesic.report.verdict import verdict
-from kinesic.session.plan import plan_plain_text
+from kinesic.session.documents import write_text
+from kinesic.session.plan import plan_plain_text, plan_recording
+from kinesic.session.recorded import SpokenRecording, write_recording
 from kinesic.sim.log import make_log
 
 
@@ -50,18 +52,19 @@ def perform_file(
     film: FilmSettings | None,
     *,
     text: str | None = None,
+    recording: SpokenRecording | None = None,
 ) -> int:
     """Perform a document in the twin, report, then perform on servos.
 
     Servos move only if no check of the twin failed. If the output path ends in .glb, the performance is written as a
-    glTF scene, and no report folder. If a plain text is given, that text is performed, and `file` is its name.
+    glTF scene, and no report folder. A plain text or a recording, if given, is performed, and `file` is its name.
     """
     if "servos" in performers.sinks:
         SERVO_DRIVER.require()
     source = document_name(file)
     memory = ServoMemory.of(twin_options)
     if is_scene(output.out):
-        return _perform_scene(file, planning, performers, twin_options, output, text)
+        return _perform_scene(file, planning, performers, twin_options, output, text, recording)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
     if film is not None and film.format == "mp4" and find_encoder() is None:
@@ -70,7 +73,7 @@ def perform_file(
         stage("reading the robot")
         setup = planning.set_up()
         paths = read_all_ports(performers.ports, Manifest.of(setup.robot).bauds) if "servos" in performers.sinks else {}
-        performance, *other_runs = _perform_in_twins(file, setup, twin_options, memory, stage, text)
+        performance, *other_runs = _perform_in_twins(file, setup, twin_options, memory, stage, text, recording)
         identification = None
         if memory.path is not None and not paths:
             stage("learning from the twin")
@@ -112,7 +115,13 @@ def perform_file(
 
 
 def _perform_scene(
-    file: str, planning: Planning, performers: Performers, twin_options: TwinOptions, output: Output, text: str | None
+    file: str,
+    planning: Planning,
+    performers: Performers,
+    twin_options: TwinOptions,
+    output: Output,
+    text: str | None,
+    recording: SpokenRecording | None,
 ) -> int:
     """Perform in the twin and write a glTF scene, without report files."""
     if performers.sinks != {"twin"}:
@@ -123,7 +132,7 @@ def _perform_scene(
         stage("reading the robot")
         setup = planning.set_up()
         performance, *other_runs = _perform_in_twins(
-            file, setup, twin_options, ServoMemory.of(twin_options), stage, text
+            file, setup, twin_options, ServoMemory.of(twin_options), stage, text, recording
         )
         stage("writing the scene")
         save_performed(performance, output.out, force=output.force)
@@ -137,7 +146,9 @@ def _perform_scene(
 
 
 def say_text(
-    text: str,
+    text: str | None,
+    audio: Path | None,
+    words: Path | None,
     planning: Planning,
     performers: Performers,
     twin_options: TwinOptions,
@@ -145,12 +156,25 @@ def say_text(
     film: FilmSettings | None,
     to: str,
 ) -> int:
-    """Write BML for a text, and perform it or only print it.
+    """Write BML for a text or a recording, and perform it or only print it.
 
     The text `-` stands for standard input, which is spoken as it arrives.
     """
+    if audio is not None:
+        recording = SpokenRecording(audio, words)
+        if text == "-":
+            raise ConfigError("say -: standard input has no recording; give the text of --audio on the command line")
+        if to == "bml":
+            print_written(lambda setup: write_recording(text, recording, setup), planning.set_up)
+            return 0
+        return perform_file("said", planning, performers, twin_options, output, film, text=text, recording=recording)
+    if words is not None:
+        raise ConfigError("--words: the times of words need a recording: --audio speech.wav")
+    if text is None:
+        raise ConfigError('say: give a TEXT or a recording: kinesic say "Hello.", kinesic say --audio speech.wav')
     if text == "-" and to == "bml":
-        print_written(read_input(text), planning.set_up)
+        content = read_input(text)
+        print_written(lambda setup: write_text(content, setup), planning.set_up)
         return 0
     if text == "-":
         LIVE_SERVER.require()
@@ -158,7 +182,7 @@ def say_text(
 
         return speak_standard_input(planning, performers, output)
     if to == "bml":
-        print_written(text, planning.set_up)
+        print_written(lambda setup: write_text(text, setup), planning.set_up)
         return 0
     return perform_file("said", planning, performers, twin_options, output, film, text=text)
 
@@ -185,11 +209,20 @@ def _identify_run(servo_run: ServoRun, memory: ServoMemory) -> Identification | 
 
 
 def _perform_in_twins(
-    file: str, setup: Setup, twin_options: TwinOptions, memory: ServoMemory, stage: Stage, text: str | None
+    file: str,
+    setup: Setup,
+    twin_options: TwinOptions,
+    memory: ServoMemory,
+    stage: Stage,
+    text: str | None,
+    recording: SpokenRecording | None,
 ) -> tuple[DryRun, ...]:
-    """Plan a document or plain text and perform it in the twins."""
+    """Plan a document, plain text or recording and perform it in the twins."""
     stage("planning")
-    plan = plan_input(file, setup) if text is None else plan_plain_text(text, setup, source=file)
+    if recording is not None:
+        plan = plan_recording(text, recording, setup, source=file)
+    else:
+        plan = plan_input(file, setup) if text is None else plan_plain_text(text, setup, source=file)
     return dry_runs(
         plan,
         memory.twins,

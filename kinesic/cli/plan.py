@@ -20,6 +20,7 @@ from kinesic.cli.progress import show_stages
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
 from kinesic.files.output_file import check_file
+from kinesic.intent.author import AuthoredText
 from kinesic.intent.fml.author import is_fml
 from kinesic.metrics.synchrony import StrokeLag, compute_median_lag, measure_planned_lags
 from kinesic.planning.certify import certify
@@ -101,7 +102,7 @@ def _print_bml(file: str, setup: Setup) -> int:
         click.echo(f"warning: {printable(part)}", err=True)
     content = opened.text
     if is_spoken_file(file, content):
-        print_written(content, lambda: setup)
+        print_written(lambda known: write_text(content, known), lambda: setup)
     elif is_fml(content):
         bml, unshown = write_fml(content, setup, source=document_name(file))
         click.echo(printable_xml(bml), nl=False)
@@ -114,11 +115,11 @@ def _print_bml(file: str, setup: Setup) -> int:
     return 0
 
 
-def print_written(text: str | bytes, load_setup: Callable[[], Setup]) -> None:
-    """Print the BML of a text, and its warnings on standard error."""
+def print_written(write: Callable[[Setup], AuthoredText], load_setup: Callable[[], Setup]) -> None:
+    """Print the BML of a text or recording, and its warnings on standard error."""
     with show_stages() as stage:
         stage("writing BML")
-        written = write_text(text, load_setup())
+        written = write(load_setup())
     click.echo(printable_xml(written.bml), nl=False)
     for warning in written.warnings:
         click.echo(f"warning: {printable(warning)}", err=True)

@@ -34,6 +34,11 @@ ON_HELP = (
     "Sinks that perform, separated by commas: twin (always first), servos, face (a window, if there is a display). "
     "Space stops the servos, Ctrl-C folds them to rest."
 )
+AUDIO_HELP = "WAV recording of TEXT, or of speech without a text."
+WORDS_HELP = (
+    "Times of the words in --audio: Whisper, ElevenLabs, Polly or Azure JSON, TextGrid, EAF, SRT or VTT "
+    "(default: found by their sound)."
+)
 FREE_HELP = "Servo parameters to fit; all others are those of the data sheets. mass only without stall. Repeatable."
 
 report_options = output_options(
@@ -239,7 +244,9 @@ def _new() -> None:
 
 
 @kinesic.command("say")
-@click.argument("text")
+@click.argument("text", required=False)
+@click.option("--audio", metavar="WAV", type=click.Path(path_type=Path), help=AUDIO_HELP)
+@click.option("--words", metavar="FILE", type=click.Path(path_type=Path), help=WORDS_HELP)
 @planning_options
 @performer_options(ON_HELP)
 @twin_options
@@ -250,7 +257,8 @@ def _say() -> None:
     """Say TEXT with matching gestures, head, face and gaze.
 
     The BML states a reason for each behaviour. If TEXT is -, standard input is spoken phrase by phrase as it arrives,
-    without a report.
+    without a report. With --audio, a recording is played in place of the voice, and lips, gestures and accents follow
+    it: TEXT is that of --words by default. Without any text, gestures are beats on the accents.
     """
 
 

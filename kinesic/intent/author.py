@@ -14,7 +14,7 @@ from kinesic.intent.directed import DIRECTION_INTENT, find_directed
 from kinesic.intent.intents import Intent
 from kinesic.intent.manuscript.reading import read_manuscript
 from kinesic.intent.meaning.reader import read_meanings
-from kinesic.intent.pacing.accents import find_accents
+from kinesic.intent.pacing.accents import find_accents, follow_accents
 from kinesic.intent.pacing.long_strokes import stroke_delay
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS
@@ -22,6 +22,7 @@ from kinesic.intent.pacing.tempo import liveliness_of
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import SPEECH_ID, Passage
 from kinesic.intent.reading.words import read_text
+from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.writing import write_block
 
 EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
@@ -85,6 +86,7 @@ def author_text(
     block: str = "said",
     memory: ChoiceMemory = NO_MEMORY,
     character: str = "",
+    recorded: RecordedAudio | None = None,
 ) -> AuthoredText:
     """Write BML for a text, with a warning for each omitted part.
 
@@ -101,6 +103,7 @@ def author_text(
         block: id of the block.
         memory: gestures of earlier texts, which are not repeated for a minute of speech.
         character: speaker of a dialogue whose lines are spoken; empty: all.
+        recorded: recording of the text, whose times and accents count; None: a voice speaks.
     """
     passage, selection = plan_behaviours(
         text,
@@ -112,9 +115,10 @@ def author_text(
         seed=seed,
         memory=memory,
         character=character,
+        recorded=recorded,
     )
     after = memory.extend(selection.behaviours, passage.starts[-1])
-    bml = write_block(passage, selection.behaviours, block=block)
+    bml = write_block(passage, selection.behaviours, block=block, recorded=recorded)
     return AuthoredText(bml, selection.warnings, after, len(passage.words))
 
 
@@ -129,6 +133,7 @@ def plan_behaviours(
     seed: int = 0,
     memory: ChoiceMemory = NO_MEMORY,
     character: str = "",
+    recorded: RecordedAudio | None = None,
 ) -> tuple[Passage, Selection]:
     """Return the words of a text, and the behaviours chosen for it.
 
@@ -138,6 +143,7 @@ def plan_behaviours(
     lacking = (rules.warning,) if rules.warning else ()
     spoken, warnings = read_manuscript(text, character=character)
     passage = read_text(spoken, rules)
+    passage = passage if recorded is None else recorded.hear(passage)
     directed = find_directed(passage, lexicon)
     asked = tuple(map(reach_directed, directed.behaviours))
     meanings = read_meanings(passage, rules, lexicon, grammar=grammar, liveliness=liveliness_of(style))
@@ -160,6 +166,7 @@ def plan_behaviours(
 
 def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:
     """Add the missing beat intents of accented words, sorted by stroke time."""
+    intents = follow_accents(intents, passage, BEAT_INTENTS)
     taken = frozenset(intent.word for intent in intents if intent.name in BEAT_INTENTS)
     ordered = sorted([*intents, *find_accents(passage, taken)], key=lambda intent: intent.stroke.seconds)
     return tuple(ordered)

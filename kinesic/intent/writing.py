@@ -10,6 +10,7 @@ from kinesic.intent.intents import shift_reference
 from kinesic.intent.markup import escape, quote
 from kinesic.intent.reading.passage import SPEECH_ID, Passage, mark
 from kinesic.intent.reading.prosody import Prosody, merge, write_tag
+from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.speeches import divide_speech, gap_before
 
 XML_NAMESPACES = 'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic"'
@@ -37,10 +38,11 @@ def write_block(
     block: str = "said",
     words: range | None = None,
     start: str = "",
+    recorded: RecordedAudio | None = None,
 ) -> str:
     """Write a block that speaks a text and performs the chosen behaviours.
 
-    A long text has several speeches, one after the other.
+    A long text has several speeches, one after the other. A recording is one speech.
 
     Args:
         passage: the text.
@@ -48,9 +50,12 @@ def write_block(
         block: its id.
         words: spoken words of the text; None: all.
         start: sync point at which it begins to speak; empty: as the behaviours allow.
+        recorded: recording that is played; None: a voice speaks.
     """
     elements = list(write_behaviours(behaviours))
     used = frozenset(_USED_SYNCS.findall("\n".join(elements)))
+    if recorded is not None:
+        words = range(len(passage.words))
     speeches = divide_speech(passage) if words is None else [words]
     spoken = list[str]()
     for number, part in enumerate(speeches):
@@ -59,6 +64,7 @@ def write_block(
         spoken += [
             f'  <speech id="{_speech_id(number)}" language={quote(passage.voice or passage.language)}{beginning}>',
             f"    <text>{_write_spoken_text(passage, used, part)}</text>",
+            *([f"    {recorded.write()}"] if recorded is not None else []),
             "  </speech>",
         ]
     if len(speeches) > 1:
@@ -66,7 +72,7 @@ def write_block(
         elements = [_WORD_REFERENCE.sub(lambda found: _refer(found[1], ids), element) for element in elements]
     lines = [
         f'<bml {XML_NAMESPACES} id="{block}">',
-        *(spoken if speeches[0] or not elements else []),
+        *(spoken if speeches[0] or not elements or recorded is not None else []),
         *(f"  {element}" for element in elements),
         "</bml>",
     ]

@@ -16,6 +16,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.standing import take_block_posture
 from kinesic.session.builtin_documents import locate_document, suggest_document
 from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
+from kinesic.session.recorded import SpokenRecording, read_recording
 from kinesic.session.setup import set_up
 
 DocumentSource = str | bytes | Path  # a path, or BML text
@@ -49,6 +50,30 @@ def plan_plain_text(text: str | bytes, setup: Setup, *, source: str, conditioned
         conditioned: turns desired motions into motions within the limits.
     """
     return _plan_read(lambda: read_plain_text(text, setup, source=source), setup, conditioned)
+
+
+def plan_recording(
+    text: str | None,
+    recording: SpokenRecording,
+    setup: Setup,
+    *,
+    source: str | None = None,
+    conditioned: Conditioner = certify,
+) -> Plan:
+    """Plan a recording with gestures that match its text or its accents.
+
+    Args:
+        text: of the recording; None: that of its file of words, or none.
+        recording: sound and times of words.
+        setup: robot, style and options.
+        source: name in messages and reports; default is the name of the sound file.
+        conditioned: turns desired motions into motions within the limits.
+
+    Raises:
+        ConfigError: the sound, or the file of words, cannot be read.
+    """
+    name = source or recording.audio.name
+    return _plan_read(lambda: read_recording(text, recording, setup, source=name), setup, conditioned)
 
 
 def plan_motion_file(path: str | Path, setup: Setup, *, source: str | None = None) -> Plan:

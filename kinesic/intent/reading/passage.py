@@ -51,6 +51,8 @@ class Passage:
     is_over: bool = True  # whether its last phrase has ended, or it is empty
     directions: tuple[tuple[int, str], ...] = ()  # (index of the next word, words) of each direction
     voice: str = ""  # language of its voice, such as `en-GB`; empty: the language
+    times: tuple[float, ...] = ()  # [s] heard start of each word, and end of the text; empty: estimated
+    accents: frozenset[int] | None = None  # indices of words with a heard accent; None: the text decides
 
     @cached_property
     def sentences(self) -> tuple[Sequence[int], ...]:
@@ -69,7 +71,9 @@ class Passage:
 
     @cached_property
     def starts(self) -> tuple[float, ...]:
-        """Estimated start time of each word, and end of the text [s]."""
+        """Heard or estimated start time of each word, and end of the text [s]."""
+        if self.times:
+            return self.times
         times, now = [], 0.0
         for k, word in enumerate(self.words):
             if k and self.words[k - 1].sentence != word.sentence:

@@ -13,6 +13,7 @@ from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recorded.follow import FollowedSpeech, follow_recording
 from kinesic.speech.recorded.given_times import GivenTime, match_words
 from kinesic.speech.recorded.rendition import Rendition, render
+from kinesic.speech.recorded.unworded import lip_sounds
 from kinesic.speech.recording import RecordingError, read_wav
 from kinesic.speech.timings.reading import read_words_file
 from kinesic.speech.timings.timed_words import TimedWords, TimingError
@@ -100,6 +101,9 @@ def _read_words(recording: Recording) -> tuple[TimedWords, tuple[str, ...]]:
 
 def _play_recording(script: Script, recording: Recording, sound: Sound, timed: TimedWords, voice: Voice) -> Utterance:
     """Time a script by its recording."""
+    if not any(map(str.isalnum, script.text)) and not isinstance(voice, DurationModel):
+        marks = {mark.name: 0.0 for mark in script.marks} | dict(reversed(recording.marks))
+        return Utterance(sound.duration, marks, lip_sounds(sound), "recording", sound)
     rendition = render(script, voice)
     in_text = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
     given_times = in_text | dict(reversed(recording.marks))

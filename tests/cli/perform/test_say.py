@@ -1,4 +1,8 @@
 import json
+import wave
+
+import numpy as np
+import pytest
 
 TEXT = "Hello! There were three big boxes."
 
@@ -22,3 +26,43 @@ def test_report_of_say_contains_no_file_path(kinesic, tmp_path):
     ended = kinesic("say", TEXT, "--no-film", "--voice", "durations", "--out", tmp_path / "out")
     assert ended.code == 0, ended.err
     assert json.loads((tmp_path / "out" / "report.json").read_text())["input"] == "said"
+
+
+def write_noise(path):
+    """Write a second of noise between silences."""
+    samples = np.concatenate([np.zeros(4000), np.random.default_rng(1).normal(0.0, 6000.0, 8000), np.zeros(4000)])
+    with wave.open(str(path), "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes(samples.astype("<i2").tobytes())
+    return path
+
+
+def test_recording_is_written_with_its_text_and_times(kinesic, tmp_path):
+    (tmp_path / "talk.srt").write_text("1\n00:00:00,500 --> 00:00:01,500\nThree big boxes.\n")
+    audio = write_noise(tmp_path / "talk.wav")
+    ended = kinesic("say", "--audio", audio, "--words", tmp_path / "talk.srt", "--to", "bml", "--voice", "durations")
+    assert ended.code == 0, ended.err
+    assert "big" in ended.out
+    assert f'<audio ref="{audio}" kinesic:words="{tmp_path / "talk.srt"}"/>' in ended.out
+
+
+def test_recording_without_text_says_that_it_does_less(kinesic, tmp_path):
+    ended = kinesic("say", "--audio", write_noise(tmp_path / "talk.wav"), "--to", "bml")
+    assert ended.code == 0
+    assert "there is no text" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), "give a TEXT or a recording"),
+        (("Hi", "--words", "w.json"), "--words: the times of words need a recording"),
+        (("-", "--audio", "talk.wav"), "standard input has no recording"),
+        (("--audio", "missing.wav"), "missing.wav: No such file"),
+    ],
+)
+def test_invalid_use_of_recordings_is_refused_in_one_line(kinesic, arguments, message):
+    ended = kinesic("say", *arguments, "--to", "bml")
+    assert ended.code == 2
+    assert message in ended.err
+    assert "Traceback" not in ended.err
