@@ -13,7 +13,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import widen_key
 from kinesic.planning import collision
 from kinesic.planning.collision import GAP_TOLERANCE, HOVER_DISTANCE, TOUCH_TOLERANCE
-from kinesic.planning.contact import SurfaceTouch, palm_balls, touched_pairs
+from kinesic.planning.contact import SurfaceTouch, palm_balls, touched_pairs, touched_segment
 from kinesic.session.setup import set_up
 from kinesic.sim.worst_postures import random_postures
 from kinesic.studies.gestures.isolated import plan_gesture
@@ -44,6 +44,21 @@ def test_fingertip_contact_requires_fingers_and_a_touched_body_part(known):
     assert SurfaceTouch.of("r", Hand(touch="head", tip="index"), plain) is None
     assert SurfaceTouch.of("r", Hand(tip="index"), known.robot) is None
     assert SurfaceTouch.of("r", Hand(touch="head"), known.robot) is None
+
+
+@pytest.mark.parametrize(
+    ("touch", "segment"),
+    [
+        ("hand", "r_wrist"),
+        ("forearm", "r_elbow"),
+        ("upper_arm", "r_shoulder"),
+        ("head", "skullbase"),
+        ("chest", "vl5"),
+        ("lap", "humanoid_root"),
+    ],
+)
+def test_left_hand_touches_parts_of_the_right_arm_and_of_the_body(known, touch, segment):
+    assert touched_segment("l", touch, known.robot) == segment
 
 
 def test_fingertip_needs_a_touched_part(tmp_path):
