@@ -19,7 +19,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "gestures list": ("kinesic gestures list --category emblem", "kinesic gestures list --json"),
     "gestures render": ("kinesic gestures render offer --out offer.png", "kinesic gestures render --all --out all.png"),
     "gestures show": ("kinesic gestures show offer",),
-    "mcp": ("kinesic mcp --robot upper36", "kinesic mcp --connect localhost:8080"),
+    "mcp": ("kinesic mcp --robot upper36", "kinesic mcp --connect localhost:8864"),
     "new": ("kinesic new gesture my_offer", "kinesic new style mine --out styles"),
     "perform": (
         "kinesic perform welcome --robot upper36",
@@ -31,7 +31,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "robots check": ("kinesic robots check upper36",),
     "robots import": ("kinesic robots import robot.urdf --out robot.toml",),
     "robots list": ("kinesic robots list",),
-    "robots search": ("kinesic robots search upper22 documents --vary l_upperarm.length=0.25,0.3 --designs 8",),
+    "robots search": ("kinesic robots search upper22 documents --vary l_shoulder.length=0.20,0.25 --designs 8",),
     "robots show": ("kinesic robots show upper36",),
     "say": (
         'kinesic say "You took the big one?"',

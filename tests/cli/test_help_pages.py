@@ -5,9 +5,13 @@ import click
 import pytest
 from click.testing import CliRunner
 
+from kinesic.body.config import locate_config
+from kinesic.body.robot_extension import read_robot
+from kinesic.body.robot_schema import RobotFile
 from kinesic.cli import kinesic as command_line
 from kinesic.cli.examples import EXAMPLES
 from kinesic.cli.help_pages import OTHER_TASK, VERBS_BY_TASK, SharedOption
+from kinesic.studies.designs.variant import Variable, apply_design
 
 EXAMPLE_LINES = [line for lines in EXAMPLES.values() for line in lines]
 
@@ -57,6 +61,15 @@ def test_help_examples_are_valid_command_lines(line):
     while isinstance(command, click.Group):
         command = command.commands[words.pop(0)]
     command.make_context("kinesic", words, **command_line.context_settings)
+
+
+def test_help_example_of_a_search_varies_a_body_of_its_robot():
+    (line,) = EXAMPLES["robots search"]
+    words = shlex.split(line)
+    variable = Variable.parse(words[words.index("--vary") + 1])
+    path = locate_config("robot", words[3])
+    file = read_robot(path, RobotFile)
+    assert [apply_design(file, ((variable.name, value),), path) == file for value in variable.values] == [False, False]
 
 
 def test_shared_options_in_the_help_are_the_planning_options():
