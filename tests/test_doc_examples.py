@@ -31,6 +31,7 @@ RUN_PAGES = [
     *(page for page in SKILLS if page.parent.name in CHEAP_SKILLS),
     ROOT / "README.md",
     ROOT / "docs" / "explanation" / "inverse-kinematics.md",
+    ROOT / "docs" / "how-to" / "connect-a-voice.md",
     ROOT / "docs" / "how-to" / "use-from-python.md",
 ]  # others need a display
 

@@ -14,12 +14,14 @@ from kinesic.intent.reading.language import ENGLISH_TAG, check_tag
 
 if TYPE_CHECKING:
     from kinesic.body.arrays import Floats
+    from kinesic.speech.engines.phrase import SpeechEngine
 
 SET_HELP = (
     "One style parameter, which also overrides documents, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
     f"of {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat for more."
 )
 VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
+ENGINE_HELP = "Program that speaks in place of the voice, on standard input and output: 'python my_voice.py'."
 CHARACTER_HELP = "Character of the robot in a block for several; default is the block's character, or the first."
 IDLE_HELP = "Amount of breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
@@ -57,6 +59,8 @@ class PlanningOptions(TypedDict, total=False):
     variation: Annotated[float, CliOption(VARIATION_HELP, 1.0, float, show_default=True, most=2.0)]
     seed: Annotated[int, CliOption("Seed of all random numbers.", 0, int, show_default=True)]
     voice: Annotated[VoiceName, CliOption(VOICE_HELP, "auto")]  # "durations" in Python, equal on every machine
+    # own engine that speaks in place of the voice, or the command that runs it
+    engine: Annotated["SpeechEngine | str | None", CliOption(ENGINE_HELP, metavar="COMMAND")]
     pause: Annotated[float, CliOption(PAUSE_HELP, 0.0, float, metavar="SECONDS", most=60.0)]  # [s]
     # positions by name, or a file of them
     targets: Annotated[

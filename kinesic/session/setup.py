@@ -20,6 +20,8 @@ from kinesic.planning.standing import standing_robot, vary_standing
 from kinesic.session.options import PlanningOptions, check_options
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.speech.engines.phrase import SpeechEngine
+from kinesic.speech.engines.program import EngineProgram
 from kinesic.speech.voice import voice as make_voice
 
 
@@ -53,7 +55,7 @@ def set_up(
         robot=body,
         style=performed_style,
         lexicon=lexicon,
-        voice=make_voice(options.get("voice", "durations")),
+        voice=make_voice(options.get("voice", "durations"), engine=_to_engine(options.get("engine"))),
         dynamics=MujocoDynamics(body),
         distances=distances,
         targets=_read_targets(options.get("targets")),
@@ -70,6 +72,10 @@ def set_up(
         ),
         unstyled=unstyled,
     )
+
+
+def _to_engine(engine: SpeechEngine | str | None) -> SpeechEngine | None:
+    return EngineProgram.of(engine) if isinstance(engine, str) else engine
 
 
 def _to_path(path: str | Path | None) -> Path | None:
