@@ -47,10 +47,15 @@ MAX_WELL_PLANNED_BEHAVIOURS = 4  # moving behaviours up to which full planning i
 MAX_WELL_PLANNED_DURATION = 20.0  # [s] longest motion whose full planning is as fast as quick planning
 
 
-def prepare_block(request: TimedRequest, setup: Setup) -> PreparedBlock:
+def prepare_block(request: TimedRequest, setup: Setup, *, is_scheduled: bool = False) -> PreparedBlock:
     """Plan the motion of a scheduled block before it joins a scene.
 
     Plan a large one quickly and mark it for refinement.
+
+    Args:
+        request: scheduled block.
+        setup: setup for planning.
+        is_scheduled: whether it was scheduled with the same setup, so that its timeline is still valid.
 
     Raises:
         BmlError: a `required` behaviour cannot be performed.
@@ -65,7 +70,8 @@ def prepare_block(request: TimedRequest, setup: Setup) -> PreparedBlock:
         return PreparedBlock(request, plan)
     duration = max(times, default=0.0) - min(times, default=0.0)
     if len(moving) <= MAX_WELL_PLANNED_BEHAVIOURS and duration <= MAX_WELL_PLANNED_DURATION:
-        plan = plan_block(block, setup, conditioned=CERTIFY_WITHOUT_LEAD_IN, busy_hands=busy_hands)
+        timeline = request.timeline if is_scheduled else None
+        plan = plan_block(block, setup, conditioned=CERTIFY_WITHOUT_LEAD_IN, busy_hands=busy_hands, timeline=timeline)
         return PreparedBlock(request, plan)
     return PreparedBlock(request, plan_quickly(block, setup, busy_hands=busy_hands), is_provisional=True)
 

@@ -264,7 +264,7 @@ class PlannerState:
             self._tell(quota_feedback("duration", what, name=id), message.sender)
             return
         self._tell(request.prediction, message.sender)
-        prepared = prepare_block(request, self._scene.setup)
+        prepared = prepare_block(request, self._scene.setup, is_scheduled=True)
         verdict = Verdict.STOPPED
         if document.stops == self._shared.stops:
             verdict = self._shared.propose(lambda scene, now: begin(scene, prepared, now))

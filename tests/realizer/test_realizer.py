@@ -1,12 +1,14 @@
 """Life cycle of a block in a scene, with its feedback."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.composition import BlockState
+from kinesic.expressivity.hands.busy_hands import BusyHand
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
@@ -121,3 +123,18 @@ def test_each_character_performs_its_part_of_a_block(played):
     assert any("Anna performs it" in text for text in play.warnings("a:h"))
     nobody = played(character="Cleo").send("a", both, 'characterId="Anna"')
     assert "it is for Anna and Bert, and Cleo performs here" in nobody.warnings("a")[0]
+
+
+def test_block_scheduled_with_the_same_setup_keeps_its_timeline(known: Setup):
+    request = read_request(Message(f'<bml id="b">{HELLO}{BEAT}{NOD}</bml>'), known)
+    fresh, reused = prepare_block(request, known).plan, prepare_block(request, known, is_scheduled=True).plan
+    assert reused.timeline is request.timeline
+    assert fresh.timeline is not request.timeline
+    times = np.arange(0.0, fresh.trajectory.duration, 0.05)
+    assert np.array_equal(fresh.trajectory.sample(times)[0], reused.trajectory.sample(times)[0])
+
+
+def test_block_is_scheduled_again_for_the_hand_that_is_free(known: Setup):
+    request = read_request(Message('<bml id="b"><gesture id="g" lexeme="BEAT" stroke="1"/></bml>'), known)
+    busy = replace(request, busy_hands=(BusyHand("r", -1.0, 9.0, "other:g"),))
+    assert prepare_block(busy, known, is_scheduled=True).plan.timeline is not request.timeline
