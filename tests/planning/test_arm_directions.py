@@ -31,3 +31,10 @@ def test_unreachable_directions_keep_the_joint_limits():
     robot = ROBOTS["upper36"]
     posture = set_arm(robot, "l", np.array([-170.0, 5.0, 80.0, -60.0, -120.0, 80.0]), np.array(robot.skeleton.rest))
     assert np.all((posture >= robot.skeleton.lower) & (posture <= robot.skeleton.upper))
+
+
+def test_arms_of_several_postures_are_measured_at_once():
+    robot = ROBOTS["human"]
+    postures = np.stack([robot.skeleton.rest, set_arm(robot, "l", HANGING_ARM, np.array(robot.skeleton.rest))])
+    single = [measure_arm(robot, "l", posture) for posture in postures]
+    np.testing.assert_allclose(measure_arm(robot, "l", postures), single, atol=1e-9)

@@ -123,6 +123,11 @@ def test_switching_torque_on_resets_whole_turns(gate: PlausibilityFilter):
     assert gate.blocks["position"][1] == 2050
 
 
+def test_jump_by_a_whole_turn_without_torque_is_doubted(gate: PlausibilityFilter):
+    assert told(gate, blocks(1010, position=2048 + 4096), 1.01) == [True, False]
+    assert gate.blocks["position"][1] == 2048
+
+
 def test_false_servo_record_does_not_hide_later_true_records(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2048 + 300, torque=1), 1.02) == [True, False]

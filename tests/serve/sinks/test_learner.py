@@ -1,11 +1,13 @@
 """Sink with deviating servos: the second motion is better after identification."""
 
+from concurrent.futures import Future
 from dataclasses import replace
 from time import monotonic, sleep
 
 import numpy as np
 import pytest
 
+from kinesic.controller.learned_gains import Identification
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import stay
@@ -55,4 +57,24 @@ def test_servos_are_not_identified_without_motion(known):
     learner.see(still(0.01 * k, len(known.robot.drives)) for k in range(3000))
     assert learner.lesson() is None
     assert learner._result is None
+    learner.close()
+
+
+@pytest.mark.parametrize("change", [{"stage": Stage.HOLD}, {"time": np.nan}])
+def test_recorded_cycles_are_discarded_when_the_performance_is_interrupted(known, change):
+    learner, count = ServoLearner(known.robot, NOMINAL_FACTORS), len(known.robot.drives)
+    learner.see(still(0.01 * k, count) for k in range(10))
+    assert len(learner._cycles) == 10
+    learner.see([replace(still(0.1, count), **change)])
+    assert not learner._cycles
+    learner.close()
+
+
+def test_identification_is_returned_once_when_it_has_ended(known):
+    learner = ServoLearner(known.robot, NOMINAL_FACTORS)
+    learner._result = running = Future()
+    assert learner.lesson() is None
+    running.set_result(Identification(NOMINAL_FACTORS, why="too little motion"))
+    assert learner.lesson() is running.result()
+    assert learner.lesson() is None
     learner.close()
