@@ -30,7 +30,12 @@ WORKING_VERBS = [
     ("perform", "nod.bml", "--no-film", "--voice", "durations", "--out", "report", "--force"),
     ("plan", "nod.bml", "--out", "nod.npz"),
     ("gestures", "find", "hello"),
+    ("gestures", "show", "offer"),
     ("robots", "list"),
+    ("robots", "show", "upper22"),
+    ("styles", "show", "joyful"),
+    ("completion", "bash"),
+    ("say", "Hello there.", "--to", "bml"),
     ("new", "gesture", "mine"),
 ]
 
