@@ -5,6 +5,7 @@ Dialects: BML 1.0, the mindmakers draft, Greta's dialect, SmartBody fragments, a
 
 import itertools
 from collections.abc import Collection, Iterator
+from pathlib import Path
 from typing import Literal
 
 from kinesic.bml.agents import assign_agents
@@ -45,6 +46,7 @@ def parse(
     known_blocks: Collection[str] = (),
     bounds: DocumentBounds = DEFAULT_BOUNDS,
     performer: str | None = None,
+    recordings: Path | None = None,
 ) -> Block:
     """Parse a document with one <bml> into a `Block`.
 
@@ -57,6 +59,7 @@ def parse(
             different one.
         bounds: maximum size, depth and number of behaviours.
         performer: character that this robot plays; None: the character that the block addresses.
+        recordings: folder of the recordings of a document that is no file; None: they are not played.
 
     Raises:
         BmlError: broken XML, a number out of range, or a reference to a missing behaviour.
@@ -69,6 +72,7 @@ def parse(
         strict=strict,
         known_blocks=known_blocks,
         performer=performer,
+        recordings=recordings,
         max_behaviours=bounds.behaviours,
     )
 
@@ -82,6 +86,7 @@ def parse_document(
     known_blocks: Collection[str] = (),
     performer: str | None = None,
     max_behaviours: int = DEFAULT_BOUNDS.behaviours,
+    recordings: Path | None = None,
 ) -> Block:
     """Convert a document tree to a `Block`.
 
@@ -96,7 +101,7 @@ def parse_document(
     block_node = BehaviourElement(
         document_id or _find_unused_id(known_blocks), bml, select_core_attributes(bml, home=home)
     )
-    reading = DocumentReading(source, block_node.id, document_dialect, home)
+    reading = DocumentReading(source, block_node.id, document_dialect, home, recordings)
     needs_id = (
         document_dialect == "bml-1.0" or dialect == "draft"
     )  # Greta's blocks use the draft's namespace without ids

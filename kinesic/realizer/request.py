@@ -212,6 +212,7 @@ def parse_message(
             known_blocks=known_blocks,
             bounds=bounds,
             performer=setup.character,
+            recordings=setup.recordings,
         )
     files = setup.intentions
     return parse_fml(

@@ -60,7 +60,7 @@ def read_block(text: str | bytes, setup: Setup, *, source: str = "<text>") -> Bl
         block = read_plain_text(opened.text, setup, source=source)
         around = (Notice(NoticeType.PARSING_FAILURE, block.id, part) for part in opened.surroundings)
         return replace(block, notices=(*around, *block.notices))
-    return parse(text, source=source, dialect=setup.dialect, performer=setup.character)
+    return parse(text, source=source, dialect=setup.dialect, performer=setup.character, recordings=setup.recordings)
 
 
 def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:

@@ -22,6 +22,7 @@ SET_HELP = (
 )
 VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
 ENGINE_HELP = "Program that speaks in place of the voice, on standard input and output: 'python my_voice.py'."
+RECORDINGS_HELP = "Folder of the recordings that documents without a file name, such as those of `serve`."
 CHARACTER_HELP = "Character of the robot in a block for several; default is the block's character, or the first."
 IDLE_HELP = "Amount of breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
@@ -79,6 +80,7 @@ class PlanningOptions(TypedDict, total=False):
     qualifiers: Annotated[
         str | Path | None, CliOption("Greta's qualifiers (XML): changes of the baseline by intentions.", kind=Path)
     ]
+    recordings: Annotated[str | Path | None, CliOption(RECORDINGS_HELP, kind=Path, metavar="FOLDER")]
 
 
 INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # defaults of Performer and command line

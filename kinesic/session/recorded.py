@@ -20,7 +20,7 @@ from kinesic.speech.timings.reading import read_words_file
 from kinesic.speech.timings.timed_words import TimingError
 
 UNWORDED_WARNING = (
-    "there is no text: lips follow loudness and spectrum, and gestures are beats on accents; "
+    "there is no text: gestures are beats on the accents that are heard; "
     "give the text, or a file with the times of words, for lips and gestures that match the words"
 )
 

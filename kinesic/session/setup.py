@@ -71,6 +71,7 @@ def set_up(
             _to_path(options.get("intentions")), _to_path(options.get("baseline")), _to_path(options.get("qualifiers"))
         ),
         unstyled=unstyled,
+        recordings=_to_path(options.get("recordings")),
     )
 
 

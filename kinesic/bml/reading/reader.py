@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from kinesic.bml.block import BmlError, Dialect, Notice, NoticeType, Place, document_error
 from kinesic.bml.reading.tree import Element
@@ -18,6 +19,7 @@ class DocumentReading:
     block: str
     dialect: Dialect
     home: str | None  # namespace of the <bml>
+    recordings: Path | None = None  # folder of the recordings of a document that is no file; None: not played
     notices: list[Notice] = field(default_factory=list)
 
     def error(self, place: Place, problem: str, remedy: str) -> BmlError:

@@ -233,7 +233,8 @@ def _read_recording_description(
         problem = f"the description in line {description.place.line} names no file and is ignored"
         reading.add_notice(NoticeType.PARSING_FAILURE, problem, behaviour=node.id)
         return None
-    if reading.source.startswith("<"):
+    folder = reading.recordings if reading.source.startswith("<") else Path(reading.source).parent
+    if folder is None:
         problem = f"the recording '{name}' is not played: the document is not a file, so it has no folder"
         reading.add_notice(NoticeType.CANNOT_CREATE_BEHAVIOR, problem, behaviour=node.id)
         return None
@@ -243,7 +244,6 @@ def _read_recording_description(
         if child.local in MARK_ELEMENTS and "time" in child.attributes
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
     )
-    folder = Path(reading.source).parent
     words = _find_words_file(description)
     return Recording(folder / name, marks, folder, folder / words if words else None)
 

@@ -101,9 +101,8 @@ def _read_words(recording: Recording) -> tuple[TimedWords, tuple[str, ...]]:
 
 def _play_recording(script: Script, recording: Recording, sound: Sound, timed: TimedWords, voice: Voice) -> Utterance:
     """Time a script by its recording."""
-    if not any(map(str.isalnum, script.text)) and not isinstance(voice, DurationModel):
-        marks = {mark.name: 0.0 for mark in script.marks} | dict(reversed(recording.marks))
-        return Utterance(sound.duration, marks, lip_sounds(sound), "recording", sound)
+    if not any(map(str.isalnum, script.text)):
+        return _play_unworded(script, recording, sound)
     rendition = render(script, voice)
     in_text = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
     given_times = in_text | dict(reversed(recording.marks))
@@ -116,6 +115,16 @@ def _play_recording(script: Script, recording: Recording, sound: Sound, timed: T
     marks |= {name: words[k][0] for name, k in rendition.marked_words.items() if k < len(words)} | clipped
     remarks = _list_remarks(rendition, recording, sound, timed, given_times, is_followed=followed.is_followed)
     return Utterance(sound.duration, marks, followed.phonemes, "recording", sound, remarks)
+
+
+def _play_unworded(script: Script, recording: Recording, sound: Sound) -> Utterance:
+    """Play a recording without text, with lips that follow its loudness and spectrum."""
+    given = dict(reversed(recording.marks))
+    marks = {mark.name: 0.0 for mark in script.marks} | {
+        name: min(max(time, 0.0), sound.duration) for name, time in given.items()
+    }
+    remark = f"{recording.path.name} has no text: lips follow its loudness and spectrum alone"
+    return Utterance(sound.duration, marks, lip_sounds(sound), "recording", sound, (remark,))
 
 
 def _combine(rendition: Rendition, times: list[GivenTime], marks: Mapping[str, float]) -> list[GivenTime]:

@@ -113,3 +113,25 @@ def test_file_of_words_outside_the_folder_is_not_read(espeak: Espeak, tmp_path: 
     recording = Recording(write(spoken.sound, folder / "r.wav"), (), folder, words)
     (remark,) = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording)).remarks
     assert "is outside of the folder" in remark
+
+
+def test_recording_without_text_has_lips_and_says_that_they_follow_the_sound_alone(espeak: Espeak, tmp_path: Path):
+    spoken = speak(espeak)
+    recording = Recording(write(spoken.sound, tmp_path / "r.wav"), (("bell", 99.0),))
+    for voice in (espeak, DurationModel()):
+        utterance = RecordedVoice(voice).say(Script("", (Mark("m", 0),), recording=recording))
+        assert utterance.phonemes
+        assert utterance.marks == {"m": 0.0, "bell": spoken.sound.duration}
+        assert "lips follow its loudness and spectrum alone" in utterance.remarks[0]
+
+
+def test_document_without_a_file_plays_recordings_of_the_given_folder(tmp_path: Path):
+    document = (
+        '<bml id="b"><speech id="s">one<description type="audio/wav"><audio ref="r.wav"/></description></speech></bml>'
+    )
+    (behaviour,) = parse(document, recordings=tmp_path).behaviours
+    assert isinstance(behaviour.action, Speech)
+    assert behaviour.action.script.recording == Recording(tmp_path / "r.wav", (), tmp_path)
+    (unplayed,) = parse(document).behaviours
+    assert isinstance(unplayed.action, Speech)
+    assert unplayed.action.script.recording is None
