@@ -1,8 +1,11 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.motion.trajectory import stay
 from kinesic.planning.files.bap import FRAME_RATE, PARAMETER_COUNT, PARAMETER_NUMBERS, read_bap, write_bap
 
 ROBOT = Robot.load()
@@ -107,3 +110,9 @@ def test_motion_name_in_a_bap_file_is_one_ascii_word(through, tmp_path):
     write_bap(motion, ROBOT, path)
     assert path.read_text(encoding="ascii").split()[1] == "gr___dich"
     assert len(read_bap(path, ROBOT).times) == 14
+
+
+def test_hinges_without_a_parameter_are_left_out(tmp_path):
+    robot = Robot.load(Path(__file__).parents[2] / "hardware" / "supervisor" / "little.toml")
+    write_bap(stay(robot.skeleton.rest), robot, tmp_path / "m.bap")
+    assert read_bap(tmp_path / "m.bap", robot).given == ()

@@ -1,4 +1,5 @@
 import csv
+import re
 
 import numpy as np
 import pytest
@@ -57,6 +58,8 @@ def test_bap_parameter_numbers_follow_the_standard():
 def test_unknown_suffix_error_names_known_suffixes(motion, tmp_path):
     with pytest.raises(ConfigError, match=r"m\.txt.*\.npz, \.csv, \.bap"):
         write_motion(motion, ROBOT, tmp_path / "m.txt")
+    with pytest.raises(ConfigError, match=rf"^{re.escape(str(tmp_path / 'm.txt'))}: cannot write"):
+        save_motion(motion, ROBOT, tmp_path / "m.txt", force=False)
 
 
 @pytest.mark.parametrize("ending", ["csv", "npz", "bap"])
