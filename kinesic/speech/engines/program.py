@@ -50,6 +50,8 @@ class _Phoneme(msgspec.Struct, frozen=True):
     symbol: str
     start: float
     end: float
+    onset: float | None = None  # time of the mouth shape, if it differs
+    release: float | None = None
 
 
 class _Answer(msgspec.Struct, frozen=True):
@@ -187,7 +189,10 @@ def _convert(answer: _Answer, sound: bytes) -> SpokenPhrase:
     return SpokenPhrase(
         _read_sound(answer, sound),
         tuple(SpokenWord(word.begin, word.end, word.start, word.stop) for word in answer.words),
-        tuple(Phoneme(item.symbol, item.start, max(item.end - item.start, 0.0)) for item in answer.phonemes),
+        tuple(
+            Phoneme(item.symbol, item.start, max(item.end - item.start, 0.0), item.onset, item.release)
+            for item in answer.phonemes
+        ),
         answer.accents,
         answer.remarks,
     )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.body.utterance import Mark, Script
+from kinesic.body.utterance import Mark, Phoneme, Script
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.speech.engines import program as module
@@ -40,6 +40,11 @@ def test_program_speaks_phrases_with_the_times_of_its_words(form: str):
     assert utterance.marks["two"] == pytest.approx(WORD_DURATION / 2, abs=0.001)
     assert np.abs(utterance.sound.samples).max() == pytest.approx(12000 / 32768, abs=1e-4)
     assert utterance.voice == engine.name
+
+
+def test_program_reports_phonemes_with_their_mouth_shapes():
+    (phoneme,) = start("phonemes").speak(Phrase("one")).phonemes
+    assert phoneme == Phoneme("b", 0.1, pytest.approx(0.2), 0.04, 0.1)
 
 
 def test_program_is_started_once():

@@ -20,6 +20,8 @@ def answer(phrase: dict, fault: str) -> bytes:
         words.append({"begin": begin, "end": position, "start": start, "stop": start + size / SAMPLE_RATE})
     sound = struct.pack("<2h", 12000, -12000) * (size * len(words) // 2)
     header = {"rate": SAMPLE_RATE, "bytes": len(sound), "words": words, "later_key": 1}
+    if fault == "phonemes":
+        header["phonemes"] = [{"symbol": "b", "start": 0.1, "end": 0.3, "onset": 0.04, "release": 0.1}]
     header |= {
         "error": {"error": "no such voice", "bytes": 0},
         "unreadable": {"unreadable": True, "error": "not a word", "bytes": 0},
