@@ -15,9 +15,9 @@ from kinesic.planning.setup import Setup
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.speech.loudspeaker import Feed, SpeakerError
+from kinesic.speech.recording import read_wav
 from kinesic.speech.speaker import SAMPLE_RATE as HEARD_RATE
 from kinesic.speech.speaker import Speaker
-from kinesic.speech.voice import read_wav
 
 RATE = 16000
 BLOCK = (
@@ -71,6 +71,17 @@ def test_utterances_start_at_performance_time(known: Setup):
     edges = np.flatnonzero(np.diff((np.abs(heard.samples) > 0.125).astype(int))) / RATE
     zero = planned.trajectory.zero
     assert edges == pytest.approx([zero + 0.5, zero + 1.0, zero + 2.0, zero + 2.5], abs=1e-3)
+
+
+def test_rate_of_the_mix_is_at_most_48_khz(known: Setup):
+    planned = beeping(known, 2.0)
+    utterances = {
+        name: replace(spoken, sound=spoken.sound and Sound.of(96_000, np.zeros(96_000)))
+        for name, spoken in planned.utterances.items()
+    }
+    heard = sound(replace(planned, utterances=utterances))
+    assert heard is not None
+    assert heard.rate == 48_000
 
 
 def test_simultaneous_utterances_are_mixed_without_clipping(known: Setup):

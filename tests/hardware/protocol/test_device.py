@@ -37,6 +37,11 @@ def test_servo_registers_are_read_and_written(cold: ServoAccess):
     assert cold.read_span(1, 144, 3) == bytes((120, 0, cold.read(1, Register.PRESENT_TEMPERATURE)))
 
 
+def test_several_registers_of_a_servo_are_read_at_once(cold: ServoAccess):
+    registers = [Register.PRESENT_TEMPERATURE, Register.PRESENT_INPUT_VOLTAGE, Register.ID]
+    assert cold.read_several(2, registers) == {register: cold.read(2, register) for register in registers}
+
+
 def test_read_error_names_the_silent_servo_and_register(cold: ServoAccess):
     with pytest.raises(BusError, match=r"memory: servo 9: read of 4 bytes at 132.*is it powered, wired"):
         cold.read(9, Register.PRESENT_POSITION)

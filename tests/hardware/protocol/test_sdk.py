@@ -137,6 +137,15 @@ def test_clearing_the_sdk_port_discards_bytes_that_were_not_read_yet():
     assert port.getBytesAvailable() == 0
 
 
+def test_late_replies_are_discarded_before_a_slower_attempt():
+    wire = Script(b"late")
+    port = WirePort(wire)
+    wire.write(b"")
+    port.pass_late_answers()
+    assert port.getBytesAvailable() == 0
+    assert wire.now() > 0.0
+
+
 def test_sdk_group_reads_return_the_positions_of_all_servos(rig: Make):
     made = rig(4)
     port = WirePort(made.wire)
