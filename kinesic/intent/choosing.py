@@ -13,6 +13,7 @@ from kinesic.intent.intents import Intent
 from kinesic.intent.kept_intents import KeptIntents
 from kinesic.intent.pacing.accents import RHYTHM_INTENT
 from kinesic.intent.pacing.candidates import Candidate
+from kinesic.intent.pacing.long_strokes import is_in_long_stroke
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, PastGesture
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS, is_beat, place_beats
 from kinesic.intent.pacing.spacing import select_spaced
@@ -107,8 +108,10 @@ def choose_behaviours(
         drawn = list(draw(kept, others=times))
         if budget.tempo and beats:
             strokes = [*fixed, *(item.earlier for item in kept if item.earlier), *drawn]
+            drawings = [(stroke.lexeme, stroke.intent.stroke.seconds) for stroke in strokes]
+            beats = [beat for beat in beats if not is_in_long_stroke(beat.intent.stroke.seconds, drawings)]
             pictures = sum(not is_beat(stroke.lexeme) for stroke in strokes if stroke.intent.stroke.seconds >= since)
-            duration = max(beat.intent.stroke.seconds for beat in beats) - since
+            duration = max((beat.intent.stroke.seconds for beat in beats), default=since) - since
             placed = place_beats(
                 beats,
                 [*past, *(stroke.intent.stroke.seconds for stroke in strokes)],

@@ -1,6 +1,6 @@
 """Gestures that draw their meaning in a long stroke, which accompanies a word instead of ending at it."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 STROKE_LEAD = 0.9  # [s] from the start of a long stroke to its word, about as in a short one with its preparation
 MAX_STROKE_DELAY = 1.3  # [s] longest time from a word to the stroke point of its gesture
@@ -16,8 +16,8 @@ LONG_STROKES: Mapping[str, float] = {
     "path_along": 1.7,
     "piano": 2.5,
     "rain": 2.4,
+    "ride_horse": 3.2,
     "river": 3.2,
-    "roll_low": 2.4,
     "sea": 2.8,
     "slow_glide": 2.4,
     "spiral_stairs": 2.3,
@@ -38,3 +38,13 @@ def stroke_delay(lexemes: Collection[str]) -> float:
         return 0.0
     mean = sum(LONG_STROKES.get(lexeme, STROKE_LEAD) for lexeme in lexemes) / len(lexemes)
     return min(mean - STROKE_LEAD, MAX_STROKE_DELAY)
+
+
+def is_in_long_stroke(at: float, strokes: Iterable[tuple[str, float]]) -> bool:
+    """Return whether a time falls into the drawing movement of a gesture.
+
+    Args:
+        at: time of a beat [s].
+        strokes: gestures with their stroke times [s].
+    """
+    return any(0.0 <= time - at < LONG_STROKES.get(lexeme, 0.0) for lexeme, time in strokes)

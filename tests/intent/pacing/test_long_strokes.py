@@ -7,7 +7,7 @@ from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import plan_behaviours
-from kinesic.intent.pacing.long_strokes import LONG_STROKES, MAX_STROKE_DELAY, stroke_delay
+from kinesic.intent.pacing.long_strokes import LONG_STROKES, MAX_STROKE_DELAY, is_in_long_stroke, stroke_delay
 from kinesic.session.setup import set_up
 
 DRAWING_CATEGORIES = ("iconic", "metaphoric", "deictic")
@@ -37,3 +37,15 @@ def test_delay_is_that_of_the_mean_stroke():
     assert stroke_delay(()) == stroke_delay(("large",)) == 0.0
     assert stroke_delay(("river",)) == MAX_STROKE_DELAY
     assert stroke_delay(("path_along", "large")) == pytest.approx(stroke_delay(("path_along",)) / 2)
+
+
+def test_no_beat_falls_into_a_long_stroke():
+    strokes = [("large", 3.0), ("fire", 9.0)]
+    assert [at for at in (2.5, 6.0, 6.8, 8.9, 9.1) if is_in_long_stroke(at, strokes)] == [6.8, 8.9]
+    setup = set_up()
+    text = "The window was shut, the oil in the new pan had caught fire, and our cat was sitting right beside it."
+    for seed in range(4):
+        _, selection = plan_behaviours(text, setup.lexicon, Style.load("joyful"), seed=seed)
+        times = {each.lexeme: each.intent.stroke.seconds for each in selection.behaviours if each.channel == "gesture"}
+        assert len(times) > 1
+        assert not [name for name, at in times.items() if 0.0 < times["fire"] - at < LONG_STROKES["fire"]]
