@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,7 @@ from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.collision import HOVER_DISTANCE
-from kinesic.planning.postures import solve_postures
+from kinesic.planning.postures import _firm, _tasks, solve_postures
 from kinesic.sim.distances import CapsuleDistances
 
 from ..performances import LIMITS, ROBOT
@@ -139,6 +141,29 @@ def test_torso_leans_only_at_the_key_with_a_far_hand_target():
         False,
     ]
     assert [posture.keyed[torso[0]] for posture in postures] == [True, False, True, True, True, False, True]
+
+
+def test_torso_has_keys_beside_a_lean_about_a_single_axis():
+    frames = frames_of_left_hand(None, *[(0.3, 0.2, 0.8)] * 5, None)
+    leans = [np.array([0.0, 0.1 if k == 3 else 0.0, 0.0]) for k in range(7)]
+    tasks = _tasks(frames, leans, np.tile(ROBOT.skeleton.rest, (7, 1)), ROBOT)
+    torso = ROBOT.joints("torso")[0]
+    assert [task.keyed[torso] for task in tasks] == [True, False, True, True, True, False, True]
+
+
+@pytest.mark.parametrize(
+    ("given", "syncs", "is_firm"),
+    [
+        (("l_hand",), (), False),
+        (("l_hand", "head"), (), True),
+        (("r_hand",), (), True),
+        (("l_hand",), (("g", "stroke"),), True),
+    ],
+)
+def test_only_keys_of_passing_hands_without_a_sync_point_may_be_missed(given, syncs, is_firm):
+    frame = frames_of_left_hand(None, (0.3, 0.2, 0.8), None).frames[1]
+    hands = {**frame.hands, "l": replace(frame.hands["l"], passing=True)}
+    assert _firm(replace(frame, hands=hands, given=frozenset(given), syncs=syncs)) is is_firm
 
 
 def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
