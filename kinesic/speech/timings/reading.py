@@ -65,7 +65,7 @@ def read_timed_words(content: bytes, *, source: str = "<words>") -> TimedWords:
 def _read(content: bytes) -> TimedWords:
     start = content.removeprefix(codecs.BOM_UTF8).lstrip()[:200_000]
     if start.startswith((b"{", b"[")):
-        return _read_json(content.removeprefix(codecs.BOM_UTF8))
+        return _read_json(_decode(content).encode())
     if start.startswith(b"<"):
         if b"<ANNOTATION_DOCUMENT" not in content and b"<!DOCTYPE" not in content:
             raise TimingError("the XML is no file of ELAN: it has no <ANNOTATION_DOCUMENT>")

@@ -1,4 +1,5 @@
 import os
+import random
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,7 @@ from kinesic.speech.timings.timed_words import TimingError
         (b"[" * 100_000, "nested|malformed|truncated|got `array`"),
         (b'{"a":' * 100_000, "nested|malformed|truncated"),
         (b"[1]", "Expected `object`, got `int`"),
+        (b'{"time":0,"type":"word","val\xffe":"a"}', "byte 28 is not UTF-8"),
     ],
 )
 def test_wrong_or_hostile_file_is_refused_in_one_line(content: bytes, message: str):
@@ -32,6 +34,29 @@ def test_wrong_or_hostile_file_is_refused_in_one_line(content: bytes, message: s
     assert str(error.value).startswith("times.json: ")
     assert "\n" not in str(error.value)
     assert len(str(error.value)) < 300
+
+
+def test_damaged_files_are_read_or_refused_but_never_crash():
+    samples = (
+        b'{"segments": [{"words": [{"word": "a", "start": 0.1, "end": 0.5}, {"word": "b", "start": 0.5, "end": 1}]}]}',
+        b'{"time":6,"type":"word","value":"a"}\n{"time":9,"type":"viseme","value":"p"}\n',
+        b'[{"audioOffset": 500000, "duration": 2500000, "text": "Hello", "boundaryType": "Word"}]',
+        b'File type = "ooTextFile"\nObject class = "TextGrid"\n\n0\n1\n<exists>\n1\n"IntervalTier"\n"words"\n'
+        b'0\n1\n1\n0\n1\n"a"\n',
+        b"WEBVTT\n\n00:01.000 --> 00:02.000\nHello <00:01.500>you\n",
+    )
+    chance = random.Random(7)
+    pieces = (b"-1", b"NaN", b"1e999", b'"', b"{", b"[", b"<", b"null", b"9" * 30, b"\xff", b"\x00", b"-->", b"")
+    for _ in range(400):
+        content = bytearray(chance.choice(samples))
+        for _ in range(chance.randint(1, 3)):
+            begin = chance.randrange(len(content) + 1)
+            content[begin : begin + chance.choice((0, 1, 5, 30))] = chance.choice(pieces)
+        try:
+            timed = read_timed_words(bytes(content))
+        except TimingError:
+            continue
+        assert all(0.0 <= word.start <= word.end <= 1300.0 for word in timed.words)
 
 
 def test_file_above_the_size_limit_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
