@@ -115,6 +115,12 @@ def test_style_of_a_block_sets_its_facial_affect():
     assert "L15" in compute_action_units(made, np.linspace(0.0, 1.5, 4))
 
 
+@pytest.mark.parametrize("style", ["sad", "proud"])
+def test_style_with_a_posture_is_the_mean_of_its_persons(style):
+    own, varied = (set_up(style=style, variation=amount).robot.skeleton.rest for amount in (0.0, 1e-6))
+    np.testing.assert_allclose(varied, own, atol=np.radians(0.01))
+
+
 def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
     bodies = [set_up(variation=1.0, seed=seed).robot.skeleton.rest for seed in (0, 0, 1)]
     mirrored = [ROBOTS["upper22"].skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
