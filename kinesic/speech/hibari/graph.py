@@ -12,6 +12,7 @@ from kinesic.speech.hibari.protobuf import Field, ProtobufError, encode_bytes, e
 SPEED_INPUT = "speed"  # input of the published graph: speech rate
 PITCH_INPUT = "pitch"  # added input: factor on the pitch, shape (1, 1) or (1, frames)
 PITCH_OUTPUT = "f0"  # output of the published graph: pitch [Hz], shape (1, frames)
+SUM_TYPE = "CumSum"  # type of the node that adds up durations
 NATURAL_PITCH = "natural_f0"  # added tensor: pitch [Hz] without the factor
 
 # Field numbers of onnx.proto.
@@ -66,7 +67,7 @@ def _edit_graph(fields: list[Field]) -> tuple[bytes, str]:
     parts: list[bytes | memoryview] = []
     edited: list[str] = []
     for field in fields:
-        if field.number == GRAPH_NODE and PITCH_OUTPUT in _texts(field.value, NODE_OUTPUT):
+        if field.number == GRAPH_NODE and _has_text(field.value, NODE_OUTPUT, PITCH_OUTPUT):
             parts += [encode_bytes(GRAPH_NODE, _rename_output(field.value)), encode_bytes(GRAPH_NODE, _scale_pitch())]
             edited.append(PITCH_OUTPUT)
         elif field.number == GRAPH_INPUT and _texts(field.value, VALUE_NAME) == [SPEED_INPUT]:
@@ -86,10 +87,15 @@ def _edit_graph(fields: list[Field]) -> tuple[bytes, str]:
 
 def _find_durations(nodes: Iterable[memoryview]) -> str:
     """Return the tensor whose running sum places the phonemes in time."""
-    sums = [_texts(node, NODE_INPUT) for node in nodes if _texts(node, NODE_TYPE) == ["CumSum"]]
+    sums = [_texts(node, NODE_INPUT) for node in nodes if _has_text(node, NODE_TYPE, SUM_TYPE)]
     if len(sums) != 1 or not sums[0]:
         raise ProtobufError(f"the graph has {len(sums)} running sums, and needs one, of the durations")
     return sums[0][0]
+
+
+def _has_text(message: memoryview, number: int, text: str) -> bool:
+    """Return whether a message has a string field with this text; most are excluded by a search for its bytes."""
+    return text.encode() in bytes(message) and text in _texts(message, number)
 
 
 def _texts(message: memoryview, number: int) -> list[str]:
