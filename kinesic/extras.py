@@ -3,8 +3,8 @@
 import shutil
 import sys
 import sysconfig
+from importlib.machinery import PathFinder
 from importlib.metadata import PackageNotFoundError, distribution
-from importlib.util import find_spec
 from pathlib import Path
 
 
@@ -25,9 +25,17 @@ def install_command() -> str:
     pip = shutil.which("pip")
     if pip is not None and Path(pip).parent == Path(sysconfig.get_path("scripts")):
         return "pip install"
-    if find_spec("pip") is not None:
+    if _has_pip():
         return f"{_interpreter()} -m pip install"
     return f"uv pip install --python {_interpreter()}"
+
+
+def _has_pip() -> bool:
+    """Return whether the running interpreter can import pip.
+
+    Only folders are searched. Finders of setuptools take a search for pip as its start, and give up their distutils.
+    """
+    return PathFinder.find_spec("pip") is not None
 
 
 def _requirement() -> str:

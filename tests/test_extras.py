@@ -69,8 +69,19 @@ def test_command_quotes_an_interpreter_with_spaces(environment, monkeypatch):
 
 
 def test_command_uses_uv_in_an_environment_without_pip(environment, monkeypatch):
-    monkeypatch.setattr(extras, "find_spec", lambda name: None)
+    monkeypatch.setattr(extras, "_has_pip", lambda: False)
     assert install_command() == f"uv pip install --python {Path('.venv', 'bin', 'python')}"
+
+
+def test_command_does_not_prevent_a_later_import_of_setuptools():
+    pytest.importorskip("setuptools")
+    script = "import shutil; shutil.which = lambda name: None; from kinesic.extras import install_command"
+    ended = subprocess.run(
+        [sys.executable, "-c", f"{script}; print(install_command()); import setuptools"],
+        capture_output=True,
+        check=True,
+    )
+    assert ended.stdout.endswith(b"-m pip install\n")
 
 
 def test_sources_that_are_not_installed_are_named_by_their_folder():
