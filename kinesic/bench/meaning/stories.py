@@ -1,41 +1,43 @@
-"""Three stories of about a minute, for measurements of rhythm."""
+"""Three stories of a minute, for measurements of rhythm."""
 
 from collections.abc import Mapping
 
 STORIES: Mapping[str, str] = {
-    "market": (
-        "Last Saturday I went down to the market to buy some apples for my grandmother. It was early, and the whole "
-        "square was still empty, apart from one old man who was building a tower of boxes. He carried them across the "
-        "road, one after another, and put each box on top of the last one. I stopped and watched, because the tower "
-        "leaned a little further to the left with every box. Then a small dog came round the corner. It ran straight "
-        "between his legs, and the man turned, and slipped, and held on to the tower. For a moment nothing moved. Then "
-        "everything came down at once, and forty boxes of oranges rolled across the square. The dog was delighted. It "
-        "chased one orange under a car and another into the fountain. I did not know what to do, so I began to pick "
-        "them up. Soon the baker helped, and the postman, and two children on their way to school. When the last "
-        "orange was back in its box, the old man gave each of us one. He said that it was the best morning he had had "
-        "for years."
+    "kitchen": (
+        "I have to tell you what happened in our kitchen last night. We had invited eight people, and my wife "
+        "wanted to make the big fish soup that her mother always makes. So in the afternoon I carried the huge pot "
+        "up from the cellar, washed it, and put it on the stove. Everything was ready by six. The bread was warm, "
+        "and the fish lay in a row on the table. Then the telephone rang. It was my sister, and she never stops. "
+        "When I came back, the kitchen was full of smoke. The window was shut, the oil had caught fire, and our cat "
+        "was sitting right beside it, quite calm, eating the second fish. I did not shout. I took a lid, pushed it "
+        "over the pan, and waited. Slowly the flames became smaller and smaller, until nothing was left but a black "
+        "ring on the wall. My wife came in, looked at the wall, looked at the cat, and looked at me. I thought she "
+        "would be furious. But she opened the window, threw the pan into the garden, and began to laugh. In the end "
+        "we all went down to the harbour and ate chips out of paper, and it was the best dinner we have had this "
+        "year."
     ),
-    "lecture": (
-        "Good evening, and thank you for coming. Tonight I want to talk about sleep, and about the reasons why we need "
-        "so much of it. For a long time people believed that the brain simply switches off at night. We know today "
-        "that this is not true. During the night the brain sorts the memories of the day: it keeps what matters, and "
-        "throws the rest away. There are three things that everybody should know. First, regular hours help more than "
-        "long hours. Second, bright light in the evening moves the inner clock by as much as two hours. And third, "
-        "nobody gets used to short nights; we only stop noticing how tired we are. In a famous experiment, students "
-        "slept for four hours a night. After two weeks they reacted as slowly as people who had not slept for two "
-        "days. And yet they were convinced that they were doing well. So what can you do? Put the telephone in another "
-        "room, open the window, and go to bed at the same time every night. It sounds simple, but very few of us do it."
+    "museum": (
+        "Welcome to the old harbour museum. My name is Robin. Before we go in, let me tell you something about the "
+        "house itself. It was built two hundred years ago, not as a museum but as a store for grain. If you look "
+        "up, you can see the iron hook under the roof. With that hook, four men could lift a whole cart from the "
+        "quay to the top floor. Inside there are three rooms. In the first room you will see tools and maps. Some "
+        "of the maps are quite wrong: on one of them the island is twice as long as it really is, and the river "
+        "flows in the opposite direction. The second room belongs to the fishermen. Please do not touch the nets "
+        "there. And in the last room, at the end of the corridor, stands the thing that most people come for: a "
+        "boat as tall as this door, carved out of a single tree. Nobody knows who made it. Some say it came across "
+        "the sea, others say it never touched water at all. I have my own idea, but I would rather hear yours "
+        "first. So come closer, mind the step, and ask me whatever you like. Is everybody here? Then let us begin."
     ),
-    "journey": (
-        "When my brother was twelve, he decided to build a boat. He found some planks behind the barn, and a huge "
-        "sheet of plastic, and he worked in the garden for the whole summer. My father thought that it would never "
-        "float. My mother said that it was beautiful, but that he must not go out on the river alone. So one morning "
-        "in August we all stood on the bank: the neighbours, the dog, and a reporter from the local newspaper. My "
-        "brother climbed in and pushed off. At first the boat turned round and round, like a leaf. He pulled on the "
-        "left oar, and it turned right; he pulled on the right oar, and nothing happened at all. We shouted, but he "
-        "could not hear us. Then the current caught him, and he went faster and faster towards the bridge. Everybody "
-        "ran. Under the bridge the boat stopped, with a long and terrible noise, and slowly broke in two. My brother "
-        "stepped out into the water. It came up to his knees. He looked at us and laughed, and said that the next one "
-        "would be bigger."
+    "bicycle": (
+        "People often ask me why I ride to work every day, even when it rains. There are many reasons, but let me "
+        "begin with the simple one. The train takes forty minutes, and you stand the whole way. On the bicycle I "
+        "need half an hour, and nobody pushes me. Of course it was hard at first. On the hill behind the station I "
+        "had to get off and walk, and old ladies overtook me on both sides. After a month I could ride up without "
+        "stopping. What I like best is the morning. Between six and seven the streets are empty, the light is low, "
+        "and a thin mist hangs over the canal. Once a heron flew beside me for a whole minute, so close that I "
+        "could hear its wings. My colleagues think that I am crazy. On the one hand they may be right, because I "
+        "have fallen twice and I have lost three lights. On the other hand I have not been ill for years, I sleep "
+        "better, and I have saved a good deal of money. I do not want to persuade anybody. But if you have been "
+        "thinking about it, do not think too long. Pump up the tyres, take a small bag, and just try it for a week."
     ),
 }  # title -> text

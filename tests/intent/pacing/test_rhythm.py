@@ -76,7 +76,7 @@ def test_stroke_rate_depends_on_style_within_the_measured_human_range() -> None:
 
 
 def test_lively_story_has_beats_in_different_forms_without_repeated_gestures() -> None:
-    gestures = gestures_of("journey", "joyful")
+    gestures = gestures_of("bicycle", "joyful")
     beats = [gesture.lexeme for gesture in gestures if is_beat(gesture.lexeme)]
     assert 0.4 <= len(beats) / len(gestures) <= 0.62
     assert len(set(beats)) >= len(beats) - 2
@@ -98,7 +98,7 @@ def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
 
 
 def test_lively_style_neither_enlarges_nor_repeats_uncertain_beats() -> None:
-    for behaviour in gestures_of("journey", "joyful"):
+    for behaviour in gestures_of("bicycle", "joyful"):
         if is_beat(behaviour.lexeme) and behaviour.intent.certainty < EMPHATIC_CERTAINTY:
             assert behaviour.manner == {"spatial": 0.0, "repetition": 0.0}
         else:
