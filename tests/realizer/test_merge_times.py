@@ -35,7 +35,7 @@ def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
     assert merged.dropped == ()
     assert 0.1 < merged.zero - 0.1 <= 0.61
     assert [notice.id for notice in merged.notices] == ["b:m"]
-    assert f"{merged.zero - 0.1:.3f} s later" in merged.notices[0].text
+    assert f"delayed by {merged.zero - 0.1:.3f} s" in merged.notices[0].text
     (need,) = merged.occupancy
     assert need.ready >= first.occupancy[0].relax - 1e-9
 
