@@ -73,4 +73,4 @@ def test_servo_with_torque_in_another_mode_is_refused(desk: Make):
     servo.memory[TORQUE] = 1
     made.open()
     (refused,) = [note.text for note in made.notes() if note.kind == "refused"]
-    assert "has torque, but another OPERATING_MODE" in refused
+    assert "has torque, but other values of OPERATING_MODE" in refused
