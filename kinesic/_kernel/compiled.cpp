@@ -11,6 +11,7 @@ void bind_motion(nb::module_& module);
 void bind_sim(nb::module_& module);
 
 NB_MODULE(compiled, module) {
+    nb::set_leak_warnings(false);  // interpreters that exit with frozen objects keep functions, which is no leak
     nb::module_ controller = module.def_submodule("controller");
     nb::module_ ik = module.def_submodule("ik");
     nb::module_ metrics = module.def_submodule("metrics");

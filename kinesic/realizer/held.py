@@ -21,7 +21,16 @@ from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import KNOT_INTERVAL
 from kinesic.planning.quick_plan import compute_quintic_duration
 from kinesic.planning.setup import Setup
-from kinesic.realizer.occupancy import ARM_ROLES, MOTION_TOLERANCE, Occupancy, Overlay, Role, arm_hinges
+from kinesic.realizer.occupancy import (
+    ARM_ROLES,
+    MOTION_TOLERANCE,
+    Occupancy,
+    Overlay,
+    Role,
+    arm_hinges,
+    end_time,
+    sort_by_time,
+)
 
 HELD_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and trunk posture, which are held after their behaviour
 STEP_DURATION_FACTOR = 1.5  # duration of a change of the held posture / minimum duration
@@ -73,7 +82,7 @@ def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floa
 
     Of occupancies with the same end, the last one counts.
     """
-    holding = sorted((entry for entry in occupancy if entry.holds(role)), key=lambda entry: entry.end)
+    holding = sort_by_time((entry for entry in occupancy if entry.holds(role)), end_time)
     last = holding[-1].offset if holding else None
     return np.zeros(len(hinges)) if last is None else np.where(hinges, last, 0.0)
 
@@ -219,7 +228,7 @@ class _Succession:
     @cached_property
     def _running(self) -> list[Occupancy]:
         """Behaviours of the running motion, sorted by time."""
-        return sorted((entry for entry in self.work.holding if self.role in entry.roles), key=_sort_key)
+        return sort_by_time((entry for entry in self.work.holding if self.role in entry.roles), _times)
 
     @cached_property
     def _behaviours(self) -> list[tuple[Occupancy, _Source]]:
@@ -235,7 +244,7 @@ class _Succession:
         coming: list[tuple[Occupancy, _Source]] = [
             (entry, "running") for entry in self._running if entry.ready >= first
         ]
-        return sorted((*coming, *block_behaviours), key=lambda pair: _sort_key(pair[0]))
+        return sort_by_time((*coming, *block_behaviours), lambda pair: _times(pair[0]))
 
     @cached_property
     def _value_before(self) -> Floats:
@@ -276,5 +285,5 @@ class _Succession:
         )
 
 
-def _sort_key(entry: Occupancy) -> tuple[float, float, float]:
+def _times(entry: Occupancy) -> tuple[float, float, float]:
     return entry.ready, entry.relax, entry.end

@@ -1,8 +1,9 @@
 """Occupancy of hinges by behaviours over time."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import cmp_to_key
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -22,6 +23,9 @@ ARM_ROLES: tuple[Role, ...] = ("l_hand", "r_hand")  # roles of the arms
 READY_SYNCS = ("ready", "strokeStart", "stroke", "relax")  # sync points that may mark readiness, the preferred first
 RELAX_SYNCS = ("relax", "strokeEnd", "stroke", "end")  # sync points that may mark relaxation, the preferred first
 MOTION_TOLERANCE = 1e-9  # [rad] hinges that move less count as unmoved
+ROUNDING_TOLERANCE = 1e-6  # [s] difference of equal times whose clocks were shifted by different amounts
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +61,28 @@ class Occupancy:
     def conflicts_with(self, other: "Occupancy") -> bool:
         """Return whether two occupancies use a body part at the same time."""
         return bool(self.roles & other.roles) and self.ready < other.relax and other.ready < self.relax
+
+
+def sort_by_time(entries: Iterable[T], times: Callable[[T], tuple[float, ...]]) -> list[T]:
+    """Sort entries by times [s], keeping the order of those with equal times.
+
+    Times of blocks that were sent together differ by rounding, which must not decide whose posture is held.
+
+    Args:
+        entries: earlier sent ones first.
+        times: returns the times of an entry, the most significant first.
+    """
+
+    def compare(first: T, second: T) -> int:
+        pairs = zip(times(first), times(second), strict=True)
+        return next((1 if a > b else -1 for a, b in pairs if abs(a - b) > ROUNDING_TOLERANCE), 0)
+
+    return sorted(entries, key=cmp_to_key(compare))
+
+
+def end_time(entry: Occupancy) -> tuple[float]:
+    """Return the end [s] of an occupancy, to sort by it."""
+    return (entry.end,)
 
 
 def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
@@ -104,9 +130,7 @@ def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
 
     Its times stay, because a block that began earlier and ends later may hold an older value.
     """
-    last = {
-        role: entry for entry in sorted(occupancy, key=lambda entry: entry.end) for role in entry.roles if entry.is_held
-    }
+    last = {role: entry for entry in sort_by_time(occupancy, end_time) for role in entry.roles if entry.is_held}
     return tuple(dict.fromkeys(last.values()))
 
 
@@ -164,9 +188,7 @@ def remaining_occupancy(occupancy: Iterable[Occupancy], time: float) -> tuple[Oc
     A posture holds on if it is the last one of a role to end.
     """
     all_occupancies = tuple(occupancy)
-    over = sorted(
-        (entry for entry in all_occupancies if entry.is_held and entry.relax <= time), key=lambda entry: entry.end
-    )
+    over = sort_by_time((entry for entry in all_occupancies if entry.is_held and entry.relax <= time), end_time)
     held = {role: entry for entry in over for role in entry.roles}
     return tuple(entry for entry in all_occupancies if entry.relax > time or entry in held.values())
 

@@ -157,7 +157,7 @@ class Chain:
         """Return the offset (k,) [rad] of the last gaze and posture."""
         last: dict[str, tuple[float, Floats]] = {}
         for kind, end, held in self._held.values():
-            if end >= last.get(kind, (-np.inf, held))[0]:
+            if end >= last.get(kind, (-np.inf, held))[0] - 1e-9:
                 last[kind] = (end, held)
         skeleton, hinges = setup_once().robot.skeleton, trunk()
         rest = skeleton.rest[hinges]

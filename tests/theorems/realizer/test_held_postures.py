@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kinesic.body.arrays import Floats
@@ -53,6 +53,16 @@ def test_later_of_two_gazes_sent_at_the_same_time_is_held(first: str, second: st
     chain = Chain(ahead=0.0).send(first).send(second)
     chain.finish()
     np.testing.assert_allclose(chain.end, held_alone(second), atol=1e-6)
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.floats(3.0, 6.0), PAUSE_TIMES, st.sampled_from(GAZE_BLOCKS[:2]))
+@example(3.616, 1.496, GAZE_BLOCKS[1])  # the times of both gazes differ by rounding
+def test_later_of_two_gazes_sent_during_a_held_one_is_held(first_pause: float, pause: float, last: str) -> None:
+    chain = Chain(ahead=0.13).wait(3.0).send(GAZE_BLOCKS[6])
+    chain.wait(first_pause).wait(pause).send(GAZE_BLOCKS[0]).wait(6e-8).send(f'<wait id="w" duration="6"/>{last}')
+    chain.finish()
+    np.testing.assert_allclose(chain.end, held_alone(last), atol=1e-6)
 
 
 def test_block_that_waits_is_restyled_before_its_first_motion() -> None:
