@@ -84,11 +84,13 @@ def test_command_does_not_prevent_a_later_import_of_setuptools():
     assert ended.stdout.endswith(b"-m pip install\n")
 
 
-def test_sources_that_are_not_installed_are_named_by_their_folder():
-    """A folder in front of the search path, and no metadata in site-packages."""
+def test_sources_that_are_not_installed_are_named_by_their_folder(tmp_path):
+    """A folder in front of the search path, without metadata there and in site-packages."""
+    (tmp_path / "kinesic").symlink_to(ROOT / "kinesic")
     script = "from kinesic.extras import install_extra; print(install_extra('mcp'))"
-    script = f"import sys; sys.path.insert(0, {str(ROOT)!r}); {script}"
-    ended = subprocess.run([sys.executable, "-S", "-c", script], capture_output=True, text=True, check=True)
+    script = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {script}"
+    command = [sys.executable, "-S", "-c", script]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert ended.stdout.endswith(f' "{ROOT}[mcp]"\n')
 
 

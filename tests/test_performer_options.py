@@ -88,7 +88,7 @@ def test_invalid_options_name_valid_ones(wrong, error, said):
     [
         ({"on": "servo"}, "did you mean servos"),
         ({"twin": "nominl"}, "did you mean nominal"),
-        ({"on": "servos", "feedforward": "none"}, "servos are led with 'full' alone"),
+        ({"on": "servos", "feedforward": "none"}, "servos accept only 'full'"),
     ],
 )
 def test_invalid_perform_arguments_name_valid_ones(performer, plan, wrong, said):

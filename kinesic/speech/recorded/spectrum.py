@@ -1,7 +1,7 @@
 """Short-time spectra of a sound: powers of mel bands, and cepstral features."""
 
 import numpy as np
-from scipy.fft import dct
+import scipy
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.utterance import Sound
@@ -57,7 +57,7 @@ def compute_features(powers: Floats, is_speech: Flags) -> Floats:
     noise = NOISE_FACTOR * np.percentile(powers, NOISE_PERCENTILE, axis=0)
     loud = float(np.percentile(powers.sum(axis=1), LOUD_PERCENTILE)) / BAND_COUNT
     spectrum = np.log(np.maximum(powers - noise, 0.0) + FLOOR_RATIO * loud + MIN_POWER)
-    cepstra = dct(spectrum, axis=1, norm="ortho")[:, :CEPSTRUM_SIZE]
+    cepstra = scipy.fft.dct(spectrum, axis=1, norm="ortho")[:, :CEPSTRUM_SIZE]
     around = np.pad(cepstra, ((2, 2), (0, 0)), mode="edge")
     slopes = around[3:-1] - around[1:-3] + 2.0 * (around[4:] - around[:-4])
     features = np.concatenate([cepstra, slopes], axis=1)

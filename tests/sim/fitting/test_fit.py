@@ -87,7 +87,7 @@ def test_unidentified_servo_parameters_have_a_reason(worn):
     refused = [estimate for estimate in worn.estimates if estimate.why]
     assert refused
     for estimate in refused:
-        assert estimate.why == "the log hardly depends on it" or estimate.why.split("tell it from ")[1] in names
+        assert estimate.why == "the log hardly depends on it" or estimate.why.split("distinguish it from ")[1] in names
 
 
 def test_servo_gain_is_identified_only_if_the_duty_saturates():
