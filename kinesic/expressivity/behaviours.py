@@ -243,7 +243,7 @@ def _clip_warning(text: str) -> tuple[BehaviourWarning, ...]:
 def substitution_outcome(
     why: str, clipped: str = "", missing: str = ""
 ) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
-    """Return outcome and warnings of a behaviour, possibly performed in another form."""
+    """Return outcome and warnings of a behaviour, substituted if `why` says so."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
     warnings = (BehaviourWarning(type, why),) if why else ()
     return Outcome("substituted", why) if why else REALISED_OUTCOME, warnings + _clip_warning(clipped)

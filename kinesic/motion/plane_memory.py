@@ -115,7 +115,7 @@ class PlaneMemory:
         self._planes, self._recalled = [*used, *others][:MAX_STORED_PLANES], []
 
     def recall(self, keys: Keys, limits: Limits) -> tuple[dict[int, list[CuttingPlane]], dict[Pair, Bottleneck]]:
-        """Return stored planes that are valid for other keys, with bottlenecks.
+        """Return the stored cutting planes that are valid for given keys.
 
         Args:
             keys: of the next search.

@@ -45,7 +45,7 @@ class Trajectory:
 
     @property
     def end(self) -> float:
-        """Performance time of the final rest [s]."""
+        """Performance time of the last knot [s], when motion has ended."""
         return self.start + self.duration
 
     @cached_property

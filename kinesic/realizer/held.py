@@ -191,7 +191,7 @@ def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
 
 @dataclass(frozen=True, eq=False)
 class _Succession:
-    """Time-ordered behaviours of one trunk role in running and new motion."""
+    """Time-ordered behaviours of one trunk role, from which its ramps follow."""
 
     work: Overlay
     role: Role

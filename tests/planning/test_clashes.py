@@ -217,7 +217,7 @@ def test_conflicting_finger_counts_become_brief_before_any_is_dropped(planned, a
     assert strokes == pytest.approx([1 + apart * k for k in range(5)], abs=0.01)
 
 
-def test_finger_counts_that_still_conflict_are_dropped_with_their_names(planned):
+def test_finger_counts_that_still_conflict_are_dropped_with_a_reason(planned):
     outcomes = planned(counted(0.06)).keyframes.outcomes
     dropped = [outcome.why for outcome in outcomes.values() if outcome.kind == "dropped"]
     assert 0 < len(dropped) < 5

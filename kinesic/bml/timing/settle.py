@@ -58,7 +58,7 @@ def fit_behaviour(
 def _fit_durations(
     names: Sequence[str], natural: Sequence[float], total: float, repeated: Collection[str]
 ) -> list[float]:
-    """Return phase durations [s] with a given sum."""
+    """Stretch or shorten phase durations [s] to a given sum."""
     spare = total - sum(natural)
     if spare >= 0.0:
         stretched = next((name for name in _STRETCHABLE_SYNCS if name in names), names[-1])

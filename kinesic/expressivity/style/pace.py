@@ -147,7 +147,7 @@ class Pace:
         return sealed(np.max(times, axis=0) if times else np.zeros(len(_SAMPLED_DISTANCES)))
 
     def _hand_times(self, side: Side) -> Floats:
-        """Return minimum durations of one hand at the sampled distances [s].
+        """Return minimum durations [s] in which a hand moves the sampled distances.
 
         They hold along the fastest axis, from the faster postures.
         """

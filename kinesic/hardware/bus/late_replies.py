@@ -108,7 +108,7 @@ class LateReplies:
             self._alone = self._completed(self._alone, more, time)
 
     def _completed(self, earlier: "_Unfinished", more: bytes, time: float) -> "_Unfinished | None":
-        """Extend a late reply by new bytes, and return it while incomplete."""
+        """Add bytes to a late reply, and return it while incomplete."""
         question, places, received, sent_at = earlier
         answer = question.parse(received + more)
         self._accepted.admit_late(places, answer, time, sent_at=sent_at)

@@ -41,7 +41,7 @@ class RefusalError(Exception):
 
 @dataclass(frozen=True)
 class TableLayout:
-    """Addresses of a model's registers and cells, for one firmware."""
+    """Addresses of a model's registers and indirect data, for one firmware."""
 
     starts: Mapping[int, Register]
     owned: frozenset[int]  # addresses of registers and cells
@@ -123,7 +123,7 @@ class Memory:
             self.eeprom_version += 1
 
     def put(self, address: int, data: bytes) -> None:
-        """Write bytes of sensor registers or cells without access checks."""
+        """Write bytes of sensor registers or indirect data without access checks."""
         self._bytes[address : address + len(data)] = data
 
     def restore_eeprom(self) -> None:

@@ -91,7 +91,7 @@ def angles_of(rotation: Floats, order: EulerOrder) -> Floats:
 
 
 def rotation_of(angles: Floats, order: EulerOrder) -> Floats:
-    """Convert Euler angles (3,) [rad] to a rotation matrix."""
+    """Convert Euler angles (3,) [rad] about fixed axes to a rotation matrix."""
     turns = [angles["xyz".index(axis)] for axis in order]
     matrix: Floats = Rotation.from_euler(order, turns).as_matrix()
     return matrix

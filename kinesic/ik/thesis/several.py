@@ -25,7 +25,7 @@ from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing_to_rest
 
 PULL_DECAY = 0.1  # factor per iteration on the weight of limbs with lower priority
-MIN_PULL = 1e-3  # smallest limb weight: weaker springs would hardly settle
+MIN_PULL = 1e-3  # smallest spring weight of a limb: weaker springs would hardly settle
 
 
 def standing_limbs(limbs: Limbs) -> dict[str, Stance]:

@@ -24,7 +24,7 @@ _JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
 _EMOJI_PATTERN = re.compile(
     f"[\U0001f1e6-\U0001f1ff]{{1,2}}|[{PICTOGRAPH_RANGES}][{_JOINABLE_RANGES}]*(?:\u200d[{PICTOGRAPH_RANGES}]?[{_JOINABLE_RANGES}]*)*"
 )
-_SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ignored, as gestures end by themselves
+_SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ignored without a warning
 _VOICE_COMMANDS = {"rspd": "rate", "vct": "pitch", "vol": "volume"}  # speech command -> its prosody attribute [%]
 _PLAYED_COMMANDS = frozenset(("start", "run", "startTag", "runTag", "startSound", "runSound"))
 

@@ -129,7 +129,7 @@ class Context:
         return self.passage.words[j].is_content and not self.language.has("own_body", self.plain[j])
 
     def is_others(self, k: int) -> bool:
-        """Return whether the word's clause has an earlier third-person subject."""
+        """Return whether the clause's nearest earlier person is a third one."""
         clause = self.clause_words(k)
         for j in reversed(range(clause.start, k)):
             if self.language.has("listener", self.plain[j]):

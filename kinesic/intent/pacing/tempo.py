@@ -9,7 +9,7 @@ from kinesic.expressivity.style.style import Style
 
 RHYTHM_DURATION = 5.0  # [s] shortest text whose accents have beats in runs
 LIVELINESS_LEVELS = (-0.45, 0.0, 0.45)  # mean of activation, extent and power: restrained, neutral, lively
-# [1/min] stroke rates at LIVELINESS_LEVELS; people have 7.7, 24 and 34 (5, 50 and 95 %).
+# [1/min] stroke rates at LIVELINESS_LEVELS; percentiles 5, 50 and 95 of people are 7.7, 24 and 34.
 STROKE_RATES = (8.0, 19.5, 29.5)
 BEAT_FRACTIONS = (0.3, 0.45, 0.5)  # smallest fraction of beats among gestures at LIVELINESS_LEVELS
 PICTURE_SPACINGS = (1.8, 1.3, 1.1)  # [s] smallest spacing of illustrating gestures at LIVELINESS_LEVELS

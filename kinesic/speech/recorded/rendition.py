@@ -59,7 +59,7 @@ def _separate(times: Sequence[float]) -> Floats:
 def _find_marked_words(
     script: Script, utterance: Utterance, positions: Sequence[int], times: Sequence[float]
 ) -> Mapping[str, int]:
-    """Return the word after each mark that begins when the mark is spoken."""
+    """Return by mark name the index of the word that begins there."""
     words: dict[str, int] = {}
     for mark in script.marks:
         following = bisect_left(positions, mark.position)

@@ -83,7 +83,7 @@ def _shorten_silences(is_speech: Flags) -> tuple[Indices, Flags]:
 
 
 def _find_path(rows: Floats, is_silent: Flags, stretched: Floats, columns: Indices) -> Indices:
-    """Return the column of each row on the cheapest path, first coarsely.
+    """Return the column of each row on the cheapest path.
 
     Args:
         rows: features of the recording.

@@ -184,7 +184,7 @@ def test_gesture_names_are_found_in_any_case_and_with_category(forms):
         ("animations/Stand/Gestures/CalmDown_5", "calm_down", "lr"),
     ],
 )
-def test_gesture_name_matches_exactly_in_any_spelling_with_hand(lexeme, gesture, sides):
+def test_any_spelling_of_a_gesture_name_with_its_hand_is_an_exact_match(lexeme, gesture, sides):
     match = BUILTIN_LEXICON.find(lexeme)
     assert (match.form.id, match.kind, match.substitute) == (gesture, "exact", "")
     assert "".join(sorted(match.form.sides)) == sides

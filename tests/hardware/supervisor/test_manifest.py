@@ -81,7 +81,7 @@ def test_profile_velocity_is_the_no_load_velocity(robot: Robot):
         assert member.ram_values[Register.PROFILE_ACCELERATION] == 0
 
 
-def test_default_robot_has_23_servos_on_one_wire():
+def test_default_robot_has_23_servos_in_its_chains():
     manifest = Manifest.of(Robot.load())
     assert len(manifest.members) == 23
     assert manifest.chains[0] == frozenset({0, 1, 2})

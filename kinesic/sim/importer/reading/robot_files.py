@@ -101,7 +101,7 @@ class _Reader:
         return text.root(), text.count
 
     def _locate(self, name: str, starts: tuple[Path, ...], named_at: str) -> Path:
-        """Find a referenced file, accepting backslashes as separators."""
+        """Find a referenced file inside the robot's folder."""
         spelled, home = name.replace("\\", "/"), self.path.parent.resolve()
         is_foreign = "://" in spelled or spelled.startswith("/") or bool(PureWindowsPath(spelled).drive)
         try:
