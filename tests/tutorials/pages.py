@@ -92,6 +92,7 @@ class Desk:
             home = self.folder.parent / "home"
             path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
             own = {"PATH": path, "HOME": str(home), "XDG_CONFIG_HOME": str(home), "PYTHONUNBUFFERED": "1"}
+            own["PYTHONPATH"] = str(_hide_neural_voice(home))
             self.terminals[name] = Terminal(self.folder, os.environ | own)
             self._ending.callback(self.terminals[name].kill)
         return self.terminals[name]
@@ -133,3 +134,10 @@ def _mark_measured(example: Example) -> None:
 def _press_enter(example: Example) -> None:
     desk: Desk = example.namespace["desk"]
     desk.terminal(str(example.region.lexemes["arguments"])).press_enter()
+
+
+def _hide_neural_voice(home: Path) -> Path:
+    """Return a folder of modules in which hibari is no package, because tutorials install none."""
+    home.mkdir(exist_ok=True)
+    (home / "hibari.py").touch()
+    return home
