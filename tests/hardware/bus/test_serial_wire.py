@@ -186,6 +186,14 @@ def test_serial_port_is_reopened_after_its_return(pulled: tuple[Path, ShaftSimul
     wire.close()
 
 
+def test_name_that_now_belongs_to_another_adapter_is_not_opened(
+    ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch
+):
+    wire = SerialWire(ends[1], 57_600)
+    monkeypatch.setattr("kinesic.hardware.bus.serial_wire.find_stable_name", lambda path: Path("/dev/other"))
+    assert not wire.reopen()
+
+
 def test_terminal_that_takes_over_the_number_of_a_vanished_one_is_not_opened(tmp_path: Path):
     """As when the simulation of another robot starts after this one was killed, or a shell."""
     first, second = os.openpty(), os.openpty()
