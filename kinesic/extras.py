@@ -39,7 +39,7 @@ def _has_pip() -> bool:
 
 
 def _requirement() -> str:
-    """Return the name of kinesic, or the folder of its sources if it is not installed."""
+    """Return the distribution name, or the source folder if not installed."""
     try:
         return distribution("kinesic").name
     except PackageNotFoundError:
@@ -47,7 +47,7 @@ def _requirement() -> str:
 
 
 def _interpreter() -> str:
-    """Return the interpreter's path, relative inside the current folder, with quotes around spaces."""
+    """Return the interpreter's path for a shell, relative where possible."""
     path = Path(sys.executable)
     if path.is_relative_to(Path.cwd()):
         path = path.relative_to(Path.cwd())

@@ -156,7 +156,7 @@ def say_text(
     film: FilmSettings | None,
     to: str,
 ) -> int:
-    """Write BML for a text or a recording, and perform it or only print it.
+    """Write BML for a text or recording; perform or print it.
 
     The text `-` stands for standard input, which is spoken as it arrives.
     """
@@ -217,7 +217,7 @@ def _perform_in_twins(
     text: str | None,
     recording: SpokenRecording | None,
 ) -> tuple[DryRun, ...]:
-    """Plan a document, plain text or recording and perform it in the twins."""
+    """Plan a document, text or recording and perform it in the twins."""
     stage("planning")
     if recording is not None:
         plan = plan_recording(text, recording, setup, source=file)

@@ -1,4 +1,4 @@
-"""Behaviours that follow a recording: its word times and accents, or its accents alone."""
+"""Behaviours that follow the word times and accents of a recording."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class RecordedAudio:
 def choose_accent_behaviours(
     accents: Sequence[float], duration: float, style: Style, sets: BehaviourSets, *, seed: int = 0
 ) -> Selection:
-    """Choose beats, nods and raised brows for the accents of speech without text.
+    """Choose beats, nods and brows for accents of speech without text.
 
     Args:
         accents: times of accents in the speech [s].

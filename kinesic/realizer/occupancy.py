@@ -64,7 +64,7 @@ class Occupancy:
 
 
 def sort_by_time(entries: Iterable[T], times: Callable[[T], tuple[float, ...]]) -> list[T]:
-    """Sort entries by times [s], keeping the order of those with equal times.
+    """Sort entries stably by times [s], treating rounding differences as equal.
 
     Times of blocks that were sent together differ by rounding, which must not decide whose posture is held.
 

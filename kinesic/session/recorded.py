@@ -1,4 +1,4 @@
-"""Planning of a recording with matching gestures: with its text, or with its sound alone."""
+"""Planning of a recording with gestures, with or without its text."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -83,7 +83,7 @@ def write_recording(text: str | None, recording: SpokenRecording, setup: Setup) 
 
 
 def _check_files(recording: SpokenRecording) -> str:
-    """Read the files once, and return the text of the file of words."""
+    """Read the files, and return the text of the words file."""
     try:
         read_wav(recording.audio)
         return "" if recording.words is None else read_words_file(recording.words).text

@@ -1,4 +1,4 @@
-"""Words for directions in gesture files, and the order of axes in these files."""
+"""Words for directions, and the order of axes, in gesture files."""
 
 from collections.abc import Mapping
 
@@ -38,7 +38,7 @@ def read_direction(words: str) -> Floats:
 
 
 def format_direction(direction: Floats) -> str:
-    """Return the words of a gesture file for a direction (3,) forward, outward, up.
+    """Return the words for a direction (3,) forward, outward, up.
 
     Directions of no few words become numbers in the file's order.
     """

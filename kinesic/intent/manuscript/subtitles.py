@@ -58,7 +58,7 @@ def read_more_subtitles(state: SubtitleState, text: str, *, ends: bool = False) 
 
 
 def _read_line(state: SubtitleState, text: str, begin: int, *, ends: bool) -> tuple[SubtitleState, str, int] | None:
-    """Read one line, or the rest of a line, from an index on.
+    """Read a line or its rest from an index.
 
     Returns:
         State, spoken text and index of the next line; None if the line may be incomplete.
@@ -91,7 +91,7 @@ def _read_line(state: SubtitleState, text: str, begin: int, *, ends: bool) -> tu
 
 
 def _pass_text(state: SubtitleState, text: str, stop: int) -> tuple[SubtitleState, str, int]:
-    """Keep a line, or a part of it, that belongs to no subtitle."""
+    """Keep all or part of a line outside of subtitles."""
     is_empty = state.is_line_start and not text.strip()
     if state.is_line_open and is_empty and text.endswith("\n"):  # between a cue and the next text
         return replace(state, place="text", is_block_start=True), "", stop
@@ -115,13 +115,13 @@ def _may_be_cue(state: SubtitleState, line: str) -> bool:
 
 
 def _may_be_identifier(state: SubtitleState, line: str) -> bool:
-    """Return whether a line is the identifier of a cue if times follow."""
+    """Return whether a line may be the identifier of a cue."""
     is_name = state.is_webvtt and state.is_block_start and state.place == "text" and bool(line.strip())
     return is_name or bool(_CUE_NUMBER.fullmatch(line))
 
 
 def _is_silent_block(state: SubtitleState, line: str, *, is_closed: bool) -> bool:
-    """Return whether a line begins a block of WebVTT that is not spoken."""
+    """Return whether a line begins an unspoken block of WebVTT."""
     first = line.partition(" ")[0].partition("\t")[0]
     if state.is_start and first == HEADER_SIGN:
         return is_closed or line.strip() == HEADER_SIGN
@@ -135,7 +135,7 @@ def _begin_cue(state: SubtitleState, times: re.Match[str]) -> SubtitleState:
 
 
 def _read_cue_line(state: SubtitleState, line: str) -> tuple[SubtitleState, str]:
-    """Return the state and the spoken words of one line of a cue.
+    """Return state and spoken words of one line of a cue.
 
     A dash begins the line of another speaker.
     """

@@ -38,7 +38,7 @@ def find_accents(passage: Passage, taken: Collection[int] = ()) -> Iterator[Inte
 
 
 def follow_accents(intents: Sequence[Intent], passage: Passage, beats: Collection[str]) -> tuple[Intent, ...]:
-    """Move beats to the accents that are heard in a recording, within their phrase.
+    """Move beats to accents of a recording within their phrase.
 
     A beat in a phrase without a free accent is dropped. Without a recording, the intents are unchanged.
 

@@ -1,4 +1,4 @@
-"""Time that beats of more than one short stroke need between their neighbours."""
+"""Time that long beats need between neighbouring strokes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ PLAIN_SPAN = BeatSpan()  # of a beat with one short stroke
 
 
 def select_fitting(choices: Sequence[Choice], before: float, after: float) -> Sequence[Choice]:
-    """Return the alternatives that fit between two strokes, or all if none does.
+    """Return the alternatives that fit between two strokes, else all.
 
     Args:
         choices: gestures for one word.

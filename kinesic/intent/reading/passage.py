@@ -71,7 +71,7 @@ class Passage:
 
     @cached_property
     def starts(self) -> tuple[float, ...]:
-        """Heard or estimated start time of each word, and end of the text [s]."""
+        """Start time of each word, and end of the text [s]."""
         if self.times:
             return self.times
         times, now = [], 0.0

@@ -1,1 +1,1 @@
-"""Speech engines: from one phrase to its sound and times, in Python or in a program of its own."""
+"""Speech engines, which turn one phrase into sound and times."""

@@ -1,4 +1,4 @@
-"""Voice of a speech engine: it joins phrases and silences to an utterance."""
+"""Voice that joins the phrases of a speech engine."""
 
 import math
 from collections.abc import Iterable
@@ -58,7 +58,7 @@ class EngineVoice:
     def _speak_phrases(
         self, placed: Iterable[PlacedPhrase]
     ) -> tuple[list[tuple[PlacedPhrase, SpokenPhrase]], list[str]]:
-        """Speak all phrases that the engine can read; return them, and a remark on each other one.
+        """Speak the readable phrases, and return a remark on each other one.
 
         Raises:
             EngineError: the engine fails, or can read none of them.
@@ -86,7 +86,7 @@ class EngineVoice:
 
 @lru_cache(maxsize=CACHED_PHRASES)
 def speak_phrase(engine: SpeechEngine, phrase: Phrase) -> SpokenPhrase:
-    """Speak a phrase, remove its outer silence, and estimate the times that the engine does not report.
+    """Speak a phrase, trim its silence, and estimate missing times.
 
     Raises:
         EngineError: the engine fails, or its times are invalid.
@@ -97,7 +97,7 @@ def speak_phrase(engine: SpeechEngine, phrase: Phrase) -> SpokenPhrase:
 
 
 def _check_times(spoken: SpokenPhrase, length: int) -> None:
-    """Reject times that are not finite or in order, and words outside of the phrase."""
+    """Reject unordered or infinite times, and words outside of the phrase."""
     for name, starts in (("word", [w.start for w in spoken.words]), ("phoneme", [p.start for p in spoken.phonemes])):
         if not all(map(math.isfinite, starts)) or starts != sorted(starts):
             raise EngineError(f"its {name} times are not finite and in order")

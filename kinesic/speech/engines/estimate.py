@@ -1,4 +1,4 @@
-"""Estimation of the word and phoneme times that an engine does not report."""
+"""Estimation of word and phoneme times missing from an engine."""
 
 import re
 from collections.abc import Sequence
@@ -38,7 +38,7 @@ def complete(phrase: Phrase, spoken: SpokenPhrase) -> SpokenPhrase:
 def _find_words(
     text: str, starts: Sequence[float], phonemes: Sequence[Phoneme], duration: float
 ) -> tuple[SpokenWord, ...]:
-    """Return words with estimated starts; each ends with the last phoneme before the next one."""
+    """Return words with estimated starts and ends."""
     words = []
     for match, start, following in zip(_WORD_PATTERN.finditer(text), starts, (*starts[1:], duration), strict=True):
         stop = max((p.end for p in phonemes if start <= p.start < following), default=following)

@@ -13,7 +13,7 @@ _CLOSING_PATTERN = re.compile(rf"[\s\"'\u2019\u201d\u00bb)\]]*[{SENTENCE_STOPS}{
 
 
 def place_marks(script: Script, words: Sequence[SpokenWord], duration: float) -> Mapping[str, float]:
-    """Return the time [s] of each mark; of marks with the same name the first counts.
+    """Return the time [s] of each mark, the first of each name.
 
     A mark falls at the start of the next word. Before a pause or closing punctuation it stays at the end of the word
     before. A mark inside a word belongs to the next one.
@@ -46,7 +46,7 @@ def place_marks(script: Script, words: Sequence[SpokenWord], duration: float) ->
 
 
 def _stays_behind(text: str, stops: Sequence[Mark | Pause], next_word: int) -> bool:
-    """Return whether the first of some stops stays at the end of the word before it."""
+    """Return whether the first stop stays at the previous word's end."""
     if _CLOSING_PATTERN.match(text[stops[0].position : next_word]):
         return True
     later = takewhile(lambda stop: stop.position <= next_word, stops[1:])

@@ -1,4 +1,4 @@
-"""Interface of speech engines: a phrase as input, its sound and times as output.
+"""Interface of speech engines: phrase in, sound and times out.
 
 Any class with a `name` and a method `speak` is an engine; `EngineVoice` turns it into a voice. An engine may report
 less than it could: without phonemes they are estimated between the words, without words from the sound alone.
@@ -18,7 +18,7 @@ class EngineError(RuntimeError):
 
 
 class UnreadableError(EngineError):
-    """Phrase without a word that the engine can read, which is left out."""
+    """Omitted phrase, without a word that the engine can read."""
 
 
 @dataclass(frozen=True)

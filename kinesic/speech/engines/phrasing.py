@@ -88,7 +88,7 @@ def divide(script: Script, *, rate: float, pitch: float) -> tuple[tuple[PlacedPh
 
 
 def is_closed(text: str) -> bool:
-    """Return whether a text ends with a stop of a sentence or phrase."""
+    """Return whether a text ends with closing punctuation."""
     return _FINAL_STOP.search(text.rstrip()) is not None
 
 
@@ -122,7 +122,7 @@ def _place(
 
 
 def _sentence_ends(text: str) -> Iterator[int]:
-    """Yield the positions after sentences, but not after titles, initials, or before a small letter."""
+    """Yield the positions after sentences, but not after titles and initials."""
     for match in _SENTENCE_END.finditer(text):
         following = text[match.end() :].lstrip()[:1]
         word = _LAST_WORD.search(text[: match.start()])
@@ -139,7 +139,7 @@ def _is_abbreviation(word: str) -> bool:
 
 
 def _shorten(text: str) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of the parts of a text, none longer than `MAX_PHRASE_LENGTH`."""
+    """Yield begin and end of parts of at most `MAX_PHRASE_LENGTH`."""
     begin = 0
     while len(text) - begin > MAX_PHRASE_LENGTH:
         window = text[begin : begin + MAX_PHRASE_LENGTH]

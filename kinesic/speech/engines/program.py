@@ -1,4 +1,4 @@
-"""Speech engine in a program of its own, on standard input and output.
+"""Speech engine in a separate program on standard input and output.
 
 The program gets one line of JSON for each phrase, and answers with one line of JSON and the samples
 (docs/how-to/connect-a-voice.md). It starts with the first phrase and runs until kinesic ends, so that its model is
@@ -96,7 +96,7 @@ class EngineProgram:
         return text if len(text) <= MAX_NAME else f"{text[: MAX_NAME - 3]}..."
 
     def speak(self, phrase: Phrase, /) -> SpokenPhrase:
-        """Synthesise a phrase by the running program, and start it before the first one.
+        """Synthesise a phrase by the program, started if necessary.
 
         Raises:
             UnreadableError: the program can read no word of the phrase.
@@ -147,7 +147,7 @@ class _Process:
             timer.cancel()
 
     def end(self) -> str:
-        """End the program, and return the last line that it wrote to standard error."""
+        """End the program, and return its last line of stderr."""
         self._process.kill()
         self._process.communicate()
         self._errors.seek(0)

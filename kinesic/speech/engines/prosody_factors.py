@@ -23,7 +23,7 @@ _QUANTITY_PATTERN = re.compile(r"([+-]?)(\d+(?:\.\d+)?)(%|st|db|hz)?")
 
 
 def convert_sections(emphases: Sequence[Emphasis]) -> tuple[ProsodySection, ...]:
-    """Convert SSML elements to sections with factors; omit elements without effect on these."""
+    """Convert SSML elements to sections with factors."""
     sections = []
     for emphasis in emphases:
         attributes = dict(emphasis.attributes)
@@ -42,7 +42,7 @@ def convert_sections(emphases: Sequence[Emphasis]) -> tuple[ProsodySection, ...]
 
 
 def read_pitch(text: str) -> float:
-    """Return the pitch factor of an attribute such as `high`, `+10%` or `-2st`, or 1."""
+    """Return the pitch factor of `high`, `+10%` or `-2st`; default 1."""
     word = text.strip().lower()
     sign, value, unit = _split(word)
     if word in PITCH_WORDS:
@@ -57,7 +57,7 @@ def read_pitch(text: str) -> float:
 
 
 def read_volume(text: str) -> float:
-    """Return the amplitude factor of an attribute such as `soft`, `+6dB` or `50`, or 1."""
+    """Return the amplitude factor of `soft`, `+6dB` or `50`; default 1."""
     word = text.strip().lower()
     sign, value, unit = _split(word)
     if word in VOLUME_WORDS:
@@ -72,7 +72,7 @@ def read_volume(text: str) -> float:
 
 
 def _split(word: str) -> tuple[str, float, str]:
-    """Return sign, number and unit of a quantity; the number is -1 if there is none."""
+    """Return sign, number (-1 if missing) and unit of a quantity."""
     match = _QUANTITY_PATTERN.fullmatch(word)
     return (match[1], float(match[2]), match[3] or "") if match else ("", -1.0, "none")
 

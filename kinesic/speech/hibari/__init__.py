@@ -1,1 +1,1 @@
-"""Neural voice: the model of the package hibari-tts, with phoneme times and pitch."""
+"""Neural voice hibari, with phoneme times and pitch."""

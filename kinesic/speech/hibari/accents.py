@@ -14,7 +14,7 @@ PEAK_MARGIN = (0.06, 0.10)  # [s] before and after a vowel in which its peak may
 
 
 def find_accents(pitch: Floats32, phonemes: Sequence[Phoneme]) -> tuple[float, ...]:
-    """Return the times [s] of pitch peaks on stressed vowels, at most one for each.
+    """Return the time [s] of the pitch peak on each stressed vowel.
 
     Args:
         pitch: (frames,) [Hz], near 0 where unvoiced.

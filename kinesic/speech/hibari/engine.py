@@ -78,7 +78,7 @@ def _predict(model: HibariModel, reading: Pronunciation, phrase: Phrase) -> Pred
 
 
 def _letter_factors(reading: Pronunciation, sections: Sequence[ProsodySection], kind: str) -> list[float]:
-    """Return the product of the sections' factors for each letter, by the start of its word."""
+    """Return the product of the sections' factors for each letter."""
     factors = [1.0] * len(reading.letters)
     for number, ((begin, _), (first, _)) in enumerate(reading.words):
         end = reading.words[number + 1][1][0] if number + 1 < len(reading.words) else len(factors)
@@ -108,7 +108,7 @@ def _place_words(reading: Pronunciation, phonemes: Sequence[Phoneme], indices: S
 
 
 def _change_volume(samples: Samples, words: Sequence[SpokenWord], sections: Sequence[ProsodySection]) -> Samples:
-    """Multiply the samples of words by the volumes of their sections, without steps."""
+    """Multiply samples by the smoothed volumes of their sections."""
     if all(section.volume == 1.0 for section in sections):
         return np.clip(samples, -1.0, 1.0)
     times, gains = [], []

@@ -1,4 +1,4 @@
-"""Changes of hibari's ONNX graph: durations as an output, rate and pitch that vary with time.
+"""Changes of hibari's ONNX graph for durations, rate and pitch.
 
 The published graph has one rate for a whole sentence, keeps the duration of each phoneme inside, and has no pitch
 factor. The nodes concerned are found by their connections, so that other exports of the same model work as well.
@@ -36,14 +36,14 @@ FLOAT_ELEMENT = 1  # element type float32
 
 @dataclass(frozen=True)
 class EditedGraph:
-    """ONNX model with an output for durations, and inputs for rate and pitch."""
+    """ONNX model with duration output, rate input and pitch input."""
 
     model: bytes
     duration_output: str  # output with the duration of each phoneme, in units of two frames; shape (phonemes,)
 
 
 def edit_graph(model: bytes) -> EditedGraph:
-    """Add the duration output and the pitch input, and let the rate vary.
+    """Add duration output and pitch input, and make the rate variable.
 
     Raises:
         ProtobufError: the bytes are no ONNX model of this kind.
@@ -94,7 +94,7 @@ def _find_durations(nodes: Iterable[memoryview]) -> str:
 
 
 def _has_text(message: memoryview, number: int, text: str) -> bool:
-    """Return whether a message has a string field with this text; most are excluded by a search for its bytes."""
+    """Return whether a message has a string field with this text."""
     return text.encode() in bytes(message) and text in _texts(message, number)
 
 

@@ -51,7 +51,7 @@ class _Synthesis(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Sound of a phrase with the durations of its letters and its pitch."""
+    """Sound of a phrase with letter durations and pitch."""
 
     samples: Samples  # (m,) -1..1 at `SAMPLE_RATE`
     durations: NDArray[np.int64]  # (letters + 2,) in units of `UNIT_DURATION`, with the silence at both ends
@@ -99,7 +99,7 @@ class HibariModel:
 
 @lru_cache(maxsize=1)
 def find_package() -> Path | None:
-    """Return the folder of the package hibari if it and its runtime are installed, else None."""
+    """Return the folder of hibari, or None if it cannot run."""
     specs = [importlib.util.find_spec(name) for name in (PACKAGE_NAME, RUNTIME_NAME)]
     spec = specs[0]
     if spec is None or None in specs or not spec.submodule_search_locations:

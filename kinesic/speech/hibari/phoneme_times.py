@@ -72,7 +72,7 @@ class _Unit:
 
 
 def place_phonemes(letters: str, prediction: Prediction) -> tuple[tuple[Phoneme, ...], tuple[int, ...]]:
-    """Return the phonemes of a phrase, and the index of the first letter of each.
+    """Return the phonemes of a phrase with their first letter indices.
 
     A stop starts with its burst, any other sound with its audible onset. The mouth shape of a stop or nasal reaches
     from its closure to its release.
@@ -96,7 +96,7 @@ def place_phonemes(letters: str, prediction: Prediction) -> tuple[tuple[Phoneme,
 
 
 def find_silences(samples: Samples) -> tuple[Span, ...]:
-    """Return the silent spans [s] of a sound, also at its ends, that last at least `MIN_SILENCE`."""
+    """Return silent spans [s] of at least `MIN_SILENCE`."""
     amplitudes = np.abs(samples)
     audible = np.flatnonzero(amplitudes > SILENCE_RATIO * float(amplitudes.max(initial=0.0)))
     edges = np.concatenate([[-1], audible, [len(samples)]])
@@ -105,7 +105,7 @@ def find_silences(samples: Samples) -> tuple[Span, ...]:
 
 
 def _read_units(letters: str, prediction: Prediction) -> Iterator[_Unit]:
-    """Yield the sounds of phoneme letters; a stress mark belongs to the vowel after it."""
+    """Yield the sounds of phoneme letters, with their stress marks."""
     begins = np.concatenate([[0.0], np.cumsum(prediction.durations)]) * UNIT_DURATION
     index, is_initial, follows_sign = 0, True, True
     while index < len(letters):
@@ -128,7 +128,7 @@ def _read_units(letters: str, prediction: Prediction) -> Iterator[_Unit]:
 
 
 def _place_units(units: list[_Unit], silences: tuple[Span, ...]) -> list[Span]:
-    """Return start and end [s] of each sound, in order, with silences at punctuation between them."""
+    """Return start and end [s] of each sound, excluding silences."""
     starts: list[float] = []
     ends: list[float] = []
     for number, unit in enumerate(units):
@@ -153,7 +153,7 @@ def _place_units(units: list[_Unit], silences: tuple[Span, ...]) -> list[Span]:
 
 
 def _find_release(units: list[_Unit], spans: list[Span], onsets: list[float], number: int) -> float:
-    """Return the time [s] at which the mouth leaves the shape of a sound."""
+    """Return the time [s] when the mouth leaves a sound's shape."""
     unit, (start, end) = units[number], spans[number]
     if unit.letter in BURST_SHIFTS and unit.letter not in AFFRICATES:
         return start

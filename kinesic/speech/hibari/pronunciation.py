@@ -1,4 +1,4 @@
-"""Pronunciation of an English phrase: phoneme letters, with those of each written word.
+"""Phoneme letters of an English phrase and its words.
 
 hibari rewrites dates, units and abbreviations before it reads them ("3 km": "3 kilometers"). Written and rewritten
 words are matched in order, so that each written word has its letters.
@@ -106,7 +106,7 @@ def pronounce(text: str, alphabet: Iterable[str]) -> Pronunciation:
 def _write_letters(
     tokens: Sequence[_Token], text: str, alphabet: frozenset[str]
 ) -> tuple[str, list[tuple[Span, Span]]]:
-    """Return the letters of all tokens, and characters and letters of each token that sounds."""
+    """Return all letters, and characters and letters of audible tokens."""
     letters = ""
     spans: list[tuple[Span, Span]] = []
     position = 0
@@ -143,7 +143,7 @@ def _find_chunk(text: str, position: int) -> int:
 
 
 def _match(written: Sequence[str], rewritten: Sequence[str]) -> list[int]:
-    """Return the index of the written chunk for each rewritten one, in ascending order."""
+    """Return the index of the written chunk for each rewritten one."""
     return list(_matches(written, rewritten))
 
 

@@ -1,4 +1,4 @@
-"""Reading and writing of protocol buffer fields, as far as ONNX files need it.
+"""Reading and writing of protocol buffer fields in ONNX files.
 
 A message is a sequence of fields: a varint with field number and wire type, and the value.
 """

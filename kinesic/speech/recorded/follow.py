@@ -1,4 +1,4 @@
-"""Lip sounds, word times and accents of a recording from a comparison with its rendition."""
+"""Lip sounds, word times and accents from comparison with a rendition."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -67,7 +67,7 @@ def open_by_loudness(phonemes: Sequence[Phoneme], frames: Frames) -> tuple[Phone
 
 
 def release_stops(phonemes: Sequence[Phoneme]) -> tuple[Phoneme, ...]:
-    """Return given sounds with stops that open before their end, at the burst."""
+    """Return sounds whose stops open at the burst."""
     return tuple(
         replace(sound, release=sound.start + BURST_FRACTION * sound.duration)
         if sound.letters[:1] in STOP_LETTERS

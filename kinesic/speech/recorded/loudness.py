@@ -46,7 +46,7 @@ def estimate_pitch(sound: Sound) -> Floats:
 
 
 def compute_openings(levels: Floats, is_speech: Flags) -> Floats:
-    """Return the relative lip opening of each frame from its level [dB], shape (n,).
+    """Return the relative lip opening (n,) from the level [dB].
 
     The median level of speech has opening 1.
     """

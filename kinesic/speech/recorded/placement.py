@@ -62,7 +62,7 @@ class Placement:
     words: tuple[tuple[float, float], ...]  # start and end of each word in the recording [s]
 
     def place(self, time: float) -> float:
-        """Return the time in the recording of a time in the rendition [s]."""
+        """Convert a time of the rendition to the recording [s]."""
         times, places = zip(*self.points, strict=True)
         return float(np.interp(time, times, places))
 
@@ -92,7 +92,7 @@ def place_words(
 
 
 def _find_runs_of_words(given: Sequence[GivenTime], duration: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield first word, following word, begin and end [s] of each run of words between given times."""
+    """Yield word range and begin and end [s] between given times."""
     first, begin = 0, 0.0
     for k, time in enumerate(given):
         if time.start is not None and k > first:
@@ -112,7 +112,7 @@ Placed = tuple[list[Point], list[tuple[float, float]]]
 
 
 def _spread(rendition: Rendition, frames: Frames, words: tuple[int, int], span: tuple[float, float]) -> Placed:
-    """Spread words evenly over the audible parts of a span, or over all of it."""
+    """Spread words evenly over the audible parts of a span."""
     begin, end = span
     audible = [(max(a, begin), min(b, end)) for a, b in frames.spans if min(b, end) > max(a, begin)] or [span]
     audible[0] = (begin, max(begin, audible[0][1]))  # a given start is kept
@@ -151,7 +151,7 @@ def _place_by_sound(
     *,
     keeps_start: bool,
 ) -> Placed | None:
-    """Place words inside a span by comparing the sounds; None if either is silent."""
+    """Place words in a span by sound; None if either is silent."""
     first, last = words
     offset = round(rendition.starts[first] / FRAME_PERIOD)
     end = round(rendition.ends[last - 1] / FRAME_PERIOD) + 1
@@ -189,7 +189,7 @@ def _cut(sequence: FrameSequence, begin: int, end: int) -> FrameSequence:
 
 
 def _make_monotone(points: Sequence[Point], duration: float) -> tuple[Point, ...]:
-    """Return points that increase in the rendition and do not decrease in the recording."""
+    """Return points that increase in rendition and recording."""
     result = [points[0]]
     for time, place in points[1:]:
         limited = min(max(place, result[-1][1]), duration)

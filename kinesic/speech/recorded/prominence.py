@@ -1,4 +1,4 @@
-"""Accents of recorded speech: words that are louder, higher or longer than those around them."""
+"""Accents of recorded speech, from loudness, pitch and length of words."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -90,7 +90,7 @@ def move_stress(
 
 
 def _peaks(levels: Floats, semitones: Floats, word: tuple[float, float]) -> tuple[float, float]:
-    """Return the level [dB] and pitch [semitones] that a word reaches; NaN without voice."""
+    """Return peak level [dB] and pitch [semitones] of a word."""
     frames = slice(int(word[0] / FRAME_PERIOD), max(int(word[1] / FRAME_PERIOD), int(word[0] / FRAME_PERIOD) + 1))
     voiced = semitones[frames][~np.isnan(semitones[frames])]
     level = float(np.percentile(levels[frames], PEAK_PERCENTILE)) if len(levels[frames]) else np.nan

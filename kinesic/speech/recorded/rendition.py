@@ -18,7 +18,7 @@ _WORD_PATTERN = re.compile(r"[^\W_]+(?:['\u2019.,:-][^\W_]+)*")
 
 @dataclass(frozen=True, eq=False)
 class Rendition:
-    """Speech of a text by a voice, with the times of its words."""
+    """Speech of a text by a voice, with word times."""
 
     utterance: Utterance  # without the marks before words
     words: tuple[str, ...]
@@ -28,7 +28,7 @@ class Rendition:
 
 
 def render(script: Script, voice: Voice) -> Rendition:
-    """Have a voice speak the text of a recording at its normal rate.
+    """Speak the text of a recording at the normal rate.
 
     Pauses of the script are left out, as the recording has its own.
     """
@@ -50,7 +50,7 @@ def render(script: Script, voice: Voice) -> Rendition:
 
 
 def _separate(times: Sequence[float]) -> Floats:
-    """Return increasing times, as a voice may report the same time for two short words."""
+    """Return strictly increasing times from times with repetitions."""
     count = MIN_WORD_TIME * np.arange(len(times))
     increasing: Floats = np.maximum.accumulate(np.array(times) - count) + count if len(times) else np.zeros(0)
     return increasing

@@ -22,7 +22,7 @@ MIN_POWER = 1e-12  # power added to avoid the logarithm of zero
 
 
 def compute_band_powers(sound: Sound) -> Floats:
-    """Return the powers of mel bands, one row for each `FRAME_PERIOD`, shape (n, `BAND_COUNT`)."""
+    """Return the powers (n, `BAND_COUNT`) of mel bands per `FRAME_PERIOD`."""
     window = max(round(WINDOW_DURATION * sound.rate), 2)
     count = int(len(sound.samples) / (FRAME_PERIOD * sound.rate))
     padded = np.concatenate([np.zeros(window // 2 + 1), sound.samples, np.zeros(window + 1)])

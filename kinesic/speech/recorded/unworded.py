@@ -1,4 +1,4 @@
-"""Lip sounds and accents of a recording without text, from its loudness, spectrum and pitch."""
+"""Lip sounds and accents of a recording without text."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -80,7 +80,7 @@ def _join(symbols: Indices, openings: Floats, is_speech: Flags) -> Iterator[Phon
 
 
 def _find_accents(levels: Floats, pitch: Floats, is_speech: Flags) -> Indices:
-    """Return the frames of accented syllables: louder or higher than those within 2 s."""
+    """Return the frames of accented syllables."""
     smooth = scipy.ndimage.uniform_filter1d(levels, SMOOTHING_FRAMES)
     peaks, _ = scipy.signal.find_peaks(smooth, distance=SYLLABLE_FRAMES, prominence=PEAK_DEPTH)
     peaks = peaks[is_speech[peaks]]
@@ -107,7 +107,7 @@ def _max_near(semitones: Floats, frame: int) -> float:
 
 
 def _stress(sounds: list[Phoneme], accents: Floats) -> Iterator[Phoneme]:
-    """Yield the sounds with a stress mark on the vowel at each accent; others are weak."""
+    """Yield the sounds, with stress on the vowel of each accent."""
     for sound in sounds:
         is_vowel = sound.symbol in ("ə", "u", "e", "a")
         has_accent = is_vowel and bool(np.any((accents >= sound.start) & (accents < sound.end)))

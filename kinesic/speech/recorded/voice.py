@@ -1,4 +1,4 @@
-"""Voice that plays recordings, with lips, marks and accents that follow their sound."""
+"""Voice that plays recordings, with matching lips, marks and accents."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -49,7 +49,7 @@ class RecordedVoice:
 
     @property
     def comparison_voice(self) -> Voice:
-        """Voice to which recordings are compared: espeak-ng, unless the own voice is silent."""
+        """Voice to which recordings are compared: espeak-ng, if possible."""
         return self.voice if isinstance(self.voice, DurationModel) or espeak_fault() else Espeak()
 
 
@@ -71,7 +71,7 @@ def _keep_times(script: Script, utterance: Utterance) -> Utterance:
 
 
 def _find(recording: Recording, path: Path, suffix: str) -> Path:
-    """Return the path of a file of a recording, adding a missing suffix."""
+    """Return the path of a recording's file, adding a missing suffix."""
     _check(path, recording.folder)
     if path.suffix or not path.name or path.exists():
         return path
@@ -90,7 +90,7 @@ def _check(path: Path, folder: Path | None) -> None:
 
 
 def _read_words(recording: Recording) -> tuple[TimedWords, tuple[str, ...]]:
-    """Read the times of a recording's words; a remark says why they cannot be read."""
+    """Read the word times of a recording, or return a remark."""
     if recording.words is None:
         return NO_WORDS, ()
     try:
@@ -118,7 +118,7 @@ def _play_recording(script: Script, recording: Recording, sound: Sound, timed: T
 
 
 def _play_unworded(script: Script, recording: Recording, sound: Sound) -> Utterance:
-    """Play a recording without text, with lips that follow its loudness and spectrum."""
+    """Play a recording without text, with lips that follow the sound."""
     given = dict(reversed(recording.marks))
     marks = {mark.name: 0.0 for mark in script.marks} | {
         name: min(max(time, 0.0), sound.duration) for name, time in given.items()
@@ -128,7 +128,7 @@ def _play_unworded(script: Script, recording: Recording, sound: Sound) -> Uttera
 
 
 def _combine(rendition: Rendition, times: list[GivenTime], marks: Mapping[str, float]) -> list[GivenTime]:
-    """Add the times of marks that fall on words to the given times of words."""
+    """Add the times of marks on words to the word times."""
     for name, word in reversed(list(rendition.marked_words.items())):
         if name in marks:
             times[word] = replace(times[word], start=marks[name])
@@ -136,7 +136,7 @@ def _combine(rendition: Rendition, times: list[GivenTime], marks: Mapping[str, f
 
 
 def _spread(rendition: Rendition, sound: Sound, given: list[GivenTime], marks: Mapping[str, float]) -> FollowedSpeech:
-    """Spread estimated sounds over the audible parts of a recording, between the given times."""
+    """Spread estimated sounds over the audible parts between given times."""
     estimate = rendition.utterance
     anchors = [(estimate.marks[name], time) for name, time in marks.items() if name in estimate.marks]
     anchors += [(float(rendition.starts[k]), time.start) for k, time in enumerate(given) if time.start is not None]

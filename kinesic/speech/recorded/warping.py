@@ -1,4 +1,4 @@
-"""Dynamic time warping between the frames of a recording and of a synthesised rendition.
+"""Dynamic time warping between the frames of recording and rendition.
 
 A silence of the recording can only lie between two words: a rendition has an optional gap before each word, which
 only silence may fill. A coarse path over averaged frames is found first, and limits the search of the fine path.
@@ -31,7 +31,7 @@ class FrameSequence:
 
 @dataclass(frozen=True, eq=False)
 class Warp:
-    """Frames of a recording at which the words of a rendition are spoken."""
+    """Frames of a recording at which its words are spoken."""
 
     word_frames: Indices  # (words,) first frame of each word
     frames: Indices  # (m,) frames with speech, increasing
@@ -70,7 +70,7 @@ def warp(recording: FrameSequence, rendition: FrameSequence, word_frames: Indice
 
 
 def _shorten_silences(is_speech: Flags) -> tuple[Indices, Flags]:
-    """Return the used frames of a recording, and which of them are silent."""
+    """Return the used frames of a recording and their silence mask."""
     pieces: list[Indices] = []
     silent: list[Flags] = []
     for values, is_silence in ((is_speech, False), (~is_speech, True)):
@@ -133,7 +133,7 @@ def _window(centre: Floats, radius: int, count: int) -> tuple[Indices, Indices]:
 def _search(
     rows: tuple[Floats, Flags], columns: tuple[Floats, Flags, Flags], window: tuple[Indices, Indices]
 ) -> Indices:
-    """Return the column of each row on the cheapest path within a window.
+    """Return each row's column on the cheapest path in a window.
 
     From one row to the next, the path moves by 0, 1 or 2 columns.
 

@@ -27,7 +27,7 @@ _Event = Mapping[str, object]
 
 
 def read_azure(content: bytes) -> TimedWords:
-    """Read events with an audio offset: a list, one per line, or `events` of an object.
+    """Read a list, lines or object of events with audio offsets.
 
     Keys are read as each SDK writes them: `audioOffset`, `AudioOffset`, `audio_offset`, `privAudioOffset`.
 

@@ -33,7 +33,7 @@ def read_elevenlabs(content: bytes) -> TimedWords:
 
 
 def _join_characters(alignment: _Alignment) -> Iterator[RawSpan]:
-    """Yield each word, from the start of its first to the end of its last character."""
+    """Yield each word, with the times of its outer characters."""
     starts, ends = alignment.character_start_times_seconds, alignment.character_end_times_seconds
     characters = alignment.characters
     if not len(characters) == len(starts) == len(ends):

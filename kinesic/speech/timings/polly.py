@@ -1,4 +1,4 @@
-"""Word and viseme times of Amazon Polly's speech marks: one JSON object per line."""
+"""Word and viseme times of Amazon Polly's speech marks."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ def read_polly(content: bytes) -> TimedWords:
 
 
 def _find_end(word: TimedSpan, silences: Sequence[float]) -> float:
-    """Return the start [s] of the first silence in a word, or its end."""
+    """Return the start [s] of a word's first silence, or its end."""
     following = bisect_right(silences, word.start)
     return min([word.end, *silences[following : following + 1]])
 

@@ -1,4 +1,4 @@
-"""Reading of files with word times, in the format that their content shows."""
+"""Reading of word time files, whose content determines the format."""
 
 import codecs
 from pathlib import Path

@@ -14,7 +14,7 @@ _ARROW_PATTERN = re.compile(r"^.*-->.*$", re.MULTILINE)
 
 
 def read_subtitles(text: str) -> TimedWords:
-    """Read subtitles: a phrase for each cue, or its words if these have times.
+    """Read the cues of subtitles, or their words with times.
 
     Raises:
         TimingError: the file has no cue, or a time is invalid.

@@ -1,4 +1,4 @@
-"""Word and phoneme times of Praat's TextGrid, long or short, as the Montreal Forced Aligner writes it."""
+"""Word and phoneme times of Praat's TextGrid."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -126,7 +126,7 @@ def _read_row(tokens: _Tokens, place: str, has_end: bool) -> RawSpan:
 
 
 def _find_tier(tiers: Sequence[_Tier], names: Sequence[str]) -> _Tier | None:
-    """Return the first tier with one of the names, also after a speaker's name."""
+    """Return the first tier with one of the names."""
     for tier in tiers:
         if tier.name.lower() in names or tier.name.lower().rpartition(" - ")[2] in names:
             return tier

@@ -104,6 +104,6 @@ def make_phonemes(spans: Iterable[TimedSpan]) -> tuple[Phoneme, ...]:
 
 
 def shorten(text: str) -> str:
-    """Quote a text of a file for a message, cut to a readable length."""
+    """Quote a text for a message, cut to a readable length."""
     plain = " ".join(text.split())
     return repr(plain if len(plain) <= MAX_SHOWN_LENGTH else f"{plain[:MAX_SHOWN_LENGTH]}...")

@@ -1,4 +1,4 @@
-"""Word times of Whisper's JSON: segments with words, or a list of words.
+"""Word times of Whisper's JSON.
 
 Also OpenAI's `verbose_json`, WhisperX, and ElevenLabs' lists of transcribed words.
 """

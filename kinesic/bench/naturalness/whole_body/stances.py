@@ -50,7 +50,7 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
 
 
 def group_hanging(clips: Iterable[BodyMotion]) -> Mapping[str, Floats]:
-    """Return the stances (k, s) [deg] at rest with hanging arms, by clip group.
+    """Return the stances (k, s) [deg] with hanging arms, by clip group.
 
     Frames in the pose of the first frame are left out. A group has the clips of one set whose names agree between `@`
     and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are left out.
