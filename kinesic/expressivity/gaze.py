@@ -124,7 +124,7 @@ def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
 
 
 def towards(place: Floats, robot: Robot) -> Turn:
-    """Return the rotation that turns an upright gaze towards a position.
+    """Return the rotation that turns a forward gaze towards a position.
 
     Args:
         place: (3,) [m] in the world.

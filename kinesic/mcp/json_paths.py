@@ -7,7 +7,7 @@ from dataclasses import dataclass
 TOKEN_PATTERN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+')
 PLAIN_KEY_PATTERN = re.compile(r"[A-Za-z_]\w*")  # pattern of keys that a path shows as `.key`, without brackets
 KEY_PREFIX_PATTERN = re.compile(r"([A-Za-z_][\w:.-]*)(?==|: )")  # pattern of an attribute name that begins an error
-MAX_PATH_LENGTH = 200  # [characters] longest JSON path in a message; deeper levels are cut off
+MAX_PATH_LENGTH = 200  # [characters] longest JSON path in a message; the rest is cut off
 
 
 @dataclass(eq=False)

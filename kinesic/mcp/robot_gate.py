@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class RobotGate:
-    """Connections to a robot and its setup, available once both are ready."""
+    """Connections to a robot and its setup, which may still be loading."""
 
     def __init__(self, opened: "Future[RobotLine]", setup: "Future[Setup]") -> None:
         """Create access to a robot whose server may still be starting.

@@ -124,7 +124,7 @@ def solve_key_times(problem: KeyTimeProblem) -> Floats:
 
 
 def solve_exactly(problem: KeyTimeProblem) -> Floats:
-    """Find the key times (m,) [s] nearest to the requested ones."""
+    """Find feasible key times (m,) [s] with the least weighted deviation."""
     times = _solve_small(problem)
     return _solve_large(problem) if times is None else times
 

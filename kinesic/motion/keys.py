@@ -301,7 +301,14 @@ def _find_successive_keys(keys: Keys) -> tuple[set[Pair], set[Pair]]:
 
 
 def _with_paths(column: Flags, is_exact: Flags) -> list[int]:
-    """Return a hinge's exactly passed keys plus other hinges' inside its paths."""
+    """Return sorted indices of the keys that a hinge passes exactly.
+
+    Where it passes keys approximately in between, the exact keys of other hinges are included.
+
+    Args:
+        column: (m,) keys of the hinge.
+        is_exact: (m,) keys that are passed exactly.
+    """
     rows, others = np.flatnonzero(column & is_exact), np.flatnonzero(is_exact)
     chain = rows.tolist()
     for k in np.flatnonzero(np.diff(np.flatnonzero(is_exact[column])) > 1):

@@ -32,7 +32,11 @@ class PiecewisePolynomial:
         return [_sum(terms, since, order) for order in range(count)]
 
     def _terms(self, times: Floats) -> tuple[Floats, Floats]:
-        """Return coefficients (p, m, h) and elapsed interval times (m, 1) [s]."""
+        """Return the polynomial coefficients that apply at times (m,) [s].
+
+        Returns:
+            (p, m, h) coefficients, lowest power first, and (m, 1) [s] times since the start of their intervals.
+        """
         pieces = self.times[1:-1].searchsorted(times, side="right")
         return self.coefficients.take(pieces, axis=1)[::-1], (times - self.times[pieces])[:, None]
 

@@ -23,8 +23,8 @@ MAX_ROUNDS = 10  # largest number of linear programs per search
 LP_COST_FACTOR = 12  # cost of a segment in the linear program, in evaluations of its knot intervals
 INITIAL_RADIUS = 0.4  # largest relative stretch of a gap in the first round
 GAP_RESOLUTION = 1e-4  # [s] resolution to which durations are rounded up, for equal results on all machines
-TIME_RESERVE = 0.002  # [log time] extra time given to each segment
-MAX_RESERVE_GROWTH = 0.01  # [log time] growth of a segment's time reserve after a step without progress
+TIME_RESERVE = 0.002  # extra time given to each segment, as the natural logarithm of its relative stretch
+MAX_RESERVE_GROWTH = 0.01  # largest growth of a segment's `TIME_RESERVE` after a step without progress
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ def test_tracking_delay_is_interpolated_between_samples(late):
     assert delays == pytest.approx([late, 0.0], abs=2e-4)
 
 
-def test_still_hinge_has_no_tracking_delay():
+def test_tracking_delay_of_a_still_hinge_is_nan():
     planned = np.stack([pulse(TIMES, 0.0), np.zeros_like(TIMES)], axis=1)
     delays = estimate_tracking_delays(of(planned), planned, np.array([True, False]), period=0.01)
     assert delays[0] == pytest.approx(0.0, abs=1e-9)

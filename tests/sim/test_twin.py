@@ -186,7 +186,7 @@ def test_sent_setpoints_are_stored_in_ticks():
     assert seen.setpoints / ticks == pytest.approx(np.rint(seen.setpoints / ticks), abs=1e-6)
 
 
-def test_reported_positions_are_those_at_the_last_command_in_ticks():
+def test_reported_positions_are_the_present_ones_rounded_to_ticks():
     twin = Twin(ROBOT)
     ticks = ROBOT.drives.tick
     for command in COMMANDS[:100]:

@@ -124,7 +124,13 @@ def flooding(name: str, port: int) -> Iterator[None]:
 
 
 def measure_stops(server: WatchedServer, name: str, stops: int) -> list[StopDelay]:
-    """Measure delays of repeated emergency stops through each channel in turn."""
+    """Measure emergency stops of a flooded server, through alternating channels.
+
+    Args:
+        server: to stop.
+        name: kind of flood, or `NO_FLOOD`.
+        stops: total number of stops.
+    """
     random, numbers, delays = Random(7), count(), list[StopDelay]()
     with Client(port=server.port) as client, _open_channels(server) as channels, flooding(name, server.port):
         for k in range(stops):

@@ -87,7 +87,10 @@ def perform(utterance: Utterance, judged: JudgedSet, lexicon: Lexicon, style: St
 def read_shown(
     passage: Passage, utterance: Utterance, behaviours: Iterable[ChosenBehaviour]
 ) -> tuple[list[ShownGesture], set[str], set[str]]:
-    """Return shown gestures with their words, emotions and kinds of head movement."""
+    """Return the shown gestures, the emotions and the kinds of head movement.
+
+    Each gesture has the index of its word.
+    """
     tokens = _align(passage, utterance.tokens)
     gestures, faces, heads = list[ShownGesture](), set[str](), set[str]()
     for behaviour in behaviours:
@@ -119,7 +122,7 @@ def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
 
 
 def summarise(results: Sequence[tuple[Utterance, Judgement]]) -> dict[str, float]:
-    """Return the metrics of one run: percentages, and the mean merit."""
+    """Return the metrics of one run, merit included, in percent."""
     plain = [result for utterance, result in results if "plain" in utterance.tags]
     trap = [result for utterance, result in results if "trap" in utterance.tags]
     calls = [result for utterance, result in results if utterance.needs_picture]

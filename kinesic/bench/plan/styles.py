@@ -62,7 +62,12 @@ def metrics(part: str, strokes: StrokeErrors) -> Iterator[Metric]:
 
 
 def measure_style(setup: Setup, documents: int = DOCUMENT_COUNT) -> StrokeErrors:
-    """Measure stroke errors of the first texts with a setup."""
+    """Measure stroke errors of the first benchmark texts with a setup.
+
+    Args:
+        setup: with the style to measure.
+        documents: largest number of texts.
+    """
     return measure_plans([plan(write_text(text, setup).bml, setup) for text in write_documents()[:documents]])
 
 

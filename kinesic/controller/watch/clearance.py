@@ -74,11 +74,14 @@ def look_ahead(
 
 
 def choose_pace(room: float, least: float) -> float:
-    """Return the time scale for a forecast clearance [m].
+    """Return the fraction of the planned speed for a forecast clearance.
 
     Args:
         room: [m] forecast clearance.
         least: [m] required clearance of the robot.
+
+    Returns:
+        `CREEP_PACE` to 1.
     """
     return min(1.0, max(CREEP_PACE, (room / least - CREEP_FRACTION) / (SLOWING_FRACTION - CREEP_FRACTION)))
 

@@ -24,8 +24,8 @@ from kinesic.expressivity.face.opening import LIP_OPENINGS, limit_lip_opening, l
 MOUTH_STEP = 0.005  # [s] time step of the mouth track
 SHAPE_LEAD_TIME = 0.07  # [s] from the start of a mouth shape to its sound
 ROUND_LEAD_TIME = 0.12  # [s] from the start of lip rounding to its sound
-PRESS_TIME = 0.025  # [s] time in which closed lips are pressed together
-RELEASE_TIME = 0.03  # [s] time in which closed lips are released
+PRESS_TIME = 0.025  # [s] rise time of the lip press to its full intensity
+RELEASE_TIME = 0.03  # [s] fall time of the lip press to zero intensity
 RELEASE_ADVANCE = 0.028  # [s] from the release of closed lips to its sound, as soft lips stick together
 # Shortest time of pressed lips [s]; with closing and opening they are visibly closed for 0.05 s, longer than a film
 # frame.

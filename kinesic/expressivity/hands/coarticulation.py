@@ -31,7 +31,7 @@ NO_CLASHES: Clashes = MappingProxyType({})  # no pair of strokes is too close fo
 
 @dataclass(frozen=True, eq=False)
 class HandAllocation:
-    """Time-ordered strokes of each hand, with changed outcomes and sync points."""
+    """Time-ordered strokes of each hand, with dropped behaviours and moved sync points."""
 
     works: Mapping[Side, Sequence[HandStroke]]
     outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as requested
@@ -160,7 +160,9 @@ class _Hands:
         return overlaps(work, stroke) or (not work.stroke.rest and self._delay(work, stroke) > 0.0)
 
     def _can_be_spaced(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
-        """Return whether one hand can perform both strokes after moving them apart.
+        """Return whether shortening both strokes in time lets one hand perform them.
+
+        A pair with a timing conflict reported by the planner never passes.
 
         Two two-handed strokes always pass here, since moving apart is tried for each of their hands.
         """

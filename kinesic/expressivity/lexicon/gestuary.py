@@ -24,7 +24,7 @@ GESTUARY_BOUNDS = DocumentBounds(size=40_000_000, elements=1_000_000)  # limits 
 _INHERITED_SHAPE = "empty"  # value of a hand shape that keeps the previous shape
 _TRUTH_VALUES: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
 
-# Wrist positions in front of Greta's touch points: outward, up, forward [arm lengths].
+# Wrist positions in gesture space in front of Greta's touch points: outward, up, forward [arm lengths].
 _TOUCH_POINTS: Mapping[str, tuple[float, float, float]] = {
     "belly": (0.16, 0.08, 0.40),
     "chest": (0.16, 0.32, 0.38),

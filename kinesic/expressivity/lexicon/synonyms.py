@@ -148,7 +148,9 @@ class NameTable:
         return self._by_words.get(words) or self._by_joined_words.get("".join(words)) if words else None
 
     def _of_class(self, gesture_class: GestureClass, name: GestureName) -> NamedGesture | None:
-        """Find a class's gesture by the words outside the class's phrases.
+        """Find a gesture of a class by the name's remaining words.
+
+        The phrases of the class are left out of the name.
 
         The representative of the class is used if the other words name no gesture. The result is None when they name a
         gesture of another category, two gestures of this one, or a negation, since the class would change the meaning.

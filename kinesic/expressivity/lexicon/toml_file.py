@@ -94,7 +94,10 @@ class ClassTable(StrictTable):
 
 
 class GestureFile(StrictTable):
-    """TOML file of gestures of one category, synonyms, classes and body motion."""
+    """Content of a TOML file of gestures, their names and body motion.
+
+    All parts are optional. Its gestures have one category.
+    """
 
     category: Category | None = None  # category of all gestures of the file
     gesture: list[GestureTable] = []  # one `[[gesture]]` each

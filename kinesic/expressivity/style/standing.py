@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.expressivity.keyframes import Turn
 
 HANGING_REST = "hanging"  # name of the rest pose in which the arms hang, without a gesture
-OTHER_HAND_PROBABILITY = 0.4  # probability that the other hand performs a rest gesture
+OTHER_HAND_PROBABILITY = 0.4  # probability that a rest gesture is mirrored to the other hand
 # (rest gesture, weight of its random choice) of a style without own rests; the hands take them in long pauses.
 USUAL_PAUSES = ((HANGING_REST, 2.0), ("hands_folded_low", 3.0), ("hand_on_hip", 1.5), ("arms_crossed", 0.7))
 UPRIGHT_TURN = Turn()  # zero rotation of head and trunk

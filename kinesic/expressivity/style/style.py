@@ -77,7 +77,10 @@ class Setting:
         )
 
     def concerns(self, modality: Modality) -> bool:
-        """Return whether the setting applies to a modality."""
+        """Return whether the setting changes a parameter of a modality.
+
+        Settings of weights never do.
+        """
         return self.parameter not in WEIGHT_RANGES and self.modality in (None, modality)
 
 

@@ -1,4 +1,4 @@
-"""Temperature, load, voltage, errors and torque of all servos."""
+"""Temperature, load, voltage, errors and torque switch of all servos."""
 
 from dataclasses import dataclass, field
 
@@ -17,7 +17,7 @@ def _no_servos() -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Telemetry:
-    """Temperature, load, voltage, errors and torque of all servos at one time.
+    """Temperature, load, voltage, errors and torque switch of all servos.
 
     Servos are in manifest order. NaN for a servo that has not answered lately.
     """
@@ -29,7 +29,7 @@ class Telemetry:
     )  # (m,) current / current limit; positive drives the hinge's angle up
     volts: Floats = field(default_factory=_no_servos)  # (m,) [V]
     errors: Floats = field(default_factory=_no_servos)  # (m,) bits of HARDWARE_ERROR_STATUS
-    torque: Floats = field(default_factory=_no_servos)  # (m,) 1: torque is on
+    torque: Floats = field(default_factory=_no_servos)  # (m,) 1: torque is on, 0: off
 
     @classmethod
     def of(cls, clock: float, records: Records, answered: Flags, *, full: Floats, turns: Floats) -> "Telemetry":
@@ -53,5 +53,5 @@ class Telemetry:
 
     @property
     def figures(self) -> Floats:
-        """Temperature, load, voltage, errors and torque as rows (5, m)."""
+        """Temperature, load, voltage, errors and torque switch as rows (5, m)."""
         return np.array([self.celsius, self.load, self.volts, self.errors, self.torque])

@@ -201,7 +201,7 @@ class CommunicationMonitor:
         return self.answering and self._fit and self.scale > 0.0
 
     def telemetry(self, clock: float) -> Telemetry:
-        """Return the telemetry of all servos at a time [s]."""
+        """Return the newest telemetry of all servos, with a clock time [s]."""
         if self.records is None:
             return Telemetry(clock)
         turns = self._manifest.scale.turns

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier, Stance, stance_of
 
-MIN_LEVER_RATIO = 1e-9  # [chain lengths] parent-target distance below which the parent does not compensate
+MIN_LEVER_RATIO = 1e-9  # [chain lengths] smallest parent-target distance at which parents compensate limits
 
 
 def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Carrier) -> Stance:

@@ -32,10 +32,10 @@ class Acts:
         return word in self.classes[name]
 
     def find(self, words: str) -> str | None:
-        """Return channel and lexeme of a stage direction, empty if unperformable.
+        """Return a stage direction's behaviour, such as `head NOD`.
 
         Returns:
-            None for an unknown direction.
+            Channel and lexeme, empty if nothing can show the direction; None for an unknown one.
         """
         if words in self.behaviours:
             return self.behaviours[words]

@@ -91,7 +91,10 @@ def _read_line(state: SubtitleState, text: str, begin: int, *, ends: bool) -> tu
 
 
 def _pass_text(state: SubtitleState, text: str, stop: int) -> tuple[SubtitleState, str, int]:
-    """Keep all or part of a line outside of subtitles."""
+    """Pass on all or part of a line outside of subtitles.
+
+    An empty line that follows a cue is dropped.
+    """
     is_empty = state.is_line_start and not text.strip()
     if state.is_line_open and is_empty and text.endswith("\n"):  # between a cue and the next text
         return replace(state, place="text", is_block_start=True), "", stop

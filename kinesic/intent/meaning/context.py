@@ -149,7 +149,10 @@ class Context:
         return first < k and self.language.has("fact_auxiliary", self.plain[first])
 
     def is_talk(self, k: int) -> bool:
-        """Return whether a sentence addresses the listener instead of reporting something."""
+        """Return whether the sentence of word k addresses the listener.
+
+        Otherwise it reports something.
+        """
         indices = self.sentence(k)
         if self.passage.kinds[self.passage.words[k].sentence] != "statement" or len(indices) <= FRAGMENT_LENGTH:
             return True

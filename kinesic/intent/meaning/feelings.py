@@ -79,10 +79,10 @@ def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: 
 
 
 def _is_denied_here(context: Context, at: int) -> bool:
-    """Return whether a negation is the speaker's denial of something not bad.
+    """Return whether a negation counts as a denial by the speaker.
 
-    A question, a report, a condition (`if you don't`), a bad thing denied (`not a single mistake`), and a denial that
-    another one takes back (`never without`) do not count.
+    It does not in a question, a report or a condition (`if you don't`), if it denies something bad (`not a single
+    mistake`), or if another denial takes it back (`never without`).
     """
     clause = context.clause_words(at)
     is_condition = any(context.language.has("condition", context.plain[k]) for k in range(clause.start, at))

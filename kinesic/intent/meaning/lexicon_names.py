@@ -47,7 +47,10 @@ def find_names(context: Context, lexicon: Lexicon) -> Iterator[Candidate]:
 
 
 def _is_distinct(context: Context, first: int, stop: int) -> bool:
-    """Return whether a gesture name has enough content words to be meant."""
+    """Return whether words that match a gesture name are specific enough.
+
+    They have `MIN_CONTENT_WORDS` content words, or are `LONG_NAME` words in all.
+    """
     content = sum(context.passage.words[k].is_content for k in range(first, stop))
     return content >= MIN_CONTENT_WORDS or stop - first >= LONG_NAME
 

@@ -53,12 +53,12 @@ GESTURE_THRESHOLDS: Mapping[str, float] = {  # smallest scores by gesture, where
     **dict.fromkeys(("gotcha", "watching_you", "shake_fist", "go_away", "contempt", "crazy"), 0.7),
 }
 UNKNOWN_THRESHOLD = 0.6  # smallest score of a gesture of an unknown category
-SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories that address the listener
+SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories penalised in reports and questions
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
 )  # gesture categories that plain reports rarely need
 GRAVE_CLASSES = ("sad", "stern")  # word classes of sentences without praise or joy
-SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents that address the listener
+SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents penalised in reports and questions
 # Prefixes of intents of gladness.
 GLAD_INTENTS = ("performative-praise", "performative-agree", "emotion-joy", "emotion-pride")
 SHRUG_GESTURES = frozenset({"doubt_shrug", "shrug_small"})  # gestures of uncertainty, which fit a question

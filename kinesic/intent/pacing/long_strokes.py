@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping
 
 STROKE_LEAD = 0.9  # [s] from the start of a long stroke to its word, about as in a short one with its preparation
-MAX_STROKE_DELAY = 1.3  # [s] longest time from a word to the stroke point of its gesture
+MAX_STROKE_DELAY = 1.3  # [s] longest delay of a gesture's stroke point after its word
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,
     "brush_teeth": 2.4,
@@ -29,7 +29,9 @@ LONG_STROKES: Mapping[str, float] = {
 
 
 def stroke_delay(lexemes: Collection[str]) -> float:
-    """Return the time [s] from a word to the stroke of a gesture that draws its meaning.
+    """Return the delay [s] of a gesture's stroke after its word.
+
+    It is 0 for gestures of usual length, at most `MAX_STROKE_DELAY`.
 
     Args:
         lexemes: gestures of which one is shown; their mean duration counts.

@@ -51,7 +51,7 @@ class _PlainLanguages(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 @dataclass(frozen=True)
 class Rule:
-    """Language rule: words or phrase with their meaning and conditions."""
+    """Meaning of certain words, with the conditions under which it applies."""
 
     intent: str  # name of a behaviour set
     says: str  # meaning, for people

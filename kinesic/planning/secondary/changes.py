@@ -95,7 +95,11 @@ class Changes:
         return [change.added(times[first:last]) for change, (first, last) in zip(self.offsets, spans, strict=True)]
 
     def _whole_size(self, amounts: Floats) -> int:
-        """Return the motion length, in control points, for given amounts (c,)."""
+        """Return the number of control points of the motion with scaled offsets.
+
+        Args:
+            amounts: (c,) scale of each offset; only positive ones lengthen the motion.
+        """
         return int(self._sizes[amounts > 0.0].max(initial=len(self.motion.controls)))
 
     def _window(self, amounts: Floats, changed: Flags) -> slice:

@@ -26,7 +26,7 @@ MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion
 MIN_VISIBLE_OFFSET = 1e-3  # [rad] angle offset below which a joint's delay is not applied
 OFFSET_TOLERANCE = 1e-9  # [rad] smaller angle offsets count as zero
 
-NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # start, duration, delay and its growth [s] of an interval without delay
+NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # [s] start, any duration, delay and change of delay of an interval without delay
 
 Lateness = Sequence[tuple[float, float]]  # times [s] and delays [s], smoothly interpolated
 

@@ -16,7 +16,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.servo_factors import DriveFactors, Factors
 
 ServoParameter = Literal["stall", "no_load", "friction", "latency", "armature", "gain", "mass"]
-FIT_PARAMETERS: tuple[ServoParameter, ...] = get_args(ServoParameter)  # in order of priority; the last are fixed first
+FIT_PARAMETERS: tuple[ServoParameter, ...] = get_args(ServoParameter)  # parameters that can be fitted, in output order
 ROBOT_PARAMETERS = ("latency", "mass")  # parameters of the whole robot, not of a servo model
 DEFAULT_PARAMETERS: tuple[ServoParameter, ...] = FIT_PARAMETERS[:-1]  # default fitted parameters: all but mass
 MAX_LOG_FACTOR = log(4.0)  # limit of the logarithm of a factor: factors are between a quarter and four

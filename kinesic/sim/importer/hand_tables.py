@@ -24,7 +24,7 @@ from kinesic.sim.importer.segments import SegmentLayout, convert_capsules, round
 
 Hands = Mapping[Side, MappedHand]
 REST_FLEXION_FRACTION = 0.3  # flexion of a resting finger / upper limit of its range
-REST_OPPOSITION_FRACTION = 0.35  # abduction of a resting thumb, as a fraction of its range
+REST_ABDUCTION_FRACTION = 0.35  # abduction of a resting thumb, as a fraction of its range from the lower limit
 MIN_PART_LENGTH = 0.003  # [m] shortest finger segment that gets a capsule
 RANGE_SLACK = 1e-3  # [deg] margin added to a coupled joint's range for rounding errors
 PALM_FRACTION = 0.5  # position of the palm between wrist (0) and knuckles (1)
@@ -138,5 +138,5 @@ def _find_rest_angle(turn: MappedHinge) -> float:
     finger, turn_name = turn.name.split("_")[1:3]
     angle = REST_FLEXION_FRACTION * max(upper, 0.0) if turn_name.startswith("flexion") else 0.0
     if (finger, turn_name) == ("thumb", "abduct"):
-        angle = lower + REST_OPPOSITION_FRACTION * (upper - lower)
+        angle = lower + REST_ABDUCTION_FRACTION * (upper - lower)
     return min(max(angle, lower), upper)

@@ -43,9 +43,12 @@ def build_imported_shell(mapped: Mapped, robot: Robot) -> Shell | None:
 
 
 def _join_surfaces(surfaces: tuple[Surface, ...], origin: Floats, max_triangles: int) -> SegmentShell:
-    """Merge surfaces in the world into one mesh of their segment.
+    """Merge the surfaces of one segment into a mesh.
 
-    Surfaces are simplified to a total number of triangles.
+    Args:
+        surfaces: in world coordinates at zero angles.
+        origin: (3,) [m] of the segment in the world; vertices of the mesh are relative to it.
+        max_triangles: total number to which surfaces are simplified.
     """
     total = sum(len(surface.mesh.corners) for surface in surfaces)
     vertices, normals, start = list[Floats](), list[Floats](), 0

@@ -17,7 +17,7 @@ from kinesic.sim.shells.distance import DistanceField, gradient
 NEWTON_STEPS = 4  # steps of Newton's method that project a vertex onto the surface
 PADDING_CELLS = 2.5  # number of empty grid cells around a solid
 SNAP_DISTANCE = 3e-4  # [m] distance from a line below which vertices are moved onto it
-PROJECTION_DAMPING = 0.01  # damping of the projection onto a line that is nearly parallel to the surface
+PROJECTION_DAMPING = 0.01  # damping of Newton's method, for surfaces that are nearly parallel where they intersect
 SMOOTHING_PASSES = 2  # passes that move vertices towards the mean of their neighbours
 TARGET_TRIANGLE_RATIO = 0.92  # intended number of triangles / largest number
 

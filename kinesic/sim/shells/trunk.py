@@ -38,7 +38,7 @@ from kinesic.sim.shells.part import (
 MIDLINE_TOLERANCE = 0.004  # [m] distance from the midline below which a point counts as on it
 MIN_SHAPE_SPACING = 0.005  # [m] smallest height difference between successive capsules of a loft
 UP_AXIS = sealed([0.0, 0.0, 1.0])  # unit vector in the world and in trunk segments
-TRUNK_CLEARANCE = 0.0045  # [m] distance of a trunk from a servo's corners, as its triangles are large
+TRUNK_CLEARANCE = 0.0045  # [m] distance of a trunk from servo corners; allows for coarse triangles of the trunk
 HEAD_HALF_SIZE = sealed([1.10, 1.20, 1.16])  # half depth, width and height of the head's shell / those of its capsule
 HEAD_ROUNDING = 1.02  # [head radii] radius of the head's edges
 CHIN_DROP = 0.008  # [m] lowering of the head's shell below the centre of the head's capsule, so that it hides the neck

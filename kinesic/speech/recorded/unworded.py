@@ -63,11 +63,14 @@ def _classify(powers: Floats, levels: Floats, is_speech: Flags) -> Indices:
     return kinds
 
 
-SOUND_SYMBOLS = ("ə", "u", "e", "a", "s", "m")  # symbols of the sounds that are told apart
+SOUND_SYMBOLS = ("ə", "u", "e", "a", "s", "m")  # symbols of the distinguished sounds
 
 
 def _join(symbols: Indices, openings: Floats, is_speech: Flags) -> Iterator[Phoneme]:
-    """Yield a sound for each run of equal frames in speech."""
+    """Yield a sound for each run of speech frames with one symbol.
+
+    A sound has at least `MIN_SOUND_FRAMES` frames, except before a pause.
+    """
     for begin, end in find_runs(is_speech):
         edges = [begin]
         for k in range(begin + 1, end):

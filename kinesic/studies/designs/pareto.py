@@ -39,9 +39,12 @@ DESIGN_CRITERIA: Mapping[str, DesignCriterion] = {
 
 
 def values_of(trials: Sequence[Trial]) -> Floats:
-    """Return each trial's criteria (m, g), rounded to comparison steps.
+    """Return the criteria of all trials as whole numbers of comparison steps.
 
     Smaller is better.
+
+    Returns:
+        (m, g) for m trials and the g criteria of `DESIGN_CRITERIA`.
     """
     rows = [[goal.value(trial) / goal.step for goal in DESIGN_CRITERIA.values()] for trial in trials]
     return np.array([[np.round(value) for value in row] for row in rows]).reshape(len(rows), len(DESIGN_CRITERIA))

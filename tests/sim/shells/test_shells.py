@@ -100,7 +100,7 @@ def test_shell_file_is_small(robot: Robot, shell: Shell):
     assert robot.path.with_suffix(SHELL_SUFFIX).stat().st_size < MAX_FILE_SIZE
 
 
-def test_left_and_right_shells_are_mirror_images_with_joints(shell: Shell):
+def test_left_and_right_shells_have_mirrored_extents_and_joint_surfaces(shell: Shell):
     for name, surface in shell.segments.items():
         if name.startswith("l_"):
             other = shell.segments[f"r_{name[2:]}"]

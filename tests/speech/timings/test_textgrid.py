@@ -72,13 +72,13 @@ Object class = "TextGrid"
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
-def test_long_file_has_words_and_phonemes_of_its_named_tiers(encoding: str):
+def test_textgrid_in_long_format_gives_words_and_phonemes_of_named_tiers(encoding: str):
     timed = read_timed_words(LONG.encode(encoding))
     assert timed.words == (TimedSpan('say "hi" 2', 0.25, 0.75),)
     assert [(p.symbol, p.start, p.end) for p in timed.phonemes] == [("h", 0.25, 0.5), ("\u02c8o\u028a", 0.5, 0.75)]
 
 
-def test_short_file_is_read_and_the_speaker_before_the_tier_name_ignored():
+def test_textgrid_in_short_format_is_read_without_the_speaker_in_tier_names():
     timed = read_timed_words(codecs.BOM_UTF8 + SHORT.encode())
     assert (timed.words, timed.phonemes) == ((TimedSpan("hello", 0.25, 0.75),), ())
 

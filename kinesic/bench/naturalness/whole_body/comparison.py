@@ -184,7 +184,7 @@ def separation_metrics(
     goal_auc: float | None,
     goal_accuracy: float | None,
 ) -> list[Metric]:
-    """Return metrics of classifiers that tell a set from captured sets.
+    """Return how well classifiers distinguish our gestures from captured human gestures.
 
     Each classifier is tried twice: trained on tuned sets and tested on unseen ones, and tested on every left-out set.
     """
