@@ -95,6 +95,6 @@ def _checked(rotation: Floats) -> Floats:
     if np.abs(matrix.T @ matrix - np.eye(3)).max() > ORTHONORMAL_TOLERANCE or np.linalg.det(matrix) < 0.0:
         raise ValueError(
             f"rotation is {matrix.tolist()}; its columns must be perpendicular unit vectors, right-handed "
-            f"(scipy.spatial.transform.Rotation.as_matrix gives such a one)"
+            f"(kinesic.body.rotation.vector_to_rotation makes such a matrix)"
         )
     return matrix

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.rotation import shortest_rotation
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import TURN_AXES, UPRIGHT_TURN, turn_angles
 
@@ -161,5 +161,4 @@ def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, shoulder: Floats, r
         robot: with the hand.
     """
     resting = robot.skeleton.rest_frames.origins[robot.arm(side).shoulder]
-    turn = scipy.spatial.transform.Rotation.align_vectors((aim - shoulder)[None], (aim - resting)[None])[0]
-    return turn_reach(reach, turn.as_matrix(), resting, shoulder)
+    return turn_reach(reach, shortest_rotation(aim - resting, aim - shoulder), resting, shoulder)

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
+from kinesic.body.rotation import rotation_to_quaternion
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def segment_motions(robot: Robot, angles: Floats) -> Iterator[SegmentMotion]:
 
 def smooth_quaternions(rotations: Floats) -> Floats:
     """Convert rotations to quaternions without sign jumps, (m, 4)."""
-    quaternions: Floats = scipy.spatial.transform.Rotation.from_matrix(rotations).as_quat()
+    quaternions = rotation_to_quaternion(rotations)
     flips = np.where(np.einsum("mi,mi->m", quaternions[1:], quaternions[:-1]) < 0.0, -1.0, 1.0)
     quaternions[1:] *= np.cumprod(flips)[:, None]
     return quaternions

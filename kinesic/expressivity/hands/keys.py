@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
+from kinesic.body.rotation import rotation_to_vector, vector_to_rotation
 from kinesic.expressivity.hands.blending import interpolate_hands
 from kinesic.expressivity.hands.poses import REST_HAND
 from kinesic.expressivity.keyframes import Hand
@@ -50,25 +50,23 @@ class RotationSpline:
     """Rotation spline over time, constant before and after its keys."""
 
     times: Floats  # (k,) [s]
-    keys: "scipy.spatial.transform.Rotation"  # k of them
+    keys: Floats  # (k, 3, 3)
     turns: PiecewisePolynomial  # (3,) rotation vector from the preceding key, in that key's frame
 
     @classmethod
-    def through(
-        cls, times: Sequence[float], keys: "scipy.spatial.transform.Rotation", passages: Sequence[KeyPassage]
-    ) -> "RotationSpline":
+    def through(cls, times: Sequence[float], keys: Floats, passages: Sequence[KeyPassage]) -> "RotationSpline":
         """Interpolate at least two rotations on the shortest arcs.
 
         It is at rest at both ends and in holds.
 
         Args:
             times: of the keys, increasing [s].
-            keys: rotations, one per key.
+            keys: (k, 3, 3) rotations.
             passages: one per key, of which tension, continuity, swing and bias are used.
         """
         at = np.asarray(times, dtype=float)
         steps = np.diff(at)[:, None]
-        rotations = (keys[:-1].inv() * keys[1:]).as_rotvec()
+        rotations = rotation_to_vector(keys[:-1].transpose(0, 2, 1) @ keys[1:])
         bias, flow = (
             np.array([[getattr(passage, name)] for passage in passages[1:-1]]).reshape(-1, 1)
             for name in ("bias", "flow")
@@ -85,20 +83,18 @@ class RotationSpline:
         turns = np.stack([cube, square, velocities[:-1], np.zeros_like(rotations)])
         return cls(at, keys, PiecewisePolynomial(sealed(at), sealed(turns)))
 
-    def at(self, times: Floats) -> "scipy.spatial.transform.Rotation":
-        """Return the rotations at (m,) times [s]."""
+    def at(self, times: Floats) -> Floats:
+        """Return the rotations (m, 3, 3) at (m,) times [s]."""
         inside = np.clip(times, self.times[0], self.times[-1])
         interval = np.clip(np.searchsorted(self.times, inside, side="right") - 1, 0, len(self.times) - 2)
-        return self.keys[interval] * scipy.spatial.transform.Rotation.from_rotvec(self.turns.at(inside))
+        return self.keys[interval] @ vector_to_rotation(self.turns.at(inside))
 
 
-def facing_rotations(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":
-    """Return hand rotations from pointing directions and palm normals (..., 3)."""
+def facing_rotations(pointing: Floats, palm: Floats) -> Floats:
+    """Return hand rotations (..., 3, 3) from pointing directions and palm normals."""
     lateral = np.cross(palm, pointing)
     lateral /= np.linalg.norm(lateral, axis=-1, keepdims=True)
-    return scipy.spatial.transform.Rotation.from_matrix(
-        np.stack([pointing, lateral, np.cross(pointing, lateral)], axis=-1)
-    )
+    return np.stack([pointing, lateral, np.cross(pointing, lateral)], axis=-1)
 
 
 def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
@@ -139,7 +135,7 @@ def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
     """Rotate a hand to the orientation of a spline, if any, at a time [s]."""
     if hand.reach is None or turning is None:
         return hand
-    pointing, _, palm = turning.at(np.array([time])).as_matrix()[0].T
+    pointing, _, palm = turning.at(np.array([time]))[0].T
     return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(pointing), palm=sealed(palm)))
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import NoReturn, TypeVar
 
 import numpy as np
-import scipy
 
 from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.bml.reading.manner import scale_openness
@@ -14,6 +13,7 @@ from kinesic.bml.reading.tree import Element, read_tree
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Side
+from kinesic.body.rotation import quaternion_to_rotation
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath, PathKind, SizeTrend, Three, shape_path
 from kinesic.expressivity.lexicon.space import position
@@ -274,7 +274,7 @@ def _orient(reader: _Reader, turn: Element, side: Side, pose: HandPose) -> HandP
         return pose
     world = reader.truth(turn, "global")
     frame = np.eye(3) if world else _forearm(pose.position, side)
-    rotation = frame @ scipy.spatial.transform.Rotation.from_quat(quaternion).as_matrix()
+    rotation = frame @ quaternion_to_rotation(quaternion)
     inward = -1.0 if side == "l" else 1.0
     pointing, palm = -rotation[:, 1], inward * rotation[:, 0]
     straight = not world and float(pointing @ -frame[:, 1]) > _STRAIGHT_WRIST_COSINE

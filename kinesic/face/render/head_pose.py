@@ -1,11 +1,10 @@
 """Transfer of the robot's head rotation to the drawn head."""
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.body.rotation import rotation_about
+from kinesic.body.rotation import rotation_about, rotation_to_vector
 from kinesic.face.render.camera import HEAD_CENTRE, compute_head_rotation
 
 NECK_CHAIN = "neck"
@@ -42,9 +41,8 @@ def keep_shoulders_still(rest: Floats, positions: Floats, turn: tuple[float, flo
         positions: (v, 3) [m] in the frame of the head, which a camera turns as a whole.
         turn: head rotation as in `Camera.turn`.
     """
-    angle = float(
-        np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(compute_head_rotation(*turn)).as_rotvec())
-    )
+    spun = rotation_to_vector(compute_head_rotation(*turn))
+    angle = float(np.linalg.norm(spun))
     if angle < MIN_TURN:
         return positions
     weight = np.clip((NECK_TOP - rest[:, 2]) / (NECK_TOP - NECK_BOTTOM), 0.0, 1.0)

@@ -5,9 +5,9 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.rotation import IDENTITY_ROTATION, rotation_about
 
 EulerOrder = Literal["xyz", "xzy", "yxz", "yzx", "zxy", "zyx"]  # extrinsic; "xyz" is the thesis's R = Rz Ry Rx
 GIMBAL_COSINE = 1e-9  # cosine of the middle Euler angle below which gimbal lock is assumed
@@ -92,8 +92,9 @@ def angles_of(rotation: Floats, order: EulerOrder) -> Floats:
 
 def rotation_of(angles: Floats, order: EulerOrder) -> Floats:
     """Convert Euler angles (3,) [rad] about fixed axes to a rotation matrix."""
-    turns = [angles["xyz".index(axis)] for axis in order]
-    matrix: Floats = Rotation.from_euler(order, turns).as_matrix()
+    turns = rotation_about(IDENTITY_ROTATION, angles)
+    first, second, third = (turns["xyz".index(axis)] for axis in order)
+    matrix: Floats = third @ second @ first
     return matrix
 
 

@@ -6,7 +6,6 @@ has no step and no damping to choose.
 """
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
 from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.springs import MIN_SPRING_LENGTH
@@ -38,10 +37,10 @@ def _correction(points: Floats, task: Task, weights: Floats) -> Floats:
     bones = np.diff(points, axis=0)
     lengths = np.maximum(np.sqrt((bones * bones).sum(axis=1)), MIN_SPRING_LENGTH)
     along = bones / lengths[:, None]
-    bands = np.zeros((2, len(lengths)))
-    bands[0] = weights[:-1] + weights[1:] + SPRING_COMPLIANCE / task.stiffness
-    bands[1, :-1] = -weights[1:-1] * (along[:-1] * along[1:]).sum(axis=1)
-    pulls = solveh_banded(bands, lengths - task.rests, lower=True)[:, None] * along
+    neighbours = -weights[1:-1] * (along[:-1] * along[1:]).sum(axis=1)
+    system = np.diag(weights[:-1] + weights[1:] + SPRING_COMPLIANCE / task.stiffness)
+    system += np.diag(neighbours, 1) + np.diag(neighbours, -1)
+    pulls = np.linalg.solve(system, lengths - task.rests)[:, None] * along
     moves: Floats = np.zeros_like(points)
     moves[:-1] += pulls
     moves[1:] -= pulls

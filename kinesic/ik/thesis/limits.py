@@ -5,9 +5,9 @@ further away; its figure 7.4 and "Arc = alpha L1 = beta L2" mean q / q', which i
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats
+from kinesic.body.rotation import rotation_to_vector, vector_to_rotation
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier, Stance, stance_of
 
@@ -39,7 +39,7 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
             continue
         if k > 0 and arms[k - 1] > MIN_LEVER_RATIO * chain.size:
             into_parent = chain.frames[k - 1].T @ chain.frames[k]
-            excess = into_parent @ Rotation.from_matrix(rotations[k] @ clamped.T).as_rotvec()
+            excess = into_parent @ rotation_to_vector(rotations[k] @ clamped.T)
             rotations[k - 1] = rotations[k - 1] @ _arc(excess, float(arms[k] / arms[k - 1]))
         rotations[k] = clamped
     return stance_of(chain, rotations, carrier)
@@ -48,5 +48,4 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
 def _arc(excess: Floats, ratio: float) -> Floats:
     """Return the parent rotation that compensates a clipped child rotation."""
     angle = float(np.linalg.norm(excess)) * ratio
-    turn: Floats = Rotation.from_rotvec(excess * ratio * np.pi / max(angle, np.pi)).as_matrix()
-    return turn
+    return vector_to_rotation(excess * ratio * np.pi / max(angle, np.pi))

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.rotation import mean_rotation
 from kinesic.ik.scalar3 import clamp, vector
 from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.limbs import Limb, Limbs
@@ -114,9 +114,7 @@ def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Car
     for name in wishes.priority:
         if name in turns:
             return turns[name]
-    pulls = [wishes.pulls[name] for name in turns]
-    mean: Floats = Rotation.from_matrix(np.array(list(turns.values()))).mean(pulls).as_matrix()
-    return mean
+    return mean_rotation(np.array(list(turns.values())), np.array([wishes.pulls[name] for name in turns]))
 
 
 @dataclass(frozen=True, eq=False)

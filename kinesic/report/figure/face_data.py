@@ -4,9 +4,8 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import scipy
 
-from kinesic.body.arrays import Floats
+from kinesic.body.rotation import rotation_to_vector
 from kinesic.face.assets.action_units import compute_gaze_rotation, compute_shape_weights, read_intensities
 from kinesic.face.assets.body import load_figure
 from kinesic.face.assets.mesh import Mesh
@@ -31,7 +30,8 @@ def face_data(units: Sequence[Mapping[str, float]]) -> dict[str, Json]:
     weights = np.array([compute_shape_weights(mesh, row) for row in units])
     used = np.flatnonzero(weights.max(axis=0) > MIN_USED_WEIGHT)
     intensities = [read_intensities(row) for row in units]
-    gaze = np.concatenate([_turns([compute_gaze_rotation(row, eye) for row in intensities]) for eye in (0, 1)], axis=1)
+    eye_rotations = np.array([[compute_gaze_rotation(row, eye) for eye in (0, 1)] for row in intensities])
+    gaze = rotation_to_vector(eye_rotations).reshape(-1, 6)
     return {
         "shapes": [_shape(mesh, int(place)) for place in used],
         "weights": pack_rows(weights[:, used] / WEIGHT_STEP, "u1"),
@@ -39,12 +39,6 @@ def face_data(units: Sequence[Mapping[str, float]]) -> dict[str, Json]:
         "gaze": pack_rows(gaze / GAZE_STEP, "<i2"),
         "gaze_step": GAZE_STEP,
     }
-
-
-def _turns(rotations: Sequence[Floats]) -> Floats:
-    """Convert rotation matrices to rotation vectors (m, 3) [rad]."""
-    rotation_vectors: Floats = scipy.spatial.transform.Rotation.from_matrix(np.array(rotations)).as_rotvec()
-    return rotation_vectors
 
 
 def _shape(mesh: Mesh, place: int) -> dict[str, Json]:
