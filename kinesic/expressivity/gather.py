@@ -93,7 +93,7 @@ def _spaced_times(times: Sequence[float]) -> list[float]:
 
 
 def _near_anchor(anchors: Sequence[float], time: float) -> float | None:
-    """Return the nearest key frame time less than `SAME_FRAME` away, or None."""
+    """Return the nearest key frame time [s] within `SAME_FRAME`, or None."""
     k = bisect_left(anchors, time)
     key_times = [anchor for anchor in anchors[max(0, k - 1) : k + 1] if abs(anchor - time) < SAME_FRAME]
     return _nearest(key_times, time) if key_times else None

@@ -44,7 +44,7 @@ class Descent:
 
     @property
     def miss(self) -> float:
-        """Norm of the remaining error."""
+        """Norm of the remaining error, in the unit of the errors."""
         return float(np.linalg.norm(self.error))
 
 

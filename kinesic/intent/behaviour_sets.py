@@ -52,7 +52,7 @@ class Spell:
     most: float  # [s] maximum duration
     early: float  # 0..1 probability at the start of the intention
     late: float  # 0..1 probability at the end of the intention
-    repeats: bool
+    repeats: bool  # whether the signal may be shown again
     name: str
     excludes: frozenset[str]  # names of signals that are not shown with it
 

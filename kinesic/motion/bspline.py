@@ -12,7 +12,7 @@ from kinesic.body.limits import Limits
 
 Indices = NDArray[np.int32]
 
-FIXED_ROW_BOUND = 2.0  # bound / limit of the limit rows that the fixed spline ends determine
+FIXED_ROW_BOUND = 2.0  # largest limit ratio in rows that the fixed spline ends determine, 1 in all others
 MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
 JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
 CALMNESS_REGULARISATION = 1e-10  # added to the diagonal of the acceleration and jerk cost, to make it positive definite
@@ -114,7 +114,7 @@ class Grid:
         return np.array([*boxes, duty / self.duty(limits)[hinge]])
 
     def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
-        """Return sparse rows of a hinge's limits, for bounds -1..1.
+        """Return a hinge's limits as sparse rows of limit ratios.
 
         -1 <= rows @ controls <= 1. Of shape (4 k + 4, k + 3) for k pieces, without the range: velocity, acceleration
         and jerk on their control points, then the duty at the knots.

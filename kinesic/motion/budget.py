@@ -30,7 +30,7 @@ class Budget:
 
     @property
     def spent(self) -> bool:
-        """Whether the budget is used up, so that simpler methods apply."""
+        """Whether the budget is exceeded, so that simpler methods apply."""
         return self._left < 0.0
 
 

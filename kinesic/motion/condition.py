@@ -42,7 +42,10 @@ class Conditioned:
     rms_distances: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times
 
     def bottleneck_near(self, time: float, hinges: Collection[int]) -> Bottleneck | None:
-        """Return the bottleneck nearest to a requested time [s], or None."""
+        """Return the bottleneck nearest to a requested time [s], or None.
+
+        Of equally near ones, one of the given hinges is preferred.
+        """
         bottlenecks, (begins, ends) = self._bottleneck_times
         if not bottlenecks:
             return None
@@ -120,7 +123,7 @@ def _distance(motion: Trajectory, desired: Floats) -> Floats:
 
 
 class NearestFinder:
-    """Solver for the limited motion nearest to a desired one.
+    """Solver for the motion nearest to a desired one within limits.
 
     It caches segments, most of which stay the same when key times move.
     """

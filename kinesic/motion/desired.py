@@ -212,7 +212,7 @@ class DesiredMotion:
         return float(next(iter(self.curves.values())).times[-1])
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return angles, velocities and accelerations (m, n) at performance times (m,)."""
+        """Return angles, velocities and accelerations (m, n) at performance times (m,) [s]."""
         still = (times < 0.0) | (times > self.duration)
         angles, speeds, accelerations = self._derivatives(times, 3)
         speeds[still] = 0.0

@@ -76,12 +76,13 @@ def overshoot_shape(overshoot: float) -> float:
 
 @lru_cache(maxsize=64)
 def soften_easing(easing: Easing, steepness: float, overshoot: float = DEFAULT_OVERSHOOT) -> Floats:
-    """Smooth an easing so that it starts and ends at rest.
+    """Return a smoothed easing's progress, velocity and acceleration.
 
-    Of shape (3, EASING_INTERVALS + 1), at even normalised times. The easing is played in a shorter time and averaged
-    over a window that makes up for it, weighted by the velocity of minimum jerk. The window is the whole time at
-    steepness 1, where every easing is minimum jerk, and two ninths of it at steepness 8. For `late`, which peaks at
-    its end, the window shrinks sooner.
+    Of shape (3, EASING_INTERVALS + 1), at even normalised times; at rest at both ends.
+
+    The easing is compressed in time and averaged over a window, weighted by the velocity of minimum jerk, so that both
+    durations add up to 1. The window is the whole time at steepness 1, where every easing is minimum jerk, and two
+    ninths of it at steepness 8. For `late`, which peaks at its end, the window shrinks sooner.
     """
     window = 1.0 if easing == "minimum_jerk" else 2.0 / (1.0 + steepness)
     if easing == "late":

@@ -24,12 +24,12 @@ Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
 # Limited quantities, in the order of `Grid.rows`.
 LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")
-EASY_DEFICIT = -0.2  # log(required / available time) below which the deficit is not computed exactly: time is ample
-ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at rest with acceleration 1 / step^2
-MIN_SLOPE_DEFICIT = -0.01  # log(required / available time) below which the deficit's slopes are not needed
+EASY_DEFICIT = -0.2  # ln(required / available time) below which the deficit is not computed exactly: time is ample
+ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points of acceleration 1 / step^2 alone
+MIN_SLOPE_DEFICIT = -0.01  # ln(required / available time) below which the deficit's slopes are not needed
 MAX_SLOPE_IMBALANCE = 0.1  # largest relative sum of deficit slopes, ideally 0 as shifting all keys changes nothing
 MIN_RELIABLE_SLOPE = 0.5  # [1/s] deficit slope below which finite differences replace the analytic slope
-DEFICIT_MARGIN = 0.002  # [log time] extra time demanded by cutting planes, so that the search ends soon
+DEFICIT_MARGIN = 0.002  # [ln(time ratio)] extra time demanded by cutting planes, so that the search ends soon
 MIN_PLANE_SLOPE = 0.1  # [1/s] smallest deficit slope that gives a useful cutting plane
 BINDING_FRACTION = 0.05  # fraction of all multipliers above which a limit counts as binding
 
@@ -50,7 +50,7 @@ class Infeasibility:
     For a bound, the amount is the bound, slopes are 0, and no limit binds.
     """
 
-    amount: float  # [log time]; negative if there is spare time
+    amount: float  # ln(required / available time), negative if there is spare time
     slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
     binding: tuple[Quantity | None, ...]  # (m + 1,) most binding limit of each gap
     controls: Floats  # (k + 3,) [rad] control points of the motion that exceeds the limits least
@@ -67,7 +67,7 @@ def estimate_limit_ratio(segment: SplineSegment, limits: Limits) -> float:
 def measure_time_deficit(
     segment: SplineSegment, limits: Limits, *, target: float | None = None, max_work: float = np.inf
 ) -> Infeasibility | None:
-    """Measure the additional time that a segment needs, as log ratio.
+    """Measure ln(required / available time) of a segment, with its gradient.
 
     Args:
         segment: with the keys to be passed.
@@ -155,10 +155,10 @@ def _expand_slopes(segment: SplineSegment, slopes: Floats, count: int) -> Floats
 
 @dataclass(frozen=True, eq=False)
 class _LogRelaxation:
-    """Least relaxation of a segment's limits in log time, with its solution."""
+    """Least logarithmic time stretch that makes a segment feasible, with its motion."""
 
     controls: Floats  # (k + 3,) [rad]
-    amount: float  # [log time]
+    amount: float  # ln(required / available time)
     multipliers: Floats  # of the fixed equations, with respect to the amount
     binding: tuple[Quantity | None, ...]
     is_bound: bool  # whether the amount is only an upper bound, below the target

@@ -207,9 +207,9 @@ def extend_gaps(gaps: Mapping[Pair, float], durations: IntervalDurations) -> dic
 
 
 def shift_cost(keys: Keys, times: Floats) -> float:
-    """Return the cost of shifting keys to times [s], late ones more.
+    """Return the weighted cost of shifting keys to times (m,) [s].
 
-    Violated bonds add to it.
+    A late key costs more than an early one, and violated bonds add to the cost.
     """
     shifts = times - keys.requested_times
     bond_deficit = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())

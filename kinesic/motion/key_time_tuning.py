@@ -17,10 +17,10 @@ class SearchTuning:
     max_stretches: int = 6  # stretches per key interval before its hinge stops at both keys
     rest_growth: float = 1.1  # factor on a rest-to-rest duration that was too short
     max_rest_factor: float = 100.0  # total factor on a rest-to-rest duration before the search fails
-    feasible_deficit: float = -DEFICIT_MARGIN / 4  # [log time] largest deficit of a feasible segment
+    feasible_deficit: float = -DEFICIT_MARGIN / 4  # [ln(time ratio)] largest deficit of a feasible segment
     suspect_limit_ratio: float = 1.3  # estimated limit ratio above which a segment is measured exactly
     stretch_margin: float = 2.0  # [s] time before and after infeasible intervals that is stretched, too
-    active_plane_slack: float = 0.02  # [log time] slack below which a cutting plane counts as active
+    active_plane_slack: float = 0.02  # [ln(time ratio)] slack below which a cutting plane counts as active
 
 
 SEARCH_TUNING = SearchTuning()  # tuning numbers of every search

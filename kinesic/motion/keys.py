@@ -230,7 +230,7 @@ class Keys:
         return _map_columns(self.keyed, lambda column: np.flatnonzero(column & self.is_exact).tolist())
 
     def has_path(self, hinge: int) -> Flags:
-        """Return whether the hinge follows a path, per exact key interval."""
+        """Return whether the hinge follows a path within each exact key interval."""
         return self._path_flags[hinge]
 
     @cached_property

@@ -27,7 +27,7 @@ MIN_INTERVALS = 8  # smallest number of intervals between two keys
 MAX_INTERVALS = 24  # largest number of spline intervals between two key poses
 LIMIT_TOLERANCE = 2e-3  # relative violation of limits allowed on a dense grid
 DENSE_PARAMETERS = np.linspace(0.0, 1.0, 17)  # normalised sample times within an interval
-DEFICIT_TOLERANCE = 1e-4  # [log time] deficit allowed for hinges outside the program
+DEFICIT_TOLERANCE = 1e-4  # [ln(time ratio)] deficit allowed for hinges outside the program
 SOLVER_OPTIONS: dict[str, int | float | str] = {
     "ipopt.max_iter": 500,
     "ipopt.tol": 1e-6,

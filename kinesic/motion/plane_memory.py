@@ -19,7 +19,7 @@ KeyMark = tuple[tuple[Sync, ...], float]  # sync points at a key of a hinge, and
 Planes = Mapping[int, Sequence[CuttingPlane]]  # by hinge
 
 SLOPE_TOLERANCE = 1e-4  # slope / steepest slope below which a cutting plane ignores a key
-ACTIVE_SLACK = 0.002  # [log time] slack below which a cutting plane counts as active
+ACTIVE_SLACK = 0.002  # [ln(time ratio)] slack below which a cutting plane counts as active
 MAX_STORED_PLANES = 200  # largest number of cutting planes kept between searches
 MONOTONE_LIMITS = ("speed", "acceleration", "jerk", "duty")  # limits that may be lower where a stored plane is applied
 
@@ -35,7 +35,7 @@ class _StoredPlane:
     limits: Limits  # of the hinge
     bottlenecks: tuple[tuple[Pair, Bottleneck], ...]  # by pair of keys
     reaches: tuple[bool, bool]  # whether it involves the first, and the last key of its motion
-    slack: float = 0.0  # [log time] at the key times found last
+    slack: float = 0.0  # [ln(time ratio)] at the latest key times
 
     def of(self, hinge: int) -> "_StoredPlane":
         """Return the same plane for another hinge index."""

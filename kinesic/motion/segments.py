@@ -17,7 +17,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
 
 SWING_FRACTION = 0.1  # overshoot allowed at keys, relative to the key interval's angle
 MIN_SWING = 0.05  # [rad] overshoot beyond a key that is always allowed
-KEY_NEIGHBOURHOOD = 2  # [knot intervals] range around a key that belongs to the angle bounds of both gaps
+KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key within which the angle bounds of both gaps hold
 MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may swing back
 LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
 MIN_KNOT_INTERVALS = 4  # smallest number of knot intervals of a motion

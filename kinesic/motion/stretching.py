@@ -103,7 +103,7 @@ def stretch_until_enough(
 
 
 def _solve_exactly(problem: KeyTimeProblem, times: Floats, previous: _Candidate) -> Floats:
-    """Return optimal key times [s] with no shorter critical segments.
+    """Return optimal key times [s] that shorten no gap of critical segments.
 
     If the solver fails, the given times remain.
     """

@@ -121,7 +121,10 @@ def _find_violations(controls: Floats, first: int, last: int, limits: Limits, hi
 
 
 def _correct_between(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
-    """Correct control points between two knots, None if limits cannot hold."""
+    """Correct a hinge's control points between two knots to keep its limits.
+
+    None if no motion within the limits joins the rest.
+    """
     part = controls[first : last + FEWEST_PIECES]
     segment = SplineSegment.between(hinge, last - first, part[:FEWEST_PIECES], part[-FEWEST_PIECES:])
     corrected = nearest_motion(segment, segment.grid.at_knots @ part, limits)
@@ -144,7 +147,7 @@ def largest_limit_ratios(controls: Floats, limits: Limits) -> Floats:
 
 
 def delay_controls(controls: Floats, offset: int) -> Floats:
-    """Delay control points by whole knots, or advance them if negative."""
+    """Delay control points by a number of knots, negative to advance them."""
     if offset < 0:
         return controls[min(-offset, len(controls) - 3) :]
     return np.vstack([np.repeat(controls[:1], offset, axis=0), controls])

@@ -37,8 +37,8 @@ RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the jo
 STANDING_STREAM = 7  # index of the random stream for standing postures
 MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk
 HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
-MAX_ARM_LIFT_DEG = 12.0  # largest outward angle added to an arm that hangs too close to the body
-ARM_LIFT_STEP_DEG = 1.0  # step in which this angle is searched
+MAX_ARM_LIFT_DEG = 12.0  # [deg] largest outward angle added to an arm that hangs too close to the body
+ARM_LIFT_STEP_DEG = 1.0  # [deg] step by which the angle added to an arm grows
 FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand
 
 
@@ -277,7 +277,7 @@ def _take_rest_gesture(
 
 
 def _inside(angles: Floats, robot: Robot) -> Floats:
-    """Clip a posture to the joint ranges, with a margin where possible."""
+    """Clip a posture [rad] to the joint ranges, with a margin where possible."""
     lower = np.minimum(robot.skeleton.lower + RANGE_MARGIN, robot.skeleton.rest)
     upper = np.maximum(robot.skeleton.upper - RANGE_MARGIN, robot.skeleton.rest)
     return np.asarray(np.clip(angles, lower, upper))

@@ -123,7 +123,7 @@ def _has_finishing_between(finishing: Sequence[Occupancy], role: Role, before: O
 def _cross_over_to(
     current: Floats, after: Floats, left: float, stop: Occupancy, limits: Limits, hinge: int
 ) -> Floats | None:
-    """Return a direct transition to the next motion, or None if impossible.
+    """Return a hinge's control points of a direct transition, or None.
 
     The transition starts where both motions coincide, or otherwise before the next stroke.
     """
@@ -142,9 +142,9 @@ def _cross_over_to(
 def _return_to_rest(
     column: Floats, done: Occupancy, work: Overlay, role: Role, limits: Limits, hinge: int
 ) -> Floats | MergeFailure:
-    """Append a hinge's motion back to the running motion's rest pose.
+    """Return a hinge's control points (m,) [rad] with a return to rest.
 
-    The hand stays if the block ends in another pose.
+    It returns to the rest pose of the running motion, but stays if the block ends in another pose.
     """
     base, start = work.base[:, hinge], work.start[hinge]
     cleanly = not any(role in entry.roles and entry.ready >= done.ready for entry in work.finishing)

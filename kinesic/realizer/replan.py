@@ -170,7 +170,7 @@ class _PlanSwitch:
         return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + 2 * FEWEST_PIECES)
 
     def _without_block(self, count: int) -> Floats | None:
-        """Return the running motion without the block's trunk motion.
+        """Return the running motion's control points without the block's trunk motion.
 
         Hands leave the running motion in any case. The sum with the block may have been projected onto the limits, so
         that the remainder can exceed them; None if it cannot be corrected.
@@ -250,9 +250,9 @@ def _split(new_occupancy: Sequence[Occupancy], ending: Collection[str]) -> tuple
 
 
 def _join(current: Floats, goal: Floats, knot: int, coming: Floats, limits: Limits, hinge: int) -> Floats | None:
-    """Join a hinge's new motion at a future key, or return None.
+    """Return a hinge's control points that join its new motion, or None.
 
-    Without keys, the transition has a fixed duration.
+    The transition ends at one of the next keys; without keys, it has a fixed duration.
     """
     lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:MAX_JOIN_KEYS])]
     lands += [(knot + pieces, NO_KNOT_POSITIONS) for pieces in TRUNK_JOIN_KNOTS if not len(coming)]

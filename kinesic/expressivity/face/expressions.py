@@ -204,7 +204,7 @@ class Envelope:
 
 
 def _warp_rise(fractions: Floats, power: float) -> Floats:
-    """Warp the rise of an expression, 0 to 1, by its power.
+    """Return the intensities 0..1 of a rising expression at time fractions 0..1.
 
     Power makes the expression rise early, weakness late.
     """

@@ -24,7 +24,7 @@ class BusyHand:
     side: Side
     begin: float  # [s] block time at which the hand must be in place
     end: float  # [s] block time at which the hand is free again
-    by: str  # behaviour that needs it, by the name that the sender knows
+    by: str  # behaviour that needs it, as messages name it
 
     def meets(self, times: Mapping[str, float], travel_time: float) -> bool:
         """Return whether a gesture needs this hand while it is busy.

@@ -98,7 +98,7 @@ def facing_rotations(pointing: Floats, palm: Floats) -> Floats:
 
 
 def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
-    """Return the hand pose at a time, linearly interpolated between keys.
+    """Return the hand pose at a time [s], linearly interpolated between keys.
 
     It is constant before the first and after the last key.
     """

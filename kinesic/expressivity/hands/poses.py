@@ -36,7 +36,7 @@ _FORM_OPENNESS = 0.4  # largest openness that a form sets; expressivity adds the
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """World poses of both hands at the keys of a stroke."""
+    """World poses of the participating hands at the keys of a stroke."""
 
     hands: Mapping[Side, tuple[Hand, ...]]  # as many keys for each side
     stroke: int  # index of the key at the sync point `stroke`
@@ -97,7 +97,7 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
 
 
 def shoulder(robot: Robot, side: Side) -> Floats:
-    """Return the centre of a resting shoulder (3,) [m]."""
+    """Return the centre of a resting shoulder in the world (3,) [m]."""
     return sealed(robot.skeleton.rest_frames.origins[robot.arm(side).shoulder])
 
 

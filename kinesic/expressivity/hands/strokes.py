@@ -105,7 +105,7 @@ def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
 
 
 def shortened(stroke: Stroke) -> Stroke:
-    """Return an untimed stroke reduced to its pose at sync point `stroke`.
+    """Return a requested stroke reduced to its pose at sync point `stroke`.
 
     This key nearly always fits.
     """
@@ -120,7 +120,7 @@ def is_brief(stroke: Stroke) -> bool:
 
 
 def show_once(work: HandStroke, pace: Pace) -> HandStroke:
-    """Return a timed stroke reduced to its pose at sync point `stroke`."""
+    """Return a performed stroke reduced to its pose at sync point `stroke`."""
     return do_stroke(shortened(work.stroke), _at_stroke(work.poses), pace)
 
 
@@ -259,7 +259,7 @@ def _drop_repetitions(poses: Poses, times: Mapping[str, float], pace: Pace) -> P
 
 
 def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
-    """Reduce the periods of hand paths that exceed the servos' velocity.
+    """Reduce the number of periods of hand paths that are too fast.
 
     The remarks name the reduced paths.
     """

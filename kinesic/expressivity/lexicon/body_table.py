@@ -76,7 +76,7 @@ def _turn(part: str, table: TurnTable | None) -> Turn:
 
 
 def _angle(name: str, value: float | None, least: float) -> float:
-    """Convert an angle from degrees to radians, and check its range.
+    """Convert an angle in degrees to radians [rad], and check its range.
 
     Raises:
         ValueError: the angle is out of range.

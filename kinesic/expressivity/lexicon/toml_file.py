@@ -291,5 +291,5 @@ def _pose(table: HandTable, path: PathTable | None) -> HandPose:
 
 
 def _direction(words: str | None) -> Floats | None:
-    """Return the direction of some words, or None without words."""
+    """Return the unit vector (3,) that direction words name, or None."""
     return None if words is None else read_direction(words)

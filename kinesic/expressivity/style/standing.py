@@ -37,7 +37,7 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     arms: dict[str, float] = {}  # [deg] added to the hinges of both resting arms, by the hinge name without side
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers of the resting hands
     rest: str = ""  # rest gesture of the lexicon that the hands take where the body can; empty: arms hang
-    mirrored: bool = False  # whether the other hand performs the rest gesture
+    mirrored: bool = False  # whether the rest gesture is mirrored to the other hand
     pauses: dict[str, float] = {}  # rest gesture, or "hanging" -> weight, to which the hands change in long pauses
     face: dict[str, float] = {}  # lexeme of an expression -> amount, shown all the time
     gaze_down: float = 0.0  # [deg] of an averted gaze
@@ -66,7 +66,7 @@ class Standing:
     arms: tuple[tuple[str, float], ...] = ()  # (hinge name without side, offset from the robot's rest [rad])
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers
     rest: str = ""  # rest gesture of the lexicon; empty: arms hang
-    mirrored: bool = False  # whether the other hand performs it
+    mirrored: bool = False  # whether the rest gesture is mirrored to the other hand
     pauses: tuple[tuple[str, float], ...] = ()  # (rest gesture or `HANGING_REST`, weight) in long pauses
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
     gaze: GazeHabit = FRONTAL_GAZE

@@ -32,9 +32,7 @@ def compute_settled_diameter(light: float) -> float:
 
 
 def compute_light_on_eyes(lights: Lights, units: Mapping[str, float], camera: Camera) -> float:
-    """Return the strength of light that reaches a face's eyes.
-
-    The value is linear as in pictures.
+    """Return the linear luminance of the light on a face's eyes.
 
     Args:
         lights: lights attached to the camera.

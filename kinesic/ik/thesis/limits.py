@@ -46,6 +46,6 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
 
 
 def _arc(excess: Floats, ratio: float) -> Floats:
-    """Return the parent rotation that compensates a clipped child rotation."""
+    """Return the parent's rotation matrix that compensates a clipped child rotation."""
     angle = float(np.linalg.norm(excess)) * ratio
     return vector_to_rotation(excess * ratio * np.pi / max(angle, np.pi))

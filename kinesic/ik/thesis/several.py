@@ -87,7 +87,7 @@ def turn_joints(
 
 
 def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, method: Method, effort: Effort) -> Floats:
-    """Solve the joint rotations of a limb beyond its first bone.
+    """Solve a limb's joint rotations (k, 3, 3) beyond its first bone.
 
     Empty for a limb of one bone.
     """
@@ -102,9 +102,9 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
 
 
 def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:
-    """Return the rotation of limbs' common joint by priority or weighted mean.
+    """Return the rotation matrix of limbs' common joint, by priority or mean.
 
-    The first limb in `priority` decides alone; without one, it is the mean weighted by pulls.
+    The first limb in `priority` decides alone; without one, it is the rotation mean weighted by pulls.
     """
     turns: dict[str, Floats] = {}
     for limb in siblings:

@@ -25,7 +25,7 @@ class Acts:
     """Known stage directions, and word classes that distinguish directions from text."""
 
     behaviours: Mapping[str, str]  # direction or emoji -> channel and lexeme; empty: no behaviour shows it
-    classes: Mapping[str, frozenset[str]]  # words and tags by which directions are told from text
+    classes: Mapping[str, frozenset[str]]  # words and tags that distinguish directions from text
 
     def has(self, name: str, word: str) -> bool:
         """Return whether a word or tag belongs to a word class."""

@@ -11,7 +11,9 @@ _CUT_WORD = re.compile(rf"[A-Za-z0-9][A-Za-z0-9+/=-]{{{MAX_WORD_LENGTH - 1}}}\u2
 
 
 def cut_long_word(state: Manuscript) -> Step | None:
-    """Read the rest of a word whose beginning is longer than `MAX_WORD_LENGTH`.
+    """Cut off a word after `MAX_WORD_LENGTH` characters.
+
+    The rest is not spoken.
 
     Returns:
         None for a shorter word.

@@ -65,7 +65,7 @@ class Step:
     text: str = ""  # spoken text, with tags for directions and pauses
     warning: str = ""
     stress: str | None = None  # signs of the emphasis that is open after it; None: as before
-    mode: Mode = "text"  # what the reader is inside of after it
+    mode: Mode = "text"  # kind of element that encloses the text after it
     closing: str = ""  # text that ends this mode
     other: str = ""  # speaker whose lines are left out from here on, in capitals
     is_block: bool = False  # whether it makes its line a heading, an item or a row

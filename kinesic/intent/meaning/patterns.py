@@ -76,7 +76,7 @@ class Pattern:
             words: plain words of the text.
             first: index of the first word of the match.
             stop: index after the last word that may belong to it.
-            is_number: tells number words.
+            is_number: function that returns whether a word is a number.
 
         Returns:
             The longest match, or None.

@@ -102,7 +102,7 @@ def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate
 def find_topics(context: Context) -> Iterator[Candidate]:
     """Yield a presenting gesture on each long statement's second content word.
 
-    A lively speaker offers what is said to the listener, unless it is denied, sad or stern.
+    A lively speaker presents statements to the listener, unless they are denied, sad or stern.
     """
     for sentence, indices in enumerate(context.passage.sentences):
         content = [k for k in indices if context.passage.words[k].is_content]

@@ -74,7 +74,7 @@ class Language:
     rules: Mapping[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict)  # words -> meanings
     voice: str = ""  # tag of its voice, with the region: `en-GB`; empty: its own tag
     question_mark: str = ""  # sign that is a question mark in this language only
-    warning: str = ""  # what a language without rules lacks
+    warning: str = ""  # message about what is missing in a language without rules; empty with rules
 
     @property
     def has_rules(self) -> bool:

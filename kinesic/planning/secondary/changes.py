@@ -20,7 +20,7 @@ EMPTY_ROW = sealed([])  # empty array for concatenation if there are no offsets
 
 
 def reduce_amounts(amounts: Floats, less: Flags) -> Floats:
-    """Reduce flagged offset amounts from 1 to `REDUCED_AMOUNT` and then to 0."""
+    """Reduce flagged amounts (c,) from 1 to `REDUCED_AMOUNT`, then to 0."""
     return np.where(less, np.where(amounts == 1.0, REDUCED_AMOUNT, 0.0), amounts)
 
 

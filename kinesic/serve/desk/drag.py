@@ -119,7 +119,7 @@ _PART_SOLVERS = {"elbow": _elbow, "trunk": _trunk, "gaze": _gaze}
 
 
 def _solve(robot: Robot, joints: tuple[int, ...], rows: Rows, near: Floats) -> Floats:
-    """Minimise the residuals over the given joints within their ranges."""
+    """Return joint angles [rad] of least squared residuals within their ranges."""
     indices = list(joints)
     lower, upper = robot.skeleton.lower[indices], robot.skeleton.upper[indices]
 

@@ -212,7 +212,7 @@ def _name_hinges(tree: Tree, finger: str, row: _Row, axes: _Axes) -> Iterator[st
 
 
 def _find_sense(joint: Joint, name: str, row: _Row, axes: _Axes) -> float:
-    """Return +1 if a finger hinge turns in kinesic's direction, otherwise -1.
+    """Return +1 if a finger hinge rotates in kinesic's direction, otherwise -1.
 
     Positive flexion moves towards the palm, positive abduction away from the middle finger.
     """

@@ -50,7 +50,7 @@ class Posed:
 
 
 def find_elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> float:
-    """Return the sign of angles that bend an elbow.
+    """Return the sign (+1 or -1) of angles that bend an elbow.
 
     0 if its range is symmetric around the straight arm, or unknown.
 
@@ -113,7 +113,7 @@ def pose_arm(limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges, 
 
 
 def _unwind(angles: Floats, ranges: Ranges) -> Floats:
-    """Shift angles by full turns as close as possible to mid-range."""
+    """Shift angles [rad] by full turns as close as possible to mid-range."""
     bounded = np.isfinite(ranges.lower)
     middle = np.where(bounded, np.where(bounded, ranges.lower, 0.0) + np.where(bounded, ranges.upper, 0.0), 0.0) / 2
     solutions: Floats = angles - FULL_TURN * np.round((angles - middle) / FULL_TURN)
@@ -164,9 +164,9 @@ class _Arm:
 
 
 def _find_forward_sense(limb: HingeRow, split: Split) -> float:
-    """Return the sign of rotation that bends the elbow forward.
+    """Return the sign, +1 or -1, of rotations that bend the elbow.
 
-    Valid in the pose of the file.
+    The forearm then moves forward. Valid in the pose of the file.
     """
     at, axis = centres(limb, split), limb.axes[split.elbow]
     return 1.0 if np.cross(axis, at.fore)[0] >= 0 else -1.0

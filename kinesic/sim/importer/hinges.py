@@ -126,7 +126,7 @@ def _make_distinct(names: list[str]) -> list[str]:
 
 
 def _find_elbow_sign(figure: HumanoidGeometry, side: Side, joint: int) -> float:
-    """Return the sign of angles that bend an elbow within its range."""
+    """Return the sign of angles that bend an elbow, 0 if unknown."""
     elbow = figure.tree.joints[joint]
     lower = -np.inf if elbow.lower is None else elbow.lower - elbow.zero
     upper = np.inf if elbow.upper is None else elbow.upper - elbow.zero

@@ -84,7 +84,7 @@ class ShellPart:
         return np.concatenate([*ends, *(servo.corners for servo in self.servos)])
 
     def find_next_joint(self) -> Floats | None:
-        """Return the position of the next arm joint, or None."""
+        """Return the next arm joint's position [m] in the segment, or None."""
         arms = [self.robot.arm(side).segments for side in SIDES]
         boxes = [c.origin_in_parent for c in self.children if any(c.name in arm for arm in arms)]
         return boxes[0] if boxes else None

@@ -50,7 +50,7 @@ def render(script: Script, voice: Voice) -> Rendition:
 
 
 def _separate(times: Sequence[float]) -> Floats:
-    """Return strictly increasing times from times with repetitions."""
+    """Return times [s] moved to be at least `MIN_WORD_TIME` apart."""
     count = MIN_WORD_TIME * np.arange(len(times))
     increasing: Floats = np.maximum.accumulate(np.array(times) - count) + count if len(times) else np.zeros(0)
     return increasing

@@ -115,7 +115,7 @@ def _find_path(rows: Floats, is_silent: Flags, stretched: Floats, columns: Indic
 
 
 def _average(rows: Floats) -> Floats:
-    """Average successive frames in groups of `COARSE_FRAMES`."""
+    """Average rows in groups of `COARSE_FRAMES` successive frames."""
     begins = np.arange(0, len(rows), COARSE_FRAMES)
     counts = np.diff(np.append(begins, len(rows)))
     averaged: Floats = np.add.reduceat(rows, begins, axis=0) / counts[:, None]

@@ -82,7 +82,7 @@ def check_spans(rows: Iterable[RawSpan], *, per_second: float = 1.0) -> tuple[Ti
 
 
 def check_time(value: float, place: str, *, per_second: float = 1.0) -> float:
-    """Return a time of a file in seconds.
+    """Convert a time of a file to seconds, and check its range.
 
     Args:
         value: time in the unit of the file.
