@@ -31,7 +31,7 @@ from kinesic.metrics.servo_run import ServoRun
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 from kinesic.report.films import film_processes
-from kinesic.report.gltf.scene import is_scene, save_performed
+from kinesic.report.gltf.scene import is_scene, save_performed, save_voice
 from kinesic.report.output import WrittenPaths, add_films, default_folder, write_report
 from kinesic.report.report import Json, report
 from kinesic.report.servo_belief import with_lesson
@@ -57,7 +57,8 @@ def perform_file(
     """Perform a document in the twin, report, then perform on servos.
 
     Servos move only if no check of the twin failed. If the output path ends in .glb, the performance is written as a
-    glTF scene, and no report folder. A plain text or a recording, if given, is performed, and `file` is its name.
+    glTF scene with its voice beside it, and no report folder. A plain text or a recording, if given, is performed, and
+    `file` is its name.
     """
     if "servos" in performers.sinks:
         SERVO_DRIVER.require()
@@ -135,12 +136,15 @@ def _perform_scene(
             file, setup, twin_options, ServoMemory.of(twin_options), stage, text, recording
         )
         stage("writing the scene")
+        voice = save_voice(performance.plan, output.out, force=output.force)
         save_performed(performance, output.out, force=output.force)
         data = report(performance, source=document_name(file), seed=setup.idling.seed, beside=other_runs)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
         _print_report((performance, *other_runs), None, data)
+    if voice is not None:
+        click.echo(f"voice: {voice}", err=output.as_json)
     click.echo(f"scene: {output.out}", err=output.as_json)
     return 0 if data["ok"] else 1
 

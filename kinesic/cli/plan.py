@@ -31,7 +31,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.gltf.scene import SCENE_SUFFIX as SCENE
-from kinesic.report.gltf.scene import is_scene, save_scene
+from kinesic.report.gltf.scene import is_scene, save_scene, save_voice
 from kinesic.report.labels import label
 from kinesic.session.documents import is_spoken_file, write_fml, write_text
 from kinesic.session.plan import plan, plan_motion_file, plan_plain_text
@@ -66,9 +66,11 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
         setup = planning.set_up()
         planned = plan_input(file, setup, conditioned=_choose_conditioner(optimal))
     lags = measure_planned_lags(planned)
+    voice = None
     if out is None:
         print_timeline(planned, lags, console())
     elif is_scene(out):
+        voice = save_voice(planned, out, force=force)
         save_scene(planned, out, force=force)
     else:
         save_motion(planned.trajectory, setup.robot, out, force=force)
@@ -77,6 +79,8 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
     if median_lag is not None:
         click.echo(f"hands are fastest {median_lag:.2f} s from their times on words (median, strokes: {len(lags)})")
     click.echo(f"{planned.duration:.2f} s, {len(planned.postures.postures)} keys")
+    if voice is not None:
+        click.echo(f"voice: {voice}")
     click.echo("nothing written; --out motion.npz (.csv, .bap) writes the motion" if out is None else f"motion: {out}")
     return 0
 

@@ -42,7 +42,7 @@ WORDS_HELP = (
 FREE_HELP = "Servo parameters to fit; all others are those of the data sheets. mass only without stall. Repeatable."
 
 report_options = output_options(
-    "Folder of the report (default: out/NAME-TIME), or scene.glb to write the performance as glTF.",
+    "Folder of the report (default: out/NAME-TIME), or scene.glb to write the performance as glTF, with scene.wav.",
     FORCE_HELP,
     "Print the report as JSON.",
     film_options,
@@ -174,7 +174,9 @@ def _perform() -> None:
 @click.argument("file", type=DOCUMENT_NAME)
 @planning_options
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="motion.npz, .csv or .bap, or scene.glb (default: print a timeline)."
+    "--out",
+    type=click.Path(path_type=Path),
+    help="motion.npz, .csv or .bap, or scene.glb with scene.wav (default: print a timeline).",
 )
 @force_option
 @click.option(

@@ -1,6 +1,7 @@
 """Verb `kinesic plan`: timeline, warnings and generated BML."""
 
 import re
+import wave
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -141,6 +142,34 @@ def test_plan_is_written_as_a_scene_or_a_motion_by_its_suffix(kinesic, tmp_path:
         assert (tmp_path / name).read_bytes().startswith(start)
         assert kinesic("plan", "-", "--out", name, stdin=TALK).code == 2, "an existing file is kept"
         assert kinesic("plan", "-", "--out", name, "--force", stdin=TALK).code == 0
+
+
+def test_plan_writes_the_voice_beside_a_scene(kinesic, tmp_path: Path):
+    pytest.importorskip("espeakng_loader")
+    ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=TALK)
+    assert ended.code == 0, ended.err
+    assert ended.out.splitlines()[-2:] == ["voice: talk.wav", "motion: talk.glb"]
+    duration = float(re.search(r"([\d.]+) s, \d+ keys", ended.out)[1])
+    with wave.open(str(tmp_path / "talk.wav")) as file:
+        assert file.getnframes() / file.getframerate() == pytest.approx(duration, abs=0.01), "both begin together"
+    (tmp_path / "talk.glb").unlink()
+    ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=TALK)
+    assert ended.code == 2, "an existing voice is kept"
+    assert not (tmp_path / "talk.glb").exists()
+
+
+def test_voice_of_a_scene_never_replaces_the_recording(kinesic, tmp_path: Path):
+    with wave.open(str(tmp_path / "talk.wav"), "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes(bytes(16000))
+    recording = (tmp_path / "talk.wav").read_bytes()
+    played = '<description type="audio/wav"><audio ref="talk.wav"/></description>'
+    spoken = BLOCK.format(f'<speech id="s"><text>Hello</text>{played}</speech>')
+    (tmp_path / "talk.bml").write_text(spoken)
+    ended = kinesic("plan", "talk.bml", "--out", "talk.glb", "--force")
+    assert ended.code == 2
+    assert "would replace the recording" in ended.err
+    assert (tmp_path / "talk.wav").read_bytes() == recording
 
 
 def test_plan_prints_a_plain_text_file_as_bml(kinesic, tmp_path: Path):

@@ -12,8 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from kinesic.bml.block import Speech
 from kinesic.body.arrays import Floats
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.files.gltf import GltfFile
 from kinesic.files.output_file import new_file
 from kinesic.metrics.dry_run import DryRun
@@ -29,6 +32,7 @@ from kinesic.sim.shells.variant import find_shell
 from kinesic.version import __version__
 
 SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
+VOICE_SUFFIX = ".wav"  # file suffix of the voice beside a scene
 KEY_FRAME_RATE = 30.0  # [Hz] rate of the animation's key frames
 FRAME_QUATERNION = [-0.5, -0.5, -0.5, 0.5]  # rotation (x, y, z, w) from kinesic's axes x, y, z to glTF's z, x, y
 # Linear RGBA colours of light housings and dark parts.
@@ -75,6 +79,34 @@ def save_performed(performance: DryRun, path: Path, *, force: bool) -> Path:
     with new_file(path, force=force) as fresh:
         write_scene(performance.plan.setup.robot, motion, fresh)
     return path
+
+
+def save_voice(plan: Plan, scene: Path, *, force: bool) -> Path | None:
+    """Write a plan's speech as a WAV file beside a glTF scene.
+
+    Sound and animation begin together: sample 0 is heard at second 0 of the animation.
+
+    Returns:
+        Path of the scene with the suffix .wav; None for a plan without audible speech.
+
+    Raises:
+        ConfigError: the path is a folder, a link, a recording of the plan or, unless forced, an existing file.
+    """
+    speech = sound(plan)
+    if speech is None:
+        return None
+    path = scene.with_suffix(VOICE_SUFFIX)
+    if path.resolve() in _list_recordings(plan):
+        raise ConfigError(f"{path}: the voice would replace the recording; give --out another name")
+    with new_file(path, force=force) as fresh:
+        write_wav(speech, fresh)
+    return path
+
+
+def _list_recordings(plan: Plan) -> set[Path]:
+    """Return the absolute paths of the recordings that a plan plays."""
+    scripts = (action.script for timed in plan.timeline.timed if isinstance(action := timed.behaviour.action, Speech))
+    return {each.recording.path.with_suffix(VOICE_SUFFIX).resolve() for each in scripts if each.recording is not None}
 
 
 def is_scene(path: Path | None) -> bool:
