@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
+from kinesic.body.smoothing import smooth_curve
 
 CUTOFF_FREQUENCY = 10.0  # [Hz] upper limit of voluntary movement (low-pass filter)
 NOISE_THRESHOLD = 0.05  # fraction of the peak below which speed or spectrum counts as noise
@@ -73,7 +73,7 @@ def visible_jerk(path: Floats, *, period: float) -> float:
         2.0 * np.pi * CUTOFF_FREQUENCY * period
     )  # [samples]; half the power passes at the cutoff
     edge = int(np.ceil(3.0 * width))  # samples affected by the ends of the path
-    seen = scipy.ndimage.gaussian_filter1d(path, width, axis=0)[edge:-edge]
+    seen = smooth_curve(path, width, ends="symmetric")[edge:-edge]
     return float(((np.diff(seen, n=3, axis=0) / period**3) ** 2).sum(axis=1).mean())
 
 
@@ -94,7 +94,7 @@ def spectral_arc_length(path: Floats, *, period: float) -> float | None:
     if not len(speed) or speed.max() == 0.0:
         return None
     size = SPECTRUM_OVERSAMPLING * 2 ** int(np.ceil(np.log2(len(speed))))
-    spectrum = np.abs(scipy.fft.rfft(speed, size))
+    spectrum = np.abs(np.fft.rfft(speed, size))
     spectrum = spectrum[: int(CUTOFF_FREQUENCY * size * period) + 1] / spectrum[0]
     counted = np.flatnonzero(spectrum >= NOISE_THRESHOLD)
     spectrum = spectrum[: counted[-1] + 1]

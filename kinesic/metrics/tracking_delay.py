@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import cast
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 
@@ -49,9 +48,9 @@ def _correlate(planned: Floats, performed: Floats, reach: int) -> Floats:
     Returns:
         (k, 2 reach + 3).
     """
-    size = scipy.fft.next_fast_len(len(planned) + reach, real=True)
-    planned_spectrum, measured_spectrum = (scipy.fft.rfft(speeds.T, size) for speeds in (planned, performed))
-    correlation = scipy.fft.irfft(
+    size = 1 << (len(planned) + reach - 1).bit_length()
+    planned_spectrum, measured_spectrum = (np.fft.rfft(speeds.T, size) for speeds in (planned, performed))
+    correlation = np.fft.irfft(
         measured_spectrum * planned_spectrum.conj(), size
     )  # (k, size) at lags of 0, 1, ... -2, -1 samples
     return np.concatenate([correlation[:, -reach - 1 :], correlation[:, : reach + 2]], axis=1)

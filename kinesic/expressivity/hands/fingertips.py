@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.least_squares import minimise_squares
 from kinesic.body.robot import Robot, Side
 
 TIP_GAP = 0.001  # [m] gap left between two meeting fingertips
 DEVIATION_COST = 0.002  # [m] fingertip gap that costs as much as rotating a joint through its range
+MAX_EVALUATIONS = 60  # largest number of postures that are evaluated for one hand
 THUMB_NAME = "thumb"  # name of the finger that the others meet
 
 
@@ -47,10 +48,9 @@ def meeting_angles(initial: Floats, meets: Sequence[str], robot: Robot, side: Si
         ]
         return np.array([*gaps, *(DEVIATION_COST * (angles - start) / (upper - lower))])
 
-    inner = np.clip(start, lower + 1e-6, upper - 1e-6)
-    solution = scipy.optimize.least_squares(residuals, inner, bounds=(lower, upper), x_scale=upper - lower, max_nfev=60)
+    solution = minimise_squares(residuals, start, lower=lower, upper=upper, max_evaluations=MAX_EVALUATIONS)
     angles = np.array(initial)
-    angles[free] = np.clip(solution.x, lower, upper)
+    angles[free] = solution.values
     return sealed(angles)
 
 

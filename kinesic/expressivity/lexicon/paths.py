@@ -11,9 +11,9 @@ from math import ceil, inf
 from typing import Literal
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.motion.natural_spline import natural_spline
 
 PathKind = Literal["line", "arc", "circle", "wave", "spiral", "points"]
 SizeTrend = Literal["none", "grows", "shrinks"]
@@ -168,12 +168,9 @@ class HandPath:
         if len(via_points) < 2:
             return np.repeat(via_points, len(parameters), axis=0)
         knots = np.concatenate([[0.0], np.cumsum(np.sqrt(np.linalg.norm(np.diff(via_points, axis=0), axis=1)))])
-        curve, fine = (
-            scipy.interpolate.CubicSpline(knots, via_points, bc_type="natural"),
-            np.linspace(0.0, knots[-1], _ARC_LENGTH_STEPS + 1),
-        )
-        arc_lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(fine), axis=0), axis=1))])
-        return np.asarray(curve(np.interp(parameters * arc_lengths[-1], arc_lengths, fine)))
+        curve, fine = natural_spline(knots, via_points), np.linspace(0.0, knots[-1], _ARC_LENGTH_STEPS + 1)
+        arc_lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve.at(fine), axis=0), axis=1))])
+        return curve.at(np.interp(parameters * arc_lengths[-1], arc_lengths, fine))
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from itertools import count, pairwise
 
 import msgspec
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.least_squares import minimise_squares
 from kinesic.body.robot import Robot
 from kinesic.sim.fitting.identifiability import (
     DATASHEET_DEVIATION,
@@ -139,20 +139,19 @@ def _minimise(errors: Callable[[Floats], Floats], parameters: Sequence[Unknown],
         values[chosen] = free_values
         return values
 
-    solved = scipy.optimize.least_squares(
+    lower, upper = value_bounds([parameters[k] for k in chosen])
+    solved = minimise_squares(
         lambda free_values: np.concatenate([errors(full_vector(free_values)), free_values / DATASHEET_DEVIATION]),
         np.zeros(len(chosen)),
-        jac=lambda free_values: np.concatenate(
+        jacobian=lambda free_values: np.concatenate(
             [_compute_jacobian(errors, full_vector(free_values), chosen), np.eye(len(chosen)) / DATASHEET_DEVIATION]
         ),
-        bounds=value_bounds([parameters[k] for k in chosen]),
-        # lsmr avoids a decomposition of the Jacobian, which is as long as the log, but fails with one unknown
-        tr_solver="lsmr" if len(chosen) > 1 else "exact",
-        xtol=FIT_TOLERANCE,
-        ftol=FIT_TOLERANCE,
-        max_nfev=MAX_EVALUATIONS,
+        lower=lower,
+        upper=upper,
+        max_evaluations=MAX_EVALUATIONS,
+        tolerance=FIT_TOLERANCE,
     )
-    return full_vector(solved.x)
+    return full_vector(solved.values)
 
 
 def _compute_jacobian(errors: Callable[[Floats], Floats], values: Floats, chosen: Sequence[int]) -> Floats:

@@ -68,9 +68,7 @@ def list_unknowns(robot: Robot, free: Sequence[ServoParameter]) -> tuple[Unknown
 def value_bounds(parameters: Sequence[Unknown]) -> tuple[Floats, Floats]:
     """Return the lower and upper bounds of the fitted variables, each (u,)."""
     is_latency = np.array([unknown.figure == "latency" for unknown in parameters])
-    return np.where(is_latency, -1e-9, -MAX_LOG_FACTOR), np.where(
-        is_latency, MAX_LATENCY / LATENCY_UNIT, MAX_LOG_FACTOR
-    )
+    return np.where(is_latency, 0.0, -MAX_LOG_FACTOR), np.where(is_latency, MAX_LATENCY / LATENCY_UNIT, MAX_LOG_FACTOR)
 
 
 def to_factors(parameters: Sequence[Unknown], values: Floats) -> Factors:

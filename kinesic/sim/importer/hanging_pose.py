@@ -3,15 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.least_squares import Minimum, minimise_squares
 from kinesic.sim.importer.arm import Split, centres
 from kinesic.sim.importer.hinge_row import HingeRow, unit_vector
 
 RANDOM_STARTS = 10  # number of random start postures of the search
 MAX_EVALUATIONS = 60  # largest number of evaluations in one least-squares search
-BOX_SLACK = 1e-9  # [rad] margin added to bounds, so that a fixed hinge has a box of positive size
 EQUAL_COST_RATIO = 1.02  # cost / least cost up to which a solution from an earlier start is preferred
 ELBOW_WEIGHT = 0.5  # weight of the elbow's axis relative to the directions of the bones
 HAND_WEIGHT = 0.1  # weight of the hand's direction relative to the directions of the bones
@@ -88,26 +87,10 @@ def pose_arm(limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges, 
     random = np.random.default_rng(0)
     lower, upper = (np.clip(side, -np.pi, np.pi) for side in (ranges.lower, ranges.upper))
     starts = [*first, np.zeros(len(lower)), *(random.uniform(lower, upper) for _ in range(RANDOM_STARTS))]
-    bounds = (ranges.lower - BOX_SLACK, ranges.upper + BOX_SLACK) if ranges.strict else (-np.inf, np.inf)
-    solutions = [
-        least_squares(
-            model.residuals,
-            np.clip(start, *bounds),
-            bounds=bounds,
-            max_nfev=MAX_EVALUATIONS,
-            args=(SEARCH_STAY_WEIGHT, model.home),
-        )
-        for start in starts
-    ]
+    solutions = [model.solve(start, SEARCH_STAY_WEIGHT, model.home) for start in starts]
     least_cost = min(solution.cost for solution in solutions)
-    chosen = next(solution.x for solution in solutions if solution.cost <= EQUAL_COST_RATIO * least_cost)
-    refined = least_squares(
-        model.residuals,
-        np.clip(chosen, *bounds),
-        bounds=bounds,
-        max_nfev=MAX_EVALUATIONS,
-        args=(REFINEMENT_STAY_WEIGHT, chosen),
-    ).x
+    chosen = next(solution.values for solution in solutions if solution.cost <= EQUAL_COST_RATIO * least_cost)
+    refined = model.solve(chosen, REFINEMENT_STAY_WEIGHT, chosen).values
     final_angles = refined if ranges.strict else _unwind(refined, ranges)
     return Posed(sealed(final_angles), model.off(final_angles))
 
@@ -131,6 +114,25 @@ class _Arm:
         )
         self._stay_factors = np.where(np.arange(len(ranges.lower)) > split.elbow, DISTAL_STAY_FACTOR, 1.0)
         self.home = np.clip(np.zeros(len(ranges.lower)), ranges.lower, ranges.upper)
+
+    def solve(self, start: Floats, stay: float, home: Floats) -> Minimum:
+        """Minimise the residuals from a start posture, within strict ranges.
+
+        Args:
+            start: (k,) [rad] relative to the pose of the file.
+            stay: Weight per radian of the distance from `home`.
+            home: (k,) [rad] preferred angles.
+        """
+        lower, upper = self._ranges.lower, self._ranges.upper
+        if not self._ranges.strict:
+            lower, upper = np.full_like(lower, -np.inf), np.full_like(upper, np.inf)
+        return minimise_squares(
+            lambda angles: self.residuals(angles, stay, home),
+            np.clip(start, lower, upper),
+            lower=lower,
+            upper=upper,
+            max_evaluations=MAX_EVALUATIONS,
+        )
 
     def residuals(self, angles: Floats, stay: float, home: Floats) -> Floats:
         """Compute the residuals (m,) at angles (k,) [rad].

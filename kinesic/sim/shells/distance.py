@@ -3,9 +3,9 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from kinesic.body.arrays import Floats
+from kinesic.sim.shells.cross_sections import MonotoneCurve
 
 DistanceField = Callable[[Floats], Floats]  # (n, 3) [m] -> (n,) [m]
 GRADIENT_STEP = 2e-4  # [m] offset of the central difference on each side
@@ -59,12 +59,12 @@ def loft(heights: Floats, widths: Floats, radii: Floats) -> DistanceField:
         widths: (k,) [m] from the midline to the start of the round flanks.
         radii: (k,) [m] of the flanks, half the depth.
     """
-    width_spline, radius_spline = (PchipInterpolator(heights, values) for values in (widths, radii))
+    sections = MonotoneCurve.through(heights, np.stack([widths, radii], axis=1))
 
     def field(points: Floats) -> Floats:
         x, y, z = points.T
         level = np.clip(z, heights[0], heights[-1])
-        width_at_level, radius_at_level = width_spline(level), radius_spline(level)
+        width_at_level, radius_at_level = sections.at(level).T
         excess = np.maximum(np.maximum(heights[0] - z, z - heights[-1]), 0.0)
         return np.asarray(
             np.sqrt(x**2 + np.maximum(np.abs(y) - width_at_level, 0.0) ** 2 + excess**2) - radius_at_level
@@ -85,12 +85,12 @@ def sleeve(
         corner: radius of the section's corners, relative to the smaller half width.
         rounding: [m] radius of the edges at both ends.
     """
-    spline = PchipInterpolator(along, half_widths)
+    sections = MonotoneCurve.through(along, half_widths)
     middle, half = (along[0] + along[-1]) / 2, (along[-1] - along[0]) / 2
 
     def field(points: Floats) -> Floats:
         local = points @ axes.T
-        widths = spline(np.clip(local[:, 2], along[0], along[-1]))
+        widths = sections.at(np.clip(local[:, 2], along[0], along[-1]))
         radius = corner * widths.min(axis=1)
         excess = np.abs(local[:, :2]) - widths + radius[:, None]
         across = np.linalg.norm(np.maximum(excess, 0.0), axis=1) + np.minimum(excess.max(axis=1), 0.0) - radius

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.smoothing import smooth_curve
 from kinesic.sim.shells.distance import DistanceField, ball, blended_union, box, cone, half_space, sleeve
 from kinesic.sim.shells.part import (
     BLEND_RADIUS,
@@ -98,7 +98,7 @@ def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: 
     for low, high, half in needs:
         away = np.maximum(np.maximum(low - along, along - high), 0.0)
         widths = np.maximum(widths, half - TAPER_SLOPE * away[:, None])
-    smooth = gaussian_filter1d(widths, ENVELOPE_SMOOTHING / (along[1] - along[0]), axis=0, mode="nearest")
+    smooth = smooth_curve(widths, ENVELOPE_SMOOTHING / (along[1] - along[0]), ends="edge")
     return sealed(along), sealed(smooth + np.maximum(widths - smooth, 0.0).max(axis=0))
 
 

@@ -1,0 +1,93 @@
+"""Bounded least squares against SciPy and against known minima."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from kinesic.body.least_squares import minimise_squares
+
+FREE = np.full(2, np.inf)
+
+
+def rosenbrock(values):
+    x, y = values
+    return np.array([10.0 * (y - x**2), 1.0 - x])
+
+
+def decaying_waves(values):
+    """Return residuals with four unknowns and several minima."""
+    times = np.linspace(0.0, 2.0, 40)
+    amplitude, frequency, decay, offset = values
+    return amplitude * np.sin(frequency * times) * np.exp(-decay * times) + offset - np.cos(3.0 * times)
+
+
+@pytest.mark.parametrize("start", [(-1.2, 1.0), (3.0, -2.0), (0.0, 0.0)])
+def test_minimum_without_bounds_is_found(start):
+    solution = minimise_squares(rosenbrock, np.array(start), lower=-FREE, upper=FREE, max_evaluations=60)
+    np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
+    assert solution.cost == pytest.approx(0.0, abs=1e-12)
+    assert not solution.values.flags.writeable
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_minimum_within_bounds_matches_scipy(seed):
+    random = np.random.default_rng(seed)
+    lower, upper = random.uniform([-2.0, 0.0, -1.0, -0.5], 0.4), random.uniform(0.5, [2.0, 5.0, 1.0, 0.6])
+    start = random.uniform(lower, upper)
+    solution = minimise_squares(decaying_waves, start, lower=lower, upper=upper, max_evaluations=200)
+    assert (lower <= solution.values).all()
+    assert (solution.values <= upper).all()
+    polished = least_squares(
+        decaying_waves, np.clip(solution.values, lower + 1e-9, upper - 1e-9), bounds=(lower, upper)
+    )
+    assert solution.cost <= polished.cost * (1.0 + 1e-5)
+
+
+def test_minimum_on_a_bound_moves_along_it():
+    upper = np.array([0.5, np.inf])
+    solution = minimise_squares(rosenbrock, np.array([-1.2, 1.0]), lower=-FREE, upper=upper, max_evaluations=60)
+    np.testing.assert_allclose(solution.values, [0.5, 0.25], atol=1e-5)
+
+
+def test_unknown_with_equal_bounds_stays_fixed():
+    lower, upper = np.array([0.3, -9.0]), np.array([0.3, 9.0])
+    solution = minimise_squares(rosenbrock, np.array([0.3, 4.0]), lower=lower, upper=upper, max_evaluations=60)
+    np.testing.assert_allclose(solution.values, [0.3, 0.09], atol=1e-5)
+
+
+def test_start_at_a_bound_may_leave_it():
+    lower = np.array([-1.2, -9.0])
+    solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), lower=lower, upper=FREE, max_evaluations=60)
+    np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
+
+
+def test_evaluations_are_counted_without_those_of_the_jacobian():
+    counts = {"residuals": 0, "jacobian": 0}
+
+    def residuals(values):
+        counts["residuals"] += 1
+        return rosenbrock(values)
+
+    def jacobian(values):
+        counts["jacobian"] += 1
+        return np.array([[-20.0 * values[0], 10.0], [-1.0, 0.0]])
+
+    minimise_squares(residuals, np.array([-1.2, 1.0]), lower=-FREE, upper=FREE, max_evaluations=5, jacobian=jacobian)
+    assert counts["residuals"] == 5
+    assert counts["jacobian"] <= 5
+
+
+def test_larger_tolerance_ends_the_search_earlier():
+    def count(tolerance):
+        points = []
+        minimise_squares(
+            lambda values: points.append(values) or rosenbrock(values),
+            np.array([-1.2, 1.0]),
+            lower=-FREE,
+            upper=FREE,
+            max_evaluations=60,
+            tolerance=tolerance,
+        )
+        return len(points)
+
+    assert count(0.5) < count(1e-8)
