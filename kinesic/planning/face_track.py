@@ -68,7 +68,14 @@ def compute_action_units(plan: Plan, times: Floats) -> Channels:
     block_times = times - plan.trajectory.zero
     affect = bearing.standing.affect(bearing.posture)
     return face_track(
-        timeline, plan.utterances, block_times, styles=context.styles, eyes=eyes, bodies=bodies, affect=affect
+        timeline,
+        plan.utterances,
+        block_times,
+        styles=context.styles,
+        eyes=eyes,
+        bodies=bodies,
+        affect=affect,
+        prosody=plan.setup.style_prosody,
     )
 
 

@@ -16,9 +16,12 @@ from kinesic.body.utterance import Voice
 from kinesic.expressivity.context import Context
 from kinesic.expressivity.idle import NO_IDLING, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.prosody import Prosody
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.variation import NO_VARIATION, Variation
+
+MAX_BODY_WEIGHT = 1.5  # upper bound of a style's whole-body weight as factor on secondary motion
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class Setup:
     dialect: Dialect | Literal["auto"] = "auto"  # dialect of the documents
     gathering: KeyFrameFilling = "complex"  # filling of key frames in which some parts have no key
     idling: Idling = NO_IDLING  # idle motion
+    prosody: float = 0.0  # amount of brows, nods, blinks and lip opening by prosody
     variation: Variation = NO_VARIATION  # variation between gestures
     pause: float = 0.0  # [s] default of the longest pause before a word that waits for the body
     character: str | None = None  # character of the robot in a document for several; None: that of the block
@@ -66,6 +70,11 @@ class Setup:
     def pace(self) -> Pace:
         """Rest-to-rest durations of the robot's movements within its servo limits."""
         return _pace(self.robot, self.limits)
+
+    @property
+    def style_prosody(self) -> Prosody:
+        """Motion by prosody, scaled by the style."""
+        return Prosody(self.prosody * min(self.style.whole_body, MAX_BODY_WEIGHT), self.idling.seed)
 
     @cached_property
     def context(self) -> Context:

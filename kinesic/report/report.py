@@ -58,6 +58,7 @@ def report(performance: DryRun, *, source: str, seed: int = 0, beside: Sequence[
         "seed": seed,
         "variation": plan.setup.variation.amount,
         "idle": plan.setup.idling.amount,
+        "prosody": plan.setup.prosody,
         "kernel": "compiled",  # the only one; readers of earlier reports look it up
         "grade": grade(verdicts),
         "ok": grade(verdicts) != "fail",

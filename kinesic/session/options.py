@@ -25,6 +25,10 @@ ENGINE_HELP = "Program that speaks in place of the voice, on standard input and 
 RECORDINGS_HELP = "Folder of the recordings that documents without a file name, such as those of `serve`."
 CHARACTER_HELP = "Character of the robot in a block for several; default is the block's character, or the first."
 IDLE_HELP = "Amount of breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
+PROSODY_HELP = (
+    "Amount of brows, nods, blinks and lip opening that follow the voice: 0 none, 1 like a person's. "
+    "Default is that of --idle."
+)
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
 GRAMMAR_HELP = "Parser of English phrases and clauses: spacy needs the extra text."
 PAUSE_HELP = "Longest pause before a word that would wait for the body, unless documents set another."
@@ -57,6 +61,8 @@ class PlanningOptions(TypedDict, total=False):
         KeyFrameFilling, CliOption("Interpolation of body parts that have no key at a key frame.", "complex")
     ]
     idle: Annotated[float, CliOption(IDLE_HELP, 1.0, float, show_default=True, most=2.0)]
+    # None: as idle
+    prosody: Annotated[float | None, CliOption(PROSODY_HELP, None, float, most=2.0)]
     variation: Annotated[float, CliOption(VARIATION_HELP, 1.0, float, show_default=True, most=2.0)]
     seed: Annotated[int, CliOption("Seed of all random numbers.", 0, int, show_default=True)]
     voice: Annotated[VoiceName, CliOption(VOICE_HELP, "auto")]  # "durations" in Python, equal on every machine
@@ -113,6 +119,8 @@ def check_options(options: PlanningOptions) -> None:
             raise TypeError(f"a performer has no option {name}; {hint}")
         if name in OPTION_CHOICES and value not in OPTION_CHOICES[name]:
             raise ConfigError(f"{name} is {value!r}{suggestion(str(value), OPTION_CHOICES[name])}")
+        if value is None and name == "prosody":
+            continue
         if (most := list_cli_options()[name].most) < inf and not (
             isinstance(value, int | float) and 0.0 <= value <= most
         ):

@@ -62,6 +62,7 @@ def set_up(
         dialect=options.get("dialect", "auto"),
         gathering=options.get("gather", "complex"),
         idling=Idling(options.get("idle", 0.0), seed),
+        prosody=_read_prosody(options),
         variation=variation,
         pause=options.get("pause", 0.0),
         character=options.get("character"),
@@ -73,6 +74,12 @@ def set_up(
         unstyled=unstyled,
         recordings=_to_path(options.get("recordings")),
     )
+
+
+def _read_prosody(options: PlanningOptions) -> float:
+    """Return the amount of motion by prosody; by default, that of idle motion."""
+    amount = options.get("prosody")
+    return options.get("idle", 0.0) if amount is None else amount
 
 
 def _to_engine(engine: SpeechEngine | str | None) -> SpeechEngine | None:

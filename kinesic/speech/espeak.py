@@ -21,6 +21,7 @@ from kinesic.speech.articulation import articulate
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import EngineReply, SpeechError, espeak_fault, find_engine, synthesise
 from kinesic.speech.ssml import write_ssml
+from kinesic.speech.voice_level import open_vowels_by_level
 from kinesic.speech.writing import unreadable_letters
 
 WORDS_PER_MINUTE = 175  # [words/min] rate of espeak-ng at rate factor 1
@@ -123,6 +124,8 @@ def _say(script: Script, rate: float, pitch: float) -> Utterance:
         return DurationModel(f"no sound: {error}").say(script, rate=rate)
     utterance = _convert_reply(script, reply)
     articulated = articulate(utterance.phonemes, rate=words / WORDS_PER_MINUTE)
+    if utterance.sound is not None:
+        articulated = open_vowels_by_level(articulated, utterance.sound)
     return replace(utterance, phonemes=articulated, remarks=tuple(filter(None, (remark, *utterance.remarks))))
 
 

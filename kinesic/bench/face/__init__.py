@@ -6,16 +6,20 @@ from collections.abc import Iterator
 from typing import Literal, get_args
 
 from kinesic.bench.face.lips import SPEECH_RATES, measure_lips
+from kinesic.bench.face.prosody import measure_prosody
 from kinesic.bench.face.stages import STAGE_PREFIX as STAGE_PREFIX
 from kinesic.bench.face.stages import stages_of
 from kinesic.bench.metric import Metric
 from kinesic.face.display import find_display_problem
 from kinesic.face.render.presets import QUALITY_PRESETS, TILE_SIZES, Estimator, Pattern
 from kinesic.speech.espeak_pool import espeak_fault
+from kinesic.speech.hibari.model import find_package
+from kinesic.speech.voice import voice
 
 Better = Literal["lower", "higher"]
 
 LIP_PREFIX = "face.lips."
+PROSODY_PREFIX = "face.prosody."
 OCCLUSION_SIZES = (5, 11, 21)  # filter widths of ambient occlusion [samples], as in thesis Table 3.1
 PICTURE_SIZES = ((512, 512), (1024, 768))  # [pixels] sizes of the timed pictures
 MIN_FRAME_RATE = 24.0  # [Hz] frame rate goal of preset normal at the first picture size
@@ -36,9 +40,12 @@ def bench() -> list[Metric]:
     """Measure rendering quality and speed, lids and lips of the face."""
     reason = find_display_problem()
     lips_reason = reason or espeak_fault()
+    prosody_reason = reason or ("" if find_package() else "hibari-tts is not installed")
     values = {} if reason else _measure_values()
     if not lips_reason:
         values |= measure_lips()
+    if not prosody_reason:
+        values |= measure_prosody(voice("hibari"))
     return [
         Metric(
             name,
@@ -46,7 +53,7 @@ def bench() -> list[Metric]:
             unit,
             goal,
             better,
-            (lips_reason if name.startswith(LIP_PREFIX) else reason) or _quote_thesis(name),
+            _choose_reason(name, reason, lips_reason, prosody_reason) or _quote_thesis(name),
         )
         for name, unit, goal, better in expected_metrics()
     ]
@@ -114,6 +121,17 @@ def expected_metrics() -> Iterator[tuple[str, str, float | None, Better]]:
         yield f"{LIP_PREFIX}{rate}_open", "count", 0.0, "lower"
         yield f"{LIP_PREFIX}{rate}_late", "count", 0.0, "lower"
         yield f"{LIP_PREFIX}{rate}_fastest", "mm/s", 300.0, "lower"
+    yield f"{PROSODY_PREFIX}accents_moved", "%", 60.0, "higher"
+    yield f"{PROSODY_PREFIX}brows", "1/min", None, "higher"
+    yield f"{PROSODY_PREFIX}blinks_fewest", "1/min", 10.0, "higher"
+    yield f"{PROSODY_PREFIX}blinks_most", "1/min", 25.0, "lower"
+
+
+def _choose_reason(name: str, reason: str | None, lips_reason: str | None, prosody_reason: str) -> str | None:
+    """Return why a metric cannot be measured here; empty if it can."""
+    if name.startswith(PROSODY_PREFIX):
+        return prosody_reason
+    return lips_reason if name.startswith(LIP_PREFIX) else reason
 
 
 def _measure_values() -> dict[str, float]:

@@ -1,9 +1,7 @@
-"""Eye motion: blinks, saccades, and gaze shifts ahead of the head.
+"""Eye motion: saccades, and gaze shifts ahead of the head.
 
-Blinks are random, 4 s apart on average (A. R. Bentivoglio et al., Analysis of blink rate patterns in normal subjects,
-Movement Disorders 1997, has 17 in a minute at rest), and occur with wide gaze shifts, and at the beginning of speech
-(W. S. Condon and W. D. Ogston, A segmentation of behavior, J. Psychiatric Research 1967). A saccade takes
-21 ms + 2.2 ms per degree (A. T. Bahill, M. R. Clark and L. Stark, The main sequence, Mathematical Biosciences 1975).
+A saccade takes 21 ms + 2.2 ms per degree (A. T. Bahill, M. R. Clark and L. Stark, The main sequence, Mathematical
+Biosciences 1975).
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +16,6 @@ from kinesic.body.action_units import (
     MAX_EYE_DEPRESSION,
     MAX_EYE_ELEVATION,
     MAX_EYE_YAW,
-    unit_channels,
 )
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.behaviours import stays
@@ -29,12 +26,6 @@ from kinesic.expressivity.style.standing import FRONTAL_GAZE, GazeHabit
 from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, departure_time
 from kinesic.motion.easing import ease
 
-CLOSING_TIME = 0.06  # [s] time in which the lids close in a blink
-CLOSED_TIME = 0.02  # [s] time for which the lids stay closed in a blink
-OPENING_TIME = 0.10  # [s] time in which the lids open after a blink
-MIN_BLINK_INTERVAL = 1.2  # [s] shortest time between two blinks
-MEAN_BLINK_INTERVAL = 4.0  # [s] mean time between two blinks
-BLINK_ANGLE = radians(20)  # [rad] angle above which a gaze shift causes a blink
 SACCADE_SPREAD = radians(2.5)  # [rad] standard deviation of saccades around the gaze target
 GAZE_LEAD_TIME = 0.3  # [s] advance of a gesture's gaze shift before its stroke if the head does not turn
 HALF_EYE_DISTANCE = 0.03  # [m] distance from an eye to the midpoint of both
@@ -161,49 +152,6 @@ def direction_angles(directions: Floats) -> Floats:
     """
     x, y, z = directions.T
     return np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1)
-
-
-def blink_times(
-    span: tuple[float, float], looks: Sequence[GazeDirection], seed: int, *, also: Sequence[float] = ()
-) -> tuple[float, ...]:
-    """Choose the start times of blinks [s], in order.
-
-    They are at least `MIN_BLINK_INTERVAL` apart; those of wide gaze shifts have precedence.
-
-    Args:
-        span: begin and end [s]; a longer one has the same blinks and more.
-        looks: gaze directions.
-        seed: of the random generator.
-        also: other times that cause a blink [s].
-    """
-    generator = np.random.default_rng((seed, 1))
-    wide_shifts = [time for look in looks if look.angle > BLINK_ANGLE for time in (look.start, look.end)] + [*also]
-    blinks: list[float] = []
-    for time in sorted(wide_shifts):
-        if span[0] <= time < span[1] and (not blinks or time - blinks[-1] >= MIN_BLINK_INTERVAL):
-            blinks.append(time)
-    required = np.array(blinks)
-    time = span[0] + float(generator.exponential(MEAN_BLINK_INTERVAL - MIN_BLINK_INTERVAL))
-    while time < span[1]:
-        if not np.any(np.abs(required - time) < MIN_BLINK_INTERVAL):
-            blinks.append(time)
-        time += MIN_BLINK_INTERVAL + float(generator.exponential(MEAN_BLINK_INTERVAL - MIN_BLINK_INTERVAL))
-    return tuple(sorted(blinks))
-
-
-def blink_units(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
-    """Convert blink start times to action units at (m,) times [s].
-
-    Returns:
-        Key of Command.face -> (m,) 0..1.
-    """
-    closed = np.zeros(len(times))
-    for begin in begins:
-        elapsed = times - begin
-        shut = ease("minimum_jerk", elapsed / CLOSING_TIME)
-        open_again = ease("minimum_jerk", (elapsed - CLOSING_TIME - CLOSED_TIME) / OPENING_TIME)
-        np.maximum(closed, shut - open_again, out=closed)
-    return dict.fromkeys(unit_channels(45), closed)
 
 
 def saccade_offsets(span: tuple[float, float], times: Floats, seed: int) -> Floats:

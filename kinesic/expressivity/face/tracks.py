@@ -15,13 +15,13 @@ from kinesic.body.action_units import describe_unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
+from kinesic.expressivity.face.blinks import blink_times, blink_units
+from kinesic.expressivity.face.brows import brow_units
 from kinesic.expressivity.face.expressions import MAX_BRIDGED_GAP, Envelope, Expression, find_expression
 from kinesic.expressivity.face.eyes import (
     STRAIGHT_AHEAD,
     Eyes,
     averted_gazes,
-    blink_times,
-    blink_units,
     eye_angles,
     gaze_units,
     saccade_offsets,
@@ -30,6 +30,7 @@ from kinesic.expressivity.face.eyes import (
 from kinesic.expressivity.face.visemes import SEAL_UNIT, visemes
 from kinesic.expressivity.keyframes import BodyMove, Outcome
 from kinesic.expressivity.lexicon.names import shorten_name
+from kinesic.expressivity.prosody import NO_PROSODY, Prosody, choose_accents, find_phrase_ends, scale_openings
 from kinesic.expressivity.style.style import Expressivity, Style
 
 MIN_INTENSITY = 1e-3  # weaker action units are omitted
@@ -37,6 +38,7 @@ MIN_INTENSITY = 1e-3  # weaker action units are omitted
 SPEAKING_INTENSITY = 0.3  # intensity of speech units at which expressions no longer close the mouth
 CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
 BLINK_LEAD_TIME = 0.15  # [s] from the start of a blink to the start of a speech
+FROWN_UNITS = ("L4", "R4")  # action units that lower the brows; raised brows yield to them
 STILL_EYES = Eyes()  # eyes that look straight ahead, without spontaneous motion
 NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # no permanent facial expression from the style
 NO_BODY_MOVES: Mapping[str, BodyMove] = MappingProxyType({})  # gestures without accompanying body motion
@@ -53,11 +55,13 @@ def face_track(
     eyes: Eyes = STILL_EYES,
     bodies: Mapping[str, BodyMove] = NO_BODY_MOVES,
     affect: Mapping[str, float] = NO_AFFECT,
+    prosody: Prosody = NO_PROSODY,
 ) -> Channels:
     """Compute the action units of a block.
 
     Expressions follow their sync points; one that stays lasts until the next that stays. Those that accompany a gesture
-    follow its sync points. Speech moves the mouth. Eyes look at the gaze target, otherwise ahead; they arrive before
+    follow its sync points. Speech moves the mouth, raises the brows on accents where the document shows no expression,
+    and closes the eyes briefly at ends of phrases. Eyes look at the gaze target, otherwise ahead; they arrive before
     the head, counter-rotate while it moves, make saccades and blink.
 
     Args:
@@ -68,6 +72,7 @@ def face_track(
         eyes: inputs of the eye motion, at the same times.
         bodies: id of a gesture -> accompanying body motion.
         affect: lexeme of an expression -> amount, shown where the document has no expression.
+        prosody: amount of the motion that follows the voice.
 
     Returns:
         Action units that are visible at some time.
@@ -77,12 +82,25 @@ def face_track(
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Speech) and timed.behaviour.id in utterances
     ]
-    spoken = merge_tracks(visemes(utterance.phonemes, times, start=start) for start, utterance in speeches)
+    spoken = merge_tracks(
+        visemes(scale_openings(utterance.phonemes, prosody.amount), times, start=start) for start, utterance in speeches
+    )
+    undirected = _undirected(timeline, times, styles, bodies)
     expressed = _open_lips(
         merge_tracks((*_expressions(timeline, times, styles, bodies), _affect(affect, timeline, times, styles))), spoken
     )
+    raised = merge_tracks(_raised_brows(timeline, utterances, times, styles, prosody))
+    free = undirected * (1.0 - np.max([expressed.get(unit, 0.0 * times) for unit in FROWN_UNITS], axis=0))
+    blinks = [start - BLINK_LEAD_TIME for start, _ in speeches]
+    if prosody.amount > 0.0:
+        blinks += [start + end for start, utterance in speeches for end in find_phrase_ends(utterance)]
     merged = merge_tracks(
-        (expressed, spoken, merge_tracks(_eyes(times, eyes, [start - BLINK_LEAD_TIME for start, _ in speeches])))
+        (
+            expressed,
+            spoken,
+            {channel: values * free for channel, values in raised.items()},
+            merge_tracks(_eyes(times, eyes, blinks)),
+        )
     )
     clipped = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in merged.items()}
     return {channel: values for channel, values in clipped.items() if values.max(initial=0.0) >= MIN_INTENSITY}
@@ -167,13 +185,40 @@ def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styl
     """Return a style's permanent expression, suppressed while the document shows others."""
     if not affect:
         return {}
-    remaining = np.ones(len(times))
-    for showing in (showing for shift in (False, True) for showing in _showings(timeline, styles, shift=shift)):
-        remaining = remaining * (1.0 - np.clip(showing.envelope.at(times), 0.0, 1.0))
+    remaining = _undirected(timeline, times, styles, NO_BODY_MOVES)
     shown = [find_expression(Face((lexeme,), amount=amount)) for lexeme, amount in affect.items()]
     return merge_tracks(
         {channel: intensity * remaining for channel, intensity in expression.units.items()} for expression in shown
     )
+
+
+def _undirected(
+    timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
+) -> Floats:
+    """Return the fraction (m,) of the face that no expression of the document takes."""
+    free = np.ones(len(times))
+    own = (showing for shift in (False, True) for showing in _showings(timeline, styles, shift=shift))
+    for showing in (*own, *_gesture_expressions(timeline, styles, bodies)):
+        free = free * (1.0 - np.clip(showing.envelope.at(times), 0.0, 1.0))
+    return free
+
+
+def _raised_brows(
+    timeline: Timeline,
+    utterances: Mapping[str, Utterance],
+    times: Floats,
+    styles: Mapping[str, Style],
+    prosody: Prosody,
+) -> Iterator[Channels]:
+    """Yield the brows raised on accents, per speech."""
+    if prosody.amount <= 0.0:
+        return
+    for timed in timeline.timed:
+        id, action = timed.behaviour.id, timed.behaviour.action
+        if isinstance(action, Speech) and id in utterances:
+            accents = choose_accents(id, utterances[id], action.script, prosody.seed)
+            start, manner = timed.times["start"], styles[id].face
+            yield brow_units(accents, times, start=start, amount=prosody.amount, manner=manner)
 
 
 def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -> list[_Showing]:
@@ -228,6 +273,6 @@ def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channe
         if habits.saccades:
             angles = angles + saccade_offsets(span, times, habits.seed)
         if habits.blinks:
-            yield blink_units(blink_times(span, ordered, habits.seed, also=onsets), times)
+            yield blink_units(blink_times(span, ordered, habits.seed, also=onsets), times, habits.seed)
     yield gaze_units(angles)
     yield vergence_units(ordered, times)

@@ -29,11 +29,10 @@ from kinesic.planning.secondary.offset_bumps import MotionChange, OffsetBump
 from kinesic.planning.secondary.rest_changes import make_rest_changes
 from kinesic.planning.secondary.succession import delay_hinges
 from kinesic.planning.secondary.talking import make_speech_motion
-from kinesic.planning.setup import Setup
+from kinesic.planning.setup import MAX_BODY_WEIGHT, Setup
 
 MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss where the clearance is already too small
 REST_STREAM = 5  # index of the random stream for changes of the rest posture
-MAX_BODY_WEIGHT = 1.5  # upper bound of a style's whole-body weight as factor on secondary motion
 
 
 def add_secondary_motion(
@@ -163,10 +162,12 @@ def _idle_offsets(
     motion: Trajectory, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
 ) -> Iterator[OffsetBump]:
     idling, robot, zero, timeline = setup.idling, setup.robot, motion.zero, frames.timeline
-    if idling.amount == 0.0:
-        return
     chance = np.random.default_rng((idling.seed, crc32(timeline.block.id.encode())))
-    part = idling.amount * min(setup.style.whole_body, MAX_BODY_WEIGHT)
+    part, prosody = idling.amount * min(setup.style.whole_body, MAX_BODY_WEIGHT), setup.style_prosody
+    if idling.amount == 0.0:
+        nods_alone = make_speech_motion(timeline, utterances, 0.0, robot, chance, prosody=prosody)
+        yield from (change.later(zero) for change in nods_alone)
+        return
     whole = max(zero + timeline.start, motion.start), max(zero + timeline.end, motion.end)
     yield from make_breaths(whole, idling.amount, robot, chance)
     touching = {
@@ -182,7 +183,8 @@ def _idle_offsets(
     standing = bearing.standing if bearing.posture > 0.0 else UNPOSED_STANDING
     yield from make_rest_changes(motion, whole, setup, standing, changing)
     yield from make_drifts(motion, idling.amount, robot, chance, touching)
-    yield from (change.later(zero) for change in make_speech_motion(timeline, utterances, part, robot, chance))
+    speech_motion = make_speech_motion(timeline, utterances, part, robot, chance, prosody=prosody)
+    yield from (change.later(zero) for change in speech_motion)
     nods = [
         (zero + min(timed.times.values()), zero + max(timed.times.values()))
         for timed in timeline.timed

@@ -1,7 +1,6 @@
 """Head and trunk motion during speech.
 
-The head dips on accented syllables; head and trunk drift slowly from phrase to phrase. Requested head motion is left
-unchanged.
+The head nods on accents; head and trunk drift slowly from phrase to phrase. Requested head motion is left unchanged.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -10,17 +9,16 @@ from math import radians
 import numpy as np
 
 from kinesic.bml.block import Gaze, Head, HeadDirectionShift, Speech, Timeline
-from kinesic.bml.timing.syllables import find_accented_vowels
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.idle import Span, pauses
+from kinesic.expressivity.prosody import NO_PROSODY, Accent, Prosody, choose_accents
 from kinesic.planning.secondary.offset_bumps import OffsetBump
 from kinesic.planning.torso import set_turn
 
-DIP_ANGLES = radians(1.2), radians(2.4)  # [rad] range of the head dip on a stressed word
+DIP_ANGLES = radians(1.2), radians(2.4)  # [rad] range of the head dip on an accent
 DIP_DOWN_TIME = 0.25  # [s] time from the start of a head dip to its lowest point
 DIP_UP_TIME = 0.45  # [s] time from the lowest point of a head dip to its end
-DIP_SPACING = 0.9, 2.2  # [s] range of intervals between head dips
 DRIFT_PERIODS = 2.5, 4.5  # [s] range of durations of one sway of head and trunk
 PEAK_FRACTIONS = 0.35, 0.6  # range of the peak time, as fractions of the sway
 MIN_DRIFT_TIME = 1.2  # [s] shortest sway of head and trunk
@@ -29,7 +27,13 @@ MAX_TRUNK_DRIFT = radians(0.9), radians(0.3), radians(0.7)  # [rad] largest tors
 
 
 def make_speech_motion(
-    timeline: Timeline, utterances: Mapping[str, Utterance], amount: float, robot: Robot, chance: np.random.Generator
+    timeline: Timeline,
+    utterances: Mapping[str, Utterance],
+    amount: float,
+    robot: Robot,
+    chance: np.random.Generator,
+    *,
+    prosody: Prosody = NO_PROSODY,
 ) -> Iterator[OffsetBump]:
     """Yield offsets of head and trunk during speech.
 
@@ -38,9 +42,10 @@ def make_speech_motion(
     Args:
         timeline: of the block.
         utterances: by speech id.
-        amount: 0 none .. 1 like a person.
+        amount: of the sway, 0 none .. 1 like a person.
         robot: parts that it lacks stay still.
-        chance: random generator.
+        chance: random generator of the sway.
+        prosody: amount of the nods on accents.
     """
     busy_spans = [
         (min(timed.times.values()), max(timed.times.values()))
@@ -48,14 +53,17 @@ def make_speech_motion(
         if isinstance(timed.behaviour.action, Gaze | Head | HeadDirectionShift)
     ]
     for timed in timeline.timed:
-        utterance = utterances.get(timed.behaviour.id)
-        if not isinstance(timed.behaviour.action, Speech) or utterance is None:
+        utterance, action = utterances.get(timed.behaviour.id), timed.behaviour.action
+        if not isinstance(action, Speech) or utterance is None:
             continue
         begin, end = timed.times["start"], timed.times["end"]
-        accents = [begin + time for time in utterance.accents or find_accented_vowels(utterance.phonemes)]
+        accents = choose_accents(timed.behaviour.id, utterance, action.script, prosody.seed)
+        nodding = np.random.default_rng((prosody.seed, len(accents)))
         for span in pauses(busy_spans, (begin, end)):
-            yield from _straying(span, amount, robot, chance)
-            yield from _dips(accents, span, amount, robot, chance)
+            if amount > 0.0:
+                yield from _straying(span, amount, robot, chance)
+            if prosody.amount > 0.0:
+                yield from _dips(accents, begin, span, prosody.amount, robot, nodding)
 
 
 def _straying(span: Span, amount: float, robot: Robot, chance: np.random.Generator) -> Iterator[OffsetBump]:
@@ -73,12 +81,12 @@ def _straying(span: Span, amount: float, robot: Robot, chance: np.random.Generat
 
 
 def _dips(
-    accents: Sequence[float], span: Span, amount: float, robot: Robot, chance: np.random.Generator
+    accents: Sequence[Accent], start: float, span: Span, amount: float, robot: Robot, chance: np.random.Generator
 ) -> Iterator[OffsetBump]:
-    earliest = span[0] + DIP_DOWN_TIME
+    """Yield the nods of a speech that begins at `start`, as far as they lie within a span."""
     for accent in accents:
-        if accent >= earliest and accent + DIP_UP_TIME <= span[1]:
+        time, angle = start + accent.time, amount * accent.nod * float(chance.uniform(*DIP_ANGLES))
+        if angle > 0.0 and time - DIP_DOWN_TIME >= span[0] and time + DIP_UP_TIME <= span[1]:
             offsets = np.zeros(len(robot.skeleton.hinges))
-            set_turn(robot, "neck", np.array([0.0, amount * float(chance.uniform(*DIP_ANGLES)), 0.0]), offsets)
-            yield OffsetBump(accent - DIP_DOWN_TIME, accent, accent + DIP_UP_TIME, offsets)
-            earliest = accent + float(chance.uniform(*DIP_SPACING))
+            set_turn(robot, "neck", np.array([0.0, angle, 0.0]), offsets)
+            yield OffsetBump(time - DIP_DOWN_TIME, time, time + DIP_UP_TIME, offsets)

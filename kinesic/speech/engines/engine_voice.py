@@ -14,6 +14,7 @@ from kinesic.speech.engines.estimate import complete
 from kinesic.speech.engines.mark_times import place_marks
 from kinesic.speech.engines.phrase import EngineError, Phrase, SpeechEngine, SpokenPhrase, SpokenWord, UnreadableError
 from kinesic.speech.engines.phrasing import PlacedPhrase, divide
+from kinesic.speech.voice_level import open_vowels_by_level
 
 CACHED_PHRASES = 64  # number of cached phrases
 MAX_CHARACTERS = 25_000  # [characters] longest script, about half an hour: longer than a block may last
@@ -132,7 +133,7 @@ def _join(script: Script, name: str, parts: list[tuple[PlacedPhrase, SpokenPhras
     return Utterance(
         sound.duration,
         place_marks(script, words, sound.duration),
-        tuple(phonemes),
+        open_vowels_by_level(phonemes, sound),
         name,
         sound,
         _collect_remarks(script, name, (spoken for _, spoken in parts)),

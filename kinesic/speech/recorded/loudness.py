@@ -5,6 +5,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.utterance import Sound
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD
+from kinesic.speech.voice_level import OPENING_RANGE, OPENING_SLOPE
 
 PITCH_WINDOW = 0.04  # [s] length of sound in one pitch estimate
 LOWEST_PITCH = 60.0  # [Hz] lowest pitch of a voice
@@ -13,8 +14,6 @@ MIN_PERIODICITY = 0.5  # normalised autocorrelation above which a frame is voice
 OCTAVE_COST = 0.01  # periodicity by which a period twice as long must be better
 BLOCK_FRAMES = 4096  # frames whose pitch is estimated at once
 MIN_ENERGY = 1e-9  # energy added to avoid division by zero
-OPENING_SLOPE = 0.03  # [1/dB] change of the lip opening with the level
-OPENING_RANGE = (0.6, 1.3)  # relative lip opening of the quietest and loudest sounds
 
 
 def estimate_pitch(sound: Sound) -> Floats:

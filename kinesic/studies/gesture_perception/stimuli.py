@@ -107,7 +107,7 @@ def changed_setup(setup: Setup, condition: str) -> Setup:
         raise ConfigError(f"{name} is {value!r}, not a number; such as {name}=0") from None
     if name == "idle":
         check_options({"idle": amount})
-        return replace(setup, idling=replace(setup.idling, amount=amount))
+        return replace(setup, idling=replace(setup.idling, amount=amount), prosody=amount)
     check_options({"variation": amount})
     return replace(setup, variation=replace(setup.variation, amount=amount))
 

@@ -6,16 +6,10 @@ from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.action_units import MAX_EYE_CONVERGENCE, MAX_EYE_DEPRESSION, MAX_EYE_ELEVATION, MAX_EYE_YAW
 from kinesic.expressivity.face.eyes import (
-    CLOSED_TIME,
-    CLOSING_TIME,
     GAZE_LEAD_TIME,
-    MIN_BLINK_INTERVAL,
-    OPENING_TIME,
     SACCADE_SPREAD,
     GazeDirection,
     Habits,
-    blink_times,
-    blink_units,
     block_gazes,
     direction_angles,
     eye_angles,
@@ -29,41 +23,6 @@ from kinesic.expressivity.keyframes import BodyMove, Turn
 SAMPLE_TIMES = np.arange(0.0, 10.0, 0.005)
 HEAD_AHEAD = np.zeros((len(SAMPLE_TIMES), 2))
 BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-
-
-def test_random_blinks_have_a_mean_interval_of_four_seconds():
-    begins = np.array(blink_times((0.0, 4000.0), (), 3))
-    gaps = np.diff(begins)
-    assert gaps.min() >= MIN_BLINK_INTERVAL - 1e-9
-    assert 3.0 < gaps.mean() < 5.0
-    assert blink_times((0.0, 4000.0), (), 3) == tuple(begins)
-    assert blink_times((0.0, 4000.0), (), 4) != tuple(begins)
-
-
-def test_random_blinks_of_a_longer_block_begin_like_those_of_a_shorter_block():
-    short, long = (blink_times((0.0, end), (), 5) for end in (30.0, 60.0))
-    assert long[: len(short)] == short
-
-
-def test_wide_gaze_shifts_cause_a_blink_and_small_ones_do_not():
-    wide, narrow = GazeDirection(3.0, 0.6, 0.0, 6.0), GazeDirection(3.0, 0.1, 0.0, 6.0)
-    assert {3.0, 6.0} <= set(blink_times((0.0, 10.0), [wide], 1))
-    assert not {3.0, 6.0} & set(blink_times((0.0, 10.0), [narrow], 1))
-
-
-def test_requested_blink_occurs_unless_another_blink_is_too_close():
-    assert {2.0, 4.0} <= set(blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0]))
-    assert 2.5 not in blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0])
-
-
-def test_blink_closes_both_eyes_fully_and_briefly():
-    units = blink_units([2.0], SAMPLE_TIMES)
-    assert units.keys() == {"L45", "R45"}
-    closed = units["L45"]
-    assert closed.max() == 1.0
-    whole = CLOSING_TIME + CLOSED_TIME + OPENING_TIME
-    np.testing.assert_array_equal(closed[np.abs(SAMPLE_TIMES - 2.0 - whole / 2) > whole / 2 + 1e-9], 0.0)
-    assert 0.14 < whole < 0.22
 
 
 def test_eyes_reach_the_gaze_target_before_the_head_and_stay_on_it():
@@ -153,14 +112,6 @@ def test_saccades_go_in_all_directions_and_half_as_far_vertically():
     assert 0.4 * SACCADE_SPREAD < left < SACCADE_SPREAD
     assert len(np.unique(rests.round(9), axis=0)) > 50
     np.testing.assert_allclose([rests[:, 0].min(), rests[:, 0].max()], [-2 * SACCADE_SPREAD, 2 * SACCADE_SPREAD])
-
-
-def test_blinks_caused_by_gaze_shifts_keep_the_minimum_interval():
-    begins = np.array(blink_times((0.0, 60.0), (), 3, also=np.arange(0.1, 60.0, 0.3).tolist()))
-    assert begins[0] == pytest.approx(0.1)
-    assert np.diff(begins).min() >= MIN_BLINK_INTERVAL - 1e-9
-    assert np.diff(begins).max() < MIN_BLINK_INTERVAL + 0.6
-    assert blink_times((5.0, 6.0), (), 3, also=[4.9, 6.0, 6.1]) == blink_times((5.0, 6.0), (), 3)
 
 
 @pytest.mark.soak

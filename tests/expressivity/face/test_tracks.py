@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits, gaze_units, saccade_offsets
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_outcome, face_track
 from kinesic.expressivity.keyframes import BodyMove
+from kinesic.expressivity.prosody import Prosody, find_phrase_ends
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.speech.durations import DurationModel
@@ -147,7 +150,7 @@ def test_eyes_blink_before_a_speech():
     result = show(
         *scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), SAMPLE_TIMES, habits=Habits(seed=0)
     )
-    assert at(result["L45"], 1.92) == pytest.approx(1.0)
+    assert result["L45"][(SAMPLE_TIMES > 1.85) & (SAMPLE_TIMES < 2.0)].max() == pytest.approx(1.0)
 
 
 def test_gaze_turns_the_eyes():
@@ -226,3 +229,64 @@ def test_gesture_expression_peaks_at_stroke_and_decays_with_retraction():
 def test_face_behaviour_with_one_unknown_lexeme_is_substituted_with_a_reason():
     outcome = face_outcome(Face(("smile", "xyzzy")))
     assert (outcome.kind, "xyzzy" in outcome.why) == ("substituted", True)
+
+
+def show_prosody(inside: str, amount: float = 1.0, style=None, times=SAMPLE_TIMES, **eyes) -> Channels:
+    timeline, said = scheduled(inside)
+    styles = resolve_styles(style or Style(), timeline.block)
+    return face_track(timeline, said, times, styles=styles, eyes=Eyes(**eyes), prosody=Prosody(amount))
+
+
+TALK = (
+    '<speech id="s" start="0"><text>There was a garden, and a man came to it on every morning of May.</text></speech>'
+)
+
+
+def test_plain_speech_raises_the_brows_on_accents():
+    raised = show_prosody(TALK)["L2"]
+    assert raised.max() >= 0.25
+    assert "L2" not in show_prosody(TALK, 0.0)
+    assert show_prosody(TALK, 1.5)["L2"].max() > 1.4 * raised.max()
+    wide = show_prosody(TALK, style=Style(face=Expressivity(spatial=0.8)))["L2"]
+    assert wide.max() > 1.3 * raised.max()
+
+
+def test_expression_of_the_document_keeps_the_brows_from_accents():
+    frown = '<faceLexeme id="f" lexeme="joy" amount="0.6" start="0" attackPeak="0.2" relax="7" end="7.5"/>'
+    alone, directed = show_prosody(TALK), show_prosody(TALK + frown)
+    during = (SAMPLE_TIMES > 0.3) & (SAMPLE_TIMES < 6.9)
+    assert alone["L2"][during].max() > 0.2
+    assert directed.get("L2", np.zeros(len(SAMPLE_TIMES)))[during].max() < 1e-6
+
+
+def test_frown_of_a_style_reduces_raised_brows():
+    timeline, said = scheduled(TALK)
+    styles = resolve_styles(Style(), timeline.block)
+    free, frowning = (
+        face_track(timeline, said, SAMPLE_TIMES, styles=styles, affect=affect, prosody=Prosody(1.0))["L2"].max()
+        for affect in ({}, {"anger": 0.5})
+    )
+    assert frowning < 0.8 * free
+
+
+def test_eyes_blink_at_the_ends_of_phrases():
+    _, said = scheduled(TALK)
+    ends = np.array(find_phrase_ends(said["s"]))
+    times = np.arange(-0.5, 8.0, 0.005)
+    with_prosody, without = (show_prosody(TALK, amount, times=times, habits=Habits(2))["L45"] for amount in (1.0, 0.0))
+    closing = times[1:][(with_prosody[1:] > 0.0) & (with_prosody[:-1] == 0.0)]
+    assert len(ends) >= 2
+    assert all(np.abs(closing - end).min() < 0.02 for end in ends)
+    plain = times[1:][(without[1:] > 0.0) & (without[:-1] == 0.0)]
+    assert not all(np.abs(plain - end).min() < 0.02 for end in ends)
+
+
+def test_loud_sounds_open_the_jaw_further_with_prosody():
+    timeline, said = scheduled(TALK)
+    loud = {"s": replace(said["s"], phonemes=tuple(replace(p, opening=1.3) for p in said["s"].phonemes))}
+    styles = resolve_styles(Style(), timeline.block)
+    still, moved = (
+        face_track(timeline, loud, SAMPLE_TIMES, styles=styles, prosody=Prosody(amount))["26"].max()
+        for amount in (0.0, 1.0)
+    )
+    assert moved > 1.1 * still

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from kinesic.expressivity.prosody import NOD_SPACING, Prosody
 from kinesic.planning.secondary.talking import DIP_ANGLES, MAX_HEAD_DRIFT, MAX_TRUNK_DRIFT, make_speech_motion
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
@@ -19,7 +20,11 @@ def swells(known, document, amount=1.0, seed=1):
     planned = plan(ROOT.format(document), known)
     chance = np.random.default_rng(seed)
     names = known.robot.skeleton.names
-    results = [*make_speech_motion(planned.timeline, planned.utterances, amount, known.robot, chance)]
+    results = [
+        *make_speech_motion(
+            planned.timeline, planned.utterances, amount, known.robot, chance, prosody=Prosody(amount, seed)
+        )
+    ]
     return planned, results, [{names[k] for k in np.flatnonzero(swell.away)} for swell in results]
 
 
@@ -41,7 +46,7 @@ def test_head_dips_on_accents_with_minimum_spacing(known):
     assert all(min(abs(swell.peak - vowel) for vowel in vowels) < 1e-6 for swell in dips)
     peaks = [swell.peak for swell in dips]
     assert len(peaks) >= 3
-    assert min(np.diff(peaks)) >= 0.9
+    assert min(np.diff(peaks)) >= NOD_SPACING[0] - 1e-9
     assert all(DIP_ANGLES[0] <= swell.away.max() <= DIP_ANGLES[1] for swell in dips)
 
 
@@ -59,6 +64,31 @@ def test_speech_motion_scales_with_amount(known):
     _, two, _ = swells(known, SPEECH, 2.0)
     assert max(np.abs(swell.away).max() for swell in one) <= most
     assert all(np.allclose(b.away, 2.0 * a.away) for a, b in zip(one, two, strict=True))
+
+
+def test_nods_and_sway_have_separate_amounts(known):
+    planned = plan(ROOT.format(SPEECH), known)
+    for amount, prosody, parts in ((0.0, 1.0, {"skullbase_tilt"}), (1.0, 0.0, {"skullbase_torsion", "vl5_torsion"})):
+        chance = np.random.default_rng(1)
+        result = [
+            *make_speech_motion(
+                planned.timeline, planned.utterances, amount, known.robot, chance, prosody=Prosody(prosody)
+            )
+        ]
+        moved = {known.robot.skeleton.names[k] for swell in result for k in np.flatnonzero(swell.away)}
+        assert parts <= moved
+        assert (moved == {"skullbase_tilt"}) == (amount == 0.0)
+
+
+def test_emphasised_word_has_a_nod_above_the_usual_size(known):
+    stressed = SPEECH.replace("every", "<emphasis>every</emphasis>")
+    _, result, moved = swells(known, stressed)
+    dips = [swell.away.max() for swell, names in zip(result, moved, strict=True) if names == {"skullbase_tilt"}]
+    assert max(dips) > 1.5 * DIP_ANGLES[0]
+    assert min(dips) >= DIP_ANGLES[0]
+    assert max(dips) > max(
+        swell.away.max() for swell, names in zip(*swells(known, SPEECH)[1:], strict=True) if names == {"skullbase_tilt"}
+    )
 
 
 def test_no_speech_gives_no_speech_motion(known):
