@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, Touch
 from kinesic.planning.contact import SurfaceTouch, touched_pairs
+from kinesic.planning.nonnegative import solve_nonnegative
 
 MAX_STEPS = 12  # largest number of least-squares iterations per posture
 GAP_TOLERANCE = 2e-4  # [m] accepted shortfall of the required distance after the last iteration
@@ -121,7 +121,7 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
     for fraction in (1.0, 0.5, 0.25, 0.125):
         required = np.where(needed > 0, fraction * needed, needed)
         system = np.vstack([within, required])
-        multipliers, _ = scipy.optimize.nnls(system, np.append(np.zeros(len(within)), 1.0))
+        multipliers = solve_nonnegative(system, np.append(np.zeros(len(within)), 1.0))
         residual = system @ multipliers
         if 1.0 - residual[-1] > LENGTH_EPSILON:
             step: Floats = np.linalg.solve(root.T, residual[:-1] / (1.0 - residual[-1]))
