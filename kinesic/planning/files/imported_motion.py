@@ -3,11 +3,10 @@
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.bml.schedule import schedule
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
@@ -93,13 +92,32 @@ def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
     )
 
 
-def _turns(column: Floats) -> NDArray[np.intp]:
-    """Return the indices of reversals in angles (m,), ignoring noise."""
-    from scipy.signal import find_peaks  # noqa: PLC0415 - slow to import and rarely needed
+def _turns(column: Floats) -> Indices:
+    """Return the indices of reversals in angles (m,), ignoring noise.
 
-    return np.sort(
-        np.concatenate([find_peaks(sign * column, prominence=REVERSAL_PROMINENCE)[0] for sign in (1.0, -1.0)])
-    )
+    Successive reversals differ by more than noise. The middle of a pause counts, and the first of several equal peaks
+    that noise separates.
+    """
+    starts = np.flatnonzero(np.diff(column, prepend=np.nan))
+    middles = (starts + np.append(starts[1:], len(column)) - 1) // 2
+    rises = np.diff(column[starts]) > 0.0
+    extremes = np.flatnonzero(np.diff(rises, prepend=~rises[:1], append=~rises[-1:]))
+    angles = column[starts[extremes]].tolist()
+    turns: list[int] = []
+    lowest = highest = direction = 0
+    for k, angle in enumerate(angles):
+        if angle > angles[highest]:
+            highest = k
+        elif angle < angles[lowest]:
+            lowest = k
+        if direction >= 0 and angles[highest] - angle >= REVERSAL_PROMINENCE:
+            turns += [highest] * direction
+            direction, lowest = -1, k
+        elif direction <= 0 and angle - angles[lowest] >= REVERSAL_PROMINENCE:
+            turns += [lowest] * -direction
+            direction, highest = 1, k
+    reversals: Indices = middles[extremes[turns]]
+    return reversals
 
 
 def _keyed(times: Floats, even_times: Floats, turns: Floats) -> Flags:

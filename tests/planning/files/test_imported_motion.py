@@ -6,7 +6,7 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.dry_run import dry_run
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.files.bap import BapFrames, read_bap, write_bap
-from kinesic.planning.files.imported_motion import plan_imported
+from kinesic.planning.files.imported_motion import REVERSAL_PROMINENCE, _turns, plan_imported
 from kinesic.report.checks import checks
 from kinesic.session.plan import plan
 
@@ -88,3 +88,28 @@ def test_parameters_without_hinge_are_reported(known, wave):
     assert notice.text == "the robot has no hinge for the parameters 4, 5"
     with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
         plan_imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_reversals_of_an_imported_hinge_match_scipy(seed: int):
+    find_peaks = pytest.importorskip("scipy.signal").find_peaks
+    rng = np.random.default_rng(seed)
+    angles = np.repeat(np.cumsum(rng.normal(0.0, REVERSAL_PROMINENCE / 2, 200)), rng.integers(1, 5, 200))
+    peaks = [find_peaks(sign * angles, prominence=REVERSAL_PROMINENCE)[0] for sign in (1.0, -1.0)]
+    np.testing.assert_array_equal(_turns(angles), np.sort(np.concatenate(peaks)))
+
+
+@pytest.mark.parametrize(
+    ("angles", "turns"),
+    [
+        ([0.3], []),
+        ([0.3, 0.3, 0.3], []),
+        ([0.0, 0.1, 0.2], []),
+        ([0.2, 0.1, 0.1, 0.1, 0.2], [2]),
+        ([0.0, 0.2, 0.195, 0.2, 0.0], [1]),
+        ([0.0, 0.2, 0.195, 0.21, 0.0, 0.1], [3, 4]),
+    ],
+    ids=["one frame", "still", "one way", "pause", "equal peaks", "noise"],
+)
+def test_reversal_is_an_extreme_angle_that_differs_by_more_than_noise(angles, turns):
+    assert _turns(np.array(angles)).tolist() == turns
