@@ -33,7 +33,6 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from kinesic._kernel import controller as kernel
 from kinesic.body.arrays import Floats, seal_in_place, sealed
@@ -42,6 +41,7 @@ from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForwardSetpoints
 from kinesic.controller.observer_step import pack_observer
+from kinesic.motion.recursion import sum_decaying
 
 OBSERVER_BANDWIDTH = 100.0  # [rad/s] frequency of the three observer poles
 REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which the first estimate of a load error is halved
@@ -296,5 +296,4 @@ def _smooth(values: Floats, start: Floats, rate: float) -> Floats:
     """
     driven = rate * values
     driven[0] += (1.0 - rate) * start
-    smoothed, _ = scipy.linalg.lapack.dtbtrs(np.outer([1.0, rate - 1.0], np.ones(len(values))), driven, uplo="L")
-    return np.ascontiguousarray(smoothed)
+    return sum_decaying(driven, 1.0 - rate)

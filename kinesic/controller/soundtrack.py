@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from kinesic.bml.block import Speech
 from kinesic.body.utterance import Samples, Sound
@@ -19,6 +20,8 @@ from kinesic.speech.speaker import Speaker
 
 MAX_SAMPLE_VALUE = 32767  # largest value of a 16-bit sample
 MAX_SAMPLE_RATE = 48_000  # [Hz] highest rate of the mix, which bounds the memory
+FILTER_REACH = 10  # zero crossings of the resampling filter before and after its peak
+FILTER_SHAPE = 5.0  # parameter of the Kaiser window, which attenuates what is above half of the lower rate by 54 dB
 MAX_SYNC_ERROR = 0.03  # [s] time error of the sound above which it restarts at the robot's position
 
 
@@ -48,13 +51,25 @@ def sound(plan: Plan) -> Sound | None:
 
 
 def resample(spoken: Sound, rate: int) -> Samples:
-    """Convert the samples (m,) of a sound to another rate [Hz]."""
+    """Convert the samples (m,) of a sound to another rate [Hz].
+
+    Each new sample is a sum of the samples around it, weighted by the impulse response of an ideal low-pass filter that
+    fades out. Every `up`-th new sample has the same weights, since it lies `down` samples later.
+    """
     if spoken.rate == rate:
         return spoken.samples
-    from scipy.signal import resample_poly  # noqa: PLC0415 - slow to import and rarely needed
-
     common = gcd(spoken.rate, rate)
-    samples: Samples = resample_poly(spoken.samples, rate // common, spoken.rate // common)
+    up, down = rate // common, spoken.rate // common
+    reach = FILTER_REACH * max(up, down)  # of the impulse response, in samples at the common multiple of both rates
+    response = np.sinc(np.arange(-reach, reach + 1) / max(up, down)) * np.kaiser(2 * reach + 1, FILTER_SHAPE)
+    response = np.pad(response * (up / response.sum()), 2 * up).astype(np.float32)
+    side = reach // up + 1  # samples before and after
+    around = sliding_window_view(np.pad(spoken.samples, side), 2 * side + 1)
+    samples: Samples = np.empty(-(-len(spoken.samples) * up // down), dtype=np.float32)
+    for first in range(min(up, len(samples))):
+        nearest, phase = divmod(first * down, up)
+        weights = response[2 * up + reach + phase - up * np.arange(-side, side + 1)]
+        samples[first::up] = around[nearest::down] @ weights
     return samples
 
 

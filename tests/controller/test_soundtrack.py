@@ -118,6 +118,15 @@ def test_resampled_speech_keeps_its_pitch():
     assert np.abs(other - expected)[200:-200].max() < 0.01
 
 
+@pytest.mark.parametrize("count", [1, 5, 999])
+@pytest.mark.parametrize(("given", "rate"), [(22050, 48000), (24000, 48000), (48000, 22050), (96000, 48000)])
+def test_resampled_sound_matches_scipy(given: int, rate: int, count: int):
+    signal = pytest.importorskip("scipy.signal")
+    noise = Sound.of(given, np.random.default_rng(count).uniform(-0.9, 0.9, count))
+    other = signal.resample_poly(noise.samples, rate, given)
+    np.testing.assert_allclose(resample(noise, rate), other, atol=1e-6)
+
+
 def test_wav_file_contains_the_sound(tmp_path: Path):
     ramp = Sound.of(RATE, np.linspace(-1.0, 1.0, 1001))
     write_wav(ramp, tmp_path / "ramp.wav")

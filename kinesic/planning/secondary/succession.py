@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.motion.easing import minimum_jerk
+from kinesic.motion.piecewise import PiecewisePolynomial
+from kinesic.motion.recursion import sum_decaying
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
@@ -25,6 +26,8 @@ MAX_DELAY_RATE = 0.35  # largest delay that a joint builds up during a rest / du
 MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion
 MIN_VISIBLE_OFFSET = 1e-3  # [rad] angle offset below which a joint's delay is not applied
 OFFSET_TOLERANCE = 1e-9  # [rad] smaller angle offsets count as zero
+SPLINE_POLE = 3.0**0.5 - 2.0  # factor by which slopes of a cubic spline decay per point, the root of z + 1 / z = -4
+NOT_A_KNOT = sealed([2.5, 0.5])  # weights of the first two steps in the sum of the first slope and twice the second
 
 NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # [s] start, any duration, delay and change of delay of an interval without delay
 
@@ -164,7 +167,7 @@ class _Curves:
         late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
         places = np.minimum(np.maximum(rows - late / KNOT_INTERVAL, 0.0), last)
         values = self.motion.controls[:, list(self.joints)]
-        away = _spline(values)(places) - values.take(np.minimum(rows, last), axis=0)
+        away = _spline(values).at(places) - values.take(np.minimum(rows, last), axis=0)
         columns = {joint: k for k, joint in enumerate(self.joints)}
         blocks = [
             sealed(away[one:other].take([columns[joint] for joint in shift.joints], axis=1))
@@ -177,21 +180,25 @@ class _Curves:
             yield Delay(begin, until, tuple(shifts[shift].joints[which]), blocks[shift][first : end + 1, which])
 
 
-def _spline(points: Floats) -> "scipy.interpolate.PPoly":
+def _spline(points: Floats) -> PiecewisePolynomial:
     """Return the cubic spline through equidistant points (k, h).
 
-    The third derivative is continuous at the second and the last but one point (not-a-knot).
+    The third derivative is continuous at the second and the last but one point (not-a-knot). Two recursions give slopes
+    of a continuous second derivative; slopes that decay from both ends are added, so that the ends fit, too.
     """
-    steps = np.diff(points, axis=0)
-    ends = np.array([5.0, 1.0]) / 2.0
-    pull = np.vstack([ends @ steps[:2], 3.0 * (steps[:-1] + steps[1:]), ends @ steps[:-3:-1]])
-    beside, middle = np.ones(len(steps)), np.full(len(points), 4.0)
-    before, after = beside.copy(), beside
-    middle[[0, -1]], after[0], before[-1] = 1.0, 2.0, 2.0
-    slopes = scipy.linalg.lapack.dgtsv(before, middle, after, pull)[3]
+    steps = points[1:] - points[:-1]
+    pulls = np.zeros_like(points)
+    pulls[1:-1] = 3.0 * (steps[:-1] + steps[1:])
+    slopes = -SPLINE_POLE * sum_decaying(sum_decaying(pulls, SPLINE_POLE)[::-1], SPLINE_POLE)[::-1]
+    ends = [NOT_A_KNOT @ steps[:2] - (slopes[0] + 2.0 * slopes[1])]
+    ends.append(NOT_A_KNOT @ steps[:-3:-1] - (slopes[-1] + 2.0 * slopes[-2]))
+    decay = SPLINE_POLE ** np.arange(len(points))
+    near, far = decay[:2] @ [1.0, 2.0], decay[:-3:-1] @ [1.0, 2.0]
+    begin, end = np.linalg.solve([[near, far], [far, near]], ends)
+    slopes += np.outer(decay, begin) + np.outer(decay[::-1], end)
     bend = slopes[:-1] + slopes[1:] - 2.0 * steps
     coefficients = np.stack([bend, steps - slopes[:-1] - bend, slopes[:-1], points[:-1]])
-    return scipy.interpolate.PPoly.construct_fast(coefficients, np.arange(float(len(points))))
+    return PiecewisePolynomial(np.arange(float(len(points))), coefficients)
 
 
 def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[tuple[int, int, int, int]]:

@@ -9,7 +9,7 @@ from kinesic.motion.limit_check import check_limits
 from kinesic.planning.certify import MAX_DUTY, compute_peak_duties
 from kinesic.planning.secondary.arm_times import find_arm_courses
 from kinesic.planning.secondary.changes import Changes
-from kinesic.planning.secondary.succession import delay_hinges
+from kinesic.planning.secondary.succession import _spline, delay_hinges
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -27,6 +27,15 @@ def known():
 def exact(known):
     """Plan a gesture of both hands without delay."""
     return plan(ROOT.format(LARGE), known)
+
+
+@pytest.mark.parametrize("count", [4, 5, 8, 60])
+def test_spline_for_delayed_joints_matches_scipy(count: int):
+    interpolate = pytest.importorskip("scipy.interpolate")
+    rng = np.random.default_rng(count)
+    points, places = rng.normal(size=(count, 3)), rng.uniform(0.0, count - 1.0, 50)
+    other = interpolate.CubicSpline(np.arange(count), points)
+    np.testing.assert_allclose(_spline(points).at(places), other(places), atol=1e-12)
 
 
 def laid(exact, succession):
