@@ -1,0 +1,348 @@
+"""Servos whose supervisor process is played: commands, requests and the reasons of an end."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import msgspec
+import numpy as np
+import pytest
+
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.body.servo import tracking_lags
+from kinesic.hardware import servos as servos_module
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.servos import START_TIMEOUT, Servos, check_ports_free
+from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_size
+from kinesic.hardware.supervisor.settings import SupervisorOrder, SupervisorSettings
+from kinesic.hardware.supervisor.state_machine import Stage
+
+JOINTS = 4
+PORTS = {"left": "/dev/left", "right": Path("/dev/right")}
+SETTINGS = SupervisorSettings(pace=0.5)
+RAISED = np.array([0.0, 1.0, 0.0, 0.0])  # [rad]
+
+
+class PlayedSupervisor:
+    """Process that answers in the channel whenever the test, or a sleep of the planner, lets it."""
+
+    def __init__(self, arguments: list[str], *, stdin: int, pass_fds: tuple[int, ...], start_new_session: bool) -> None:
+        self.arguments, self.session, self.pid = arguments, start_new_session, 4711
+        (memory,) = pass_fds
+        self.channel = Channel(map_memory(memory, memory_size(JOINTS)), JOINTS)
+        reader, writer = os.pipe()
+        self.stdin, self.reader = os.fdopen(writer, "wb"), os.fdopen(reader, "rb")
+        self.returncode: int | None = None
+        self.waits = 0
+        self.schedule: list[Callable[[PlayedSupervisor], object]] = []  # one call per sleep of the planner
+
+    def poll(self) -> int | None:
+        return self.returncode
+
+    def wait(self) -> None:
+        self.waits += 1
+        self.returncode = 2
+
+    def tell(self, stage: Stage = Stage.LIMP, **status: object) -> None:
+        self.channel.write_status(Status(**{"stage": stage, **standing(), **status}))
+
+    def note(self, kind: str, text: str) -> None:
+        self.channel.note(Note(1.0, -1, kind, text))
+
+    def end(self, code: int = 0, **status: object) -> None:
+        self.tell(Stage.CLOSED, **status)
+        self.returncode = code
+
+
+def standing() -> dict[str, object]:
+    zero = np.zeros(JOINTS)
+    return {"angles": zero, "setpoints": zero, "taken": zero}
+
+
+class Rig:
+    """Servos with their played supervisor."""
+
+    def __init__(self, robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.robot = robot
+        self.supervisors: list[PlayedSupervisor] = []
+        self.clock, self.sleeps = 100.0, list[float]()
+        self.found: dict[str, Channel] = {}
+        self.searched: list[tuple[object, int]] = []
+        self.start_schedule: list[Callable[[PlayedSupervisor], object]] = [lambda supervisor: supervisor.tell()]
+        monkeypatch.setattr(servos_module.subprocess, "Popen", self._start)
+        monkeypatch.setattr(servos_module, "find_supervisor", self._find)
+        monkeypatch.setattr(servos_module, "time", SimpleNamespace(sleep=self._sleep, monotonic=lambda: self.clock))
+
+    @property
+    def supervisor(self) -> PlayedSupervisor:
+        return self.supervisors[-1]
+
+    def _start(self, *arguments: object, **options: object) -> PlayedSupervisor:
+        self.supervisors.append(PlayedSupervisor(*arguments, **options))
+        self.supervisor.schedule = list(self.start_schedule)
+        return self.supervisor
+
+    def _find(self, path: object, joints: int) -> Channel | None:
+        self.searched.append((path, joints))
+        return self.found.get(str(path))
+
+    def _sleep(self, seconds: float) -> None:
+        self.sleeps.append(seconds)
+        self.clock += seconds
+        if self.supervisor.schedule:
+            self.supervisor.schedule.pop(0)(self.supervisor)
+
+    def open(self, **options: object) -> tuple[Servos, PlayedSupervisor]:
+        servos = Servos(self.robot, PORTS, **options)
+        return servos, self.supervisor
+
+    def command(self, time: float, angle: float = 0.0, velocity: float = 0.0) -> Command:
+        still = np.zeros(JOINTS)
+        return Command(time, still, np.full(JOINTS, velocity), still, np.full(JOINTS, angle))
+
+
+@pytest.fixture
+def played(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> Iterator[Rig]:
+    rig = Rig(robot, monkeypatch)
+    yield rig
+    for supervisor in rig.supervisors:
+        supervisor.stdin.close()
+        supervisor.reader.close()
+
+
+def test_supervisor_gets_its_order_over_a_pipe_that_stays_open(played: Rig, tmp_path: Path) -> None:
+    servos, supervisor = played.open(settings=SETTINGS, log=tmp_path / "x" / ".." / "log")
+    assert supervisor.arguments[1:] == ["-m", "kinesic.hardware.supervisor"]
+    assert supervisor.session is True
+    order = msgspec.json.decode(supervisor.reader.readline(), type=SupervisorOrder)
+    assert (order.robot, order.ports) == (str(played.robot.path), {"left": "/dev/left", "right": "/dev/right"})
+    assert (order.settings, order.log) == (SETTINGS, str(tmp_path / "log"))
+    with pytest.raises(OSError, match="Bad file descriptor"):
+        os.fstat(order.memory)  # closed here, as the supervisor has its own
+    assert not supervisor.stdin.closed
+    assert played.searched == [("/dev/left", JOINTS), (Path("/dev/right"), JOINTS)]
+    assert (servos.pid, servos.running, len(servos.members)) == (4711, True, 5)
+    supervisor.returncode = 0
+    assert not servos.running
+
+
+def test_servos_without_a_log_order_none(played: Rig) -> None:
+    _, supervisor = played.open()
+    assert msgspec.json.decode(supervisor.reader.readline(), type=SupervisorOrder).log is None
+
+
+def test_commands_reach_the_channel_with_their_feed_forward(played: Rig) -> None:
+    servos, supervisor = played.open()
+    servos.write(played.command(0.5, 0.25, 2.0))
+    ((time, goals, offsets),) = supervisor.channel.commands(9)
+    assert (time, goals.tolist()) == (0.5, [0.25] * JOINTS)
+    np.testing.assert_allclose(offsets, 2.0 * tracking_lags(played.robot.drives), rtol=1e-12)
+
+
+@pytest.mark.parametrize("setpoints", [np.zeros(JOINTS - 1), np.array([0.0, np.nan, 0.0, 0.0])])
+def test_setpoints_of_another_robot_or_without_a_value_are_refused(played: Rig, setpoints: np.ndarray) -> None:
+    servos, supervisor = played.open()
+    still = np.zeros(JOINTS)
+    with pytest.raises(BusError, match="must be 4 finite numbers"):
+        servos.write(Command(0.0, still, still, still, setpoints))
+    assert supervisor.channel.commands(9) == []
+
+
+def test_commands_beyond_the_channel_are_kept_and_passed_on_later(played: Rig) -> None:
+    servos, supervisor = played.open()
+    supervisor.channel.set("written", supervisor.channel.capacity)  # full
+    servos.write(played.command(1.0))
+    servos.write(played.command(2.0))
+    supervisor.channel.set("read", 1)
+    supervisor.channel._taken = supervisor.channel.capacity
+    assert len(servos._waiting) == 2
+    servos.state()
+    assert len(servos._waiting) == 1
+    assert [time for time, *_ in supervisor.channel.commands(9)] == [1.0]
+    servos.state()
+    assert [time for time, *_ in supervisor.channel.commands(9)] == [2.0]
+
+
+def test_status_and_events_of_the_supervisor_are_returned_once(played: Rig) -> None:
+    servos, supervisor = played.open()
+    supervisor.tell(Stage.ACTIVE, angles=RAISED)
+    assert servos.state().stage is Stage.ACTIVE
+    assert servos.positions().tolist() == RAISED.tolist()
+    assert [status.stage for status in servos.history()] == [Stage.LIMP, Stage.ACTIVE]
+    assert servos.history() == ()
+    supervisor.note("fault", "hot")
+    assert [note.text for note in servos.events()] == ["hot"]
+    assert servos.events() == ()
+    assert np.isnan(servos.telemetry().clock) or servos.telemetry().clock == 0.0
+
+
+def test_requests_set_their_words_in_the_channel(played: Rig) -> None:
+    servos, supervisor = played.open()
+    word = supervisor.channel.word
+    servos.stop()
+    assert word("estop") == 1
+    servos.stop("limp")
+    assert word("estop") == 2
+    servos.slow_to(0.5)
+    assert word("pace") == 501
+    for count in (1, 2):
+        servos.stop()
+        servos.resume()
+        servos.release()
+        assert (word("estop"), word("resume"), word("release")) == (0, count, count)
+
+
+def test_closing_writes_the_rest_and_waits_until_the_robot_has_folded(played: Rig) -> None:
+    servos, supervisor = played.open()
+    supervisor.channel.set("written", supervisor.channel.capacity)
+    servos.write(played.command(1.0))
+    words: list[tuple[int, bool]] = []
+
+    def see(_: PlayedSupervisor) -> None:
+        words.append((supervisor.channel.word("ended"), supervisor.stdin.closed))
+
+    def free(_: PlayedSupervisor) -> None:
+        see(_)
+        supervisor.channel.set("read", 1)
+
+    supervisor.schedule = [free, see, lambda _: supervisor.end()]
+    servos.close()
+    assert words == [(0, False), (1, False)]
+    assert supervisor.channel.word("written") == supervisor.channel.capacity + 1
+    assert supervisor.channel.word("release") == 0
+    assert supervisor.stdin.closed
+    assert played.sleeps == [servos_module.POLL_INTERVAL] * 4
+
+
+def test_closing_after_an_emergency_stop_or_a_release_drops_waiting_commands(played: Rig) -> None:
+    for request in (Servos.stop, Servos.release):
+        servos, supervisor = played.open()
+        supervisor.channel.set("written", supervisor.channel.capacity)
+        servos.write(played.command(1.0))
+        request(servos)
+        supervisor.schedule = [lambda it: it.end()]
+        servos.close()
+        assert (supervisor.channel.word("release"), supervisor.channel.word("ended")) == (1, 1)
+
+
+def test_interruption_while_closing_releases_the_robot_and_waits(played: Rig) -> None:
+    servos, supervisor = played.open()
+
+    def interrupt(_: PlayedSupervisor) -> None:
+        raise KeyboardInterrupt
+
+    released: list[int] = []
+    supervisor.schedule = [
+        interrupt,
+        lambda it: released.append(it.channel.word("release")),
+        lambda it: it.end(),
+    ]
+    with pytest.raises(KeyboardInterrupt):
+        servos.close()
+    assert released == [1]
+    assert supervisor.stdin.closed
+
+
+def test_raised_limb_that_cannot_fold_is_reported_while_the_supervisor_holds_it(played: Rig) -> None:
+    servos, supervisor = played.open()
+    supervisor.note("failed", "servo 3 is silent")
+    supervisor.schedule = [lambda it: it.tell(Stage.WAITING, waits="confirmation", angles=RAISED, energised=3)]
+    with pytest.raises(BusError, match=r"cannot fold: servo 3 is silent; held until .*: .*l_flexion"):
+        servos.close()
+    assert servos.running
+    assert supervisor.stdin.closed
+    with pytest.raises(BusError, match="cannot fold"):
+        servos.write(played.command(0.0))
+
+
+def test_held_limb_with_all_joints_at_rest_names_a_silent_servo(played: Rig) -> None:
+    servos, supervisor = played.open()
+    supervisor.tell(Stage.WAITING, waits="confirmation", angles=played.robot.skeleton.rest)
+    with pytest.raises(BusError, match=r"the robot cannot fold; held until .* lets it fall: a silent servo"):
+        servos.close()
+
+
+@pytest.mark.parametrize(
+    ("code", "energised", "message"),
+    [
+        (-signal.SIGKILL, 4, r"the supervisor died \(exit code -9\); the servos have stopped with torque on"),
+        (0, 4, "the servos hold where they stopped, and may have torque: no power; switch the power off"),
+        (0, 0, "the supervisor has released the servos and ended: no power; open them again"),
+    ],
+)
+def test_command_after_the_end_of_the_supervisor_says_how_it_ended(
+    played: Rig, code: int, energised: int, message: str
+) -> None:
+    servos, supervisor = played.open()
+    supervisor.note("other", "no reason")
+    supervisor.note("failed", "no power")
+    supervisor.end(code, energised=energised)
+    with pytest.raises(BusError, match=message):
+        servos.write(played.command(0.0))
+
+
+def test_torque_that_is_left_on_is_reported_after_closing(played: Rig) -> None:
+    servos, supervisor = played.open()
+    supervisor.end(energised=2)
+    with pytest.raises(BusError, match="may have torque"):
+        servos.close()
+    assert supervisor.stdin.closed
+
+
+@pytest.mark.parametrize(
+    ("notes", "message"),
+    [((), r"did not start \(exit code 2\)"), ((("refused", "a"), ("other", "x"), ("refused", "b")), "^a\nb$")],
+)
+def test_supervisor_that_refuses_the_servos_is_reported_line_by_line(played: Rig, notes, message: str) -> None:
+    def refuse(supervisor: PlayedSupervisor) -> None:
+        for kind, text in notes:
+            supervisor.note(kind, text)
+        supervisor.end(2)
+
+    played.start_schedule = [refuse]
+    with pytest.raises(BusError, match=message):
+        played.open()
+    assert played.supervisor.stdin.closed
+    assert played.supervisor.waits == 1
+
+
+@pytest.mark.parametrize("stage", [Stage.LIMP, Stage.HOLD])
+def test_opening_waits_until_the_supervisor_accepts_commands(played: Rig, stage: Stage) -> None:
+    stages = (Stage.PROBE, Stage.CONFIGURE, stage)
+    played.start_schedule = [lambda it, stage=stage: it.tell(stage) for stage in stages]
+    played.open()
+    assert played.sleeps == [servos_module.POLL_INTERVAL] * 3
+
+
+def test_supervisor_that_never_becomes_ready_is_given_up(played: Rig) -> None:
+    played.start_schedule = [lambda it: setattr(played, "clock", played.clock + START_TIMEOUT)]
+    with pytest.raises(BusError, match="did not start"):
+        played.open()
+    assert len(played.sleeps) == 1
+    assert START_TIMEOUT >= 10.0  # [s] of a start on a busy machine
+
+
+def test_ports_that_another_supervisor_holds_are_named_with_a_remedy(played: Rig) -> None:
+    _, first = played.open()
+    first.tell(Stage.ACTIVE)
+    played.found = {"/dev/left": first.channel}
+    with pytest.raises(BusError, match=r"^/dev/left: another program uses this port: .*\(active\); end it, or use"):
+        check_ports_free(PORTS.values(), JOINTS)
+    first.tell(Stage.WAITING, waits="confirmation")
+    played.found["/dev/right"] = first.channel
+    with pytest.raises(BusError, match=r"limbs that cannot fold.*\n/dev/right: a supervisor holds limbs"):
+        check_ports_free(PORTS.values(), JOINTS)
+    played.found = {}
+    check_ports_free(PORTS.values(), JOINTS)
+
+
+@pytest.mark.parametrize("ports", [{"left": "/dev/left"}, PORTS | {"third": "/dev/third"}])
+def test_missing_or_unknown_ports_are_refused_before_the_start(played: Rig, ports: dict) -> None:
+    with pytest.raises(BusError, match="little needs left=PATH, right=PATH"):
+        Servos(played.robot, ports)
+    with pytest.raises(BusError, match="for no bus, but"):
+        Servos(played.robot, {})
+    assert played.supervisors == []
