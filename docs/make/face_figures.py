@@ -7,7 +7,13 @@ from pathlib import Path
 PAGE = Path(__file__).parents[1] / "benchmarks/face.md"
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKS = {True: "met", False: "missed", None: ""}
-ESTIMATORS = {"crytek": "Crytek", "obscurance": "vol. obscurance", "horizon": "horizon", "angular": "angular"}
+ESTIMATORS = {
+    "depth": "plain depth",
+    "crytek": "Crytek",
+    "obscurance": "vol. obscurance",
+    "horizon": "horizon",
+    "angular": "angular",
+}
 STAGE = "face.stage."
 TABLE = (*(f"face.occlusion.{estimator}_" for estimator in ESTIMATORS), STAGE)
 

@@ -139,19 +139,46 @@ def render_boxes() -> tuple[Floats, Floats]:
 
 
 def _measure_picture() -> dict[str, float]:
-    """Measure the occlusion estimators' colour difference in pictures of the head."""
-    pictures = []
+    """Measure the occlusion estimators' colour difference on the head.
+
+    It is measured in the occlusion buffers and in the pictures (thesis Figure 3.10).
+    """
+    drawn = []
     for exact in (False, True):
-        preset = replace(NORMAL_PRESET, occlusion=replace(LARGEST_SETTINGS, exact=exact), coarse=1)
-        with Portrait(preset=preset) as portrait:
-            pictures.append(portrait.draw(SMILE_UNITS))
+        occlusion = replace(LARGEST_SETTINGS, exact=exact)
+        with Portrait(preset=replace(NORMAL_PRESET, occlusion=occlusion, coarse=1)) as portrait:
+            picture = portrait.draw(SMILE_UNITS)
             with portrait.pipeline.geometry.context:
                 head = portrait.pipeline.geometry.parts() > 0
-    difference = colour_difference(*pictures)[maximum_filter(head, 3)]
+            drawn.append((read_openness(portrait), picture))
+    buffers, pictures = zip(*drawn, strict=True)
+    in_buffers = colour_difference(*map(to_grey, buffers))[head]
+    in_pictures = colour_difference(*pictures)[maximum_filter(head, 3)]
     return {
-        "face.occlusion.lab_mean": float(difference.mean()),
-        "face.occlusion.lab_p95": float(np.percentile(difference, 95)),
+        "face.occlusion.lab_mean": float(in_pictures.mean()),
+        "face.occlusion.lab_p95": float(np.percentile(in_pictures, 95)),
+        "face.occlusion.buffer_lab_mean": float(in_buffers.mean()),
+        "face.occlusion.buffer_lab_p95": float(np.percentile(in_buffers, 95)),
     }
+
+
+def read_openness(portrait: Portrait) -> Floats:
+    """Return the openness (height, width) of each pixel as last drawn.
+
+    Raises:
+        ValueError: the portrait is drawn without occlusion.
+    """
+    occluder = portrait.pipeline.occlusion
+    if occluder is None:
+        raise ValueError("drawn without occlusion")
+    with portrait.pipeline.geometry.context:
+        return (occluder.march, *occluder.blurs)[-1].target.read()[..., 0]
+
+
+def to_grey(openness: Floats) -> NDArray[np.uint8]:
+    """Convert openness 0..1 to grey pixels (..., 3)."""
+    levels = np.rint(255 * np.clip(openness, 0.0, 1.0)).astype(np.uint8)
+    return np.repeat(levels[..., None], 3, axis=-1)
 
 
 def rmse(one: Floats, other: Floats) -> float:

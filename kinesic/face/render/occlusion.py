@@ -57,13 +57,16 @@ class OcclusionPass:
         values: dict[str, Value] = {
             "pixel": (across, up),
             "stride": occlusion.radius * scale / (steps + 1),
-            "radius": occlusion.radius,
             "strength": occlusion.strength,
         }
         if occlusion.directions > 1:
             values["turn"] = cos(turn), sin(turn)
+        plain = occlusion.estimator == "depth"  # the average of comparisons, without a falloff
+        if not plain:
+            values["radius"] = occlusion.radius
         if occlusion.estimator != "horizon":
-            values["all"] = float((rings * FALLOFF_FUNCTIONS[occlusion.falloff](rings / (steps + 1))).sum())
+            weights = 1.0 if plain else FALLOFF_FUNCTIONS[occlusion.falloff](rings / (steps + 1))
+            values["all"] = float((rings * weights).sum())
         inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
         self.march.clear(*UNOCCLUDED_COLOUR)
         result = self.march.draw(inputs, values)

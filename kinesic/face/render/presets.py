@@ -7,7 +7,9 @@ from typing import Literal
 
 from kinesic.face.display import DisplayError
 
-Estimator = Literal["angular", "crytek", "obscurance", "horizon"]
+Estimator = Literal[
+    "angular", "crytek", "obscurance", "horizon", "depth"
+]  # crytek above the tangent plane; depth: 3.3.1
 Pattern = Literal["random", "regular", "jittered", "halton", "hammersley", "noise"]  # noise: never the same tile again
 Falloff = Literal["wendland", "gaussian"]
 Axes = Literal[1, 2]
@@ -73,6 +75,7 @@ class Shadow:
     away: float = 1.2  # [m] distance of the lamp from the head's centre
     blockers: int = 4  # samples along a side of the blocker search
     taps: int = 6  # samples along a side of the depth comparison
+    bilinear: bool = False  # whether each sample mixes the comparisons of four pixels of the map
     coloured: bool = False  # whether translucent layers tint the light
     reach: float = 0.22  # [m] half width covered by the map
     deep: float = 0.35  # [m] half depth covered by the map
@@ -122,7 +125,7 @@ QUALITY_PRESETS: Mapping[str, Preset] = MappingProxyType(
                 subdivided=True,
                 occlusion=Occlusion(size=21),
                 scattering=Scattering(threshold=1.0, steps=5),
-                shadow=Shadow(blockers=6, taps=8, coloured=True),
+                shadow=Shadow(blockers=6, taps=6, bilinear=True, coloured=True),
                 focus=Focus(),
                 samples=2,
             ),

@@ -30,6 +30,7 @@ class ShadowPass:
         reached = Target(context, seen.position.size, (SHADOW_FORMAT,), seen.depth)
         reached.textures[0].filter = (gl.GL_LINEAR, gl.GL_LINEAR)
         defines = {"COLOURED": int(shadow.coloured), "BLOCKERS": shadow.blockers, "TAPS": shadow.taps}
+        defines["BILINEAR"] = int(shadow.bilinear)
         self._shade = ScreenPass(context, reached, "shade", where=seen.where, defines=defines)
         solid = compile_program(context, "geometry", "shadow")
         layers = [geometry.make_layer(solid, "skin")]

@@ -97,7 +97,22 @@ def test_occlusion_of_a_plane_is_zero_and_of_a_step_foot_large(drawable: None, e
     assert foot[:, PICTURE_SIDE // 2 :].min() > 0.999  # the front part has no self shadow
 
 
-@pytest.mark.parametrize("estimator", ["angular", "crytek", "obscurance"])
+def test_plain_depth_test_darkens_slopes_that_the_tangent_plane_keeps_bright(drawable: None):
+    """Half of a slope is nearer to the camera than its middle (3.3.1)."""
+    position, _ = plane()
+    position[..., 2] += position[..., 0]
+    tilted = np.broadcast_to(np.array([-1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0), position.shape).copy()
+    middle = np.s_[56:72, 56:72]
+    with open_offscreen_context() as context:
+        plain, above = (
+            opened(context, (position, tilted), replace(FINE_OCCLUSION, estimator=estimator))[middle]
+            for estimator in ("depth", "crytek")
+        )
+    assert above.min() > 0.999
+    np.testing.assert_allclose(plain, 1.0 - 0.25 * FINE_OCCLUSION.strength, atol=0.03)
+
+
+@pytest.mark.parametrize("estimator", ["angular", "crytek", "obscurance", "depth"])
 def test_separable_ambient_occlusion_approximates_exact_occlusion_on_a_face(portrait: Portrait, estimator: Estimator):
     settings = replace(FINE_OCCLUSION, estimator=estimator)
     (separable, face), (exact, _) = of_face(portrait, settings), of_face(portrait, replace(settings, exact=True))

@@ -8,8 +8,11 @@ import pytest
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Picture
-from kinesic.face.display import DisplayError
+from kinesic.face.display import DisplayError, open_offscreen_context
+from kinesic.face.gl import numbers as gl
 from kinesic.face.render.camera import FRONT_CAMERA, Camera
+from kinesic.face.render.occlusion import compute_wendland_weight
+from kinesic.face.render.passes import ScreenPass, Target, make_texture
 from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET, Focus, Occlusion, Preset, Scattering
 
 from ..conftest import Gallery
@@ -152,6 +155,24 @@ def test_more_occluded_pixels_use_more_samples(gallery: Gallery):
     assert set(np.unique(level)) == {0.0, 1.0, 2.0, 3.0}
     means = [blurred[level == item].mean() for item in (1.0, 2.0)]
     assert means[0] > means[1] + 0.05
+
+
+def test_scattering_weight_is_the_cosine_between_normals(drawable: None):
+    """The normal term of the trilateral filter is linear (5.1.5)."""
+    bent, diffuse = np.zeros((2, 1, 6, 4))
+    turned = np.arange(6) >= 3
+    bent[0, :, :3] = np.where(turned[:, None], (np.sqrt(0.75), 0.0, 0.5), (0.0, 0.0, 1.0))
+    diffuse[0, turned, :3] = 1.0
+    with open_offscreen_context() as context:
+        target = Target(context, (6, 1), ("4f4",), None)
+        defines = {"STEPS": 2, "LEVELS": 1, "LAST": 0}
+        scatter = ScreenPass(context, target, "scatter", where="everywhere", defines=defines)
+        inputs = {name: make_texture(context, item, "f4") for name, item in (("bent", bent), ("diffuse", diffuse))}
+        for item in inputs.values():
+            item.filter = (gl.GL_NEAREST, gl.GL_NEAREST)
+        red = scatter.draw(inputs, {"axis": (1 / 6, 0.0), "width": 0.01}).read()[0, 2, 0]
+    near = compute_wendland_weight(0.5)
+    assert red == pytest.approx(0.5 * near / (1.0 + near + 0.5 * near), rel=1e-4)
 
 
 @pytest.mark.parametrize(

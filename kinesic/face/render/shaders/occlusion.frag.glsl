@@ -29,17 +29,22 @@ float falloff(float t) {
 #endif
 }
 
-// Occlusion of a pixel by a sample, 0..1, relative to the tangent plane, so that slopes do not darken themselves.
+// Occlusion of a pixel by a sample, 0..1, relative to the tangent plane, so that slopes do not darken themselves. The plain
+// depth test (3.3.1) compares distances from the camera instead.
 float occluded(vec3 p, vec3 n, vec4 at) {
+#if ESTIMATOR == 4  // plain depth test
+    return 0.5 * float(at.w > 0.0 && at.z > p.z);
+#else
     vec3 way = at.xyz - p;
     float away = max(length(way), 1e-7), height = dot(n, way);
     float near = float(at.w > 0.0) * falloff(away / radius);
-#if ESTIMATOR == 1  // Crytek: in front or behind
+#if ESTIMATOR == 1  // Crytek's test, in front of the tangent plane or behind
     return 0.5 * step(BIAS, height / away) * near;
 #elif ESTIMATOR == 2  // volumetric obscurance: filled fraction of the line through the sphere
     return clamp(1.5 * (height / radius - 0.2 * BIAS), 0.0, 1.0) * sqrt(near);
 #else  // angular, and horizon, which uses the maximum
     return 2.2 * max(height / away - BIAS, 0.0) * near;
+#endif
 #endif
 }
 

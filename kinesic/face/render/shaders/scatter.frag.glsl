@@ -1,5 +1,6 @@
-// Subsurface scattering along one axis (thesis 5.1 and 5.2): a trilateral filter with Wendland weights and STEPS samples
-// on each side, fewer at the lower LEVELS. The LAST of two axes writes the picture.
+// Subsurface scattering along one axis (thesis 5.1 and 5.2): the trilateral filter 5.1.5, whose weights are Wendland's of
+// place and of depth, and the cosine between normals. It has STEPS samples on each side, fewer at the lower LEVELS. The LAST
+// of two axes writes the picture.
 uniform sampler2D bent;  // form with bent normals
 uniform sampler2D diffuse;
 uniform vec2 axis;    // step in texture coordinates
@@ -35,7 +36,7 @@ void main() {
             vec2 there = uv + side * float(k) * axis;
             vec4 other = textureLod(bent, there, 0.0);  // other parts have a large depth offset
             float facing = max(dot(own.xyz, other.xyz), 0.0);
-            vec3 weight = near * (wendland(vec3(abs(other.w - own.w) / width)).x * facing * facing * facing);
+            vec3 weight = near * (wendland(vec3(abs(other.w - own.w) / width)).x * facing);
             sum += weight * textureLod(diffuse, there, 0.0).rgb;
             weights += weight;
         }

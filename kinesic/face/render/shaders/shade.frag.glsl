@@ -1,6 +1,6 @@
 // Received fraction of key light by percentage-closer soft shadows (R. Fernando, 2005; thesis 12.1). Blockers are searched
 // first; the farther they are from the pixel, the wider is the depth comparison. BLOCKERS and TAPS are the numbers of
-// samples along a side of the search and of the comparison.
+// samples along a side of the search and of the comparison. BILINEAR samples mix the comparisons of four pixels of the map.
 uniform sampler2D position;
 uniform sampler2D normal;
 uniform sampler2D open;    // openness to ambient light
@@ -32,6 +32,22 @@ vec2 point(int i, int j, int n) {
 // Distance from the lamp [m].
 float metres(float depth) { return away + (2.0 * depth - 1.0) * deep; }
 
+// Whether a point of the map lets light pass to a depth, 0..1.
+float passes(vec2 at, float depth) {
+#if BILINEAR
+    vec2 place = at * vec2(textureSize(depths, 0)) - 0.5, part = fract(place);
+    ivec2 first = ivec2(floor(place)), last = textureSize(depths, 0) - 1;
+    ivec2 low = clamp(first, ivec2(0), last), high = clamp(first + 1, ivec2(0), last);
+    vec4 others = vec4(texelFetch(depths, low, 0).r, texelFetch(depths, ivec2(high.x, low.y), 0).r,
+                       texelFetch(depths, ivec2(low.x, high.y), 0).r, texelFetch(depths, high, 0).r);
+    vec4 lit = step(vec4(depth), others);
+    vec2 mixed = mix(lit.xz, lit.yw, part.x);
+    return mix(mixed.x, mixed.y, part.y);
+#else
+    return step(depth, textureLod(depths, at, 0.0).r);
+#endif
+}
+
 void main() {
     vec4 seen = textureLod(position, uv, 0.0);
     vec3 n = textureLod(normal, uv, 0.0).xyz;
@@ -49,7 +65,7 @@ void main() {
     int compared = found > 0.0 ? TAPS : 0;  // allows drivers to skip the loop
     for (int j = 0; j < compared; ++j)
         for (int i = 0; i < TAPS; ++i)
-            lit += step(depth, textureLod(depths, at.xy + penumbra * point(i, j, TAPS), 0.0).r);
+            lit += passes(at.xy + penumbra * point(i, j, TAPS), depth);
     reached = vec4(vec3(found > 0.0 ? lit / float(TAPS * TAPS) : 1.0), textureLod(open, uv, 0.0).r);
 #if COLOURED
     vec3 through = vec3(0.0);
