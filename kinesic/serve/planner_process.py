@@ -7,19 +7,19 @@ waits for a quiet time, because it would delay the first motion of a new server.
 
 import sys
 from asyncio import TimerHandle, get_running_loop
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
-from kinesic.child import Child, PipeEnd, ProcessContext, child_context
+from kinesic.child import Child, PipeEnd, ProcessContext
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
+from kinesic.serve.forking import planning_context
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import ClientRequest, DocumentRequest, LoopStart, PlannerReady, Renewal, RequestDone
 from kinesic.serve.wire.quotas import Quotas
-from kinesic.session import setup as session_setup
 
 PIPE_CAPACITY = 1 << 20  # [bytes] largest pipe buffer that Linux grants unprivileged processes
 SPARE_DELAY = 2.0  # [s] time without a request after which a spare planner starts to warm up
@@ -58,6 +58,7 @@ class Planner:
         idle: Callable[[], None],
         lost: Callable[[ClientRequest | None], None],
         spare_delay: float = SPARE_DELAY,
+        tables: Sequence[str] = (),
     ) -> None:
         """Create a planner that is not started yet.
 
@@ -69,8 +70,9 @@ class Planner:
             lost: called with the current request after the planner has died; the planner is then restarted unless it
                 failed.
             spare_delay: time without a request before a spare planner is started; 0: at once [s].
+            tables: modules that are imported once for all processes.
         """
-        self._make_setup, self._loop, self._rules = make_setup, loop, rules
+        self._make_setup, self._loop, self._rules, self._tables = make_setup, loop, rules, tables
         self._idle, self._lost = idle, lost
         self._working: PlannerProcess | None = None
         self._spare: PlannerProcess | None = None  # warming up, or waiting for activation
@@ -138,10 +140,7 @@ class Planner:
         self._spare_start = clock.call_at(start, self._begin_spare)
 
     def _context(self) -> ProcessContext:
-        """Return a multiprocessing context that inherits no threads of the server."""
-        return child_context(
-            planner.__name__, session_setup.__name__, self._make_setup.__module__, planner.TEXT_TABLES_MODULE
-        )
+        return planning_context(self._make_setup, self._tables)
 
     def send(self, request: ClientRequest) -> None:
         """Send a request to the planner, which must be free.

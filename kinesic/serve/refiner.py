@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from kinesic.bml.block import BmlError
+from kinesic.body.utterance import Script
 from kinesic.child import PipeEnd
 from kinesic.expressivity.style.style import Style
 from kinesic.host import lower_priority
@@ -16,6 +17,7 @@ from kinesic.realizer.request import TimedRequest
 from kinesic.serve.renewal import renew_setup
 
 REFINER_NICENESS = 5  # niceness of the refiner: lower priority than loop and planner
+FIRST_SCRIPT = Script("Yes.")  # spoken at the start, so that a voice loads its model and memory stays constant later
 SETUP_KEY = "setup"  # placeholder for the setup in pickled messages; each process has a setup
 
 
@@ -74,6 +76,7 @@ def run_refiner(make_setup: Callable[[], Setup], planner: PipeEnd) -> None:
     try:
         lower_priority(REFINER_NICENESS)
         setup, renewals = make_setup(), 0
+        setup.voice.say(FIRST_SCRIPT)
         while True:
             job = unpack(planner.recv_bytes(), setup)
             if isinstance(job, RefinementJob):

@@ -31,6 +31,7 @@ from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import NO_ACCOMPANIMENT, Effects, SoundAndFace
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
+from kinesic.speech.voice import table_modules
 
 START_POLL_PERIOD = 0.1  # [s] between two checks of the loop thread while the planner starts
 SETTLE_POLL_PERIOD = 0.02  # [s] between two checks whether the robot is at rest
@@ -77,8 +78,13 @@ class Session:
         self.loop = Loop(
             setup, sinks, self.clock, effects=effects, send_feedback=self._pass_on, notify_server=self._pass_news
         )
-        self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
-        self.desk = Desk(make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew, writers=writers)
+        tables = table_modules(setup.voice)
+        self.planner = Planner(
+            make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost, tables=tables
+        )
+        self.desk = Desk(
+            make_setup, self.loop, rules, folder=folder, on_gestures_saved=self._renew, writers=writers, tables=tables
+        )
         self.arming = Arming(self.loop, self)
 
     async def start(self) -> None:

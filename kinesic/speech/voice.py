@@ -16,6 +16,7 @@ from kinesic.speech.hibari.engine import Hibari, hibari_fault
 from kinesic.speech.hibari.model import find_package
 from kinesic.speech.recorded.voice import RecordedVoice
 
+HIBARI_TABLES_MODULE = "kinesic.speech.hibari.read_ahead"  # module that reads the lexicon of hibari at import
 DOWNLOADED_VOICES = ("emma", "fable", "fenrir", "kore")  # voices of hibari-tts that are not in its package
 
 
@@ -50,3 +51,15 @@ def voice(name: VoiceName = "durations", *, engine: SpeechEngine | None = None) 
     if why:
         return RecordedVoice(DurationModel(f"no sound, only an estimated duration: {why}"))
     return RecordedVoice(Espeak())
+
+
+def table_modules(voice: Voice) -> tuple[str, ...]:
+    """Return modules that read the tables of a voice when they are imported."""
+    match voice:
+        case RecordedVoice():
+            return table_modules(voice.voice)
+        case EnglishVoice():
+            return table_modules(voice.english)
+        case EngineVoice(engine=Hibari()):
+            return (HIBARI_TABLES_MODULE,)
+    return ()

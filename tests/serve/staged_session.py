@@ -16,6 +16,8 @@ from kinesic.serve.feedback_queue import PendingBlock
 from kinesic.serve.messages import DocumentRequest
 from kinesic.serve.session import Session
 from kinesic.serve.wire.quotas import Quotas
+from kinesic.speech.engines.engine_voice import EngineVoice
+from kinesic.speech.hibari.engine import Hibari
 
 TEST_QUOTAS = Quotas(waiting=2, planning=3.0)
 
@@ -73,8 +75,17 @@ class Loop:
 class Planner:
     """Stub planner that records requests and is busy until the test frees it."""
 
-    def __init__(self, make_setup: object, loop: Loop, *, rules: Quotas, idle: Callable, lost: Callable) -> None:
-        self.idle, self.lost = idle, lost
+    def __init__(
+        self,
+        make_setup: object,
+        loop: Loop,
+        *,
+        rules: Quotas,
+        idle: Callable,
+        lost: Callable,
+        tables: tuple[str, ...],
+    ) -> None:
+        self.idle, self.lost, self.tables = idle, lost, tables
         self.sent: deque[object] = deque()
         self.is_warm = self.has_failed = False
         self.busy, self.deaths, self.closed, self.serving = False, 0, 0, -1
@@ -130,8 +141,14 @@ class Stage:
             self.time += seconds
             await really(0)
 
-        def make_desk(*_: object, on_gestures_saved: Callable, folder: Path | None, writers: object) -> Closable:
-            self.saved, self.folder = on_gestures_saved, folder
+        def make_desk(
+            *_: object,
+            on_gestures_saved: Callable,
+            folder: Path | None,
+            writers: object,
+            tables: tuple[str, ...],
+        ) -> Closable:
+            self.saved, self.folder, self.desk_tables = on_gestures_saved, folder, tables
             return self.desk
 
         for name, replacement in (
@@ -143,7 +160,10 @@ class Stage:
             ("monotonic", lambda: self.time),
         ):
             monkeypatch.setattr(session_module, name, replacement)
-        self.session = Session(lambda: None, (), TEST_QUOTAS, lambda *told: self.told.append(told), folder=Path("kept"))
+        setup = SimpleNamespace(voice=EngineVoice(Hibari()))
+        self.session = Session(
+            lambda: setup, (), TEST_QUOTAS, lambda *told: self.told.append(told), folder=Path("kept")
+        )
         self.loop, self.planner = self.session.loop, self.session.planner
 
     def document(self, name: str, sender: int = 1) -> Message:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import BmlError
+from kinesic.body.utterance import Script, Utterance
 from kinesic.expressivity.style.style import style_preset
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
@@ -127,6 +128,21 @@ def refined(line: Connection, job: RefinementJob, setup: Setup) -> RefinedPlan:
     found = unpack(line.recv_bytes(), setup)
     assert isinstance(found, RefinedPlan)
     return found
+
+
+def test_refiner_speaks_before_its_first_job(known: Setup, monkeypatch: pytest.MonkeyPatch):
+    scripts = []
+
+    class HeardVoice:
+        def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
+            scripts.append(script)
+            return known.voice.say(script, rate=rate, pitch=pitch)
+
+    monkeypatch.setattr(refiner_module, "lower_priority", lambda _: None)
+    ours, theirs = Pipe()
+    ours.close()
+    run_refiner(lambda: replace(known, voice=HeardVoice()), theirs)
+    assert [script.text for script in scripts] == ["Yes."]
 
 
 def test_refiner_plans_each_job_in_its_style(known: Setup, refining):

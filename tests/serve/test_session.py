@@ -9,6 +9,7 @@ import pytest
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.serve.messages import DocumentRequest, Interruption, Renewal, Restyling, Resumption
 from kinesic.serve.session import RENEWAL_PERIOD
+from kinesic.speech.voice import HIBARI_TABLES_MODULE
 
 from .staged_session import Stage, settle
 
@@ -20,6 +21,13 @@ def test_documents_wait_for_the_planner_in_turns(on_stage: Callable):
         assert stage.session.status()["waiting"] == 3
         assert not stage.planner.sent, "it is not warm yet"
         assert stage.planned() == ["a", "c", "b"]
+
+    on_stage(act)
+
+
+def test_planner_and_desk_share_the_tables_of_the_voice(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        assert stage.planner.tables == stage.desk_tables == (HIBARI_TABLES_MODULE,)
 
     on_stage(act)
 

@@ -21,7 +21,7 @@ from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.hibari.model import find_package
 from kinesic.speech.recording import RecordingError, read_wav
-from kinesic.speech.voice import RecordedVoice, voice
+from kinesic.speech.voice import HIBARI_TABLES_MODULE, RecordedVoice, table_modules, voice
 
 RECORDED_VOICE = RecordedVoice(DurationModel())
 SAMPLE_RATE = 8000
@@ -53,6 +53,12 @@ def test_auto_voice_without_the_neural_one_is_espeak(language: str, monkeypatch:
     assert utterance.sound is not None
     assert expected.sound is not None
     assert np.array_equal(utterance.sound.samples, expected.sound.samples)
+
+
+def test_only_the_neural_voice_has_tables_to_share(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "find_package", lambda: Path("hibari"))
+    assert table_modules(voice("auto")) == (HIBARI_TABLES_MODULE,)
+    assert table_modules(voice("durations")) == ()
 
 
 @pytest.mark.parametrize("name", ["emma", "fable", "fenrir", "kore"])

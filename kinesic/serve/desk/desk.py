@@ -3,7 +3,7 @@
 No answer is computed in the thread that reads client messages.
 """
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -51,6 +51,7 @@ class Desk:
         folder: Path | None = None,
         on_gestures_saved: Callable[[], Awaitable[None]] = _ignore_saved_gestures,
         writers: Writers = NO_WRITERS,
+        tables: Sequence[str] = (),
     ) -> None:
         """Create a dispatcher.
 
@@ -63,12 +64,13 @@ class Desk:
             folder: folder for documents of clients; None disables saving.
             on_gestures_saved: returns when the planner is about to use saved gestures.
             writers: additional file writers for exports; picklable.
+            tables: modules that are imported once for all helper processes.
         """
         self._rules, self._loop = rules, loop
         self._watches = Watches(loop.report_body)
         drafts = partial(answer_draft, writers=writers)
-        self.drafter = Helper[DraftQuestion](make_setup, drafts, rules, name="drafter")
-        self._reacher = Helper[ReachQuestion](make_setup, answer_reach, rules, name="reacher")
+        self.drafter = Helper[DraftQuestion](make_setup, drafts, rules, name="drafter", tables=tables)
+        self._reacher = Helper[ReachQuestion](make_setup, answer_reach, rules, name="reacher", tables=tables)
         self._keeper = DocumentKeeper(folder, self.drafter, rules, on_gestures_saved)
 
     def answer(self, requester: Requester, question: Question) -> None:

@@ -5,20 +5,19 @@ A separate thread starts the process and waits for its answers. A process that e
 
 import pickle
 from asyncio import Task, create_task, get_running_loop, timeout
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from enum import Enum
 from functools import partial
 from typing import Generic, TypeVar
 
-from kinesic.child import Child, PipeEnd, child_context
+from kinesic.child import Child, PipeEnd
 from kinesic.host import lower_priority
 from kinesic.planning.setup import Setup
-from kinesic.serve import planner
+from kinesic.serve.forking import planning_context
 from kinesic.serve.renewal import renew_setup
 from kinesic.serve.wire.quotas import Quotas
-from kinesic.session import setup as session_setup
 
 HELPER_NICENESS = 5  # niceness of helpers: lower priority than loop and planner
 SETUP_TIMEOUT = 30.0  # [s] time limit for the start of a helper process
@@ -65,7 +64,9 @@ class Helper(Generic[Q]):
     New ones replace a client's waiting ones.
     """
 
-    def __init__(self, make_setup: MakeSetup, answer: Answer[Q], rules: Quotas, *, name: str) -> None:
+    def __init__(
+        self, make_setup: MakeSetup, answer: Answer[Q], rules: Quotas, *, name: str, tables: Sequence[str] = ()
+    ) -> None:
         """Create a helper whose process starts at the first query.
 
         Args:
@@ -73,8 +74,10 @@ class Helper(Generic[Q]):
             answer: computes an answer, in the helper process.
             rules: limits with the time for one answer.
             name: name of the process.
+            tables: modules that are imported once for all processes.
         """
         self._make_setup, self._answer, self._rules, self._name = make_setup, answer, rules, name
+        self._tables = tables
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
         self._process: tuple[Child, PipeEnd] | None = None
         self._waiting: dict[tuple[int, str], tuple[Q, Reply]] = {}  # by client and kind, in order of arrival
@@ -154,9 +157,7 @@ class Helper(Generic[Q]):
         return await get_running_loop().run_in_executor(self._thread, action)
 
     def _begin(self) -> tuple[Child, PipeEnd]:
-        context = child_context(
-            planner.__name__, session_setup.__name__, self._make_setup.__module__, planner.TEXT_TABLES_MODULE
-        )
+        context = planning_context(self._make_setup, self._tables)
         server_end, helper_end = context.Pipe()
         arguments = (self._make_setup, helper_end, self._answer, self._rules)
         return Child(context, run_helper, *arguments, name=self._name), server_end

@@ -1,0 +1,24 @@
+"""Pronunciation lexicon that forked processes share."""
+
+from importlib import reload
+
+import pytest
+
+from kinesic.speech.engines.phrase import EngineError
+from kinesic.speech.hibari import pronunciation, read_ahead
+from kinesic.speech.voice import HIBARI_TABLES_MODULE
+
+
+def test_import_reads_the_lexicon(monkeypatch: pytest.MonkeyPatch):
+    reads = []
+    monkeypatch.setattr(pronunciation, "load_reader", lambda: reads.append(True))
+    assert reload(read_ahead).__name__ == HIBARI_TABLES_MODULE
+    assert reads == [True]
+
+
+def test_import_without_the_package_succeeds(monkeypatch: pytest.MonkeyPatch):
+    def fail() -> None:
+        raise EngineError("not installed")
+
+    monkeypatch.setattr(pronunciation, "load_reader", fail)
+    reload(read_ahead)
