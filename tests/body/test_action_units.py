@@ -32,3 +32,8 @@ def test_unknown_unit_error_lists_valid_units():
     message = describe_unknown_unit("3")
     assert message.startswith("no action unit 3; known: 1, 2, 4, 5")
     assert "26" in message
+
+
+def test_only_units_of_the_mouth_midline_and_of_both_eyes_have_no_sides():
+    whole = {number for number, unit in ACTION_UNITS.items() if not unit.sided}
+    assert whole == {17, 18, 19, *range(22, 30), 32, 34, *range(61, 65), 66}

@@ -168,3 +168,15 @@ def test_comma_before_a_closing_bracket_is_reported_and_ignored():
     block = parse('[\n{"type": "head", "id": "h"},\n]')
     assert [behaviour.id for behaviour in block.behaviours] == ["h"]
     assert "a comma before ']' in line 2, column 28 is ignored" in [notice.text for notice in block.notices]
+
+
+@pytest.mark.parametrize(("start", "end"), [({}, "0.25"), ({"start": 1}, "1.25"), ({"start": "g:end"}, "g:end+0.25")])
+def test_blink_ends_shortly_after_its_start(start: dict[str, Any], end: str) -> None:
+    texts = json.dumps([{"type": "blink", "id": "b", **start}, {"type": "gesture", "id": "g", "lexeme": "beat"}])
+    explicit = json.dumps(
+        [
+            {"type": "faceFacs", "id": "b", "au": 45, "amount": 1.0, **start, "end": end},
+            {"type": "gesture", "id": "g", "lexeme": "beat"},
+        ]
+    )
+    assert parse(texts).behaviours[0].syncs == parse(explicit).behaviours[0].syncs

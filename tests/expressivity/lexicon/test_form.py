@@ -29,3 +29,12 @@ def test_every_hand_pose_of_a_gesture_has_a_hand_shape():
         if not all(pose.shape for key in form.keys for pose in key.hands.values())
     ]
     assert shapeless == [], "give every key of these gestures a shape"
+
+
+def test_summary_of_a_gesture_names_its_category_hands_keys_and_shapes():
+    both, one = BUILTIN_LEXICON.forms_by_id["hands_folded_low"], BUILTIN_LEXICON.forms_by_id["heart"]
+    for form, hands in ((both, "both hands"), (one, "right hand")):
+        count = f"{len(form.keys)} key{'s' * (len(form.keys) != 1)}"
+        expected = ", ".join((f"gesture {form.id} ({form.category}): {hands}, {count}", *form.shapes))
+        assert (str(form), repr(form)) == (expected, f"<{expected}>")
+    assert both.shapes

@@ -1,11 +1,13 @@
 from dataclasses import asdict, fields
+from math import radians
 
 import msgspec
 import pytest
 
 from kinesic.body.config import CONFIGS, names_of, read_toml
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.parameters import PARAMETER_EFFECTS, TURN_EFFECTS, WEIGHT_EFFECTS
+from kinesic.expressivity.style.parameters import PARAMETER_EFFECTS, TURN_EFFECTS, WEIGHT_EFFECTS, list_parameters
+from kinesic.expressivity.style.standing import GazeHabit, Standing
 from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, MODALITIES, WEIGHT_RANGES, Style, StyleTable
 
 
@@ -56,3 +58,20 @@ def test_style_value_prints_key_value_unit_and_effect():
     lines = [str(parameter) for parameter in Style.load("sad").parameters]
     assert lines[0] == "spatial = -0.5 (-1 .. 1): size of movements: tight .. wide"
     assert "standing.gaze_down = 32 deg: averted gaze: angle down" in lines
+
+
+def test_angles_of_a_standing_posture_are_listed_with_a_tenth_of_a_degree():
+    standing = Standing(
+        head=Turn(torsion=radians(1.25), tilt=radians(-2.34)),
+        arms=(("flexion", radians(3.46)),),
+        gaze=GazeHabit(down=radians(12.34), averted=0.5),
+    )
+    listed = list_parameters({"gesture": {}}, dict.fromkeys(WEIGHT_EFFECTS, 1.0), standing, ())
+    values = {parameter.key: parameter.value for parameter in listed if parameter.key.startswith("standing.")}
+    assert values == {
+        "standing.head.torsion": pytest.approx(1.2, abs=0.051),
+        "standing.head.tilt": -2.3,
+        "standing.arms.flexion": 3.5,
+        "standing.gaze_down": 12.3,
+        "standing.averted": 0.5,
+    }

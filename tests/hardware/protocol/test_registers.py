@@ -5,7 +5,7 @@ import pytest
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot_file import servo_models
 from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, SERVO_MODELS, UNREACHABLE_FIRMWARE, Model
-from kinesic.hardware.protocol.registers import BAUD_RATES, Mode, Register
+from kinesic.hardware.protocol.registers import BAUD_RATES, HardwareError, Mode, Register
 
 EVERY = pytest.mark.parametrize("model", SERVO_MODELS.values(), ids=list(SERVO_MODELS))
 NUMBERS = {
@@ -214,3 +214,22 @@ def test_baud_rate_values_match_the_manual():
     assert BAUD_RATES[1] == 57_600
     assert BAUD_RATES[3] == 1_000_000
     assert BAUD_RATES[6] == 4_000_000
+
+
+@pytest.mark.parametrize(
+    ("bits", "names"),
+    [
+        (0, ()),
+        (0x01, ("voltage",)),
+        (0x30, ("electrical shock", "overload")),
+        (0x3D, ("voltage", "overheating", "encoder", "electrical shock", "overload")),
+    ],
+)
+def test_hardware_errors_are_named_by_their_bits(bits: int, names: tuple[str, ...]):
+    assert HardwareError.names(bits) == names
+
+
+@EVERY
+def test_factory_shutdown_mask_includes_the_voltage_only_for_five_volt_models(model: Model):
+    is_five_volt = model.name.startswith("xl330")
+    assert model.initial[Register.SHUTDOWN] == (53 if is_five_volt else 52)
