@@ -20,6 +20,7 @@ with exit_at_once_on_interrupt():  # Ctrl-C prints one line even during imports.
     from kinesic.cli.study.verbs import study_verbs
     from kinesic.cli.style_verbs import style_verbs
     from kinesic.cli.verbs import kinesic, robots
+    from kinesic.face.display import DisplayError
     from kinesic.hardware.protocol.wire import BusError
 
 BAD_INPUT_EXIT_CODE = 2  # exit code for invalid input or configuration
@@ -48,7 +49,7 @@ def main() -> None:
     try:
         with exit_on_signals():
             sys.exit(kinesic(standalone_mode=False) or 0)
-    except (BmlError, ConfigError, BusError) as error:
+    except (BmlError, ConfigError, BusError, DisplayError) as error:
         for line in str(error).splitlines():
             click.echo(f"kinesic: {printable(line)}", err=True)
         sys.exit(BAD_INPUT_EXIT_CODE)

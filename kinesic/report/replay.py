@@ -13,7 +13,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.figure.face_data import face_data
 from kinesic.report.labels import label
 from kinesic.report.report import Json
-from kinesic.report.scene import pack_rows, scene_data
+from kinesic.report.scene import drawable, pack_rows, scene_data
 
 REPLAY_RATE = 50.0  # [Hz] frame rate of the page's player
 MAX_FRAMES = 6000  # largest number of frames; longer motions have a lower rate
@@ -61,7 +61,7 @@ def _frame_times(end: float, max_frames: int) -> Floats:
 
 def _pack(plan: Plan, frame_times: Floats, motions: Mapping[str, Floats], duties: Floats) -> dict[str, Json]:
     """Pack motions, loads, face and words, with one row per frame."""
-    robot = plan.setup.robot
+    robot = drawable(plan.setup.robot)
     step = max(float(np.abs(angles).max()) for angles in motions.values()) / np.iinfo(np.int16).max or 1.0
     return {
         "end": float(frame_times[-1]),

@@ -2,6 +2,8 @@
 
 from base64 import b64encode
 from collections.abc import Iterable
+from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +28,7 @@ SCENE_SCRIPTS = ("shapes.js", "motion.js", "skin.js", "screen.js", "scene.js")
 
 def scene_data(robot: Robot) -> dict[str, Json]:
     """Return a robot's geometry and camera for page scripts."""
+    robot = drawable(robot)
     shell = find_shell(robot)
     return {
         "segments": _segments(robot),
@@ -37,6 +40,14 @@ def scene_data(robot: Robot) -> dict[str, Json]:
         "shell_step": _shell_step(shell),
         **({} if robot.skin is None else {"skin": skin_data(robot)}),
     }
+
+
+def drawable(robot: Robot) -> Robot:
+    """Return a robot as pages draw it: without its skin if SciPy is missing.
+
+    The skin's mesh needs SciPy. Capsules and a screen with the face take its place.
+    """
+    return robot if robot.skin is None or find_spec("scipy") else replace(robot, skin=None)
 
 
 def read_scripts(names: tuple[str, ...]) -> str:

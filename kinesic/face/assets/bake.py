@@ -17,10 +17,10 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.lips import find_lips, measure_jaw_following
 from kinesic.face.assets.mesh import DELTA_STEP, FACE_VARIANTS, HEAD_FILE, MESH_PARTS, POSITION_STEP, Mesh, load_head
 from kinesic.face.assets.sculpt import SHAPE_GAINS, compute_bulge, even_out, settle_lips

@@ -17,7 +17,6 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.rotation import rotation_about
@@ -31,6 +30,7 @@ from kinesic.face.assets.bake import (
     read_variant,
 )
 from kinesic.face.assets.body import BODY_FILE, MAX_FRAMES_PER_VERTEX, POSITION_STEP
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS
 from kinesic.face.assets.rig import FINGER_NAMES, FOREARM_TWIST_RANGE, SKINNING_FRAMES, UPPER_ARM_TWIST_RANGE
 

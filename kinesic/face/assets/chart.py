@@ -8,10 +8,10 @@ position belongs to the vertex. A mask excludes the back of the head, where the 
 from functools import lru_cache
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS, Indices, Mesh
 from kinesic.face.assets.teeth import compute_teeth_chart
 

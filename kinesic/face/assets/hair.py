@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import compute_vertex_chart, measure_hairline_height
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
 HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull, in distances between the eyes

@@ -8,11 +8,11 @@ lifted to the surface. Closed lids just meet in every expression. Lashes stand o
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.eyeball import compute_cornea_bulge
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS, Indices, Mesh
 from kinesic.face.assets.paint import IRIS_RADIUS
 

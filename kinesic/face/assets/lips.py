@@ -9,10 +9,10 @@ extra distance proportional to their distance from it, so that points crossing a
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import Mesh
 
 JAW_SHAPE = "jawOpen"  # shape that moves the lower lip down

@@ -11,12 +11,12 @@ from typing import Literal, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Variant
 from kinesic.body.config import CONFIGS, suggestion
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.display import DisplayError
 
 MeshPart = Literal["skin", "eyes", "teeth", "tongue", "lashes", "cloth"]

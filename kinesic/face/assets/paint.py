@@ -10,13 +10,13 @@ from functools import cache
 from types import MappingProxyType
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Floats, seal_in_place, sealed
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
+from kinesic.face.assets.late_scipy import scipy
 
 Colour = tuple[float, ...]  # red, green, blue
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.chart import measure_mouth_depth
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.lips import CORNER_JAW_FRACTION as LOWER
 from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 

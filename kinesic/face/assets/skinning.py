@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.rotation import rotation_about
 from kinesic.body.skeleton import Skeleton
 from kinesic.face.assets.body import DressedPerson
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.rig import FINGER_NAMES, FRAME_INDICES, SKINNING_FRAMES, SkinningFrame
 from kinesic.face.display import DisplayError
 

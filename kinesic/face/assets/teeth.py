@@ -5,9 +5,9 @@ of the tongue.
 """
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import Mesh
 
 MILLIMETRES_PER_METRE = 1000.0  # [mm/m]

@@ -7,7 +7,7 @@ from kinesic.report.display.frame import FrameContent, make_frame
 from kinesic.report.display.tables import folded_table, line
 from kinesic.report.figure.face_data import face_data
 from kinesic.report.report import Json
-from kinesic.report.scene import pack_rows, scene_data
+from kinesic.report.scene import drawable, pack_rows, scene_data
 
 STILL_FRAMES = 2  # number of frames of a replay in which nothing moves
 
@@ -32,6 +32,7 @@ def robot_html(robot: Robot) -> str:
 
 def _still_replay(robot: Robot) -> dict[str, Json]:
     """Return replay data of a robot that stands still at rest."""
+    robot = drawable(robot)
     rest = np.tile(robot.skeleton.rest, (STILL_FRAMES, 1))
     step = float(np.abs(rest).max()) / np.iinfo(np.int16).max or 1.0
     return {

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Flags, Floats, Indices
 from kinesic.body.utterance import STRESS_MARKS, Phoneme, Sound
 from kinesic.speech.recorded.activity import find_runs, find_speech
 from kinesic.speech.recorded.loudness import compute_openings, estimate_pitch
+from kinesic.speech.recorded.peaks import average_frames, find_peaks
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, compute_levels
 
 SMOOTHING_FRAMES = 5  # [frames] over which spectra are averaged, against flickering lips
@@ -47,7 +47,7 @@ def lip_sounds(sound: Sound) -> tuple[Phoneme, ...]:
 
 def _classify(powers: Floats, levels: Floats, is_speech: Flags) -> Indices:
     """Return the index into SOUND_SYMBOLS of each frame, shape (n,)."""
-    smooth = scipy.ndimage.uniform_filter1d(powers, SMOOTHING_FRAMES, axis=0) + 1e-12
+    smooth = average_frames(powers, SMOOTHING_FRAMES) + 1e-12
     bands = (LOW_BANDS, MIDDLE_BANDS, HIGH_BANDS, HISS_BANDS)
     low, middle, high, hiss = (smooth[:, columns].sum(axis=1) for columns in bands)
     kinds = np.full(len(levels), SOUND_SYMBOLS.index("ə"))
@@ -55,8 +55,8 @@ def _classify(powers: Floats, levels: Floats, is_speech: Flags) -> Indices:
     kinds[high > FRONT_RATIO * low] = SOUND_SYMBOLS.index("e")
     kinds[middle > OPEN_RATIO * low] = SOUND_SYMBOLS.index("a")
     kinds[hiss > HISS_FRACTION * (low + middle + high + hiss)] = SOUND_SYMBOLS.index("s")
-    smooth_levels = scipy.ndimage.uniform_filter1d(levels, SMOOTHING_FRAMES)
-    dips, _ = scipy.signal.find_peaks(-smooth_levels, prominence=CLOSURE_DEPTH)
+    smooth_levels = average_frames(levels, SMOOTHING_FRAMES)
+    dips = find_peaks(-smooth_levels, prominence=CLOSURE_DEPTH)
     for dip in dips:
         if is_speech[dip]:
             kinds[max(dip - 2, 0) : dip + 3] = SOUND_SYMBOLS.index("m")
@@ -84,8 +84,8 @@ def _join(symbols: Indices, openings: Floats, is_speech: Flags) -> Iterator[Phon
 
 def _find_accents(levels: Floats, pitch: Floats, is_speech: Flags) -> Indices:
     """Return the frames of accented syllables."""
-    smooth = scipy.ndimage.uniform_filter1d(levels, SMOOTHING_FRAMES)
-    peaks, _ = scipy.signal.find_peaks(smooth, distance=SYLLABLE_FRAMES, prominence=PEAK_DEPTH)
+    smooth = average_frames(levels, SMOOTHING_FRAMES)
+    peaks = find_peaks(smooth, distance=SYLLABLE_FRAMES, prominence=PEAK_DEPTH)
     peaks = peaks[is_speech[peaks]]
     semitones = 12.0 * np.log2(pitch)
     highest = np.array([_max_near(semitones, int(peak)) for peak in peaks])

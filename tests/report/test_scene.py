@@ -1,0 +1,30 @@
+import sys
+
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.report.scene import drawable, scene_data
+
+HUMAN = Robot.load("human")
+
+
+@pytest.fixture
+def without_scipy(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy", None)
+
+
+def test_skin_is_drawn_with_scipy():
+    assert drawable(HUMAN) is HUMAN
+
+
+def test_without_scipy_capsules_and_a_screen_replace_the_skin(without_scipy):
+    assert drawable(HUMAN).skin is None
+    drawn = scene_data(HUMAN)
+    assert "skin" not in drawn
+    assert drawn["screen"] is not None
+    assert len(drawn["segments"]) == len(HUMAN.skeleton.segments)
+
+
+def test_robot_without_skin_is_drawn_as_it_is(without_scipy):
+    robot = Robot.load("upper22")
+    assert drawable(robot) is robot
