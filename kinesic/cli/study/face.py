@@ -84,10 +84,11 @@ def analyse_faces(files: tuple[Path, ...], as_json: bool) -> int:
     screen = console()
     screen.print(
         f"{len(answers)} answers of {_describe_participants(participant_counts)}; "
-        "bold: significant difference, p < 0.05 (Mann-Whitney)"
+        "bold: significant difference, p < 0.05 (Mann-Whitney, corrected by Holm)"
     )
     for name, effect in effects.items():
         screen.print(_tabulate(name, effect))
+        screen.print(_tabulate_sizes(name, effect))
     screen.print(_tabulate_choices(choices))
     return 0
 
@@ -113,9 +114,29 @@ def _tabulate(name: str, effect: Comparison) -> Table:
         table.add_row(
             action,
             *(_format_mean(cell, side) for side in (0, 1) for cell in cells),
-            *(_format_p(cell) for cell in cells),
+            *(_format_p(cell.corrected_p) for cell in cells),
         )
     return table
+
+
+def _tabulate_sizes(name: str, effect: Comparison) -> Table:
+    """Tabulate effect sizes between answers and within participants.
+
+    The p values within participants are of the Wilcoxon test, corrected by Holm.
+    """
+    table = Table("AU", title=f"size of the effect of {name}, and within participants", title_justify="left", box=None)
+    for head in ("people", *(f"{value}\n{measure}" for measure in RATING_MEASURES for value in ("delta", "r", "p"))):
+        table.add_column(head, justify="right")
+    for action in (*ACTION_NAMES, ALL_ACTIONS):
+        cells = [effect.cells[action, measure] for measure in RATING_MEASURES]
+        people = f"{cells[0].paired.participants}"  # all measures have the same
+        table.add_row(action, people, *(text for cell in cells for text in _format_sizes(cell)))
+    return table
+
+
+def _format_sizes(cell: ComparedMeans) -> tuple[str, str, str]:
+    delta, correlation = ("-" if isnan(size) else f"{size:+.2f}" for size in (cell.delta, cell.paired.correlation))
+    return delta, correlation, _format_p(cell.corrected_paired_p)
 
 
 def _format_mean(cell: ComparedMeans, side: int) -> Text:
@@ -123,10 +144,10 @@ def _format_mean(cell: ComparedMeans, side: int) -> Text:
     return quote_text(text, style="bold" if cell.significant else "")
 
 
-def _format_p(cell: ComparedMeans) -> str:
-    if isnan(cell.p):
+def _format_p(p: float) -> str:
+    if isnan(p):
         return "-"
-    return f"{cell.p:.3f}" if cell.p >= MIN_PRINTED_P_VALUE else f"< {MIN_PRINTED_P_VALUE:g}"
+    return f"{p:.3f}" if p >= MIN_PRINTED_P_VALUE else f"< {MIN_PRINTED_P_VALUE:g}"
 
 
 def _tabulate_choices(choices: FirstChoices) -> Table:
@@ -145,6 +166,15 @@ def _to_rows(effect: Comparison) -> list[Json]:
             **{side: _to_number(mean) for side, mean in zip(effect.sides, cell.means, strict=True)},
             "answers": list(cell.counts),
             "p": _to_number(cell.p),
+            "p_holm": _to_number(cell.corrected_p),
+            "delta": _to_number(cell.delta),
+            "within": {
+                "participants": cell.paired.participants,
+                "difference": _to_number(cell.paired.difference),
+                "r": _to_number(cell.paired.correlation),
+                "p": _to_number(cell.paired.p),
+                "p_holm": _to_number(cell.corrected_paired_p),
+            },
         }
         for (action, measure), cell in effect.cells.items()
     ]

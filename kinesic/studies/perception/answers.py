@@ -1,9 +1,10 @@
 """Reader and analysis of answers, as in thesis Tables 4.3-4.5.
 
 An answer is one CSV row per face. Likert scales are not normally distributed, so two conditions are compared by the
-Mann-Whitney test (thesis 4.5).
+Mann-Whitney test (thesis 4.5). It takes answers as independent; a second test compares the means of each participant.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,13 @@ from typing import Literal, get_args
 
 from kinesic.body.config import ConfigError
 from kinesic.studies.perception.design import FACIAL_ACTIONS, LIKERT_POINTS, Presentation, Strength
+from kinesic.studies.perception.significance import (
+    SIGNIFICANCE_LEVEL,
+    PairedTest,
+    adjust_holm,
+    compare_groups,
+    compare_pairs,
+)
 from kinesic.studies.questionnaire.answers import read_rows
 
 Wrinkles = Literal["with", "without"]
@@ -30,7 +38,6 @@ ANSWER_COLUMNS = (
     "seconds",
     "age",
 )
-SIGNIFICANCE_LEVEL = 0.05  # p-value below which the means of two conditions differ significantly
 REQUIRED_COLUMNS = ("participant", "action", *CONDITION_VALUES, *ACTION_NAMES, *OPINION_COLUMNS)
 ACCEPTED_AGES = range(10, 120)  # [years] accepted ages
 ALL_ACTIONS = "all"  # name of the row for all actions together
@@ -73,6 +80,7 @@ RATING_MEASURES: Mapping[str, Callable[[Rating], int]] = {
     "NAT": lambda answer: answer.opinions["naturalness"],
     "RE": lambda answer: answer.opinions["realism"],
 }
+Cell = tuple[str, str]  # action or `ALL_ACTIONS`, measure
 
 
 @dataclass(frozen=True)
@@ -82,11 +90,15 @@ class ComparedMeans:
     means: tuple[float, float]  # 1..5; NaN without answers
     counts: tuple[int, int]
     p: float  # two-sided p-value of equal distributions; NaN if one side has no answers
+    corrected_p: float  # the same after Holm's correction
+    delta: float  # Cliff's delta, -1..1; positive if the first side has more points
+    paired: PairedTest  # differences within participants
+    corrected_paired_p: float  # its p after Holm's correction
 
     @property
     def significant(self) -> bool:
-        """Whether the conditions differ significantly."""
-        return self.p < SIGNIFICANCE_LEVEL
+        """Whether the conditions differ significantly, after the correction."""
+        return self.corrected_p < SIGNIFICANCE_LEVEL
 
 
 @dataclass(frozen=True)
@@ -98,7 +110,7 @@ class Comparison:
 
     condition: str
     sides: tuple[str, str]
-    cells: Mapping[tuple[str, str], ComparedMeans]  # (action, measure)
+    cells: Mapping[Cell, ComparedMeans]
 
 
 @dataclass(frozen=True)
@@ -118,12 +130,29 @@ def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, s
         sides: two values of the condition.
     """
     groups = {action: [a for a in answers if a.action == action] for action in ACTION_NAMES} | {ALL_ACTIONS: answers}
-    cells = {
-        (action, name): _compare_means(
-            *([measure(a) for a in group if a.conditions[condition] == side] for side in sides)
-        )
+    points = {
+        (action, name): tuple(_collect_points(group, condition, side, measure) for side in sides)
         for action, group in groups.items()
         for name, measure in RATING_MEASURES.items()
+    }
+    tests = {cell: compare_groups(*map(_flatten, pair)) for cell, pair in points.items()}
+    differences = {(action, name): _subtract_means(*points[action, name]) for action, name in points}
+    for name in RATING_MEASURES:
+        differences[ALL_ACTIONS, name] = _average([differences[action, name] for action in ACTION_NAMES])
+    paired = {cell: compare_pairs(list(by_person.values())) for cell, by_person in differences.items()}
+    corrected = _correct({cell: test.p for cell, test in tests.items()})
+    corrected_paired = _correct({cell: test.p for cell, test in paired.items()})
+    cells = {
+        cell: ComparedMeans(
+            (_mean(left), _mean(right)),
+            (len(_flatten(left)), len(_flatten(right))),
+            tests[cell].p,
+            corrected[cell],
+            tests[cell].delta,
+            paired[cell],
+            corrected_paired[cell],
+        )
+        for cell, (left, right) in points.items()
     }
     return Comparison(condition, sides, cells)
 
@@ -155,12 +184,43 @@ def count_first_choices(answers: Sequence[Rating]) -> FirstChoices:
     )
 
 
-def _compare_means(left: Sequence[int], right: Sequence[int]) -> ComparedMeans:
-    from scipy.stats import mannwhitneyu  # noqa: PLC0415 - slow import, only needed for answers
+Points = Mapping[str, Sequence[int]]  # participant -> points of the answers
 
-    means = (fmean(left) if left else float("nan"), fmean(right) if right else float("nan"))
-    p = float(mannwhitneyu(left, right, alternative="two-sided").pvalue) if left and right else float("nan")
-    return ComparedMeans(means, (len(left), len(right)), p)
+
+def _collect_points(
+    answers: Sequence[Rating], condition: str, side: str, measure: Callable[[Rating], int]
+) -> dict[str, list[int]]:
+    """Return the points under one side of a condition, by participant."""
+    points: dict[str, list[int]] = defaultdict(list)
+    for answer in answers:
+        if answer.conditions[condition] == side:
+            points[answer.participant].append(measure(answer))
+    return points
+
+
+def _flatten(points: Points) -> list[int]:
+    return [value for values in points.values() for value in values]
+
+
+def _mean(points: Points) -> float:
+    return fmean(_flatten(points)) if points else float("nan")
+
+
+def _subtract_means(left: Points, right: Points) -> dict[str, float]:
+    """Return the difference of means of each participant with both sides."""
+    return {person: fmean(values) - fmean(right[person]) for person, values in left.items() if person in right}
+
+
+def _average(differences: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return each participant's mean difference over the actions."""
+    people = dict.fromkeys(person for by_person in differences for person in by_person)
+    return {person: fmean(each[person] for each in differences if person in each) for person in people}
+
+
+def _correct(p_values: Mapping[Cell, float]) -> dict[Cell, float]:
+    """Correct the tests of single actions, and those of all actions together."""
+    single = {cell: p for cell, p in p_values.items() if cell[0] != ALL_ACTIONS}
+    return adjust_holm(single) | adjust_holm({cell: p for cell, p in p_values.items() if cell[0] == ALL_ACTIONS})
 
 
 def _answer(location: str, row: Mapping[str, str]) -> Rating:

@@ -8,6 +8,7 @@ stimuli, with equal numbers of upper and lower faces and of moving and still fac
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from itertools import product
 from types import MappingProxyType
 from typing import Literal, get_args
@@ -20,6 +21,7 @@ Presentation = Literal["animation", "image"]
 
 STRENGTH_INTENSITIES: Mapping[Strength, float] = MappingProxyType({"low": 0.4, "high": 1.0})
 STIMULI_PER_CELL = 8  # stimuli per participant, region and presentation (thesis Table 4.2)
+CODE_LENGTH = 8  # hexadecimal digits of a stimulus's name for participants
 LIKERT_POINTS = 5  # number of points of a Likert scale
 
 
@@ -67,6 +69,11 @@ class Stimulus:
         surface = "wrinkled" if self.wrinkles else "smooth"
         action = f"{self.action.name}-{self.action.region}" if self.action.name == "none" else self.action.name
         return "-".join((self.agent, action, self.strength, surface, self.presentation))
+
+    @property
+    def code(self) -> str:
+        """Name for participants, such as `face-1b2c3d4e`, which tells no condition."""
+        return f"face-{sha256(self.id.encode()).hexdigest()[:CODE_LENGTH]}"
 
     @property
     def units(self) -> Mapping[str, float]:

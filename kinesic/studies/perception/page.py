@@ -47,7 +47,7 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
         "most": len(list_stimuli()),
         "stimuli": [
             {
-                "id": stimulus.id,
+                "id": stimulus.code,
                 "file": f"{folder}/{file_of(stimulus)}",
                 "agent": stimulus.agent,
                 "action": stimulus.action.name,
@@ -81,8 +81,8 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
 
 
 def file_of(stimulus: Stimulus) -> str:
-    """Return the picture or film name of a stimulus."""
-    return f"{stimulus.id}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
+    """Return the picture or film name of a stimulus, which tells no condition."""
+    return f"{stimulus.code}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
 
 
 def draw_stimuli(

@@ -145,10 +145,50 @@ def test_analyse_command_prints_face_study_tables_of_the_thesis(file: Path):
     )
     for words in said:
         assert words in outcome.output
-    assert sum(line.split()[0] == ALL_ACTIONS for line in outcome.output.splitlines() if line.strip()) == 3
+    assert sum(line.split()[0] == ALL_ACTIONS for line in outcome.output.splitlines() if line.strip()) == 6
     outcome = CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"], standalone_mode=False)
     data = json.loads(outcome.output)
     assert {row["action"] for row in data["intensity"]} == {*ACTION_NAMES, ALL_ACTIONS}
     assert data["participants"] == 60
     assert len(data["ages"]) == 59
-    assert all(row["p"] < 0.05 for row in data["intensity"] if row["measure"] == "EXP")
+    strong = [row for row in data["intensity"] if row["measure"] == "EXP"]
+    assert all(row["p"] <= row["p_holm"] < 0.05 for row in strong)
+    assert all(row["delta"] > 0.3 and row["within"]["r"] > 0.3 for row in strong)
+    assert all(row["within"]["p_holm"] < 0.05 for row in strong)
+
+
+def rate_frown(person: str, strength: str, points: int) -> Rating:
+    conditions = {"wrinkles": "with", "presentation": "image", "strength": strength}
+    labels = {"4": points, "1+2": 1, "1+4": 1}
+    return Rating("4", conditions, labels, {"naturalness": 3, "realism": 3}, person)
+
+
+def test_differences_within_participants_are_found_where_people_differ_more():
+    """Each of ten people rates the strong frown one point higher, on a level of their own."""
+    answers = [
+        rate_frown(f"p{k}", strength, points)
+        for k in range(10)
+        for strength, points in (("high", 2 + k % 4), ("low", 1 + k % 4))
+    ]
+    cell = compare_sides(answers, "strength", ("high", "low")).cells["4", "EXP"]
+    assert cell.paired.participants == 10
+    assert cell.paired.difference == 1.0
+    assert cell.paired.correlation == 1.0
+    assert cell.paired.p < 0.005 < 0.05 < cell.p
+
+
+def test_participant_with_one_side_only_does_not_count_within_participants():
+    answers = [rate_frown("a", "high", 5), rate_frown("a", "low", 2), rate_frown("b", "high", 5)]
+    cell = compare_sides(answers, "strength", ("high", "low")).cells["4", "EXP"]
+    assert cell.paired.participants == 1
+    assert cell.paired.difference == 3.0
+    nowhere = compare_sides(answers, "strength", ("high", "low")).cells["6", "EXP"]
+    assert nowhere.paired.participants == 0
+    assert isnan(nowhere.corrected_paired_p)
+
+
+def test_single_actions_are_corrected_together_and_all_actions_apart(answers: tuple[Rating, ...]):
+    cells = compare_sides(answers, "presentation", ("animation", "image")).cells
+    for family in ([a for a in cells if a[0] != ALL_ACTIONS], [a for a in cells if a[0] == ALL_ACTIONS]):
+        smallest = min(family, key=lambda cell: cells[cell].p)
+        assert cells[smallest].corrected_p == pytest.approx(min(1.0, len(family) * cells[smallest].p))

@@ -1,16 +1,29 @@
 """Design of the face study as in the thesis (4.4, Table 4.2)."""
 
+import re
 from collections import Counter
+from itertools import pairwise
 
 from kinesic.body.action_units import face_keys
 from kinesic.studies.perception.answers import ACTION_NAMES
 from kinesic.studies.perception.design import STIMULI_PER_CELL, list_stimuli
+from kinesic.studies.perception.page import file_of
 
 
 def test_answers_about_96_of_128_stimuli_are_evaluated():
     assert len(list_stimuli()) == 128
     assert sum(stimulus.action.label != "" for stimulus in list_stimuli()) == 96
     assert len({stimulus.id for stimulus in list_stimuli()}) == 128
+
+
+def test_stimulus_names_for_participants_tell_no_condition():
+    stimuli = list_stimuli()
+    assert len({stimulus.code for stimulus in stimuli}) == 128
+    assert all(re.fullmatch("face-[0-9a-f]{8}", stimulus.code) for stimulus in stimuli)
+    assert all(file_of(stimulus).startswith(f"{stimulus.code}.") for stimulus in stimuli)
+    in_order = sorted(stimuli, key=lambda stimulus: stimulus.code)
+    runs = sum(a.strength == b.strength for a, b in pairwise(in_order))
+    assert 40 < runs < 90, "neighbours by name share conditions by chance"
 
 
 def test_conditions_of_the_face_study_are_balanced():

@@ -67,7 +67,7 @@ def test_participant_can_stop_the_face_study_early(page: Page, tmp_path: Path):
 def test_answers_of_all_32_faces_are_read_back(page: Page, tmp_path: Path):
     order = page.value("state.order")
     assert len(order) == len(set(order)) == 32
-    known = {stimulus.id: stimulus for stimulus in list_stimuli()}
+    known = {stimulus.code: stimulus for stimulus in list_stimuli()}
     cells = [(known[name].action.region, known[name].presentation) for name in order]
     assert {cells.count(cell) for cell in cells} == {8}
     page.click("#begin")
