@@ -12,6 +12,7 @@ LIP_OPENINGS: Mapping[str, float] = {
     "22": 0.0108,
     "19": 0.008,
 }  # [m] by action unit, at full intensity
+BITE_OPENINGS: Mapping[str, float] = {"32": 0.0035}  # [m] of the upper lip over the teeth, at full intensity
 MAX_LIP_VELOCITY = 0.2  # [m/s] largest velocity of one lip relative to the other
 ACCELERATION_TIME = 0.04  # [s] time in which lips accelerate from rest to their largest velocity
 CONSTRAINT_WINDOW = 0.2  # [s] before and after a narrow mouth shape, in which it limits the opening
@@ -27,7 +28,9 @@ def lip_opening(units: Mapping[str, float]) -> float:
     return sum(LIP_OPENINGS.get(channel, 0.0) * value for channel, value in units.items())
 
 
-def limit_lip_opening(track: dict[str, Floats], largest: Floats, step: float) -> None:
+def limit_lip_opening(
+    track: dict[str, Floats], largest: Floats, step: float, *, openings: Mapping[str, float] = LIP_OPENINGS
+) -> None:
     """Limit the lip opening of a face track, in place.
 
     All action units that part the lips are scaled by the same factor.
@@ -36,11 +39,14 @@ def limit_lip_opening(track: dict[str, Floats], largest: Floats, step: float) ->
         track: key of Command.face -> (n,) 0..1.
         largest: (n,) largest lip opening [m].
         step: time step [s].
+        openings: lip opening [m] by action unit, at full intensity.
     """
-    opening_units = LIP_OPENINGS.keys() & track.keys()
+    opening_units = openings.keys() & track.keys()
+    if not opening_units:
+        return
     requested = np.zeros(len(largest))
     for channel in sorted(opening_units):
-        requested += LIP_OPENINGS[channel] * track[channel]
+        requested += openings[channel] * track[channel]
     allowed = _reachable(np.minimum(requested, largest), step)
     allowed = np.minimum(allowed, _rounded(allowed, step))
     factor = np.divide(allowed, requested, out=np.ones(len(largest)), where=requested > 0.0)

@@ -19,13 +19,13 @@ from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.body.utterance import STRESS_MARKS, VOWEL_LETTERS, Phoneme
 from kinesic.expressivity.face.expressions import Envelope
-from kinesic.expressivity.face.opening import LIP_OPENINGS, limit_lip_opening, lip_opening
+from kinesic.expressivity.face.opening import BITE_OPENINGS, LIP_OPENINGS, limit_lip_opening, lip_opening
 
 MOUTH_STEP = 0.005  # [s] time step of the mouth track
 SHAPE_LEAD_TIME = 0.07  # [s] from the start of a mouth shape to its sound
 ROUND_LEAD_TIME = 0.12  # [s] from the start of lip rounding to its sound
 PRESS_TIME = 0.025  # [s] rise time of the lip press to its full intensity
-RELEASE_TIME = 0.03  # [s] fall time of the lip press to zero intensity
+RELEASE_TIME = 0.02  # [s] fall time of the lip press to zero intensity
 RELEASE_ADVANCE = 0.028  # [s] from the release of closed lips to its sound, as soft lips stick together
 # Shortest time of pressed lips [s]; with closing and opening they are visibly closed for 0.05 s, longer than a film
 # frame.
@@ -107,12 +107,15 @@ def visemes(phonemes: Sequence[Phoneme], times: Floats, *, start: float = 0.0) -
         return {}
     grid = _grid(sounds, times - start)
     track = _shapes(sounds, grid)
-    largest_opening = np.full(len(grid), np.inf)
+    largest_opening, largest_bite = np.full((2, len(grid)), np.inf)
     for sound in sounds:
+        first, last = np.searchsorted(grid, sound.held)
         if sound.viseme.firm:
-            first, last = np.searchsorted(grid, sound.held)
             np.minimum(largest_opening[first:last], lip_opening(sound.units), out=largest_opening[first:last])
+        if SEAL_UNIT in sound.units:
+            largest_bite[first:last] = 0.0
     limit_lip_opening(track, largest_opening, MOUTH_STEP)
+    limit_lip_opening(track, largest_bite, MOUTH_STEP, openings=BITE_OPENINGS)
     if SEAL_UNIT in track:
         for channel in track.keys() & {*INNER_UNITS}:
             track[channel] = track[channel] * (1.0 - track[SEAL_UNIT])

@@ -55,12 +55,19 @@ UNIT_SHAPES: Mapping[int, Mapping[str, float]] = {
     19: {"tongueOut": 1.0, "jawOpen": 0.25},  # the tongue needs the teeth apart
     20: {"mouthStretchSIDE": 1.0, "mouthDimpleSIDE": 0.75},  # their sum points straight outward
     22: {"mouthFunnel": 1.0},
-    23: {"mouthRollLower": 0.45, "mouthRollUpper": 0.35, "mouthPucker": 0.13},  # narrow lips; the corners stay
-    24: {"mouthRollLower": 0.5, "mouthRollUpper": 0.4},  # mouthPress would raise the corners as in a smile
+    23: {"mouthRollLower": 0.75, "mouthRollUpper": 0.6, "mouthPucker": 0.42},  # a narrow mouth with tight lips
+    24: {  # a wide straight line; mouthPress would raise the corners as in a smile
+        "mouthRollLower": 0.9,
+        "mouthRollUpper": 0.75,
+        "mouthStretchLeft": 0.22,
+        "mouthStretchRight": 0.22,
+        "mouthDimpleLeft": 0.22,
+        "mouthDimpleRight": 0.22,
+    },
     25: {"mouthLowerDownLeft": 0.7, "mouthLowerDownRight": 0.7, "mouthUpperUpLeft": 0.3, "mouthUpperUpRight": 0.3},
     26: {"jawOpen": 0.55},  # opening with relaxed muscles
     27: {"jawOpen": 1.0, "mouthStretchLeft": 0.1, "mouthStretchRight": 0.1},
-    28: {"mouthRollLower": 1.0, "mouthRollUpper": 1.0},
+    28: {"mouthRollLower": 2.0, "mouthRollUpper": 1.2},  # both lips disappear
     29: {"jawForward": 1.0},
     30: {"jawSIDE": 1.0},
     32: {"mouthRollLower": 0.8, "mouthUpperUpLeft": 0.8, "mouthUpperUpRight": 0.8},  # upper teeth on the lower lip
@@ -74,14 +81,23 @@ UNIT_SHAPES: Mapping[int, Mapping[str, float]] = {
     64: {"eyeLookDownLeft": 1.0, "eyeLookDownRight": 1.0},
     66: {"eyeLookInLeft": 0.4, "eyeLookInRight": 0.4},
 }
-UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {  # extra shape weights while two units act together
+# Extra shape weights while two units act together; negative ones where the sum of both would be too large.
+UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {
     **{  # a smile parts the lips over the teeth
-        (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.7, f"mouthLowerDown{name}": 0.35}
+        (f"{side}12", "25"): {f"mouthUpperUp{name}": 0.6, f"mouthLowerDown{name}": 0.35}
         for side, name in SIDE_NAMES.items()
     },
     ("26", "25"): {"mouthUpperUpLeft": 0.25, "mouthUpperUpRight": 0.25},  # a mouth wide open shows the upper teeth
     ("27", "25"): {"mouthUpperUpLeft": 0.3, "mouthUpperUpRight": 0.3},
+    ("18", "22"): {"mouthPucker": -0.35, "mouthFunnel": -0.35},  # their full sum is a star
+    ("22", "25"): {
+        "mouthLowerDownLeft": -0.5,
+        "mouthLowerDownRight": -0.5,
+        "mouthUpperUpLeft": -0.2,
+        "mouthUpperUpRight": -0.2,
+    },
 }
+LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # of shapes that are weak
 LIP_SEALING_UNITS = ("24", "28")  # action units that press the lips together at any jaw opening
 LIP_PARTING_SHAPES = (
     "mouthLowerDownLeft",
@@ -128,6 +144,7 @@ class _Rig:
     lids: tuple[Lids, Lids]
     lips: Lips
     rest: Floats  # (v, 3) [m] positions at rest, with touching lips
+    largest: Floats  # (s,) largest weight of each shape
 
 
 def read_intensities(units: Mapping[str, float]) -> Floats:
@@ -167,7 +184,7 @@ def compute_shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     weights = _compute_weights(rig, read_intensities(units))
     for side in SIDE_NAMES.values():
         weights[[rig.shape[f"{lid}{side}"] for lid in LID_SHAPES]] *= 1.0 - weights[rig.shape[f"{BLINK_SHAPE}{side}"]]
-    return weights
+    return np.minimum(weights, 1.0)
 
 
 def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
@@ -232,7 +249,7 @@ def _compute_weights(rig: _Rig, channels: Floats) -> Floats:
         amount = min(channels[_CHANNEL_INDICES[name]] for name in both)
         for name, weight in shapes.items():
             weights[rig.shape[name]] += amount * weight
-    weights = np.minimum(weights, 1.0)
+    weights = np.minimum(weights, rig.largest)
     seal = _compute_seal(channels)
     weights[[rig.shape[name] for name in LIP_PARTING_SHAPES]] *= 1.0 - seal
     weights[rig.shape["mouthClose"]] = seal * weights[rig.shape["jawOpen"]]
@@ -252,4 +269,12 @@ def _build_rig(mesh: Mesh) -> _Rig:
     closing = (find_lids(mesh, "Left", 0), find_lids(mesh, "Right", 1))
     parting, rest = find_lips(mesh), mesh.positions.copy()
     parting.part(rest, 0.0)
-    return _Rig(build_shape_matrix(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]), closing, parting, sealed(rest))
+    return _Rig(
+        build_shape_matrix(mesh.shapes),
+        shape,
+        (eyes[is_left], eyes[~is_left]),
+        closing,
+        parting,
+        sealed(rest),
+        sealed(np.array([LARGEST_WEIGHTS.get(name, 1.0) for name in mesh.shapes])),
+    )

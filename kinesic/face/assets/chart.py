@@ -21,9 +21,9 @@ WINDOW_LEFT_RIGHT = (-1.8, 1.8)  # range of the chart coordinate a that is paint
 WINDOW_LOW_HIGH = (-2.2, 1.6)  # [eye distances] range of the chart coordinate y (height) that is painted
 MASK_RAMP = (-0.6, -0.4)  # forward positions [eye distances] between which the skin mask rises from 0 to 1
 HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between the eyes
-    (0.0, 1.32),
-    (25.0, 1.30),
-    (45.0, 1.02),
+    (0.0, 1.25),
+    (25.0, 1.23),
+    (45.0, 0.98),
     (58.0, 0.72),
     (70.0, 0.35),
     (80.0, 0.12),

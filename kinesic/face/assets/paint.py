@@ -24,7 +24,7 @@ SKIN_RESOLUTION = 1024  # [pixels] along a side of the skin texture
 BROW_HAIR_COUNT = 640  # number of hairs of both brows together
 BROW_OVERSAMPLING = 2  # resolution in which brows are drawn / SKIN_RESOLUTION
 PAINT_SEED = 7  # seed of the random generator for painted skin and brows
-IRIS_RESOLUTION = 80  # [pixels] side of the iris texture, about that of the eye in a picture
+IRIS_RESOLUTION = 128  # [pixels] side of the iris texture
 IRIS_OVERSAMPLING = 4  # resolution in which the iris is computed / IRIS_RESOLUTION
 EYE_HALF_WIDTH = 0.8  # half width of the painted square, in radii of the eyeball
 MIN_OPACITY = 1e-12  # opacity below which a colour is skipped
@@ -44,6 +44,7 @@ class Complexion:
     iris: Colour
     brow: tuple[tuple[float, float], ...]  # chart a and y of the centre line, from the nose outward
     brow_width: float  # maximum half width in the chart
+    beard: float = 0.0  # darkness of a shaven beard, 0..1
 
 
 COMPLEXIONS: Mapping[Variant, Complexion] = MappingProxyType(
@@ -58,13 +59,14 @@ COMPLEXIONS: Mapping[Variant, Complexion] = MappingProxyType(
             brow_width=0.034,
         ),
         "male": Complexion(
-            skin=(0.53, 0.325, 0.235),
-            flush=(0.54, 0.22, 0.17),
-            lips=(0.43, 0.20, 0.17),
-            hair=(0.035, 0.024, 0.018),
+            skin=(0.46, 0.27, 0.18),
+            flush=(0.47, 0.18, 0.13),
+            lips=(0.36, 0.165, 0.135),
+            hair=(0.022, 0.016, 0.013),
             iris=(0.14, 0.085, 0.045),
             brow=((0.17, 0.315), (0.42, 0.38), (0.66, 0.41), (0.84, 0.37), (0.99, 0.29)),
-            brow_width=0.048,
+            brow_width=0.056,
+            beard=0.30,
         ),
     }
 )
@@ -78,6 +80,10 @@ UPPER_LIP = (
 )  # upper edge of the red lips as chart coordinates a and y
 # Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
+# Upper and lower edge of a beard as chart coordinates a and y.
+BEARD_TOP = ((0.0, -0.80), (0.3, -0.82), (0.5, -1.02), (0.9, -0.95), (1.3, -0.45), (1.5, -0.2), (1.6, -2.0))
+BEARD_BOTTOM = ((0.0, -2.05), (0.6, -2.0), (1.2, -1.5), (1.5, -0.9), (1.6, -0.2))
+BEARD_SHADE = np.array([0.42, 0.45, 0.52])  # colour of a shaven beard relative to the skin
 FLUSHED_AREAS = (  # reddish areas of the skin: chart coordinates a and y, half width, strength
     (0.62, -0.62, 0.26, 0.42),
     (0.0, -0.62, 0.13, 0.34),
@@ -121,6 +127,9 @@ def paint_skin(complexion: Complexion) -> Floats:
     colours[..., 0] *= 1.0 + 0.6 * mottled
     colours[..., 1:] *= (1.0 + mottled)[..., None]
     red = _paint_lips(np.abs(a), y)
+    if complexion.beard:
+        stubble = complexion.beard * _paint_beard(np.abs(a), y) * (1.0 + 2.5 * mottled).clip(0.4, 1.6)
+        _mix_colour(colours, BEARD_SHADE * np.asarray(complexion.skin), stubble * (1.0 - red))
     _mix_colour(colours, complexion.lips, 0.85 * red)
     _mix_colour(colours, complexion.hair, _paint_brows(complexion, random))
     painted[..., 3] = 1.0 - red
@@ -136,8 +145,13 @@ def paint_iris(complexion: Complexion) -> Floats:
     random = np.random.default_rng(PAINT_SEED)
     x, y = np.meshgrid(*[np.linspace(-EYE_HALF_WIDTH, EYE_HALF_WIDTH, IRIS_OVERSAMPLING * IRIS_RESOLUTION)] * 2)
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    fibres = np.interp(angle, np.linspace(-np.pi, np.pi, 180), random.standard_normal(180), period=2 * np.pi)
-    bright = 1.0 + 0.18 * fibres + 0.9 * np.exp(-(((radius - 0.24) / 0.07) ** 2)) - 0.35 * y / IRIS_RADIUS
+    waves = angle + 0.25 * np.sin(5.0 * angle) * (radius - PUPIL_RADIUS)  # fibres are not quite straight
+    coarse, fine = (
+        np.interp(waves, np.linspace(-np.pi, np.pi, count), random.standard_normal(count), period=2 * np.pi)
+        for count in (60, 180)
+    )
+    fibres = coarse * _evaluate_bell(radius, 0.32, 0.10) + fine
+    bright = 1.0 + 0.26 * fibres + 0.9 * np.exp(-(((radius - 0.24) / 0.07) ** 2)) - 0.35 * y / IRIS_RADIUS
     colours = np.asarray(complexion.iris) * np.maximum(bright, 0.2)[..., None]
     _mix_colour(
         colours, (0.012, 0.012, 0.014), 0.85 * _smoothstep(radius, IRIS_RADIUS - 0.07, IRIS_RADIUS)
@@ -148,6 +162,13 @@ def paint_iris(complexion: Complexion) -> Floats:
     return sealed(
         colours.reshape(IRIS_RESOLUTION, IRIS_OVERSAMPLING, IRIS_RESOLUTION, IRIS_OVERSAMPLING, 3).mean(axis=(1, 3))
     )
+
+
+def _paint_beard(a: Floats, y: Floats) -> Floats:
+    """Return the (n, n) soft mask 0..1 of a beard: upper lip, chin and jaws."""
+    top = np.interp(a, *np.array(BEARD_TOP).T)
+    bottom = np.interp(a, *np.array(BEARD_BOTTOM).T)
+    return _blur(((y < top) & (y > bottom)).astype(np.float64), 14.0)
 
 
 def _paint_lips(a: Floats, y: Floats) -> Floats:

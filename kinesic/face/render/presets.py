@@ -30,7 +30,7 @@ class Occlusion:
     tile: int = 4  # [pixels] along a side of the tile and of the blur (listing 11.1)
     falloff: Falloff = "wendland"  # weight by distance (3.3)
     radius: float = 0.024  # [m] range of occluders
-    strength: float = 1.7  # factor of the occlusion
+    strength: float = 1.4  # factor of the occlusion
 
     def __post_init__(self) -> None:
         if self.tile not in TILE_SIZES:

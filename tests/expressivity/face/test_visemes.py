@@ -9,7 +9,7 @@ from kinesic.body.action_units import FACE_CHANNELS
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Phoneme, Script
-from kinesic.expressivity.face.opening import lip_opening
+from kinesic.expressivity.face.opening import BITE_OPENINGS, MAX_LIP_VELOCITY, lip_opening
 from kinesic.expressivity.face.visemes import (
     RELEASE_ADVANCE,
     ROUND_LEAD_TIME,
@@ -165,3 +165,20 @@ def test_loudness_scales_the_lip_opening_of_a_vowel_and_leaves_closed_lips():
     )
     assert quiet["26"].max() == pytest.approx(0.5 * loud["26"].max(), rel=0.05)
     assert quiet["24"].max() == loud["24"].max()
+
+
+@pytest.mark.parametrize("letter", ["\u03b2", "\u0278"])
+def test_bilabial_fricatives_bring_both_lips_close_without_contact(letter: str):
+    units = viseme_of(letter).units
+    assert not units.keys() & {"24", "32"}
+    assert 0.0005 < lip_opening(units) < 0.002
+
+
+def test_lower_lip_reaches_the_teeth_within_the_lip_velocity_after_closed_lips():
+    sounds = (Phoneme("a", 0.5, 0.2), Phoneme("p", 0.7, 0.06), Phoneme("f", 0.76, 0.1), Phoneme("a", 0.86, 0.2))
+    times = np.arange(0.0, 2.0, 0.005)
+    shown = visemes(sounds, times)
+    bite = BITE_OPENINGS["32"] * shown["32"]
+    assert np.abs(np.diff(bite)).max() / 0.005 <= MAX_LIP_VELOCITY + 1e-9
+    assert bite[shown["24"] > 0.99].max() < 0.0005
+    assert shown["32"].max() > 0.6

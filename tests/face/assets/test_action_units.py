@@ -205,3 +205,32 @@ def test_unknown_action_unit_is_rejected(name: str):
 def test_action_unit_intensity_outside_0_to_1_is_rejected(value: float):
     with pytest.raises(DisplayError, match=r"action unit 12 is .*; intensities go from 0 to 1"):
         deform(load_head(), {"12": value})
+
+
+def mouth_size(mesh: Mesh, positions: np.ndarray) -> tuple[float, float]:
+    """Return width of the mouth and visible height of the red lips [m]."""
+    rest, unit = mesh.positions, float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    corner = [np.linalg.norm(rest - unit * np.array([0.62, aside, -1.09]), axis=1).argmin() for aside in (0.40, -0.40)]
+    middle = (mesh.parts == MESH_PARTS.index("skin")) & (np.abs(rest[:, 1]) < 0.06 * unit) & (rest[:, 0] > 0.5 * unit)
+    red = middle & (rest[:, 2] < -0.95 * unit) & (rest[:, 2] > -1.30 * unit)
+    return float(np.ptp(positions[corner, 1])), float(np.ptp(positions[red, 2]))
+
+
+def test_tightened_pressed_and_sucked_lips_differ_in_shape(mesh: Mesh):
+    rest = mouth_size(mesh, deform(mesh, {}))
+    tight, pressed, sucked = (mouth_size(mesh, deform(mesh, {unit: 1.0})) for unit in ("23", "24", "28"))
+    assert tight[0] < rest[0] - 0.004
+    assert pressed[0] > rest[0] + 0.002
+    assert tight[1] < 0.9 * rest[1]
+    assert pressed[1] < 0.9 * rest[1]
+    assert sucked[1] < 0.85 * pressed[1]
+
+
+def test_puckered_funnel_stays_round(mesh: Mesh):
+    middle = centre(mesh, 0.0, -0.95)
+    units = {"18": 1.0, "22": 1.0, "25": 1.0}
+    raised = deform(mesh, units)[middle] - deform(mesh, {})[middle]
+    assert abs(raised[2]) < 0.008
+    assert raised[0] > -0.001
+    weights = compute_shape_weights(mesh, units)
+    assert weights[mesh.shapes.index("mouthPucker")] + weights[mesh.shapes.index("mouthFunnel")] < 1.35

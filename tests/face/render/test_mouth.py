@@ -6,11 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.face.assets.mesh import MESH_PARTS
-from kinesic.face.render.camera import CLOSE_CAMERA
+from kinesic.body.choices import Variant
+from kinesic.cli.face import read_emotion
+from kinesic.expressivity.face.visemes import viseme_of
+from kinesic.face.assets.mesh import FACE_VARIANTS, MESH_PARTS
+from kinesic.face.render.camera import CLOSE_CAMERA, STUDIO_LIGHTS
 from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.presets import NORMAL_PRESET, Occlusion
 
 BRIGHTNESS_WEIGHTS = np.array([0.299, 0.587, 0.114])
+MOUTH_ROWS, MIDDLE_COLUMNS = slice(290, 430), slice(246, 266)  # of a picture of 512 x 512 pixels
+SEAM_SEARCH = slice(40, 100)  # rows of the mouth in which the lips meet
 ROUNDED_UNITS = {"22": 0.8, "25": 0.7, "26": 0.3}
 
 
@@ -73,3 +79,27 @@ def test_wide_open_mouth_shows_the_upper_teeth(close: Portrait, jaw: str):
     rows = np.nonzero(teeth)[0]
     upper = np.arange(len(teeth))[:, None] < 0.5 * (rows.min() + rows.max())
     assert (teeth & upper).sum() > 130
+
+
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_closed_lips_read_as_closed(drawable: None, variant: Variant):
+    with Portrait(variant, size=(512, 512)) as portrait:
+        for units in ({}, read_emotion("anger", 1.0), viseme_of("m").units):
+            column = np.median(brightness(portrait, dict(units))[MOUTH_ROWS, MIDDLE_COLUMNS], axis=1)
+            seam = int(column[SEAM_SEARCH].argmin()) + SEAM_SEARCH.start
+            lower_lip = column[seam + 5 : seam + 25].max()
+            around = column[seam - 20 : seam + 20]
+            assert np.sum(around < 0.5 * lower_lip) <= 9
+            assert np.sum(around < 0.35 * lower_lip) <= 4
+            assert column[seam] > 0.2 * lower_lip
+
+
+def test_occlusion_dims_ambient_light_alone(drawable: None):
+    lamps_alone = replace(STUDIO_LIGHTS, sky=(0.0, 0.0, 0.0), ground=(0.0, 0.0, 0.0))
+    without = replace(NORMAL_PRESET, occlusion=None, scattering=None)
+    strong = replace(without, occlusion=Occlusion(strength=3.0))
+    pictures = []
+    for preset in (without, strong):
+        with Portrait("male", size=(192, 192), preset=preset, lights=lamps_alone) as portrait:
+            pictures.append(brightness(portrait, {})[90:150, 60:132])
+    assert np.abs(pictures[1] - pictures[0]).mean() < 1.0  # gloss alone is occluded

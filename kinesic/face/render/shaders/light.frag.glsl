@@ -18,6 +18,7 @@ const float EDGE = 0.02;   // distance of key light from 0 and 1 that counts as 
 const float WET = 0.6;     // minimum openness of an eye
 const float FACE = 1.2;    // chart range around the nose, where the mask is low only in the mouth
 const float BRIGHT_MOUTH = 0.65;  // minimum light on teeth and tongue
+const float BRIGHT_CHEEK = 0.3;   // minimum light on the inside of lips and cheeks
 const vec3 BLEED = vec3(0.55, 0.10, 0.05);  // light through the skin around a fold
 const vec3 SEEP = vec3(0.14, 0.07, 0.06);  // key light that seeps into its shadow on skin
 const vec3 WRAP = vec3(0.30, 0.14, 0.10);
@@ -43,12 +44,13 @@ void main() {
     vec3 wrap = WRAP * is_skin, spent = mix(vec3(1.0), 1.0 / ((1.0 + WRAP) * (1.0 + WRAP)), is_skin);
     vec4 arrives = textureLod(reach, uv, 0.0);
     bool in_mouth = part(facing.w) == TEETH || part(facing.w) == TONGUE;
-    vec3 key = max(arrives.rgb, in_mouth ? BRIGHT_MOUTH : 0.0);
-    float around = max(arrives.a, is_eye ? WET : in_mouth ? BRIGHT_MOUTH : 0.0);
-    vec3 reached = around + BLEED * is_skin * around * (1.0 - around);
-    vec3 direct = vec3(0.0);
     vec4 where = textureLod(place, uv, 0.0);
     float lip = skinned && abs(where.x) < FACE ? clamp(where.z, 0.0, 1.0) : 1.0;
+    float least = in_mouth ? BRIGHT_MOUTH : skinned ? BRIGHT_CHEEK * clamp(-where.z, 0.0, 1.0) : 0.0;
+    vec3 key = max(arrives.rgb, least);
+    float around = max(arrives.a, is_eye ? WET : least);
+    vec3 reached = around + BLEED * is_skin * around * (1.0 - around);
+    vec3 direct = vec3(0.0);
     float behind = float(!in_mouth) * lip;  // fraction of rim light, which has no shadow map and must not shine through a cheek
     float gloss = 0.0, frontal = dot(n, eye);
     for (int k = 0; k < 3; ++k) {
@@ -59,7 +61,7 @@ void main() {
         float wide = eighth(half_way * half_way / (2.0 + 2.0 * dot(towards[k], eye))), narrow = eighth(wide * wide);
         gloss += dot(shone, vec3(1.0 / 3.0)) * clamp(6.0 * toward, 0.0, 1.0) * (is_eye ? 2.4 * narrow : 0.16 * wide);
     }
-    vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y) * reached + direct * spent * (0.35 + 0.65 * reached);
+    vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y) * reached + direct * spent;
     float grazing = 1.0 - max(frontal, 0.0);
     gloss *= own.a * (is_eye ? 1.0 : around) * (1.0 + 2.0 * grazing * grazing * grazing);
     vec4 lit = vec4(light, gloss);

@@ -15,9 +15,10 @@ const float CORNEA = 0.2742;  // square of CORNEA_ANGLE; BULGE is CORNEA_HEIGHT 
 const float BULGE = 0.05;
 const float SUNKEN = 0.12; // apparent depth of the iris behind the cornea
 const float DAMP = 0.2;    // gloss of the white of the eye
-const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.50, 0.135, 0.125);
+const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.62, 0.22, 0.20);
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // equal to the dark skin in the throat
 const vec3 WALLS = vec3(1.0, 0.66, 0.58);  // tint of light from cheeks and palate
+const vec3 CARUNCLE = vec3(0.55, 0.24, 0.21);  // the inner corner of an eye
 const float LEVEL = 0.85;  // removed fraction of vertical normals, since the mesh turns over at the cutting edge
 const float INNER = 3.0;  // [mm] by which a crown is shorter on the tongue's side
 const int TEETH_ON_A_SIDE = 7;
@@ -38,11 +39,14 @@ vec2 stretched(vec2 at) {
 
 // Colour of an eye; the cornea bends its normal.
 vec4 eye(mat3 ball, inout vec3 n) {
+    float nasal = dot(n, mat3(view)[1]) * (detail > 0.5 ? 1.0 : -1.0);
     vec3 own = n * ball, head = n * mat3(view), seen = vec3(0.0, 0.0, 1.0) * ball;
     float short_of = 1.0 - own.x, inside = max(1.0 - short_of * (2.0 + short_of / 3.0) / CORNEA, 0.0);
     n = normalize(n + 4.0 * BULGE / CORNEA * inside * (n - ball[0] * own.x));
     float lid = 1.0 - 0.45 * smoothstep(0.05, 0.5, head.z) - 0.25 * smoothstep(0.4, 0.8, abs(head.y));
-    return vec4(textureLod(iris, stretched(own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb * lid, mix(DAMP, 1.0, inside));
+    vec3 paint = textureLod(iris, stretched(own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb;
+    paint = mix(paint, CARUNCLE, smoothstep(0.42, 0.66, nasal) * (1.0 - inside));
+    return vec4(paint * lid, mix(DAMP, 1.0, inside));
 }
 
 // Colour and gloss of teeth and gums. Each tooth bulges; gaps between edges are discarded.
@@ -54,7 +58,7 @@ vec4 teeth(inout vec3 n) {
     float wide = upper ? UPPER[k] : LOWER[k], crown = CROWN[k] - (upper ? 0.0 : 1.0);
     float u = clamp(2.0 * from / wide - 1.0, -1.0, 1.0), round_off = u * u * u * u;
     if (placed.y >= 0.0 && placed.y < 0.5 * WORN[k] + round_off) discard;
-    float gum = smoothstep(-0.35, 0.35, (placed.y < 0.0 ? INNER - placed.y : placed.y) - crown + 2.2 * u * u);
+    float gum = smoothstep(-0.35, 0.35, (placed.y < 0.0 ? INNER - placed.y : placed.y) - crown + 1.3 * u * u);
     float between = smoothstep(0.78, 1.0, abs(u)) * (1.0 - gum);
     vec3 up = mat3(view)[2], aside = normalize(cross(up, n)) * sign(placed.x);
     n -= LEVEL * dot(n, up) * up;
