@@ -28,10 +28,8 @@ else:
     PipeEnd = PipeConnection
     ProcessContext = SpawnContext
 
-SLOW_IMPORTS = (  # preloaded: the first three are used to retime plans, the last one for unknown gesture names
-    "scipy.interpolate",
-    "scipy.optimize",
-    "scipy.spatial.transform",
+SLOW_IMPORTS = (  # preloaded: for the times of coupled behaviours, and for unknown gesture names
+    "highspy",
     "kinesic.expressivity.lexicon.read_ahead",
 )
 

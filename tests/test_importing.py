@@ -44,11 +44,11 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
     [
         (
             f"import kinesic; kinesic.Performer(idle=0.0, variation=0.0).plan({BLOCK!r})",
-            "scipy.interpolate scipy.optimize scipy.sparse casadi urllib.request jinja2 PIL.Image",
+            "scipy.interpolate scipy.optimize scipy.sparse casadi highspy urllib.request jinja2 PIL.Image",
         ),
         (
             "import kinesic.cli.live.serve",
-            "scipy.interpolate scipy.optimize scipy.sparse jinja2 PIL.Image rich kinesic.face.render.portrait",
+            "scipy.interpolate scipy.optimize scipy.sparse highspy jinja2 PIL.Image rich kinesic.face.render.portrait",
         ),
         ("import kinesic.face.render.portrait", "scipy.sparse scipy.spatial scipy.optimize"),
         ("import kinesic.cli.servos.simulate", "mujoco OpenGL kinesic.face.gl"),

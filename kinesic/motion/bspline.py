@@ -1,14 +1,15 @@
 """Uniform cubic B-splines, with motion limits as linear constraints."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
+from kinesic.body.linear_program import SparseMatrix
 
 Indices = NDArray[np.int32]
 
@@ -59,28 +60,11 @@ class Grid:
         return np.asarray(np.arange(self.pieces + 1) * self.step, dtype=np.float64)
 
     @cached_property
-    def at_knots(self) -> "scipy.sparse.csr_array":
-        """Matrix from control points to angles at the knots.
-
-        Sparse, of shape (k + 1, k + 3).
-        """
-        return scipy.sparse.diags_array(
-            [1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(self.pieces + 1, self.size)
-        ).tocsr()
-
-    @cached_property
-    def closeness(self) -> "scipy.sparse.csc_array":
-        """Quadratic form that measures the distance to a desired motion.
-
-        Of shape (k + 3, k + 3), with a little weight on smoothness.
-        """
-        second = np.array([1.0, -2.0, 1.0]) / self.step**2
-        bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
-        return (self.at_knots.T @ self.at_knots + ACCELERATION_WEIGHT * bend.T @ bend).tocsc()
-
-    @cached_property
     def closeness_bands(self) -> Floats:
-        """Upper bands of `closeness`, shape (3, k + 3), the diagonal last."""
+        """Bands of the squared distance to a desired motion.
+
+        Measured at the knots, with a little weight on smoothness. Upper bands of shape (3, k + 3), the diagonal last.
+        """
         bands = np.zeros((3, self.size))
         _add_squares(bands, np.array([1.0, 4.0, 1.0]) / 6)
         _add_squares(bands, np.sqrt(ACCELERATION_WEIGHT) * np.array([1.0, -2.0, 1.0]) / self.step**2)
@@ -113,23 +97,14 @@ class Grid:
         boxes = velocity / limits.speed[hinge], acceleration / limits.acceleration[hinge], jerk / limits.jerk[hinge]
         return np.array([*boxes, duty / self.duty(limits)[hinge]])
 
-    def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
+    def rows(self, limits: Limits, hinge: int) -> SparseMatrix:
         """Return a hinge's limits as sparse rows of limit ratios.
 
         -1 <= rows @ controls <= 1. Of shape (4 k + 4, k + 3) for k pieces, without the range: velocity, acceleration
         and jerk on their control points, then the duty at the knots.
         """
         groups = zip(self.stencils(limits, hinge), STENCIL_WIDTHS, self.counts, strict=True)
-        data = np.concatenate([np.tile(stencil[:width], count) for stencil, width, count in groups])
-        return scipy.sparse.csr_array((data, *self._pattern), shape=(4 * self.pieces + 4, self.size))
-
-    @cached_property
-    def _pattern(self) -> tuple[Indices, Indices]:
-        """Column indices and row starts of the sparse limit matrix."""
-        shapes = tuple(zip(STENCIL_WIDTHS, self.counts, strict=True))
-        columns = [(np.arange(count)[:, None] + np.arange(width)).ravel() for width, count in shapes]
-        widths = np.repeat([width for width, _ in shapes], [count for _, count in shapes])
-        return np.concatenate(columns).astype(np.int32), np.concatenate([[0], np.cumsum(widths)]).astype(np.int32)
+        return stack_stencils([np.tile(stencil[:width], (count, 1)) for stencil, width, count in groups], self.size)
 
     @cached_property
     def powers(self) -> Floats:
@@ -211,6 +186,24 @@ def _add_squares(bands: Floats, stencil: Floats) -> None:
     for column, weight in enumerate(stencil):
         for row, other in enumerate(stencil[: column + 1]):
             bands[len(bands) - 1 - (column - row), column : column + count] += weight * other
+
+
+def at_knots(controls: Floats) -> Floats:
+    """Return the angles of a spline at its knots [rad]."""
+    return np.asarray((controls[:-2] + 4.0 * controls[1:-1] + controls[2:]) / 6.0)
+
+
+def stack_stencils(groups: Sequence[Floats], size: int) -> SparseMatrix:
+    """Return a matrix of stencils over successive control points, group by group.
+
+    Args:
+        groups: (r, w) weights of w control points, of which the first is 0 in the first row, 1 in the next.
+        size: n, number of control points.
+    """
+    columns = [np.add.outer(np.arange(len(group)), np.arange(group.shape[1])).ravel() for group in groups]
+    widths = np.repeat([group.shape[1] for group in groups], [len(group) for group in groups])
+    rows, values = np.repeat(np.arange(len(widths)), widths), np.concatenate([group.ravel() for group in groups])
+    return SparseMatrix(rows, np.concatenate(columns), values, (len(widths), size))
 
 
 @lru_cache(maxsize=GRID_CACHE_SIZE)

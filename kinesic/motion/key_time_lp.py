@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from kinesic._kernel import motion as kernel
 from kinesic.body.arrays import Floats
+from kinesic.body.linear_program import SparseMatrix, solve_linear_program
 from kinesic.motion.double_s import IntervalDurations
 from kinesic.motion.keys import Keys, Pair
 
@@ -70,7 +70,7 @@ class KeyTimeProgram:
     """
 
     costs: Floats  # (3 m + b,)
-    matrix: "scipy.sparse.csc_array"  # (g + b + c + m, 3 m + b) of gaps, bonds, planes, and t - e+ + e-
+    matrix: SparseMatrix  # (g + b + c + m, 3 m + b) of gaps, bonds, planes, and t - e+ + e-
     lower: Floats  # (g + b + c + m,)
     upper: Floats  # (g + b + c + m,)
     lower_bounds: Floats  # (3 m + b,) of the variables
@@ -96,7 +96,7 @@ def build_program(problem: KeyTimeProblem) -> KeyTimeProgram:
         costs=np.concatenate(
             [np.zeros(count), LATENESS_WEIGHT * keys.weights, keys.weights, np.full(bond_count, BROKEN_BOND_WEIGHT)]
         ),
-        matrix=scipy.sparse.csc_array((value, (row, column)), shape=shape),
+        matrix=SparseMatrix(row, column, value, shape),
         lower=np.append(np.full(len(pairs) + len(planes), -np.inf), keys.requested_times),
         upper=np.concatenate([-min_gaps, [plane.bound for plane in planes], keys.requested_times]),
         lower_bounds=np.append(
@@ -188,14 +188,11 @@ def _solve_large(problem: KeyTimeProblem) -> Floats:
         ArithmeticError: the planes exclude all times.
     """
     program = build_program(problem)
-    result = scipy.optimize.milp(  # which has no integers here, and reads a program in half the time of `linprog`
-        program.costs,
-        bounds=scipy.optimize.Bounds(program.lower_bounds, np.inf),
-        constraints=scipy.optimize.LinearConstraint(program.matrix, program.lower, program.upper),
-    )
-    if result.x is None:
-        raise ArithmeticError(f"no key times: {result.message}")
-    return np.array(result.x[: len(problem.keys.requested_times)])
+    ranges = program.lower_bounds, np.full(len(program.costs), np.inf)
+    variables = solve_linear_program(program.costs, program.matrix, (program.lower, program.upper), ranges)
+    if variables is None:
+        raise ArithmeticError("no key times: the cutting planes contradict each other")
+    return variables[: len(problem.keys.requested_times)]
 
 
 def extend_gaps(gaps: Mapping[Pair, float], durations: IntervalDurations) -> dict[Pair, float]:

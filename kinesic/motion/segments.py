@@ -7,10 +7,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
+from kinesic.body.linear_program import SparseMatrix
 from kinesic.motion.bspline import Grid, Indices, grid
 from kinesic.motion.keys import HOLD_TOLERANCE, Keys, Pair
 from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
@@ -49,14 +49,10 @@ class Fixed:
     size: int  # n, number of control points
 
     @property
-    def matrix(self) -> "scipy.sparse.csr_array":
-        """Sparse coefficient matrix (m, n) of the equations for fixed control points."""
-        columns = self.first[:, None] + np.arange(4)
-        is_used = self.weights != 0.0
-        starts = np.concatenate([[0], np.cumsum(is_used.sum(axis=1))])
-        return scipy.sparse.csr_array(
-            (self.weights[is_used], columns[is_used], starts), shape=(len(self.first), self.size)
-        )
+    def matrix(self) -> SparseMatrix:
+        """Coefficients (m, n) of the equations."""
+        row, weight = np.nonzero(self.weights)
+        return SparseMatrix(row, self.first[row] + weight, self.weights[row, weight], (len(self.first), self.size))
 
 
 @dataclass(frozen=True, eq=False)

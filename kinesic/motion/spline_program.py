@@ -22,7 +22,7 @@ EASY_RELAXATION = -0.2  # smallest relaxation searched for, so that easy program
 
 CLOSENESS_STENCILS = sealed(
     [np.array([1.0, 4.0, 1.0]) / 6, np.sqrt(ACCELERATION_WEIGHT) * np.array([1.0, -2.0, 1.0]) / KNOT_INTERVAL**2]
-)  # (2, 3) stencils whose squares make up `Grid.closeness`
+)  # (2, 3) stencils whose squares make up `Grid.closeness_bands`
 
 ExceedingSegments = list[tuple[float, SplineSegment]]  # largest limit ratio, segment
 

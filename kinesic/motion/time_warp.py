@@ -10,24 +10,22 @@ order.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
-import scipy
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Indices
 from kinesic.body.limits import Limits
+from kinesic.body.linear_program import SparseMatrix
+from kinesic.motion.bspline import stack_stencils
 from kinesic.motion.infeasibility import Infeasibility
+from kinesic.motion.interior_point import solve_by_interior_point
 from kinesic.motion.key_time_lp import KeyTimeProblem, build_program
-from kinesic.motion.linear_program import solve_linear
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import spline_weights
 
 SOLVER_PRECISION = 1e-4  # absolute tolerance of the solver; results are made exact afterwards
 BINDING_RATIO = 0.0  # limit ratio from which a row is bounded above; below its negative a row is bounded below
 DEFICIT_WEIGHT = 300.0  # cost of a remaining time deficit relative to key shifts
-
-Matrix: TypeAlias = "scipy.sparse.csr_array"
 
 
 @dataclass
@@ -36,7 +34,7 @@ class _Program:
 
     costs: list[Floats] = field(default_factory=list)
     ranges: list[tuple[Floats, Floats]] = field(default_factory=list)
-    entries: list[tuple[Floats, Floats, Floats]] = field(default_factory=list)  # rows, columns, values
+    entries: list[tuple[Indices, Indices, Floats]] = field(default_factory=list)  # rows, columns, values
     bounds: list[tuple[Floats, Floats]] = field(default_factory=list)
     width: int = 0
     height: int = 0
@@ -49,25 +47,22 @@ class _Program:
         self.width += len(lower)
         return first
 
-    def require(self, blocks: Iterable[tuple[int, Matrix]], lower: Floats, upper: Floats) -> None:
+    def require(self, blocks: Iterable[tuple[int, SparseMatrix]], lower: Floats, upper: Floats) -> None:
         """Add constraint rows from matrices placed at given columns."""
         for first, block in blocks:
-            part = scipy.sparse.coo_array(block)
-            self.entries.append((part.row + self.height, part.col + first, part.data))
+            self.entries.append((block.rows + self.height, block.columns + first, block.values))
         self.bounds.append((lower, upper))
         self.height += len(lower)
 
     def solve(self) -> Floats | None:
         rows, columns, values = (np.concatenate(parts) for parts in zip(*self.entries, strict=True))
-        matrix = scipy.sparse.csc_array((values, (rows, columns)), shape=(self.height, self.width))
-        solution = solve_linear(
+        return solve_by_interior_point(
             np.concatenate(self.costs),
-            matrix,
+            SparseMatrix(rows, columns, values, (self.height, self.width)),
             _join_bounds(self.bounds),
             _join_bounds(self.ranges),
             precision=SOLVER_PRECISION,
         )
-        return None if solution is None else solution[0]
 
 
 def _join_bounds(parts: Sequence[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
@@ -129,33 +124,35 @@ def _add_segment(
     matrix = segment.fixed.matrix
     program.require([(path, matrix)], np.zeros(matrix.shape[0]), np.zeros(matrix.shape[0]))
     is_free, powers = grid.bounds == 1.0, grid.powers
-    rows, change = grid.rows(limits, segment.hinge)[is_free], _ratio_change(segment, controls, limits)[is_free]
+    rows = grid.rows(limits, segment.hinge).select_rows(is_free)
+    change = _ratio_change(segment, controls, limits).select_rows(is_free)
     ratios, weight = rows @ controls, powers[is_free]
     bound, unbounded = 1.0 - reserve * weight, np.full(len(ratios), np.inf)
-    relaxation = scipy.sparse.csr_array(weight[:, None])
     up, down = ratios >= BINDING_RATIO, ratios <= -BINDING_RATIO
-    program.require(
-        [(stretch, change[up]), (path, rows[up]), (remaining_deficit, -relaxation[up])],
-        -unbounded[up],
-        (bound - ratios)[up],
-    )
-    program.require(
-        [(stretch, change[down]), (path, rows[down]), (remaining_deficit, relaxation[down])],
-        (-bound - ratios)[down],
-        unbounded[down],
-    )
+    relaxation = SparseMatrix(np.arange(len(weight)), np.zeros(len(weight), dtype=np.intp), weight, (len(weight), 1))
+    for selected, share, lowest, highest in (
+        (up, -relaxation, -unbounded, bound - ratios),
+        (down, relaxation, -bound - ratios, unbounded),
+    ):
+        blocks = (stretch, change), (path, rows), (remaining_deficit, share)
+        program.require(
+            [(first, block.select_rows(selected)) for first, block in blocks], lowest[selected], highest[selected]
+        )
 
 
-def _gap_matrix(segment: SplineSegment, count: int) -> Matrix:
+def _gap_matrix(segment: SplineSegment, count: int) -> SparseMatrix:
     """Return the matrix (g, m) from key times to gap durations."""
-    entries = [(row, mark, 1.0 / len(marks)) for row, marks in enumerate(segment.marks) for mark in marks]
-    rows, columns, weights = np.array(entries).T
-    indices = rows.astype(np.intp), columns.astype(np.intp)
-    whole = scipy.sparse.csr_array((weights, indices), shape=(len(segment.marks), count))
-    return whole[1:] - whole[:-1]
+    entries = [
+        (gap, mark, sign / len(marks))
+        for gap, (begin, end) in enumerate(pairwise(segment.marks))
+        for sign, marks in ((-1.0, begin), (1.0, end))
+        for mark in marks
+    ]
+    gaps, marks, weights = zip(*entries, strict=True)
+    return SparseMatrix(np.array(gaps), np.array(marks), np.array(weights), (len(segment.marks) - 1, count))
 
 
-def _gap_lengthening(segment: SplineSegment) -> Matrix:
+def _gap_lengthening(segment: SplineSegment) -> SparseMatrix:
     """Return each gap's lengthening per control point of the warp.
 
     Of shape (g, k + 2) [s].
@@ -171,11 +168,11 @@ def _gap_lengthening(segment: SplineSegment) -> Matrix:
         rows.append(np.full(len(integral), gap))
         columns.append(begin + np.arange(len(integral)))
         values.append(integral)
-    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return scipy.sparse.csr_array(entries, shape=(len(first) - 1, grid.pieces + 2))
+    entries = np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+    return SparseMatrix(*entries, (len(first) - 1, grid.pieces + 2))
 
 
-def _ratio_change(segment: SplineSegment, controls: Floats, limits: Limits) -> Matrix:
+def _ratio_change(segment: SplineSegment, controls: Floats, limits: Limits) -> SparseMatrix:
     """Return the change of all limit ratios due to the warp.
 
     Of shape (4 k + 4, k + 2).
@@ -200,7 +197,4 @@ def _ratio_change(segment: SplineSegment, controls: Floats, limits: Limits) -> M
         jerk_change / limits.jerk[hinge],
         duty_change,
     )
-    columns = [np.arange(len(stencil))[:, None] + np.arange(stencil.shape[1]) for stencil in stencils]
-    starts = np.cumsum(np.concatenate([[0], *(np.full(len(stencil), stencil.shape[1]) for stencil in stencils)]))
-    entries = np.concatenate([stencil.ravel() for stencil in stencils]), np.concatenate([c.ravel() for c in columns])
-    return scipy.sparse.csr_array((*entries, starts), shape=(len(starts) - 1, grid.pieces + 2))
+    return stack_stencils(stencils, grid.pieces + 2)

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import grid
+from kinesic.motion.bspline import at_knots, grid
 from kinesic.motion.segments import NO_KNOT_POSITIONS, SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, spline_weights
@@ -72,7 +72,7 @@ def cross_over(
     segment = SplineSegment.between(
         hinge, pieces, begin, end, places=passing - first, angles=_angles(following, passing)
     )
-    desired = segment.grid.at_knots @ following[first : last + 3] + _fade(begin - following[first : first + 3], pieces)
+    desired = at_knots(following[first : last + 3]) + _fade(begin - following[first : first + 3], pieces)
     transition = nearest_motion(segment, desired, limits)
     return None if transition is None else np.concatenate([current[: first + 3], transition[3:-3], following[last:]])
 
@@ -127,7 +127,7 @@ def _correct_between(controls: Floats, first: int, last: int, limits: Limits, hi
     """
     part = controls[first : last + FEWEST_PIECES]
     segment = SplineSegment.between(hinge, last - first, part[:FEWEST_PIECES], part[-FEWEST_PIECES:])
-    corrected = nearest_motion(segment, segment.grid.at_knots @ part, limits)
+    corrected = nearest_motion(segment, at_knots(part), limits)
     return (
         None
         if corrected is None

@@ -4,7 +4,7 @@ import pytest
 from kinesic._kernel import motion as kernel
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import grid
+from kinesic.motion.bspline import at_knots, grid
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.infeasibility import EASY_DEFICIT
 from kinesic.motion.segments import SplineSegment
@@ -41,7 +41,7 @@ def test_gentle_desired_motion_is_followed_exactly():
     wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
     controls = nearest_motion(way, wish, LIMITS)
     np.testing.assert_array_equal(controls, nearest_without_limits(way, wish))
-    np.testing.assert_allclose(way.grid.at_knots @ controls, wish, atol=2e-4)
+    np.testing.assert_allclose(at_knots(controls), wish, atol=2e-4)
 
 
 def test_sharp_desired_motion_is_followed_up_to_the_limits():
@@ -62,7 +62,7 @@ def test_limited_spline_solution_is_optimal():
     rng = np.random.default_rng(5)
 
     def cost(controls) -> float:
-        return float(np.sum((way.grid.at_knots @ controls - wish) ** 2))
+        return float(np.sum((at_knots(controls) - wish) ** 2))
 
     for _ in range(200):
         other = nearest_motion(way, wish + rng.normal(scale=0.02, size=61), LIMITS)
@@ -147,8 +147,8 @@ def compare(way: SplineSegment, wish: Floats, ours, relaxed, theirs, other) -> N
 
 def distance(way: SplineSegment, wish: Floats, controls: Floats) -> float:
     """Return the objective that the solver minimizes, without its constant part."""
-    form = way.grid.closeness
-    return float(controls @ (form @ controls) / 2 - (way.grid.at_knots.T @ wish) @ controls)
+    form = reference.closeness(way.grid)
+    return float(controls @ (form @ controls) / 2 - (reference.angles_matrix(way.grid).T @ wish) @ controls)
 
 
 def test_feasibility_test_agrees_with_the_existence_of_a_motion_within_limits():
@@ -177,7 +177,7 @@ def test_no_feasible_change_of_control_points_improves_the_optimum():
         best = nearest_within_limits(way, wish, LIMITS)
         if best is None:  # there is no motion in this time
             continue
-        slope = way.grid.closeness @ best - way.grid.at_knots.T @ wish
+        slope = reference.closeness(way.grid) @ best - reference.angles_matrix(way.grid).T @ wish
         for other in range(20):
             rng = np.random.default_rng((seed, other))
             result = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)

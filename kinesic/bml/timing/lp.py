@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from kinesic.bml.timing.constraints import Point
 from kinesic.bml.timing.negative_cycles import Edge
 from kinesic.bml.timing.network import MIN_BEHAVIOUR_DURATION, Potentials, SyncChain
 from kinesic.bml.timing.points import HOLD_SYNCS, is_repeated
+from kinesic.body.linear_program import SparseMatrix, solve_linear_program
 
 # [1/s] costs of lengthened phases, by the sync point at the end of the phase
 _LENGTHENING_COSTS = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
@@ -63,17 +63,17 @@ class _Rows:
 
     def solve(self) -> list[float]:
         rows, columns, values = zip(*self.entries, strict=True)
-        matrix = scipy.sparse.csr_array((values, (rows, columns)), shape=(len(self.bounds), len(self.costs)))
-        solution = scipy.optimize.linprog(
-            self.costs,
-            A_ub=matrix,
-            b_ub=self.bounds,
-            bounds=np.column_stack([self.lowest, np.full(len(self.lowest), np.inf)]),
-            method="highs",
+        shape = (len(self.bounds), len(self.costs))
+        solution = solve_linear_program(
+            np.array(self.costs),
+            SparseMatrix(np.array(rows), np.array(columns), np.array(values), shape),
+            (np.full(shape[0], -np.inf), np.array(self.bounds)),
+            (np.array(self.lowest), np.full(shape[1], np.inf)),
         )
-        if solution.x is None:
-            raise ArithmeticError(f"no consistent times were found: {solution.message}")
-        return [float(value) for value in solution.x]
+        if solution is None:
+            raise ArithmeticError("no times keep all constraints between behaviours")
+        times: list[float] = solution.tolist()
+        return times
 
 
 class TimingProgram:

@@ -5,16 +5,42 @@ import numpy as np
 import scipy
 
 from kinesic.body.limits import Limits
+from kinesic.body.linear_program import SparseMatrix
+from kinesic.motion.bspline import ACCELERATION_WEIGHT, Grid
 from kinesic.motion.keys import Keys
-from kinesic.motion.linear_program import _to_casadi as to_casadi
-from kinesic.motion.linear_program import solve_linear
 from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.spline_program import KEPT_RATIO, Relaxation, _linear_part, nearest_without_limits
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
-MAX_ITERATIONS = 40  # feasible programs take half as many
+MAX_ITERATIONS = 40  # feasible quadratic programs take half as many
+MAX_LINEAR_ITERATIONS = 250
+LINEAR_PRECISION = 1e-6  # absolute tolerance of rows and variables
 DENSE_ROWS = 64  # rows from which on a sparse system is solved faster than a dense one
 ROW_REGULARISATION = 1e-10  # separates rows that fix nearly the same
+
+
+def sparse(matrix: SparseMatrix):
+    """Convert a matrix to SciPy's compressed rows."""
+    return scipy.sparse.csr_array((matrix.values, (matrix.rows, matrix.columns)), shape=matrix.shape)
+
+
+def angles_matrix(grid: Grid):
+    """Return the matrix from control points to the angles at the knots."""
+    return scipy.sparse.diags_array([1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(grid.pieces + 1, grid.size))
+
+
+def closeness(grid: Grid):
+    """Return the form that measures the distance to a desired motion, with a little weight on smoothness."""
+    second = np.array([1.0, -2.0, 1.0]) / grid.step**2
+    bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(grid.pieces + 1, grid.size))
+    at_knots = angles_matrix(grid)
+    return (at_knots.T @ at_knots + ACCELERATION_WEIGHT * bend.T @ bend).tocsc()
+
+
+def to_casadi(matrix) -> casadi.DM:
+    """Convert SciPy's compressed columns."""
+    pattern = casadi.Sparsity(*map(int, matrix.shape), matrix.indptr.tolist(), matrix.indices.tolist())
+    return casadi.DM(pattern, matrix.data.tolist())
 
 
 def smoothest(segment: SplineSegment, bands, pull, *, dense_rows: int = DENSE_ROWS):
@@ -26,7 +52,7 @@ def smoothest(segment: SplineSegment, bands, pull, *, dense_rows: int = DENSE_RO
         pull: (k + 3,).
         dense_rows: rows up to which a dense system is solved.
     """
-    matrix, values = segment.fixed.matrix, segment.fixed.values
+    matrix, values = sparse(segment.fixed.matrix), segment.fixed.values
     if len(values) >= dense_rows:
         nearly = -ROW_REGULARISATION * scipy.sparse.eye_array(len(values))
         size, width = segment.grid.size, len(bands) - 1
@@ -44,8 +70,8 @@ def smoothest(segment: SplineSegment, bands, pull, *, dense_rows: int = DENSE_RO
 def nearest_within_limits(segment: SplineSegment, desired, limits: Limits):
     """Return the nearest control points within limits, or None."""
     grid, fixed, (lower, upper) = segment.grid, segment.fixed, segment.corridor(limits, desired)
-    rows = scipy.sparse.vstack([fixed.matrix, grid.rows(limits, segment.hinge)], format="csc")
-    form, every = to_casadi(grid.closeness), to_casadi(rows)
+    rows = scipy.sparse.vstack([sparse(fixed.matrix), sparse(grid.rows(limits, segment.hinge))], format="csc")
+    form, every = to_casadi(closeness(grid)), to_casadi(rows)
     program = {"h": form.sparsity(), "a": every.sparsity()}
     solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": MAX_ITERATIONS}})
     solution = solver(
@@ -64,17 +90,23 @@ def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float) -> Rela
     """Return the least relaxation of a segment's limits, or None."""
     grid, fixed, (lower, upper) = segment.grid, segment.fixed, segment.corridor(limits)
     some = grid.bounds == 1.0
-    rows, powers = grid.rows(limits, segment.hinge)[some], grid.powers[some]
+    rows, powers = sparse(grid.rows(limits, segment.hinge))[some], grid.powers[some]
     one, infinite = np.ones(len(powers)), np.full(len(powers), np.inf)
-    solution = solve_linear(
-        np.append(np.zeros(grid.size), 1.0),
-        _relaxed(fixed.matrix.tocoo(), rows.tocoo(), powers),
-        (np.concatenate([fixed.values, -infinite, -one]), np.concatenate([fixed.values, one, infinite])),
-        (np.append(lower, easy), np.append(upper, np.inf)),
+    every = to_casadi(_relaxed(sparse(fixed.matrix).tocoo(), rows.tocoo(), powers))
+    program = {"h": casadi.Sparsity(grid.size + 1, grid.size + 1), "a": every.sparsity()}
+    options = {"max_iter": MAX_LINEAR_ITERATIONS, "eps_abs": LINEAR_PRECISION, "eps_rel": LINEAR_PRECISION / 10}
+    solver = casadi.conic("relaxed", "piqp", program, {"error_on_fail": False, "piqp": options})
+    solution = solver(
+        g=np.append(np.zeros(grid.size), 1.0),
+        a=every,
+        lba=np.concatenate([fixed.values, -infinite, -one]),
+        uba=np.concatenate([fixed.values, one, infinite]),
+        lbx=np.append(lower, easy),
+        ubx=np.append(upper, np.inf),
     )
-    if solution is None:
+    if not solver.stats()["success"]:
         return None
-    variables, multipliers = solution
+    variables, multipliers = (np.array(solution[name]).ravel() for name in ("x", "lam_a"))
     count = len(fixed.values)
     pulls = np.abs(multipliers[count:]).reshape(2, -1).max(axis=0)
     return Relaxation(variables[:-1], float(variables[-1]), multipliers[:count], pulls)
