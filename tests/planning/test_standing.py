@@ -8,13 +8,15 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
+from kinesic.expressivity.style.standing import Standing
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
+from kinesic.planning import standing as standing_module
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.face_track import compute_action_units
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, read_stances
-from kinesic.planning.standing import STANDING_STREAM, draw_rest, standing_robot
+from kinesic.planning.standing import STANDING_STREAM, _take_rest_gesture, draw_rest, standing_robot
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.distances import CapsuleDistances
@@ -187,3 +189,21 @@ def test_body_of_a_document_stands_in_the_style_that_its_block_names(sad):
 def test_document_without_a_style_keeps_the_posture_of_the_performance(sad):
     made = plan(ROOT.format('<wait id="w" duration="1"/>'), sad)
     assert made.setup is sad
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_rest_gesture_begins_with_raised_shoulders_and_no_other_arm_offset(mirrored, lexicon, monkeypatch):
+    starts: list[np.ndarray] = []
+
+    def reach(start, *_: object) -> np.ndarray:
+        starts.append(start)
+        return start
+
+    monkeypatch.setattr(standing_module, "with_arms", reach)
+    robot = ROBOTS["upper22"]
+    rest = robot.skeleton.rest
+    arms = (("sternoclavicular_abduct", 0.05), ("shoulder_flexion", 0.1))
+    standing = Standing(rest="hand_on_hip", arms=arms, mirrored=mirrored)
+    _take_rest_gesture(np.array(rest), robot, standing, lexicon, CapsuleDistances(robot))
+    raised = {robot.skeleton.names[joint]: starts[0][joint] - rest[joint] for joint in np.flatnonzero(starts[0] - rest)}
+    assert raised == {f"{side}_sternoclavicular_abduct": pytest.approx(0.05) for side in "lr"}

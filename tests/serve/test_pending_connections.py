@@ -136,3 +136,16 @@ def test_ending_lets_clients_read_their_last_messages(monkeypatch: pytest.Monkey
     silent, talking, endless = asyncio.run(run())
     assert silent == endless == b""
     assert json.loads(talking.strip(b"\n\0")) == {"told": "closed", "code": 1001, "why": "the server ends"}
+
+
+@pytest.mark.parametrize(("open_files", "pending"), [(100, 50), (4095, 2047), (1_000_000, 2048)])
+def test_pending_connections_use_at_most_half_of_the_open_files(
+    monkeypatch: pytest.MonkeyPatch, open_files: int, pending: int
+) -> None:
+    monkeypatch.setattr(reception_module, "max_open_files", lambda: open_files)
+
+    async def run() -> int:
+        async with opened() as door:
+            return door.reception._max_pending
+
+    assert asyncio.run(run()) == pending

@@ -124,3 +124,8 @@ def test_late_flags_of_servo_records_are_cleared_at_the_next_cycle(gate: Plausib
     assert gate.late.all()
     gate.begin()
     assert not gate.late.any()
+
+
+def test_servo_record_at_exactly_the_clock_tolerance_is_not_late(gate: PlausibilityFilter):
+    assert not gate.is_late(0, blocks(1250)[0], 1.5, leeway=0.25)
+    assert gate.is_late(0, blocks(1249)[0], 1.5, leeway=0.25)

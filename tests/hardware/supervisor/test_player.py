@@ -142,3 +142,20 @@ def test_performance_time_restarts_at_the_first_command_of_a_new_performance():
         assert player.still
         assert player.take(begin, np.zeros(1))
         assert player.time_scale.time == begin
+
+
+def test_early_command_starts_no_performance_while_half_a_second_is_left():
+    player = player_with(np.arange(0.0, 2.0, STEP))
+    player.follow()
+    play(player, 1.5)
+    assert not player.take(0.2, np.zeros(1))
+    assert player.performances == 1
+
+
+def test_move_has_ended_up_to_rounding_but_not_a_second_before():
+    player = player_with(np.arange(0.0, 1.0, STEP))
+    player.approach(np.array([0.8]))
+    duration = player._move.duration
+    for time, reached in ((duration, True), (duration - 1e-9, True), (duration - 0.01, False)):
+        player._move_time = TimeScale(time)
+        assert player.reached is reached

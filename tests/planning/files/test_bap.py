@@ -1,4 +1,5 @@
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import stay
-from kinesic.planning.files.bap import FRAME_RATE, PARAMETER_COUNT, PARAMETER_NUMBERS, read_bap, write_bap
+from kinesic.planning.files.bap import FRAME_RATE, PARAMETER_COUNT, PARAMETER_NUMBERS, _columns, read_bap, write_bap
 
 ROBOT = Robot.load()
 NAMES = ROBOT.skeleton.names
@@ -116,3 +117,16 @@ def test_hinges_without_a_parameter_are_left_out(tmp_path):
     robot = Robot.load(Path(__file__).parents[2] / "hardware" / "supervisor" / "little.toml")
     write_bap(stay(robot.skeleton.rest), robot, tmp_path / "m.bap")
     assert read_bap(tmp_path / "m.bap", robot).given == ()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_parameter_changes_its_sign_with_the_axis_of_its_hinge(sign: float):
+    """Every parameter names an axis of the body, so that the axis of a hinge decides the sign."""
+    names = [*NAMES, "l_sternoclavicular_rotate", "r_acromioclavicular_rotate"]
+    axes = {hinge.name: hinge.axis for hinge in ROBOT.skeleton.hinges}
+    hinges = [SimpleNamespace(name=name, axis=sign * np.array(axes.get(name, (0.0, 0.0, 1.0)))) for name in names]
+    columns = _columns.__wrapped__(SimpleNamespace(skeleton=SimpleNamespace(hinges=hinges)))
+    usual = {column.number: column.sign for column in _columns(ROBOT)}
+    assert {column.number: sign * column.sign for column in columns if column.number in usual} == usual
+    others = [column for column in columns if column.number not in usual]
+    assert [column.sign for column in others] == [sign, sign]
