@@ -160,7 +160,7 @@ def say_text(
     film: FilmSettings | None,
     to: str,
 ) -> int:
-    """Write BML for a text or recording; perform or print it.
+    """Write BML for a text or recording, then perform or print it.
 
     The text `-` stands for standard input, which is spoken as it arrives.
     """

@@ -120,7 +120,7 @@ def _print_bml(file: str, setup: Setup) -> int:
 
 
 def print_written(write: Callable[[Setup], AuthoredText], load_setup: Callable[[], Setup]) -> None:
-    """Print the BML of a text or recording; warnings go to stderr."""
+    """Print the BML of a text or recording, and warnings to stderr."""
     with show_stages() as stage:
         stage("writing BML")
         written = write(load_setup())

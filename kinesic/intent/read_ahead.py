@@ -1,4 +1,4 @@
-"""Read the tables for English texts at import, once for all forked processes."""
+"""Tables for English texts, read once for all forked processes."""
 
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.meaning.cues import load_cues

@@ -10,12 +10,12 @@ from kinesic.body.config import names_of
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
 
 HEAD_MOVEMENTS = ("NOD", "SHAKE", "TILT", "UP", "DOWN", "LEFT", "RIGHT", "FORWARD", "BACK")
-FACES = ("smile", "sadness", "surprise", "anger", "fear", "disgust", "raise_brows", "lower_brows")
+FACE_LEXEMES = ("smile", "sadness", "surprise", "anger", "fear", "disgust", "raise_brows", "lower_brows")
 GAZE_TARGETS = ("AUDIENCE", "LEFT", "RIGHT", "UP", "DOWN", "UP_LEFT", "UP_RIGHT", "DOWN_LEFT", "DOWN_RIGHT")
 ARM_POSES = ("ARMS_CROSSED", "ARMS_AKIMBO", "ARMS_OPEN", "ARMS_NEUTRAL")
 HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
 UNSTRESSED_TYPES = ("speech", "face", "gazeShift", "postureShift")  # behaviour types without a stroke
-COMPOSITIONS = ("MERGE", "APPEND", "REPLACE")
+COMPOSITION_NAMES = ("MERGE", "APPEND", "REPLACE")
 
 TIME_TEXT = (
     "start, stroke and end of a behaviour are seconds, such as 1.5, or references with an offset, such as 's:m1' (mark "
@@ -72,7 +72,7 @@ BML_SCHEMA: Mapping[str, Json] = {
         "id": _text("New for every performance; wait and status use it."),
         "kinesic:style": _choice(names_of("style"), "How everything moves."),
         "composition": _choice(
-            COMPOSITIONS,
+            COMPOSITION_NAMES,
             "Together with running performances (MERGE, default), after them (APPEND), or instead (REPLACE).",
         ),
         "behaviours": {
@@ -89,7 +89,7 @@ BML_SCHEMA: Mapping[str, Json] = {
                         amount=_AMOUNT_SCHEMA,
                         repetition={"type": "integer", "minimum": 0, "description": "Repetitions after the first."},
                     ),
-                    _behaviour("face", ["lexeme"], lexeme=_choice(FACES, "Expression."), amount=_AMOUNT_SCHEMA),
+                    _behaviour("face", ["lexeme"], lexeme=_choice(FACE_LEXEMES, "Expression."), amount=_AMOUNT_SCHEMA),
                     _behaviour("gaze", ["target"], target=_GAZE_SCHEMA),
                     _behaviour("gazeShift", ["target"], target=_GAZE_SCHEMA),
                     _behaviour("pointing", ["target"], target=_TARGET_SCHEMA, mode=_HANDS_SCHEMA),

@@ -14,7 +14,7 @@ from kinesic.report.silhouette import Colour, OutlineWindow, PenStroke, outline_
 FIGURE_HEIGHT = 300  # [pixels] height of a robot figure
 LINE_HEIGHT = 20  # [pixels] height of a line of text below a robot figure
 FIGURE_COLUMNS = 4  # largest number of robot figures in a row
-SUPERSAMPLING = 3  # drawn pixels per picture pixel along each side
+SUPERSAMPLING_FACTOR = 3  # drawn pixels per picture pixel along each side
 MIN_FIGURE_WIDTH = 170  # [pixels] smallest width of a robot figure, so that its text fits
 PICTURE_COLOURS = 64  # number of colours of the PNG, low for a small file
 TEXT_COLOUR = (34, 34, 34)  # RGB colour of titles
@@ -57,10 +57,10 @@ def draw_strokes(robot: Robot, figures: Sequence[StrokeFigure]) -> bytes:
 
 def _draw_body(lines: Sequence[PenStroke], window: OutlineWindow, scale: float, width: int) -> Image.Image:
     """Draw the lines of one robot figure as a picture."""
-    size = (width * SUPERSAMPLING, FIGURE_HEIGHT * SUPERSAMPLING)
+    size = (width * SUPERSAMPLING_FACTOR, FIGURE_HEIGHT * SUPERSAMPLING_FACTOR)
     fine = Image.new("RGB", size, "white")
     pen = ImageDraw.Draw(fine)
-    zoom = scale * SUPERSAMPLING  # [pixels/m]
+    zoom = scale * SUPERSAMPLING_FACTOR  # [pixels/m]
     for line in lines:
         points = np.stack(
             [size[0] / 2 + zoom * line.points[:, 0], size[1] - zoom * (line.points[:, 1] - window.low)], axis=1

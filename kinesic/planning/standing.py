@@ -162,7 +162,7 @@ def _stands_upright(style: Style) -> bool:
 def _take_largest_stance(
     robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, distances: Distances
 ) -> Floats | None:
-    """Take the largest clear fraction of a deviation (n,) [rad], or return None."""
+    """Return a posture [rad] with the largest collision-free deviation, or None."""
     scaled = (stance.scaled(fraction) for fraction in POSTURE_AMOUNTS)
     candidates = (_take_clear_stance(robot, standing, deviation, mean, distances) for deviation in scaled)
     return next((angles for angles in candidates if angles is not None), None)
@@ -277,7 +277,7 @@ def _take_rest_gesture(
 
 
 def _inside(angles: Floats, robot: Robot) -> Floats:
-    """Clip a posture [rad] to the joint ranges, with a margin where possible."""
+    """Clip a posture [rad] to joint ranges, with a margin where possible."""
     lower = np.minimum(robot.skeleton.lower + RANGE_MARGIN, robot.skeleton.rest)
     upper = np.maximum(robot.skeleton.upper - RANGE_MARGIN, robot.skeleton.rest)
     return np.asarray(np.clip(angles, lower, upper))

@@ -1,4 +1,4 @@
-"""Rotations of trunk, head and line of the shoulders, and of the gesture volume.
+"""Rotations of trunk, head, shoulder line and gesture volume.
 
 Each hinge of trunk and head is named after its axis. The gesture volume follows the torso's own key (thesis 8.7) in
 orientation. Its size is the distance from the first moving vertebra to the shoulder girdle, relative to upright: 1 for

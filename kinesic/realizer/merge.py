@@ -121,7 +121,7 @@ class _Merge:
 
     @cached_property
     def block_occupancy(self) -> tuple[Occupancy, ...]:
-        """Occupancies of all behaviours of the block, in the time of its plan."""
+        """Occupancies of all behaviours of the block, in plan time."""
         return occupancy_of(self.coming)
 
     def merged(self, *, waits: bool) -> MergedMotion:

@@ -235,7 +235,7 @@ class _PlanSwitch:
 
 
 def _split(new_occupancy: Sequence[Occupancy], ending: Collection[str]) -> tuple[list[Occupancy], list[Occupancy]]:
-    """Split the occupancies of the new plan by the motion that performs them.
+    """Split a new plan's occupancies by the motion that performs them.
 
     Of behaviours that finish in the old plan, only the arms do; their trunk moves to the new plan.
     """

@@ -110,7 +110,7 @@ def _connect_inside(shapes: Sequence[Capsule]) -> Iterator[tuple[Floats, Floats]
 
 
 def _find_nearest_point(shapes: Sequence[Capsule], point: Floats) -> Floats:
-    """Return the point [m] on the shapes' axes nearest to a given one."""
+    """Return the point [m] on the shapes' axes nearest to another."""
     places = [sealed(np.zeros(3)), *(_find_nearest_on_axis(shape, point) for shape in shapes)]
     return min(places, key=lambda place: float(np.linalg.norm(place - point)))
 
@@ -152,7 +152,7 @@ def _list_hand_shapes(robot: Robot, arm: RobotArm) -> tuple[Capsule, ...]:
 
 
 def _find_nearest_on_axis(shape: Capsule, point: Floats) -> Floats:
-    """Return the point [m] on a capsule's axis nearest to a given one."""
+    """Return the point [m] on a capsule's axis nearest to another."""
     axis = shape.end - shape.start
     fraction = float((point - shape.start) @ axis) / max(float(axis @ axis), MIN_ROD_LENGTH**2)
     return sealed(shape.start + min(max(fraction, 0.0), 1.0) * axis)

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from kinesic.bml.block import DocumentBounds
-from kinesic.mcp.document_schema import ARM_POSES, BML_SCHEMA, FACES, GAZE_TARGETS, HAND_MODES, HEAD_MOVEMENTS
+from kinesic.mcp.document_schema import ARM_POSES, BML_SCHEMA, FACE_LEXEMES, GAZE_TARGETS, HAND_MODES, HEAD_MOVEMENTS
 from kinesic.mcp.errors import RefusedError
 from kinesic.mcp.preview import MAX_FIGURES, Previewer, choose_figures, summarise_plan
 from kinesic.mcp.robot_gate import RobotGate
@@ -142,7 +142,7 @@ def test_preview_picture_has_a_figure_for_each_posture():
 
 def test_all_values_in_the_tool_schema_are_performed_without_substitution():
     heads = [{"type": "head", "id": f"h{k}", "lexeme": name} for k, name in enumerate(HEAD_MOVEMENTS)]
-    faces = [{"type": "face", "id": f"f{k}", "lexeme": name} for k, name in enumerate(FACES)]
+    faces = [{"type": "face", "id": f"f{k}", "lexeme": name} for k, name in enumerate(FACE_LEXEMES)]
     looks = [{"type": "gaze", "id": f"l{k}", "target": name} for k, name in enumerate(GAZE_TARGETS)]
     poses = [
         {"type": "postureShift", "id": f"p{k}", "pose": [{"part": "ARMS", "lexeme": name}]}

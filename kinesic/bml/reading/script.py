@@ -249,7 +249,7 @@ def _read_recording_description(
 
 
 def _find_words_file(description: Element) -> str:
-    """Return the name of the file of word times; empty if none."""
+    """Return the name of the word-time file, or an empty text."""
     for element in (description, *description.children):
         for name, value in element.attributes.items():
             if name.rpartition(":")[2] == WORDS_ATTRIBUTE and value.strip():

@@ -110,9 +110,9 @@ def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
 
 
 def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
-    """Interpolate the hand orientation between keys k - 1 and k by a spline.
+    """Interpolate the hand orientation between two keys by a spline.
 
-    Its angular velocity is continuous at the keys, as is needed where the poses between them become keys too. The
+    The keys are k - 1 and k. Its angular velocity is continuous at the keys, as is needed where the poses between them become keys too. The
     result is None if the keys do not rotate the hand, or leave its pointing direction or its palm open.
     """
     neighbours = [
@@ -132,7 +132,10 @@ def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
 
 
 def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
-    """Rotate a hand to the orientation of a spline, if any, at a time [s]."""
+    """Rotate a hand to the orientation of a spline at a time [s].
+
+    Without a spline or reach, the hand is unchanged.
+    """
     if hand.reach is None or turning is None:
         return hand
     pointing, _, palm = turning.at(np.array([time]))[0].T

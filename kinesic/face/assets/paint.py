@@ -225,7 +225,7 @@ def _mix_colour(picture: Floats, over: Colour | Floats, opacity: Floats) -> None
 
 
 def _blur(drawn: Floats, size: float) -> Floats:
-    """Blur the non-zero region of a picture; `size` is in pixels."""
+    """Blur the non-zero region of a picture by `size` pixels."""
     part = _find_window(drawn != 0.0, int(BLUR_REACH * size + 0.5))
     blurred = np.zeros_like(drawn)
     blurred[part] = scipy.ndimage.gaussian_filter(drawn[part], size, truncate=BLUR_REACH)

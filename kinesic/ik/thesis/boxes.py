@@ -99,7 +99,7 @@ def rotation_of(angles: Floats, order: EulerOrder) -> Floats:
 
 
 def _nearest(angles: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Clip angles [rad] outside their limits to the nearer limit, modulo 2 pi."""
+    """Clip angles [rad] to the nearer of their limits, modulo 2 pi."""
     below, above = (np.abs(np.remainder(angles - side + np.pi, 2.0 * np.pi) - np.pi) for side in (lower, upper))
     outside = (angles < lower) | (angles > upper)
     return np.where(outside, np.where(below <= above, lower, upper), angles)

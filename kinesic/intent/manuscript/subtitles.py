@@ -17,8 +17,8 @@ SILENT_BLOCKS = ("NOTE", "STYLE", "REGION")  # first words of the blocks of WebV
 SPEAKER_DASHES = "-\u2013\u2014"  # signs before the line of another speaker
 CODE_FENCES = ("```", "~~~")  # Markdown signs that begin or end a code block
 
-_TIME = r"(?:(\d+):)?(\d{1,2}):(\d{2})[.,](\d{3})"
-_CUE_TIMES = re.compile(rf"[ \t]*{_TIME}[ \t]*-->[ \t]*{_TIME}(?:[ \t].*)?")
+_TIME_PATTERN = r"(?:(\d+):)?(\d{1,2}):(\d{2})[.,](\d{3})"
+_CUE_TIMES = re.compile(rf"[ \t]*{_TIME_PATTERN}[ \t]*-->[ \t]*{_TIME_PATTERN}(?:[ \t].*)?")
 _OPEN_TIMES = re.compile(r"[ \t]*(?:\d[\d:.,]*[ \t]*(?:-{1,2}|-->[ \t\d:.,]*|-->[ \t]*\d[\d:.,]*[ \t].*)?)?")
 _CUE_NUMBER = re.compile(r"[ \t]*\d+[ \t]*")
 _CUE_SIGN = re.compile(r"[\u266a\u266b#]+(?=\s|\Z)|^[-\u2013\u2014]+[ \t]*")  # song, change of speaker

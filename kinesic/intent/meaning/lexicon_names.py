@@ -19,7 +19,7 @@ SILENT_CATEGORIES = frozenset({"beat", "rest"})  # gesture categories whose name
 
 @lru_cache(maxsize=4)
 def index_names(lexicon: Lexicon) -> Mapping[str, tuple[tuple[tuple[str, ...], str], ...]]:
-    """Return the multi-word gesture names of a lexicon, by the stem of the first word."""
+    """Return a lexicon's multi-word gesture names by their first word's stem."""
     categories = {entry.id: entry.category for entry in reversed(lexicon.entries)}
     names: dict[str, list[tuple[tuple[str, ...], str]]] = {}
     seen = set[tuple[str, ...]]()

@@ -134,7 +134,7 @@ def score(
 
 
 def _is_about_grave(context: Context, candidate: Candidate) -> bool:
-    """Return whether a sentence has a sad or stern word outside a candidate's words."""
+    """Return whether other words of a candidate's sentence are sad or stern."""
     outside = (k for k in context.sentence(candidate.first) if not candidate.first <= k <= candidate.last)
     return any(context.language.has(name, context.plain[k]) for k in outside for name in GRAVE_CLASSES)
 

@@ -1,4 +1,4 @@
-"""Gestures that draw their meaning in a long stroke, which accompanies a word instead of ending at it."""
+"""Gestures with a long stroke, which accompanies a word."""
 
 from collections.abc import Collection, Iterable, Mapping
 

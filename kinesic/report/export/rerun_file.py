@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rerun.blueprint import Blueprint
 
 APPLICATION_ID = "kinesic"  # name of the recordings in the viewer
-TIMELINE = "performance"  # name of the viewer's timeline, which shows performance time
+TIMELINE_NAME = "performance"  # name of the viewer's timeline, which shows performance time
 WORD_ENTITY = "speech"  # entity path of spoken words
 SYNC_ENTITY = "behaviours"  # entity path of sync points
 EYE_DISTANCE = 1.3  # distance of the camera / height of the view
@@ -70,7 +70,7 @@ def _write_robot(motion: ExportedMotion, recording: "RecordingStream") -> None:
 
     recording.log(WORLD_FRAME, rerun.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     paths: list[str] = []
-    times = rerun.TimeColumn(TIMELINE, duration=motion.times[::TRANSFORM_STEP])
+    times = rerun.TimeColumn(TIMELINE_NAME, duration=motion.times[::TRANSFORM_STEP])
     for move in segment_motions(motion.robot, motion.shown.angles[::TRANSFORM_STEP]):
         above = paths[move.parent] if move.parent >= 0 else WORLD_FRAME
         paths.append(f"{above}/{motion.robot.skeleton.segments[move.segment].name}")
@@ -90,7 +90,7 @@ def _write_joints(motion: ExportedMotion, recording: "RecordingStream") -> None:
     """Write the angle of each hinge [rad] of each joint track."""
     import rerun  # noqa: PLC0415 - an extra
 
-    times = rerun.TimeColumn(TIMELINE, duration=motion.times)
+    times = rerun.TimeColumn(TIMELINE_NAME, duration=motion.times)
     for track_name, track in motion.tracks.items():
         for hinge, name in enumerate(motion.robot.skeleton.names):
             columns = rerun.Scalars.columns(scalars=track.angles[:, hinge])
@@ -101,6 +101,6 @@ def _write_texts(entity: str, texts: tuple[TimedText, ...], recording: "Recordin
     import rerun  # noqa: PLC0415 - an extra
 
     if texts:
-        times = rerun.TimeColumn(TIMELINE, duration=[entry.time for entry in texts])
+        times = rerun.TimeColumn(TIMELINE_NAME, duration=[entry.time for entry in texts])
         columns = rerun.TextLog.columns(text=[f"{entry.source}: {entry.text}" for entry in texts])
         recording.send_columns(entity, indexes=[times], columns=columns)

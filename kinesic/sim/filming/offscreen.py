@@ -29,7 +29,7 @@ class _Owner(Protocol):
     """Owner of an OpenGL context that is current from its creation on."""
 
     def read(self, picture: Picture) -> None:
-        """Copy the lower left pixels of the frame into an RGBA picture (h, w, 4)."""
+        """Copy the frame's lower left pixels into an RGBA picture."""
 
     def free(self) -> None:
         """Free the OpenGL context."""
@@ -65,7 +65,7 @@ class Offscreen:
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self.context)
 
     def read(self, picture: Picture) -> None:
-        """Copy the lower left pixels of the frame into an RGBA picture (h, w, 4), from its lowest row on."""
+        """Copy the frame's lower left pixels into a picture, lowest row first."""
         self._owner.read(picture)
 
     def __enter__(self) -> "Offscreen":

@@ -78,7 +78,7 @@ class SpeechEngine(Protocol):
         """Name in reports."""
 
     def __hash__(self) -> int:
-        """Return the hash of an engine; equal engines speak alike."""
+        """Return the hash of an engine, equal for engines that speak alike."""
 
     def speak(self, phrase: Phrase, /) -> SpokenPhrase:
         """Synthesise a phrase.

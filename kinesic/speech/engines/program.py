@@ -28,7 +28,8 @@ from kinesic.speech.recording import RecordingError, read_wav
 ANSWER_TIMEOUT = 60.0  # [s] time limit for a phrase, including the start of the program
 MAX_HEADER = 1_000_000  # [bytes] longest line of an answer
 MAX_SOUND = 100_000_000  # [bytes] longest sound of a phrase
-MIN_SAMPLE_RATE, MAX_SAMPLE_RATE = 1000, 384_000  # [Hz]
+MIN_SAMPLE_RATE = 1000  # [Hz] lowest accepted sample rate of a program's sound
+MAX_SAMPLE_RATE = 384_000  # [Hz] highest accepted sample rate of a program's sound
 MAX_NAME = 60  # [characters] longest name in reports
 
 _running: "dict[tuple[int, tuple[str, ...]], _Process]" = {}  # by process id of the parent, and command

@@ -42,7 +42,7 @@ def convert_sections(emphases: Sequence[Emphasis]) -> tuple[ProsodySection, ...]
 
 
 def read_pitch(text: str) -> float:
-    """Return the pitch factor of `high`, `+10%` or `-2st`; default 1."""
+    """Return the pitch factor of `high`, `+10%` or `-2st`, or 1."""
     word = text.strip().lower()
     sign, value, unit = _split(word)
     if word in PITCH_WORDS:
@@ -57,7 +57,7 @@ def read_pitch(text: str) -> float:
 
 
 def read_volume(text: str) -> float:
-    """Return the amplitude factor of `soft`, `+6dB` or `50`; default 1."""
+    """Return the amplitude factor of `soft`, `+6dB` or `50`, or 1."""
     word = text.strip().lower()
     sign, value, unit = _split(word)
     if word in VOLUME_WORDS:

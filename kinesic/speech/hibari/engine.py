@@ -14,7 +14,8 @@ from kinesic.speech.hibari.phoneme_times import place_phonemes
 from kinesic.speech.hibari.pronunciation import Pronunciation, pronounce
 from kinesic.speech.writing import unreadable_letters
 
-MIN_PITCH, MAX_PITCH = 0.5, 2.0  # limits of the pitch factor
+MIN_PITCH = 0.5  # smallest factor on the pitch
+MAX_PITCH = 2.0  # largest factor on the pitch
 READER_VOICE = "gmw/en-US"  # name of American English in `unreadable_letters`
 TRIAL_TEXT = "a"  # spoken by `hibari_fault`
 MAX_LISTED_LETTERS = 40  # largest number of unreadable letters in a remark

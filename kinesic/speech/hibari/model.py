@@ -28,7 +28,8 @@ FRAME_SAMPLES = 300  # samples per frame (12.5 ms)
 FRAMES_PER_UNIT = 2  # frames per unit of duration
 FRAME_DURATION = FRAME_SAMPLES / SAMPLE_RATE  # [s]
 UNIT_DURATION = FRAMES_PER_UNIT * FRAME_DURATION  # [s] resolution of durations
-MIN_SPEED, MAX_SPEED = 0.5, 2.0  # rates for which the model was made
+MIN_SPEED = 0.5  # smallest factor on the speech rate that the model supports
+MAX_SPEED = 2.0  # largest factor on the speech rate that the model supports
 NOISE_SEED = 0  # seed of the noise in fricatives, the same for every phrase
 PAD_ID = 0  # id at both ends of a phrase
 SPECTRAL_OUTPUTS = ("lh", "theta", "ln", "lr", "phi")  # outputs of the spectrum, in the order of the synthesis
@@ -136,7 +137,7 @@ def load_model() -> HibariModel:
 
 @lru_cache(maxsize=1)
 def _runtime_errors() -> tuple[type[Exception], ...]:
-    """Return the exceptions of onnxruntime, which share no class but `Exception`."""
+    """Return the exceptions of onnxruntime, whose only common class is `Exception`."""
     state = importlib.import_module(f"{RUNTIME_NAME}.capi.onnxruntime_pybind11_state")
     kinds = [kind for kind in vars(state).values() if isinstance(kind, type) and issubclass(kind, Exception)]
     return (RuntimeError, *kinds)

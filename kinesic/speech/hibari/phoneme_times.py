@@ -19,8 +19,8 @@ IPA_SYMBOLS: Mapping[str, str] = {  # letters of hibari that differ from the pho
     **{"A": "eɪ", "I": "aɪ", "O": "oʊ", "Q": "əʊ", "W": "aʊ", "Y": "ɔɪ", "ᵊ": "ə"},  # noqa: RUF001 - phonetic letters
     **{"ʣ": "dz", "ʤ": "dʒ", "ʥ": "dʑ", "ʦ": "ts", "ʧ": "tʃ", "ʨ": "tɕ", "ꭧ": "tʂ", "S": "s", "T": "ɾ"},
 }
-DIPHTHONGS = frozenset("AIOQWY")  # letters of hibari for two vowels
-MODIFIERS = frozenset("\u02d0\u02b0\u02b2\u0303")  # letters that change the sound before them
+DIPHTHONG_LETTERS = frozenset("AIOQWY")  # letters of hibari for two vowels
+MODIFIER_LETTERS = frozenset("\u02d0\u02b0\u02b2\u0303")  # letters that change the sound before them
 INITIAL_ONSET_SHIFT = -0.090  # [s] from the start of a word's first consonant to its closure or constriction
 SIBILANT_ONSET_SHIFT = -0.105  # [s] likewise of a sibilant at the start of a word
 ONSET_SHIFT = -0.060  # [s] likewise of any other sound
@@ -28,11 +28,13 @@ BURST_SHIFTS: Mapping[str, tuple[float, float]] = {  # [s] from a stop's start t
     **{"p": (-0.040, -0.006), "t": (-0.052, -0.018), "k": (-0.047, -0.015), "ʧ": (-0.047, -0.018)},
     **{"b": (-0.027, -0.020), "d": (-0.034, -0.018), "\u0261": (-0.040, -0.020), "ʤ": (-0.034, -0.018)},
 }
-AFFRICATES = frozenset("ʧʤʦʣ")  # stops that continue as a fricative
+AFFRICATE_LETTERS = frozenset("ʧʤʦʣ")  # stops that continue as a fricative
 SIBILANT_LETTERS = frozenset("sʃzʒ")
 NASAL_LETTERS = frozenset("mnŋ")
 NASAL_RELEASE_SHIFT = 0.0  # [s] from a nasal's start to its release before a vowel or glide
-OPEN_LETTERS = VOWEL_LETTERS | DIPHTHONGS | frozenset("ᵊlɹwj")  # letters before which a nasal is released audibly
+OPEN_LETTERS = (
+    VOWEL_LETTERS | DIPHTHONG_LETTERS | frozenset("ᵊlɹwj")
+)  # letters before which a nasal is released audibly
 CLOSURE_LEAD = 0.010  # [s] time before the audible closure of a stop or nasal at which its lips or tongue close
 MIN_SILENCE = 0.06  # [s] shortest silence at punctuation between two sounds
 MIN_SOUND = 0.005  # [s] shortest sound
@@ -54,7 +56,7 @@ class _Unit:
     @property
     def onset(self) -> float:
         """Time [s] at which its closure or constriction begins."""
-        if not self.is_initial or self.letter in VOWEL_LETTERS | DIPHTHONGS:
+        if not self.is_initial or self.letter in VOWEL_LETTERS | DIPHTHONG_LETTERS:
             return self.begin + ONSET_SHIFT
         return self.begin + (SIBILANT_ONSET_SHIFT if self.letter in SIBILANT_LETTERS else INITIAL_ONSET_SHIFT)
 
@@ -120,7 +122,7 @@ def _read_units(letters: str, prediction: Prediction) -> Iterator[_Unit]:
             is_initial, follows_sign = True, follows_sign or letter != " "
             continue
         symbol = letters[first : index - 1] + IPA_SYMBOLS.get(letter, letter)
-        while index < len(letters) and letters[index] in MODIFIERS:
+        while index < len(letters) and letters[index] in MODIFIER_LETTERS:
             symbol += letters[index]
             index += 1
         yield _Unit(symbol, letter, first, float(begins[first + 1]), is_initial, follows_sign)
@@ -155,7 +157,7 @@ def _place_units(units: list[_Unit], silences: tuple[Span, ...]) -> list[Span]:
 def _find_release(units: list[_Unit], spans: list[Span], onsets: list[float], number: int) -> float:
     """Return the time [s] when the mouth leaves a sound's shape."""
     unit, (start, end) = units[number], spans[number]
-    if unit.letter in BURST_SHIFTS and unit.letter not in AFFRICATES:
+    if unit.letter in BURST_SHIFTS and unit.letter not in AFFRICATE_LETTERS:
         return start
     if number + 1 == len(units) or spans[number + 1][0] > end:
         return end

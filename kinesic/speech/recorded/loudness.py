@@ -17,7 +17,7 @@ MIN_ENERGY = 1e-9  # energy added to avoid division by zero
 
 
 def estimate_pitch(sound: Sound) -> Floats:
-    """Return the pitch of each frame [Hz], shape (n,); NaN without voice.
+    """Return the pitch (n,) [Hz] of each frame, NaN without voice.
 
     A frame's pitch is the best lag of its autocorrelation.
     """

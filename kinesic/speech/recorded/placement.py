@@ -151,7 +151,7 @@ def _place_by_sound(
     *,
     keeps_start: bool,
 ) -> Placed | None:
-    """Place words in a span by sound; None if either is silent."""
+    """Place words in a span by sound, or return None without sound."""
     first, last = words
     offset = round(rendition.starts[first] / FRAME_PERIOD)
     end = round(rendition.ends[last - 1] / FRAME_PERIOD) + 1

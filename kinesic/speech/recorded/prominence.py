@@ -98,7 +98,7 @@ def _peaks(levels: Floats, semitones: Floats, word: tuple[float, float]) -> tupl
 
 
 def _mean(measures: Floats) -> Floats:
-    """Return the mean of each column without its NaN; 0 without numbers."""
+    """Return the mean of each column's numbers, 0 for NaN alone."""
     is_number = ~np.isnan(measures)
     counts = np.maximum(is_number.sum(axis=0), 1)
     mean: Floats = np.where(is_number, measures, 0.0).sum(axis=0) / counts

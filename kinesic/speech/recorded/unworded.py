@@ -14,7 +14,9 @@ from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, 
 
 SMOOTHING_FRAMES = 5  # [frames] over which spectra are averaged, against flickering lips
 # Last mel bands of the low, middle and high parts of the spectrum: about 430 Hz, 1300 Hz, 3300 Hz.
-LOW_BANDS, MIDDLE_BANDS, HIGH_BANDS = slice(0, 5), slice(5, 12), slice(12, 19)
+LOW_BANDS = slice(0, 5)  # indices of the lowest frequency bands
+MIDDLE_BANDS = slice(5, 12)  # indices of the bands above LOW_BANDS
+HIGH_BANDS = slice(12, 19)  # indices of the bands between MIDDLE_BANDS and HISS_BANDS
 HISS_BANDS = slice(19, 26)  # bands of hissing sounds, above about 3300 Hz
 HISS_FRACTION = 0.5  # fraction of the power in HISS_BANDS above which a sound hisses
 OPEN_RATIO = 1.8  # power of the middle / low bands above which the mouth is open

@@ -157,7 +157,7 @@ def _list_remarks(
     *,
     is_followed: bool,
 ) -> tuple[str, ...]:
-    """Return what a user should know about the times of a recording."""
+    """Return remarks for users about the word times of a recording."""
     name = recording.path.name
     remarks = list(rendition.utterance.remarks) if is_followed else []
     outside = [f"{mark} ({time:g} s)" for mark, time in given_times.items() if not 0.0 <= time <= sound.duration]

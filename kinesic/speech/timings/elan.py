@@ -120,7 +120,7 @@ def _read_slot(value: str, slot: str) -> float:
 
 
 def _fill_slots(slots: dict[str, float | None]) -> dict[str, float]:
-    """Return the times [ms] of all slots; missing ones are interpolated."""
+    """Return the times [ms] of all slots, interpolated where missing."""
     known = [k for k, time in enumerate(slots.values()) if time is not None]
     if not known:
         raise TimingError("no time slot has a time")

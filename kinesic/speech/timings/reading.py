@@ -17,7 +17,7 @@ from kinesic.speech.timings.timed_words import TimedWords, TimingError
 from kinesic.speech.timings.whisper import read_whisper
 
 MAX_BYTES = 20_000_000  # [bytes] largest accepted file
-FORMATS = "Whisper, ElevenLabs, Azure and Polly JSON, TextGrid, ELAN, SubRip and WebVTT"
+FORMAT_NAMES = "Whisper, ElevenLabs, Azure and Polly JSON, TextGrid, ELAN, SubRip and WebVTT"
 _AZURE_KEYS = ("audiooffset", "audio_offset", "privaudiooffset")  # keys of an Azure event, in lower case
 
 
@@ -77,7 +77,9 @@ def _read(content: bytes) -> TimedWords:
         return read_textgrid(text)
     if text.lstrip("\ufeff \r\n\t").startswith("WEBVTT") or "-->" in text:
         return read_subtitles(text)
-    raise TimingError(f"the format is unknown; the formats are {FORMATS}" if content.strip() else "the file is empty")
+    raise TimingError(
+        f"the format is unknown; the formats are {FORMAT_NAMES}" if content.strip() else "the file is empty"
+    )
 
 
 def _read_json(content: bytes) -> TimedWords:
@@ -97,7 +99,7 @@ def _read_json(content: bytes) -> TimedWords:
     if not keys.isdisjoint(("segments", "words")):
         return read_whisper(content)
     wanted = "segments, words, alignment, events or time"
-    raise TimingError(f"the JSON has none of the keys {wanted}; the formats are {FORMATS}")
+    raise TimingError(f"the JSON has none of the keys {wanted}; the formats are {FORMAT_NAMES}")
 
 
 def _decode(content: bytes) -> str:

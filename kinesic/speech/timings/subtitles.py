@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from kinesic.speech.timings.timed_words import RawSpan, TimedWords, TimingError, check_spans, shorten
 
-_TIME = r"(?:(\d{1,4}):)?(\d{1,2}):(\d{1,2})[.,](\d{1,3})"
-_CUE_PATTERN = re.compile(rf"^[ \t]*{_TIME}[ \t]*-->[ \t]*{_TIME}[^\n]*$", re.MULTILINE)
-_INNER_TIME = re.compile(rf"<{_TIME}>")  # of the word after it, inside a cue
+_TIME_PATTERN = r"(?:(\d{1,4}):)?(\d{1,2}):(\d{1,2})[.,](\d{1,3})"
+_CUE_PATTERN = re.compile(rf"^[ \t]*{_TIME_PATTERN}[ \t]*-->[ \t]*{_TIME_PATTERN}[^\n]*$", re.MULTILINE)
+_INNER_TIME = re.compile(rf"<{_TIME_PATTERN}>")  # of the word after it, inside a cue
 _TAG_PATTERN = re.compile(r"<[^<>\n]{0,200}>|\{\\[^{}\n]{0,200}\}|[\u266a\u266b]|^[-\u2013\u2014]+[ \t]*", re.MULTILINE)
 _ARROW_PATTERN = re.compile(r"^.*-->.*$", re.MULTILINE)
 

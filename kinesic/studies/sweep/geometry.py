@@ -63,7 +63,7 @@ def mean_curvature(path: Floats, *, step: float) -> float | None:
 
 
 def _sum_bends(path: Floats, distances: Floats, offset: float, step: float) -> float:
-    """Return the total rotation [rad] of a path between samples at equal arc lengths.
+    """Return the total rotation [rad] of a path sampled at equal distances.
 
     Args:
         path: positions (m, 3) [m].
