@@ -16,6 +16,7 @@ from kinesic.intent.greta.agent import Agent, read_agent
 from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.intent.manuscript.decoding import decode_text
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
+from kinesic.intent.recorded import RecordedAudio
 from kinesic.planning.setup import Setup
 
 MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
@@ -125,8 +126,23 @@ def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY
         memory: gestures of earlier texts, which are not repeated for a minute of speech.
     """
     spoken, warnings = (text, ()) if isinstance(text, str) else decode_text(text)
-    written = author_text(
-        spoken,
+    written = author_with_setup(spoken, setup, memory=memory)
+    return replace(written, warnings=(*warnings, *written.warnings))
+
+
+def author_with_setup(
+    text: str, setup: Setup, *, memory: ChoiceMemory = NO_MEMORY, recorded: RecordedAudio | None = None
+) -> AuthoredText:
+    """Write BML for a text with the options of a setup.
+
+    Args:
+        text: to be spoken.
+        setup: lexicon, style, language, grammar, intentions, seed and character.
+        memory: gestures of earlier texts, which are not repeated for a minute of speech.
+        recorded: recording that speaks the text; None: the voice of the setup.
+    """
+    return author_text(
+        text,
         setup.lexicon,
         setup.style,
         language=setup.language,
@@ -135,8 +151,8 @@ def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY
         seed=setup.idling.seed,
         memory=memory,
         character=setup.character or "",
+        recorded=recorded,
     )
-    return replace(written, warnings=(*warnings, *written.warnings))
 
 
 def intention_sets(setup: Setup) -> BehaviourSets:

@@ -8,13 +8,13 @@ from kinesic.bml.parse import parse
 from kinesic.bml.timing.syllables import find_accented_vowels
 from kinesic.body.config import ConfigError
 from kinesic.body.utterance import STRESS_MARKS, Mark, Recording, Script, Utterance
-from kinesic.intent.author import AuthoredText, author_text
+from kinesic.intent.author import AuthoredText
 from kinesic.intent.pacing.memory import NO_MEMORY
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.recorded import RecordedAudio, choose_accent_behaviours
 from kinesic.intent.writing import write_block
 from kinesic.planning.setup import Setup
-from kinesic.session.documents import MAX_TEXT_DURATION, TEXT_BOUNDS, intention_sets
+from kinesic.session.documents import MAX_TEXT_DURATION, TEXT_BOUNDS, author_with_setup, intention_sets
 from kinesic.speech.recording import RecordingError, read_wav
 from kinesic.speech.timings.reading import read_words_file
 from kinesic.speech.timings.timed_words import TimingError
@@ -63,17 +63,7 @@ def write_recording(text: str | None, recording: SpokenRecording, setup: Setup) 
     words = "" if recording.words is None else str(recording.words)
     audio = RecordedAudio(str(recording.audio), words, lambda passage: _hear_passage(passage, recording, setup))
     if text.strip():
-        return author_text(
-            text,
-            setup.lexicon,
-            setup.style,
-            language=setup.language,
-            grammar=setup.grammar,
-            sets=intention_sets(setup),
-            seed=setup.idling.seed,
-            character=setup.character or "",
-            recorded=audio,
-        )
+        return author_with_setup(text, setup, recorded=audio)
     utterance = _say("", (), recording, setup)
     accents = find_accented_vowels(utterance.phonemes) if _has_stress(utterance) else []
     sets, seed = intention_sets(setup), setup.idling.seed
