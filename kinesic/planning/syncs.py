@@ -148,14 +148,21 @@ def list_sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
 def describe_shifts(
     block: Block, syncs: tuple[SyncTime, ...], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
-    """Return a warning for each sync point shifted beyond `SHIFT_TO_WARN`."""
-    results = []
+    """Return a warning for each shift of a behaviour beyond `SHIFT_TO_WARN`.
+
+    Sync points of a behaviour at the same time, such as `stroke` and `strokeEnd` of a pose, share a warning.
+    """
+    names: dict[tuple[str, str, str], list[str]] = {}  # (behaviour, requested, planned and why) -> sync points
     for sync in syncs:
         if abs(sync.planned - sync.requested) > SHIFT_TO_WARN:
             met = find_limit_met(sync, frames, motion, robot)
             why = "" if met is None else f": {met.quantity} of {robot.skeleton.names[met.hinge]}"
-            text = f"{sync.sync} requested at {sync.requested:.3f} s is planned at {sync.planned:.3f} s{why}"
-            results.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{sync.behaviour}", text))
+            times = f"requested at {sync.requested:.3f} s", f"planned at {sync.planned:.3f} s{why}"
+            names.setdefault((sync.behaviour, *times), []).append(sync.sync)
+    results = []
+    for (behaviour, requested, planned), shifted in names.items():
+        text = f"{' and '.join(shifted)} {requested} {'is' if len(shifted) == 1 else 'are'} {planned}"
+        results.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{behaviour}", text))
     return results
 
 

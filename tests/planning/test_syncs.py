@@ -37,8 +37,24 @@ def test_only_shifted_sync_points_are_reported(hurried: DryRun, calm: DryRun) ->
         robot = plan.setup.robot
         notices = describe_shifts(plan.timeline.block, plan.syncs, plan.keyframes, plan.motion, robot)
         moved = [sync for sync in plan.syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN]
-        assert [notice.text.split()[0] for notice in notices] == [sync.sync for sync in moved]
+        named = [name for notice in notices for name in notice.text.partition(" requested at ")[0].split(" and ")]
+        assert sorted(named) == sorted(sync.sync for sync in moved)
         assert all(any(name in notice.text for name in robot.skeleton.names) for notice in notices)
+
+
+def test_equal_shifts_of_one_behaviour_share_a_warning(calm: DryRun) -> None:
+    plan = calm.plan
+    pose = [SyncTime("g", sync, 1.0, 1.2) for sync in ("stroke", "strokeEnd")]
+    others = [SyncTime("g", "relax", 1.3, 1.5), SyncTime("h", "stroke", 1.0, 1.2), SyncTime("h", "end", 1.0, 1.3)]
+    notices = describe_shifts(
+        plan.timeline.block, (*pose, *others), plan.keyframes, replace(plan.motion, bottlenecks={}), plan.setup.robot
+    )
+    assert [(notice.id.rpartition(":")[2], notice.text) for notice in notices] == [
+        ("g", "stroke and strokeEnd requested at 1.000 s are planned at 1.200 s"),
+        ("g", "relax requested at 1.300 s is planned at 1.500 s"),
+        ("h", "stroke requested at 1.000 s is planned at 1.200 s"),
+        ("h", "end requested at 1.000 s is planned at 1.300 s"),
+    ]
 
 
 def test_delay_is_explained_first_by_limits_of_joints_that_the_behaviour_moves(calm: DryRun) -> None:

@@ -79,9 +79,10 @@ def messages_of(planned):
 def shifts_told(messages):
     """Return (id, sync point) of each warning of a time shift."""
     return Counter(
-        (message.get("id"), message.text.split()[0])
+        (message.get("id"), sync)
         for message in messages
-        if local(message) == "warningFeedback" and " is planned at " in message.text
+        if local(message) == "warningFeedback" and " planned at " in message.text
+        for sync in message.text.partition(" requested at ")[0].split(" and ")
     )
 
 
@@ -128,7 +129,7 @@ def test_prediction_feedback_has_planned_times(plans, name):
 @pytest.mark.parametrize("name", MOVED)
 def test_shift_warning_names_both_times_and_the_limit(plans, name):
     planned = plans[name]
-    texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
+    texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " planned at " in m.text]
     hinges = planned.setup.robot.skeleton.names
     for text in texts:
         assert " requested at " in text

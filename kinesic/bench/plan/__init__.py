@@ -139,9 +139,10 @@ def largest_duty(planned: Plan) -> Floats:
 def count_wrong_warnings(planned: Plan) -> tuple[int, int]:
     """Count shifted sync points without a warning, and warnings without a shift."""
     warned = {
-        (notice.id, notice.text.partition(" requested at ")[0])
+        (notice.id, sync)
         for notice in planned.notices
         if notice.type == NoticeType.IMPOSSIBLE_TO_SCHEDULE and " requested at " in notice.text
+        for sync in notice.text.partition(" requested at ")[0].split(" and ")
     }
     shifted = _find_shifted_syncs(planned)
     return len(shifted - warned), len(warned - shifted)

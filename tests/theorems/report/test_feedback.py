@@ -36,6 +36,11 @@ def test_warnings_name_exactly_the_moved_sync_points(known, asked, nod):
     ]
     planned = plan(BLOCK_XML.format("".join([*lines, f'<head id="h" lexeme="NOD" start="{nod}"/>'])), known)
     messages = [ElementTree.fromstring(message) for message in feedback(planned)]
-    counts = Counter((m.get("id"), m.text.split()[0]) for m in messages if m.text and " is planned at " in m.text)
+    counts = Counter(
+        (message.get("id"), sync)
+        for message in messages
+        if message.text and " planned at " in message.text
+        for sync in message.text.partition(" requested at ")[0].split(" and ")
+    )
     moved = [sync for sync in planned.syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN]
     assert counts == Counter((f"b:{sync.behaviour}", sync.sync) for sync in moved)
