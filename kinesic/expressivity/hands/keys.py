@@ -112,8 +112,9 @@ def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
 def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
     """Interpolate the hand orientation between two keys by a spline.
 
-    The keys are k - 1 and k. Its angular velocity is continuous at the keys, as is needed where the poses between them become keys too. The
-    result is None if the keys do not rotate the hand, or leave its pointing direction or its palm open.
+    The keys are k - 1 and k. Its angular velocity is continuous at the keys, as is needed where the poses between them
+    become keys too. The result is None if the keys do not rotate the hand, or leave its pointing direction or its palm
+    open.
     """
     neighbours = [
         (key, reach.pointing, reach.palm)
@@ -132,7 +133,7 @@ def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
 
 
 def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
-    """Rotate a hand to the orientation of a spline at a time [s].
+    """Rotate a hand to a spline's orientation at a time [s].
 
     Without a spline or reach, the hand is unchanged.
     """
