@@ -12,8 +12,8 @@ from kinesic.speech.engines.phrase import SpeechEngine
 from kinesic.speech.english_voice import EnglishVoice
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
-from kinesic.speech.hibari.engine import Hibari, hibari_fault
-from kinesic.speech.hibari.model import find_package
+from kinesic.speech.hibari.engine import Hibari
+from kinesic.speech.hibari.model import find_installation_fault, find_package
 from kinesic.speech.recorded.voice import RecordedVoice
 
 HIBARI_TABLES_MODULE = "kinesic.speech.hibari.read_ahead"  # module that reads the lexicon of hibari at import
@@ -40,7 +40,7 @@ def voice(name: VoiceName = "durations", *, engine: SpeechEngine | None = None) 
     if name == "durations":
         return RecordedVoice(DurationModel())
     if name == "hibari":
-        if why := hibari_fault():
+        if why := find_installation_fault():
             raise ConfigError(f"the voice hibari cannot speak: {why}; --voice durations is silent and needs nothing")
         return RecordedVoice(EnglishVoice(EngineVoice(Hibari(), Espeak()), Espeak(), is_requested=True))
     if name == "auto" and find_package() is not None:

@@ -23,6 +23,7 @@ from kinesic.speech.hibari.protobuf import ProtobufError
 
 PACKAGE_NAME = "hibari"
 RUNTIME_NAME = "onnxruntime"
+ASSET_NAMES = ("hibari.onnx", "vocab.json")  # files of the model: the graph, and the ids of its letters
 SAMPLE_RATE = 24_000  # [Hz]
 FRAME_SAMPLES = 300  # samples per frame (12.5 ms)
 FRAMES_PER_UNIT = 2  # frames per unit of duration
@@ -109,6 +110,20 @@ def find_package() -> Path | None:
 
 
 @lru_cache(maxsize=1)
+def find_installation_fault() -> str:
+    """Return why hibari cannot be loaded, with a remedy, without loading it.
+
+    The result is empty if its packages and files exist. A server's own process checks this alone, since a loaded voice
+    takes 120 MB.
+    """
+    folder = find_package()
+    if folder is None:
+        return f"hibari-tts is not installed: {install_extra('voice')}"
+    missing = [name for name in ASSET_NAMES if not (folder / "assets" / name).is_file()]
+    return f"hibari-tts cannot be loaded: {folder / 'assets'} has no {', '.join(missing)}" if missing else ""
+
+
+@lru_cache(maxsize=1)
 def load_model() -> HibariModel:
     """Load the model once per process, with one thread.
 
@@ -117,10 +132,11 @@ def load_model() -> HibariModel:
     """
     folder = find_package()
     if folder is None:
-        raise EngineError(f"hibari-tts is not installed: {install_extra('voice')}")
+        raise EngineError(find_installation_fault())
     try:
-        graph = edit_graph((folder / "assets" / "hibari.onnx").read_bytes())
-        letter_ids = json.loads((folder / "assets" / "vocab.json").read_text(encoding="utf-8"))
+        model, vocabulary = (folder / "assets" / name for name in ASSET_NAMES)
+        graph = edit_graph(model.read_bytes())
+        letter_ids = json.loads(vocabulary.read_text(encoding="utf-8"))
         runtime = importlib.import_module(RUNTIME_NAME)
         synthesise = importlib.import_module(f"{PACKAGE_NAME}.dsp").synth
     except (OSError, ImportError, AttributeError, ProtobufError) as error:

@@ -1,0 +1,52 @@
+"""Installation of the model, checked without loading it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.speech.hibari import model
+from kinesic.speech.voice import voice
+
+CREATE_SCRIPT = """
+import sys
+from kinesic.speech.voice import voice
+voice("hibari")
+print([name for name in ("onnxruntime", "hibari") if name in sys.modules])
+"""
+
+
+@pytest.fixture
+def unchecked():
+    """Forget what was checked, before and after a test."""
+    model.find_installation_fault.cache_clear()
+    yield
+    model.find_installation_fault.cache_clear()
+
+
+def test_requested_voice_is_created_without_loading_its_model():
+    """The server's own process never speaks."""
+    if why := model.find_installation_fault():
+        pytest.skip(why)
+    created = subprocess.run(
+        [sys.executable, "-c", CREATE_SCRIPT], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert created.stdout.strip() == "[]"
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_missing_package_of_the_voice_names_its_extra(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(model, "find_package", lambda: None)
+    with pytest.raises(ConfigError, match=r"hibari-tts is not installed: .*voice"):
+        voice("hibari")
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_missing_file_of_the_model_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets" / "hibari.onnx").touch()
+    monkeypatch.setattr(model, "find_package", lambda: tmp_path)
+    with pytest.raises(ConfigError, match=r"assets has no vocab\.json"):
+        voice("hibari")
