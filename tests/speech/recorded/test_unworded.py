@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.utterance import STRESS_MARKS, Sound
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.recorded.unworded import lip_sounds
+from kinesic.speech.recorded.unworded import _max_near, lip_sounds
 from tests.speech.recorded.speaking import speak
 
 RATE = 16_000
@@ -62,3 +62,12 @@ def test_speech_has_syllables_and_accents_but_not_on_each(espeak: Espeak):
     accents = [sound for sound in sounds if sound.symbol.startswith(STRESS_MARKS[0])]
     vowels = [sound for sound in sounds if sound.symbol.startswith(STRESS_MARKS)]
     assert 2 <= len(accents) <= len(vowels) / 2
+
+
+def test_pitch_near_a_frame_is_the_median_of_the_voiced_frames_around_it():
+    semitones = np.arange(40.0)
+    assert _max_near(semitones, 20) == 20.0
+    assert _max_near(semitones, 2) == 3.5  # frames 0 to 7
+    semitones[16:25] = np.nan
+    assert _max_near(semitones, 20) == 20.0
+    assert np.isnan(_max_near(np.full(40, np.nan), 20))
