@@ -98,6 +98,8 @@ UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {
     },
 }
 LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # of shapes that are weak
+LIP_ROLLING_UNITS = ("23", "28")  # action units that roll the lips over the teeth
+ROLLED_OVERLAP = 0.0012  # [m] extra overlap of rolled lips at full intensity
 LIP_SEALING_UNITS = ("24", "28")  # action units that press the lips together at any jaw opening
 LIP_PARTING_SHAPES = (
     "mouthLowerDownLeft",
@@ -208,7 +210,7 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     closing = weights[shut]
     weights[shut] = 0.0
     positions: Floats = mesh.positions + (mesh.deltas @ weights).reshape(-1, 3)
-    rig.lips.part(positions, _compute_seal(channels))
+    rig.lips.part(positions, _compute_seal(channels), ROLLED_OVERLAP * _find_largest(channels, LIP_ROLLING_UNITS))
     for number, (eyeball, centre, closer) in enumerate(zip(rig.eyeballs, mesh.eyes, rig.lids, strict=True)):
         gaze = compute_gaze_rotation(channels, number)
         positions[eyeball] = centre + (mesh.positions[eyeball] - centre) @ gaze.T
@@ -258,7 +260,12 @@ def _compute_weights(rig: _Rig, channels: Floats) -> Floats:
 
 def _compute_seal(channels: Floats) -> float:
     """Return the strength 0..1 with which the lips are pressed together."""
-    return float(max(channels[_CHANNEL_INDICES[name]] for name in LIP_SEALING_UNITS))
+    return _find_largest(channels, LIP_SEALING_UNITS)
+
+
+def _find_largest(channels: Floats, units: tuple[str, ...]) -> float:
+    """Return the largest intensity of some action units."""
+    return float(max(channels[_CHANNEL_INDICES[name]] for name in units))
 
 
 @lru_cache(maxsize=8)

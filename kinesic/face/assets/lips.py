@@ -42,14 +42,15 @@ class Lips:
     middles: Floats  # (c,) [m] lateral positions of the columns
     contact_overlap: Floats  # (c,) [m] overlap of closed lips
 
-    def part(self, positions: Floats, seal: float) -> None:
+    def part(self, positions: Floats, seal: float, overlap: float = 0.0) -> None:
         """Separate or seal the lips by moving mesh vertices in place.
 
         Args:
             positions: (v, 3) [m] vertices after the shapes.
             seal: 0..1 fraction of the gap to close.
+            overlap: [m] extra overlap of closed lips, which covers the teeth behind rolled lips.
         """
-        gap = self.contact_overlap - self.overlap(positions)
+        gap = self.contact_overlap + overlap - self.overlap(positions)
         opened = np.maximum(gap, 0.0)
         stuck = opened * np.exp(-opened / STICKING_GAP)
         change = -np.where(gap < 0.0, gap, seal * gap + (1.0 - seal) * stuck)

@@ -66,7 +66,7 @@ COMPLEXIONS: Mapping[Variant, Complexion] = MappingProxyType(
             iris=(0.14, 0.085, 0.045),
             brow=((0.17, 0.315), (0.42, 0.38), (0.66, 0.41), (0.84, 0.37), (0.99, 0.29)),
             brow_width=0.056,
-            beard=0.30,
+            beard=0.26,
         ),
     }
 )
@@ -81,8 +81,8 @@ UPPER_LIP = (
 # Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
 # Upper and lower edge of a beard as chart coordinates a and y.
-BEARD_TOP = ((0.0, -0.80), (0.3, -0.82), (0.5, -1.02), (0.9, -0.95), (1.3, -0.45), (1.5, -0.2), (1.6, -2.0))
-BEARD_BOTTOM = ((0.0, -2.05), (0.6, -2.0), (1.2, -1.5), (1.5, -0.9), (1.6, -0.2))
+BEARD_TOP = ((0.0, -0.82), (0.3, -0.86), (0.5, -1.12), (0.9, -1.22), (1.25, -0.95), (1.45, -0.55), (1.6, -0.3))
+BEARD_BOTTOM = ((0.0, -2.05), (0.6, -2.0), (1.2, -1.5), (1.45, -1.0), (1.6, -0.3))
 BEARD_SHADE = np.array([0.42, 0.45, 0.52])  # colour of a shaven beard relative to the skin
 FLUSHED_AREAS = (  # reddish areas of the skin: chart coordinates a and y, half width, strength
     (0.62, -0.62, 0.26, 0.42),

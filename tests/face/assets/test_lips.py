@@ -94,3 +94,11 @@ def test_viseme_w_differs_visibly_from_the_vowel_in_you(mesh: Mesh, mouth: Lips)
     assert ahead[1] - 1.5 > ahead[2] > ahead[0] + 4.0
     assert overlap(mouth, w).min() > overlap(mouth, you).min() + 1.0
     assert overlap(mouth, w).min() < -0.5  # open
+
+
+def test_rolled_lips_overlap_in_front_of_the_teeth(mesh: Mesh, mouth: Lips):
+    middle = slice(8, 17)
+    plain = overlap(mouth, deform(mesh, {}))[middle]
+    for unit in ("23", "28"):
+        rolled = overlap(mouth, deform(mesh, {unit: 1.0}))[middle]
+        assert rolled.min() > plain.min() + 0.3  # [mm]

@@ -70,7 +70,7 @@ vec4 teeth(inout vec3 n) {
 }
 
 vec4 tongue() {
-    float light = smoothstep(-0.45, 0.30, placed.z), groove = exp(-placed.x * placed.x / 0.0025) * smoothstep(0.25, -0.1, placed.z);
+    float light = smoothstep(-0.45, 0.15, placed.z), groove = exp(-placed.x * placed.x / 0.0025) * smoothstep(0.25, -0.1, placed.z);
     return vec4(mix(THROAT, TONGUE_RED * (1.0 - 0.25 * groove), light), 0.45 * light);
 }
 
