@@ -16,7 +16,7 @@ from math import ceil
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, seal_in_place, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, seal_in_place, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import DEFAULT_OVERSHOOT, EASING_INTERVALS, Easing, soften_easing
 from kinesic.motion.keys import (
@@ -25,7 +25,6 @@ from kinesic.motion.keys import (
     LINEAR_STEEPNESS,
     MIN_STEEPNESS,
     SMOOTHEST_EASING,
-    Choices,
     Keys,
     flow,
 )
@@ -264,10 +263,10 @@ class _CurveKey:
 
     content: tuple[bytes, ...]  # (k,) times, (k, h) angles, (6, k, h) passage values and (h,) hinges
     limits: Limits  # of all hinges
-    source: tuple[Floats, Keys, Choices, Choices] = field(compare=False)  # times, all keys, rows and hinges
+    source: tuple[Floats, Keys, Indices, Indices] = field(compare=False)  # times, all keys, rows and hinges
 
     @classmethod
-    def of(cls, times: Floats, keys: Keys, rows: Choices, hinges: Choices) -> "_CurveKey":
+    def of(cls, times: Floats, keys: Keys, rows: Indices, hinges: Indices) -> "_CurveKey":
         angles, passage_values = keys.angles[rows[:, None], hinges], keys.passage_values[:, rows[:, None], hinges]
         content = (times.tobytes(), angles.tobytes(), passage_values.tobytes(), hinges.tobytes())
         return cls(content, keys.limits, (times, keys, rows, hinges))

@@ -7,13 +7,11 @@ from itertools import pairwise
 from typing import TypeVar, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import Easing
 
-Choices = NDArray[np.intp]
 Sync = tuple[str, str]  # behaviour id, sync point
 Pair = tuple[int, int]  # two keys, the earlier first
 Amount = TypeVar("Amount", float, Floats)
@@ -171,7 +169,7 @@ class Keys:
         """
         return _join_postures(tuple(postures), limits, tuple(bonds), margin)
 
-    def part(self, rows: Choices, hinges: Choices) -> "Keys":
+    def part(self, rows: Indices, hinges: Indices) -> "Keys":
         """Return a subset of keys and hinges, without precedence constraints."""
         here = rows[:, None], hinges
         return Keys(

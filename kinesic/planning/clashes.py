@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from kinesic.bml.block import Gesture, Pointing
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.robot import SIDES
 from kinesic.expressivity.hands.busy_hands import Clash
 from kinesic.expressivity.keyframes import KeyFrames
@@ -21,7 +21,7 @@ from kinesic.motion.budget import Budget
 from kinesic.motion.condition import condition
 from kinesic.motion.double_s import IntervalDurations, compute_velocity_durations, least_rest_times_of
 from kinesic.motion.key_time_lp import KeyTimeProblem, solve_key_times
-from kinesic.motion.keys import HOLD_TOLERANCE, Choices, KeyPosture, Keys, Pair
+from kinesic.motion.keys import HOLD_TOLERANCE, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.planning.setup import Setup
 
@@ -269,7 +269,7 @@ def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> P
     return int(before[-1] if before.size else exact_rows[0]), int(after[0] if after.size else exact_rows[-1])
 
 
-def _part(posture: KeyPosture, hinges: Choices, *, whole: bool) -> KeyPosture:
+def _part(posture: KeyPosture, hinges: Indices, *, whole: bool) -> KeyPosture:
     """Restrict a key posture to the given hinges.
 
     A whole key has all of them.

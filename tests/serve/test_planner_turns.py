@@ -4,7 +4,6 @@ import asyncio
 import fcntl
 import sys
 from collections.abc import Callable, Coroutine
-from dataclasses import replace
 from multiprocessing import Pipe
 from types import SimpleNamespace
 
@@ -13,78 +12,14 @@ import pytest
 from kinesic.realizer.request import Message
 from kinesic.serve import planner as planner_module
 from kinesic.serve import planner_process, refiner
-from kinesic.serve.messages import DocumentRequest, Interruption, PlannerReady, Renewal, RequestDone
-from kinesic.serve.planner_process import MAX_COLD_DEATHS, MAX_SPARE_DELAY, PIPE_CAPACITY, Planner, _widen
-from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
+from kinesic.serve.messages import DocumentRequest, Interruption, Renewal, RequestDone
+from kinesic.serve.planner_process import MAX_COLD_DEATHS, MAX_SPARE_DELAY, PIPE_CAPACITY, _widen
 from kinesic.session import setup as session_setup
 
-from .played_children import PlayedChild, played_context
+from .planner_office import BEGINNING, PATIENCE, READY, Loop, Office, make_setup
 
-PATIENCE = 8.0  # [s]
-READY, DONE = PlannerReady(), RequestDone()
+DONE = RequestDone()
 DOCUMENT = DocumentRequest(Message("<bml/>", 7), 0)
-BEGINNING = "start of the loop"
-
-
-class Loop:
-    """Loop that only records its planners."""
-
-    properties = "properties"
-
-    def __init__(self) -> None:
-        self.connected: list[tuple[object, object]] = []
-
-    def snapshot(self) -> str:
-        return BEGINNING
-
-    def connect_planner(self, pipe: object, beginning: object) -> None:
-        self.connected.append((pipe, beginning))
-
-
-class Office:
-    """Planner with its recorded processes, loop and calls."""
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, *, planning: float, spare_delay: float) -> None:
-        self.children: list[PlayedChild] = []
-        self.calls: list[object] = []
-        self.loop = Loop()
-
-        def start(*arguments: object, name: str) -> PlayedChild:
-            self.children.append(PlayedChild(*arguments, name=name))
-            return self.children[-1]
-
-        monkeypatch.setattr(planner_process, "Child", start)
-        monkeypatch.setattr(planner_process, "child_context", played_context)
-        self.planner = Planner(
-            make_setup,
-            self.loop,
-            rules=replace(DEFAULT_QUOTAS, planning=planning),
-            idle=lambda: self.calls.append("idle"),
-            lost=lambda request: self.calls.append(("lost", request)),
-            spare_delay=spare_delay,
-        )
-
-    def of(self, name: str) -> list[PlayedChild]:
-        return [child for child in self.children if child.name == name]
-
-    def received(self, index: int = 0, *, count: int = 1) -> list[object]:
-        """Return the messages to a planner process, which must be so many."""
-        pipe, messages = self.of("planner")[index].arguments[1], []
-        for _ in range(count):
-            assert pipe.poll(PATIENCE)
-            messages.append(pipe.recv())
-        assert not pipe.poll(0)
-        return messages
-
-    def start(self) -> Planner:
-        """Start a planner that becomes warm."""
-        self.planner.start()
-        assert self.received() == [BEGINNING]
-        self.planner.receive(READY)
-        return self.planner
-
-
-def make_setup() -> None: ...
 
 
 Act = Callable[[Office], Coroutine[None, None, None]]
@@ -122,7 +57,12 @@ def test_started_planner_gets_the_state_of_the_loop_and_a_refiner(in_office) -> 
         assert helper.arguments == (make_setup, planner._working.refiner)
         assert office.loop.connected == [(planner._working.loop, BEGINNING)]
         for child in office.children:
-            modules = (planner_module.__name__, session_setup.__name__, __name__, planner_module.TEXT_TABLES_MODULE)
+            modules = (
+                planner_module.__name__,
+                session_setup.__name__,
+                make_setup.__module__,
+                planner_module.TEXT_TABLES_MODULE,
+            )
             assert child.context.preload == modules
         planner._working.loop.send("to the planner")
         assert process.arguments[2].recv() == "to the planner"

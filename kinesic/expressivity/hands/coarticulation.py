@@ -162,9 +162,7 @@ class _Hands:
     def _can_be_spaced(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
         """Return whether shortening both strokes in time lets one hand perform them.
 
-        A pair with a timing conflict reported by the planner never passes.
-
-        Two two-handed strokes always pass here, since moving apart is tried for each of their hands.
+        Never with a reported timing conflict, else always for two two-handed strokes: their hands are tried singly.
         """
         twice = len(work.poses.hands) == len(option.hands) == len(SIDES)
         return self._delay(work, stroke) == 0.0 and (twice or self.spacing.can_move_apart(work, stroke, option))
