@@ -140,3 +140,8 @@ def test_robot_with_applied_servo_factors_is_cached_per_robot():
     robot = Robot.load()
     assert PESSIMISTIC_FACTORS.applied(robot) is Factors(**msgspec.structs.asdict(PESSIMISTIC_FACTORS)).applied(robot)
     assert PESSIMISTIC_FACTORS.applied(Robot.load()) is not PESSIMISTIC_FACTORS.applied(robot)
+
+
+def test_equal_servo_factors_return_the_same_object():
+    assert NOMINAL_FACTORS.applied(ROBOT) is ROBOT
+    assert PESSIMISTIC_FACTORS.applied(ROBOT) is PESSIMISTIC_FACTORS.applied(ROBOT)

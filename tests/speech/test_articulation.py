@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.body.utterance import Phoneme
-from kinesic.speech.articulation import CLOSURE_TIME, articulate
+from kinesic.speech.articulation import CLOSURE_TIME, _find_adjacent_letter, articulate
 
 
 def articulation_times(*symbols: str, rate: float = 1.0, gap: float = 0.0) -> list[tuple[float, float]]:
@@ -48,3 +48,11 @@ def test_articulation_of_speech_sounds_does_not_cross_a_pause():
     (_, released), (onset, _) = articulation_times("a", "s", gap=0.4)
     assert released == pytest.approx(0.1)
     assert onset == pytest.approx(0.5)
+
+
+def test_neighbouring_letter_is_the_one_that_touches_the_sound():
+    sound = Phoneme("a", 0.1, 0.1)
+    assert _find_adjacent_letter(Phoneme("ts", 0.0, 0.1), sound) == "s"
+    assert _find_adjacent_letter(Phoneme("ts", 0.2, 0.1), sound) == "t"
+    assert _find_adjacent_letter(Phoneme("ts", 0.5, 0.1), sound) == ""
+    assert _find_adjacent_letter(None, sound) == ""

@@ -93,3 +93,15 @@ def test_friction_step_is_disabled_if_a_mujoco_step_function_has_another_signatu
     implicit = mujoco.mj_implicit
     monkeypatch.setattr(mujoco, "mj_implicit", lambda model, data, skip: implicit(model, data))
     assert find_friction_parts(simulation.model, simulation.data, MAX_PHYSICS_STEP) is None
+
+
+def test_joint_limits_of_the_friction_step_have_the_margin_of_the_model(simulation):
+    model = simulation.model
+    model.jnt_margin[:] = 1e-4
+    model.jnt_limited[3] = 0
+    parts = find_friction_parts(model, simulation.data, MAX_PHYSICS_STEP)
+    assert parts is not None
+    lower, upper = model.jnt_range[:, 0] + 1e-4, model.jnt_range[:, 1] - 1e-4
+    lower[3], upper[3] = -np.inf, np.inf
+    np.testing.assert_allclose(parts.lower, lower)
+    np.testing.assert_allclose(parts.upper, upper)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.speech.recorded.warping import FrameSequence, warp
+from kinesic.speech.recorded.warping import FrameSequence, _trace, warp
 
 WORDS = np.array([0, 40, 90, 150])  # first frame of each word
 COUNT = 200
@@ -52,3 +52,10 @@ def test_silence_has_no_warp():
     silent = FrameSequence(np.zeros((50, 18)), np.zeros(50, dtype=bool))
     assert warp(silent, rendition, WORDS) is None
     assert warp(rendition, silent, WORDS) is None
+
+
+@pytest.mark.parametrize(("last_costs", "column"), [((4.0, 3.0), 2), ((3.0, 3.0), 2), ((3.0, 4.0), 1)])
+def test_path_ends_at_the_cheaper_of_the_last_two_columns(last_costs: tuple[float, float], column: int):
+    total = np.array([np.inf, np.inf, 5.0, *last_costs])
+    steps = [np.zeros(3, dtype=np.int8), np.array([0, 1, 2], dtype=np.int8)]
+    assert _trace(steps, np.array([0, 0]), total).tolist() == [0, column]
