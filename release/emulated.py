@@ -70,10 +70,10 @@ def unpack_debian(folder: Path, packages: tuple[str, ...], *, architecture: str 
 
 
 def install(wheel: Path, folder: Path, version: str) -> Path:
-    """Install the wheel and its dependencies for the other processor into a folder."""
+    """Install the wheel, its dependencies and SciPy for the other processor into a folder."""
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--upgrade"]
     command += ["--no-compile", "--only-binary=:all:", f"--python-version={version}", *PLATFORMS]
-    subprocess.run([*command, "--target", folder, wheel], check=True)
+    subprocess.run([*command, "--target", folder, wheel, "scipy"], check=True)
     return folder
 
 

@@ -49,7 +49,7 @@ def plan() -> dict[str, object]:
 
 
 def face() -> dict[str, object]:
-    """Move the vertices of the head by action units; drawing them would need OpenGL."""
+    """Move the vertices of the head by action units, with SciPy; drawing them would need OpenGL."""
     from kinesic.face.assets.action_units import deform
     from kinesic.face.assets.mesh import load_head
 

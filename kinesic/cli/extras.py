@@ -13,6 +13,7 @@ EXTRA_OF_PACKAGE = {  # import name of a package -> extra that installs it
     "mcp": "mcp",
     "pandas": "notebook",
     "rerun": "rerun",
+    "scipy": "studies",
     "spacy": "text",
 }
 

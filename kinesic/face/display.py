@@ -7,7 +7,10 @@ names the remedy.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
+
+from kinesic.extras import install_extra
 
 if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext
@@ -44,8 +47,15 @@ def open_offscreen_context() -> "Iterator[GlContext]":
         context.release()
 
 
+def explain_missing_scipy() -> str | None:
+    """Return how to install SciPy, which builds meshes, or None if installed."""
+    return None if find_spec("scipy") else f"scipy is not installed: {install_extra('face')}"
+
+
 def find_display_problem() -> str | None:
     """Return why no picture can be drawn here, or None."""
+    if problem := explain_missing_scipy():
+        return problem
     try:
         with open_offscreen_context():
             return None

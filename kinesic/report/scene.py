@@ -3,7 +3,6 @@
 from base64 import b64encode
 from collections.abc import Iterable
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
+from kinesic.face.display import explain_missing_scipy
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
 from kinesic.sim.filming.face_screen import Sheet, build_face_screen
@@ -47,7 +47,7 @@ def drawable(robot: Robot) -> Robot:
 
     The skin's mesh needs SciPy. Capsules and a screen with the face take its place.
     """
-    return robot if robot.skin is None or find_spec("scipy") else replace(robot, skin=None)
+    return robot if robot.skin is None or explain_missing_scipy() is None else replace(robot, skin=None)
 
 
 def read_scripts(names: tuple[str, ...]) -> str:

@@ -12,7 +12,7 @@ from platform import python_version
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 SOURCE_SUFFIXES = (".py", ".toml", ".cpp", ".h")  # Suffixes of sources, which are identical on all machines
-VERSIONED_LIBRARIES = ("numpy", "scipy", "mujoco-core", "casadi", "highspy")  # Libraries that affect numerical results
+VERSIONED_LIBRARIES = ("numpy", "mujoco-core", "casadi", "highspy")  # Libraries that affect numerical results
 
 
 def program_files(endings: tuple[str, ...]) -> Iterator[Path]:

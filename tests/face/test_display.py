@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from kinesic import egl
+from kinesic.extras import install_extra
 from kinesic.face.display import INSTALL_DRIVER, find_display_problem, open_offscreen_context
 
 
@@ -108,3 +109,8 @@ def test_face_rendering_imports_no_compiled_packages_except_the_core_dependencie
     draws()
     output = subprocess.run([sys.executable, "-c", DRAWING_PROGRAM], capture_output=True, text=True, check=True).stdout
     assert set(output.split()) <= {"numpy", "scipy", "msgspec", "PIL"}
+
+
+def test_missing_scipy_is_a_display_problem(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    assert find_display_problem() == f"scipy is not installed: {install_extra('face')}"

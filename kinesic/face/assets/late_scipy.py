@@ -1,11 +1,9 @@
 """SciPy, imported when a mesh is built, as the extra `face` installs it."""
 
 from importlib import import_module
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from kinesic.extras import install_extra
-from kinesic.face.display import DisplayError
+from kinesic.face.display import DisplayError, explain_missing_scipy
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -29,9 +27,9 @@ class _LateScipy:
         try:
             module = import_module(f"scipy.{name}")
         except ModuleNotFoundError:
-            if find_spec("scipy"):
+            if (problem := explain_missing_scipy()) is None:
                 raise
-            raise DisplayError(f"scipy is not installed: {install_extra('face')}") from None
+            raise DisplayError(problem) from None
         setattr(self, name, module)
         return module
 
