@@ -14,12 +14,12 @@ from kinesic.planning.stance import STANCE_FILE, StanceTable
 
 TUNED_SETS = ("Gestures", "Gestures2", "MaleGestures", "FemaleGestures")  # sets on which constants are fitted
 HEAD = """\
-# How people stand with hanging arms: a normal distribution, fitted to resting frames of captured clips that differ from
-# the first pose of their clip. Angles in degrees. Trunk and head: tilt + forward or down, roll + right, turn + left of
-# the line of the shoulders. `shoulder_rise`: line of the shoulders over the rolled trunk, + left shoulder up. Links of
-# an arm: direction from straight down, forward and outward. `symmetric` and `asymmetric` are principal components, one
-# standard deviation each; the second are added to the left arm and subtracted from the right, as is `handedness`, the
-# mean asymmetry. `persons` vary about the mean, and `rests` about the mean of their person.
+# How people stand with hanging arms: multivariate t distributions, fitted to resting frames of captured clips that
+# differ from the first pose of their clip. Angles in degrees. Trunk and head: tilt + forward or down, roll + right,
+# turn + left of the line of the shoulders. `shoulder_rise`: line of the shoulders over the rolled trunk, + left
+# shoulder up. Links of an arm: direction from straight down, forward and outward. `symmetric` and `asymmetric` are the
+# principal components of the scale matrices; the second are added to the left arm and subtracted from the right, as is
+# `handedness`, the mean asymmetry. `persons` vary about the mean, and `rests` about the mean of their person.
 # Sources, in data/behaviorsets of github.com/worldforge/smartbody; statistics, no motion. `docs/make/standing.py`
 # writes this file. {groups}.
 
@@ -35,6 +35,7 @@ def format_table(name: str, table: StanceTable) -> str:
     lines = [f"[{name}]", f"mean = {row(table.mean)}", f"handedness = {row(table.handedness)}"]
     for part, components in (("persons", table.persons), ("rests", table.rests)):
         lines += ["", f"[{name}.{part}]"]
+        lines += [f"degrees_of_freedom = {components.degrees_of_freedom!r}"]
         for kind, rows in (("symmetric", components.symmetric), ("asymmetric", components.asymmetric)):
             lines += [f"{kind} = [", *(f"  {row(values)}," for values in rows), "]"]
     return "\n".join(lines) + "\n"

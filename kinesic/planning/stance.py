@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import sqrt
 
 import msgspec
 import numpy as np
@@ -16,12 +17,14 @@ STANCE_FILE = CONFIGS / "standing.toml"
 # Angles [deg] of trunk and head; `shoulder_rise` is that of the line of the shoulders over the rolled trunk.
 BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll", "shoulder_rise")
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
-MAX_DRAW = 1.8  # [standard deviations] largest random draw
+MAX_DRAW = 1.8  # [standard deviations] largest normal draw of a component
+MAX_SPREAD = 2.5  # largest factor on all components of a draw, from the tails of the t distribution
 
 
 class StanceComponents(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """TOML table of principal components [deg], one standard deviation each."""
+    """TOML table of a multivariate t distribution by its principal components [deg]."""
 
+    degrees_of_freedom: float  # the smaller, the more draws lie far from the mean
     symmetric: Sequence[Mapping[str, float]]  # equal for both arms
     asymmetric: Sequence[Mapping[str, float]]  # added to the left arm and subtracted from the right
 
@@ -82,8 +85,15 @@ def draw_deviation(table: StanceTable, chance: np.random.Generator) -> Floats:
 
 
 def draw_components(components: StanceComponents, chance: np.random.Generator) -> Floats:
-    """Draw a random sum (s,) [deg] of principal components."""
-    rows = [expand_features(row) for row in components.symmetric]
-    rows += [expand_features(row, -1.0) for row in components.asymmetric]
-    draws = np.clip(chance.normal(size=len(rows)), -MAX_DRAW, MAX_DRAW)
-    return np.asarray(draws @ np.stack(rows))
+    """Draw a random sum (s,) [deg] of principal components.
+
+    Most draws lie near the mean, and a few far from it: one factor scales all components of equal symmetry.
+    """
+    drawn = np.zeros(len(STANCE_FEATURES))
+    for table, right_sign in ((components.symmetric, 1.0), (components.asymmetric, -1.0)):
+        rows = [expand_features(row, right_sign) for row in table]
+        normals = np.clip(chance.normal(size=len(rows)), -MAX_DRAW, MAX_DRAW)
+        freedom = components.degrees_of_freedom
+        spread = min(sqrt(freedom / float(chance.chisquare(freedom))), MAX_SPREAD)
+        drawn += spread * normals @ np.stack(rows)
+    return drawn

@@ -23,6 +23,8 @@ MIN_DEVIATION = 0.3  # [deg] principal components with smaller deviations are dr
 # [deg] smallest change of a feature since the first frame; clips of a set begin and end in one pose of the animator.
 MIN_POSE_CHANGE = 3.0
 MIN_CLIP_COUNT = 5  # fewest clips of a person
+REST_FREEDOM = 2.0  # degrees of freedom with the largest likelihood of the rests in the tuned sets
+SCATTER_STEPS = 60  # fixed-point iterations of the scatter matrix, which converge in about 30
 
 
 def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
@@ -76,8 +78,9 @@ def find_resting_frames(motion: BodyMotion) -> Indices:
 def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
     """Fit the predictive distribution of an unseen person's stance.
 
-    Every group counts as one person. The standard deviations are those of the predictive t distribution, which is wider
-    than the sample, as few people were captured. People are not symmetric on average, as most are right-handed.
+    Every group counts as one person. Persons follow the predictive t distribution, which is wider than the sample, as
+    few people were captured. Rests have heavy tails: most are near the mean, and a few far from it. People are not
+    symmetric on average, as most are right-handed.
 
     Args:
         groups: stances (k, s) [deg] by person.
@@ -85,17 +88,19 @@ def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
     centres = np.stack([rows.mean(axis=0) for rows in groups.values()])
     symmetric, asymmetric = _split(centres)
     count, mean, handedness = len(centres), symmetric.mean(axis=0), asymmetric.mean(axis=0)
-    widened = sqrt((1 + 1 / count) * (count - 1) / (count - 3))
+    widened = sqrt(1 + 1 / count)
     parts = [_split(rows - rows.mean(axis=0)) for rows in groups.values()]
-    within = [np.concatenate([part[k] / sqrt(count * len(part[k])) for part in parts]) for k in range(2)]
+    within = [_scale_tails([part[k] for part in parts]) for k in range(2)]
     return StanceTable(
         mean=_name(SYMMETRIC_FEATURES, mean),
         handedness=_name(ASYMMETRIC_FEATURES, handedness),
         persons=StanceComponents(
+            degrees_of_freedom=count - 1,
             symmetric=_components((symmetric - mean) / sqrt(count - 1), widened, SYMMETRIC_FEATURES),
             asymmetric=_components((asymmetric - handedness) / sqrt(count - 1), widened, ASYMMETRIC_FEATURES),
         ),
         rests=StanceComponents(
+            degrees_of_freedom=REST_FREEDOM,
             symmetric=_components(within[0], 1.0, SYMMETRIC_FEATURES),
             asymmetric=_components(within[1], 1.0, ASYMMETRIC_FEATURES),
         ),
@@ -109,6 +114,23 @@ def _split(stances: Floats) -> tuple[Floats, Floats]:
     symmetric = np.column_stack([*(body[name] for name in SYMMETRIC_BODY), (left + right) / 2])
     asymmetric = np.column_stack([*(body[name] for name in ASYMMETRIC_BODY), (left - right) / 2])
     return symmetric, asymmetric
+
+
+def _scale_tails(parts: Sequence[Floats]) -> Floats:
+    """Return rows (k, c) whose sum of squares is the scatter of a t distribution.
+
+    Args:
+        parts: deviations (k, c) of each person; persons have equal weights.
+    """
+    rows = np.concatenate(parts)
+    weights = np.concatenate([np.full(len(part), 1.0 / (len(parts) * len(part))) for part in parts])
+    scaled = np.sqrt(weights)[:, None] * rows
+    for _ in range(SCATTER_STEPS):
+        inverse = np.linalg.pinv(scaled.T @ scaled)
+        distances = np.einsum("ij,jk,ik->i", rows, inverse, rows)
+        tail_weights = (REST_FREEDOM + rows.shape[1]) / (REST_FREEDOM + distances)
+        scaled = np.sqrt(weights * tail_weights)[:, None] * rows
+    return np.asarray(scaled)
 
 
 def _is_hanging(stance: Floats) -> bool:

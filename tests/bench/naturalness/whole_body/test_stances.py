@@ -61,5 +61,14 @@ def test_fit_finds_mean_and_correlation_of_a_population():
     assert draws[:, columns].std(axis=0) == pytest.approx([4.1, 2.3, 5.1], rel=0.25)
     assert np.corrcoef(draws[:, columns].T)[0, 1] > 0.7
     hand = [row["hand_forward"] for row in (*table.rests.symmetric, *table.rests.asymmetric)]
-    assert np.linalg.norm(hand) == pytest.approx(1.0, rel=0.2)
+    assert np.linalg.norm(hand) == pytest.approx(0.85, rel=0.15)  # 0.9 about the mean of five rests, with normal tails
     assert set(table.mean) == {"trunk_tilt", "head_tilt", *ARM_FEATURES}
+
+
+def test_rare_poses_hardly_widen_the_rests():
+    chance = np.random.default_rng(5)
+    rows = chance.normal(size=(400, len(STANCE_FEATURES)))
+    rows[:20] *= 10.0
+    persons = {str(person): rows + 5.0 * chance.normal(size=rows.shape[1]) for person in range(8)}
+    hand = [row["hand_forward"] for row in fit_stances(persons).rests.symmetric]
+    assert np.linalg.norm(hand) < 1.2 * np.sqrt(0.5)  # of the mean of two independent hands, without rare poses
