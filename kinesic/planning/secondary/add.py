@@ -1,6 +1,6 @@
 """Add secondary motion to a certified motion within limits, torques and clearance."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from zlib import crc32
@@ -13,6 +13,7 @@ from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import SIDES, Robot
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.hands.phases import ARM_PARTS
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.style.standing import UNPOSED_STANDING
 from kinesic.motion.condition import Conditioned
@@ -20,10 +21,11 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import find_overloaded_times
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.secondary.arcs import make_head_arcs
-from kinesic.planning.secondary.arm_times import find_arm_courses
+from kinesic.planning.secondary.arm_times import ArmCourse, find_arm_courses
 from kinesic.planning.secondary.breath import make_breaths
 from kinesic.planning.secondary.changes import Changes, reduce_amounts
 from kinesic.planning.secondary.drift import make_drifts
+from kinesic.planning.secondary.free_arm import swing_free_arms
 from kinesic.planning.secondary.homeward import vary_returns
 from kinesic.planning.secondary.offset_bumps import MotionChange, OffsetBump
 from kinesic.planning.secondary.rest_changes import make_rest_changes
@@ -144,6 +146,7 @@ def _changes(
     changed_clearance: tuple[MotionChange, ...] = (
         *delay_hinges(courses, trajectory, setup.robot),
         *vary_returns(courses, trajectory, setup.variation, timeline.block.id, setup.robot),
+        *_swing_free_arms(trajectory, courses, frames, setup),
         *_idle_offsets(trajectory, frames, utterances, setup),
     )
     aiming = [
@@ -156,6 +159,20 @@ def _changes(
         for change in changed_clearance
         if not any(begin < change.end and change.begin < end for begin, end in aiming)
     )
+
+
+def _swing_free_arms(
+    motion: Trajectory, courses: Sequence[ArmCourse], frames: KeyFrames, setup: Setup
+) -> Iterator[OffsetBump]:
+    """Yield offsets of resting arms that no other hand touches."""
+    idling = setup.idling
+    touched = {
+        other: [motion.zero + frame.time for frame in frames.frames if frame.hands[side].touch in ARM_PARTS]
+        for side, other in zip(SIDES, reversed(SIDES), strict=True)
+    }
+    seed = (idling.seed, frames.timeline.block.id)
+    amount = idling.amount * min(setup.style.whole_body, MAX_BODY_WEIGHT)
+    yield from swing_free_arms(courses, motion, amount, setup.robot, seed=seed, touched=touched)
 
 
 def _idle_offsets(

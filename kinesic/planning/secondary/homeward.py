@@ -45,11 +45,11 @@ def vary_returns(
         return
     bows = [bow for course in courses for bow in _draw_bows(course, motion, variation, block, robot)]
     if bows:
-        yield from _turn_outward(bows, robot)
+        yield from turn_outward(bows, robot)
 
 
 @dataclass(frozen=True, eq=False)
-class _Bow:
+class Bow:
     """Sideways offset of an arm, with its posture before the offset."""
 
     bump: OffsetBump
@@ -57,7 +57,7 @@ class _Bow:
     side: Side
 
 
-def _draw_bows(course: ArmCourse, motion: Trajectory, variation: Variation, block: str, robot: Robot) -> Iterator[_Bow]:
+def _draw_bows(course: ArmCourse, motion: Trajectory, variation: Variation, block: str, robot: Robot) -> Iterator[Bow]:
     """Yield random sideways offsets for the return paths of one arm."""
     for stroke, gap in zip(course.strokes, course.gaps[1:], strict=True):
         path, side = gap.way_home, course.side
@@ -67,12 +67,10 @@ def _draw_bows(course: ArmCourse, motion: Trajectory, variation: Variation, bloc
         peak = path[0] + float(chance.uniform(*PEAK_FRACTIONS)) * (path[1] - path[0])
         fraction = variation.amount * min(1.0, (path[1] - path[0]) / FULL_BOW_TIME)
         there, home = motion.sample(np.array([peak, path[1]]))[0]
-        yield _Bow(
-            OffsetBump(path[0], peak, path[1], _draw_offsets(fraction, MAX_BOW, side, robot, chance)), there, side
-        )
+        yield Bow(OffsetBump(path[0], peak, path[1], draw_offsets(fraction, MAX_BOW, side, robot, chance)), there, side)
         if _is_hanging(gap, home, side, robot):  # offset rest pose until the next stroke
-            until, offset = gap.rests[-1][1], _draw_offsets(variation.amount, MAX_REST_OFFSET, side, robot, chance)
-            yield _Bow(OffsetBump(path[0], path[1], gap.end, offset, until - path[1]), home, side)
+            until, offset = gap.rests[-1][1], draw_offsets(variation.amount, MAX_REST_OFFSET, side, robot, chance)
+            yield Bow(OffsetBump(path[0], path[1], gap.end, offset, until - path[1]), home, side)
 
 
 def _is_hanging(gap: Gap, angles: Floats, side: Side, robot: Robot) -> bool:
@@ -92,7 +90,7 @@ def _is_hanging(gap: Gap, angles: Floats, side: Side, robot: Robot) -> bool:
     )
 
 
-def _draw_offsets(
+def draw_offsets(
     fraction: float, most: tuple[float, float, float], side: Side, robot: Robot, chance: np.random.Generator
 ) -> Floats:
     """Return random angle offsets of the arm's hinges, (n,) [rad]."""
@@ -106,7 +104,7 @@ def _draw_offsets(
     return offsets
 
 
-def _turn_outward(bows: Sequence[_Bow], robot: Robot) -> Iterator[OffsetBump]:
+def turn_outward(bows: Sequence[Bow], robot: Robot) -> Iterator[OffsetBump]:
     """Flip offsets that move the hand inwards, and clip to joint ranges."""
     angles, offsets = np.stack([bow.angles for bow in bows]), np.stack([bow.bump.away for bow in bows])
     wrists = {bow.side: robot.arm(bow.side).wrist for bow in bows}
