@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.bml.block import Action, Gaze, Gesture, Head, NoticeType, Pointing, Speech, SyncRef
+from kinesic.bml.block import Action, BmlError, Gaze, Gesture, Head, NoticeType, Pointing, Speech, SyncRef
 from kinesic.bml.parse import parse
 
 BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
@@ -103,3 +103,15 @@ def test_ssml_description_with_priority_replaces_the_text_of_a_speech() -> None:
     (behaviour,) = parse(f'<bml id="b"><speech id="s"><text>hello</text>{ssml}</speech></bml>').behaviours
     assert isinstance(behaviour.action, Speech)
     assert behaviour.action.script.text == "hi you"
+
+
+@pytest.mark.parametrize(("repetition", "count"), [("1", 1), ("100", 100)])
+def test_head_movement_has_up_to_one_hundred_strokes(repetition: str, count: int) -> None:
+    block = parse(f'<bml id="b"><head id="h" lexeme="NOD" repetition="{repetition}"/></bml>')
+    assert block.behaviours[0].action.repetition == count
+
+
+@pytest.mark.parametrize("repetition", ["0", "101", "9999", "1.5"])
+def test_head_movement_with_more_than_one_hundred_strokes_is_refused(repetition: str) -> None:
+    with pytest.raises(BmlError, match=f"repetition='{repetition}' is not an integer from 1 to 100"):
+        parse(f'<bml id="b"><head id="h" lexeme="NOD" repetition="{repetition}"/></bml>')
