@@ -1,4 +1,4 @@
-"""Head nods, raised brows and blinks that follow the prosody of a speech.
+"""Head nods, raised brows and blinks by the prosody of a speech.
 
 Speakers mark pitch accents by nods and raised brows (H. P. Graf et al., Visual prosody: facial movements accompanying
 speech, Face and Gesture 2002; C. Cave et al., About the relationship between eyebrow movements and F0 variations, ICSLP
@@ -16,8 +16,8 @@ import numpy as np
 from kinesic.bml.timing.syllables import find_accented_vowels
 from kinesic.body.utterance import Phoneme, Script, Utterance
 
-NOD_SPACING = 0.7, 1.6  # [s] range of the shortest interval between two nods
-BROW_SPACING = 1.6, 3.2  # [s] range of the shortest interval between two raises of the brows
+NOD_SPACING = 0.7, 1.1  # [s] range of the shortest interval between two nods
+BROW_SPACING = 1.8, 3.6  # [s] range of the shortest interval between two raises of the brows
 EMPHASIS_SPACING = 0.7  # [s] shortest interval between an emphasised word and another accent with motion
 BROW_PROBABILITY = 0.4  # probability that the brows accompany a nod
 BROW_INTENSITIES = 0.26, 0.42  # range of the intensity of raised brows on an accent

@@ -131,7 +131,10 @@ def expected_metrics() -> Iterator[tuple[str, str, float | None, Better]]:
 
 
 def _choose_reason(name: str, reason: str | None, lips_reason: str | None, prosody_reason: str) -> str | None:
-    """Return why a metric cannot be measured here; empty if it can."""
+    """Return the reason why a metric cannot be measured.
+
+    It is empty or None if it can be measured.
+    """
     if name.startswith(PROSODY_PREFIX):
         return prosody_reason
     return lips_reason if name.startswith(LIP_PREFIX) else reason

@@ -17,25 +17,27 @@ STORY_TEXT = (
 )
 STORY_SEEDS = range(10)  # seeds of the stories that are compared
 BLINK_MINUTES = 10  # [min] duration of the story that is repeated to count blinks
-MINUTE = 60.0  # [s]
+MINUTE_DURATION = 60.0  # [s]
 
 
 def measure_prosody(voice: Voice) -> Mapping[str, float]:
-    """Measure accents with motion, and the fewest and most blinks in a minute."""
+    """Measure accents with motion, raised brows and blinks per minute."""
     script = Script(STORY_TEXT)
     utterance = voice.say(script)
     accents = utterance.accents or find_accented_vowels(utterance.phonemes)
     chosen = [choose_accents("story", utterance, script, seed) for seed in STORY_SEEDS]
     ends = np.array(find_phrase_ends(utterance))
-    repeats = np.arange(0.0, BLINK_MINUTES * MINUTE, utterance.duration)
+    repeats = np.arange(0.0, BLINK_MINUTES * MINUTE_DURATION, utterance.duration)
     causes = (repeats[:, None] + ends).ravel().tolist()
     counts: list[int] = []
     for seed in STORY_SEEDS:
-        begins = np.array(blink_times((0.0, BLINK_MINUTES * MINUTE), (), seed, also=causes))
-        counts += np.histogram(begins, np.arange(BLINK_MINUTES + 1) * MINUTE)[0].tolist()
+        begins = np.array(blink_times((0.0, BLINK_MINUTES * MINUTE_DURATION), (), seed, also=causes))
+        counts += np.histogram(begins, np.arange(BLINK_MINUTES + 1) * MINUTE_DURATION)[0].tolist()
     return {
         "face.prosody.accents_moved": 100.0 * float(np.mean([len(part) / len(accents) for part in chosen])),
-        "face.prosody.brows": MINUTE * float(np.mean([_count_brows(part) for part in chosen])) / utterance.duration,
+        "face.prosody.brows": MINUTE_DURATION
+        * float(np.mean([_count_brows(part) for part in chosen]))
+        / utterance.duration,
         "face.prosody.blinks_fewest": float(min(counts)),
         "face.prosody.blinks_most": float(max(counts)),
     }

@@ -84,7 +84,7 @@ def _draw_blink_interval(generator: np.random.Generator) -> float:
 
 
 def _thin_out(ordered: Sequence[float]) -> list[float]:
-    """Omit blinks that follow an earlier one too soon, or too many others."""
+    """Omit blinks that exceed the rate limits."""
     kept: list[float] = []
     for time in ordered:
         recent = kept[-MAX_WINDOW_BLINKS:]

@@ -195,7 +195,7 @@ def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styl
 def _undirected(
     timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
 ) -> Floats:
-    """Return the fraction (m,) of the face that no expression of the document takes."""
+    """Return the fraction (m,) of the face without expressions."""
     free = np.ones(len(times))
     own = (showing for shift in (False, True) for showing in _showings(timeline, styles, shift=shift))
     for showing in (*own, *_gesture_expressions(timeline, styles, bodies)):

@@ -165,7 +165,7 @@ def paint_iris(complexion: Complexion) -> Floats:
 
 
 def _paint_beard(a: Floats, y: Floats) -> Floats:
-    """Return the (n, n) soft mask 0..1 of a beard: upper lip, chin and jaws."""
+    """Return the (n, n) soft mask 0..1 of a beard."""
     top = np.interp(a, *np.array(BEARD_TOP).T)
     bottom = np.interp(a, *np.array(BEARD_BOTTOM).T)
     return _blur(((y < top) & (y > bottom)).astype(np.float64), 14.0)
