@@ -130,3 +130,9 @@ def test_parameter_changes_its_sign_with_the_axis_of_its_hinge(sign: float):
     assert {column.number: sign * column.sign for column in columns if column.number in usual} == usual
     others = [column for column in columns if column.number not in usual]
     assert [column.sign for column in others] == [sign, sign]
+
+
+def test_spine_parameters_count_from_the_skull_down():
+    first = {"skullbase": 48, "vc1": 51, "vc7": 69, "vt1": 72, "vt12": 105, "vl1": 108, "vl5": 120}
+    assert {bone: PARAMETER_NUMBERS[f"{bone}_roll"] for bone in first} == first
+    assert [PARAMETER_NUMBERS[f"vl5_{turn}"] for turn in ("torsion", "tilt")] == [121, 122]
