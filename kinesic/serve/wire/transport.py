@@ -8,11 +8,12 @@ import json
 import os
 import socket
 import sys
-from asyncio import Lock, StreamReader, get_running_loop, sleep, timeout, to_thread
+from asyncio import Future, Lock, StreamReader, get_running_loop, sleep, timeout
 from codecs import getincrementaldecoder
 from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import suppress
+from queue import SimpleQueue
 from threading import Thread
 
 from kinesic.serve.wire.protocol import MESSAGE_END, MessageFramer, json_answer
@@ -164,10 +165,12 @@ class Console:
     lingers = True
 
     def __init__(self, rules: Quotas) -> None:
-        """Start a reader thread, because files and terminals cannot be awaited."""
+        """Start daemon threads that read and print, because files and terminals cannot be awaited."""
         self._frames, self._reader = MessageFramer(rules.message), StreamReader()
+        self._unprinted = SimpleQueue[tuple[str, Future[None]]]()
         self._loop = get_running_loop()
         Thread(target=self._read, name="stdin", daemon=True).start()
+        Thread(target=self._print_all, name="stdout", daemon=True).start()
 
     async def messages(self, _hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
         """Yield messages until the input ends.
@@ -182,8 +185,14 @@ class Console:
             yield message
 
     async def send(self, message: str) -> None:
-        """Print a message on one line."""
-        await to_thread(self._print, message)
+        """Print a message on one line.
+
+        Raises:
+            OSError: standard output is closed.
+        """
+        printed = self._loop.create_future()
+        self._unprinted.put((message, printed))
+        await printed
 
     async def close(self, _code: int, _why: str) -> None:
         """Do nothing.
@@ -191,9 +200,26 @@ class Console:
         Standard output stays open.
         """
 
+    def _print_all(self) -> None:
+        """Print all messages.
+
+        A server whose output nobody reads ends without this thread.
+        """
+        with suppress(RuntimeError):  # raised by a closed event loop
+            while True:
+                message, printed = self._unprinted.get()
+                try:
+                    self._print(message)
+                except OSError as error:
+                    self._loop.call_soon_threadsafe(_report_failure, printed, error)
+                else:
+                    self._loop.call_soon_threadsafe(_report_success, printed)
+
     def _print(self, message: str) -> None:
-        sys.stdout.write(message + "\n")
-        sys.stdout.flush()
+        """Write without the lock of `sys.stdout`, which the end of the program needs."""
+        output, line = sys.stdout.fileno(), memoryview(f"{message}\n".encode(errors="replace"))
+        while line:
+            line = line[os.write(output, line) :]
 
     def _read(self) -> None:
         """Pass standard input to the event loop until either ends."""
@@ -229,6 +255,16 @@ class WordConsole(Console):
 
     def _print(self, message: str) -> None:
         self._show(message)
+
+
+def _report_success(printed: "Future[None]") -> None:
+    if not printed.cancelled():
+        printed.set_result(None)
+
+
+def _report_failure(printed: "Future[None]", error: OSError) -> None:
+    if not printed.cancelled():
+        printed.set_exception(error)
 
 
 def _words_message(text: str, **flags: bool) -> bytes:

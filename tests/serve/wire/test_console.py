@@ -59,7 +59,7 @@ def test_overlong_message_is_refused(type_text: Callable[[bytes], None]) -> None
         asyncio.run(run())
 
 
-def test_console_prints_one_answer_per_line_even_after_close(type_text: Callable[[bytes], None], capsys) -> None:
+def test_console_prints_one_answer_per_line_even_after_close(type_text: Callable[[bytes], None], capfd) -> None:
     async def run() -> None:
         type_text(b"")
         console = Console(Quotas())
@@ -69,7 +69,46 @@ def test_console_prints_one_answer_per_line_even_after_close(type_text: Callable
         await console.send("two")
 
     asyncio.run(run())
-    assert capsys.readouterr().out == "one\ntwo\n"
+    assert capfd.readouterr().out == "one\ntwo\n"
+
+
+def test_server_ends_although_nobody_reads_its_standard_output(
+    type_text: Callable[[bytes], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (reader, writer), is_printed, others = os.pipe(), list[bool](), {*threading.enumerate()}
+    monkeypatch.setattr(transport.sys, "stdout", SimpleNamespace(fileno=lambda: writer))
+
+    async def run() -> None:
+        type_text(b"")
+        sending = asyncio.create_task(Console(Quotas()).send("x" * 1_000_000))
+        await asyncio.sleep(0.05)
+        is_printed.append(sending.done())
+
+    server = threading.Thread(target=asyncio.run, args=(run(),), daemon=True)
+    server.start()
+    server.join(30)
+    is_running = server.is_alive()
+    os.close(reader)
+    for printer in (thread for thread in {*threading.enumerate()} - others if thread.name == "stdout"):
+        printer.join()  # its write fails, as the pipe has no reader
+    os.close(writer)
+    assert (is_printed, is_running) == ([False], False)
+
+
+def test_console_reports_a_closed_standard_output(
+    type_text: Callable[[bytes], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    monkeypatch.setattr(transport.sys, "stdout", SimpleNamespace(fileno=lambda: writer))
+
+    async def run() -> None:
+        type_text(b"")
+        await Console(Quotas()).send("x")
+
+    with pytest.raises(BrokenPipeError):
+        asyncio.run(run())
+    os.close(writer)
 
 
 def test_words_typed_on_the_console_are_sent_in_chunks_followed_by_an_end_message(
