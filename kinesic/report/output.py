@@ -28,6 +28,7 @@ from kinesic.report.films import (
 )
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import Json
+from kinesic.report.scene import drawable
 from kinesic.sim.filming.face_screen import build_face_screen
 from kinesic.sim.log import write_log
 
@@ -109,7 +110,7 @@ def add_films(
         ConfigError: a film could not be written.
     """
     plan, measured = performance.plan, performance.measured
-    robot = plan.setup.robot
+    robot = drawable(plan.setup.robot)
     shown = measured.times <= performance.duration
     times, angles = measured.times[shown], measured.angles[shown]
     with TemporaryDirectory() as place:
@@ -119,7 +120,7 @@ def add_films(
         if portrait is not None:
             jobs[face] = portrait
         if robot.skin is None:
-            twin = TwinFilm.of(plan, times, angles, settings)
+            twin = replace(TwinFilm.of(plan, times, angles, settings), robot=robot)
             jobs[film] = replace(twin, after=face if settings.face == "rendered" else None, sound=written.voice)
         else:
             figure = FigureFilm.of(plan, times, angles, settings)

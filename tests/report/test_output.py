@@ -2,6 +2,7 @@
 
 import base64
 import json
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,10 +14,11 @@ from kinesic.controller.dry_run import dry_run
 from kinesic.files.film_settings import FilmSettings
 from kinesic.metrics.dry_run import DryRun
 from kinesic.report import output
-from kinesic.report.films import FACE_RATE
+from kinesic.report.films import FACE_RATE, TwinFilm
 from kinesic.report.output import NOT_REQUESTED, NOT_YET, add_films, default_folder, face_film, rewrite, write_report
 from kinesic.report.report import Json, report
 from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
 
 SPOKEN = (
     '<bml id="b"><speech id="s"><text>Well, hello.</text></speech><faceLexeme id="f" lexeme="smile" start="0.2"/></bml>'
@@ -173,6 +175,16 @@ def test_face_is_filmed_only_on_request(calm, smiling, data, drawing, tmp_path: 
     assert (whole.face, whole.why_no_face) == (None, "nothing is requested of it")
     assert whole.film is not None
     assert len(drawing.jobs) == 1
+
+
+@pytest.mark.soak
+def test_human_is_filmed_without_its_skin_if_scipy_is_missing(drawing, tmp_path: Path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    nodding = dry_run(plan('<bml id="b"><head id="h" lexeme="NOD" stroke="0.5"/></bml>', set_up("human")))
+    said = report(nodding, source="nod.bml")
+    add_films(write_report(nodding, said, tmp_path / "nod"), nodding, said, object())
+    (film,) = (job for job in drawing.jobs.values() if isinstance(job, TwinFilm))
+    assert film.robot.skin is None
 
 
 def test_report_is_rewritten_in_place(calm, data, tmp_path: Path):
