@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.action_units import FACE_CHANNELS
-from kinesic.expressivity.face.visemes import viseme_of
+from kinesic.body.utterance import Phoneme
+from kinesic.expressivity.face.visemes import viseme_of, visemes
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.lips import ASIDE_SLOPE, Lips, find_lips
 from kinesic.face.assets.mesh import FACE_VARIANTS, MESH_PARTS, Mesh, load_head
@@ -102,3 +103,14 @@ def test_rolled_lips_overlap_in_front_of_the_teeth(mesh: Mesh, mouth: Lips):
     for unit in ("23", "28"):
         rolled = overlap(mouth, deform(mesh, {unit: 1.0}))[middle]
         assert rolled.min() > plain.min() + 0.3  # [mm]
+
+
+@pytest.mark.parametrize("sounds", [("a", "m", "a"), ("m", "pf", "e")], ids="".join)
+def test_lips_stay_within_300_mm_per_second_around_closed_lips(mesh: Mesh, mouth: Lips, sounds: tuple[str, ...]):
+    phonemes = [Phoneme(sound, 0.2 + 0.08 * k, 0.08) for k, sound in enumerate(sounds)]
+    times = np.arange(0.2, 0.55, 0.01)
+    shown = visemes(phonemes, times)
+    rows = ({unit: float(values[k]) for unit, values in shown.items()} for k in range(len(times)))
+    gaps = np.array([overlap(mouth, deform(mesh, row)).min() for row in rows])
+    assert gaps.max() > 0.0  # [mm] closed
+    assert np.abs(np.diff(gaps)).max() / 0.01 < 300.0  # [mm/s]
