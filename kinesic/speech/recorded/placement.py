@@ -22,6 +22,8 @@ EDGE_OFFSET = 1e-6  # [s] by which the end of a word lies before the start of th
 PATH_STEP = 3  # [frames] between points of the path inside a word
 LONG_SILENCE = 0.3  # [s] silence in which the lips rest
 SPEECH_MARGIN = 0.08  # [s] time before and after audible speech in which a quiet sound may lie
+QUIET_END = 0.15  # [s] time after audible speech in which the lips close and open for a final p, b or m
+CLOSING_LETTERS = frozenset("pbm")  # phonetic letters of sounds with closed lips
 MAX_LEAD_TIME = 0.05  # [s] longest time by which the mouth's shape of a sound begins before an audible part
 
 Point = tuple[float, float]  # time in the rendition and in the recording [s]
@@ -86,6 +88,9 @@ def place_words(
         words, span = (first, last), (begin, end)
         placed = _place_by_sound(rendition, frames, rendered, words, span, keeps_start=keeps_start)
         placed = placed or _spread(rendition, frames, words, span)
+        closure = _find_final_closure(rendition, last - 1)
+        if given[last - 1].end is not None and closure is not None:
+            placed = _extend(placed, end, closure)
         points += placed[0]
         spans += placed[1]
     return Placement(_make_monotone([(0.0, 0.0), *points], duration), tuple(spans))
@@ -200,6 +205,28 @@ def _make_monotone(points: Sequence[Point], duration: float) -> tuple[Point, ...
     return tuple(result)
 
 
+def _extend(placed: Placed, end: float, closure: float) -> Placed:
+    """Move the end of the last word towards its given end.
+
+    Its final closure, which may be inaudible, then lasts from its place to that end.
+    """
+    (*points, (time, _)), (*spans, (start, stop)) = placed
+    later = min(end, stop + QUIET_END)
+    if later <= stop:
+        return placed
+    return [*(point for point in points if point[0] <= closure), (time, later)], [*spans, (start, later)]
+
+
+def _find_final_closure(rendition: Rendition, word: int) -> float | None:
+    """Return when the lips close at the end of a word in the rendition [s].
+
+    The result is None if the word ends with another sound.
+    """
+    start, end = rendition.starts[word], rendition.ends[word]
+    inside = [sound for sound in rendition.utterance.phonemes if start <= sound.start < end]
+    return inside[-1].start if inside and inside[-1].letters[:1] in CLOSING_LETTERS else None
+
+
 def _join_spans(spans: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     """Join spans with speech across short silences."""
     joined: list[tuple[float, float]] = []
@@ -225,10 +252,11 @@ def place_phonemes(phonemes: Sequence[Phoneme], placement: Placement, frames: Fr
         start, end, inner_onset, opened = np.interp(
             [sound.start, sound.end - 2 * EDGE_OFFSET, onset, release - 2 * EDGE_OFFSET], times, places
         ).tolist()
-        k = int(np.searchsorted(ends, start + 1e-9))
+        closes = sound.letters[:1] in CLOSING_LETTERS
+        k = int(np.searchsorted(ends + (QUIET_END if closes else 0.0), start + 1e-9))
         if k < len(spans):
             start = max(start, spans[k][0] - SPEECH_MARGIN)
-            end = min(end, spans[k][1] + SPEECH_MARGIN)
+            end = min(end, spans[k][1] + (QUIET_END if closes else SPEECH_MARGIN))
         if end <= start:
             continue
         lead = min(sound.start - onset, MAX_LEAD_TIME)  # a closure before its burst keeps its duration

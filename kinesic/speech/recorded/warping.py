@@ -50,10 +50,10 @@ def warp(recording: FrameSequence, rendition: FrameSequence, word_frames: Indice
         None if the recording or the rendition has no speech.
     """
     spoken = np.flatnonzero(rendition.is_speech)
-    frames, is_silent = _shorten_silences(recording.is_speech)
     speech_count = int(np.count_nonzero(recording.is_speech))
     if min(speech_count, len(spoken)) < MIN_FRAMES:
         return None
+    frames, is_silent = _shorten_silences(recording.is_speech)
     positions = np.linspace(0.0, len(spoken) - 1.0, speech_count)  # of the rendition at the rate of the recording
     around = rendition.features[spoken]
     stretched = np.stack([np.interp(positions, np.arange(len(spoken)), column) for column in around.T], axis=1)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from kinesic.body.utterance import Phoneme, Script
+from kinesic.body.utterance import Phoneme, Script, Sound, Utterance
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.recorded.follow import FollowedSpeech, follow_recording, release_stops
 from kinesic.speech.recorded.given_times import GivenTime
-from kinesic.speech.recorded.rendition import render
+from kinesic.speech.recorded.rendition import Rendition, render
 from tests.speech.recorded.speaking import TEXT, SpokenText, speak
 
 PAUSES = {0: 0.6, 3: 2.0, 8: 0.8}
@@ -54,6 +54,29 @@ def test_lips_close_at_every_bilabial_of_the_text(espeak: Espeak):
     expected = [sound.start for sound in spoken.phonemes if sound.letters[:1] in ("p", "b", "m")]
     placed = [sound.start for sound in follow(espeak, spoken).phonemes if sound.letters[:1] in ("p", "b", "m")]
     assert placed == pytest.approx(expected, abs=0.08)
+
+
+def test_inaudible_final_closure_lasts_until_the_given_end_of_its_word():
+    """Noise hides the closure and the burst of a final p."""
+    times = np.arange(8000) / 16_000
+    rendered = np.concatenate([np.sin(2 * np.pi * 200 * times[:6400]), np.zeros(1600)])
+    heard = np.concatenate([np.zeros(8000), rendered, np.zeros(8000)])
+    sounds = (Phoneme("k", 0.0, 0.1), Phoneme("ʌ", 0.1, 0.3), Phoneme("p", 0.4, 0.1))
+    spoken = Utterance(0.5, {}, sounds, "voice", Sound.of(16_000, rendered))
+    rendition = Rendition(spoken, ("cup",), np.array([0.0]), np.array([0.5]), {})
+    followed = follow_recording(rendition, Sound.of(16_000, heard), [GivenTime(0.5, 1.0)])
+    assert followed is not None
+    closure = followed.phonemes[-1]
+    assert closure.letters == "p"
+    assert closure.end == pytest.approx(1.0, abs=0.02)
+    assert closure.start > 0.8
+
+
+def test_word_with_a_given_time_of_no_length_is_followed(espeak: Espeak):
+    spoken = speak(espeak)
+    start = float(spoken.starts[4])
+    followed = follow(espeak, spoken, {4: GivenTime(start, start)})
+    assert followed.words[4][0] == pytest.approx(start)
 
 
 def test_loud_parts_of_a_recording_open_the_lips_wider(espeak: Espeak):
