@@ -7,7 +7,7 @@ from kinesic.motion.piecewise import PiecewisePolynomial
 
 
 def natural_spline(knots: Floats, points: Floats) -> PiecewisePolynomial:
-    """Interpolate a few points by a cubic spline without curvature at both ends.
+    """Interpolate points by a cubic spline without curvature at its ends.
 
     Args:
         knots: (k,) increasing parameters of the points, at least two.

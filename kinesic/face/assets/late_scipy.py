@@ -1,4 +1,4 @@
-"""SciPy, imported when a mesh is built, as the extra `face` installs it."""
+"""SciPy, imported when a mesh of the face is built."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING
