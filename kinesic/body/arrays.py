@@ -30,6 +30,12 @@ def find_distinct_rows(values: Floats, resolution: float) -> tuple[Indices, Indi
     return np.flatnonzero(is_new), np.cumsum(is_new) - 1
 
 
+def find_runs(flags: Flags) -> list[tuple[int, int]]:
+    """Return first index and end (exclusive) of each run of True values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]
+
+
 def sealed(values: ArrayLike) -> Floats:
     """Return a read-only float64 copy of an array.
 

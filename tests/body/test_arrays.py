@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body import arrays
-from kinesic.body.arrays import find_distinct_rows, sealed
+from kinesic.body.arrays import find_distinct_rows, find_runs, sealed
 
 
 def test_sealed_array_is_a_read_only_float_array():
@@ -45,3 +45,10 @@ def test_distinct_array_rows_do_not_depend_on_the_batch_size(monkeypatch):
 def test_empty_array_has_no_distinct_rows():
     chosen, back = find_distinct_rows(np.empty((0, 3)), 1e-3)
     assert (len(chosen), len(back)) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("flags", "runs"), [("", []), ("000", []), ("111", [(0, 3)]), ("1001", [(0, 1), (3, 4)]), ("0110", [(1, 3)])]
+)
+def test_runs_of_true_values_have_an_exclusive_end(flags, runs):
+    assert find_runs(np.array([flag == "1" for flag in flags], dtype=np.bool_)) == runs

@@ -7,11 +7,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, find_runs
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
-from kinesic.planning.secondary.offset_bumps import OffsetBump, find_runs
+from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 MIN_HOLD_TIME = 0.3  # [s] shorter standstills of an arm do not count as holds
 DRIFT_PERIOD = 1.0  # [s] duration of one drift movement in a long hold
@@ -79,9 +79,9 @@ def find_held_spans(motion: Trajectory, side: Side, robot: Robot) -> Iterator[Sp
     angles = motion.controls[:, joints]
     offsets = np.abs(angles - robot.skeleton.rest[joints]).max(axis=1) > MIN_REST_DISTANCE
     is_still = np.append(np.abs(np.diff(angles, axis=0)).max(axis=1) < STILL_THRESHOLD, False) & offsets
-    for first, last in find_runs(is_still):
+    for first, after in find_runs(is_still):
         begin, end = (
-            motion.start + knot * KNOT_INTERVAL for knot in (first, last - 1)
+            motion.start + knot * KNOT_INTERVAL for knot in (first, after - 2)
         )  # a control point is one knot early
         if end - begin >= MIN_HOLD_TIME:
             yield begin, end

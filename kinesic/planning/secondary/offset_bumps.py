@@ -4,14 +4,14 @@ An offset starts and ends at zero position, velocity and acceleration. The sum p
 at the same time.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Floats
 from kinesic.motion.easing import minimum_jerk
 
 CONTROL_LEAD = 1  # knots from a control point to the knot it affects most
@@ -34,13 +34,6 @@ class MotionChange(Protocol):
 
     def added(self, times: Floats) -> Floats:
         """Return the offsets (m, h) [rad] at knots (m,) [s]."""
-
-
-def find_runs(flags: Flags) -> Iterator[tuple[int, int]]:
-    """Yield first and last index of each run of True values."""
-    inner = (np.flatnonzero(flags[1:] != flags[:-1]) + 1).tolist()
-    edges = [*([0] if flags[:1].any() else []), *inner, *([len(flags)] if flags[-1:].any() else [])]
-    yield from ((first, end - 1) for first, end in zip(edges[::2], edges[1::2], strict=True))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,12 @@ from math import ceil, radians
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, find_runs
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.idle import Span
 from kinesic.expressivity.style.standing import Standing, choose_rest
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
-from kinesic.planning.secondary.offset_bumps import OffsetBump, find_runs
+from kinesic.planning.secondary.offset_bumps import OffsetBump
 from kinesic.planning.setup import Setup
 from kinesic.planning.standing import draw_rest, take_rest
 
@@ -61,8 +61,8 @@ def _find_rests(motion: Trajectory, span: Span, robot: Robot) -> Iterator[Span]:
     angles = motion.controls[rows][:, joints]
     is_resting = np.abs(angles - robot.skeleton.rest[joints]).max(axis=1) < REST_TOLERANCE
     for begin, end in find_runs(is_resting):
-        if (end - begin) * KNOT_INTERVAL >= MIN_REST_SPAN:
-            yield span[0] + begin * KNOT_INTERVAL, span[0] + end * KNOT_INTERVAL
+        if (end - 1 - begin) * KNOT_INTERVAL >= MIN_REST_SPAN:
+            yield span[0] + begin * KNOT_INTERVAL, span[0] + (end - 1) * KNOT_INTERVAL
 
 
 def _change_hands(setup: Setup, standing: Standing, chance: np.random.Generator) -> Floats | None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Flags, Floats, find_runs
 
 NOISE_PERCENTILE = 5  # percentile of the frames' levels that counts as background noise
 LOUD_PERCENTILE = 95  # percentile of the frames' levels that counts as loud speech
@@ -36,9 +36,3 @@ def find_speech(levels: Floats, *, bridged: int = MAX_BRIDGED_FRAMES) -> Flags:
         if end - begin <= MAX_CLICK_FRAMES:
             is_speech[begin:end] = False
     return is_speech
-
-
-def find_runs(values: Flags) -> list[tuple[int, int]]:
-    """Return begin and end of each run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], values, [False]]).astype(np.int8)))
-    return [(int(begin), int(end)) for begin, end in edges.reshape(-1, 2)]

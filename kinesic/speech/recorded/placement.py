@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices
+from kinesic.body.arrays import Floats, Indices, find_runs
 from kinesic.body.utterance import Phoneme, Sound
-from kinesic.speech.recorded.activity import find_runs, find_speech
+from kinesic.speech.recorded.activity import find_speech
 from kinesic.speech.recorded.given_times import GivenTime
 from kinesic.speech.recorded.rendition import Rendition
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, compute_features, compute_levels

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, Indices
+from kinesic.body.arrays import Flags, Floats, Indices, find_runs
 from kinesic.body.utterance import STRESS_MARKS, Phoneme, Sound
-from kinesic.speech.recorded.activity import find_runs, find_speech
+from kinesic.speech.recorded.activity import find_speech
 from kinesic.speech.recorded.loudness import compute_openings, estimate_pitch
 from kinesic.speech.recorded.peaks import average_frames, find_peaks
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, compute_levels

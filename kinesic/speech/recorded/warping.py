@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, Indices
-from kinesic.speech.recorded.activity import find_runs
+from kinesic.body.arrays import Flags, Floats, Indices, find_runs
 
 COARSE_FRAMES = 4  # [frames] averaged into one frame of the coarse path
 COARSE_RADIUS = 600  # [coarse frames] largest distance of the coarse path from a path of constant rate
