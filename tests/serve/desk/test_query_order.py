@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from kinesic.serve import planner
+from kinesic.serve import forking, planner
 from kinesic.serve.desk import helper
 from kinesic.serve.desk.helper import HELPER_NICENESS, Helper, Unanswered
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, Quotas
@@ -43,7 +43,7 @@ class Workshop:
             return self.children[-1]
 
         monkeypatch.setattr(helper, "Child", start)
-        monkeypatch.setattr(helper, "child_context", played_context)
+        monkeypatch.setattr(forking, "child_context", played_context)
         monkeypatch.setattr(helper, "lower_priority", self.priorities.append)
         self.helper: Helper[str] = Helper(self.make_setup, self.answer, rules, name="workshop")
 
