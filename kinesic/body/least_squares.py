@@ -14,6 +14,7 @@ from kinesic.body.arrays import Floats, sealed
 INITIAL_DAMPING = 1e-3  # damping / largest diagonal entry of the normal equations at the start
 DAMPING_DECREASE = 1.0 / 3.0  # smallest factor on the damping after a step that reduces the cost
 DAMPING_INCREASE = 2.0  # factor on the damping after a rejected step, doubled after each further one
+MAX_DAMPING = 1e16  # damping at which a step is lost in the rounding of the values, and the search ends
 RELATIVE_DIFFERENCE_STEP = np.finfo(np.float64).eps ** 0.5  # step of forward differences / max(1, |value|)
 
 
@@ -56,7 +57,8 @@ def minimise_squares(
     for _ in range(max_evaluations - 1):
         gradient, curvature = slopes.T @ errors, slopes.T @ slopes
         scale, smallest = float(curvature.diagonal().max()), tolerance * (tolerance + np.linalg.norm(values))
-        if np.linalg.norm(np.clip(values - gradient / scale, lower, upper) - values) <= smallest:
+        gradient_step = np.clip(values - gradient / scale, lower, upper) - values
+        if np.linalg.norm(gradient_step) <= smallest or damping > MAX_DAMPING:
             break
         trial = np.clip(values + _find_step(gradient, curvature, values, lower, upper, damping), lower, upper)
         step = trial - values

@@ -91,3 +91,16 @@ def test_larger_tolerance_ends_the_search_earlier():
         return len(points)
 
     assert count(0.5) < count(1e-8)
+
+
+def test_search_without_any_better_values_ends_at_its_start():
+    start = np.array([1.0, 2.0])
+    found = minimise_squares(
+        lambda values: values,
+        start,
+        lower=np.full(2, -9.0),
+        upper=np.full(2, 9.0),
+        max_evaluations=200,
+        jacobian=lambda values: -np.eye(2),  # points away from the minimum
+    )
+    assert found.values.tolist() == start.tolist()
