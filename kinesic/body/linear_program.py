@@ -9,7 +9,7 @@ from kinesic.body.arrays import Flags, Floats, Indices
 
 @dataclass(frozen=True, eq=False)
 class SparseMatrix:
-    """Matrix with few entries; those at one place add up."""
+    """Matrix with few entries, whose entries at one place add up."""
 
     rows: Indices  # (e,)
     columns: Indices  # (e,)

@@ -9,7 +9,7 @@ MAX_EXCHANGES = 4  # exchanges of variables / number of variables after which th
 
 
 def solve_nonnegative(matrix: Floats, target: Floats) -> Floats:
-    """Find the variables (n,) >= 0 with matrix @ variables nearest to a target.
+    """Find nonnegative variables (n,) with matrix @ variables nearest to a target.
 
     Variables become positive one by one, those first that reduce the residual most. One that would become negative
     returns to 0.
@@ -41,7 +41,7 @@ def solve_nonnegative(matrix: Floats, target: Floats) -> Floats:
 
 
 def _solve_free(matrix: Floats, target: Floats, free: Flags) -> Floats:
-    """Find the free variables (n,) of least squares; the others are 0."""
+    """Find the free variables (n,) of least squares, with the others 0."""
     variables = np.zeros(matrix.shape[1])
     variables[free] = np.linalg.lstsq(matrix[:, free], target)[0]
     return variables

@@ -102,7 +102,7 @@ def end_behaviours(scene: Scene, running: RunningBlock, behaviours: frozenset[st
 def _replan_trunk(
     scene: Scene, remaining: RunningBlock, ended: Sequence[Occupancy], change: float
 ) -> RunningBlock | None:
-    """Continue a block without behaviours that share trunk hinges with others.
+    """Continue a block without behaviours that move the same trunk hinges.
 
     Returns:
         None if there is no such hinge, or if the motion cannot change over in time.

@@ -1,4 +1,4 @@
-"""Process context of planners and helpers, which share tables read before they are forked."""
+"""Process context of planners and helpers, with tables read before the fork."""
 
 from collections.abc import Callable, Sequence
 

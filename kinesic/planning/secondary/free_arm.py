@@ -30,7 +30,7 @@ def swing_free_arms(
     seed: tuple[int, str] = (0, ""),
     touched: Mapping[Side, Sequence[float]] = NO_TIMES,
 ) -> Iterator[OffsetBump]:
-    """Yield offsets of a resting arm during the gestures of the other arm.
+    """Yield a resting arm's offsets during the other arm's gestures.
 
     A person's free arm follows the trunk a little. It moves away from the body until the end of the stroke, and returns
     with the other hand.
@@ -74,7 +74,7 @@ def _draw_swings(
 
 
 def _find_motion(stroke: ArmStroke, before: Gap, after: Gap, motion: Trajectory) -> Span:
-    """Return the time span [s] in which a hand moves for a stroke."""
+    """Return the time span [s] of a hand's motion for a stroke."""
     begin = before.rests[-1][1] if before.rests else before.begin
     end = after.rests[0][0] if after.rests else after.end
     if after.way_home is not None:
@@ -83,7 +83,7 @@ def _find_motion(stroke: ArmStroke, before: Gap, after: Gap, motion: Trajectory)
 
 
 def _rests(motion: Trajectory, span: Span, side: Side, robot: Robot) -> bool:
-    """Return whether an arm stays in its rest posture during a time span."""
+    """Return whether an arm holds its rest posture during a time span."""
     joints = list(robot.arm(side).joints)
     first, last = (round((time - motion.start) / KNOT_INTERVAL) for time in span)
     angles = motion.controls[max(first, 0) : last + 1][:, joints]

@@ -83,7 +83,10 @@ def _straying(span: Span, amount: float, robot: Robot, chance: np.random.Generat
 def _dips(
     accents: Sequence[Accent], start: float, span: Span, amount: float, robot: Robot, chance: np.random.Generator
 ) -> Iterator[OffsetBump]:
-    """Yield the nods of a speech that begins at `start`, as far as they lie within a span."""
+    """Yield the nods of a speech that lie within a time span.
+
+    The speech begins at `start` [s].
+    """
     for accent in accents:
         time, angle = start + accent.time, amount * accent.nod * float(chance.uniform(*DIP_ANGLES))
         if angle > 0.0 and time - DIP_DOWN_TIME >= span[0] and time + DIP_UP_TIME <= span[1]:

@@ -82,7 +82,7 @@ def save_performed(performance: DryRun, path: Path, *, force: bool) -> Path:
 
 
 def save_voice(plan: Plan, scene: Path, *, force: bool) -> Path | None:
-    """Write a plan's speech as WAV beside a scene.
+    """Write a plan's speech as WAV next to a scene file.
 
     Sound and animation begin together: sample 0 is heard at second 0 of the animation.
 

@@ -117,7 +117,7 @@ def _split(stances: Floats) -> tuple[Floats, Floats]:
 
 
 def _scale_tails(parts: Sequence[Floats]) -> Floats:
-    """Return rows (k, c) whose sum of squares is the scatter of a t distribution.
+    """Return rows (k, c) whose squares sum to a t distribution's scatter.
 
     Args:
         parts: deviations (k, c) of each person; persons have equal weights.
