@@ -144,7 +144,7 @@ def test_plan_is_written_as_a_scene_or_a_motion_by_its_suffix(kinesic, tmp_path:
         assert kinesic("plan", "-", "--out", name, "--force", stdin=TALK).code == 0
 
 
-def test_plan_writes_the_voice_beside_a_scene(kinesic, tmp_path: Path):
+def test_plan_writes_the_voice_next_to_a_scene_file(kinesic, tmp_path: Path):
     pytest.importorskip("espeakng_loader")
     ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=TALK)
     assert ended.code == 0, ended.err

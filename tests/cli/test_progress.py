@@ -65,7 +65,7 @@ def appears(terminal: int, pattern: str) -> bool:
     ],
     ids=lambda value: value.__name__ if isinstance(value, ModuleType) else None,
 )
-def test_verbs_that_take_seconds_show_what_they_do(kinesic, tmp_path, monkeypatch, module, arguments, stage):
+def test_slow_verbs_show_their_progress(kinesic, tmp_path, monkeypatch, module, arguments, stage):
     stages: list[str] = []
 
     @contextmanager

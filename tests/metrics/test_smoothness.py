@@ -16,7 +16,7 @@ def trembling(path):
     return path + np.outer(0.004 * np.sin(2 * np.pi * 6 * PERIOD * np.arange(len(path))), [0.0, 0.0, 1.0])
 
 
-def test_minimum_jerk_reach_has_known_dimensionless_jerk():
+def test_minimum_jerk_reach_has_the_analytic_dimensionless_jerk():
     """720 / 1.875^2 = 204.8, reduced because samples below 5 % of the peak speed are cut off."""
     result = dimensionless_jerk(reach(), period=PERIOD)
     s = np.linspace(0.0, 1.0, 10001)
@@ -31,7 +31,7 @@ def test_smoothness_is_independent_of_size_and_speed(figure):
     assert dimensionless_jerk(path, period=2 * PERIOD) == pytest.approx(dimensionless_jerk(path, period=PERIOD))
 
 
-def test_minimum_jerk_reach_has_the_known_spectral_arc_length():
+def test_minimum_jerk_reach_has_the_published_spectral_arc_length():
     assert spectral_arc_length(reach(), period=PERIOD) == pytest.approx(-1.41, abs=0.02)
 
 

@@ -103,7 +103,7 @@ def test_speech_pause_never_exceeds_its_limit(known: Setup):
 
 
 @ONE_VOICE
-def test_voice_without_the_required_pauses_is_asked_three_times(known: Setup, monkeypatch: pytest.MonkeyPatch):
+def test_voice_that_ignores_pauses_is_retried_three_times(known: Setup, monkeypatch: pytest.MonkeyPatch):
     requested: list[tuple[SpeechPause, ...]] = []
     usual = hurried(known).utterances
     monkeypatch.setattr(

@@ -14,7 +14,7 @@ from kinesic.planning.stance import (
 )
 
 
-def test_rows_of_the_distribution_have_known_features_only():
+def test_rows_of_the_stance_distribution_have_only_defined_features():
     table = read_stances().hanging
     parts = (table.persons, table.rests)
     rows = [table.mean, table.handedness, *(row for part in parts for row in (*part.symmetric, *part.asymmetric))]

@@ -62,7 +62,7 @@ def test_each_behaviour_occupies_its_body_part(planned, known):
         (("ready", "relax", "strokeStart", "strokeEnd", "stroke"), "end", "end"),
     ],
 )
-def test_hand_is_busy_between_the_best_known_sync_points(planned, missing, ready, relax):
+def test_hand_is_busy_between_the_nearest_available_sync_points(planned, missing, ready, relax):
     plan = planned('<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="1.2"/>')
     times = {sync.sync: sync.planned + plan.trajectory.zero for sync in plan.syncs}
     known_syncs = type(plan.syncs)(sync for sync in plan.syncs if sync.sync not in missing)

@@ -194,7 +194,7 @@ def row(*points):
         (((-1, 1, 0), (1, 1, 0), (0, 0, 0), (0, 0, 0)), 1.0),
     ],
 )
-def test_segment_distance_equals_known_values(ends, distance):
+def test_segment_distance_equals_analytic_values(ends, distance):
     assert segment_distances(*row(*ends)) == pytest.approx([distance], abs=1e-12)
 
 

@@ -106,7 +106,7 @@ def test_stop_reports_why_no_supervisor_was_found(run):
     assert "from this machine; folder: full; other: missing; if a robot still moves, switch the power off" in ended.err
 
 
-def test_system_without_a_way_to_find_supervisors_says_how_to_stop_instead(monkeypatch: pytest.MonkeyPatch):
+def test_stop_names_a_remedy_on_systems_that_cannot_find_supervisors(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(stop, "STOP_FROM_OUTSIDE", replace(stop.STOP_FROM_OUTSIDE, is_available=False))
     with pytest.raises(ConfigError, match="press space in `perform`, or send stop to `serve`"):
         stop.stop_robots()

@@ -65,7 +65,7 @@ def test_hand_shape_and_pointing_target_change_halfway_between_keys():
     assert late.aim is None
 
 
-def test_interpolated_hand_touches_only_what_both_hand_poses_touch():
+def test_interpolated_hand_keeps_only_contacts_common_to_both_poses():
     a = hand(0.0, 0.1, touch="lap", tip="index")
     both, other = (
         interpolate_hands(a, a, 0.4, REST_REACH),

@@ -86,7 +86,7 @@ def test_human_duration_is_a_lower_bound_of_natural_time(pace):
     st.floats(0.01, 2.0),
     st.floats(0.2, 1.0),
 )
-def test_rotation_is_reduced_to_what_the_available_time_allows(pace, before, desired, seconds, haste):
+def test_rotation_is_reduced_to_fit_the_available_time(pace, before, desired, seconds, haste):
     start, end = Turn(*before), Turn(*desired)
     change = add_turns(end, scale_turn(start, -1.0))
     result = pace.manageable_turn("neck", start, end, seconds, haste)

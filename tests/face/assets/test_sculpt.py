@@ -25,7 +25,7 @@ def edges_beside_the_mouth(mesh: Mesh) -> np.ndarray:
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 @pytest.mark.parametrize("units", [{"12": 1.0}, {"6": 0.8, "12": 0.9, "25": 0.8}], ids=["12", "6+12+25"])
-def test_smile_keeps_skin_beside_the_mouth_smooth(variant: Variant, units: dict[str, float]):
+def test_smile_keeps_skin_next_to_the_mouth_smooth(variant: Variant, units: dict[str, float]):
     """In the source, neighbours turn by 23 degrees there.
 
     Edges shrink to less than half.
@@ -40,7 +40,7 @@ def test_smile_keeps_skin_beside_the_mouth_smooth(variant: Variant, units: dict[
     assert np.degrees(np.arccos(np.sum(normals[one] * normals[other], axis=1))).max() < 13.0
 
 
-def test_only_skin_beside_the_mouth_is_smoothed_in_smiles():
+def test_only_skin_next_to_the_mouth_is_smoothed_in_smiles():
     head = load_head()
     moves = np.random.default_rng(5).normal(size=head.positions.shape)
     np.testing.assert_array_equal(even_out("mouthFrownLeft", moves, head), moves)

@@ -69,7 +69,7 @@ def test_skinned_hand_moves_rigidly_with_the_wrist_segment(skin: Skin):
     np.testing.assert_allclose(there, here, atol=1e-9)
 
 
-def test_half_way_skinning_frames_turn_half_the_angle_without_twist():
+def test_halfway_skinning_frames_rotate_by_half_the_angle_without_twist():
     turns, _ = LINEAR_SKIN.compute_frame_motions(
         posture(l_shoulder_flexion=80, l_shoulder_abduct=0, l_shoulder_twisting=60)
     )

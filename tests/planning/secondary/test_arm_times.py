@@ -54,5 +54,5 @@ def test_short_standstill_is_no_rest():
         (Gap(1.0, 5.0, ((2.0, 3.0), (4.0, 4.5))), (3.0, 4.0)),
     ],
 )
-def test_way_home_leads_to_the_last_rest_of_a_gap(gap: Gap, way: tuple[float, float] | None):
+def test_return_path_ends_at_the_last_rest_posture_of_a_gap(gap: Gap, way: tuple[float, float] | None):
     assert gap.way_home == way

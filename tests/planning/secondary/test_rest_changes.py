@@ -56,7 +56,7 @@ def test_rest_changes_are_repeatable_by_seed():
 
 
 @pytest.mark.parametrize("robot", ["human", "upper22"])
-def test_idle_body_changes_its_rest_and_comes_back(robot):
+def test_idle_body_changes_its_rest_posture_and_returns(robot):
     made = plan(WAIT.format(12), set_up(robot, idle=1.0))
     body = made.setup.robot
     arms = [joint for side in SIDES for joint in body.arm(side).joints]

@@ -26,7 +26,7 @@ def test_text_is_divided_at_sentence_ends(text: str, sentences: list[str]):
     assert divide_texts(Script(text)) == list(zip(sentences, silences, strict=True))
 
 
-def test_pause_divides_a_sentence_whose_pitch_goes_on():
+def test_pause_divides_a_sentence_with_continuing_pitch():
     script = Script("It is large, I think.", pauses=(Pause(6, 0.4), Pause(13, 0.05), Pause(13, 0.1)))
     assert divide_texts(script) == [("It is,", 0.0), ("large,", 0.4), ("I think.", PHRASE_PAUSE)]
 
