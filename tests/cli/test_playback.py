@@ -72,3 +72,13 @@ def test_no_speaker_is_opened_without_speech(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(soundtrack, "Speaker", lambda: pytest.fail("opened"))
     with soundtrack.speak_along(PLAN, playback.warn) as follow:
         follow(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
+
+
+@pytest.mark.parametrize(("time", "index"), [(-1.0, 0), (0.0, 0), (0.02, 2), (99.0, -1)])
+def test_face_follows_the_time_of_the_servos_up_to_the_last_command(monkeypatch, time: float, index: int):
+    commands = ["first", "second", "third", "last"]
+    monkeypatch.setattr("kinesic.cli.playback.commands_with_face", lambda plan, times: commands)
+    shown: list[str] = []
+    follow = playback.follow_servos(SimpleNamespace(command_times=()), SimpleNamespace(write=shown.append))
+    follow(SimpleNamespace(time=time))
+    assert shown == [commands[index]]

@@ -1,8 +1,9 @@
 import io
+from pathlib import Path
 
 from rich.console import Console
 
-from kinesic.cli.many.table import summarise
+from kinesic.cli.many.table import _group_folders, summarise
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks import Check
 
@@ -15,3 +16,11 @@ def test_result_table_keeps_names_and_numbers_whole_in_a_narrow_window():
     row = next(line for line in text.getvalue().splitlines() if "stroke_median" in line)
     assert row.split()[:7] == ["timing.stroke_median", "0", "1", "0", "0", "0.0123", "0.0105"]
     assert "long_" in row
+
+
+def test_folders_are_grouped_by_the_deepest_names_that_fit_the_table(tmp_path, monkeypatch):
+    folders = [tmp_path / "a", tmp_path / "b" / "c", tmp_path / "b" / "d"]
+    assert _group_folders(folders) == ["a", str(Path("b", "c")), str(Path("b", "d"))]
+    monkeypatch.setattr("kinesic.cli.many.table.MAX_FOLDER_ROWS", 2)
+    assert _group_folders(folders) == ["a", "b", "b"]
+    assert _group_folders([tmp_path, tmp_path]) == [tmp_path.name] * 2

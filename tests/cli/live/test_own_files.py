@@ -1,0 +1,60 @@
+"""Files that the live verbs take from their options, and messages that `say -` prints."""
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import click
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.live import say
+from kinesic.cli.live.mcp import _load_lexicon
+from kinesic.cli.live.studio import _check_document
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+
+
+def test_lexicon_of_the_options_is_loaded_else_the_builtin_one(monkeypatch: pytest.MonkeyPatch):
+    loaded: list[object] = []
+    monkeypatch.setattr(Lexicon, "load", loaded.append)
+    for options in ({}, {"lexicon": None}, {"lexicon": "mine.toml"}):
+        _load_lexicon(SimpleNamespace(options=options))
+    assert loaded == [None, None, Path("mine.toml")]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"), [("a.txt", "name it NAME.bml"), ("con.bml", "name it NAME.bml"), ("b.bml", "no such file")]
+)
+def test_studio_refuses_a_document_that_it_could_not_save(tmp_path: Path, name: str, message: str):
+    (tmp_path / "a.bml").write_text("")
+    _check_document(tmp_path / "a.bml", tmp_path)
+    with pytest.raises(ConfigError, match=message):
+        _check_document(tmp_path / name, tmp_path)
+    with pytest.raises(ConfigError, match="is outside the folder"):
+        _check_document(tmp_path / "a.bml", tmp_path.parent)
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_speech_from_standard_input_prints_texts_or_whole_messages(monkeypatch: pytest.MonkeyPatch, as_json: bool):
+    opened: list[tuple] = []
+    monkeypatch.setattr(say, "open_and_serve", lambda *arguments, console: opened.append((arguments, console)) or 0)
+    monkeypatch.setattr(say, "FrozenPlanning", SimpleNamespace(of=lambda planning: "frozen"))
+    assert say.speak_standard_input("planning", "performers", SimpleNamespace(out=None, as_json=as_json)) == 0
+    ((arguments, console),) = opened
+    assert arguments == ("frozen", say.NO_CLIENTS, "performers", None, ())
+    assert console.keywords == {"show": click.echo if as_json else say._print_message}
+    with pytest.raises(ConfigError, match="has no report"):
+        say.speak_standard_input("planning", "performers", SimpleNamespace(out=Path("x"), as_json=as_json))
+
+
+def test_spoken_texts_go_to_output_and_losses_to_standard_error(capsys):
+    for message in (
+        json.dumps({"told": "saying", "text": "Hello"}),
+        json.dumps({"told": "pong", "why": "late"}),
+        "<warningFeedback id='a'>left out: a &amp; b</warningFeedback>",
+        "<warningFeedback id='a'>slower</warningFeedback>",
+    ):
+        say._print_message(message)
+    printed = capsys.readouterr()
+    assert printed.out == "Hello\n"
+    assert printed.err == "kinesic: late\nkinesic: left out: a & b\n"
