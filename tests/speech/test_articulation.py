@@ -54,5 +54,6 @@ def test_neighbouring_letter_is_the_one_that_touches_the_sound():
     sound = Phoneme("a", 0.1, 0.1)
     assert _find_adjacent_letter(Phoneme("ts", 0.0, 0.1), sound) == "s"
     assert _find_adjacent_letter(Phoneme("ts", 0.2, 0.1), sound) == "t"
+    assert _find_adjacent_letter(Phoneme("ts", 0.1, 0.1), sound) == "t"
     assert _find_adjacent_letter(Phoneme("ts", 0.5, 0.1), sound) == ""
     assert _find_adjacent_letter(None, sound) == ""

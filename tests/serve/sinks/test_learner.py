@@ -11,7 +11,14 @@ from kinesic.controller.learned_gains import Identification
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import stay
-from kinesic.serve.sinks.learner import ServoLearner
+from kinesic.serve.sinks.learner import (
+    CYCLE_RATE,
+    INITIAL_REST,
+    MAX_ATTEMPTS,
+    MIN_MOTION_DURATION,
+    REST_DURATION,
+    ServoLearner,
+)
 from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
 from kinesic.session.plan import plan
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
@@ -77,4 +84,29 @@ def test_identification_is_returned_once_when_it_has_ended(known):
     running.set_result(Identification(NOMINAL_FACTORS, why="too little motion"))
     assert learner.lesson() is running.result()
     assert learner.lesson() is None
+    learner.close()
+
+
+def test_only_short_motion_is_forgotten_after_a_rest(known):
+    learner, count = ServoLearner(known.robot, NOMINAL_FACTORS), len(known.robot.drives)
+    step = 0.01 * known.robot.drives.no_load
+    learner.see(replace(still(0.01 * k, count), setpoints=k * step) for k in range(20))
+    assert learner._motion_time == pytest.approx(0.19)
+    last = 19 * step
+    learner.see(replace(still(0.2 + 0.01 * k, count), setpoints=last) for k in range(round(100 * REST_DURATION) + 2))
+    assert learner._motion_time == 0.0
+    assert len(learner._cycles) == round(INITIAL_REST * CYCLE_RATE)
+    learner.close()
+
+
+def test_failed_identification_is_repeated_a_few_times(known):
+    learner = ServoLearner(known.robot, NOMINAL_FACTORS)
+    for attempt in range(1, MAX_ATTEMPTS + 2):
+        learner._motion_time, learner._rest_time = MIN_MOTION_DURATION, REST_DURATION
+        learner.see([])
+        assert learner._attempts == min(attempt, MAX_ATTEMPTS)
+        assert (learner._result is not None) == (attempt <= MAX_ATTEMPTS)
+        if learner._result is not None:
+            learner._result.result(20.0)  # no telemetry was recorded
+            assert learner.lesson().why
     learner.close()
