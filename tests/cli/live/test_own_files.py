@@ -1,6 +1,9 @@
 """Files that the live verbs take from their options, and messages that `say -` prints."""
 
 import json
+import sys
+from concurrent.futures import Future
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,10 +11,13 @@ import click
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.live import mcp as mcp_verb
 from kinesic.cli.live import say
-from kinesic.cli.live.mcp import _load_lexicon
-from kinesic.cli.live.studio import _check_document
+from kinesic.cli.live.access_options import AccessOptions
+from kinesic.cli.live.mcp import START_EXIT_CODE, _load_lexicon
+from kinesic.cli.live.studio import _attach, _check_document
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.mcp.errors import RobotError
 
 
 def test_lexicon_of_the_options_is_loaded_else_the_builtin_one(monkeypatch: pytest.MonkeyPatch):
@@ -58,3 +64,34 @@ def test_spoken_texts_go_to_output_and_losses_to_standard_error(capsys):
     printed = capsys.readouterr()
     assert printed.out == "Hello\n"
     assert printed.err == "kinesic: late\nkinesic: left out: a & b\n"
+
+
+def test_attached_studio_takes_no_file_and_needs_an_address_for_its_page():
+    access = AccessOptions("none", None, (), texts=False)
+    with pytest.raises(ConfigError, match=r"mine\.bml: with --connect, documents are in the server's folder"):
+        _attach(Path("mine.bml"), "planning", access, "127.0.0.1:9", print)
+    with pytest.raises(ConfigError, match="a page needs an address"):
+        _attach(None, "planning", access, "127.0.0.1:9", print)
+
+
+@pytest.mark.parametrize(("fault", "code"), [(None, 0), (RobotError("gone"), START_EXIT_CODE)])
+def test_tools_end_with_an_exit_code_if_the_robot_did_not_start(
+    monkeypatch: pytest.MonkeyPatch, fault: Exception | None, code: int
+):
+    pytest.importorskip("mcp", reason="pip install 'kinesic[mcp]'")
+    opened: Future[object] = Future()
+    if fault is None:
+        opened.set_result("line")
+    else:
+        opened.set_exception(fault)
+    interval = sys.getswitchinterval()
+    monkeypatch.setattr(mcp_verb, "_open_robot", lambda *_: nullcontext(opened))
+    monkeypatch.setattr(mcp_verb, "raise_priority", nullcontext)
+    monkeypatch.setattr(mcp_verb, "load_setup", lambda *_: "setup")
+    monkeypatch.setattr("kinesic.mcp.server.make_server", lambda *_, **__: SimpleNamespace(run=lambda transport: None))
+    performers = SimpleNamespace(sinks=("twin",))
+    try:
+        result = mcp_verb.serve_tools(SimpleNamespace(options={}), performers, None, None, None)
+    finally:
+        sys.setswitchinterval(interval)
+    assert result == code
