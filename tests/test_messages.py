@@ -70,7 +70,7 @@ pytest_configure = pytest.hookimpl(send_few_messages, trylast=True)
 
 
 @pytest.mark.soak
-def test_summary_of_processes_counts_every_result_and_repetition(tmp_path):
+def test_summary_of_a_parallel_test_run_counts_every_result_and_rerun(tmp_path):
     (tmp_path / "conftest.py").write_text(CONFTEST)
     (tmp_path / "test_results.py").write_text(SUITE)
     command = [sys.executable, "-m", "pytest", "-q", "-n", "1", "--reruns", "1", "-W", "error", str(tmp_path)]

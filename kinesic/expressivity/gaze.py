@@ -32,7 +32,7 @@ from kinesic.expressivity.turns import (
 AUDIENCE_TARGET = "audience"  # substitute for an unknown gaze target
 EYE_RANGE = (Turn(-MAX_EYE_YAW, -MAX_EYE_ELEVATION), Turn(MAX_EYE_YAW, MAX_EYE_DEPRESSION))  # [rad] range of the eyes
 TRUNK_DELAY = 0.12  # [s] longest delay of the trunk after the head in a gaze shift
-MAX_HEAD_TORSION = radians(45)  # [rad] head torsion beyond which the trunk rotates too
+MAX_HEAD_TORSION = radians(45)  # [rad] largest torsion of the head relative to the trunk
 OFFSET_UNIT = 50.0  # [deg] angle of an offset of 1 in Greta's documents
 UNIT_DIALECTS = ("draft", "none", "fml-apml")  # dialects that write offsets as fractions of `OFFSET_UNIT`
 

@@ -3,7 +3,7 @@
 from kinesic.intent.reading.passage import PHRASE_PAUSE, SENTENCE_PAUSE, Passage, is_phrase_start
 
 MIN_PARAGRAPH_PAUSE = 0.2  # [s] shortest silence before a word that begins a paragraph
-SHORT_SPEECH = 60  # [words] length from which a speech ends with its paragraph
+SHORT_SPEECH = 60  # [words] a shorter speech continues in the next paragraph
 FULL_SPEECH = 120  # [words] length from which a speech ends with its sentence
 LONGEST_SPEECH = 180  # [words] length from which a speech ends with its phrase; from twice this length, anywhere
 UNDIVIDED_TEXT = 240  # [words] length up to which a text is a single speech

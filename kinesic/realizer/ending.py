@@ -102,7 +102,7 @@ def end_behaviours(scene: Scene, running: RunningBlock, behaviours: frozenset[st
 def _replan_trunk(
     scene: Scene, remaining: RunningBlock, ended: Sequence[Occupancy], change: float
 ) -> RunningBlock | None:
-    """Continue a block without behaviours that move the same trunk hinges.
+    """Replan a block when other behaviours on its trunk hinges end.
 
     Returns:
         None if there is no such hinge, or if the motion cannot change over in time.

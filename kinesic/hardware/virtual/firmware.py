@@ -167,9 +167,9 @@ class Firmware:
         self.changed()
 
     def fold(self) -> None:
-        """Reset the motion set point to the shaft's position.
+        """Reset the set point to the shaft's position.
 
-        In position mode it lies within one turn.
+        In position mode the position is wrapped to one turn before.
         """
         if self.memory[Register.OPERATING_MODE] == Mode.POSITION.value:
             self.motion.fold(self.shaft)

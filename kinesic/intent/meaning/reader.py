@@ -20,7 +20,7 @@ from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
 
-HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures, which cues replace
+HAND_CHANNEL = frozenset({"gesture"})  # channel muted for a cue without a gesture of its own
 MIN_TOPIC_LIVELINESS = 0.5  # liveliness from which open hands present a sentence without another gesture
 MIN_TOPIC_DURATION = 8.0  # [s] topic gestures occur only in texts whose last word starts at this time or later
 HAND_INTENTS = frozenset(

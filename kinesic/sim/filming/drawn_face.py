@@ -28,7 +28,7 @@ PUPIL_HALF_AXES = (18.0, 23.0)  # [pixels] horizontal and vertical half axis of 
 PUPIL_TRAVEL = (13.0, 15.0)  # [pixels] largest horizontal and vertical motion of a pupil
 GLINT_OFFSET = (-6.0, -0.42)  # reflection's offset from the pupil's centre: [pixels] right, [pupil heights] down
 GLINT_HALF_AXES = (5.5, 0.28)  # half axes of the reflection: [pixels] horizontally, and pupil heights vertically
-LID_OVERLAP = 3.0  # [pixels] distance by which an open lid clears the eye on all sides
+LID_MARGIN = 3.0  # [pixels] distance of an open lid's edge from the eye
 LID_DEPTH = 14.0  # [pixels] extent of a lid beyond the open eye
 LID_TILT = 17.0  # [pixels] lowering of the upper lid's inner end in a full frown
 SLIT_HALF_HEIGHT = 4.0  # [pixels] half the thickness of a closed eye
@@ -95,8 +95,8 @@ def _read_eye(units: Mapping[str, float], side: str, sign: float) -> dict[str, f
     smile = min(max(shown(6), 0.45 * shown(12)), 1.0)
     frown, sorrow = shown(4) * (1.0 - 0.7 * shown(1)), shown(1) * (1.0 - shown(2))
     height = EYE_HALF_AXES[1] * (1.0 + 0.15 * shown(5))
-    upper = (height + LID_OVERLAP) * (1.0 - 0.25 * shown(7)) - 0.35 * EYE_HALF_AXES[1] * frown
-    lower = (height + LID_OVERLAP) * (1.0 - 0.3 * shown(7) - 0.7 * smile)
+    upper = (height + LID_MARGIN) * (1.0 - 0.25 * shown(7)) - 0.35 * EYE_HALF_AXES[1] * frown
+    lower = (height + LID_MARGIN) * (1.0 - 0.3 * shown(7) - 0.7 * smile)
     sag = CLOSED_SAG + SMILING_SAG * smile
     gaze = shown_intensity(units, 61) - shown_intensity(units, 62) - sign * 0.4 * shown_intensity(units, 66)
     rise = shown_intensity(units, 63) - shown_intensity(units, 64)
@@ -158,7 +158,7 @@ def _build_eye(controls: Mapping[str, float], sign: float) -> list[FaceStrip]:
         columns = across + half_width * cosine
         return _make_strip(colour, columns, down - half_height * sine, columns, down + half_height * sine)
 
-    lid_x = x + (EYE_HALF_AXES[0] + LID_OVERLAP) * cosine
+    lid_x = x + (EYE_HALF_AXES[0] + LID_MARGIN) * cosine
     beyond = EYE_HALF_AXES[1] + LID_DEPTH
     upper = y - controls["upper lid"] * sine - sign * controls["lid tilt"] * cosine
     lower = y + controls["lower lid"] * sine

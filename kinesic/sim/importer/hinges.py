@@ -36,7 +36,8 @@ ANATOMICAL_RANGES = {
     "wrist_pivot": (-30.0, 30.0),
     "wrist_twisting": (-90.0, 90.0),
 }
-# Signs of a hinge's positive rotation axis x, y, z, by name suffix, left side.
+# Signs of the components x, y, z of a left hinge's positive axis, by name suffix; the largest component decides, 0: as
+# by default; mirrored for right hinges.
 _POSITIVE_AXES = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}
 _DEFAULT_POSITIVE_AXES = (1, -1, 1)  # likewise for all other hinges
 

@@ -86,7 +86,7 @@ def _edit_graph(fields: list[Field]) -> tuple[bytes, str]:
 
 
 def _find_durations(nodes: Iterable[memoryview]) -> str:
-    """Return the tensor whose running sum places the phonemes in time."""
+    """Return the name of the tensor of phoneme durations."""
     sums = [_texts(node, NODE_INPUT) for node in nodes if _has_text(node, NODE_TYPE, SUM_TYPE)]
     if len(sums) != 1 or not sums[0]:
         raise ProtobufError(f"the graph has {len(sums)} running sums, and needs one, of the durations")

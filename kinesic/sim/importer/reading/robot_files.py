@@ -20,7 +20,7 @@ MAX_FILES = 50  # largest number of XML files of one robot
 
 @dataclass(frozen=True, eq=False)
 class RobotFiles:
-    """Screened XML of a robot with its attached models and mesh references."""
+    """Parsed robot file, with the XML of attached models and references to meshes."""
 
     path: Path
     root: Element
