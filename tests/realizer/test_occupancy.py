@@ -132,3 +132,9 @@ def test_interrupted_gaze_that_was_superseded_releases_no_hinges(known):
     own = Occupancy(own.behaviour, own.roles, neck, own.begin, own.ready, own.relax, own.end, own.offset)
     assert freed_hinges([own], neck, 2.0, known.robot).any()
     assert not freed_hinges([own], neck, 2.0, known.robot, others=[need("look", offset=np.ones(22)).shifted(1.0)]).any()
+
+
+def test_interrupted_gaze_is_released_if_another_one_ends_with_it(known):
+    own = need("look", offset=np.full(22, 0.3))
+    free = freed_hinges([own], np.ones(22, dtype=bool), 2.0, known.robot, others=[need("look", offset=np.ones(22))])
+    assert free.all()

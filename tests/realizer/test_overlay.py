@@ -1,8 +1,9 @@
 import numpy as np
+import pytest
 
 from kinesic.motion.transition import largest_limit_ratios, widen_limits
-from kinesic.realizer.occupancy import MergeFailure, Overlay
-from kinesic.realizer.overlay import MAX_LIMIT_RATIO, add_motions
+from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
+from kinesic.realizer.overlay import MAX_LIMIT_RATIO, _cross_over_to, add_motions
 
 
 def test_sum_of_motions_is_projected_onto_limits_where_only_one_control_point_changes(known):
@@ -14,3 +15,13 @@ def test_sum_of_motions_is_projected_onto_limits_where_only_one_control_point_ch
     total = add_motions(Overlay(base, block, rest, 0, (), ()), np.zeros(len(rest), dtype=np.bool_), known, limits)
     assert not isinstance(total, MergeFailure)
     assert largest_limit_ratios(total, limits).max() <= MAX_LIMIT_RATIO
+
+
+@pytest.mark.parametrize("ready", [0.6, 0.605])
+def test_hand_follows_the_next_behaviour_from_the_last_knot_before_it_is_ready(known, ready):
+    limits, hinge = widen_limits(known.limits), known.robot.joints("r_arm")[0]
+    current, after = np.zeros(100), np.linspace(0.1, 0.2, 100)
+    stop = Occupancy("g", frozenset({"r_hand"}), np.ones(22, dtype=np.bool_), 0.0, ready, 0.8, 0.9)
+    column = _cross_over_to(current, after, 0.0, stop, limits, hinge)
+    np.testing.assert_array_equal(column[60:], after[60:])
+    assert np.abs(column[:60] - after[:60]).min() > 0.0

@@ -129,3 +129,17 @@ def test_released_arm_rejoins_only_behaviours_that_are_not_ready_yet(planned, kn
     )
     before, after = (motion.at(4.0).angles[hand] for motion in (running.trajectory, released))
     assert bool(np.abs(after - before).max() < 1e-6) is rejoins
+
+
+def test_first_tried_return_has_one_and_a_half_times_the_minimum_duration(planned, known, monkeypatch):
+    running, spans = planned(passage_text(0)).trajectory, list[int]()
+
+    def refuse(current, _after, knots, *_):
+        spans.append(knots[1] - knots[0])
+
+    monkeypatch.setattr(module, "cross_over", refuse)
+    assert release_motion(running, 1.0, np.ones(22, dtype=bool), known) is running
+    after = np.repeat(known.robot.skeleton.rest[None], len(running.controls), axis=0)
+    slowest = module._minimum_times(running.controls, after, round(1.0 / KNOT_INTERVAL), known.limits).max()
+    assert KNOT_INTERVAL * spans[0] == pytest.approx(1.5 * slowest, abs=KNOT_INTERVAL)
+    assert spans[0] > 2 * module.FEWEST_PIECES

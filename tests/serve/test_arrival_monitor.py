@@ -56,3 +56,10 @@ def test_nan_and_unordered_measurements_are_ignored():
     gauge.add(1.1, np.array([np.nan, 0.0]))
     gauge.add(0.5, np.array([9.0, 0.0]))
     assert gauge.lateness(0.8, HINGES, motion) == pytest.approx(0.02, abs=1e-3)
+
+
+def test_arrival_delay_of_hinges_that_tremble_around_their_posture_is_nan():
+    controls = np.zeros((203, 2))
+    controls[:, 0] = 0.004 * np.sin(np.arange(203) * np.pi / 2)
+    trembling = Trajectory(controls, 0.0)
+    assert np.isnan(seen(trembling, 0.0, 1.0).lateness(0.8, HINGES, trembling))

@@ -206,3 +206,20 @@ def test_stop_connection_thread_that_ends_at_once_raises_an_error(
     monkeypatch.setattr(threading, "excepthook", lambda _: None)
     with pytest.raises(RuntimeError, match="ended at once"):
         StopLines(robot.stop, RULES).open()
+
+
+def test_stop_connection_is_read_in_a_burst_beyond_its_rate(robot: Robot) -> None:
+    class ReadingWire(PlayedWire):
+        async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
+            for _ in range(20):
+                await self.line.read(hurry=True)
+            yield b'{"do": "stop"}'
+
+    lines = StopLines(robot.stop, Quotas(rate=1e-6, burst=4, patience=0.5))
+    lines.open()
+    wire = ReadingWire()
+    with take(lines, wire) as client:
+        client.shutdown(socket.SHUT_WR)
+        assert client.recv(1) == b""
+    lines.close()
+    assert wire.sent[-1] == {"told": "stopped"}
