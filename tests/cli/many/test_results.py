@@ -14,8 +14,13 @@ def folder(tmp_path):
 
 
 def test_results_verb_prints_a_summary_and_query_rows(kinesic, folder):
-    assert json.loads(kinesic("results", "summary", folder, "--json").out)[0]["failed"] == 1
-    assert "[a].bml" in kinesic("results", "SELECT file FROM documents", folder).out
+    summary, rows = (
+        kinesic("results", "summary", folder, "--json"),
+        kinesic("results", "SELECT file FROM documents", folder),
+    )
+    assert json.loads(summary.out)[0]["failed"] == 1
+    assert "[a].bml" in rows.out
+    assert summary.code == rows.code == 0
 
 
 def test_invalid_query_is_reported_in_one_line(kinesic, folder):
@@ -26,7 +31,8 @@ def test_invalid_query_is_reported_in_one_line(kinesic, folder):
 
 
 def test_results_verb_writes_a_plot(kinesic, folder):
-    assert kinesic("results", "plot", folder).out == f"png: {folder / 'results.png'}\n"
+    plotted = kinesic("results", "plot", folder)
+    assert (plotted.code, plotted.out) == (0, f"png: {folder / 'results.png'}\n")
     assert (folder / "results.png").read_bytes().startswith(b"\x89PNG")
     kinesic("results", "plot", folder)  # The plot is replaced, another file is not.
     (folder / "mine.png").touch()

@@ -1,8 +1,12 @@
 import json
+from dataclasses import replace
 
 import pytest
 
 from kinesic.body.robot import Robot
+from kinesic.cli.many.search import _print_result
+from kinesic.studies.designs.search import BASE_DESIGN, Round, SearchResult
+from kinesic.studies.designs.trial import BodyFigures, Trial
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 VARY_OPTIONS = ("--vary", "l_elbow_flexion.servo=xm430_w210,xc430_w240", "--vary", "vl5_roll.reduction=2.5,10")
@@ -52,3 +56,14 @@ def test_invalid_input_of_search_is_reported_in_one_line(kinesic, tmp_path, argu
     assert ended.code == 2
     assert message in ended.err
     assert len(ended.err.splitlines()) == 1
+
+
+def test_printed_table_compares_each_pareto_optimal_design_with_the_base(capsys):
+    body = BodyFigures(price=100.0, mass=2.0, arm_length=0.5, torque=0.5, hinge="l_elbow_flexion", sectors=40)
+    base, light = Trial(BASE_DESIGN, body=body), Trial((("l_elbow.length", "0.2"),), body=replace(body, mass=1.0))
+    _print_result(SearchResult((light, base), (), (), (Round(3, 2),)), [light])
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "round 1: 2 designs, 3 documents"
+    assert any("as it is (dominated)" in line and "2.00" in line and "better" not in line for line in lines)
+    assert any("1.00" in line and "better in mass; worse in nothing" in line for line in lines)
+    assert lines[-1] == "eliminated: 0 of 2 designs"

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.hinges import name_hinges, spell_angle
+from kinesic.sim.importer.hinges import _find_axis_sign, name_hinges, spell_angle
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +67,10 @@ def test_hinge_without_range_gets_an_anatomical_range(hanging_mapped):
 def test_formula_of_an_original_joint_angle_is_written_as_text(hinges):
     assert spell_angle(hinges["l_shoulder_abduct"], "l_roll").startswith("l_roll = angle -")
     assert spell_angle(hinges["r_shoulder_abduct"], "r_roll").startswith("r_roll = -angle +")
+
+
+@pytest.mark.parametrize(("name", "axis"), [("wrist_flexion", (0.1, 0.2, 0.9)), ("wrist_pivot", (0.9, 0.2, 0.1))])
+def test_wrist_axis_in_an_unusual_direction_has_the_default_sign(name, axis):
+    for side, sign in (("l", 1.0), ("r", -1.0)):
+        assert _find_axis_sign(name, np.array(axis), side) == sign
+        assert _find_axis_sign(name, -np.array(axis), side) == -sign

@@ -9,6 +9,7 @@ from kinesic.sim.importer.segments import (
     lay_out_segments,
     make_bone_capsule,
     make_trunk_capsules,
+    round_triple,
 )
 
 
@@ -54,3 +55,7 @@ def test_trunk_capsules_leave_space_for_hanging_arms(tall):
     widest = max(abs(capsule.end[1]) + capsule.radius for capsule in capsules)
     assert widest <= 0.2 - 0.04 - ARM_TRUNK_GAP + 1e-6
     assert all(capsule.end[2] < tall for capsule in capsules)
+
+
+def test_rounded_coordinates_have_no_negative_zero():
+    assert str(round_triple(np.array([-1e-9, -0.0, -0.25]))) == "(0.0, 0.0, -0.25)"

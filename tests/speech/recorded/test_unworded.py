@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.utterance import STRESS_MARKS, Sound
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.recorded.unworded import _max_near, lip_sounds
+from kinesic.speech.recorded.unworded import FRAME_PERIOD, _join, _max_near, lip_sounds
 from tests.speech.recorded.speaking import speak
 
 RATE = 16_000
@@ -71,3 +71,16 @@ def test_pitch_near_a_frame_is_the_median_of_the_voiced_frames_around_it():
     semitones[16:25] = np.nan
     assert _max_near(semitones, 20) == 20.0
     assert np.isnan(_max_near(np.full(40, np.nan), 20))
+
+
+def test_each_sound_lasts_at_least_four_frames():
+    symbols = np.array([2] * 10 + [3] * 3 + [2] * 7 + [5] * 4 + [3] * 6)
+    frames = len(symbols)
+    sounds = _join(symbols, np.ones(frames), np.ones(frames, dtype=bool))
+    assert [(sound.symbol, round(sound.start / FRAME_PERIOD)) for sound in sounds] == [
+        ("e", 0),
+        ("a", 10),
+        ("e", 14),
+        ("m", 20),
+        ("a", 24),
+    ]
