@@ -1,11 +1,13 @@
 """Times at which a block begins when it is merged with a running motion."""
 
+from dataclasses import replace
+
 import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import stay
 from kinesic.planning.quick_plan import plan_quickly
-from kinesic.realizer.merge import merge, replace_motion
+from kinesic.realizer.merge import _Merge, merge, replace_motion
 
 from .certified import certified
 
@@ -83,3 +85,13 @@ def test_behaviour_relaxed_before_the_splice_time_causes_no_conflict(planned, re
         first.trajectory, over, planned(SPOKEN + gesture("RIGHT", 0.9)), begin=over, occupied=first.occupancy
     )
     assert merged.dropped == ()
+
+
+@pytest.mark.parametrize(
+    ("lacking", "delays"), [(0.4, [40, 50, 60]), (0.55, [55]), (0.595, [60]), (0.605, []), (0.9, [])]
+)
+def test_block_waits_at_most_0_6_seconds_for_a_conflict_to_end(planned, rest, lacking, delays):
+    plan = planned(NOD)
+    (own,) = _Merge.of(rest, 0.0, plan, (), 0.0).block_occupancy
+    other = replace(own, begin=0.0, ready=own.ready, relax=own.ready + lacking, end=9.0)
+    assert _Merge.of(rest, 0.0, plan, [other], plan.trajectory.zero)._delays == delays

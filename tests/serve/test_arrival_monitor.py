@@ -63,3 +63,13 @@ def test_arrival_delay_of_hinges_that_tremble_around_their_posture_is_nan():
     controls[:, 0] = 0.004 * np.sin(np.arange(203) * np.pi / 2)
     trembling = Trajectory(controls, 0.0)
     assert np.isnan(seen(trembling, 0.0, 1.0).lateness(0.8, HINGES, trembling))
+
+
+def test_hinges_that_stay_one_degree_from_their_posture_have_not_arrived():
+    controls = np.zeros((203, 2))
+    controls[:, 0] = np.radians(4.0) * np.clip((np.arange(203) - 60) / 15, 0.0, 1.0)
+    motion = Trajectory(controls, 0.0)
+    monitor = ArrivalMonitor()
+    for time in TIMES[TIMES < 1.0]:
+        monitor.add(time, motion.sample(np.array([time]))[0][0] * 0.75)
+    assert monitor.lateness(0.8, HINGES, motion) is None

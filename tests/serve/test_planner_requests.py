@@ -42,7 +42,7 @@ def test_document_is_predicted_then_proposed_with_feedback(planning: Planning):
 
 
 def test_overlong_document_is_refused_with_its_duration(planning: Planning):
-    planning.document("b", '<wait id="w" duration="19.5"/>')
+    planning.document("b", '<wait id="w" duration="20"/>')
     proposals, notices = planning.said()
     assert len(proposals) == 1
     planning.document("c", '<wait id="w" duration="20.6"/>')

@@ -52,6 +52,7 @@ def test_loaded_setup_is_never_collected_while_an_emergency_stop_may_come():
     try:
         setup = load_setup(Planning("upper22", "neutral", {}), opened)
         assert gc.get_freeze_count() > before
+        assert setup.robot.name == "upper22"
         assert not any(each is setup for each in gc.get_objects())
     finally:
         gc.unfreeze()

@@ -14,7 +14,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.live import mcp as mcp_verb
 from kinesic.cli.live import say
 from kinesic.cli.live.access_options import AccessOptions
-from kinesic.cli.live.mcp import START_EXIT_CODE, _load_lexicon
+from kinesic.cli.live.mcp import START_EXIT_CODE, _follow, _load_lexicon
 from kinesic.cli.live.studio import _attach, _check_document
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.mcp.errors import RobotError
@@ -95,3 +95,13 @@ def test_tools_end_with_an_exit_code_if_the_robot_did_not_start(
     finally:
         sys.setswitchinterval(interval)
     assert result == code
+
+
+@pytest.mark.parametrize(
+    ("lines", "why"), [((), "it printed nothing"), (("a\n", "b\n", "c\n", "no robot\n"), "b c no robot")]
+)
+def test_last_lines_of_a_server_that_does_not_start_are_reported(lines: tuple[str, ...], why: str):
+    opened: Future[object] = Future()
+    _follow(SimpleNamespace(stderr=lines), opened, None)
+    with pytest.raises(RobotError, match=f"does not start: {why}. Nothing can move"):
+        opened.result(0)

@@ -1,0 +1,61 @@
+"""Output of `kinesic servos scan`, with played answers of the servos."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from kinesic.cli.servos import scan
+from kinesic.hardware.protocol.device import PingReply
+from kinesic.hardware.protocol.registers import BAUD_RATES
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.tools.survey import FoundServo
+
+ELBOW, STRANGER = PingReply(15, 1020, 52), PingReply(200, 1060, 45)
+
+
+@pytest.fixture
+def tried(monkeypatch):
+    """Play two servos on each port, and list the tried baud rates and ids."""
+    calls: list[tuple[int, int]] = []
+
+    def scan_bus(opened, *, bauds, ids):
+        (rate,) = bauds
+        calls.append((rate, len(ids)))
+        if rate == 4_000_000:
+            raise BusError("dear port: no 4000000 baud")
+        found = (FoundServo(ELBOW, rate, shared=False), FoundServo(STRANGER, rate, shared=True))
+        return found if rate == 1_000_000 else ()
+
+    monkeypatch.setattr(scan, "scan_bus", scan_bus)
+    monkeypatch.setattr(scan, "ports_here", lambda: ())
+    return calls
+
+
+def test_scan_lists_servos_with_joint_and_note(tried, capsys):
+    assert scan.scan_ports("upper22", ("body=/dev/mine",), (4_000_000, 1_000_000, 57_600), False, False) == 0
+    printed = capsys.readouterr()
+    lines = [line.split() for line in printed.out.splitlines()]
+    assert ["mine", "1000000", "15", "xm430_w350", "52", "l_elbow_flexion"] in lines
+    assert ["mine", "1000000", "200", "xl430_w250", "45", "-", "several", "servos", "have", "this", "id"] in lines
+    assert printed.out.splitlines()[-1] == "2 servos"
+    assert printed.err == "dear port: no 4000000 baud\n"
+    assert tried == [(57_600, 0), (1_000_000, 0), (4_000_000, 0)]
+
+
+def test_scan_prints_json_and_tries_all_rates_and_ids(tried, capsys):
+    assert scan.scan_ports("upper22", ("/dev/mine",), (), True, True) == 0
+    row = {"port": str(Path("/dev/mine")), "baud": 1_000_000, "id": 15, "model": "xm430_w350"}
+    assert json.loads(capsys.readouterr().out)[0] == row | {"firmware": 52, "shared": False}
+    assert [rate for rate, _ in tried][:2] == [57_600, 1_000_000]
+    assert sorted(rate for rate, _ in tried) == sorted(BAUD_RATES)
+    assert {ids for _, ids in tried} == {253}
+
+
+def test_scan_refuses_missing_ports_and_unknown_rates(tried):
+    with pytest.raises(scan.ConfigError, match="no USB serial port here"):
+        scan.scan_ports("upper22", (), (), False, False)
+    with pytest.raises(scan.ConfigError, match="--baud is 1234, must be one of"):
+        scan.scan_ports("upper22", ("/dev/mine",), (57_600, 1234), False, False)
+    with pytest.raises(BusError, match="dear port"):
+        scan.scan_ports("upper22", ("/dev/mine",), (4_000_000,), False, False)
