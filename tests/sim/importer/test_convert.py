@@ -1,10 +1,12 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.importer.convert import import_humanoid
+from kinesic.sim.importer.convert import _rate_confidence, import_humanoid
 from kinesic.sim.importer.hinges import name_hinges
 from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.zero_pose import analyse_geometry
@@ -70,3 +72,16 @@ def test_urdf_import_names_the_arm_chain_and_omits_the_gripper(hanging_mapped, h
     assert load_model(hanging_path).name == "hanging"
     assert hanging_mapped.file.chains["l_arm"] == ["l_shoulder", "l_elbow", "l_wrist"]
     assert "torso" not in hanging_mapped.file.chains
+
+
+def test_each_sign_of_a_wrong_mapping_lowers_the_confidence():
+    def rate(likeness=3.0, off=0.0, certain=True, asymmetry=0.0):
+        arms = {"l": SimpleNamespace(off=0.0), "r": SimpleNamespace(off=off)}
+        sides = SimpleNamespace(certain=certain)
+        return _rate_confidence(SimpleNamespace(likeness=likeness, arms=arms, sides=sides, asymmetry=asymmetry))
+
+    assert rate() == rate(likeness=9.0) == 1.0
+    assert rate(likeness=2.0) == pytest.approx(0.5)
+    assert rate(likeness=0.5) == 0.0
+    assert rate(certain=False) == pytest.approx(0.7)
+    assert rate(off=0.5) == rate(asymmetry=0.5) == pytest.approx(np.exp(-1.0))

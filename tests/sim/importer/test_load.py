@@ -1,8 +1,9 @@
+import mujoco
 import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.load import load_model, urdf_joints
+from kinesic.sim.importer.load import _find_effort, load_model, urdf_joints
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow
 from kinesic.sim.importer.reading.robot_files import read_robot_files
 
@@ -99,3 +100,18 @@ def test_urdf_velocities_and_mimics_are_read(hanging_path):
 
 def test_no_urdf_joints_are_read_from_an_mjcf_file(tee_path):
     assert urdf_joints(read_robot_files(tee_path).root) == {}
+
+
+@pytest.mark.parametrize(
+    ("actuator", "effort"),
+    [
+        ('<motor joint="j" gear="3" ctrllimited="true" ctrlrange="-2 2"/>', 6.0),
+        ('<motor joint="j" gear="3"/>', None),
+        ('<position joint="j" kp="10" ctrllimited="true" ctrlrange="-1 1"/>', None),
+        ('<position joint="j" kp="10" gear="2" ctrllimited="true" ctrlrange="-1 1" forcerange="-4 4"/>', 8.0),
+    ],
+)
+def test_control_range_limits_the_torque_of_motors_only(actuator, effort):
+    body = '<body><joint name="j"/><geom size="0.1" mass="1"/></body>'
+    text = f"<mujoco><worldbody>{body}</worldbody><actuator>{actuator}</actuator></mujoco>"
+    assert _find_effort(mujoco.MjModel.from_xml_string(text), 0) == effort

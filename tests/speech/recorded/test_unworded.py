@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.utterance import STRESS_MARKS, Sound
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.recorded.unworded import FRAME_PERIOD, _join, _max_near, lip_sounds
+from kinesic.speech.recorded.unworded import FRAME_PERIOD, SOUND_SYMBOLS, _classify, _join, _max_near, lip_sounds
 from tests.speech.recorded.speaking import speak
 
 RATE = 16_000
@@ -84,3 +84,13 @@ def test_each_sound_lasts_at_least_four_frames():
         ("m", 20),
         ("a", 24),
     ]
+
+
+def test_lips_close_around_a_dip_of_loudness_within_speech():
+    levels = -np.maximum(0.0, 30.0 - 4.0 * np.abs(np.arange(60) - 30))
+    is_speech = np.ones(60, dtype=bool)
+    closed = SOUND_SYMBOLS.index("m")
+    kinds = _classify(np.ones((60, 26)), levels, is_speech)
+    assert np.flatnonzero(kinds == closed).tolist() == [28, 29, 30, 31, 32]
+    assert closed not in _classify(np.ones((60, 26)), 0.3 * levels, is_speech)
+    assert closed not in _classify(np.ones((60, 26)), levels, ~is_speech)

@@ -59,3 +59,12 @@ def test_path_ends_at_the_cheaper_of_the_last_two_columns(last_costs: tuple[floa
     total = np.array([np.inf, np.inf, 5.0, *last_costs])
     steps = [np.zeros(3, dtype=np.int8), np.array([0, 1, 2], dtype=np.int8)]
     assert _trace(steps, np.array([0, 0]), total).tolist() == [0, column]
+
+
+def test_word_after_the_end_of_the_rendition_begins_at_the_last_frame_with_speech():
+    rendition = make_rendition()
+    features = np.append(rendition.features, np.full((30, 18), 9.0), axis=0)
+    recording = FrameSequence(features, np.arange(COUNT + 30) < COUNT)
+    found = warp(recording, rendition, np.append(WORDS, COUNT))
+    assert found is not None
+    assert found.word_frames[-1] == COUNT - 1
