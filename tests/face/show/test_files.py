@@ -95,3 +95,10 @@ def test_action_unit_sheet_has_four_pictures_per_unit(drawable: None):
         3,
     )
     assert len(ACTION_UNITS) <= 13 * UNITS_PER_ROW
+
+
+@pytest.mark.parametrize("height", [16, 64])
+def test_film_has_the_width_and_height_of_its_frames(tmp_path: Path, height: int):
+    save_film([np.zeros((height, 32, 3), dtype=np.uint8)], tmp_path / "x.webp", rate=10.0)
+    with Image.open(tmp_path / "x.webp") as film:
+        assert film.size == (32, height)

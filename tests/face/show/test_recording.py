@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -106,3 +107,12 @@ def test_empty_performance_writes_no_film(tmp_path: Path):
 def test_unknown_film_format_is_rejected_immediately(tmp_path: Path):
     with pytest.raises(DisplayError, match=r"x\.gif: a film of the face must end in \.webp"):
         FaceRecording(tmp_path / "x.gif")
+
+
+def test_pictures_are_due_from_the_time_of_the_first_command(drawable: None, tmp_path: Path):
+    film = FaceRecording(tmp_path / "x.webp", rate=20.0, look=SMALL_SETTINGS)
+    for command in opening(0.5):
+        film.write(replace(command, time=command.time + 7.0))
+    film.close()
+    with Image.open(tmp_path / "x.webp") as pictures:
+        assert pictures.n_frames == 11
