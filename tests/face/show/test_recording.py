@@ -1,4 +1,3 @@
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,7 +111,7 @@ def test_unknown_film_format_is_rejected_immediately(tmp_path: Path):
 def test_pictures_are_due_from_the_time_of_the_first_command(drawable: None, tmp_path: Path):
     film = FaceRecording(tmp_path / "x.webp", rate=20.0, look=SMALL_SETTINGS)
     for command in opening(0.5):
-        film.write(replace(command, time=command.time + 7.0))
+        film.write(Command(command.time + 7.0, *[NO_ANGLES] * 4, command.face))
     film.close()
     with Image.open(tmp_path / "x.webp") as pictures:
         assert pictures.n_frames == 11
