@@ -52,9 +52,11 @@ def test_arrival_delay_of_unmoved_hinges_is_nan():
 
 def test_nan_and_unordered_measurements_are_ignored():
     motion = moving(0.0)
-    gauge = seen(motion, 0.02, 1.0)
-    gauge.add(1.1, np.array([np.nan, 0.0]))
+    gauge = seen(motion, 0.02, 0.8)
+    gauge.add(0.805, np.array([np.nan, 0.0]))
     gauge.add(0.5, np.array([9.0, 0.0]))
+    for time in (0.81, 0.82, 0.83, 0.9):
+        gauge.add(time, motion.sample(np.array([time - 0.02]))[0][0])
     assert gauge.lateness(0.8, HINGES, motion) == pytest.approx(0.02, abs=1e-3)
 
 
