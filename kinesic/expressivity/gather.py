@@ -215,7 +215,7 @@ def _turns(layers: Sequence[Layer], times: Sequence[float]) -> list[Turn]:
 def _passages(
     moment: FrameMoment, keys: Mapping[PartName, Sequence[TurnKey | HandKey]], times: Mapping[PartName, Sequence[float]]
 ) -> Mapping[PartName, KeyPassage]:
-    """Return the spline parameters of each body part with a key in a key frame.
+    """Return spline parameters of the body parts keyed in a frame.
 
     Of simultaneous keys in several layers the last one counts.
     """

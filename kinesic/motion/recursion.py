@@ -6,9 +6,9 @@ NEGLIGIBLE_FACTOR = 1e-17  # weight below which an earlier row no longer changes
 
 
 def sum_decaying(values: Floats, factor: float) -> Floats:
-    """Return sums (m, ...) with sums[k] = values[k] + factor * sums[k - 1].
+    """Return the discounted running sums (m, ...) of values.
 
-    Each pass doubles the number of rows in the sums.
+    sums[k] = values[k] + factor * sums[k - 1]. Each pass doubles the number of rows in the sums.
 
     Args:
         values: (m, ...).

@@ -43,7 +43,7 @@ def scene_data(robot: Robot) -> dict[str, Json]:
 
 
 def drawable(robot: Robot) -> Robot:
-    """Return a robot as pages draw it: without its skin if SciPy is missing.
+    """Return a robot without its skin if SciPy is missing.
 
     The skin's mesh needs SciPy. Capsules and a screen with the face take its place.
     """

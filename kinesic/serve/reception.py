@@ -212,7 +212,7 @@ class Reception:
             self._stop_lines.take(socket.socket(fileno=pending.socket.detach()), wire)
 
     def _notice(self, pending: PendingConnection, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
-        """Lift the initial limits of an authenticated client, or of one with a place.
+        """Lift the initial limits of an authenticated or placed client.
 
         An admitted client may send more data. The connection of a client with a place is no longer pending, so that new
         ones do not replace it.

@@ -77,7 +77,10 @@ def set_up(
 
 
 def _read_prosody(options: PlanningOptions) -> float:
-    """Return the amount of motion by prosody, by default that of idle motion."""
+    """Return the amount of motion by prosody.
+
+    The default is the amount of idle motion.
+    """
     amount = options.get("prosody")
     return options.get("idle", 0.0) if amount is None else amount
 

@@ -35,7 +35,7 @@ def test_sparse_matrix_equals_the_sum_of_its_entries(seed: int):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_compressed_columns_match_scipy(seed: int):
-    scipy = pytest.importorskip("scipy")
+    scipy = pytest.importorskip("scipy", reason="SciPy, the oracle of this test, is not installed")
     matrix = random_matrix(seed)
     starts, rows, values = matrix.compress()
     other = scipy.sparse.csc_array((matrix.values, (matrix.rows, matrix.columns)), shape=matrix.shape)
@@ -62,7 +62,7 @@ def test_linear_program_without_a_solution_has_no_variables(costs):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_least_cost_matches_scipy(seed: int):
-    optimize = pytest.importorskip("scipy.optimize")
+    optimize = pytest.importorskip("scipy.optimize", reason="SciPy, the oracle of this test, is not installed")
     matrix, rng = random_matrix(seed), np.random.default_rng(seed)
     height, width = matrix.shape
     lower, costs = rng.uniform(-1.0, 0.0, height), rng.uniform(0.1, 1.0, width)

@@ -145,7 +145,7 @@ def test_plan_is_written_as_a_scene_or_a_motion_by_its_suffix(kinesic, tmp_path:
 
 
 def test_plan_writes_the_voice_next_to_a_scene_file(kinesic, tmp_path: Path):
-    pytest.importorskip("espeakng_loader")
+    pytest.importorskip("espeakng_loader", reason="the extra speech is not installed")
     ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=TALK)
     assert ended.code == 0, ended.err
     assert ended.out.splitlines()[-2:] == ["voice: talk.wav", "motion: talk.glb"]

@@ -121,7 +121,7 @@ def test_resampled_speech_keeps_its_pitch():
 @pytest.mark.parametrize("count", [1, 5, 999])
 @pytest.mark.parametrize(("given", "rate"), [(22050, 48000), (24000, 48000), (48000, 22050), (96000, 48000)])
 def test_resampled_sound_matches_scipy(given: int, rate: int, count: int):
-    signal = pytest.importorskip("scipy.signal")
+    signal = pytest.importorskip("scipy.signal", reason="SciPy, the oracle of this test, is not installed")
     noise = Sound.of(given, np.random.default_rng(count).uniform(-0.9, 0.9, count))
     other = signal.resample_poly(noise.samples, rate, given)
     np.testing.assert_allclose(resample(noise, rate), other, atol=1e-6)

@@ -18,7 +18,7 @@ def test_variable_that_would_become_negative_returns_to_zero():
 @pytest.mark.parametrize("shape", [(1, 1), (1, 6), (9, 3), (9, 21), (17, 44)])
 @pytest.mark.parametrize("repeated", [False, True])
 def test_nonnegative_least_squares_match_scipy(shape, repeated: bool):
-    nnls = pytest.importorskip("scipy.optimize").nnls
+    nnls = pytest.importorskip("scipy.optimize", reason="SciPy, the oracle of this test, is not installed").nnls
     for seed in range(10):
         rng = np.random.default_rng(seed)
         matrix, target = rng.normal(size=shape), rng.normal(size=shape[0])

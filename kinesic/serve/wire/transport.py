@@ -165,7 +165,10 @@ class Console:
     lingers = True
 
     def __init__(self, rules: Quotas) -> None:
-        """Start daemon threads that read and print, because files and terminals cannot be awaited."""
+        """Start daemon threads that read and print.
+
+        Files and terminals cannot be awaited.
+        """
         self._frames, self._reader = MessageFramer(rules.message), StreamReader()
         self._unprinted = SimpleQueue[tuple[str, Future[None]]]()
         self._loop = get_running_loop()
@@ -216,7 +219,10 @@ class Console:
                     self._loop.call_soon_threadsafe(_report_success, printed)
 
     def _print(self, message: str) -> None:
-        """Write without the lock of `sys.stdout`, which the end of the program needs."""
+        """Write a message without the lock of `sys.stdout`.
+
+        The end of the program needs that lock.
+        """
         output, line = sys.stdout.fileno(), memoryview(f"{message}\n".encode(errors="replace"))
         while line:
             line = line[os.write(output, line) :]

@@ -54,7 +54,7 @@ class MonotoneCurve:
 
 
 def _find_end_slope(length: Floats, next_length: Floats, chord: Floats, next_chord: Floats) -> Floats:
-    """Return the slope (n,) at an end by a parabola, limited against overshoot."""
+    """Return the end slope (n,) of a parabola, limited against overshoot."""
     slope = ((2.0 * length + next_length) * chord - length * next_chord) / (length + next_length)
     limited = np.where((chord * next_chord < 0.0) & (np.abs(slope) > 3.0 * np.abs(chord)), 3.0 * chord, slope)
     return np.where(slope * chord > 0.0, limited, 0.0)

@@ -50,7 +50,7 @@ def _find_maxima(levels: Floats) -> Indices:
 
 
 def _measure_prominence(levels: Floats, peak: int) -> float:
-    """Return the height of a peak above the higher one of its two valleys."""
+    """Return a peak's height above the higher of its two valleys."""
     higher = np.flatnonzero(levels > levels[peak])
     place = int(np.searchsorted(higher, peak))
     begin = int(higher[place - 1]) if place else 0

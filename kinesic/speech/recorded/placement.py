@@ -218,7 +218,7 @@ def _extend(placed: Placed, end: float, closure: float) -> Placed:
 
 
 def _find_final_closure(rendition: Rendition, word: int) -> float | None:
-    """Return when the lips close at the end of a word in the rendition [s].
+    """Return the time [s] of the lips' closure at a word's end.
 
     The result is None if the word ends with another sound.
     """

@@ -92,7 +92,9 @@ def test_parameters_without_hinge_are_reported(known, wave):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_reversals_of_an_imported_hinge_match_scipy(seed: int):
-    find_peaks = pytest.importorskip("scipy.signal").find_peaks
+    find_peaks = pytest.importorskip(
+        "scipy.signal", reason="SciPy, the oracle of this test, is not installed"
+    ).find_peaks
     rng = np.random.default_rng(seed)
     angles = np.repeat(np.cumsum(rng.normal(0.0, REVERSAL_PROMINENCE / 2, 200)), rng.integers(1, 5, 200))
     peaks = [find_peaks(sign * angles, prominence=REVERSAL_PROMINENCE)[0] for sign in (1.0, -1.0)]

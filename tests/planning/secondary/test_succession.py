@@ -31,7 +31,7 @@ def exact(known):
 
 @pytest.mark.parametrize("count", [4, 5, 8, 60])
 def test_spline_for_delayed_joints_matches_scipy(count: int):
-    interpolate = pytest.importorskip("scipy.interpolate")
+    interpolate = pytest.importorskip("scipy.interpolate", reason="SciPy, the oracle of this test, is not installed")
     rng = np.random.default_rng(count)
     points, places = rng.normal(size=(count, 3)), rng.uniform(0.0, count - 1.0, 50)
     other = interpolate.CubicSpline(np.arange(count), points)

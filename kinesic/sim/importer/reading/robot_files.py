@@ -20,7 +20,7 @@ MAX_FILES = 50  # largest number of XML files of one robot
 
 @dataclass(frozen=True, eq=False)
 class RobotFiles:
-    """Parsed robot file, with the XML of attached models and references to meshes."""
+    """Parsed robot file with attached models and references to meshes."""
 
     path: Path
     root: Element
