@@ -18,6 +18,8 @@ from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
+    BackupRequest,
+    BackupsRequest,
     ExportQuestion,
     FindQuestion,
     GestureQuestion,
@@ -27,6 +29,7 @@ from kinesic.serve.wire.questions import (
     ReachQuestion,
     SaveRequest,
     ServosQuestion,
+    VersionsRequest,
     WatchRequest,
 )
 from kinesic.serve.wire.quotas import Quotas
@@ -101,7 +104,7 @@ class Desk:
             case ServosQuestion(id):
                 servos = self._loop.servos
                 requester.send(json_answer("servos", id=id, servos=() if servos is None else servos.members))
-            case SaveRequest() | OpenRequest():
+            case SaveRequest() | OpenRequest() | VersionsRequest() | BackupRequest() | BackupsRequest():
                 self._keeper.take(requester, question)
 
     def close(self) -> None:

@@ -3,6 +3,7 @@
 Only plain file names are accepted, and links are never followed, so that nothing outside the folder is accessed.
 """
 
+import hashlib
 import os
 import re
 import stat
@@ -14,6 +15,7 @@ from kinesic.body.config import ConfigError
 from kinesic.files.output_file import write_text
 from kinesic.files.plain_name import is_device_name
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
+from kinesic.serve.desk.versions import Version, VersionFolder
 
 NAME_PATTERN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}\.(bml|toml)")  # pattern of valid document names
 GESTURE_SUFFIX = ".toml"  # file suffix of gesture files
@@ -21,12 +23,25 @@ MAX_DOCUMENT_SIZE = 1_000_000  # [bytes] largest document that is read
 MAX_LISTED_NAMES = 1000  # largest number of document names in a listing
 MAX_SCANNED_ENTRIES = 5000  # largest number of folder entries examined for a listing
 MAX_SUGGESTIONS = 20  # largest number of document names in an error message
+REVISION_LENGTH = 16  # [hexadecimal digits] of a revision
 OPEN_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # flags that open a document without waiting for a pipe
 
 
 def is_document_name(name: str) -> bool:
     """Return whether this is a valid document name on every operating system."""
     return NAME_PATTERN.fullmatch(name) is not None and not is_device_name(name)
+
+
+class RevisionError(ConfigError):
+    """Error of saving over a file that is not the one the client knows."""
+
+
+@dataclass(frozen=True)
+class Document:
+    """Text of a document, and the revision of its file."""
+
+    text: str
+    revision: str  # digest of the file's content
 
 
 @dataclass(frozen=True)
@@ -46,6 +61,7 @@ class DocumentFolder:
         With None, all requests are refused.
         """
         self._folder = folder
+        self._versions = VersionFolder(folder, max_size=MAX_DOCUMENT_SIZE)
 
     def list(self) -> Listing:
         """Return the sorted document names and whether the list is complete.
@@ -62,7 +78,7 @@ class DocumentFolder:
             is_whole=len(names) <= MAX_LISTED_NAMES and len(scanned) <= MAX_SCANNED_ENTRIES,
         )
 
-    def read(self, name: str) -> str:
+    def read(self, name: str) -> Document:
         """Read a document.
 
         Raises:
@@ -78,7 +94,7 @@ class DocumentFolder:
             raise ConfigError(
                 f"{name}: more than {MAX_DOCUMENT_SIZE} bytes, the limit for documents; open it elsewhere"
             )
-        return raw.decode("utf-8", "replace")
+        return Document(raw.decode("utf-8", "replace"), _revision(raw))
 
     def read_present(self, name: str) -> str | None:
         """Read the existing file that saving under a name would replace.
@@ -92,13 +108,64 @@ class DocumentFolder:
             return "" if os.path.lexists(path) else None
         return raw.decode("utf-8", "replace")
 
-    def save(self, name: str, text: str) -> None:
-        """Write a document durably, byte for byte, replacing an earlier one.
+    def check_revision(self, name: str, revision: str | None) -> None:
+        """Refuse to replace a file that has another revision than the given one.
 
         Raises:
-            ConfigError: the name is invalid, or the document cannot be written.
+            RevisionError: such a file exists.
         """
-        write_text(self._path(name), text, force=True, durable=True)
+        self._check(name, _read_regular(self._path(name)), revision)
+
+    def save(self, name: str, text: str, revision: str | None = None) -> str:
+        """Write a document durably, byte for byte, and keep a replaced one as a version.
+
+        Args:
+            name: name of the document.
+            text: content of its file.
+            revision: revision of the file that may be replaced; "": no file; None: any file.
+
+        Returns:
+            The revision of the new file.
+
+        Raises:
+            RevisionError: a file of another revision exists.
+            ConfigError: the name is invalid, or the document or the version cannot be written.
+        """
+        path, content = self._path(name), text.encode("utf-8")
+        present = _read_regular(path)
+        self._check(name, present, revision)
+        if present is not None and present != content:
+            if len(present) > MAX_DOCUMENT_SIZE:
+                raise ConfigError(
+                    f"{name} has more than {MAX_DOCUMENT_SIZE} bytes and is not replaced; choose another name"
+                )
+            self._versions.keep(name, present)
+        write_text(path, text, force=True, durable=True)
+        return _revision(content)
+
+    def list_versions(self, name: str) -> tuple[Version, ...]:
+        """Return the earlier versions of a document, the newest first.
+
+        Raises:
+            ConfigError: the name is invalid.
+        """
+        self._path(name)
+        return self._versions.list(name)
+
+    def read_version(self, name: str, number: int) -> str:
+        """Return the text of an earlier version of a document.
+
+        Raises:
+            ConfigError: the name is invalid, or there is no such version.
+        """
+        self._path(name)
+        return self._versions.read(name, number)
+
+    def _check(self, name: str, present: bytes | None, revision: str | None) -> None:
+        if revision is None or present is None or _revision(present) == revision:
+            return
+        reason = "was changed by another program" if revision else "exists already"
+        raise RevisionError(f"{name} {reason}; save it again without a revision to replace it")
 
     def _path(self, name: str) -> Path:
         if self._folder is None:
@@ -109,6 +176,10 @@ class DocumentFolder:
                 f"{name!r} is not a document name: use letters, digits, - and _, then .bml or .toml{device}"
             )
         return self._folder / name
+
+
+def _revision(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:REVISION_LENGTH]
 
 
 def _is_regular(entry: "os.DirEntry[str]") -> bool:

@@ -1,27 +1,37 @@
-"""Asynchronous saving and opening of client documents.
+"""Asynchronous saving and opening of client documents, their versions and backups.
 
 Requests of one client are executed in sequence in a separate thread. Gesture files are validated before they are saved.
+Backups do not wait for validations.
 """
 
 from asyncio import Future, Lock, Task, create_task, get_running_loop
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
+import msgspec
+
 from kinesic.body.config import ConfigError
-from kinesic.serve.desk.documents import GESTURE_SUFFIX, DocumentFolder
+from kinesic.serve.desk.backups import BackupFolder
+from kinesic.serve.desk.documents import GESTURE_SUFFIX, DocumentFolder, RevisionError
 from kinesic.serve.desk.drafter import NO_FAULT, DraftQuestion, FileQuestion, timeout_message
 from kinesic.serve.desk.helper import Helper, Unanswered
 from kinesic.serve.desk.requester import Requester
 from kinesic.serve.wire.protocol import json_answer
-from kinesic.serve.wire.questions import OpenRequest, SaveRequest
+from kinesic.serve.wire.questions import (
+    BackupRequest,
+    BackupsRequest,
+    OpenRequest,
+    SaveRequest,
+    StorageRequest,
+    VersionsRequest,
+)
 from kinesic.serve.wire.quotas import Quotas
 
-MAX_WAITING_REQUESTS = 16  # largest number of pending document requests of one client
+MAX_WAITING_REQUESTS = 16  # largest number of pending document requests, and of pending backups, of one client
 
-Request = SaveRequest | OpenRequest
 T = TypeVar("T")
 
 
@@ -52,17 +62,19 @@ class DocumentKeeper:
             on_gestures_saved: returns when the planner is about to use saved gestures.
         """
         self._folder, self._drafter, self._rules = DocumentFolder(folder), drafter, rules
+        self._backups = BackupFolder(folder)
         self._on_gestures_saved = on_gestures_saved
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="documents")
-        self._queues: dict[int, _RequestQueue] = {}  # by client
+        self._queues: dict[tuple[int, bool], _RequestQueue] = {}  # by client, separate for backups
         self._tasks: set[Task[None]] = set()
 
-    def take(self, requester: Requester, request: Request) -> None:
+    def take(self, requester: Requester, request: StorageRequest) -> None:
         """Execute a request after all earlier ones of the same client.
 
         Refuse it if `MAX_WAITING_REQUESTS` of this client are pending.
         """
-        queue = self._queues.setdefault(requester.number, _RequestQueue())
+        line = (requester.number, isinstance(request, BackupRequest))
+        queue = self._queues.setdefault(line, _RequestQueue())
         if queue.count >= MAX_WAITING_REQUESTS:
             requester.send(
                 _refusal(
@@ -72,7 +84,7 @@ class DocumentKeeper:
             )
             return
         queue.count += 1
-        task = create_task(self._execute(requester, request, queue))
+        task = create_task(self._execute(requester, request, line))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
@@ -82,34 +94,46 @@ class DocumentKeeper:
             task.cancel()
         self._thread.shutdown(wait=False, cancel_futures=True)
 
-    async def _execute(self, requester: Requester, request: Request, queue: _RequestQueue) -> None:
+    async def _execute(self, requester: Requester, request: StorageRequest, line: tuple[int, bool]) -> None:
+        queue = self._queues[line]
         try:
             async with queue.lock:
                 requester.send(await self._answer(requester, request))
+        except RevisionError as error:
+            requester.send(_refusal(request, str(error), conflict=True))
         except (ConfigError, OSError) as error:
             requester.send(_refusal(request, str(error)))
         finally:
             queue.count -= 1
             if not queue.count:
-                del self._queues[requester.number]
+                del self._queues[line]
 
-    async def _answer(self, requester: Requester, request: Request) -> str:
-        if isinstance(request, OpenRequest):
-            return await self._in_thread(lambda: self._open(request))
-        if request.name.endswith(GESTURE_SUFFIX):
-            await self._save_gestures(requester.number, request)
-        else:
-            await self._in_thread(lambda: self._folder.save(request.name, request.text))
-        return json_answer("saved", id=request.id, name=request.name)
+    async def _answer(self, requester: Requester, request: StorageRequest) -> str:
+        match request:
+            case OpenRequest():
+                return await self._in_thread(lambda: self._open(request))
+            case VersionsRequest():
+                return await self._in_thread(lambda: self._open_version(request))
+            case BackupRequest():
+                return await self._in_thread(lambda: self._back_up(request))
+            case BackupsRequest():
+                return await self._in_thread(lambda: self._open_backup(request))
+            case SaveRequest(name, text, revision):
+                if name.endswith(GESTURE_SUFFIX):
+                    saved = await self._save_gestures(requester.number, request)
+                else:
+                    saved = await self._in_thread(lambda: self._folder.save(name, text, revision))
+                return json_answer("saved", id=request.id, name=name, revision=saved)
 
-    async def _save_gestures(self, client: int, request: SaveRequest) -> None:
-        """Validate and save a gesture file.
+    async def _save_gestures(self, client: int, request: SaveRequest) -> str:
+        """Validate and save a gesture file, and return its revision.
 
         Never overwrite other content.
 
         Raises:
             ConfigError: the file is not saved.
         """
+        await self._in_thread(lambda: self._folder.check_revision(request.name, request.revision))
         present = await self._in_thread(lambda: self._folder.read_present(request.name))
         answer: Future[str | Unanswered] = get_running_loop().create_future()
         question = FileQuestion(request.name, request.text, present)
@@ -119,21 +143,46 @@ class DocumentKeeper:
             raise ConfigError(
                 f"{request.name}: {timeout_message(self._rules) if isinstance(fault, Unanswered) else fault}"
             )
-        await self._in_thread(lambda: self._folder.save(request.name, request.text))
+        saved = await self._in_thread(lambda: self._folder.save(request.name, request.text, request.revision))
         self._drafter.renew()
         await self._on_gestures_saved()
+        return saved
 
     def _open(self, request: OpenRequest) -> str:
         if request.name is not None:
-            text = self._folder.read(request.name)
-            return json_answer("document", id=request.id, name=request.name, text=text)
+            document = self._folder.read(request.name)
+            return json_answer(
+                "document", id=request.id, name=request.name, text=document.text, revision=document.revision
+            )
         listing = self._folder.list()
         return json_answer("documents", id=request.id, names=listing.names, whole=listing.is_whole)
+
+    def _open_version(self, request: VersionsRequest) -> str:
+        name, number = request.name, request.number
+        if number is None:
+            versions = [asdict(version) for version in self._folder.list_versions(name)]
+            return json_answer("versions", id=request.id, name=name, versions=versions)
+        text = self._folder.read_version(name, number)
+        return json_answer("version", id=request.id, name=name, number=number, text=text)
+
+    def _back_up(self, request: BackupRequest) -> str:
+        if request.text is None:
+            self._backups.discard(request.key)
+        else:
+            self._backups.keep(request.key, request.name, request.revision, request.text)
+        return json_answer("backed_up", id=request.id, key=request.key)
+
+    def _open_backup(self, request: BackupsRequest) -> str:
+        if request.key is None:
+            return json_answer("backups", id=request.id, backups=self._backups.list())
+        backup = self._backups.read(request.key)
+        return json_answer("backup", id=request.id, **msgspec.structs.asdict(backup.header), text=backup.text)
 
     async def _in_thread(self, action: Callable[[], T]) -> T:
         return await get_running_loop().run_in_executor(self._thread, action)
 
 
-def _refusal(request: Request, why: str) -> str:
-    verb = "save" if isinstance(request, SaveRequest) else "open"
-    return json_answer("refused", do=verb, id=request.id, why=why)
+def _refusal(request: StorageRequest, why: str, *, conflict: bool = False) -> str:
+    return json_answer(
+        "refused", do=request.__struct_config__.tag, id=request.id, why=why, **({"conflict": True} if conflict else {})
+    )

@@ -8,8 +8,11 @@ Length = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [m]
 Angle = Annotated[float, Meta(ge=-10.0, le=10.0)]  # [rad]
 Place = tuple[Length, Length, Length]  # [m] in world coordinates
 Format = Literal["npz", "csv", "bap", "wav", "glb"]  # file format of a motion, a voice or a scene
+BackupKey = Annotated[str, Meta(pattern="^[a-z0-9]{8,32}$")]
+BackupName = Annotated[str, Meta(max_length=100)]
+Revision = Annotated[str, Meta(max_length=64)]
 LONG_VERBS = frozenset(
-    {"plan", "export", "gesture", "save", "words"}
+    {"plan", "export", "gesture", "save", "backup", "words"}
 )  # verbs of messages with documents or texts, which may be as long as a document
 
 
@@ -73,6 +76,7 @@ class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True
 
     name: str  # file name without a folder
     text: str  # content of the file
+    revision: Revision | None = None  # of the file that may be replaced; empty: no file, None: any
     id: int = 0  # repeated in the answer; 0: no id
 
 
@@ -83,6 +87,32 @@ class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True
     id: int = 0  # repeated in the answer; 0: no id
 
 
+class VersionsRequest(Struct, tag="versions", tag_field="do", forbid_unknown_fields=True):
+    """Request for an earlier version of a document, or for the list of its versions."""
+
+    name: str  # file name of the document
+    number: int | None = None  # number of the version; without it the answer lists all versions
+    id: int = 0  # repeated in the answer; 0: no id
+
+
+class BackupRequest(Struct, tag="backup", tag_field="do", forbid_unknown_fields=True):
+    """Request to store or discard the backup of an unsaved document."""
+
+    key: BackupKey  # key of the edited document, chosen by the client
+    name: BackupName = ""  # name of the document
+    text: str | None = None  # text of the document; None discards the backup
+    revision: Revision = ""  # of the saved file that the document came from; empty without one
+    id: int = 0  # repeated in the answer; 0: no id
+
+
+class BackupsRequest(Struct, tag="backups", tag_field="do", forbid_unknown_fields=True):
+    """Request for the backup with a key, or for the list of backups."""
+
+    key: BackupKey | None = None  # without it the answer lists all backups
+    id: int = 0  # repeated in the answer; 0: no id
+
+
 BodyQuestion = ReachQuestion | WatchRequest | ServosQuestion
-DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | SaveRequest | OpenRequest
+StorageRequest = SaveRequest | OpenRequest | VersionsRequest | BackupRequest | BackupsRequest
+DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | StorageRequest
 Question = BodyQuestion | DocumentQuestion

@@ -21,6 +21,7 @@ from kinesic.cli.live.serve import EXPORT_WRITERS
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
 from kinesic.report.output import default_folder
+from kinesic.serve.desk.backups import BackupFolder
 from kinesic.serve.desk.documents import DocumentFolder
 from kinesic.serve.desk.drafter import FileQuestion, answer_draft
 from kinesic.serve.wire.questions import ExportQuestion, Format, GestureQuestion
@@ -189,7 +190,17 @@ class Intruder:
     def _open(self) -> str:
         if self._chance.random() < 0.2:
             return "\n".join(self._folder.list().names)
-        return self._folder.read(self.name())
+        if self._chance.random() < 0.3:
+            return self._folder.read_version(self.name(), self._chance.randint(0, 3))
+        if self._chance.random() < 0.3:
+            return self._back_up()
+        return self._folder.read(self.name()).text
+
+    def _back_up(self) -> str:
+        """Store a backup under hostile names, and read all backups."""
+        backups, key = BackupFolder(self._grounds.given), self.name()
+        backups.keep(key, self.name(), self.name(), "unsaved")
+        return "".join(backups.read(header.key).text for header in backups.list())
 
     def _load(self) -> str:
         """Load gesture and robot files from an untrusted source."""

@@ -5,7 +5,8 @@ import os
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.serve.desk.documents import MAX_DOCUMENT_SIZE, MAX_LISTED_NAMES, DocumentFolder
+from kinesic.serve.desk.archive import ARCHIVE_NAME
+from kinesic.serve.desk.documents import MAX_DOCUMENT_SIZE, MAX_LISTED_NAMES, DocumentFolder, RevisionError
 
 
 def test_saved_client_document_is_read_back(tmp_path):
@@ -13,7 +14,7 @@ def test_saved_client_document_is_read_back(tmp_path):
     folder.save("a.bml", "one\r\n  two\n")
     folder.save("a.bml", "three\r\n\n")
     assert (tmp_path / "a.bml").read_bytes() == b"three\r\n\n"
-    assert (folder.read("a.bml"), folder.list().names) == ("three\r\n\n", ("a.bml",))
+    assert (folder.read("a.bml").text, folder.list().names) == ("three\r\n\n", ("a.bml",))
 
 
 @pytest.mark.parametrize(
@@ -110,3 +111,46 @@ def test_document_listing_omits_windows_device_names(tmp_path):
     for name in ("con.bml", "console.bml", "NUL.toml"):
         (tmp_path / name).touch()
     assert DocumentFolder(tmp_path).list().names == ("console.bml",)
+
+
+def test_replaced_document_becomes_a_version(tmp_path):
+    folder = DocumentFolder(tmp_path)
+    for text in ("one", "two", "two", "three"):
+        folder.save("a.bml", text)
+    assert [version.number for version in folder.list_versions("a.bml")] == [2, 1]
+    assert [folder.read_version("a.bml", number) for number in (1, 2)] == ["one", "two"]
+    assert folder.list_versions("a.toml") == ()
+
+
+def test_only_the_known_revision_is_replaced(tmp_path):
+    folder = DocumentFolder(tmp_path)
+    revision = folder.save("a.bml", "one", "")
+    assert folder.read("a.bml").revision == revision
+    for wrong, why in (("", "exists already"), ("0" * 16, "was changed by another program")):
+        with pytest.raises(RevisionError, match=why):
+            folder.save("a.bml", "two", wrong)
+        with pytest.raises(RevisionError, match=why):
+            folder.check_revision("a.bml", wrong)
+    assert folder.read("a.bml").text == "one"
+    assert folder.save("a.bml", "two", revision) != revision
+    (tmp_path / "a.bml").unlink()
+    folder.save("a.bml", "three", revision)  # nothing can be lost
+    assert folder.read("a.bml").text == "three"
+
+
+def test_document_too_large_for_a_version_is_not_replaced(tmp_path):
+    (tmp_path / "a.bml").write_text("x" * (MAX_DOCUMENT_SIZE + 1))
+    with pytest.raises(ConfigError, match="is not replaced"):
+        DocumentFolder(tmp_path).save("a.bml", "mine")
+    assert len((tmp_path / "a.bml").read_text()) == MAX_DOCUMENT_SIZE + 1
+
+
+def test_document_is_not_replaced_if_its_version_cannot_be_kept(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / ARCHIVE_NAME).symlink_to(tmp_path / "elsewhere")
+    folder = DocumentFolder(tmp_path)
+    folder.save("a.bml", "one")
+    with pytest.raises(ConfigError, match="remove it, or choose another --folder"):
+        folder.save("a.bml", "two")
+    assert folder.read("a.bml").text == "one"
+    assert not list((tmp_path / "elsewhere").iterdir())

@@ -11,7 +11,14 @@ from kinesic.serve.desk.drafter import NO_FAULT, FileQuestion
 from kinesic.serve.desk.helper import Unanswered
 from kinesic.serve.desk.keeper import MAX_WAITING_REQUESTS, DocumentKeeper
 from kinesic.serve.desk.requester import Requester
-from kinesic.serve.wire.questions import OpenRequest, SaveRequest
+from kinesic.serve.wire.questions import (
+    BackupRequest,
+    BackupsRequest,
+    OpenRequest,
+    SaveRequest,
+    StorageRequest,
+    VersionsRequest,
+)
 from kinesic.serve.wire.quotas import Quotas
 
 RULES = Quotas(planning=7.0)
@@ -46,7 +53,7 @@ class Office:
     async def become_known(self) -> None:
         self.known += 1
 
-    def take(self, request: SaveRequest | OpenRequest, client: int = 1) -> None:
+    def take(self, request: StorageRequest, client: int = 1) -> None:
         self.keeper.take(Requester(client, lambda said: self.told.append((client, json.loads(said))), bool), request)
 
     async def finish(self, count: int) -> list[dict]:
@@ -83,8 +90,9 @@ def test_document_is_saved_opened_and_listed(work: Callable, tmp_path: Path):
         office.take(OpenRequest("a.bml", id=4))
         office.take(OpenRequest(id=5))
         saved, document, documents = await office.finish(3)
+        revision = saved.pop("revision")
         assert saved == {"told": "saved", "id": 3, "name": "a.bml"}
-        assert document == {"told": "document", "id": 4, "name": "a.bml", "text": "<bml/>"}
+        assert document == {"told": "document", "id": 4, "name": "a.bml", "text": "<bml/>", "revision": revision}
         assert documents == {"told": "documents", "id": 5, "names": ["a.bml"], "whole": True}
         assert not office.drafter.questions
         assert office.known == office.drafter.renewals == 0
@@ -132,6 +140,7 @@ def test_gesture_file_is_validated_saved_and_loaded_before_the_answer(work: Call
         assert (tmp_path / "a.toml").read_text() == "before"
         office.drafter.replies[0](NO_FAULT)
         (answer,) = await office.finish(1)
+        assert answer.pop("revision")
         assert answer == {"told": "saved", "id": 3, "name": "a.toml"}
         assert office.known == office.drafter.renewals == 1
 
@@ -219,3 +228,72 @@ def test_no_request_is_executed_after_close(work: Callable, tmp_path: Path):
 
     work(act)
     assert not (tmp_path / "a.toml").exists()
+
+
+def test_file_of_another_revision_is_not_replaced(work: Callable, tmp_path: Path):
+    async def act(office: Office) -> None:
+        office.drafter.always = NO_FAULT
+        for name in ("a.bml", "a.toml"):
+            (tmp_path / name).write_text("theirs")
+            office.take(SaveRequest(name, "mine", revision="", id=3))
+        for refused in await office.finish(2):
+            assert (refused["told"], refused["do"], refused["conflict"]) == ("refused", "save", True)
+            assert "exists already" in refused["why"]
+        assert not office.drafter.questions, "a file that is not saved is not validated"
+        office.take(OpenRequest("a.toml"))
+        revision = (await office.finish(3))[2]["revision"]
+        office.take(SaveRequest("a.toml", "mine", revision=revision))
+        assert (await office.finish(4))[3]["told"] == "saved"
+
+    work(act)
+    assert (tmp_path / "a.bml").read_text() == "theirs"
+    assert (tmp_path / "a.toml").read_text() == "mine"
+
+
+def test_versions_of_a_replaced_document_are_listed_and_read(work: Callable):
+    async def act(office: Office) -> None:
+        for text in ("one", "two", "three"):
+            office.take(SaveRequest("a.bml", text))
+        office.take(VersionsRequest("a.bml", id=7))
+        office.take(VersionsRequest("a.bml", 1, id=8))
+        office.take(VersionsRequest("a.bml", 9))
+        office.take(VersionsRequest("../a.bml"))
+        *_, listed, read, missing, outside = await office.finish(7)
+        assert [version["number"] for version in listed["versions"]] == [2, 1]
+        assert read == {"told": "version", "id": 8, "name": "a.bml", "number": 1, "text": "one"}
+        assert (missing["told"], missing["do"]) == ("refused", "versions")
+        assert "no version 9; there are: 2, 1" in missing["why"]
+        assert "not a document name" in outside["why"]
+
+    work(act)
+
+
+def test_backup_is_stored_listed_read_and_discarded(work: Callable):
+    async def act(office: Office) -> None:
+        office.take(BackupRequest("k" * 8, "a.bml", "text", "r1", id=1))
+        assert await office.finish(1) == [{"told": "backed_up", "id": 1, "key": "k" * 8}]
+        office.take(BackupsRequest(id=2))
+        office.take(BackupsRequest("k" * 8, id=3))
+        _, listed, read = await office.finish(3)
+        assert [(item["key"], item["name"], item["revision"]) for item in listed["backups"]] == [
+            ("k" * 8, "a.bml", "r1")
+        ]
+        assert (read["told"], read["text"], read["revision"], read["id"]) == ("backup", "text", "r1", 3)
+        office.take(BackupRequest("k" * 8))
+        await office.finish(4)
+        office.take(BackupsRequest())
+        assert (await office.finish(5))[4]["backups"] == []
+
+    work(act)
+
+
+def test_backup_does_not_wait_for_the_validation_of_gestures(work: Callable):
+    async def act(office: Office) -> None:
+        office.take(SaveRequest("a.toml", "x", id=1))
+        await office.asked(1)
+        office.take(BackupRequest("k" * 8, "b.bml", "text", id=2))
+        assert (await office.finish(1))[0]["told"] == "backed_up"
+        office.drafter.replies[0](NO_FAULT)
+        await office.finish(2)
+
+    work(act)
