@@ -19,6 +19,19 @@ class ChosenBehaviour:
     manner: Mapping[str, float] = field(default_factory=dict)  # expressivity parameters, -1..1
     begin: str = ""  # start of a gesture as a BML reference; empty: its natural start
 
+    @property
+    def form(self) -> str:
+        """Lexeme, with the hand if the intent chooses it."""
+        return name_form(self.lexeme, self.intent)
+
+
+def name_form(lexeme: str, intent: Intent) -> str:
+    """Return a gesture's lexeme, with the hand if its intent chooses one.
+
+    The same gesture of the other hand is another form, and no repetition.
+    """
+    return f"{lexeme} {intent.hand}" if intent.hand else lexeme
+
 
 @dataclass(frozen=True)
 class Omission:

@@ -161,7 +161,7 @@ def _recall(
         uses.add(past)
     for behaviour in fixed:
         at = memory.seconds + behaviour.intent.stroke.seconds - since
-        uses.add(PastGesture(behaviour.lexeme, at, behaviour.intent.reason))
+        uses.add(PastGesture(behaviour.form, at, behaviour.intent.reason))
     return uses
 
 

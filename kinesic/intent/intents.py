@@ -1,6 +1,9 @@
 """Intents: meanings of text or FML, with times, certainty and reason."""
 
 from dataclasses import dataclass
+from typing import Literal
+
+ChosenHand = Literal["", "left", "right"]  # empty: the hand that the gesture usually uses
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ class Intent:
     phrase: int = -1  # index of the phrase of this word, or -1
     style: str = ""  # requested style of its sentence; empty: none
     target: str = ""  # target to point at; empty: none
+    hand: ChosenHand = ""  # hand of a gesture that may use either one
     strength: float = 1.0  # 0..1 factor on the amounts of face and head
     muted: frozenset[str] = frozenset()  # channels that do not show it
 

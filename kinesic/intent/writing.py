@@ -116,7 +116,8 @@ def _element(behaviour: ChosenBehaviour, id: str) -> str:
             attributes |= {"target": intent.target, "stroke": shift_reference(intent.stroke, 0.0)}
         case "gesture":
             name = "gesture"
-            attributes |= {"lexeme": behaviour.lexeme, "stroke": shift_reference(intent.stroke, 0.0)}
+            hand = {"mode": f"{intent.hand.upper()}_HAND"} if intent.hand else {}
+            attributes |= {"lexeme": behaviour.lexeme, **hand, "stroke": shift_reference(intent.stroke, 0.0)}
         case "head" if behaviour.lexeme in ("NOD", "SHAKE"):
             name = "head"
             attributes |= {

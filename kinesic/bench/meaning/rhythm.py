@@ -70,12 +70,13 @@ class StoryRhythm:
 
     @property
     def repeats(self) -> int:
-        """Number of gestures whose lexeme was shown within the minute before."""
-        last: dict[str, float] = {}
+        """Number of gestures that the same hands have shown within the minute before."""
+        last: dict[tuple[str, frozenset[Side]], float] = {}
         count = 0
         for stroke in self.strokes:
-            count += stroke.time - last.get(stroke.lexeme, -np.inf) < REPEAT_WINDOW
-            last[stroke.lexeme] = stroke.time
+            form = (stroke.lexeme, stroke.hands)
+            count += stroke.time - last.get(form, -np.inf) < REPEAT_WINDOW
+            last[form] = stroke.time
         return count
 
     @property

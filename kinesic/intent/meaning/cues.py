@@ -10,6 +10,7 @@ import msgspec
 
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.expressivity.lexicon.word_stems import word_stem
+from kinesic.intent.intents import ChosenHand
 from kinesic.intent.meaning.patterns import Pattern, read_pattern
 
 CueKind = Literal[
@@ -31,6 +32,7 @@ class _Cue(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     certainty: float | None = None
     intent: str = PICTURE_INTENT
     where: CueContext = "any"
+    hand: ChosenHand = ""
     after: str = ""
     before: str = ""
     not_after: str = ""
@@ -60,6 +62,7 @@ class Cue:
     not_before: frozenset[str] = frozenset()
     near: frozenset[str] = frozenset()  # stems of words, one of which must stand in the same sentence; empty: any
     not_near: frozenset[str] = frozenset()  # stems of words that must not stand in the same sentence
+    hand: ChosenHand = ""  # hand that shows it, for pairs such as `on the one hand, on the other hand`
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,4 +122,5 @@ def _read_cue(entry: _Cue, path: Path) -> Cue:
         not_before=frozenset(entry.not_before.split()),
         near=frozenset(map(word_stem, entry.near.split())),
         not_near=frozenset(map(word_stem, entry.not_near.split())),
+        hand=entry.hand,
     )

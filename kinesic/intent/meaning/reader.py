@@ -151,5 +151,6 @@ def _picture_intent(passage: Passage, candidate: Candidate, certainty: float) ->
         word=candidate.stroke,
         phrase=passage.words[stroke].phrase,
         style=FEELING_STYLES.get(cue.intent, ""),
+        hand=cue.hand,
         muted=frozenset() if cue.shows else HAND_CHANNEL,
     )

@@ -2,27 +2,46 @@
 
 from collections.abc import Collection, Iterable, Mapping
 
-STROKE_LEAD = 0.9  # [s] from the start of a long stroke to its word, about as in a short one with its preparation
-MAX_STROKE_DELAY = 1.3  # [s] longest delay of a gesture's stroke point after its word
+STROKE_LEAD = 0.6  # [s] from the start of a long stroke to its word; earlier ones seem to show the words before
+MAX_STROKE_DELAY = 1.6  # [s] longest delay of a gesture's stroke point after its word
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,
     "brush_teeth": 2.4,
+    "chaos": 1.1,
     "circle_drawn": 1.3,
+    "crazy": 1.8,
+    "decline_curve": 1.2,
     "dream_off": 2.7,
     "everything_circle": 1.6,
     "fire": 2.3,
     "flow": 2.2,
     "growth_curve": 1.4,
+    "hands_converge": 1.1,
+    "handshake": 1.9,
+    "joy_bounce": 1.5,
+    "listen": 1.1,
+    "money": 1.5,
+    "one_after_another": 1.3,
+    "overhead_sweep": 1.1,
+    "pat_tummy": 1.7,
     "path_along": 1.7,
     "piano": 2.5,
+    "pull_rope": 1.6,
     "rain": 2.4,
     "ride_horse": 3.2,
     "river": 3.2,
+    "roll_low": 1.6,
     "sea": 2.8,
+    "shake_fist": 1.4,
     "slow_glide": 2.4,
     "spiral_stairs": 2.3,
+    "square": 1.2,
+    "stairs_up": 1.2,
+    "steering_wheel": 1.2,
     "stir": 2.1,
     "sunrise": 1.4,
+    "turn_key": 1.1,
+    "vase": 1.2,
     "walk_fingers": 2.3,
     "wind": 1.9,
 }  # [s] natural time from the start of a gesture to its stroke point, in the neutral style

@@ -13,7 +13,7 @@ TURN_PAUSE = 1.0  # [s] silence assumed between two texts
 class PastGesture:
     """Gesture of an earlier text, with its time and reason."""
 
-    lexeme: str
+    form: str  # lexeme, with the hand if its intent chose one
     seconds: float  # [s] of its stroke on the clock of the memory
     reason: str  # words and their meaning; the same reason: the text repeats itself
 
@@ -53,9 +53,7 @@ class ChoiceMemory:
             pause: silence after it [s].
         """
         new = [
-            PastGesture(
-                behaviour.lexeme, self.seconds + behaviour.intent.stroke.seconds - since, behaviour.intent.reason
-            )
+            PastGesture(behaviour.form, self.seconds + behaviour.intent.stroke.seconds - since, behaviour.intent.reason)
             for behaviour in behaviours
             if behaviour.channel == "gesture"
         ]
@@ -65,8 +63,8 @@ class ChoiceMemory:
 
     def forget(self, replaced: Collection[ChosenBehaviour]) -> "ChoiceMemory":
         """Return the memory without gestures that were not performed."""
-        dropped = {(behaviour.lexeme, behaviour.intent.reason) for behaviour in replaced}
-        kept = tuple(gesture for gesture in self.gestures if (gesture.lexeme, gesture.reason) not in dropped)
+        dropped = {(behaviour.form, behaviour.intent.reason) for behaviour in replaced}
+        kept = tuple(gesture for gesture in self.gestures if (gesture.form, gesture.reason) not in dropped)
         return replace(self, gestures=kept) if dropped else self
 
 

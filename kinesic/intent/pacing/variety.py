@@ -6,8 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinesic.intent.behaviour_sets import Channel, Choice
-from kinesic.intent.behaviours import ChosenBehaviour, Omission
+from kinesic.intent.behaviours import ChosenBehaviour, Omission, name_form
 from kinesic.intent.greta.agent import Agent
+from kinesic.intent.intents import Intent
 from kinesic.intent.pacing.beat_spans import select_fitting
 from kinesic.intent.pacing.candidates import Candidate
 from kinesic.intent.pacing.memory import PastGesture
@@ -28,19 +29,19 @@ class GestureUses:
     """Stroke times of each gesture, to avoid repetitions."""
 
     window: float  # [s] within which gestures differ; 0: the last two gestures count
-    _times: dict[str, list[float]] = field(default_factory=dict)  # lexeme -> sorted times of strokes [s]
-    _reasons: set[tuple[str, str]] = field(default_factory=set)  # (lexeme, reason) of each use
-    _recent: list[str] = field(default_factory=list)  # lexemes of the last gestures
+    _times: dict[str, list[float]] = field(default_factory=dict)  # form -> sorted times of strokes [s]
+    _reasons: set[tuple[str, str]] = field(default_factory=set)  # (form, reason) of each use
+    _recent: list[str] = field(default_factory=list)  # forms of the last gestures
 
     def add(self, past: PastGesture) -> None:
         """Add one gesture to the record of shown gestures."""
-        insort(self._times.setdefault(past.lexeme, []), past.seconds)
-        self._reasons.add((past.lexeme, past.reason))
-        self._recent = [*self._recent, past.lexeme][-(NO_REPEAT_WINDOW - 1) :]
+        insort(self._times.setdefault(past.form, []), past.seconds)
+        self._reasons.add((past.form, past.reason))
+        self._recent = [*self._recent, past.form][-(NO_REPEAT_WINDOW - 1) :]
 
-    def interval(self, lexeme: str, at: float) -> float:
+    def interval(self, form: str, at: float) -> float:
         """Return the time [s] to the gesture's nearest stroke, or infinity."""
-        times = self._times.get(lexeme, [])
+        times = self._times.get(form, [])
         place = bisect_left(times, at)
         return min((abs(at - time) for time in times[max(place - 1, 0) : place + 1]), default=float("inf"))
 
@@ -50,22 +51,23 @@ class GestureUses:
         A beat may use the one shown longest ago. So may a gesture for words that the text repeats, unless it is one of
         the last two.
         """
-        choices = candidate.choices
+        choices, intent = candidate.choices, candidate.intent
+        forms = {choice: name_form(choice.lexeme, intent) for choice in choices}
         if not self.window:
-            return [choice for choice in choices if choice.lexeme not in self._recent]
-        fresh = [choice for choice in choices if self.interval(choice.lexeme, at) >= self.window]
+            return [choice for choice in choices if forms[choice] not in self._recent]
+        fresh = [choice for choice in choices if self.interval(forms[choice], at) >= self.window]
         if fresh:
             return fresh
-        reason, name = candidate.intent.reason, candidate.intent.name
-        is_repeated = name not in FUNCTION_INTENTS and name not in BEAT_INTENTS
-        repeated = [choice for choice in choices if is_repeated and (choice.lexeme, reason) in self._reasons]
-        again = [item for item in repeated if item.lexeme not in self._recent]
-        return self.oldest(choices if name in BEAT_INTENTS else again, at)
+        is_repeated = intent.name not in FUNCTION_INTENTS and intent.name not in BEAT_INTENTS
+        repeated = [choice for choice in choices if is_repeated and (forms[choice], intent.reason) in self._reasons]
+        again = [item for item in repeated if forms[item] not in self._recent]
+        return self.oldest(choices if intent.name in BEAT_INTENTS else again, intent, at)
 
-    def oldest(self, choices: Sequence[Choice], at: float) -> Sequence[Choice]:
+    def oldest(self, choices: Sequence[Choice], intent: Intent, at: float) -> Sequence[Choice]:
         """Return the alternative shown longest ago, empty if all are recent."""
-        free = [choice for choice in choices if self.interval(choice.lexeme, at) >= MIN_REPEAT_INTERVAL]
-        return [max(free, key=lambda choice: self.interval(choice.lexeme, at))] if free else []
+        intervals = {choice: self.interval(name_form(choice.lexeme, intent), at) for choice in choices}
+        free = [choice for choice in choices if intervals[choice] >= MIN_REPEAT_INTERVAL]
+        return [max(free, key=lambda choice: intervals[choice])] if free else []
 
     def explain(self, candidate: Candidate) -> str:
         """Return the reason why no alternative gesture is left."""
@@ -147,19 +149,20 @@ def draw_lexemes(
         intent, at = candidate.intent, candidate.intent.stroke.seconds + offset
         if candidate.earlier is not None:
             if channel == "gesture":
-                uses.add(PastGesture(candidate.earlier.lexeme, at, intent.reason))
+                uses.add(PastGesture(candidate.earlier.form, at, intent.reason))
             continue
         free = uses.select(candidate, at) if channel == "gesture" else candidate.choices
         if not free and uses.window:
-            free = uses.oldest(beats, at)
             reason = BEAT_REASON.format(intent.reason)
-            intent = replace(intent, name=MAIN_BEAT_INTENT, reason=reason, target="") if free else intent
+            beat = replace(intent, name=MAIN_BEAT_INTENT, reason=reason, target="", hand="")
+            free = uses.oldest(beats, beat, at)
+            intent = beat if free else intent
         if not free:
             omitted.append(Omission(intent, channel, uses.explain(candidate)))
             continue
         choice = generator.choices(free, [max(item.probability, 1e-6) for item in free])[0]
         if channel == "gesture":
-            uses.add(PastGesture(choice.lexeme, at, intent.reason))
+            uses.add(PastGesture(name_form(choice.lexeme, intent), at, intent.reason))
         manner = agent.manner(intent.name, channel, intent.strength)
         if channel == "gesture" and is_beat(choice.lexeme) and intent.certainty < EMPHATIC_CERTAINTY:
             manner = {**beat_manner, **manner}

@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.intent.author import plan_behaviours
+from kinesic.intent.author import author, plan_behaviours
 from kinesic.intent.meaning.cues import load_cues
 
 LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
@@ -66,8 +66,34 @@ def test_fixed_words_with_numbers_show_no_sides():
     assert "on_one_hand" in shown("On one hand, boats are slow; on the other hand, they are quiet.")
 
 
-def test_two_sides_of_an_argument_have_different_gestures():
-    assert shown("On the one hand, it is cheap. On the other hand, it breaks.") & {"balance", "weigh_low"}
+def test_two_sides_of_an_argument_are_shown_by_one_hand_each():
+    text = "On the one hand, it is cheap. On the other hand, it breaks."
+    for seed in range(4):
+        bml = author(text, LEXICON, NEUTRAL, seed=seed)
+        assert [bml.count(f'lexeme="on_one_hand" mode="{side}_HAND"') for side in ("RIGHT", "LEFT")] == [1, 1]
+
+
+@pytest.mark.parametrize(
+    ("text", "gestures"),
+    [
+        ("I never want to see that place again.", {"refuse_sweep", "no_low"}),
+        ("We no longer want to wait for him.", {"refuse_sweep", "no_low"}),
+        ("If I never want to see it, I go.", set()),
+        ("Meanwhile, my brother was asleep.", {"contrast_left_right"}),
+        ("Some of them stayed, whereas others went home.", {"contrast_left_right"}),
+        ("Some of them stayed, but others went home.", {"contrast_left_right"}),
+        ("The stairs were narrow.", {"narrow_low", "between_fingers"}),
+        ("We found a small box.", {"small_pinch", "tiny_low", "narrow_low"}),
+        ("They had a wide table.", {"large"}),
+        ("He is a big shot there.", set()),
+        ("It was a small mistake.", set()),
+        ("We made small talk.", set()),
+    ],
+)
+def test_contrasts_refusals_and_sizes_have_their_gestures(text: str, gestures: set[str]):
+    pictures = {name for name in shown(text) if not name.startswith("beat")}
+    assert pictures <= gestures
+    assert bool(pictures) == bool(gestures)
 
 
 @pytest.mark.parametrize(

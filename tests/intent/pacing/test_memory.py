@@ -30,7 +30,7 @@ def perform_turns(lexicon: Lexicon, seed: int) -> tuple[list[str], ChoiceMemory]
 @pytest.mark.parametrize("seed", range(4))
 def test_gestures_differ_in_successive_turns_of_one_conversation(lexicon: Lexicon, seed: int) -> None:
     _, memory = perform_turns(lexicon, seed)
-    names = [past.lexeme for past in memory.gestures]
+    names = [past.form for past in memory.gestures]
     assert len(names) >= len(DENIALS)
     assert len(set(names)) == len(names)
 
@@ -44,7 +44,7 @@ def test_same_history_text_and_seed_give_the_same_bml(lexicon: Lexicon) -> None:
 def test_gesture_memory_forgets_after_a_minute_of_speech_and_omits_unperformed_gestures() -> None:
     memory = ChoiceMemory((PastGesture("beat", 10.0, "old"), PastGesture("large", 50.0, "new")), 55.0, 2)
     later = memory.extend((), REPEAT_WINDOW - 50.0, pause=5.5)
-    assert [past.lexeme for past in later.gestures] == ["large"]
+    assert [past.form for past in later.gestures] == ["large"]
     assert (later.seconds, later.parts) == (70.5, 3)
 
 
@@ -55,6 +55,6 @@ def test_gestures_that_were_not_performed_are_forgotten() -> None:
         for lexeme in ("beat", "large")
     )
     memory = NO_MEMORY.extend((beat, large), 5.0)
-    assert [past.lexeme for past in memory.forget((beat,)).gestures] == ["large"]
-    assert [past.lexeme for past in memory.extend((), 1.0, replaced=(large,)).gestures] == ["beat"]
+    assert [past.form for past in memory.forget((beat,)).gestures] == ["large"]
+    assert [past.form for past in memory.extend((), 1.0, replaced=(large,)).gestures] == ["beat"]
     assert memory.forget(()) is memory

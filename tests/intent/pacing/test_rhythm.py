@@ -80,7 +80,7 @@ def test_lively_story_has_beats_in_different_forms_without_repeated_gestures() -
     beats = [gesture.lexeme for gesture in gestures if is_beat(gesture.lexeme)]
     assert 0.4 <= len(beats) / len(gestures) <= 0.62
     assert len(set(beats)) >= len(beats) - 2
-    names = [gesture.lexeme for gesture in gestures]
+    names = [gesture.form for gesture in gestures]
     assert not any(name in names[max(k - 4, 0) : k] for k, name in enumerate(names))
 
 
