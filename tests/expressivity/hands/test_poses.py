@@ -22,6 +22,7 @@ from kinesic.expressivity.hands.poses import (
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.body_form import BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.paths import shape_path
 from kinesic.expressivity.lexicon.space import EASY_REACH, to_world
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
@@ -204,3 +205,24 @@ def test_hands_hang_at_the_rest_posture(robot):
         assert rest[side].pointing[2] < -0.8
         assert [np.linalg.norm(way) for way in (rest[side].pointing, rest[side].palm)] == pytest.approx([1.0, 1.0])
     np.testing.assert_allclose(rest["l"].palm, rest["r"].palm * [1, -1, 1], atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "axis"), [("narrow_low", 1), ("between_fingers", 2)])
+def test_wide_style_does_not_enlarge_a_shown_gap(robot, name, axis):
+    shown = Lexicon.load().forms_by_id[name]
+    gaps = []
+    for spatial in (0.0, 0.9):
+        work = poses(shown, robot, replace(NEUTRAL_EXPRESSIVITY, spatial=spatial))
+        left, right = (places(work, side)[work.stroke] for side in ("l", "r"))
+        gaps.append(abs(left[axis] - right[axis]))
+    assert gaps[0] == pytest.approx(gaps[1])
+    assert gaps[0] < 0.2
+
+
+@pytest.mark.parametrize("name", ["small_pinch", "tiny_low"])
+def test_wide_style_does_not_raise_a_pinch(robot, name):
+    neutral, wide = (
+        poses(Lexicon.load().forms_by_id[name], robot, replace(NEUTRAL_EXPRESSIVITY, spatial=spatial)).hands["r"][-1]
+        for spatial in (0.0, 0.9)
+    )
+    assert neutral.reach.position[2] == pytest.approx(wide.reach.position[2])
