@@ -1,0 +1,342 @@
+"""Steps of the transition of a running block to a new plan, on small motions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.motion.transition import SAME_ANGLE
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.planning.syncs import Syncs, SyncTime
+from kinesic.realizer import replan as module
+from kinesic.realizer.merge import MergedMotion
+from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, arm_hinges, occupancy_of
+from kinesic.realizer.replan import _PlanSwitch
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="c">{}</bml>'
+HINGE_COUNT = 22
+NECK = 3  # a hinge whose rest angle is 0
+NO_HINGES = np.zeros(HINGE_COUNT, dtype=np.bool_)
+START = 50.0  # [s] clock time at which the running motion starts
+
+
+@pytest.fixture(scope="module")
+def nod(known):
+    return plan_quickly(parse(ROOT.format('<head id="n" lexeme="NOD" start="0.5"/>')), known)
+
+
+def motion(count: int = 100, *, start: float = 0.0, **angles: float) -> Trajectory:
+    """Return a motion at rest, with constant angles [rad] of hinges `h3`."""
+    controls = np.zeros((count, HINGE_COUNT))
+    for name, angle in angles.items():
+        controls[:, int(name[1:])] = angle
+    return Trajectory(controls, 0.0, start)
+
+
+def use(id: str, *roles: str, begin=0.0, ready=0.1, relax=0.2, end=0.3, offset=None) -> Occupancy:
+    return Occupancy(id, frozenset(roles), NO_HINGES, begin, ready, relax, end, offset)
+
+
+def merged(*, zero=0.5, layer=None, occupancy=(), syncs=(), dropped=()) -> MergedMotion:
+    layer = motion() if layer is None else layer
+    return MergedMotion(motion(), zero, layer, tuple(occupancy), tuple(syncs), tuple(dropped), ())
+
+
+@pytest.fixture
+def switch(nod):
+    """Return a transition at knot 20 of a motion that starts with its plan."""
+
+    def of(**changes) -> _PlanSwitch:
+        playing = changes.pop("playing", merged(zero=nod.trajectory.zero))
+        whole = _PlanSwitch(motion(), 20, playing, nod.trajectory.zero, (), nod, ())
+        return replace(whole, **changes)
+
+    return of
+
+
+def test_times_of_a_transition_count_from_the_start_of_the_running_motion(nod):
+    playing = merged(zero=START + 0.7, occupancy=[use("a", "sign", begin=START + 1)])
+    running = motion(start=START)
+    switch = _PlanSwitch.of(running, START + 0.205, playing, nod, [use("b", "look", begin=START + 2)])
+    assert (switch.running, switch.knot, switch.playing, switch.new_plan) == (running, 21, playing, nod)
+    assert switch.playing_zero == pytest.approx(0.7)
+    assert [entry.begin for entry in switch.playing_occupancy] == pytest.approx([1.0])
+    assert [entry.begin for entry in switch.others] == pytest.approx([2.0])
+
+
+def test_new_plan_lacks_the_behaviours_that_the_merge_has_dropped(known, monkeypatch, nod):
+    monkeypatch.setattr(module, "plan_without", lambda plan, dropped: (plan, dropped))
+    assert _PlanSwitch.of(motion(), 0.2, merged(dropped=["n"]), nod, ()).new_plan == (nod, ("n",))
+
+
+@pytest.mark.parametrize(("late", "knots"), [(0.0, 0), (0.126, 13), (0.124, 12), (-0.2, -20)])
+def test_new_plan_keeps_the_zero_of_the_block_to_the_nearest_knot(switch, nod, late, knots):
+    moved = switch(playing_zero=nod.trajectory.zero + late)
+    assert moved.offset == knots
+    assert moved.zero == pytest.approx(nod.trajectory.zero + knots * KNOT_INTERVAL)
+    assert [(entry.behaviour, entry.begin) for entry in moved.new_occupancy] == [
+        (entry.behaviour, pytest.approx(entry.begin + knots * KNOT_INTERVAL)) for entry in occupancy_of(nod)
+    ]
+
+
+def test_only_begun_behaviours_of_hands_are_in_progress(switch, monkeypatch):
+    begun, later = {"begin": 0.19}, {"begin": 20 * KNOT_INTERVAL}
+    entries = [use("a", "l_hand", **begun), use("b", "r_hand", **later), use("nod", "sign", **begun)]
+    new = [use("c", "r_hand", "trunk", **begun), use("d", "l_hand", **later), use("look", "look", **begun)]
+    moved = switch(playing_occupancy=entries)
+    vars(moved)["new_occupancy"] = tuple(new)
+    assert moved.hands_in_progress == {"a", "c"}
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "keeps"),
+    [
+        (0.5, 0.5, True),
+        (0.5, 0.23, True),
+        (0.5, 0.22, False),
+        (0.2, 0.2, True),
+        (0.2, 0.21, False),
+        (0.1, 0.05, True),
+        (0.1, 0.5, False),
+        (0.21, 0.5, True),
+        (0.21, 0.2, False),
+    ],
+)
+@pytest.mark.parametrize("sync", ["stroke", "strokeStart"])
+def test_strokes_stay_past_or_future_and_future_ones_leave_three_knots(switch, nod, before, after, keeps, sync):
+    """The transition begins at 0.2 s, and a stroke at that time is past."""
+    at = [Syncs([SyncTime("n", sync, 0.0, time)]) for time in (before - 0.25, after - nod.trajectory.zero)]
+    playing = merged(syncs=at[0])
+    moved = switch(playing=playing, playing_zero=0.25, new_plan=replace(nod, syncs=at[1]))
+    vars(moved)["zero"] = nod.trajectory.zero
+    assert moved.keeps_strokes is keeps
+
+
+def test_other_sync_points_and_strokes_of_one_plan_alone_are_ignored(switch, nod):
+    old = [SyncTime("n", "ready", 0.0, 0.1), SyncTime("n", "stroke", 0.0, 0.1), SyncTime("m", "stroke:1", 0.0, 0.1)]
+    new = [SyncTime("n", "ready", 0.0, 9.0), SyncTime("k", "stroke", 0.0, 9.0), SyncTime("m", "stroke:2", 0.0, 9.0)]
+    moved = switch(playing=merged(syncs=old), playing_zero=0.0, new_plan=replace(nod, syncs=Syncs(new)))
+    assert moved.keeps_strokes
+
+
+@pytest.mark.parametrize(
+    ("running", "layer", "knot", "offset", "count"),
+    [(300, 90, 20, 0, 300), (90, 310, 20, 0, 310), (90, 90, 400, 0, 406), (90, 90, 20, 500, None)],
+)
+def test_transition_covers_both_motions_and_six_knots(switch, nod, running, layer, knot, offset, count):
+    moved = switch(
+        running=motion(running),
+        playing=merged(layer=motion(layer)),
+        knot=knot,
+        playing_zero=nod.trajectory.zero + offset * KNOT_INTERVAL,
+    )
+    assert len(nod.trajectory.controls) < 290
+    assert moved._count == (count or offset + len(nod.trajectory.controls))
+
+
+def test_motion_without_the_block_lacks_only_its_offsets_of_the_trunk(switch, known):
+    arm = arm_hinges("r_hand", known.robot)[0]
+    layer = motion(40, **{"h0": 0.1, "h3": 0.2, f"h{arm}": 0.3})
+    rest = known.robot.skeleton.rest
+    running = replace(motion(), controls=np.tile(rest, (100, 1)) + np.eye(HINGE_COUNT)[[0, 3, arm]].T @ [0.1, 0.2, 0.3])
+    base = switch(running=running, playing=merged(layer=layer))._without_block(120)
+    assert len(base) == 120
+    expected = np.array(rest)
+    expected[arm] += 0.3
+    np.testing.assert_allclose(base, np.tile(expected, (120, 1)), atol=1e-12)
+
+
+def test_motion_without_the_block_ends_in_the_posture_that_others_hold(switch, known):
+    turn = 0.4 * np.eye(HINGE_COUNT)[NECK]
+    running = replace(motion(), controls=np.tile(known.robot.skeleton.rest, (100, 1)))
+    others = [use("look", "look", begin=0.0, ready=0.8, offset=turn)]
+    base = switch(running=running, others=others)._without_block(100)
+    np.testing.assert_allclose(base[-1], known.robot.skeleton.rest + turn, atol=1e-12)
+
+
+@pytest.mark.parametrize(("knot", "is_corrected"), [(24, True), (25, False)])
+@pytest.mark.parametrize("is_possible", [True, False])
+def test_motion_without_the_block_is_corrected_after_the_cut(
+    switch, known, monkeypatch, knot, is_corrected, is_possible
+):
+    """Without the block, the neck jumps in the knot intervals 22 to 24."""
+    calls = []
+
+    def keep_limits(column, first, last, _limits, hinge):
+        calls.append((hinge, first, last))
+        return np.full(len(column), 0.7) if is_possible else None
+
+    monkeypatch.setattr(module, "keep_limits", keep_limits)
+    monkeypatch.setattr(module, "add_step_to_held_posture", lambda controls, *_: controls)
+    layer = motion()
+    layer.controls[25:, NECK] = 0.4
+    base = switch(playing=merged(layer=layer), knot=knot)._without_block(100)
+    assert calls == [(NECK, knot, 97)] * is_corrected
+    if is_corrected and not is_possible:
+        assert base is None
+    else:
+        np.testing.assert_array_equal(base[:, NECK], 0.7 if is_corrected else -layer.controls[:, NECK])
+
+
+@pytest.fixture
+def joins(monkeypatch):
+    """Record joined hinges with the knots of the next keys; each hinge lands on its goal plus 0.5 rad."""
+    calls = {}
+
+    def join(current, goal, knot, coming, _limits, hinge):
+        calls[hinge] = (current[0], knot, coming.tolist())
+        return goal + 0.5
+
+    monkeypatch.setattr(module, "_join", join)
+    return calls
+
+
+def test_only_hinges_that_differ_after_the_cut_join_their_new_motion(switch, joins):
+    goal = np.zeros((60, HINGE_COUNT))
+    goal[20, 0] = 0.1
+    goal[19, 1] = 0.1
+    goal[59, NECK] = -0.1
+    goal[30, 4] = SAME_ANGLE
+    controls = switch(running=motion(60, h5=0.0))._catch_up(goal)
+    assert joins == {0: (0.0, 20, []), NECK: (0.0, 20, [])}
+    expected = np.array(goal)
+    expected[:, [0, NECK]] += 0.5
+    expected[:23] = 0.0
+    np.testing.assert_array_equal(controls, expected)
+
+
+def test_arms_join_at_keys_at_least_three_knots_away(switch, joins, known):
+    plan = plan_quickly(parse(ROOT.format('<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')), known)
+    hinge = next(h for h in arm_hinges("r_hand", known.robot) if np.ptp(plan.trajectory.controls[:, h]) > 0.1)
+    moved = switch(new_plan=plan, playing_zero=plan.trajectory.zero + 0.1, running=motion(200))
+    every = (plan.motion.planned + plan.trajectory.zero) / KNOT_INTERVAL + 10
+    exact = module.Keys.of(plan.postures.postures, known.limits).exact_rows[hinge]
+    keys = every[exact]
+    knot = int(np.ceil(keys[1])) - 3
+    goal = np.zeros((200, HINGE_COUNT))
+    goal[100, [hinge, 0]] = 0.1
+    replace(moved, knot=knot)._catch_up(goal)
+    assert joins[0][2] == []
+    assert joins[hinge][2] == pytest.approx([place for place in keys if place >= knot + 3])
+    assert 0 < len(joins[hinge][2]) < len(keys)
+
+
+def test_no_motion_joins_a_new_one_if_a_hinge_cannot(switch, monkeypatch):
+    monkeypatch.setattr(module, "_join", lambda *_: None)
+    goal = np.zeros((60, HINGE_COUNT))
+    assert switch(running=motion(60))._catch_up(goal) is not None
+    goal[30, 0] = 0.1
+    assert switch(running=motion(60))._catch_up(goal) is None
+
+
+def test_replanned_block_has_old_times_of_finishing_and_new_times_of_other_behaviours(switch, nod):
+    old = [SyncTime("g", "stroke", 1.0, 1.1), SyncTime("n", "stroke", 2.0, 2.1)]
+    new = [SyncTime("g", "stroke", 1.0, 1.5), SyncTime("n", "stroke", 2.0, 0.4), SyncTime("a", "end", 3.0, 1.07)]
+    playing = replace(merged(layer=motion(40, h3=0.2), syncs=old), notices=("an old notice",))
+    moved = switch(
+        running=motion(60, start=START, h3=0.1),
+        playing=playing,
+        playing_zero=nod.trajectory.zero + 0.03 - 0.004,
+        new_plan=replace(nod, syncs=Syncs(new)),
+    )
+    controls = np.zeros((80, HINGE_COUNT))
+    controls[:50, NECK] = 0.6
+    result = moved._result(controls, {"g"}, [use("a", "sign", begin=1.0)])
+    assert [(sync.behaviour, sync.planned) for sync in result.syncs] == [
+        ("n", pytest.approx(0.404)),
+        ("a", pytest.approx(1.074)),
+        ("g", 1.1),
+    ]
+    np.testing.assert_allclose(
+        result.layer.controls, controls - motion(80, h3=0.1).controls + motion(80, h3=0.2).controls
+    )
+    np.testing.assert_array_equal(result.trajectory.controls, controls[:53])
+    assert (result.trajectory.start, result.layer.start) == (START, START)
+    assert [entry.begin for entry in result.occupancy] == [START + 1.0]
+    assert (result.notices, result.zero) == ((), playing.zero)
+
+
+@pytest.fixture
+def attempts(monkeypatch):
+    """Results of the steps of an attempt by name, which a test may change, and the arguments of each step."""
+    results = {
+        "_without_block": np.zeros((150, HINGE_COUNT)),
+        "overlay_motions": np.ones((160, HINGE_COUNT)),
+        "_catch_up": "caught up",
+        "find_conflict": None,
+        "_result": "a merged motion",
+    }
+    given = {}
+
+    def step(name, is_method):
+        def take(*arguments):
+            given[name] = arguments[is_method:]
+            return results[name]
+
+        return take
+
+    for name in results:
+        owner, is_method = (_PlanSwitch, 1) if name.startswith("_") else (module, 0)
+        monkeypatch.setattr(owner, name, step(name, is_method))
+    return results, given
+
+
+def test_finishing_behaviours_stay_in_the_running_motion_until_they_relax(switch, attempts, nod, known):
+    old = [use("g", "r_hand", relax=0.5), use("h", "l_hand", relax=0.2), use("k", "l_hand", relax=0.5)]
+    others = [use("o", "sign", relax=0.3), use("p", "look", relax=0.1)]
+    late = 0.15
+    moved = switch(playing_occupancy=old, others=others, playing_zero=nod.trajectory.zero + late)
+    vars(moved)["new_occupancy"] = (use("g", "r_hand", "trunk"), use("n", "sign"))
+    assert moved.attempt({"g", "h"}) == "a merged motion"
+    _, given = attempts
+    (count,) = given["_without_block"]
+    (work, setup, limits) = given["overlay_motions"]
+    assert isinstance(work, Overlay)
+    assert count == len(work.coming) == moved._count
+    np.testing.assert_array_equal(work.coming[15 : len(nod.trajectory.controls)], nod.trajectory.controls[:-15])
+    np.testing.assert_array_equal(work.start, nod.trajectory.controls[0])
+    assert work.base is attempts[0]["_without_block"]
+    assert (work.cut, setup) == (20, known)
+    assert limits.jerk[0] > known.limits.jerk[0]
+    assert [entry.behaviour for entry in work.holding] == ["o", "g"]
+    assert [(entry.behaviour, set(entry.roles)) for entry in work.performed] == [("g", {"trunk"}), ("n", {"sign"})]
+    assert [(entry.behaviour, set(entry.roles)) for entry in work.finishing] == [("g", {"r_hand"})]
+    assert given["find_conflict"] == (work, "caught up", known)
+    controls, ending, occupancy = given["_result"]
+    assert (controls, ending) == ("caught up", {"g", "h"})
+    assert [entry.behaviour for entry in occupancy] == ["g", "g", "n"]
+    assert set(occupancy[0].roles) == {"r_hand"}
+
+
+@pytest.mark.parametrize(("knot", "count"), [(20, 160), (77, 160), (78, 161)])
+def test_trunk_has_at_least_83_knots_to_join_the_new_motion(switch, attempts, knot, count):
+    assert switch(knot=knot).attempt(set()) == "a merged motion"
+    (goal,) = attempts[1]["_catch_up"]
+    assert len(goal) == count
+    np.testing.assert_array_equal(goal, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("step", "result", "failure"),
+    [
+        ("_without_block", None, MergeFailure("", "the trunk cannot follow other blocks within its limits")),
+        ("overlay_motions", MergeFailure("g", "no time"), MergeFailure("g", "no time")),
+        ("_catch_up", None, MergeFailure("", "a hinge cannot catch up")),
+        ("find_conflict", MergeFailure("n", "collides"), MergeFailure("n", "collides")),
+    ],
+)
+def test_attempt_fails_with_its_first_impossible_step(switch, attempts, step, result, failure):
+    attempts[0][step] = result
+    assert switch().attempt(set()) == failure
+
+
+def test_new_gaze_also_moves_the_hinges_of_the_gaze_that_it_supersedes(switch, attempts, known):
+    neck = np.arange(HINGE_COUNT) == NECK
+    held = replace(use("a", "look", offset=np.zeros(HINGE_COUNT)), hinges=neck)
+    moved = switch(others=[held])
+    vars(moved)["new_occupancy"] = (use("b", "look"),)
+    moved.attempt(set())
+    (entry,) = attempts[1]["_result"][2]
+    np.testing.assert_array_equal(entry.hinges, neck)
