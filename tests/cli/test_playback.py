@@ -1,13 +1,20 @@
 """Speech and messages during a performance on servos."""
 
+import io
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
+from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Sound
 from kinesic.cli import playback
 from kinesic.controller import soundtrack
+from kinesic.face.display import DisplayError
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.speech.loudspeaker import SpeakerError
@@ -82,3 +89,183 @@ def test_face_follows_the_time_of_the_servos_up_to_the_last_command(monkeypatch,
     follow = playback.follow_servos(SimpleNamespace(command_times=()), SimpleNamespace(write=shown.append))
     follow(SimpleNamespace(time=time))
     assert shown == [commands[index]]
+
+
+def test_no_face_follows_the_servos_without_a_window():
+    assert playback.follow_servos(PLAN, None)(Status(Stage.ACTIVE, time=1.0)) is None
+
+
+def test_commands_of_the_face_have_the_times_of_the_plan(monkeypatch):
+    asked: list[object] = []
+    monkeypatch.setattr(playback, "commands_with_face", lambda plan, times: asked.extend((plan, times)) or ["only"])
+    plan = SimpleNamespace(command_times=(0.0,))
+    playback.follow_servos(plan, SimpleNamespace(write=lambda command: None))
+    assert asked == [plan, (0.0,)]
+
+
+class FakePreview:
+    """Face window that records how it was opened."""
+
+    def __init__(self, robot: object, *, look: object, windowed: bool) -> None:
+        self.opened = (robot, look, windowed)
+        self.is_open = False
+
+    def __enter__(self) -> None:
+        self.is_open = True
+
+    def __exit__(self, *_: object) -> None:
+        self.is_open = False
+
+
+def test_face_window_shows_the_film_of_the_body_and_closes_at_the_end(monkeypatch, capsys):
+    monkeypatch.setattr(playback, "has_display", lambda: True)
+    monkeypatch.setattr(playback, "Preview", FakePreview)
+    with playback.preview_window("robot", requested=True, body_film=Path("body.mp4")) as preview:
+        assert preview.is_open
+        robot, look, windowed = preview.opened
+        assert (robot, look.beside, windowed) == ("robot", Path("body.mp4"), True)
+    assert not preview.is_open
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("", f"{playback.KEY_HELP}\n")
+
+
+@pytest.mark.parametrize(("requested", "note"), [(False, ""), (True, "face: no display for a window")])
+def test_no_face_window_opens_unrequested_or_without_a_display(monkeypatch, capsys, requested, note):
+    monkeypatch.setattr(playback, "has_display", lambda: not requested)
+    monkeypatch.setattr(playback, "Preview", lambda *_, **__: pytest.fail("opened"))
+    with playback.preview_window("robot", requested=requested) as preview:
+        assert preview is None
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err.split(";")[0].strip()) == ("", note)
+
+
+def test_face_window_that_does_not_open_is_an_error_of_the_configuration(monkeypatch):
+    def fail_to_open(*_: object, **__: object) -> None:
+        raise DisplayError("no GLX")
+
+    monkeypatch.setattr(playback, "has_display", lambda: True)
+    monkeypatch.setattr(playback, "Preview", fail_to_open)
+    with pytest.raises(ConfigError, match="no GLX"), playback.preview_window("robot", requested=True):
+        pass
+
+
+@pytest.mark.parametrize(("voice", "opens"), [(SPEECH, True), (SPEECH, False), (None, True)])
+def test_whole_performance_is_shown_with_its_voice_if_there_is_a_speaker(monkeypatch, voice, opens):
+    fake, played = FakeSpeaker(), []
+
+    @contextmanager
+    def open_speaker(warn: Callable[[str], None]) -> Iterator[FakeSpeaker | None]:
+        fake.calls.append("open")
+        yield fake if opens else None
+        fake.calls.append("close")
+
+    monkeypatch.setattr(playback, "commands_with_face", lambda plan, times: [plan, times])
+    monkeypatch.setattr(playback, "sound", lambda plan: voice)
+    monkeypatch.setattr(playback, "open_speaker", open_speaker)
+    monkeypatch.setattr(playback, "monotonic", lambda: 7.0)
+    monkeypatch.setattr(playback, "pace_commands", lambda commands: ("paced", *commands))
+    monkeypatch.setattr(playback, "play", lambda *arguments: played.append(arguments))
+    plan = SimpleNamespace(command_times=(0.0,))
+    playback.play_whole(plan, "preview")
+    assert played == [(("paced", plan, (0.0,)), "preview")]
+    assert fake.start_times == ([7.0] if voice and opens else [])
+    assert fake.calls == (["open", "close"] if voice else [])
+
+
+@pytest.fixture
+def servo_runs(monkeypatch) -> list[SimpleNamespace]:
+    """Performances on servos, each with all arguments; every one sends two statuses."""
+    runs: list[SimpleNamespace] = []
+
+    @contextmanager
+    def catch_interrupts() -> Iterator[Callable[[], bool]]:
+        yield lambda: True
+
+    @contextmanager
+    def pressed_keys() -> Iterator[Callable[[], str]]:
+        yield lambda: " "
+
+    def perform_live(performance: object, servos: object, *, requested: Callable, shown: Callable) -> SimpleNamespace:
+        for waits in ("nothing", "consent"):
+            shown(Status(Stage.HOLD, waits=waits))
+        runs.append(SimpleNamespace(performance=performance, servos=servos, request=requested(), notes=("lost",)))
+        return runs[-1]
+
+    monkeypatch.setattr(soundtrack, "sound", lambda plan: None)
+    monkeypatch.setattr(playback, "catch_interrupts", catch_interrupts)
+    monkeypatch.setattr(playback, "pressed_keys", pressed_keys)
+    monkeypatch.setattr(playback, "perform_live", perform_live)
+    monkeypatch.setattr(playback, "Servos", lambda robot, ports, *, log: (robot, ports, log))
+    monkeypatch.setattr(playback, "warn_of_lost_events", lambda notes: playback.warn(f"notes: {notes}"))
+    return runs
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_servos_perform_with_a_log_of_events_and_a_listener(servo_runs, capsys, tmp_path, quiet):
+    performance = SimpleNamespace(plan=SimpleNamespace(setup=SimpleNamespace(robot="robot")))
+    heard: list[Status] = []
+    run = playback.perform_on_servos(performance, {"left": Path("port")}, tmp_path, quiet=quiet, listener=heard.append)
+    assert servo_runs == [run]
+    assert (run.performance, run.request) == (performance, "stop")
+    assert run.servos == ("robot", {"left": Path("port")}, tmp_path / "events.jsonl")
+    assert [status.waits for status in heard] == ["nothing", "consent"]
+    captured = capsys.readouterr()
+    help_lines = [] if quiet else [playback.SERVO_KEY_HELP]
+    assert captured.out == ""
+    assert captured.err.splitlines() == [*help_lines, playback.WAIT_MESSAGES["consent"], "notes: ('lost',)"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "interrupted", "request_", "detached"),
+    [
+        ("a b", True, "stop", False),
+        (" \n", False, "stop", False),
+        ("\n", True, "resume", False),
+        ("a\r", False, "resume", False),
+        ("a", False, "go on", False),
+        ("", True, "end", True),
+    ],
+)
+def test_stop_key_comes_before_enter_and_enter_before_an_interrupt(monkeypatch, keys, interrupted, request_, detached):
+    detachments: list[bool] = []
+    monkeypatch.setattr(playback, "detach_closed_terminal", lambda: detachments.append(True))
+    assert playback._make_request_reader(lambda: keys, lambda: interrupted)() == request_
+    assert detachments == [True] * detached
+
+
+def test_report_and_log_of_a_servo_run_replace_those_of_the_twin(monkeypatch, tmp_path):
+    rewritten: list[object] = []
+    run = SimpleNamespace(performance=SimpleNamespace(plan=SimpleNamespace(setup=SimpleNamespace(robot="robot"))))
+    written = SimpleNamespace(report=tmp_path / "report.json")
+    (tmp_path / "servos.npz").write_text("old")
+    monkeypatch.setattr(playback, "with_live", lambda data, live: {**data, "live": live})
+    monkeypatch.setattr(playback, "with_lesson", lambda data, lesson: {**data, "learned": lesson})
+    monkeypatch.setattr(playback, "rewrite", lambda *arguments: rewritten.extend(arguments))
+    monkeypatch.setattr(playback, "live_log", lambda live: ("log", live))
+    monkeypatch.setattr(playback, "write_log", lambda log, robot, path: path.write_text(f"{log[0]} of {robot}"))
+    data, log = playback.write_servo_run(run, {"ok": True}, written, "lesson")
+    assert data == {"ok": True, "live": run, "learned": "lesson"}
+    assert rewritten == [written, run.performance, data]
+    assert log == tmp_path / "servos.npz"
+    assert log.read_text() == "log of robot"
+
+
+@pytest.mark.parametrize(
+    ("quiet", "terminal", "shows"), [(False, True, True), (True, True, False), (False, False, False)]
+)
+def test_status_line_is_shown_on_terminals_only_and_disappears(monkeypatch, quiet, terminal, shows):
+    screen = io.StringIO()
+    monkeypatch.setattr(
+        playback, "error_console", lambda: Console(file=screen, force_terminal=terminal, width=100, color_system=None)
+    )
+    with playback._open_status_line(quiet) as show:
+        show(Status(Stage.HOLD, time=1.5, volts=12.0))
+    assert ("1.50 s" in screen.getvalue()) is shows
+    assert ("\x1b[2K" in screen.getvalue()) is shows  # the line is erased
+
+
+def test_status_line_names_silent_servos_only():
+    status = {"time": 1.25, "energised": 26, "hottest": 41.4, "volts": 11.96}
+    line = "hold        1.25 s  26 servos with torque  41 C  12.0 V"
+    assert playback._format_status(Status(Stage.HOLD, **status)) == line
+    assert playback._format_status(Status(Stage.HOLD, silent=2, **status)) == f"{line}  2 silent"

@@ -22,7 +22,7 @@ from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.cli.validate import fingerprint_inputs
 from kinesic.files.output_file import new_file, write_text
-from kinesic.files.output_folder import check_folder, is_made, new_folder
+from kinesic.files.output_folder import is_made, new_folder
 from kinesic.files.plain_name import plain_stem
 from kinesic.report.batch import documents
 from kinesic.report.report import Json
@@ -96,7 +96,6 @@ def _prepare_folder(output: Output) -> Path | None:
                 f"{output.out} contains a finished search; --force starts again, --out names another folder"
             )
         return output.out
-    check_folder(output.out, force=output.force)
     with new_folder(output.out, force=output.force):
         pass
     return output.out

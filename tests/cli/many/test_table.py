@@ -1,21 +1,109 @@
 import io
 from pathlib import Path
 
+import pytest
 from rich.console import Console
 
-from kinesic.cli.many.table import _group_folders, summarise
+from kinesic.cli.many.table import MAX_FOLDER_ROWS, _group_folders, summarise
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks import Check
+
+FAST = Check("limits.speed", "fail", 1.5, 1.0, "ratio", "at 1 s")
+SLOW = Check("limits.speed", "pass", 0.25, 1.0, "ratio", "")
+LATE = Check("timing.lag", "poor", 0.02, 0.01, "s", "at 2 s, [nod] late")
+FAILED = DocumentVerdict(
+    "a/one.bml", "performed", 1, behaviours=(("head", "realised"), ("gesture", "dropped")), checks=(FAST, LATE)
+)
+PASSED = DocumentVerdict("a/two.bml", "performed", 0, checks=(SLOW,))
+REFUSED = DocumentVerdict("b/three.bml", "refused", 0, error="b/three.bml:1:2: [no] end" + 20 * " of it")
+CRASHED = DocumentVerdict("b/four.bml", "crashed", 3, error="b/four.bml: out of memory")
+NARROWEST = 79  # [characters] width that leaves 16 for the place and the file of FAST and LATE
+
+
+def summary(verdicts: list[DocumentVerdict], width: int, *, colour: bool = False) -> list[str]:
+    text = io.StringIO()
+    summarise(
+        verdicts,
+        Console(file=text, width=width, force_terminal=colour, color_system="standard" if colour else None),
+    )
+    return [line.rstrip() for line in text.getvalue().splitlines()]
 
 
 def test_result_table_keeps_names_and_numbers_whole_in_a_narrow_window():
     check = Check("timing.stroke_median", "warn", 0.0123, 0.0105, "s", "at 3.21 s, gesture with a long name")
     verdict = DocumentVerdict(f"folder/{'long_' * 20}name.bml", "performed", 0, checks=(check,))
-    text = io.StringIO()
-    summarise([verdict], Console(file=text, width=80))
-    row = next(line for line in text.getvalue().splitlines() if "stroke_median" in line)
+    row = next(line for line in summary([verdict], 80) if "stroke_median" in line)
     assert row.split()[:7] == ["timing.stroke_median", "0", "1", "0", "0", "0.0123", "0.0105"]
     assert "long_" in row
+
+
+def test_failures_come_before_the_tables_of_folders_and_checks():
+    assert summary([FAILED, PASSED, REFUSED], 120) == [
+        f"refused  {REFUSED.error}",
+        "failed   a/one.bml: limits.speed 1.5 ratio (limit 1) at 1 s",
+        "poor     a/one.bml: timing.lag 0.02 s (limit 0.01) at 2 s, [nod] late",
+        "",
+        " folder  documents  performed  refused  failed  poor  realised  partly  substituted  dropped",
+        " a               2          2        0       1     0         1       0            0        1",
+        " b               1          0        1       0     0         0       0            0        0",
+        " all             3          2        1       1     0         1       0            0        1",
+        " check         pass  warn  poor  fail  worst  limit  unit   worst where         in",
+        " limits.speed     1     0     0     1    1.5      1  ratio  at 1 s              one.bml",
+        " timing.lag       0     0     1     0   0.02   0.01  s      at 2 s, [nod] late  one.bml",
+    ]
+
+
+def test_one_folder_has_no_total_and_a_passed_check_names_no_file():
+    assert summary([PASSED], 120) == [
+        " folder  documents  performed  refused  failed  poor  realised  partly  substituted  dropped",
+        " a               1          1        0       0     0         0       0            0        0",
+        " check         pass  warn  poor  fail  worst  limit  unit   worst where  in",
+        " limits.speed     1     0     0     0   0.25      1  ratio",
+    ]
+
+
+def test_crashed_documents_have_a_column_only_if_there_are_some():
+    header, row, _ = summary([CRASHED], 120)[2:]
+    assert header.split()[:5] == ["folder", "documents", "performed", "refused", "crashed"]
+    assert row.split()[:5] == ["b", "1", "0", "0", "1"]
+
+
+def test_summary_of_no_documents_is_one_line():
+    assert summary([], 80) == ["no documents"]
+
+
+@pytest.mark.parametrize(
+    ("width", "heading", "row"),
+    [
+        (NARROWEST + 3, "worst wh…  in", "at 2 s, …  one.bml"),  # An odd remainder goes to the file.
+        (NARROWEST, "worst w…  in", "at 2 s,…  one.bml"),
+        (NARROWEST - 1, "in", "one.bml"),
+        (NARROWEST - 13, "in", "one.…"),
+    ],
+)
+def test_places_and_files_share_the_rest_of_the_window(width, heading, row):
+    *_, header, _, late = summary([FAILED], width)
+    assert header.split("unit   ")[1] == heading
+    assert late.split("0.01  s      ")[1] == row
+
+
+def test_window_without_space_for_texts_keeps_all_columns_before_them():
+    *_, header, _, late = summary([FAILED], NARROWEST - 17)
+    assert header == " check         pass  warn  poor  fail  worst  limit  unit   …"
+    assert late == " timing.lag       0     0     1     0   0.02   0.01  s      …"
+
+
+def test_numbers_of_checks_are_coloured_by_status_unless_they_are_zero():
+    lines = summary([FAILED, PASSED, REFUSED], 120, colour=True)
+    assert lines[0] == f"refused  {REFUSED.error}"  # no word of an error is highlighted
+    fast, late = lines[-2:]
+    assert fast.startswith(" limits.speed  \x1b[32m   1\x1b[0m     0     0  \x1b[31m   1\x1b[0m    1.5")
+    assert late.startswith(" timing.lag       0     0  \x1b[35m   1\x1b[0m     0   0.02")
+
+
+def test_only_the_total_of_all_folders_is_bold():
+    *_, header, first, second, total, _, _, _ = summary([FAILED, PASSED, REFUSED], 120, colour=True)
+    assert ["\x1b[1m" in line for line in (header, first, second, total)] == [True, False, False, True]
 
 
 def test_folders_are_grouped_by_the_deepest_names_that_fit_the_table(tmp_path, monkeypatch):
@@ -24,3 +112,16 @@ def test_folders_are_grouped_by_the_deepest_names_that_fit_the_table(tmp_path, m
     monkeypatch.setattr("kinesic.cli.many.table.MAX_FOLDER_ROWS", 2)
     assert _group_folders(folders) == ["a", "b", "b"]
     assert _group_folders([tmp_path, tmp_path]) == [tmp_path.name] * 2
+
+
+@pytest.mark.parametrize("count", [16, 17])
+def test_more_than_sixteen_folders_are_grouped_by_their_parents(tmp_path, count):
+    assert MAX_FOLDER_ROWS == 16
+    folders = [tmp_path / "a" / str(number) for number in range(count - 1)] + [tmp_path / "b"]
+    expected = [str(Path("a", str(number))) if count == 16 else "a" for number in range(count - 1)]
+    assert _group_folders(folders) == [*expected, "b"]
+
+
+def test_many_folders_side_by_side_keep_their_names_without_those_inside(tmp_path):
+    names = [str(number) for number in range(MAX_FOLDER_ROWS + 1)]
+    assert _group_folders([tmp_path / name / "inside" for name in names]) == names
