@@ -63,7 +63,7 @@ def _describe(tool: str, parameter: str, errors: list[ErrorDetails]) -> str:
 
 def _kind(type_: str) -> str:
     """Return the kind of value that a pydantic error type expects."""
-    name = type_.split("_", maxsplit=1)[0]
+    name = type_.partition("_")[0]
     return {"string": "a text", "dict": "an object", "float": "a number", "int": "a whole number"}.get(
         name, f"a {name}"
     )

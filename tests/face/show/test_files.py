@@ -10,7 +10,8 @@ from kinesic.body.action_units import ACTION_UNITS
 from kinesic.face.display import DisplayError
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT_PRESET
-from kinesic.face.show.files import join_frames, require_encoder, save_film, save_picture
+from kinesic.face.show import files
+from kinesic.face.show.files import SideFilm, check_film, join_frames, require_encoder, save_film, save_picture
 from kinesic.face.show.sheet import LABEL_HEIGHT, PICTURE_KINDS, UNIT_GAP, UNITS_PER_ROW, draw_units_sheet
 from kinesic.files import film_file
 
@@ -82,7 +83,8 @@ def test_missing_encoder_error_names_packages(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr(film_file.shutil, "which", lambda name: None)
     with pytest.raises(DisplayError, match=r"pip install .*imageio-ffmpeg") as caught:
-        save_film([BLACK_PICTURE], tmp_path / "x.mp4", rate=24.0)
+        check_film(tmp_path / "x.mp4")
+    check_film(tmp_path / "x.webp")
     assert "\n" not in str(caught.value)
 
 
@@ -102,3 +104,72 @@ def test_film_has_the_width_and_height_of_its_frames(tmp_path: Path, height: int
     save_film([np.zeros((height, 32, 3), dtype=np.uint8)], tmp_path / "x.webp", rate=10.0)
     with Image.open(tmp_path / "x.webp") as film:
         assert film.size == (32, height)
+
+
+def test_png_film_has_all_frames_in_one_picture(tmp_path: Path):
+    frames = [np.full((2, 3, 3), 40 * k, dtype=np.uint8) for k in range(2)]
+    save_film(iter(frames), tmp_path / "x.PNG", rate=10.0)
+    np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "x.PNG")), np.concatenate(frames, axis=1))
+
+
+@pytest.mark.parametrize(("once", "loops"), [({}, 0), ({"once": True}, 1)])
+def test_film_repeats_unless_it_is_shown_once(tmp_path: Path, once: dict[str, bool], loops: int):
+    save_film([BLACK_PICTURE, BLACK_PICTURE + 255], tmp_path / "x.webp", rate=10.0, **once)
+    with Image.open(tmp_path / "x.webp") as film:
+        assert film.info["loop"] == loops
+
+
+def test_films_are_compressed_with_one_quality_and_effort(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Other values are valid, but change the size of all films and the time to write them."""
+    asked: list[dict[str, object]] = []
+    webp = film_file.WebpFilm
+    monkeypatch.setattr(files, "WebpFilm", lambda *places, **options: asked.append(options) or webp(*places, **options))
+    save_film([BLACK_PICTURE], tmp_path / "x.webp", rate=10.0)
+    assert asked == [{"quality": 86, "method": 1, "in_parts": False, "once": False}]
+
+
+def test_error_of_the_encoder_is_an_error_of_the_display(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    opened: list[tuple[object, ...]] = []
+
+    def fail_to_open(*places: object, **options: object) -> None:
+        opened.append((*places, options))
+        raise film_file.EncodingError("ffmpeg ended with 1")
+
+    monkeypatch.setattr(files, "find_encoder", lambda: "ffmpeg")
+    monkeypatch.setattr(files, "Mp4Film", fail_to_open)
+    path = tmp_path / "x.mp4"
+    with pytest.raises(DisplayError, match="ffmpeg ended with 1"):
+        save_film([np.zeros((8, 6, 3), np.uint8)], path, rate=10.0, sound=tmp_path / "x.wav")
+    assert opened == [(path, (6, 8), {"rate": 10.0, "sound": tmp_path / "x.wav"})]
+    assert require_encoder() == "ffmpeg"
+
+
+@pytest.mark.parametrize(
+    ("count", "size", "shape"),
+    [
+        (1, (4, 3), (3, 4)),
+        (4, (512, 8), (8, 2048)),
+        (5, (512, 8), (16, 2048)),
+        (4, (513, 8), (16, 1539)),
+        (2, (4096, 8), (16, 4096)),
+    ],
+)
+def test_picture_strip_is_up_to_2048_pixels_wide(count: int, size: tuple[int, int], shape: tuple[int, int]):
+    frames = [np.full((size[1], size[0], 3), k + 1, dtype=np.uint8) for k in range(count)]
+    assert join_frames(frames).shape == (*shape, 3)
+
+
+def test_film_of_the_body_is_scaled_to_the_height_of_the_face(tmp_path: Path):
+    shades = (0, 200)
+    save_film([np.full((20, 30, 3), shade, np.uint8) for shade in shades], tmp_path / "x.webp", rate=10.0)
+    film = SideFilm(tmp_path / "x.webp", 8)
+    for time, shade in zip((0.0, 0.15), shades, strict=True):
+        picture = film.at(time)
+        assert picture.shape == (8, 12, 3)
+        assert picture.mean() == pytest.approx(shade, abs=3)
+
+
+def test_body_film_that_is_no_film_is_named_in_the_error(tmp_path: Path):
+    (tmp_path / "x.webp").write_text("nothing")
+    with pytest.raises(DisplayError, match=r"x\.webp: not a film"):
+        SideFilm(tmp_path / "x.webp", 8)

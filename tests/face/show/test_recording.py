@@ -1,3 +1,5 @@
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +10,9 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.controller.play import play
 from kinesic.face.display import DisplayError
+from kinesic.face.render.camera import CLOSE_CAMERA, STUDIO_LIGHTS, Camera
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.presets import DRAFT_PRESET
+from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET
 from kinesic.face.show import recording
 from kinesic.face.show.recording import FaceRecording, PortraitSettings
 
@@ -115,3 +118,92 @@ def test_pictures_are_due_from_the_time_of_the_first_command(drawable: None, tmp
     film.close()
     with Image.open(tmp_path / "x.webp") as pictures:
         assert pictures.n_frames == 11
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
+    """Arguments of each picture that is drawn, without a renderer."""
+    pictures: list[dict[str, object]] = []
+
+    class FakePortrait:
+        def __init__(self, variant: str, **options: object) -> None:
+            self._options = {"variant": variant, **options}
+
+        def __enter__(self) -> "FakePortrait":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def draw(self, units: dict[str, float], camera: Camera, **options: object) -> np.ndarray:
+            pictures.append({"units": units, "camera": camera, **self._options, **options})
+            return np.full((8, 8, 3), len(pictures), np.uint8)
+
+    monkeypatch.setattr(recording, "Portrait", FakePortrait)
+    return pictures
+
+
+def still(times: Iterable[float]) -> list[Command]:
+    """Return commands at given times, each with another opening of the mouth."""
+    return [Command(time, *[NO_ANGLES] * 4, {"26": round(0.01 * k, 2)}) for k, time in enumerate(times)]
+
+
+def test_face_is_filmed_with_the_default_settings(drawn, tmp_path: Path):
+    play(still([0.0]), FaceRecording(tmp_path / "x.webp"))
+    (picture,) = drawn
+    assert (picture["variant"], picture["preset"], picture["size"]) == ("female", NORMAL_PRESET, (384, 384))
+    assert picture["gain"] == 1.0
+    assert picture["lights"] == STUDIO_LIGHTS
+    assert picture["camera"] == replace(CLOSE_CAMERA, turn=(0.0, 0.0, 0.0))
+
+
+def test_dim_scene_widens_the_filmed_pupils(drawn, tmp_path: Path):
+    for light in (1.0, 0.25):
+        play(still([0.0]), FaceRecording(tmp_path / "x.webp", look=PortraitSettings(light=light)))
+    bright, dim = drawn
+    assert dim["lights"] == STUDIO_LIGHTS.scaled(0.25)
+    assert dim["pupil"] > bright["pupil"]
+    assert bright["pupil"] == round(bright["pupil"], 5) != round(bright["pupil"], 4)
+
+
+def test_pictures_are_due_25_times_per_second_within_a_microsecond(drawn, tmp_path: Path):
+    times = [3.0, 3.0 + 1e-9, 3.04 - 2e-6, 3.04 - 5e-7, 3.06, 3.08 + 1e-3]
+    play(still(times), FaceRecording(tmp_path / "x.webp"))
+    assert [picture["units"]["26"] for picture in drawn] == [0.0, 0.03, 0.05]
+
+
+@pytest.mark.parametrize(("limit", "count"), [(4, 4), (3, 2)])
+def test_pictures_are_left_out_only_above_the_largest_number(drawn, tmp_path: Path, monkeypatch, limit, count):
+    assert recording.MAX_PICTURES == 3600
+    monkeypatch.setattr(recording, "MAX_PICTURES", limit)
+    shares: list[float] = []
+    film = FaceRecording(tmp_path / "x.webp", rate=10.0, progress=shares.append)
+    play(still([0.0, 0.1, 0.2, 0.3]), film)
+    assert shares == pytest.approx([(k + 1) / count for k in range(count)])
+    assert len(drawn) == count
+
+
+def test_pupils_of_the_first_picture_have_had_no_time_to_change(drawn, tmp_path: Path, monkeypatch):
+    elapsed: list[float] = []
+    monkeypatch.setattr(recording.Pupils, "follow", lambda self, light, passed: elapsed.append(passed) or 0.003)
+    play(still([5.0, 5.1, 5.3]), FaceRecording(tmp_path / "x.webp", rate=10.0))
+    assert elapsed == pytest.approx([0.0, 0.1, 0.2])
+
+
+def test_film_is_written_after_the_context_unless_it_fails(drawn, tmp_path: Path):
+    path = tmp_path / "x.webp"
+
+    def fail() -> None:
+        with FaceRecording(path) as film:
+            film.write(still([0.0])[0])
+            raise RuntimeError("lost")
+
+    with pytest.raises(RuntimeError, match="lost"):
+        fail()
+    assert not path.exists()
+    with FaceRecording(path) as film:
+        film.write(still([0.0])[0])
+        assert not path.exists()
+    assert path.exists()
+    film.close()
+    assert len(drawn) == 1
