@@ -4,14 +4,18 @@ import json
 import pickle
 import re
 from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.cli.live import studio as studio_verb
 from kinesic.cli.live.access_options import AccessOptions
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.studio import StudioPlanning, open_studio
 from kinesic.cli.options import Performers, Planning
+from kinesic.serve.address import Address
 from kinesic.session.setup import set_up
 from kinesic.studio.page import page_files
 
@@ -98,3 +102,91 @@ def test_studio_page_files_contain_robot_gestures_and_examples():
     assert page_data["examples"][0]["name"] == "welcome"
     assert len(page_data["examples"]) >= 9
     assert len({gesture["id"] for gesture in page_data["gestures"]}) > 200
+
+
+ACCESS = AccessOptions("127.0.0.1:0", "secret", (), texts=False)
+PERFORMERS = Performers(frozenset({"twin"}), ())
+
+
+@pytest.fixture
+def served(monkeypatch) -> list[dict[str, object]]:
+    """Arguments of each served page, without a robot; its files are the arguments of `page_files`."""
+    pages: list[dict[str, object]] = []
+
+    def serve(*arguments: object, **options: object) -> int:
+        pages.append({"arguments": arguments, **options})
+        return 5
+
+    setup = SimpleNamespace(robot="robot", lexicon="lexicon")
+    monkeypatch.setattr(StudioPlanning, "of", lambda planning: StudioPlanning("robot", "style", None, {}))
+    monkeypatch.setattr(StudioPlanning, "set_up", lambda snapshot: setup)
+    monkeypatch.setattr(studio_verb, "page_files", lambda *arguments, **options: (arguments, options))
+    monkeypatch.setattr(studio_verb, "open_and_serve", serve)
+    monkeypatch.setattr(studio_verb, "show_page", lambda *arguments: pages.append({"arguments": arguments}) or 6)
+    monkeypatch.setattr(studio_verb, "ask_robot", lambda address, token: f"robot at {address} with {token}")
+    monkeypatch.setattr(studio_verb, "set_up_like", lambda *arguments: setup if arguments[1:] == ASKED else None)
+    return pages
+
+
+ASKED = ("robot at 127.0.0.1:9 with secret", Address("127.0.0.1", 9))
+
+
+def open_page(
+    file: Path | None, folder: Path | None = None, *, browser: bool = False, connect: str | None = None
+) -> int:
+    planning = Planning("upper22", "calm", {})
+    return open_studio(file, planning, ACCESS, PERFORMERS, folder, True, browser, ("rule",), connect)
+
+
+def test_studio_serves_the_folder_of_its_document(served, tmp_path):
+    (tmp_path / "a.bml").write_text("<bml/>")
+    assert open_page(tmp_path / "a.bml") == 5
+    (page,) = served
+    snapshot, *others = page["arguments"]
+    assert others == [ACCESS, PERFORMERS, True, ("rule",)]
+    assert (snapshot.folder, page["folder"], page["armed"]) == (tmp_path, tmp_path, False)
+    assert page["files"] == (("robot", "lexicon"), {"style": "calm", "document": "a.bml"})
+
+
+@pytest.mark.parametrize("folder", [None, "documents"])
+def test_studio_without_a_document_serves_the_current_or_a_given_folder(served, tmp_path, monkeypatch, capsys, folder):
+    monkeypatch.chdir(tmp_path)
+    place = tmp_path / (folder or "")
+    place.mkdir(exist_ok=True)
+    (place / "wrong.toml").write_text("category = " + "1" * 5000)
+    open_page(None, None if folder is None else Path(folder))
+    (page,) = served
+    assert page["folder"] == place
+    assert page["files"][1]["document"] is None
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.startswith("skipped: ")
+    assert "wrong.toml" in printed.err
+
+
+@pytest.mark.parametrize("browser", [False, True])
+def test_address_of_the_studio_is_printed_and_opened_if_requested(served, tmp_path, monkeypatch, capsys, browser):
+    shown: list[str] = []
+    monkeypatch.setattr(studio_verb, "open_in_browser", shown.append)
+    open_page(None, tmp_path, browser=browser)
+    served[0]["announce"](Address("127.0.0.1", 88))
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err) == ("", "the studio: http://127.0.0.1:88/\n")
+    assert shown == ["http://127.0.0.1:88/"] * browser
+
+
+def test_attached_studio_shows_the_robot_of_the_other_server(served):
+    assert open_page(None, connect="127.0.0.1:9") == 6
+    (page,) = served
+    own, robot, files, _ = page["arguments"]
+    assert (own, robot) == (Address("127.0.0.1", 0), Address("127.0.0.1", 9))
+    assert files == (("robot", "lexicon"), {"style": "calm"})
+
+
+def test_contradictory_gestures_of_the_folder_are_all_ignored(snapshot):
+    gesture = 'category = "beat"\n[[gesture]]\nid = "twice"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n'
+    for name in ("one.toml", "two.toml"):
+        (snapshot.folder / name).write_text(gesture)
+    forms = snapshot.set_up().lexicon.forms_by_id
+    assert "twice" not in forms
+    assert len(forms) > 200

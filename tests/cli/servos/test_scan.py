@@ -59,3 +59,56 @@ def test_scan_refuses_missing_ports_and_unknown_rates(tried):
         scan.scan_ports("upper22", ("/dev/mine",), (57_600, 1234), False, False)
     with pytest.raises(BusError, match="dear port"):
         scan.scan_ports("upper22", ("/dev/mine",), (4_000_000,), False, False)
+
+
+def test_scan_shows_its_progress_on_a_terminal_only_while_it_runs(monkeypatch, tried):
+    shown: list[tuple[str, object]] = []
+
+    class Bar:
+        def __init__(self, *, console: object, transient: bool, disable: bool) -> None:
+            shown.append(("opened", (transient, disable)))
+
+        def __enter__(self) -> "Bar":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            shown.append(("closed", None))
+
+        def add_task(self, text: str, total: int) -> str:
+            shown.append((text, total))
+            return "task"
+
+        def advance(self, task: str) -> None:
+            shown.append(("step", task))
+
+    monkeypatch.setattr(scan, "Progress", Bar)
+    monkeypatch.setattr(scan, "error_console", lambda: None)
+    for terminal in (True, False):
+        shown.clear()
+        monkeypatch.setattr(scan.sys.stderr, "isatty", lambda terminal=terminal: terminal)
+        scan.scan_ports("upper22", ("/dev/a", "/dev/b"), (1_000_000, 57_600, 4_000_000), False, True)
+        steps = [("step", "task")] * 6
+        assert shown == [("opened", (True, not terminal)), ("scanning", 6), *steps, ("closed", None)]
+
+
+def test_scan_opens_each_port_at_each_rate(monkeypatch, capsys):
+    opened: list[tuple[Path, int]] = []
+
+    def scan_bus(open_wire, *, bauds, ids):
+        opened.append(open_wire(bauds[0]))
+        return ()
+
+    monkeypatch.setattr(scan, "scan_bus", scan_bus)
+    monkeypatch.setattr(scan, "SerialWire", lambda path, baud: (path, baud))
+    monkeypatch.setattr(scan, "ports_here", lambda: (Path("/dev/a"), Path("/dev/b")))
+    assert scan.scan_ports("upper22", (), (1_000_000, 57_600), False, False) == 0
+    assert opened == [(Path(f"/dev/{name}"), rate) for name in "ab" for rate in (57_600, 1_000_000)]
+    assert capsys.readouterr().out.splitlines()[-1] == "0 servos"
+
+
+def test_json_of_a_scan_has_no_other_output(tried, capsys):
+    scan.scan_ports("upper22", ("/dev/mine",), (1_000_000,), False, True)
+    printed = capsys.readouterr()
+    assert printed.out.startswith('[\n {\n  "port": ')
+    assert [row["shared"] for row in json.loads(printed.out)] == [False, True]
+    assert printed.err == ""
