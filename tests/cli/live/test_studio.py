@@ -181,12 +181,3 @@ def test_attached_studio_shows_the_robot_of_the_other_server(served):
     own, robot, files, _ = page["arguments"]
     assert (own, robot) == (Address("127.0.0.1", 0), Address("127.0.0.1", 9))
     assert files == (("robot", "lexicon"), {"style": "calm"})
-
-
-def test_contradictory_gestures_of_the_folder_are_all_ignored(snapshot):
-    gesture = 'category = "beat"\n[[gesture]]\nid = "twice"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n'
-    for name in ("one.toml", "two.toml"):
-        (snapshot.folder / name).write_text(gesture)
-    forms = snapshot.set_up().lexicon.forms_by_id
-    assert "twice" not in forms
-    assert len(forms) > 200
