@@ -77,19 +77,24 @@ def compute_vertex_chart(mesh: Mesh) -> Floats:
     return sealed(chart)
 
 
-def unroll_mesh(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:
-    """Split a mesh along the seam of surface coordinates behind the head.
+def unroll_mesh(
+    place: Floats, triangles: Indices, skin: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], Floats, Indices]:
+    """Split the skin along the seam of surface coordinates behind the head.
+
+    Other parts stay whole: their chart attributes have other units, such as millimetres along a row of teeth.
 
     Args:
         place: (v, 4) result of `compute_vertex_chart`.
         triangles: (t, 3) corners.
+        skin: (t,) triangles of the skin.
 
     Returns:
         (w,) source vertex of each new vertex, the original ones first; (w, 4) chart attributes; (t, 3) corners, none of
         them across the seam.
     """
     corners = place[triangles, 0]
-    torn = np.ptp(corners, axis=1) > CHART_WIDTH / 2
+    torn = skin & (np.ptp(corners, axis=1) > CHART_WIDTH / 2)
     low = torn[:, None] & (corners < 0.0)
     twice, which = np.unique(triangles[low], return_inverse=True)
     new_triangles = triangles.copy()

@@ -70,11 +70,11 @@ class Geometry:
         self._iris = iris
         self.drawn_on, self.place = drawn_on, compute_vertex_chart(drawn_on)
         skin = mesh.parts == MESH_PARTS.index("skin")
-        self._sources, on_chart, triangles = unroll_mesh(self.place, mesh.triangles)
+        first = mesh.triangles[:, 0]
+        self._sources, on_chart, triangles = unroll_mesh(self.place, mesh.triangles, skin[first])
         detail = mesh.tips + (mesh.parts == MESH_PARTS.index("eyes")) * (mesh.positions[:, 1] < 0.0)
         fixed = np.column_stack([on_chart, mesh.parts[self._sources], detail[self._sources]])
         self._moving = context.moving_buffer(len(fixed) * 6 * 4)
-        first = mesh.triangles[:, 0]
         thin, cloth = (mesh.parts[first] == MESH_PARTS.index(part) for part in ("lashes", "cloth"))
         still = self._buffer(fixed)
         self._layers: dict[HeadLayer, tuple[Buffer, Buffer, Buffer]] = {

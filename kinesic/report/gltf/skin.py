@@ -149,8 +149,9 @@ class _Surface:
         """Build the head, eyes, teeth, tongue and lashes, with morph targets."""
         mesh, triangles = self._figure.mesh, self._figure.mesh.triangles
         first = triangles[:, 0]
-        sources, chart, corners = unroll_mesh(self._chart, triangles)
-        primitives = [self._painted(sources, chart, corners[(mesh.parts[first] == 0) & self._face[first]], morphs=True)]
+        skin = mesh.parts[first] == MESH_PARTS.index("skin")
+        sources, chart, corners = unroll_mesh(self._chart, triangles, skin)
+        primitives = [self._painted(sources, chart, corners[skin & self._face[first]], morphs=True)]
         eyes = triangles[mesh.parts[first] == MESH_PARTS.index("eyes")]
         material = self._material("eyes", texture=encode_jpeg(paint_iris(COMPLEXIONS["female"])))
         everyone = np.arange(len(mesh.positions))

@@ -13,7 +13,7 @@ from kinesic.face.assets.chart import (
     measure_mouth_depth,
     unroll_mesh,
 )
-from kinesic.face.assets.mesh import FACE_VARIANTS, load_head
+from kinesic.face.assets.mesh import FACE_VARIANTS, MESH_PARTS, load_head
 
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
@@ -33,7 +33,7 @@ def test_head_mesh_is_split_along_the_chart_seam():
     place = compute_vertex_chart(mesh)
     skin = mesh.parts[mesh.triangles[:, 0]] == 0
     assert (np.ptp(place[mesh.triangles[skin], 0], axis=1) > CHART_WIDTH / 2).sum() > 20
-    sources, cut, triangles = unroll_mesh(place, mesh.triangles)
+    sources, cut, triangles = unroll_mesh(place, mesh.triangles, skin)
     np.testing.assert_array_equal(sources[triangles], mesh.triangles)
     moved = cut - place[sources]
     assert set(np.unique(moved[:, 0])) <= {0.0, CHART_WIDTH}
@@ -42,6 +42,18 @@ def test_head_mesh_is_split_along_the_chart_seam():
     heights = mesh.positions[mesh.triangles[skin][wide], 2]
     assert wide.sum() < 8
     assert np.all(heights > 0.08)  # only around the crown, the pole of the chart
+
+
+def test_teeth_are_not_split_at_the_chart_seam():
+    """Their chart attributes are millimetres, which exceed the width of the skin's chart."""
+    mesh = load_head()
+    place = compute_vertex_chart(mesh)
+    first = mesh.triangles[:, 0]
+    sources, _, triangles = unroll_mesh(place, mesh.triangles, mesh.parts[first] == MESH_PARTS.index("skin"))
+    teeth = mesh.parts[first] == MESH_PARTS.index("teeth")
+    assert np.ptp(place[mesh.triangles[teeth], 0], axis=1).max() > CHART_WIDTH / 2
+    np.testing.assert_array_equal(triangles[teeth], mesh.triangles[teeth])
+    assert np.all(mesh.parts[sources[len(mesh.positions) :]] == MESH_PARTS.index("skin"))
 
 
 def test_painted_faces_do_not_cross_the_chart_seam():
