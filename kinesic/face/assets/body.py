@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import CONFIGS
 from kinesic.face.assets.clothes import COVERED_DEPTH, cut_garments, measure_neckline_distance
-from kinesic.face.assets.hair import HAIR_STYLES, Locks, grow_locks, measure_painted_hair
+from kinesic.face.assets.hair import Locks, grow_locks, measure_painted_hair
+from kinesic.face.assets.hair_styles import HAIR_STYLES
 from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS, Indices, Mesh, build_subdivision, load_head, seal_integers
 from kinesic.face.assets.rig import FRAME_INDICES, SKINNING_FRAMES

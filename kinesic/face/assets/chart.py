@@ -23,14 +23,17 @@ MASK_RAMP = (-0.6, -0.4)  # forward positions [eye distances] between which the 
 HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between the eyes
     (0.0, 1.25),
     (25.0, 1.23),
-    (45.0, 0.98),
-    (58.0, 0.72),
-    (70.0, 0.35),
-    (80.0, 0.12),
+    (42.0, 1.05),
+    (54.0, 0.82),
+    (61.0, 0.55),
+    (66.0, 0.0),
+    (70.0, -0.3),
+    (80.0, -0.3),
+    (85.0, 0.1),
     (92.0, 0.28),
-    (108.0, 0.36),
-    (122.0, -0.2),
-    (140.0, -0.75),
+    (106.0, 0.30),
+    (118.0, -0.45),
+    (140.0, -0.8),
     (180.0, -1.0),
 )
 MOUTH_REGION = (0.6, -1.45, -0.8)  # [eye distances] search region of the mouth: half width, lowest and highest point
@@ -77,9 +80,7 @@ def compute_vertex_chart(mesh: Mesh) -> Floats:
     return sealed(chart)
 
 
-def unroll_mesh(
-    place: Floats, triangles: Indices, skin: NDArray[np.bool_]
-) -> tuple[NDArray[np.intp], Floats, Indices]:
+def unroll_mesh(place: Floats, triangles: Indices, skin: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Floats, Indices]:
     """Split the skin along the seam of surface coordinates behind the head.
 
     Other parts stay whole: their chart attributes have other units, such as millimetres along a row of teeth.

@@ -1,19 +1,17 @@
 """Hair as combed locks: ribbons with strands drawn by a shader.
 
 A lock starts at its root and follows the comb direction over a skull, which is described by its radius in each
-direction from a point inside the head. The style determines the comb direction.
+direction from a point inside the head. The style (`hair_styles.py`) determines the comb direction.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import compute_vertex_chart, measure_hairline_height
+from kinesic.face.assets.hair_styles import HairStyle
 from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
@@ -36,71 +34,18 @@ SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reac
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 INSIDE_VISIBLE_HEIGHT = 0.1  # [eye distances] height below which the inside of hanging locks is visible
 INSIDE_STRIDE = 2  # every n-th lock is drawn from inside
-ROOT_WIDTH = 0.3  # width of a lock at the hairline, relative to its full width; avoids steps there
-GROWTH_FRACTION = 0.2  # fraction of a lock within which it reaches its full width
-FULL_WIDTH_HEIGHT = 0.3  # [eye distances] height over the hairline from which locks start at full width
+ROOT_WIDTH = 0.2  # width of a lock at the hairline, relative to its full width; avoids steps there
+GROWTH_FRACTION = 0.3  # fraction of a lock within which it reaches its full width
+FULL_WIDTH_DISTANCE = 0.5  # [eye distances] height over hairline and sideburns from which locks start at full width
 TAPER_START = 0.6  # fraction of a lock from which it narrows
 LENGTH_VARIATION = (0.93, 1.07)  # range of the random factor on a lock's length
 LAYER_RANGE = (0.7, 1.0)  # range of the random factor on a lock's distance from the skull
 HANGING_RANGE = (-0.7, -0.1)  # [eye distances] heights between which hair changes from hanging to following the skull
 MIN_LOCK_STEPS = 0.9  # length in steps below which a lock is removed
 CUT_VARIATION = (-0.06, 0.06)  # [eye distances] range of the random offset of the height at which hair is cut
+SIDEBURN_HEIGHT = 0.3  # [eye distances] height below which hair before the ears is painted, without locks
+NAPE_HEIGHT = -0.55  # [eye distances] height below which hair on the neck is painted, without locks
 COMB_WEIGHT = 0.55  # weight of the comb direction in each step along a lock
-
-
-@dataclass(frozen=True)
-class HairStyle:
-    """Parameters of a hair style.
-
-    Lengths are distances between the eyes.
-    """
-
-    roots: int  # candidate root directions on the sphere
-    lowest: float  # minimum height of a root over the hairline
-    steps: int  # segments of a lock
-    length: tuple[float, float]  # length of a lock at the temple and on top
-    width: tuple[float, float]  # half width of a lock at the temple and on top
-    tip: float  # relative width of the tip
-    off: tuple[float, float]  # distance of the middle of a lock from the skull, at the temple and on top
-    lies: float  # reduction of that distance at the tip
-    cut: float  # minimum height of the ends of locks
-    over_ears: bool  # whether hair covers the ears
-    part: float | None  # lateral position of the parting; None: combed back
-    falls: float  # downward component of the comb direction at the sides
-
-
-HAIR_STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
-    {
-        "female": HairStyle(
-            roots=700,
-            lowest=0.02,
-            steps=7,
-            length=(1.5, 2.7),
-            width=(0.16, 0.16),
-            tip=0.5,
-            off=(0.12, 0.09),
-            lies=0.2,
-            cut=-1.5,
-            over_ears=True,
-            part=0.2,
-            falls=0.9,
-        ),
-        "male": HairStyle(
-            roots=1080,
-            lowest=0.03,
-            steps=5,
-            length=(0.6, 1.3),
-            width=(0.07, 0.13),
-            tip=0.4,
-            off=(0.04, 0.08),
-            lies=0.7,
-            cut=-0.83,
-            over_ears=False,
-            part=None,
-            falls=0.0,
-        ),
-    }
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,8 +143,18 @@ def _find_roots(skull: _Skull, style: HairStyle) -> Floats:
     directions = np.stack([aside * np.cos(GOLDEN_ANGLE * number), aside * np.sin(GOLDEN_ANGLE * number), up], axis=1)
     points = HEAD_CENTRE + directions * skull.radius(directions)[:, None]
     return np.asarray(
-        points[~_find_ear_points(points) & (measure_hairline_height(points) > style.lowest) & (points[:, 2] > -0.55)]
+        points[
+            ~_find_ear_points(points)
+            & (measure_hairline_height(points) > style.lowest)
+            & (points[:, 2] > np.where(points[:, 0] > EAR_REGION[0], SIDEBURN_HEIGHT, NAPE_HEIGHT))
+        ]
     )
+
+
+def _measure_border_distance(roots: Floats) -> Floats:
+    """Return the (r,) heights of roots over the hairline and over sideburns."""
+    over_sideburns = np.where(roots[:, 0] > EAR_REGION[0], roots[:, 2] - SIDEBURN_HEIGHT, np.inf)
+    return np.asarray(np.minimum(measure_hairline_height(roots), over_sideburns))
 
 
 def _comb_locks(skull: _Skull, roots: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
@@ -264,7 +219,7 @@ def _find_comb_directions(points: Floats, style: HairStyle) -> Floats:
         components = [-0.9 + 0.3 * front + 0.8 * nape, 0.3 * top, -0.05 - 0.5 * (1.0 - top) - 0.4 * nape]
     else:
         components = [
-            -0.75 * front - 0.05 - 0.6 * (1.0 - front) * top,
+            -0.25 * front - 0.05 - 0.6 * (1.0 - front) * top,
             1.2 * side * top**1.5,
             -0.35 - style.falls * (1.0 - top),
         ]
@@ -289,10 +244,8 @@ def _build_ribbons(lines: Floats, style: HairStyle, random: np.random.Generator,
             along > TAPER_START, 1.0 - (1.0 - style.tip) * ((along - TAPER_START) / (1.0 - TAPER_START)) ** 2, 1.0
         )
     )
-    begun = (
-        ROOT_WIDTH
-        + (1.0 - ROOT_WIDTH) * np.clip(measure_hairline_height(lines[:, 0]) / FULL_WIDTH_HEIGHT, 0.0, 1.0)[:, None]
-    )
+    inside = np.clip(_measure_border_distance(lines[:, 0]) / FULL_WIDTH_DISTANCE, 0.0, 1.0)
+    begun = ROOT_WIDTH + (1.0 - ROOT_WIDTH) * inside[:, None]
     wide = wide * np.minimum(begun + (1.0 - begun) * along / GROWTH_FRACTION, 1.0)
     wide = wide[:, :, None] * random.uniform(0.75, 1.25, (count, 1, 1))
     across = np.array([-1.0, 1.0])

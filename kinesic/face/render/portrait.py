@@ -11,7 +11,8 @@ from types import TracebackType
 
 from kinesic.body.arrays import Picture
 from kinesic.body.choices import Variant
-from kinesic.face.assets.hair import HAIR_STYLES, Locks, grow_locks
+from kinesic.face.assets.hair import Locks, grow_locks
+from kinesic.face.assets.hair_styles import HAIR_STYLES
 from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, open_offscreen_context

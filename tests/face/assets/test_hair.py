@@ -8,7 +8,8 @@ import scipy
 
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import measure_hairline_height
-from kinesic.face.assets.hair import CUT_VARIATION, EAR_REGION, HAIR_STYLES, HEAD_CENTRE, Locks, grow_locks
+from kinesic.face.assets.hair import CUT_VARIATION, EAR_REGION, HEAD_CENTRE, SIDEBURN_HEIGHT, Locks, grow_locks
+from kinesic.face.assets.hair_styles import HAIR_STYLES
 from kinesic.face.assets.mesh import FACE_VARIANTS, load_head
 
 
@@ -77,6 +78,14 @@ def test_hair_styles_differ_in_length():
 def test_hair_generation_is_deterministic():
     mesh = load_head("male")
     np.testing.assert_array_equal(grow_locks(mesh, HAIR_STYLES["male"]).positions, locks("male")[0].positions)
+
+
+def test_short_sideburns_have_no_locks():
+    """Locks in front of an ear would be thick patches; the scalp is painted there."""
+    forward, _, up = edges("male")[:, 0].mean(axis=1).T
+    assert up[forward > EAR_REGION[0]].min() > SIDEBURN_HEIGHT
+    assert measure_hairline_height(np.array([[-0.75, 1.1, -0.1]]))[0] > 0.1
+    assert measure_hairline_height(np.array([[-0.3, 1.0, 0.2]]))[0] < -0.1
 
 
 @pytest.mark.parametrize(("variant", "tip"), [("female", 0.2), ("male", 0.05)])
