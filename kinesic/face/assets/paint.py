@@ -17,15 +17,20 @@ from kinesic.body.arrays import Floats, seal_in_place, sealed
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
 from kinesic.face.assets.late_scipy import scipy
+from kinesic.face.assets.pores import paint_creases, paint_oil, paint_pores
 
 Colour = tuple[float, ...]  # red, green, blue
 
 SKIN_RESOLUTION = 1024  # [pixels] along a side of the skin texture
-BROW_HAIR_COUNT = 640  # number of hairs of both brows together
-BROW_OVERSAMPLING = 2  # resolution in which brows are drawn / SKIN_RESOLUTION
+PORE_DARKNESS = 0.09  # darkening of the skin in the deepest pores and creases
+PORE_DRYNESS = 0.25  # dryness that the deepest pores and creases add to the skin
+OIL_SHINE = 0.12  # dryness that oil takes from the skin
+BROW_HAIR_COUNT = 1700  # number of hairs of both brows together
+BROW_HAIR_WIDTHS = (4, 2)  # [pixels of the oversampled picture] width of a brow hair at root and tip
+BROW_OVERSAMPLING = 4  # resolution in which brows are drawn / SKIN_RESOLUTION
 PAINT_SEED = 7  # seed of the random generator for painted skin and brows
-IRIS_RESOLUTION = 128  # [pixels] side of the iris texture
-IRIS_OVERSAMPLING = 4  # resolution in which the iris is computed / IRIS_RESOLUTION
+IRIS_RESOLUTION = 256  # [pixels] side of the iris texture
+IRIS_OVERSAMPLING = 2  # resolution in which the iris is computed / IRIS_RESOLUTION
 EYE_HALF_WIDTH = 0.8  # half width of the painted square, in radii of the eyeball
 MIN_OPACITY = 1e-12  # opacity below which a colour is skipped
 BLUR_REACH = 4.0  # range of a blur, in standard deviations of its Gaussian
@@ -80,6 +85,8 @@ UPPER_LIP = (
 )  # upper edge of the red lips as chart coordinates a and y
 # Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
+MOUTH_CORNER = (0.38, 0.025)  # chart coordinate a of a corner of the mouth, and its size
+CORNER_SHADE = 0.35  # brightness of the lips in the corners of the mouth
 # Upper and lower edge of a beard as chart coordinates a and y.
 BEARD_TOP = ((0.0, -0.82), (0.3, -0.86), (0.5, -1.12), (0.9, -1.22), (1.25, -0.95), (1.45, -0.55), (1.6, -0.3))
 BEARD_BOTTOM = ((0.0, -2.05), (0.6, -2.0), (1.2, -1.5), (1.45, -1.0), (1.6, -0.3))
@@ -95,7 +102,7 @@ FLUSHED_AREAS = (  # reddish areas of the skin: chart coordinates a and y, half 
 def paint_skin(complexion: Complexion) -> Floats:
     """Return the painted texture (n, n, 4) of the face skin.
 
-    The first row is the bottom row. The last component is dryness, 0 on the lips.
+    The first row is the bottom row. The last component is dryness: 0 on the lips, 1 in pores of dry skin.
     """
     random = np.random.default_rng(PAINT_SEED)
     (left, right), (low, high) = WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
@@ -116,7 +123,7 @@ def paint_skin(complexion: Complexion) -> Floats:
         amount
         * scipy.ndimage.gaussian_filter(random.standard_normal((SKIN_RESOLUTION, SKIN_RESOLUTION)), size, mode="wrap")
         * size
-        for size, amount in ((1.2, 0.035), (7.0, 0.05))
+        for size, amount in ((1.2, 0.06), (3.0, 0.08), (7.0, 0.08))
     )
     inside = (
         _smoothstep(y, low, low + 0.5)
@@ -131,8 +138,14 @@ def paint_skin(complexion: Complexion) -> Floats:
         stubble = complexion.beard * _paint_beard(np.abs(a), y) * (1.0 + 2.5 * mottled).clip(0.4, 1.6)
         _mix_colour(colours, BEARD_SHADE * np.asarray(complexion.skin), stubble * (1.0 - red))
     _mix_colour(colours, complexion.lips, 0.85 * red)
+    corner = _evaluate_bell(np.abs(a), *MOUTH_CORNER) * _evaluate_bell(y, MOUTH_LINE, MOUTH_CORNER[1])
+    _mix_colour(colours, tuple(CORNER_SHADE * component for component in complexion.lips), 0.5 * corner)
     _mix_colour(colours, complexion.hair, _paint_brows(complexion, random))
-    painted[..., 3] = 1.0 - red
+    oil = paint_oil(np.abs(a), y)
+    creases = paint_creases(SKIN_RESOLUTION, SKIN_RESOLUTION, random)
+    pits = inside * ((1.0 - red) * paint_pores(oil, random) + red * creases)
+    colours *= 1.0 - PORE_DARKNESS * pits[..., None]
+    painted[..., 3] = (1.0 - red) * (1.0 - PORE_DRYNESS - OIL_SHINE * oil) + PORE_DRYNESS * pits
     return seal_in_place(painted.clip(0.0, 1.0, out=painted))
 
 
@@ -190,14 +203,19 @@ def _paint_brows(complexion: Complexion, random: np.random.Generator) -> Floats:
         a = np.interp(t, along, middle) + random.uniform(-0.03, 0.02)
         y = np.interp(t, along, heights) + thick * random.uniform(-1.0, 0.8)
         lean = np.radians(np.interp(t, (0.0, 0.15, 0.6, 1.0), (62.0, 36.0, 10.0, -22.0)) + random.normal(0.0, 7.0))
-        length = random.uniform(0.07, 0.11) * (0.75 if t > 0.85 else 1.0)
-        tip = a + length * np.cos(lean), y + length * np.sin(lean)
-        darkness = int(random.uniform(150, 245))
+        length = random.uniform(0.06, 0.12) * (0.75 if t > 0.85 else 1.0)
+        bend = lean - np.radians(random.uniform(0.0, 22.0))  # hairs curve outward
+        middle_point = a + 0.5 * length * np.cos(lean), y + 0.5 * length * np.sin(lean)
+        tip = middle_point[0] + 0.5 * length * np.cos(bend), middle_point[1] + 0.5 * length * np.sin(bend)
+        darkness = int(random.uniform(120, 245))
         for side in (1, -1):
-            ends = [_to_pixel(side * each_a, each_y, size) for each_a, each_y in ((a, y), tip)]
-            pen.line(ends, fill=darkness, width=4)
+            root, halfway, end = (
+                _to_pixel(side * each_a, each_y, size) for each_a, each_y in ((a, y), middle_point, tip)
+            )
+            for ends, width in zip(((root, halfway), (halfway, end)), BROW_HAIR_WIDTHS, strict=True):
+                pen.line(ends, fill=darkness, width=width)
     fine = np.asarray(canvas.resize((SKIN_RESOLUTION, SKIN_RESOLUTION), Image.Resampling.BOX), dtype=np.float64) / 255
-    return np.asarray(np.clip(0.85 * _blur(fine, 0.6) + 0.35 * _blur(fine, 7.0), 0.0, 0.92))
+    return np.asarray(np.clip(0.95 * _blur(fine, 0.5) + 0.40 * _blur(fine, 7.0), 0.0, 0.92))
 
 
 def _measure_brow(complexion: Complexion) -> tuple[Floats, Floats, Floats]:

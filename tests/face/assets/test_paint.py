@@ -25,7 +25,8 @@ def test_brows_are_dark_and_lips_red(variant: Variant):
     assert painted.max() <= 1.0
     forehead = at(painted, 0.3, 0.9)
     np.testing.assert_allclose(forehead[:3], complexion.skin, rtol=0.15)
-    assert forehead[3] > 0.99
+    assert 0.6 < forehead[3] < 0.75  # oily
+    assert at(painted, 1.3, -0.2)[3] > forehead[3] + 0.05  # a temple
     for side in (-1, 1):
         assert at(painted, side * 0.6, complexion.brow[2][1])[:3].sum() < 0.6 * forehead[:3].sum()
     lip = at(painted, 0.0, -1.2)
@@ -33,14 +34,24 @@ def test_brows_are_dark_and_lips_red(variant: Variant):
     assert lip[0] / lip[1] > 1.2 * forehead[0] / forehead[1]
 
 
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_pores_are_darker_and_drier_than_the_skin_around_them(variant: Variant):
+    painted = paint_skin(COMPLEXIONS[variant])
+    rows, columns = slice(560, 620), slice(600, 700)  # of a cheek
+    dryness = painted[rows, columns, 3] - gaussian_filter(painted[rows, columns, 3], 6.0)
+    brightness = painted[rows, columns, :3].sum(axis=2)
+    pores = dryness > np.percentile(dryness, 90)
+    assert brightness[pores].mean() < 0.98 * brightness[~pores].mean()
+
+
 def test_skin_painting_is_deterministic():
     np.testing.assert_array_equal(paint_skin(COMPLEXIONS["male"]), paint_skin(COMPLEXIONS["male"]))
 
 
 def test_brows_are_symmetric():
-    painted = paint_skin(COMPLEXIONS["female"])
-    difference = np.abs(painted - painted[:, ::-1])[700:760]
-    assert difference.mean() < 0.01
+    painted = paint_skin(COMPLEXIONS["female"])[700:760, :, :3]
+    smooth = gaussian_filter(painted, (3.0, 3.0, 0.0))  # pores and spots differ
+    assert np.abs(smooth - smooth[:, ::-1]).mean() < 0.01
 
 
 def test_eye_has_pupil_iris_and_white():

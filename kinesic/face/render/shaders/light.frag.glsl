@@ -16,6 +16,11 @@ uniform float deep;       // openness below which light scatters with all LEVELS
 const float FURROW = 0.1;  // height from which a wrinkle counts as uneven
 const float EDGE = 0.02;   // distance of key light from 0 and 1 that counts as a shadow edge
 const float WET = 0.6;     // minimum openness of an eye
+const float TEAR_LIGHT = 0.25;
+const float TEARS = 0.0005;  // [m] height of the line of tears along a lower lid
+const float PORE_HEIGHT = 0.0007;  // [m] height of skin per unit of gloss, which is lower in pores
+const float PORE_SLOPE = 0.25;  // steepest side of a pore
+const float STEEPEST = 4.0;    // slope of skin from which it shows no pores; edges are steeper
 const float FACE = 1.2;    // chart range around the nose, where the mask is low only in the mouth
 const float BRIGHT_MOUTH = 0.65;  // minimum light on teeth and tongue
 const float BRIGHT_CHEEK = 0.3;   // minimum light on the inside of lips and cheeks
@@ -39,8 +44,14 @@ void main() {
     float height = textureLod(relief, uv, 0.0).r;
     bool skinned = on_skin(facing.w);
     vec4 own = surface(uv, skinned, height);
+    float pixel = 2.0 * lens.y * -depth(facing.w) / float(textureSize(bent, 0).y);  // [m]
+    float flat_area = float(skinned && fwidth(facing.w) < STEEPEST * pixel);
+    n.xy -= flat_area * clamp(PORE_HEIGHT / pixel * vec2(dFdx(own.a), dFdy(own.a)), -PORE_SLOPE, PORE_SLOPE);
+    n = normalize(n);
     float is_skin = float(skinned);
     bool is_eye = part(facing.w) == EYES;
+    float under = textureLod(bent, uv - vec2(0.0, 0.5 * TEARS / (lens.y * -depth(facing.w))), 0.0).w;
+    float wet = float(is_eye && on_skin(under));
     vec3 wrap = WRAP * is_skin, spent = mix(vec3(1.0), 1.0 / ((1.0 + WRAP) * (1.0 + WRAP)), is_skin);
     vec4 arrives = textureLod(reach, uv, 0.0);
     bool in_mouth = part(facing.w) == TEETH || part(facing.w) == TONGUE;
@@ -64,7 +75,7 @@ void main() {
     vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y) * reached + direct * spent;
     float grazing = 1.0 - max(frontal, 0.0);
     gloss *= own.a * (is_eye ? 1.0 : around) * (1.0 + 2.0 * grazing * grazing * grazing);
-    vec4 lit = vec4(light, gloss);
+    vec4 lit = vec4(light, gloss + wet * TEAR_LIGHT * around);
     vec3 root = floor(255.0 * own.rgb + 0.5) / 255.0;  // quantised as stored, so that zero scattering changes nothing
     picture = composed(lit, root);
 #if KEPT

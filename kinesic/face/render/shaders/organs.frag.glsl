@@ -7,7 +7,7 @@ uniform mat3 balls[2];   // axes of left and right eyeball in the camera's frame
 in vec3 facing;
 in vec4 placed;
 flat in float kind;
-in float detail;  // 1 for the left eye
+in float detail;  // 1 for the right eye
 
 const float IRIS = 0.8;    // half width of the painting, in radii of the eyeball
 const float LIMBUS = 0.4, PUPIL = 0.17;  // radii of iris and pupil in the painting
@@ -15,10 +15,11 @@ const float CORNEA = 0.2742;  // square of CORNEA_ANGLE; BULGE is CORNEA_HEIGHT 
 const float BULGE = 0.05;
 const float SUNKEN = 0.12; // apparent depth of the iris behind the cornea
 const float DAMP = 0.2;    // gloss of the white of the eye
-const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.62, 0.22, 0.20);
+const vec3 GUMS = vec3(0.42, 0.12, 0.11), IVORY = vec3(0.80, 0.74, 0.64), TONGUE_RED = vec3(0.58, 0.20, 0.19);
+const vec3 TONGUE_COAT = vec3(0.84, 0.48, 0.43);
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // equal to the dark skin in the throat
 const vec3 WALLS = vec3(1.0, 0.66, 0.58);  // tint of light from cheeks and palate
-const vec3 CARUNCLE = vec3(0.55, 0.24, 0.21);  // the inner corner of an eye
+const vec3 CARUNCLE = vec3(0.66, 0.29, 0.25), PLICA = vec3(0.70, 0.46, 0.42);  // flesh in the inner corner, and the fold before it
 const float LEVEL = 0.85;  // removed fraction of vertical normals, since the mesh turns over at the cutting edge
 const float INNER = 3.0;  // [mm] by which a crown is shorter on the tongue's side
 const int TEETH_ON_A_SIDE = 7;
@@ -45,8 +46,11 @@ vec4 eye(mat3 ball, inout vec3 n) {
     n = normalize(n + 4.0 * BULGE / CORNEA * inside * (n - ball[0] * own.x));
     float lid = 1.0 - 0.45 * smoothstep(0.05, 0.5, head.z) - 0.25 * smoothstep(0.4, 0.8, abs(head.y));
     vec3 paint = textureLod(iris, stretched(own.yz - SUNKEN * inside * seen.yz) / IRIS * 0.5 + 0.5, 0.0).rgb;
-    paint = mix(paint, CARUNCLE, smoothstep(0.42, 0.66, nasal) * (1.0 - inside));
-    return vec4(paint * lid, mix(DAMP, 1.0, inside));
+    float fold = smoothstep(0.38, 0.52, nasal) * (1.0 - inside), flesh = smoothstep(0.52, 0.57, nasal + 0.5 * head.z * head.z);
+    paint = mix(mix(paint * lid, PLICA, 0.6 * fold), CARUNCLE, flesh);
+    vec3 inward = mat3(view)[1] * (detail > 0.5 ? 1.0 : -1.0);
+    n = normalize(n + flesh * (5.0 * (nasal - 0.60) * inward + 0.25 * mat3(view)[2]));
+    return vec4(paint, mix(DAMP, 1.0, max(inside, 0.5 * flesh)));
 }
 
 // Colour and gloss of teeth and gums. Each tooth bulges; gaps between edges are discarded.
@@ -69,14 +73,20 @@ vec4 teeth(inout vec3 n) {
     return vec4(mix(THROAT, colour * mix(WALLS, vec3(1.0), light), light), (1.0 - gum * 0.4) * light);
 }
 
-vec4 tongue() {
-    float light = smoothstep(-0.45, 0.15, placed.z), groove = exp(-placed.x * placed.x / 0.0025) * smoothstep(0.25, -0.1, placed.z);
-    return vec4(mix(THROAT, TONGUE_RED * (1.0 - 0.25 * groove), light), 0.45 * light);
+// Colour and gloss of the tongue: red at its sides, coated and rough on its back, with a groove.
+vec4 tongue(inout vec3 n) {
+    vec3 up = mat3(view)[2];
+    float light = smoothstep(-0.45, 0.15, placed.z), groove = exp(-placed.x * placed.x / 0.0025) * smoothstep(0.35, -0.1, placed.z);
+    float coat = smoothstep(0.1, 0.7, dot(n, up)) * smoothstep(0.30, 0.10, abs(placed.x));
+    vec2 bumps = sin(vec2(placed.x, placed.z) * 340.0 + 3.0 * sin(vec2(placed.z, placed.x) * 130.0));
+    n = normalize(n + 0.06 * coat * vec3(bumps, 0.0));
+    vec3 colour = mix(TONGUE_RED, TONGUE_COAT, coat * (0.9 + 0.1 * bumps.x * bumps.y)) * (1.0 - 0.30 * groove);
+    return vec4(mix(THROAT, colour, light), 0.6 * light);
 }
 
 void main() {
     vec3 n = normalize(facing);
-    vec4 paint = kind == EYES ? eye(detail > 0.5 ? balls[1] : balls[0], n) : kind == TEETH ? teeth(n) : tongue();
+    vec4 paint = kind == EYES ? eye(detail > 0.5 ? balls[1] : balls[0], n) : kind == TEETH ? teeth(n) : tongue(n);
     form = vec4(n, -1.0 / gl_FragCoord.w - APART * kind);
     place = vec4(sqrt(paint.rgb), paint.a);
 }

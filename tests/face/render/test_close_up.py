@@ -1,0 +1,85 @@
+"""Tests of details that only close pictures of a face show."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+
+from kinesic.expressivity.face.visemes import viseme_of
+from kinesic.face.assets.mesh import MESH_PARTS
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET
+
+SIDE = 300  # [pixels]
+LEFT_EYE = Camera(field_deg=3.0, pivot=(0.0, 0.03, 0.0))
+LEFT_CHEEK = Camera(field_deg=3.0, pivot=(0.0, 0.03, -0.03))
+MOUTH = Camera(field_deg=4.0, pivot=(0.012, 0.0, -0.07))
+
+
+@pytest.fixture(scope="module")
+def close(drawable: None) -> Iterator[Portrait]:
+    with Portrait("female", preset=DRAFT_PRESET, size=(SIDE, SIDE)) as opened:
+        yield opened
+
+
+def find_part(portrait: Portrait, part: str) -> np.ndarray:
+    """Return the mask of pixels that show a part of the head."""
+    return np.asarray(portrait.pipeline.geometry.parts() == MESH_PARTS.index(part) + 1)
+
+
+@pytest.fixture(scope="module")
+def eye(close: Portrait) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a picture of an eye without its lashes, one with them, and the mask of the eyeball."""
+    lashes = close.pipeline._lashes
+    with_them = close.draw({}, LEFT_EYE).astype(float)
+    drawn, lashes.draw = lashes.draw, lambda camera: None
+    without = close.draw({}, LEFT_EYE).astype(float)
+    lashes.draw = drawn
+    return without, with_them, find_part(close, "eyes")
+
+
+def test_line_of_tears_shines_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+    picture, _, ball = eye
+    columns = np.flatnonzero(ball.any(axis=0))
+    middle = slice(columns[0] + 60, columns[-1] - 60)
+    lowest = ball & ~np.roll(ball, -1, axis=0)
+    higher = ball & np.roll(lowest, -6, axis=0)
+    bright = picture.mean(axis=2)[:, middle]
+    assert bright[lowest[:, middle]].mean() > 1.2 * bright[higher[:, middle]].mean()
+
+
+def test_inner_corner_of_an_eye_is_red(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+    picture, _, ball = eye
+    columns = np.flatnonzero(ball.any(axis=0))
+    redness = picture[..., 0] / picture[..., 1]
+    at = {share: int(columns[0] + share * np.ptp(columns)) for share in (0.08, 0.9)}
+    inner, outer = (redness[:, column][ball[:, column]].mean() for column in at.values())
+    assert inner > 1.37
+    assert outer < 1.1
+
+
+def test_lashes_end_near_the_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+    """Faint lines beyond their tips looked like stitches."""
+    without, with_them, ball = eye
+    changed = np.abs(with_them - without).max(axis=2) > 6.0
+    highest = np.nonzero(ball)[0].min()
+    assert changed[highest - 12 : highest].sum() > 100
+    assert not changed[: highest - 16].any()
+
+
+def test_tongue_at_th_is_paler_than_the_lips(close: Portrait):
+    picture = close.draw(dict(viseme_of("θ").units), MOUTH).astype(float)
+    a, y, front = np.moveaxis(close.pipeline.geometry.target.read(1)[..., :3], -1, 0)
+    lip = find_part(close, "skin") & (np.abs(a) < 0.3) & (np.abs(y + 1.185) < 0.065) & (front > 0.99)
+    tongue = find_part(close, "tongue")
+    assert tongue.sum() > 1500
+    green, red = (np.median(picture[tongue], axis=0) / np.median(picture[lip], axis=0))[[1, 0]]
+    assert green > 1.07 * red
+
+
+def test_close_skin_is_rough(drawable: None):
+    with Portrait("female", preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
+        cheek = portrait.draw({}, LEFT_CHEEK).mean(axis=2)
+    assert (cheek - gaussian_filter(cheek, 4.0)).std() > 1.4
