@@ -70,7 +70,7 @@ class StoryRhythm:
 
     @property
     def repeats(self) -> int:
-        """Number of gestures that the same hands have shown within the minute before."""
+        """Number of gestures that the same hands showed within a minute."""
         last: dict[tuple[str, frozenset[Side]], float] = {}
         count = 0
         for stroke in self.strokes:

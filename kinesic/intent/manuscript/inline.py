@@ -4,9 +4,10 @@ import html
 import re
 import unicodedata
 
-from kinesic.body.pictographs import JOINER_RANGES, PICTOGRAPH_RANGES, is_pictograph
+from kinesic.body.pictographs import is_pictograph
 from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.addresses import WEB_ADDRESS, read_address
+from kinesic.intent.manuscript.emoji import read_control, read_emoji, read_short_code
 from kinesic.intent.manuscript.long_words import cut_long_word
 from kinesic.intent.manuscript.pieces import DIRECTED_PAUSE, END_OF_SENTENCE, Manuscript, Step, direct, pause
 from kinesic.intent.manuscript.tags import read_tag
@@ -17,13 +18,10 @@ MAX_STRESS_LENGTH = 400  # [characters] longest emphasised text
 MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
 MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech system
 _NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
-_SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1):(?!\w)")
+_TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time of a line in a transcript
+_PROMPT_MARKS = frozenset(("INST", "/INST"))  # bracketed marks of prompts for language models
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
 _HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")  # `&amp;`, `&#39;`
-_JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
-_EMOJI_PATTERN = re.compile(
-    f"[\U0001f1e6-\U0001f1ff]{{1,2}}|[{PICTOGRAPH_RANGES}][{_JOINABLE_RANGES}]*(?:\u200d[{PICTOGRAPH_RANGES}]?[{_JOINABLE_RANGES}]*)*"
-)
 _SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ignored without a warning
 _VOICE_COMMANDS = {"rspd": "rate", "vct": "pitch", "vol": "volume"}  # speech command -> its prosody attribute [%]
 _PLAYED_COMMANDS = frozenset(("start", "run", "startTag", "runTag", "startSound", "runSound"))
@@ -46,7 +44,7 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
     if sign == "<":
         return read_tag(rest, ends=ends)
     if sign == ":" and not state.spoken[-1:].isalnum():
-        return _read_short_code(rest, ends=ends)
+        return read_short_code(rest, ends=ends)
     if sign == "`":
         return _read_code(rest, ends=ends)
     if sign == "^":
@@ -56,9 +54,13 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
     if sign == "&":
         return _read_entity(rest, ends=ends)
     if is_pictograph(sign):
-        return _read_emoji(rest, ends=ends)
+        return read_emoji(rest, ends=ends)
     if sign in "~|#":
         return _read_sign(state, ends=ends)
+    if sign == "\x1b" or (sign in "0123456789" and not state.spoken[-1:].isalnum()):
+        control = read_control(rest, ends=ends)
+        if control is None or control.length:
+            return control
     return cut_long_word(state) or _read_words(rest)
 
 
@@ -166,6 +168,9 @@ def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
         return None
     if load_acts().is_direction(words, begins=_begins(state), ends=_is_over(after), is_bracketed=True):
         return _directed(words, end + 2)
+    is_time = state.is_line_start and _TIMESTAMP.fullmatch(words)
+    if sign == "[" and (is_time or words in _PROMPT_MARKS):
+        return Step(end + 2)
     if sign == "[" and words.startswith("^"):  # a footnote
         return Step(end + 2 + after.startswith(":"))
     return Step(1, sign)
@@ -251,32 +256,6 @@ def _read_entity(rest: str, *, ends: bool) -> Step | None:
         return None if is_open and not ends else Step(1, "&")
     text = html.unescape(match[0])
     return Step(match.end(), "" if text == match[0] or text in "*_`^|~#\\\xad" else text.replace("\xa0", " "))
-
-
-def _read_short_code(rest: str, *, ends: bool) -> Step | None:
-    """Read the name of an emoji between colons."""
-    match = _SHORT_CODE.match(rest)
-    if match and (ends or match.end() < len(rest)):
-        return Step(
-            match.end(), direct(match[1].replace("_", " ").replace("+1", "thumbs up").replace("-1", "thumb down"))
-        )
-    is_open = re.fullmatch(r":(?:[a-z_]{0,29}|[+-]1?):?", rest)
-    return None if is_open and not ends else Step(1, ":")
-
-
-def _read_emoji(rest: str, *, ends: bool) -> Step | None:
-    match = _EMOJI_PATTERN.match(rest)
-    assert match is not None  # the first character is a pictograph
-    if not ends and match.end() == len(rest):
-        return None  # a joiner or a skin tone may follow
-    first = match[0][0]
-    if "\U0001f1e6" <= first <= "\U0001f1ff":
-        return Step(match.end(), " ", "emoji is not shown: flag")
-    if load_acts().has("feelings", first):
-        return Step(match.end(), first)
-    if load_acts().find(first):
-        return Step(match.end(), direct(first))
-    return Step(match.end(), " ", f"emoji is not shown: {unicodedata.name(first, first).lower()}")
 
 
 def _read_sign(state: Manuscript, *, ends: bool) -> Step | None:

@@ -62,8 +62,8 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
 
 def _read_token(rest: str, *, ends: bool) -> Step | None:
     """Skip a special token such as <|im_start|>, with its role."""
-    token = re.match(r"<\|[^|<>\n]*\|>(?:(?:assistant|user|system)\n)?", rest)
-    is_open = re.fullmatch(r"<\|[^|<>\n]{0,40}(?:\|(?:>[a-z]{0,9})?)?", rest)
+    token = re.match(r"<\|[^|<>\n]*\|>(?:(?:assistant|user|system)(?:\n|(?=<\|)))?", rest)
+    is_open = re.fullmatch(r"<\|[^|<>\n]{0,40}(?:\|(?:>[a-z]{0,9}<?)?)?", rest)
     return None if is_open and not ends else Step(token.end() if token else 1)
 
 

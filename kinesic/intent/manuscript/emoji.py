@@ -1,0 +1,59 @@
+"""Emoji, their names between colons, keys and commands to a terminal."""
+
+import re
+import unicodedata
+
+from kinesic.body.pictographs import JOINER_RANGES, PICTOGRAPH_RANGES
+from kinesic.intent.manuscript.acts import load_acts
+from kinesic.intent.manuscript.pieces import Step, direct
+
+_SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1)(?::t[1-6]|::skin-tone-[1-6])?:(?!\w)")  # a tone may follow
+_OPEN_SHORT_CODE = re.compile(r":(?:[a-z_]{0,29}|[+-]1?):?(?:(?<=:)(?:t[1-6]?|:[a-z0-9-]{0,11}):?)?")
+_TERMINAL_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]*[A-Za-z]?)?")  # colour or position in a terminal
+_OPEN_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]{0,20})?")
+_KEYCAP = re.compile("[0-9]\ufe0f?\u20e3")  # emoji of a key with a digit
+_OPEN_KEYCAP = re.compile("[0-9]\ufe0f?")
+_JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
+_EMOJI_PATTERN = re.compile(
+    f"[\U0001f1e6-\U0001f1ff]{{1,2}}|[{PICTOGRAPH_RANGES}][{_JOINABLE_RANGES}]*(?:\u200d[{PICTOGRAPH_RANGES}]?[{_JOINABLE_RANGES}]*)*"
+)
+
+
+def read_short_code(rest: str, *, ends: bool) -> Step | None:
+    """Read the name of an emoji between colons."""
+    if not ends and _OPEN_SHORT_CODE.fullmatch(rest):
+        return None
+    match = _SHORT_CODE.match(rest)
+    if match is None:
+        return Step(1, ":")
+    name = match[1].replace("_", " ").replace("+1", "thumbs up").replace("-1", "thumb down")
+    return Step(match.end(), direct(name))
+
+
+def read_emoji(rest: str, *, ends: bool) -> Step | None:
+    """Read an emoji with its joiners and skin tone."""
+    match = _EMOJI_PATTERN.match(rest)
+    assert match is not None  # the first character is a pictograph
+    if not ends and match.end() == len(rest):
+        return None  # a joiner or a skin tone may follow
+    first = match[0][0]
+    if "\U0001f1e6" <= first <= "\U0001f1ff":
+        return Step(match.end(), " ", "emoji is not shown: flag")
+    if load_acts().has("feelings", first):
+        return Step(match.end(), first)
+    if load_acts().find(first):
+        return Step(match.end(), direct(first))
+    return Step(match.end(), " ", f"emoji is not shown: {unicodedata.name(first, first).lower()}")
+
+
+def read_control(rest: str, *, ends: bool) -> Step | None:
+    """Skip a command to a terminal, or the emoji of a key.
+
+    Returns:
+        Length 0 for a digit that is no key.
+    """
+    pattern, opening = (_KEYCAP, _OPEN_KEYCAP) if rest[0].isdigit() else (_TERMINAL_COMMAND, _OPEN_COMMAND)
+    if not ends and opening.fullmatch(rest):
+        return None
+    match = pattern.match(rest)
+    return Step(match.end(), " " if rest[0].isdigit() else "") if match else Step(0)
