@@ -137,7 +137,7 @@ def test_denials_in_successive_turns_get_different_gestures():
     for line in read("30_turns.txt").splitlines():
         written = write_text(line, SETUP, memory)
         memory = written.memory
-        shown.append(memory.gestures[-1].lexeme)
+        shown.append(memory.gestures[-1].form)
     assert len(set(shown)) == len(shown) == 4
 
 
