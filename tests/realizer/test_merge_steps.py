@@ -16,7 +16,7 @@ from kinesic.realizer.merge import MergedMotion, _Attempt, _conflicts, _Merge, m
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, occupancy_of
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-NOD = '<head id="n" lexeme="NOD" start="0.5"/>'
+NOD = '<head id="n" lexeme="NOD" stroke="0"/>'
 BEAT = '<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>'
 SPOKEN = '<speech id="s"><text>Yes</text></speech>'
 NECK = 3  # a hinge whose rest angle is 0
@@ -283,7 +283,7 @@ def test_behaviour_that_cannot_be_overlaid_is_left_out_with_its_reason(overlays,
     plan = planned(NOD + BEAT)
     attempt = _Merge(rest, plan, 0, (), 1.0).attempt()
     assert attempt.left_out == {"g": "no time", "n": "collides"}
-    assert [[entry.behaviour for entry in work.performed] for work in works] == [["g", "n"], ["n"]]
+    assert [{entry.behaviour for entry in work.performed} for work in works] == [{"g", "n"}, {"n"}]
     assert (attempt.coming, attempt.performed) == (plan, [])
     assert attempt.controls is attempt.base
 

@@ -24,7 +24,7 @@ START = 50.0  # [s] clock time at which the running motion starts
 
 @pytest.fixture(scope="module")
 def nod(known):
-    return plan_quickly(parse(ROOT.format('<head id="n" lexeme="NOD" start="0.5"/>')), known)
+    return plan_quickly(parse(ROOT.format('<head id="n" lexeme="NOD" stroke="0"/>')), known)
 
 
 def motion(count: int = 100, *, start: float = 0.0, **angles: float) -> Trajectory:
@@ -171,7 +171,7 @@ def test_motion_without_the_block_is_corrected_after_the_cut(
     monkeypatch.setattr(module, "keep_limits", keep_limits)
     monkeypatch.setattr(module, "add_step_to_held_posture", lambda controls, *_: controls)
     layer = motion()
-    layer.controls[25:, NECK] = 0.4
+    layer.controls[25:, NECK] = 1.5 * known.limits.jerk[NECK] * KNOT_INTERVAL**3
     base = switch(playing=merged(layer=layer), knot=knot)._without_block(100)
     assert calls == [(NECK, knot, 97)] * is_corrected
     if is_corrected and not is_possible:
@@ -199,28 +199,39 @@ def test_only_hinges_that_differ_after_the_cut_join_their_new_motion(switch, joi
     goal[19, 1] = 0.1
     goal[59, NECK] = -0.1
     goal[30, 4] = SAME_ANGLE
-    controls = switch(running=motion(60, h5=0.0))._catch_up(goal)
+    goal[:, 5] = 0.2
+    controls = switch(running=motion(60, h5=0.2))._catch_up(goal)
     assert joins == {0: (0.0, 20, []), NECK: (0.0, 20, [])}
     expected = np.array(goal)
     expected[:, [0, NECK]] += 0.5
-    expected[:23] = 0.0
+    expected[:23] = motion(23, h5=0.2).controls
     np.testing.assert_array_equal(controls, expected)
 
 
 def test_arms_join_at_keys_at_least_three_knots_away(switch, joins, known):
     plan = plan_quickly(parse(ROOT.format('<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')), known)
     hinge = next(h for h in arm_hinges("r_hand", known.robot) if np.ptp(plan.trajectory.controls[:, h]) > 0.1)
-    moved = switch(new_plan=plan, playing_zero=plan.trajectory.zero + 0.1, running=motion(200))
-    every = (plan.motion.planned + plan.trajectory.zero) / KNOT_INTERVAL + 10
-    exact = module.Keys.of(plan.postures.postures, known.limits).exact_rows[hinge]
-    keys = every[exact]
-    knot = int(np.ceil(keys[1])) - 3
+    times = 0.25 * np.arange(len(plan.motion.planned))
+    spaced = replace(plan, motion=replace(plan.motion, planned=times))
     goal = np.zeros((200, HINGE_COUNT))
     goal[100, [hinge, 0]] = 0.1
-    replace(moved, knot=knot)._catch_up(goal)
-    assert joins[0][2] == []
-    assert joins[hinge][2] == pytest.approx([place for place in keys if place >= knot + 3])
-    assert 0 < len(joins[hinge][2]) < len(keys)
+    exact = module.Keys.of(plan.postures.postures, known.limits).exact_rows[hinge]
+    for knot, zero, first in ((22, 0.0, 25.0), (23, 0.0, 50.0), (23, 0.5, 50.0)):
+        moved = switch(new_plan=spaced, running=motion(200), knot=knot)
+        vars(moved)["zero"] = zero
+        moved._catch_up(goal)
+        places = [100.0 * zero + 25.0 * row for row in exact]
+        assert joins[0][2] == []
+        assert joins[hinge][2] == [place for place in places if place >= first]
+
+
+def test_arm_joins_a_motionless_plan_without_keys(switch, joins, known):
+    still = plan_quickly(parse(ROOT.format('<wait id="w" duration="1"/>')), known)
+    hinge = arm_hinges("r_hand", known.robot)[0]
+    goal = np.zeros((60, HINGE_COUNT))
+    goal[40, hinge] = 0.1
+    switch(new_plan=still, running=motion(60))._catch_up(goal)
+    assert joins == {hinge: (0.0, 20, [])}
 
 
 def test_no_motion_joins_a_new_one_if_a_hinge_cannot(switch, monkeypatch):
