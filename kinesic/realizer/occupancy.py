@@ -75,7 +75,7 @@ def sort_by_time(entries: Iterable[T], times: Callable[[T], tuple[float, ...]]) 
 
     def compare(first: T, second: T) -> int:
         pairs = zip(times(first), times(second), strict=True)
-        return next((1 if a > b else -1 for a, b in pairs if abs(a - b) > ROUNDING_TOLERANCE), 0)
+        return next((int(np.sign(a - b)) for a, b in pairs if abs(a - b) > ROUNDING_TOLERANCE), 0)
 
     return sorted(entries, key=cmp_to_key(compare))
 

@@ -129,7 +129,7 @@ def correct_pointing(
     weight = smooth_step(times, begin, at - FEWEST_PIECES * KNOT_INTERVAL) * (
         1.0 - smooth_step(times, occupancy.relax, end)
     )
-    first, last = knot_at(begin), min(ceil(end / KNOT_INTERVAL) + FEWEST_PIECES, count - FEWEST_PIECES)
+    first, last = knot_at(begin), ceil(end / KNOT_INTERVAL) + FEWEST_PIECES
     for factor in CORRECTION_FACTORS if last - first >= FEWEST_PIECES else ():
         controls = np.array(extend_controls(motion.controls, count))
         for hinge in np.flatnonzero(np.abs(change) > SAME_ANGLE).tolist():

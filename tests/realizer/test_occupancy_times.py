@@ -9,9 +9,8 @@ from kinesic.bml.parse import parse
 from kinesic.expressivity.keyframes import HeldTurns, Turn
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.syncs import SyncTime
+from kinesic.realizer import occupancy as module
 from kinesic.realizer.occupancy import (
-    MOTION_TOLERANCE,
-    ROUNDING_TOLERANCE,
     MergeFailure,
     Occupancy,
     Overlay,
@@ -91,8 +90,8 @@ def test_times_of_an_occupancy_come_from_the_sync_points(planned, text, times, e
 def test_occupied_hinges_are_those_of_the_used_parts_that_move(planned, known):
     neck, torso = known.robot.joints("neck"), known.robot.joints("torso")
     controls = np.zeros((ROW_COUNT, HINGE_COUNT))
-    controls[9, neck[0]] = 2 * MOTION_TOLERANCE
-    controls[9, neck[1]] = MOTION_TOLERANCE
+    controls[9, neck[0]] = 1.1e-9
+    controls[9, neck[1]] = 1.0e-9
     controls[9, torso[0]] = 1.0
     (entry,) = occupancy_of(planned(GAZE, {"z": {"start": 0.0}}, uses={"z": ["head"]}, controls=controls))
     assert np.flatnonzero(entry.hinges).tolist() == [neck[0]]
@@ -110,11 +109,12 @@ def turning(known, *, rows: dict[int, float], row_count: int = ROW_COUNT) -> np.
 def test_arm_of_a_held_posture_has_its_angle_at_the_end_of_the_behaviour(planned, known, end, expected):
     """The control point after a knot shapes the angle at the knot most."""
     arm = arm_hinges("l_hand", known.robot)[0]
-    controls = turning(known, rows={31: 0.1, 32: 0.2, ROW_COUNT - 2: 0.5, ROW_COUNT - 1: 0.7})
+    controls = turning(known, rows={1: 0.05, 31: 0.1, 32: 0.2, ROW_COUNT - 2: 0.5, ROW_COUNT - 1: 0.7})
     plan = planned(
         LEAN, {"p": {"end": end - ZERO}}, uses={"p": ["l_hand"]}, controls=controls, held={"p": HeldTurns("posture")}
     )
     (entry,) = occupancy_of(plan)
+    assert entry.roles == {"l_hand"}
     assert entry.offset[arm] == pytest.approx(expected)
     assert not np.delete(entry.offset, arm).any()
     assert np.flatnonzero(entry.hinges).tolist() == [arm]
@@ -139,12 +139,35 @@ def test_last_posture_of_a_plan_or_else_its_last_gaze_holds_the_rest_of_the_fina
 ):
     neck = known.robot.joints("neck")[0]
     controls = np.tile(known.robot.skeleton.rest, (ROW_COUNT, 1))
-    controls[-1, neck] += ends
+    controls[:, neck] = 0.03
+    controls[1:, neck] = 0.1
+    controls[-1, neck] = 0.03 + ends
     text = "".join(LEAN if id == "p" else LOOK.format(id) for id in sorted(held))
-    uses = {id: ["head"] for id in held}
+    uses = {id: ["torso"] for id in held}
     plan = planned(text, {id: {"end": 0.1} for id in held}, uses=uses, controls=controls, held=held)
     offsets = {entry.behaviour: entry.offset[neck] for entry in occupancy_of(plan)}
     assert offsets == pytest.approx(expected)
+
+
+def test_held_posture_occupies_trunk_hinges_that_the_plan_does_not_move(planned, known):
+    neck, arm = known.robot.joints("neck")[0], arm_hinges("l_hand", known.robot)[0]
+    controls = turning(known, rows={10: 1.0e-9})
+    held = {"y": look(0.1), "z": look(0.0)}
+    times = {id: {"end": 0.1} for id in held}
+    text = LOOK.format("y") + LOOK.format("z")
+    entries = occupancy_of(
+        planned(text, times, uses={"y": ["head", "l_hand"], "z": ["head"]}, controls=controls, held=held)
+    )
+    assert [np.flatnonzero(entry.hinges).tolist() for entry in entries] == [[neck], []]
+    assert arm not in np.flatnonzero(entries[0].hinges)
+
+
+def test_held_rotations_add_to_those_of_the_rest_posture(known, monkeypatch):
+    torso, neck = known.robot.joints("torso")[0], known.robot.joints("neck")[0]
+    monkeypatch.setattr(module, "rest_turn", lambda *_: Turn(torsion=0.05))
+    monkeypatch.setattr(module, "rest_head_turn", lambda *_: Turn(torsion=0.07))
+    angles = held_angles(HeldTurns("look", head=Turn(torsion=0.5), torso=Turn(torsion=0.2)), known.robot)
+    assert (angles[torso], angles[neck]) == pytest.approx((0.25, 0.32))
 
 
 def test_held_look_counts_the_torso_into_the_direction_of_the_head(known):
@@ -176,10 +199,10 @@ def test_shifted_occupancy_moves_all_its_times():
 
 
 def test_times_that_differ_by_rounding_keep_their_order():
-    entries = [(2.0, 1.0), (1.0, 5.0), (1.0 - ROUNDING_TOLERANCE / 2, 6.0), (1.0, 4.0), (1.0 - 2e-6, 9.0)]
-    expected = [(1.0 - 2e-6, 9.0), (1.0, 4.0), (1.0, 5.0), (1.0 - ROUNDING_TOLERANCE / 2, 6.0), (2.0, 1.0)]
-    assert sort_by_time(entries, lambda entry: entry) == expected
-    same = [("b", (1.0,)), ("a", (1.0 - ROUNDING_TOLERANCE / 2,))]
+    for entries in ([(1.0, 5.0), (2.0, 1.0)], [(1.0 - 0.9e-6, 4.0), (1.0, 5.0)], [(1.0 - 1.1e-6, 5.0), (1.0, 4.0)]):
+        assert sort_by_time(entries, lambda entry: entry) == entries
+        assert sort_by_time(entries[::-1], lambda entry: entry) == entries
+    same = [("b", (1.0,)), ("a", (1.0 - 0.9e-6,))]
     assert sort_by_time(same, lambda entry: entry[1]) == same
 
 
@@ -246,6 +269,7 @@ def test_held_look_is_not_released_if_a_later_held_one_has_superseded_it(known, 
         ([], ""),
         ([use("g", "l_hand", "r_hand")], "g"),
         ([use("n", "sign"), use("g", "r_hand")], "n"),
+        ([use("n", "sign"), use("g", "l_hand", "r_hand")], "n"),
         ([use("n", "sign"), use("z", "look", "r_hand"), use("g", "r_hand")], "z"),
     ],
 )
