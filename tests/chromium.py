@@ -40,6 +40,18 @@ class Page:
                 assert "error" not in data, data
                 return data["result"]
 
+    def event(self, *names: str) -> str:
+        """Wait for the next event with one of the names, and return its name."""
+        while True:
+            data = json.loads(self._connection.recv(timeout=MAX_WAIT))
+            if data.get("method") in names:
+                return data["method"]
+
+    def post(self, method: str) -> None:
+        """Call a method without waiting for its result."""
+        self._calls += 1
+        self._connection.send(json.dumps({"id": self._calls, "method": method, "params": {}}))
+
     def value(self, expression: str) -> object:
         """Return the value of an expression in the page."""
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)

@@ -57,6 +57,14 @@ class Studio:
         self.page.call("Runtime.evaluate", expression=script)
         self.until(f"s.planned > {planned} || !document.querySelector('#fault').hidden")
 
+    def save_as(self, name: str) -> None:
+        """Save the document under a name in the dialog."""
+        self.page.click("#save-as")
+        field = "document.querySelector('#save-name')"
+        self.page.until("document.querySelector('#saving').open")
+        self.page.value(f"{field}.value = {name!r}; {field}.dispatchEvent(new Event('input'))")
+        self.page.click("#save-ok")
+
 
 @pytest.fixture(scope="module")
 def studio(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:

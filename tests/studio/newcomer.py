@@ -42,6 +42,13 @@ class Person:
         )
         self.page.value(script)
 
+    def save_as(self, name: str, what: str) -> None:
+        """Save a document that has no file yet under a name."""
+        self.click("#save", what)
+        self.page.until("document.querySelector('#saving').open")
+        self.write("#save-name", name, f"write its name: {name}")
+        self.click("#save-ok", "confirm the name")
+
     def drag(self, begin: tuple[float, float], *steps: tuple[float, float], what: str = "drag") -> None:
         self._does(what, begin)
         self.page.drag(begin, *steps)
@@ -88,7 +95,6 @@ def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str 
 
 def make_and_perform(person: Person) -> None:
     """Make a weighing gesture, tie it to a word, make it shy, save and perform it."""
-    person.page.call("Runtime.evaluate", expression="names = ['weigh.toml', 'talk.bml']; prompt = () => names.shift()")
     person.click("#lexicon summary", "Gestures are found by what they mean")
     person.write("#search", "weigh against", "search: weigh against")
     person.click("[aria-label='Edit a copy of balance']", "Edit opens a copy of its file")
@@ -99,7 +105,7 @@ def make_and_perform(person: Person) -> None:
     up = [(hand["x"] + 5 * k, hand["y"] - 10 * k) for k in range(3)]
     person.drag(*up, what="drag the hand to its new position")
     person.sees("s.past === 1")
-    person.click("#save", "Save as weigh.toml for immediate use by the robot")
+    person.save_as("weigh", "Save the gesture for immediate use by the robot")
     person.page.until("document.querySelector('#file').textContent === 'weigh.toml'")
     person.write("#examples", "example:one_gesture", "open an example")
     person.sees("s.draft?.block === 'one'")
@@ -118,7 +124,7 @@ def make_and_perform(person: Person) -> None:
     person.sees(
         "s.text.includes('kinesic:style=\"shy\"') && s.draft.behaviours.every(each => each.outcome === 'realised')"
     )
-    person.click("#save", "Save as talk.bml")
+    person.save_as("talk", "Save the document")
     person.page.until("document.querySelector('#file').textContent === 'talk.bml'")
     person.sees("document.querySelectorAll('#strips .strip:not(.head)').length === s.report.servos.celsius.length")
     assert person.page.value("document.querySelector('#perform').disabled"), "the servos have no torque yet"

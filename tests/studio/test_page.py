@@ -20,6 +20,7 @@ WORDS = (
     '<speech id="s"><text>Say <sync id="m1"/>one and then <sync id="m2"/>another.</text></speech>'
     '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m1"/></bml>'
 )
+DECLARED = ' xmlns:kinesic="urn:kinesic"'  # declaration of the prefix of kinesic's attributes
 ESCAPE = 27
 ASKED = 180  # [ms] just after the request for a plan, which follows 150 ms after typing
 
@@ -148,7 +149,9 @@ def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
     planned, slider = studio.state("planned"), "document.querySelector('[aria-label=spatial]')"
     studio.page.value(f"{slider}.value = '0.5', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned}")
-    assert studio.state("text") == WORDS.replace('"s:m1"', '"s:m1" kinesic:spatial="0.5"')
+    assert studio.state("text") == WORDS.replace('"s:m1"', '"s:m1" kinesic:spatial="0.5"').replace(
+        'id="doc"', f'id="doc"{DECLARED}'
+    )
     studio.page.click('[data-row="g"] .name')
     assert studio.page.value("document.querySelector('#inspector').hidden")
 
@@ -161,7 +164,7 @@ def test_expressivity_of_the_whole_block_can_be_set(studio: Studio):
     planned, slider = studio.state("planned"), "document.querySelector('[aria-label=power]')"
     studio.page.value(f"{slider}.value = '-0.5', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned}")
-    assert studio.state("text") == words.replace('id="doc"', 'id="doc" kinesic:power="-0.5"', 1)
+    assert studio.state("text") == words.replace('id="doc"', f'id="doc"{DECLARED} kinesic:power="-0.5"', 1)
     assert studio.page.value("document.querySelector('#fault').hidden")
     studio.page.click("#choose-block")
 
@@ -219,8 +222,7 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     page.drag((hand["x"], hand["y"]), (hand["x"] + 10, hand["y"] - 15), (hand["x"] + 20, hand["y"] - 30))
     studio.until("s.past === 1 && s.draft.keys[1].both.at[1] > 0.24")  # higher than before
     assert studio.state("draft")["keys"][0]["both"]["at"] == [0.16, 0.14, 0.38]
-    page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.toml'")
-    page.click("#save")
+    studio.save_as("mine")
     page.until("document.querySelector('#file').textContent === 'mine.toml'")
     text = WORDS.replace('lexeme="offer" mode="RIGHT_HAND"', 'lexeme="my_conduit"')
     plan = Performer(lexicon=studio.folder / "mine.toml").plan(text)
@@ -249,8 +251,7 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
 
 def test_document_is_saved_unchanged_and_reopened(studio: Studio):
     studio.write(WORDS)
-    studio.page.call("Runtime.evaluate", expression="window.prompt = () => 'mine.bml'")
-    studio.page.click("#save")
+    studio.save_as("mine")
     studio.page.until("document.querySelector('#file').textContent === 'mine.bml'")
     assert (studio.folder / "mine.bml").read_text() == WORDS
     studio.page.until("[...document.querySelectorAll('#saved option')].some(each => each.value === 'file:mine.bml')")

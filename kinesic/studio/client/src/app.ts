@@ -1,10 +1,10 @@
 // Page of the studio: one document as text, timeline and stage.
 import { listen } from "./controls.ts";
-import { Documents } from "./documents.ts";
 import { byId, say } from "./dom.ts";
 import { Drafting } from "./drafting.ts";
 import { addGesture, alone, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
 import { Exports } from "./exports.ts";
+import { Files } from "./files.ts";
 import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
@@ -30,13 +30,11 @@ class App {
   private readonly drafting: Drafting;
   private readonly inspector: Inspector;
   private readonly editing: GestureEditing;
-  private readonly documents: Documents;
+  private readonly files: Files;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private chosen: string | null = null;
   private planned = 0; // number of shown drafts
-  private name = "untitled.bml";
-  private saved = ""; // last saved text
   private performances = 0; // number of performances of single gestures
 
   constructor(private readonly about: About) {
@@ -47,7 +45,7 @@ class App {
       choose: (id) => this.choose(id),
     });
     this.robot = new Robot(about.robot, {
-      opened: () => this.connected(),
+      opened: () => void this.connected(),
       changed: () => this.enable(),
       moved: () => this.view.follow(),
     });
@@ -60,7 +58,7 @@ class App {
     );
     this.drafting = new Drafting(() => this.ask(), {
       waiting: (on) => say(byId("planning"), on ? "planning …" : ""),
-      drafted: (draft) => this.show(draft),
+      drafted: (draft) => this.showDraft(draft),
       failed: (fault) => {
         this.text.mark(fault);
         showNotices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
@@ -80,24 +78,22 @@ class App {
     this.editing = new GestureEditing(about, this.robot.wire, {
       text: () => this.document,
       edit: (text) => this.edit(text),
-      open: (name, text) => this.open(name, text),
+      open: (name, text) => this.files.open(name, text),
       insert: (id) => this.insert(id),
       seek: (time) => this.playback.player.seek(time),
       say: (text) => this.robot.live.say(text),
       hand: (side) => this.view.stage.handPosition(side),
     });
-    this.documents = new Documents(this.robot.wire, {
-      opened: (name, text) => this.open(name, text),
-      saved: (name, text) => {
-        this.opened(name);
-        this.saved = text;
-        if (this.isGesture) this.editing.saved();
-      },
+    this.files = new Files(about, this.robot.wire, {
+      text: () => this.document,
+      show: (text) => this.show(text),
+      edit: (text) => this.edit(text),
+      saved: () => this.isGesture && this.editing.saved(),
       say: (text) => this.robot.live.say(text),
     });
     this.listen();
     fillMenus(this.about);
-    this.open(about.examples[0]?.name ?? "untitled", about.examples[0]?.text ?? "");
+    this.files.begin();
   }
 
   // ---- the document -------------------------------------------------------------------------------------------
@@ -107,13 +103,13 @@ class App {
   }
 
   private get isGesture(): boolean {
-    return this.name.endsWith(".toml");
+    return this.files.saving.name.endsWith(".toml");
   }
 
-  private open(name: string, text: string): void {
-    this.opened(name.includes(".") ? name : `${name}.bml`);
-    this.chosen = this.isGesture ? GESTURE_ID : null;
+  /** Show another document from its beginning. */
+  private show(text: string): void {
     this.history = begin(text);
+    this.chosen = this.isGesture ? GESTURE_ID : null;
     this.editing.begin(this.isGesture);
     this.text.show(text);
     this.view.setMode("plan");
@@ -131,6 +127,7 @@ class App {
     if (!typed) this.text.show(history.present);
     this.text.mark(null);
     this.drafting.later();
+    this.files.saving.changed();
     this.enable();
   }
 
@@ -141,7 +138,7 @@ class App {
     return this.robot.wire.ask("gesture", { toml: this.document, set });
   }
 
-  private show(draft: Draft): void {
+  private showDraft(draft: Draft): void {
     this.text.mark(null);
     this.draft = draft;
     this.view.motion = new Motion(draft, this.about.robot.hinges.length);
@@ -205,10 +202,8 @@ class App {
 
   // ---- the server ---------------------------------------------------------------------------------------------
 
-  private connected(): void {
-    if (this.about.document) void this.documents.open(this.about.document);
-    else void this.drafting.now();
-    this.about.document = null;
+  private async connected(): Promise<void> {
+    if (!(await this.files.connected())) void this.drafting.now();
   }
 
   /** BML to perform: the document, or a document for the edited gesture with the tried manner. */
@@ -219,14 +214,9 @@ class App {
 
   private perform(): void {
     this.playback.player.play(false);
-    if (this.isGesture && this.saved !== this.document)
+    if (this.isGesture && !this.files.saving.isStored)
       this.robot.live.say("save the gesture first, so that the robot can use it");
     else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.view.setMode("robot");
-  }
-
-  private opened(name: string): void {
-    this.name = name;
-    byId("file").textContent = name;
   }
 
   // ---- the page -----------------------------------------------------------------------------------------------
@@ -236,7 +226,7 @@ class App {
     byId<HTMLButtonElement>("redo").disabled = !this.history.future.length;
     byId<HTMLButtonElement>("perform").disabled = !this.robot?.ready;
     byId("perform").title = this.robot?.limp ? "Arm the servos first" : "Perform on the robot (Ctrl Enter)";
-    byId<HTMLButtonElement>("save").disabled = this.robot?.wire.state !== "open";
+    for (const name of ["save", "save-as"]) byId<HTMLButtonElement>(name).disabled = this.robot?.wire.state !== "open";
   }
 
   private listen(): void {
@@ -247,7 +237,8 @@ class App {
       resume: () => this.robot.resume(),
       undo: () => this.step(undo(this.history)),
       redo: () => this.step(redo(this.history)),
-      save: () => void this.documents.save(this.name, this.document),
+      save: () => void this.files.saving.save(false),
+      saveAs: () => void this.files.saving.save(true),
       remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
       show: (mode) => this.view.setMode(mode),
       view: (view) => this.view.stage.view(view),
@@ -259,12 +250,8 @@ class App {
         this.playback.player.loops = on;
       },
       voice: (on) => this.playback.speak(on),
-      list: () => void this.documents.list(),
-      open: (kind, name) => {
-        const example = this.about.examples.find((each) => each.name === name);
-        if (kind === "example" && example) this.open(name, example.text);
-        else void this.documents.open(name);
-      },
+      list: () => this.files.fillMenu(),
+      open: (kind, name) => this.files.choose(kind, name),
       unlock: (token) => this.robot.unlock(token),
     });
   }
@@ -276,6 +263,9 @@ class App {
       connection: this.robot.wire.state,
       text: this.document,
       past: this.history.past.length,
+      name: this.files.saving.name,
+      unsaved: this.files.saving.unsaved,
+      place: this.files.saving.place,
       planned: this.planned,
       time: this.playback.player.time,
       heard: this.playback.voice.time,

@@ -10,6 +10,7 @@ export interface Actions {
   undo(): void;
   redo(): void;
   save(): void;
+  saveAs(): void;
   remove(): void;
   show(mode: "plan" | "robot"): void;
   view(view: View): void;
@@ -27,6 +28,7 @@ export interface Actions {
 export function listen(actions: Actions): void {
   for (const name of ["play", "perform", "stop", "resume", "undo", "redo", "save", "remove"] as const)
     byId(name).addEventListener("click", () => actions[name]());
+  byId("save-as").addEventListener("click", () => actions.saveAs());
   for (const mode of ["plan", "robot"] as const)
     byId(`mode-${mode}`).addEventListener("click", () => actions.show(mode));
   for (const view of VIEWS) byId(`view-${view}`).addEventListener("click", () => actions.view(view));
@@ -46,7 +48,7 @@ export function listen(actions: Actions): void {
   const style = byId<HTMLSelectElement>("style");
   style.addEventListener("change", () => actions.style(style.value));
   const menu = byId<HTMLSelectElement>("examples");
-  menu.addEventListener("pointerdown", () => actions.list());
+  for (const event of ["pointerdown", "focus"]) menu.addEventListener(event, () => actions.list());
   menu.addEventListener("change", () => {
     const at = menu.value.indexOf(":");
     actions.open(menu.value.slice(0, at), menu.value.slice(at + 1));
@@ -69,6 +71,7 @@ function key(event: KeyboardEvent, actions: Actions): void {
     Z: actions.redo,
     y: actions.redo,
     s: actions.save,
+    S: actions.saveAs,
     Enter: actions.perform,
   };
   const act = stops ? actions.stop : event.ctrlKey || event.metaKey ? shortcuts[event.key] : undefined;

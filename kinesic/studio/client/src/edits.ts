@@ -1,9 +1,13 @@
 // Edits of a document: pure functions from text to text that preserve all other bytes.
+import { unusedId } from "./ids.ts";
+import { withKinesicPrefix } from "./namespaces.ts";
 import { escapeXml, findAttribute, findTags, isMark, opensBehaviour, tagWithId, withAttribute } from "./xml.ts";
 
 /** Sync points in chronological order. */
 export const POINTS = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end"] as const;
 const PINNING: readonly string[] = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd"];
+
+const WORD_OR_MARKUP = /<!--[\s\S]*?-->|<!\[CDATA\[[\s\S]*?\]\]>|<\?[\s\S]*?\?>|<[^>]*>|[^\s<]+/g;
 
 export type Anchor = { speech: string; mark: string } | { time: number };
 
@@ -41,16 +45,15 @@ export function setAttribute(text: string, behaviour: string, name: string, valu
   return tag ? withAttribute(text, tag, name, value) : text;
 }
 
-/** Set a behaviour's style or manner, in the `kinesic` namespace unless the document uses another; null removes it. */
+/** Set a behaviour's style or manner in kinesic's namespace, which is declared if needed; null removes it. */
 export function setManner(text: string, behaviour: string, name: string, value: string | number | null): string {
   const tag = tagWithId(text, behaviour);
-  const known = tag && findAttribute(tag, name)?.name;
-  return setAttribute(
-    text,
-    behaviour,
-    known ?? `kinesic:${name}`,
-    typeof value === "number" ? formatTime(value) : value,
-  );
+  const written = typeof value === "number" ? formatTime(value) : value;
+  const present = tag && findAttribute(tag, name)?.name;
+  if (!tag || written === null || (present && !present.startsWith("kinesic")))
+    return setAttribute(text, behaviour, present ?? name, written);
+  const declared = withKinesicPrefix(text, tag);
+  return setAttribute(declared.text, behaviour, present ?? `${declared.prefix}:${name}`, written);
 }
 
 /** Insert a mark before the n-th word after a mark, or after the start of a speech; return text and id. */
@@ -63,30 +66,26 @@ export function mark(text: string, speech: string, after: string, word: number):
   const from = inside.findIndex((tag) => isMark(tag) && tag.attributes.some((a) => a.value === after));
   const opening = inside.findIndex((tag) => tag.name === "text" && !tag.closing);
   const begin = inside[from >= 0 ? from : opening] ?? tags[first];
-  if (first < 0 || !begin) return { text, mark: after };
+  if (first < 0 || !begin || tags[first]?.empty) return { text, mark: after };
   const end = tags[last]?.from ?? text.length;
   const at = wordAt(text, begin.to, end, word);
   if (at < 0) return { text, mark: after };
-  const id = unusedId(tags.flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value)));
-  return { text: `${text.slice(0, at)}<sync id="${id}"/>${text.slice(at)}`, mark: id };
+  const id = unusedId(text, "m", true);
+  return { text: `${text.slice(0, at)}<${tags[first]?.prefix ?? ""}sync id="${id}"/>${text.slice(at)}`, mark: id };
 }
 
-/** Return the index of the n-th word of a text without its tags, or -1 if it has fewer. */
+/** Return the index of the n-th word in a part of a text, or -1 if it has fewer; tags and comments have no words. */
 function wordAt(text: string, from: number, to: number, count: number): number {
-  const pieces = /<[^>]*>|[^\s<]+/g;
-  pieces.lastIndex = from;
-  for (let seen = 0, match = pieces.exec(text); match && match.index < to; match = pieces.exec(text)) {
-    if (match[0].startsWith("<")) continue;
-    if (seen === count) return match.index;
-    seen += 1;
+  const tags = findTags(text).filter((tag) => tag.from >= from && tag.to <= to);
+  let seen = 0;
+  for (const [k, begin] of [from, ...tags.map((tag) => tag.to)].entries()) {
+    for (const word of text.slice(begin, tags[k]?.from ?? to).matchAll(WORD_OR_MARKUP)) {
+      if (word[0].startsWith("<")) continue;
+      if (seen === count) return begin + word.index;
+      seen += 1;
+    }
   }
   return -1;
-}
-
-function unusedId(used: string[]): string {
-  let number = 1;
-  while (used.includes(`m${number}`)) number += 1;
-  return `m${number}`;
 }
 
 /** Remove a behaviour with its line. */
@@ -112,11 +111,11 @@ export function alone(lexeme: string, manner: ReadonlyMap<string, number>, numbe
 /** Append a gesture at a block time [s]. */
 export function addGesture(text: string, lexeme: string, time: number): string {
   const tags = findTags(text);
-  const end = tags.findLast((tag) => tag.closing && tag.name === "bml");
+  const end = tags.findLast((tag) => tag.name === "bml" && (tag.closing || tag.empty));
   if (!end) return text;
-  const used = tags.flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
-  let id = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
-  for (let k = 2, stem = id; used.includes(id); k++) id = `${stem}${k}`;
-  const line = `  <gesture id="${id}" lexeme="${escapeXml(lexeme)}" start="${formatTime(time)}"/>\n`;
-  return text.slice(0, end.from) + line + text.slice(end.from);
+  const stem = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
+  const id = unusedId(text, /^[a-z_]/.test(stem) ? stem : `g_${stem}`, false);
+  const line = `  <${end.prefix}gesture id="${id}" lexeme="${escapeXml(lexeme)}" start="${formatTime(time)}"/>\n`;
+  if (end.closing) return text.slice(0, end.from) + line + text.slice(end.from);
+  return `${text.slice(0, end.to - 2).trimEnd()}>\n${line}</${end.prefix}bml>${text.slice(end.to)}`;
 }

@@ -12,6 +12,8 @@ export interface Attribute {
 
 export interface Tag {
   name: string;
+  /** Prefix with its colon, or empty. */
+  prefix: string;
   attributes: Attribute[];
   from: number;
   /** Index after the `>`. */
@@ -24,8 +26,15 @@ const SKIPPED = /<!--[\s\S]*?(?:-->|$)|<!\[CDATA\[[\s\S]*?(?:\]\]>|$)|<\?[\s\S]*
 const TAG = /<(\/?)([A-Za-z_][\w:.-]*)((?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*)\s*(\/?)>/y;
 const ATTRIBUTE = /(\s+)([\w:.-]+)(\s*=\s*)(?:"([^"]*)"|'([^']*)')/g;
 
+let latest: { text: string; tags: readonly Tag[] } = { text: "", tags: [] }; // one edit reads its text several times
+
 /** Return all tags of a text in order; comments and other text are skipped. */
-export function findTags(text: string): Tag[] {
+export function findTags(text: string): readonly Tag[] {
+  if (latest.text !== text) latest = { text, tags: readTags(text) };
+  return latest.tags;
+}
+
+function readTags(text: string): Tag[] {
   const found: Tag[] = [];
   let at = text.indexOf("<");
   while (at >= 0) {
@@ -44,6 +53,7 @@ function readTag(match: RegExpExecArray, at: number): Tag {
   const first = at + 1 + slash!.length + name!.length;
   return {
     name: name!.slice(name!.indexOf(":") + 1),
+    prefix: name!.slice(0, name!.indexOf(":") + 1),
     attributes: [...attributes!.matchAll(ATTRIBUTE)].map((each) => {
       const value = each[4] ?? each[5] ?? "";
       const from = first + each.index;
@@ -81,12 +91,15 @@ export function findAttribute(tag: Tag, name: string): Attribute | undefined {
   return tag.attributes.find((each) => each.name === name || each.name.endsWith(`:${name}`));
 }
 
-const ESCAPES: Record<string, string> = { "&": "&amp;", "<": "&lt;", '"': "&quot;", "'": "&apos;" };
-/** Escape a value for an attribute. */
-export const escapeXml = (value: string) => value.replace(/[&<"']/g, (letter) => ESCAPES[letter]!);
+const ESCAPES: Record<string, string> = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&apos;" };
+const UNWRITABLE = /[^\P{Cc}\t\n\r]|\p{Cs}|[\uFFFE\uFFFF]/gu; // characters that XML cannot have
+/** Escape a value for an attribute, without characters that XML cannot have. */
+export const escapeXml = (value: string) =>
+  value.replace(UNWRITABLE, "").replace(/[&<>"']/g, (letter) => ESCAPES[letter]!);
 const unescaped = (value: string) =>
-  value.replace(/&(amp|lt|gt|quot|apos);/g, (whole, name) =>
-    name === "gt" ? ">" : (Object.entries(ESCAPES).find(([, code]) => code === `&${name};`)?.[0] ?? whole),
+  value.replace(
+    /&(?:amp|lt|gt|quot|apos);/g,
+    (code) => Object.keys(ESCAPES).find((letter) => ESCAPES[letter] === code) ?? code,
   );
 
 /** Set an attribute of a tag; null removes it. */

@@ -1,51 +1,18 @@
 // Edits and their undo history; random edits are undone exactly.
 import assert from "node:assert/strict";
-import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
 import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "../src/edits.ts";
 import { begin, change, redo, STEPS, undo } from "../src/history.ts";
 import { findAttribute, findTags, tagWithId } from "../src/xml.ts";
+import { edited, randomly, texts, welcome } from "./random_edits.ts";
 
-const texts = readdirSync("../examples").map((name) => readFileSync(`../examples/${name}`, "utf8"));
-const welcome = readFileSync("../../configs/bml/welcome.bml", "utf8");
+const [oneGesture, manners] = [texts[1]!, texts[3]!];
 const value = (text: string, id: string, name: string) => findAttribute(tagWithId(text, id)!, name)?.value;
-
-function randomly(seed: number): () => number {
-  let state = seed;
-  return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let mixed = Math.imul(state ^ (state >>> 15), state | 1);
-    mixed ^= mixed + Math.imul(mixed ^ (mixed >>> 7), mixed | 61);
-    return ((mixed ^ (mixed >>> 14)) >>> 0) / 4294967296;
-  };
-}
-
-function edited(text: string, random: () => number): string {
-  const ids = findTags(text).flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
-  const id = ids.slice(1)[Math.floor(random() * (ids.length - 1))] ?? "none"; // not the document itself
-  const time = random() * 9;
-  switch (Math.floor(random() * 7)) {
-    case 0:
-      return tie(text, id, "stroke", { time });
-    case 1:
-      return tie(text, id, "stroke", { speech: "s", mark: "m1" });
-    case 2:
-      return shift(text, id, random() < 0.5 ? "start" : "stroke", time - 4.5, time);
-    case 3:
-      return setAttribute(text, id, "lexeme", random() < 0.2 ? null : `a & "b" ${time}`);
-    case 4:
-      return remove(text, id);
-    case 5:
-      return addGesture(text, "Open_Palm", time);
-    default:
-      return mark(text, "s", "start", Math.floor(random() * 5)).text;
-  }
-}
 
 test("200 random edits are undone and redone exactly, for 1000 seeds", () => {
   for (let seed = 0; seed < 1000; seed++) {
     const random = randomly(seed);
-    let history = begin([welcome, ...texts][seed % (texts.length + 1)]!);
+    let history = begin(texts[seed % texts.length]!);
     const first = history.present;
     let made = 0;
     for (let k = 0; k < STEPS; k++) {
@@ -80,15 +47,53 @@ test("a shift keeps its reference", () => {
   assert.equal(value(shift(welcome, "nod", "stroke", -0.4, 2), "nod", "stroke"), "s:welcome");
   assert.equal(value(shift(welcome, "nod", "stroke", 0.25, 2), "nod", "stroke"), "s:welcome+0.65");
   assert.equal(value(shift(welcome, "large", "stroke", -0.25, 2), "large", "stroke"), "s:large-0.25");
-  assert.equal(value(shift(texts[0]!, "g", "start", 0.5, 0.3), "g", "start"), "0.8");
+  assert.equal(value(shift(oneGesture, "g", "start", 0.5, 0.3), "g", "start"), "0.8");
 });
 
 test("a manner is added in the kinesic namespace, changed in place, and removed", () => {
-  const plain = texts[0]!;
+  const plain = oneGesture;
   const strong = setManner(plain, "g", "power", 0.5);
-  assert.equal(strong, plain.replace('start="0.3"', 'start="0.3" kinesic:power="0.5"'));
-  assert.equal(setManner(strong, "g", "power", null), plain);
-  assert.equal(value(setManner(texts[2]!, "shy", "spatial", 0), "shy", "k:spatial"), "0");
+  const declared = plain.replace('id="one"', 'id="one" xmlns:kinesic="urn:kinesic"');
+  assert.equal(strong, declared.replace('start="0.3"', 'start="0.3" kinesic:power="0.5"'));
+  assert.equal(setManner(strong, "g", "power", null), declared);
+  assert.equal(setManner(plain, "g", "power", null), plain);
+  assert.equal(value(setManner(manners, "shy", "spatial", 0), "shy", "k:spatial"), "0");
+});
+
+test("an attribute with an undeclared prefix is changed, and its prefix declared", () => {
+  const bare = '<bml id="b"><gesture id="g" kinesic:style="shy"/></bml>';
+  const after = setManner(bare, "g", "style", "proud");
+  assert.equal(after, '<bml id="b" xmlns:kinesic="urn:kinesic"><gesture id="g" kinesic:style="proud"/></bml>');
+});
+
+test("another meaning of the prefix is left alone", () => {
+  const taken = '<bml id="b" xmlns:kinesic="urn:other"><gesture id="g"/></bml>';
+  const after = setManner(taken, "g", "power", 1);
+  assert.ok(after.includes('xmlns:kinesic2="urn:kinesic"') && after.includes('<gesture id="g" kinesic2:power="1"/>'));
+});
+
+test("a new id is not one that something refers to", () => {
+  const text = '<bml id="b"><speech id="s"><text>one two</text></speech><gesture id="g" stroke="s:m1+0.25"/></bml>';
+  assert.equal(mark(text, "s", "start", 1).mark, "m2");
+  const waiting = '<bml id="b"><gesture id="g" start="offer:end"/></bml>';
+  assert.ok(addGesture(waiting, "offer", 0).includes('id="offer2"'));
+  const same = '<bml id="b"><gesture id="g" lexeme="offer"/></bml>';
+  assert.ok(addGesture(same, "offer", 0).includes('id="offer"'));
+});
+
+test("new elements have the prefix of the document, and an empty document is opened for them", () => {
+  const prefixed = '<b:bml xmlns:b="x" id="b"><b:speech id="s"><b:text>one two</b:text></b:speech></b:bml>';
+  assert.ok(addGesture(prefixed, "offer", 0).includes('<b:gesture id="offer"'));
+  assert.ok(mark(prefixed, "s", "start", 1).text.includes('one <b:sync id="m1"/>two'));
+  assert.equal(
+    addGesture('<bml id="b" />', "offer", 0),
+    '<bml id="b">\n  <gesture id="offer" lexeme="offer" start="0"/>\n</bml>',
+  );
+});
+
+test("no mark is put into a comment", () => {
+  const text = '<bml id="b"><speech id="s"><text>one <!-- a > b --> two</text></speech></bml>';
+  assert.ok(mark(text, "s", "start", 1).text.includes('<!-- a > b --> <sync id="m1"/>two'));
 });
 
 test("a word gets one mark", () => {

@@ -62,8 +62,10 @@ export function load(url = "http://robot.example:8080/"): Window {
   const window = new Window({ url });
   window.document.write(HTML);
   sockets.length = 0;
-  const { document, location, sessionStorage, DOMParser, performance } = window;
-  Object.assign(globalThis, { document, location, sessionStorage, DOMParser, performance, WebSocket: Socket });
+  const { document, location, localStorage, sessionStorage, DOMParser, performance } = window;
+  Object.assign(globalThis, { window, document, location, localStorage, sessionStorage, DOMParser, performance });
+  Object.assign(globalThis, { WebSocket: Socket });
+  Object.defineProperty(globalThis, "navigator", { value: window.navigator, configurable: true });
   return window;
 }
 

@@ -1,0 +1,45 @@
+// Declarations of the namespace of kinesic's attributes, such as kinesic:power.
+import { findTags, type Tag, withAttribute } from "./xml.ts";
+
+export const KINESIC_NAMESPACE = "urn:kinesic";
+const DEFAULT_PREFIX = "kinesic";
+
+/** Return the outermost element around a tag, or the tag itself. */
+function rootOf(tags: readonly Tag[], tag: Tag): Tag {
+  const open: Tag[] = [];
+  for (const each of tags) {
+    if (each.from >= tag.from) break;
+    if (each.closing) open.pop();
+    else if (!each.empty) open.push(each);
+  }
+  return open[0] ?? tag;
+}
+
+/** Return all declared prefixes with their namespaces; null for a prefix with several. */
+function declarations(tags: readonly Tag[]): Map<string, string | null> {
+  const found = new Map<string, string | null>();
+  for (const { name, value } of tags.flatMap((tag) => tag.attributes)) {
+    if (!name.startsWith("xmlns:")) continue;
+    const prefix = name.slice("xmlns:".length);
+    found.set(prefix, (found.get(prefix) ?? value) === value ? value : null);
+  }
+  return found;
+}
+
+/** Return a prefix of kinesic's namespace for the attributes of a tag, and the text in which it is declared. */
+export function withKinesicPrefix(text: string, tag: Tag): { text: string; prefix: string } {
+  const tags = findTags(text);
+  const declared = declarations(tags);
+  const root = rootOf(tags, tag);
+  const here = [...root.attributes, ...tag.attributes].find(
+    ({ name, value }) =>
+      name.startsWith("xmlns:") &&
+      value === KINESIC_NAMESPACE &&
+      declared.get(name.slice("xmlns:".length)) === KINESIC_NAMESPACE,
+  );
+  if (here) return { text, prefix: here.name.slice("xmlns:".length) };
+  let prefix = DEFAULT_PREFIX;
+  for (let number = 2; declared.has(prefix) && declared.get(prefix) !== KINESIC_NAMESPACE; number++)
+    prefix = `${DEFAULT_PREFIX}${number}`;
+  return { text: withAttribute(text, root, `xmlns:${prefix}`, KINESIC_NAMESPACE), prefix };
+}
