@@ -10,6 +10,7 @@ from kinesic.body.smoothing import smooth_curve
 CUTOFF_FREQUENCY = 10.0  # [Hz] upper limit of voluntary movement (low-pass filter)
 NOISE_THRESHOLD = 0.05  # fraction of the peak below which speed or spectrum counts as noise
 SPECTRUM_OVERSAMPLING = 16  # interpolation factor of the spectrum, by zero padding
+MIN_SPECTRUM_SAMPLES = 3  # fewest speeds whose spectrum is measured
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,8 @@ class HandSmoothness:
         """
         return cls(
             dimensionless_jerk(planned, period=period),
-            spectral_arc_length(planned, period=period),
-            spectral_arc_length(performed, period=period),
+            spectral_arc_length(_measure_speeds(planned, period), period=period),
+            spectral_arc_length(_measure_speeds(performed, period), period=period),
         )
 
 
@@ -77,26 +78,31 @@ def visible_jerk(path: Floats, *, period: float) -> float:
     return float(((np.diff(seen, n=3, axis=0) / period**3) ** 2).sum(axis=1).mean())
 
 
-def spectral_arc_length(path: Floats, *, period: float) -> float | None:
-    """Compute a path's spectral arc length, SPARC (Balasubramanian et al., 2015).
+def spectral_arc_length(speeds: Floats, *, period: float) -> float | None:
+    """Compute a motion's spectral arc length, SPARC (Balasubramanian et al., 2015).
 
     It is minus the length of the normalised speed spectrum: about -1.4 for one smooth reach, more negative for a
-    rougher one, and insensitive to noise.
+    rougher one, and insensitive to noise. The spectrum ends at 10 Hz, or where it stays below a twentieth of its
+    largest amplitude.
 
     Args:
-        path: (m, 3) [m].
+        speeds: (m,) in any unit.
         period: [s] between samples.
 
     Returns:
-        Spectral arc length; None for a path without motion.
+        Spectral arc length; None without motion or with fewer than three samples.
     """
-    speed = np.linalg.norm(np.diff(path, axis=0), axis=1) / period
-    if not len(speed) or speed.max() == 0.0:
+    if len(speeds) < MIN_SPECTRUM_SAMPLES or not speeds.any():
         return None
-    size = SPECTRUM_OVERSAMPLING * 2 ** int(np.ceil(np.log2(len(speed))))
-    spectrum = np.abs(np.fft.rfft(speed, size))
+    size = SPECTRUM_OVERSAMPLING * 2 ** int(np.ceil(np.log2(len(speeds))))
+    spectrum = np.abs(np.fft.rfft(speeds, size))
     spectrum = spectrum[: int(CUTOFF_FREQUENCY * size * period) + 1] / spectrum[0]
     counted = np.flatnonzero(spectrum >= NOISE_THRESHOLD)
     spectrum = spectrum[: counted[-1] + 1]
     across = 1.0 / max(1, len(spectrum) - 1)
     return -float(np.hypot(across, np.diff(spectrum)).sum())
+
+
+def _measure_speeds(path: Floats, period: float) -> Floats:
+    """Return the speeds (m - 1,) [m/s] along a path (m, 3) [m]."""
+    return np.asarray(np.linalg.norm(np.diff(path, axis=0), axis=1) / period)

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
+from kinesic.metrics.smoothness import spectral_arc_length
 from kinesic.studies.sweep.geometry import length
 
 PROFILE_RATE = 30.0  # [Hz] sample rate of captured clips, used for movement units and spectra
-MAX_FREQUENCY = 10.0  # [Hz] upper limit of the speed spectrum in the spectral arc length
-MIN_AMPLITUDE = 0.05  # ratio of spectral amplitude to the largest one, below which the spectrum is cut off
-PADDING_DOUBLINGS = 4  # number of times a speed profile is doubled with zeros for a smooth spectrum
+PROFILE_PERIOD = 1.0 / PROFILE_RATE  # [s] between samples of a speed profile
 MIN_PEAK_RATIO = 0.1  # smallest peak speed of a movement unit / largest speed
 MAX_DIP_RATIO = 0.5  # largest ratio of the minimum speed between two movement units to the lower peak
 ONSET_RATIO = 0.05  # speed at which a preparation starts / largest speed before strokeStart
@@ -93,7 +92,7 @@ def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: f
         flow=_flow(profile),
         lead=_lead(profile),
         units=count_units(resampled),
-        sparc=spectral_arc_length(resampled),
+        sparc=spectral_arc_length(resampled, period=PROFILE_PERIOD),
         preparation_sparc=_measure_preparation_smoothness(profile.resampled("start", "strokeStart")),
         path=length(path[whole]),
         arm_lengths=length(path[whole]) / arm,
@@ -119,31 +118,6 @@ def count_units(speeds: Floats) -> int:
         elif speeds[peak] > speeds[kept[-1]]:
             kept[-1] = peak
     return len(kept)
-
-
-def spectral_arc_length(speeds: Floats) -> float | None:
-    """Return the negative spectral arc length of a speed profile.
-
-    The measure is SPARC (Balasubramanian 2015).
-
-    Frequencies and amplitudes are normalised; the spectrum ends where it stays below a twentieth of its largest
-    amplitude, at most at 10 Hz. A single smooth reach gives about -1.4; stops and tremors give lower values.
-
-    Args:
-        speeds: speeds (m,) at `PROFILE_RATE`, in any unit.
-
-    Returns:
-        The value, or None for a profile without motion or with fewer than three samples.
-    """
-    if len(speeds) < 3 or not speeds.any():
-        return None
-    count = 2 ** (int(np.ceil(np.log2(len(speeds)))) + PADDING_DOUBLINGS)
-    frequencies = np.fft.rfftfreq(count, 1.0 / PROFILE_RATE)
-    amplitudes = np.abs(np.fft.rfft(speeds, count))
-    amplitudes /= amplitudes.max()
-    end = np.flatnonzero((frequencies <= MAX_FREQUENCY) & (amplitudes >= MIN_AMPLITUDE))[-1]
-    steps = np.diff(frequencies[: end + 1]) / frequencies[end]
-    return -float(np.hypot(steps, np.diff(amplitudes[: end + 1])).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +168,11 @@ def _measure_preparation_smoothness(speeds: Floats) -> float | None:
     The result is None if it is shorter than `MIN_PREPARATION_TIME`.
     """
     moving = speeds[int((speeds > ONSET_RATIO * speeds.max(initial=0.0)).argmax()) :] if speeds.size else speeds
-    return spectral_arc_length(moving) if len(moving) > MIN_PREPARATION_TIME * PROFILE_RATE else None
+    return (
+        spectral_arc_length(moving, period=PROFILE_PERIOD)
+        if len(moving) > MIN_PREPARATION_TIME * PROFILE_RATE
+        else None
+    )
 
 
 def _flow(profile: _Profile) -> float | None:

@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.bench.naturalness.measures import PROFILE_RATE, count_units, measure_hand, spectral_arc_length
+from kinesic.bench.naturalness.measures import PROFILE_PERIOD, PROFILE_RATE, count_units, measure_hand
+from kinesic.metrics.smoothness import spectral_arc_length
 
 ARM = 0.5
 SYNCS = {"start": 0.0, "ready": 1.0, "strokeStart": 1.0, "stroke": 2.0, "strokeEnd": 2.0, "relax": 2.5, "end": 3.5}
@@ -21,39 +22,10 @@ def reach_path(fraction):
     return 10 * fraction**3 - 15 * fraction**4 + 6 * fraction**5
 
 
-def published_sparc(movement, fs, padlevel=4, fc=10.0, amp_th=0.05):
-    """Compute SPARC by the definition of Balasubramanian et al. (2015): a sum over the cut spectrum."""
-    nfft = int(2 ** (np.ceil(np.log2(len(movement))) + padlevel))
-    f = np.linspace(0, fs, nfft, endpoint=False)
-    mf = np.absolute(np.fft.fft(movement, nfft))
-    mf = mf / np.max(mf)
-    chosen = [k for k in range(nfft) if f[k] <= fc]
-    loud = [k for k in chosen if mf[k] >= amp_th]
-    f, mf = f[loud[0] : loud[-1] + 1], mf[loud[0] : loud[-1] + 1]
-    total = 0.0
-    for k in range(1, len(f)):
-        total += np.sqrt(((f[k] - f[k - 1]) / (f[-1] - f[0])) ** 2 + (mf[k] - mf[k - 1]) ** 2)
-    return -total
-
-
 @given(duration=st.floats(0.3, 2.0), scale=st.floats(0.01, 100.0))
 def test_minimum_jerk_reach_is_one_smooth_movement_unit(duration, scale):
     assert count_units(scale * bell_profile(duration)) == 1
-    assert -1.6 < spectral_arc_length(scale * bell_profile(duration)) < -1.39
-
-
-@given(speeds=st.lists(st.floats(0.0, 5.0), min_size=3, max_size=200).filter(any))
-def test_spectral_arc_length_equals_the_published_definition(speeds):
-    assert spectral_arc_length(np.array(speeds)) == pytest.approx(
-        published_sparc(np.array(speeds), PROFILE_RATE), rel=1e-9
-    )
-
-
-def test_stops_increase_the_spectral_arc_length():
-    measured = [spectral_arc_length(np.concatenate([bell_profile(0.6), np.zeros(6)] * count)) for count in (1, 2, 3, 5)]
-    assert measured == sorted(measured, reverse=True)
-    assert spectral_arc_length(np.zeros(50)) is None
-    assert spectral_arc_length(np.ones(2)) is None
+    assert -1.6 < spectral_arc_length(scale * bell_profile(duration), period=PROFILE_PERIOD) < -1.39
 
 
 @given(heights=st.lists(st.floats(0.2, 1.0), min_size=1, max_size=8))

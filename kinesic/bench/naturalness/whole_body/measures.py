@@ -10,13 +10,14 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from kinesic.bench.naturalness.measures import (
+    PROFILE_PERIOD,
     PROFILE_RATE,
     count_units,
     measure_hand,
-    spectral_arc_length,
 )
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion, smooth_frames
 from kinesic.body.arrays import Floats
+from kinesic.metrics.smoothness import spectral_arc_length
 from kinesic.studies.sweep.geometry import length
 
 RETURN_TIME = 1 / 3  # [s] compared time after `relax`; most captured clips end then
@@ -95,7 +96,7 @@ def measure_whole_body(motion: BodyMotion) -> WholeBodyMeasures:
         path=paths[main] / motion.arm,
         path_metres=paths[main],
         units_per_second=count_units(speeds) / float(motion.times[-1] - motion.times[0]),
-        sparc=spectral_arc_length(speeds) or 0.0,
+        sparc=spectral_arc_length(speeds, period=PROFILE_PERIOD) or 0.0,
         still=float((speeds < STILL_RATIO * speeds.max(initial=0.0)).mean()),
         stroke_speed=hand.stroke_speed,
         stroke_path=hand.stroke_path,
