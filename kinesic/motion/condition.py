@@ -66,7 +66,7 @@ def condition(
     *,
     bonds: tuple[Bond, ...] = (),
     lead_in: float = LEAD_IN,
-    ease: float = 1.0,
+    limit_scale: float = 1.0,
     make_desired: MakeDesired = join_keys,
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
@@ -78,7 +78,8 @@ def condition(
         limits: of position, velocity, acceleration, jerk and duty.
         bonds: between sync points of different behaviours.
         lead_in: [s] by which the first key may come earlier.
-        ease: fraction of the limits used for key times; below 1 the motion has time to stay nearer to the desired one.
+        limit_scale: fraction of the limits used for key times; below 1 the motion has time to stay nearer to the
+            desired one.
         make_desired: function that returns the desired motion, of which only the angles are used.
         budget: for the search of key times; once spent, hinges stop at the keys of infeasible segments.
         memory: cutting planes of earlier searches for the same hinges, updated by this one.
@@ -87,16 +88,19 @@ def condition(
         ArithmeticError: a hinge cannot move within its limits, however slowly.
     """
     keys = Keys.of(postures, limits, bonds)
-    eased = limits.scaled(ease)
-    search, finder = KeyTimeSearch(keys, eased, lead_in, budget, memory), NearestFinder(keys, limits, make_desired)
-    eased_finder = NearestFinder(keys, eased, make_desired) if ease < 1.0 else None
+    reduced_limits = limits.scaled(limit_scale)
+    search, finder = (
+        KeyTimeSearch(keys, reduced_limits, lead_in, budget, memory),
+        NearestFinder(keys, limits, make_desired),
+    )
+    reduced_finder = NearestFinder(keys, reduced_limits, make_desired) if limit_scale < 1.0 else None
 
     def find() -> tuple[Floats, Floats] | SplineSegment:
         """Return the motion at current key times, or the first infeasible segment.
 
-        A motion within the eased limits must exist at these times.
+        A motion within the reduced limits must exist at these times.
         """
-        infeasible = eased_finder.find_infeasible(search.times) if eased_finder else None
+        infeasible = reduced_finder.find_infeasible(search.times) if reduced_finder else None
         return finder.find(search.times) if infeasible is None else infeasible
 
     while isinstance(result := find(), SplineSegment):

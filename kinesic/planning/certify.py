@@ -29,7 +29,7 @@ def certify(
     setup: Setup,
     bonds: tuple[Bond, ...] = (),
     *,
-    ease: float = 1.0,
+    limit_scale: float = 1.0,
     lead_in: float = LEAD_IN,
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
@@ -42,13 +42,19 @@ def certify(
         keys: at least two, the first and the last keyed in all hinges.
         setup: limits and dynamics.
         bonds: between sync points of different behaviours.
-        ease: fraction of the limits with which key times are found.
+        limit_scale: fraction of the limits with which key times are found.
         lead_in: [s] by which the first key may come earlier.
         budget: for all searches of key times together.
         memory: cutting planes of earlier searches for the same block.
     """
     search = partial(
-        condition, keys, bonds=bonds, ease=ease, lead_in=lead_in, budget=budget, memory=memory or PlaneMemory()
+        condition,
+        keys,
+        bonds=bonds,
+        limit_scale=limit_scale,
+        lead_in=lead_in,
+        budget=budget,
+        memory=memory or PlaneMemory(),
     )
     motion = search(setup.limits)
     factors = np.ones(len(setup.limits.duty))

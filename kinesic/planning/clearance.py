@@ -34,13 +34,13 @@ class Conditioner(Protocol):
         bonds: tuple[Bond, ...] = ...,
         /,
         *,
-        ease: float = ...,
+        limit_scale: float = ...,
         budget: Budget = ...,
         memory: PlaneMemory | None = ...,
     ) -> Conditioned:
         """Return a motion through the keys within the servo limits.
 
-        `ease` below 1 gives it more time, so that it is nearer to the desired path.
+        `limit_scale` below 1 gives it more time, so that it is nearer to the desired path.
         """
 
 
@@ -49,7 +49,7 @@ MIN_LAG_RESERVE = 0.002  # [m] smallest remaining `LAG_RESERVE`; with less, a be
 MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too little clearance
 SAMPLE_COST = 3.0  # budget units per replanned and rescanned motion sample
 REPAIR_MARGIN = 0.002  # [m] added to the missing clearance in the next repair
-EASE_FACTOR = 0.8  # factor that lowers the motion limits if no detour helps
+LIMIT_REDUCTION_FACTOR = 0.8  # factor on the limits used for key times, applied when no detour helps
 COLLISION_SPAN = 2.0  # [s] collisions up to this time from the worst one are attributed to the same behaviour
 
 
@@ -82,28 +82,28 @@ def keep_clear(
         rest = setup.robot.skeleton.rest
         still = Conditioned(stay(rest), np.zeros(0), np.zeros(0), {}, np.zeros(len(rest)))
         return solved, still, *scan_clearance(still.trajectory, setup.distances)
-    ease, least = 1.0, setup.robot.min_clearance + LAG_RESERVE
-    required = least
+    limit_scale, min_clearance = 1.0, setup.robot.min_clearance + LAG_RESERVE
+    required = min_clearance
     keys = Keys.of(solved.postures, setup.limits)
     planned = keys.requested_times if keys.is_spaced else solve_key_times(KeyTimeProblem(keys, keys.gaps, 0.0))
-    around = partial(add_detours, distances=setup.distances, cache=ClearPostures(setup.robot, setup.distances))
-    postures = around(_course(solved.postures, planned, setup), least=least).postures
-    motion = conditioned(postures, setup, bonds, ease=ease)
+    add_detours_to = partial(add_detours, distances=setup.distances, cache=ClearPostures(setup.robot, setup.distances))
+    postures = add_detours_to(_course(solved.postures, planned, setup), min_clearance=min_clearance).postures
+    motion = conditioned(postures, setup, bonds, limit_scale=limit_scale)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
     for _ in range(repairs):
-        lacking = least - float(clearance.distances[clearance.worst])
-        if lacking <= 0.0:
+        deficit = min_clearance - float(clearance.distances[clearance.worst])
+        if deficit <= 0.0:
             break
         budget.spend(SAMPLE_COST * len(times))
         if budget.spent:
             break
         course = _course(postures, motion.planned, setup).straying(motion.trajectory)
-        changed = around(course, least=required).postures
-        required += lacking + REPAIR_MARGIN
+        changed = add_detours_to(course, min_clearance=required).postures
+        required += deficit + REPAIR_MARGIN
         if changed == postures:  # without helpful detours, more time brings the motion nearer to the desired one
-            ease *= EASE_FACTOR
+            limit_scale *= LIMIT_REDUCTION_FACTOR
         postures = changed
-        motion = conditioned(postures, setup, bonds, ease=ease)
+        motion = conditioned(postures, setup, bonds, limit_scale=limit_scale)
         times, clearance = scan_clearance(motion.trajectory, setup.distances)
     return Postures(postures, solved.misses), motion, times, clearance
 
@@ -134,20 +134,20 @@ def find_colliding_behaviours(
     reasons: dict[str, str] = {}
     while close.size:
         worst = int(close[0])
-        pair, at = clearance.pairs[worst], float(times[worst] - motion.trajectory.zero)
-        why = f"brings {pair[0]} within {1000 * clearance.distances[worst]:.0f} mm of {pair[1]} at {at:.2f} s"
-        reasons.setdefault(_culprit(pair, at, spans_of, frames, robot), why)
+        pair, time = clearance.pairs[worst], float(times[worst] - motion.trajectory.zero)
+        why = f"brings {pair[0]} within {1000 * clearance.distances[worst]:.0f} mm of {pair[1]} at {time:.2f} s"
+        reasons.setdefault(_find_responsible_behaviour(pair, time, spans_of, frames, robot), why)
         close = close[np.abs(times[close] - times[worst]) > COLLISION_SPAN]
     return reasons
 
 
-def _culprit(
-    pair: tuple[str, str], at: float, spans_of: Mapping[str, tuple[float, float]], frames: KeyFrames, robot: Robot
+def _find_responsible_behaviour(
+    pair: tuple[str, str], time: float, spans_of: Mapping[str, tuple[float, float]], frames: KeyFrames, robot: Robot
 ) -> str:
     """Return the behaviour nearest in time that moves the colliding body parts.
 
     If none moves these parts, the nearest behaviour of all is returned.
     """
     parts = {f"{side}_hand" for side in SIDES if set(pair) & robot.arm(side).bodies} or {"torso", "head"}
-    away = {name: max(start - at, at - end, 0.0) for name, (start, end) in spans_of.items()}
+    away = {name: max(start - time, time - end, 0.0) for name, (start, end) in spans_of.items()}
     return min(away, key=lambda name: (not frames.uses.get(name, frozenset()) & parts, away[name], name))

@@ -33,8 +33,8 @@ MAX_TOUCH_DISTANCE = 0.12  # [m] a hand farther from the touched part does not a
 class Spacing:
     """Required and desired distances between pairs of body segments."""
 
-    least: float  # [m] required for every counted pair that is not in contact
-    room: float | None = None  # [m] target of pairs below `least`; pairs within it come no nearer
+    min_distance: float  # [m] required for every counted pair that is not in contact
+    desired_distance: float | None = None  # [m] target of pairs below `min_distance`; pairs within it come no nearer
     contact: float = HOVER_DISTANCE  # [m] required for pairs in contact, which approach to it
     contacting: tuple[int, ...] = ()  # counted pairs that are in contact
     touching: tuple[int, ...] = ()  # counted pairs that approach to `contact`
@@ -61,9 +61,9 @@ def separate(
         (n,) [rad]; None if no such posture was found.
     """
     posture, moving = np.array(angles), np.array(joints, dtype=int)
-    least, room, touching = spacing.least, spacing.room or spacing.least, list(spacing.touching)
+    desired, touching = spacing.desired_distance or spacing.min_distance, list(spacing.touching)
     initial_gaps = distances.gaps(posture[None])[0]
-    required = np.where(initial_gaps < least, room, np.minimum(initial_gaps, room)) + GAP_TOLERANCE
+    required = np.where(initial_gaps < spacing.min_distance, desired, np.minimum(initial_gaps, desired)) + GAP_TOLERANCE
     required[list(spacing.contacting)] = spacing.contact + GAP_TOLERANCE
     for _ in range(MAX_STEPS):
         probes = np.repeat(posture[None, :], len(moving) + 1, axis=0)

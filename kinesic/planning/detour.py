@@ -39,7 +39,7 @@ class ClearPostures:
         """
         self.distances = distances
         self._robot = robot
-        self._known: dict[tuple[bytes, ArmHinges, Spacing], Floats | None] = {}
+        self._cache: dict[tuple[bytes, ArmHinges, Spacing], Floats | None] = {}
 
     def near(self, angles: Floats, joints: ArmHinges, spacing: Spacing) -> Floats | None:
         """Return the nearest collision-free posture for given joints, or None.
@@ -50,13 +50,13 @@ class ClearPostures:
             spacing: required distances.
         """
         requested = angles.tobytes(), joints, spacing
-        if requested not in self._known:
-            self._known[requested] = separate(angles, joints, self._robot, self.distances, spacing)
-        return self._known[requested]
+        if requested not in self._cache:
+            self._cache[requested] = separate(angles, joints, self._robot, self.distances, spacing)
+        return self._cache[requested]
 
 
 def add_detours(
-    course: PostureCourse, distances: Distances, *, least: float, cache: ClearPostures | None = None
+    course: PostureCourse, distances: Distances, *, min_clearance: float, cache: ClearPostures | None = None
 ) -> PostureCourse:
     """Add detours to key postures wherever the motion nearly hits the body.
 
@@ -67,38 +67,39 @@ def add_detours(
     Args:
         course: at least two keys, the first and the last at rest.
         distances: self-distances of the robot.
-        least: [m] sufficient clearance.
+        min_clearance: [m] sufficient clearance.
         cache: cache of collision-free postures.
 
     Returns:
         The given course if nothing needs a change. It may still collide where no change helps.
     """
-    scan, stuck = _Scan.of(course, distances, least), set[int]()
+    scan, stuck = _Scan.of(course, distances, min_clearance), set[int]()
     clear_postures = cache or ClearPostures(course.robot, distances)
-    for _ in range(_most_changes(course.motion.duration)):
-        open_stretches = [sample for sample in _closest(scan.lacking) if sample not in stuck]
+    for _ in range(_compute_max_detours(course.motion.duration)):
+        open_stretches = [sample for sample in _find_closest_samples(scan.deficits) if sample not in stuck]
         if not open_stretches:
             break
         sample = open_stretches[0]
         time = sample / SCAN_RATE - course.motion.zero
         if (calm_keys := course.calmed(time)) is not course:
-            calm_scan = scan.after(calm_keys, distances, least)
-            if calm_scan.lacking.sum() < scan.lacking.sum():
+            calm_scan = scan.after(calm_keys, distances, min_clearance)
+            if calm_scan.deficits.sum() < scan.deficits.sum():
                 reduced = course.calmed(time, SWING_RATIO)
-                reduced_scan = scan.after(reduced, distances, least)
-                remaining, gain = calm_scan.lacking.sum(), scan.lacking.sum() - calm_scan.lacking.sum()
-                if reduced_scan.lacking.sum() <= remaining + CALM_TOLERANCE * gain:
+                reduced_scan = scan.after(reduced, distances, min_clearance)
+                remaining, gain = calm_scan.deficits.sum(), scan.deficits.sum() - calm_scan.deficits.sum()
+                if reduced_scan.deficits.sum() <= remaining + CALM_TOLERANCE * gain:
                     calm_keys, calm_scan = reduced, reduced_scan
                 course, scan, stuck = calm_keys, calm_scan, calm_scan.same(stuck, scan)
                 continue
-        best, best_scan, allowed, lacking = course, scan, ACCEPT_RATIO * scan.lacking.sum(), scan.lacking.sum()
-        for change in _changes(course, time, clear_postures, least):
-            left = scan.after(change, distances, least)
-            if left.lacking.sum() < allowed:
+        best, best_scan, allowed, total_deficit = course, scan, ACCEPT_RATIO * scan.deficits.sum(), scan.deficits.sum()
+        for change in _propose_detours(course, time, clear_postures, min_clearance):
+            candidate_scan = scan.after(change, distances, min_clearance)
+            if candidate_scan.deficits.sum() < allowed:
                 best, best_scan, allowed = (
                     change,
-                    left,
-                    left.lacking.sum() - WITHDRAWAL_PENALTY * (lacking - left.lacking.sum()),
+                    candidate_scan,
+                    candidate_scan.deficits.sum()
+                    - WITHDRAWAL_PENALTY * (total_deficit - candidate_scan.deficits.sum()),
                 )
             if allowed <= 0.0:
                 break
@@ -114,33 +115,33 @@ class _Scan:
     """Sampled postures with the missing clearance [m] of each."""
 
     angles: Floats  # (m, n) [rad] of the samples
-    lacking: Floats  # (m,) [m] missing clearance
+    deficits: Floats  # (m,) [m] missing clearance
 
     @classmethod
-    def of(cls, course: PostureCourse, distances: Distances, least: float) -> "_Scan":
+    def of(cls, course: PostureCourse, distances: Distances, min_clearance: float) -> "_Scan":
         angles = course.samples()
-        return cls(angles, np.maximum(least - distances.clearance(angles).distances, 0.0))
+        return cls(angles, np.maximum(min_clearance - distances.clearance(angles).distances, 0.0))
 
-    def after(self, change: PostureCourse, distances: Distances, least: float) -> "_Scan":
+    def after(self, change: PostureCourse, distances: Distances, min_clearance: float) -> "_Scan":
         """Return the scan of a changed course.
 
         Only samples with a changed posture are measured again.
         """
         angles = change.samples()
         other = np.flatnonzero((angles != self.angles).any(axis=1))
-        lacking = self.lacking.copy()
-        lacking[other] = np.maximum(least - distances.clearance(angles[other]).distances, 0.0)
-        return _Scan(angles, lacking)
+        deficits = self.deficits.copy()
+        deficits[other] = np.maximum(min_clearance - distances.clearance(angles[other]).distances, 0.0)
+        return _Scan(angles, deficits)
 
     def same(self, samples: set[int], before: "_Scan") -> set[int]:
         """Return the samples whose missing clearance is the same as before.
 
         A detour elsewhere has not helped there.
         """
-        return {k for k in samples if self.lacking[k] == before.lacking[k]}
+        return {k for k in samples if self.deficits[k] == before.deficits[k]}
 
 
-def _most_changes(duration: float) -> int:
+def _compute_max_detours(duration: float) -> int:
     """Return the maximum number of detours for a motion duration [s]."""
     return max(
         MIN_DETOURS,
@@ -148,29 +149,29 @@ def _most_changes(duration: float) -> int:
     )
 
 
-def _closest(lacking: Floats) -> Iterator[int]:
+def _find_closest_samples(deficits: Floats) -> Iterator[int]:
     """Yield the sample with the least clearance of each colliding interval."""
-    stretches = np.split(np.arange(len(lacking)), np.flatnonzero(np.diff(lacking > 0)) + 1)
-    return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
+    stretches = np.split(np.arange(len(deficits)), np.flatnonzero(np.diff(deficits > 0)) + 1)
+    return (int(s[deficits[s].argmax()]) for s in stretches if deficits[s].max(initial=0.0) > 0)
 
 
-def _changes(
-    course: PostureCourse, time: float, clear_postures: ClearPostures, least: float
+def _propose_detours(
+    course: PostureCourse, time: float, clear_postures: ClearPostures, min_clearance: float
 ) -> Iterator[PostureCourse]:
     """Yield candidate detours around the collision at a block time."""
     gaps = clear_postures.distances.gaps(course.at(time)[None])[0]
-    close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
+    close = {segment for k in np.flatnonzero(gaps < min_clearance) for segment in course.robot.counted_pairs[k]}
     arms = [arm.joints for side in SIDES if close & (arm := course.robot.arm(side)).bodies]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:
-        yield from _with_a_key(course, time, free, clear_postures, least)
+        yield from _add_key_candidates(course, time, free, clear_postures, min_clearance)
     for key in sorted({key for key in near if key is not None} or course.detours(time, arms)):
-        yield from _with_a_key_away(course, key, arms, clear_postures, least)
+        yield from _move_key_candidates(course, key, arms, clear_postures, min_clearance)
 
 
-def _with_a_key(
-    course: PostureCourse, time: float, arms: list[ArmHinges], clear_postures: ClearPostures, least: float
+def _add_key_candidates(
+    course: PostureCourse, time: float, arms: list[ArmHinges], clear_postures: ClearPostures, min_clearance: float
 ) -> Iterator[PostureCourse]:
     """Yield detours with an additional collision-free key for some arms.
 
@@ -180,7 +181,7 @@ def _with_a_key(
     for fraction in WITHDRAWAL_FRACTIONS:
         start = angles.copy()
         start[[*joints]] += fraction * (course.robot.skeleton.rest - angles)[[*joints]]
-        clear = clear_postures.near(start, joints, Spacing(least, least + DETOUR_MARGIN))
+        clear = clear_postures.near(start, joints, Spacing(min_clearance, min_clearance + DETOUR_MARGIN))
         if clear is not None:
             change = course
             for together in course.keyed_alike(arms):
@@ -188,8 +189,8 @@ def _with_a_key(
             yield change
 
 
-def _with_a_key_away(
-    course: PostureCourse, key: int, arms: list[ArmHinges], clear_postures: ClearPostures, least: float
+def _move_key_candidates(
+    course: PostureCourse, key: int, arms: list[ArmHinges], clear_postures: ClearPostures, min_clearance: float
 ) -> Iterator[PostureCourse]:
     """Yield detours that move existing arm keys away from the body.
 
@@ -200,7 +201,7 @@ def _with_a_key_away(
     keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
     gap = float(clear_postures.distances.gaps(angles[None])[0].min())
     for offset in KEY_OFFSETS if keyed else ():
-        clear = clear_postures.near(angles, _joined(keyed), Spacing(max(gap, least) + offset))
+        clear = clear_postures.near(angles, _joined(keyed), Spacing(max(gap, min_clearance) + offset))
         if clear is not None:
             change = course
             for arm in keyed:

@@ -26,7 +26,7 @@ def certify_optimal(
     setup: Setup,
     bonds: tuple[Bond, ...] = (),
     *,
-    ease: float = 1.0,
+    limit_scale: float = 1.0,
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
@@ -36,14 +36,14 @@ def certify_optimal(
         keys: at least two, the first and the last keyed in all hinges.
         setup: limits and dynamics.
         bonds: between sync points of different behaviours.
-        ease: fraction of the limits with which key times are found.
+        limit_scale: fraction of the limits with which key times are found.
         budget: for all searches of key times together.
         memory: cutting planes of earlier searches for the same block.
 
     Returns:
         The motion of `certify` if IPOPT finds no solution or one that moves no less once it is certified.
     """
-    motion = certify(keys, setup, bonds, ease=ease, budget=budget, memory=memory)
+    motion = certify(keys, setup, bonds, limit_scale=limit_scale, budget=budget, memory=memory)
     requested = Keys.of(keys, setup.limits, bonds)
     cost = shift_cost(requested, motion.planned)
     if cost < MIN_SHIFT_COST:
@@ -51,12 +51,17 @@ def certify_optimal(
     best = best_times(requested, motion, setup.limits, LEAD_IN)
     if best is None:
         return motion
-    optimal = _certify_at(requested.interpolate_path_times(best.times), keys, setup, bonds, ease, budget)
+    optimal = _certify_at(requested.interpolate_path_times(best.times), keys, setup, bonds, limit_scale, budget)
     return optimal if shift_cost(requested, optimal.planned) < cost else motion
 
 
 def _certify_at(
-    times: Floats, keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...], ease: float, budget: Budget
+    times: Floats,
+    keys: tuple[KeyPosture, ...],
+    setup: Setup,
+    bonds: tuple[Bond, ...],
+    limit_scale: float,
+    budget: Budget,
 ) -> Conditioned:
     """Plan a motion without overload through the keys at new times.
 
@@ -67,13 +72,13 @@ def _certify_at(
         keys: with the requested times.
         setup: limits and dynamics.
         bonds: between sync points of different behaviours.
-        ease: fraction of the limits with which key times are found.
+        limit_scale: fraction of the limits with which key times are found.
         budget: for all searches of key times together.
     """
     order = np.argsort(times, kind="stable")
     moved = tuple(replace(keys[row], time=float(times[row])) for row in order)
     lead_in = max(LEAD_IN - (keys[0].time - float(times[0])), 0.0)
-    motion = certify(moved, setup, bonds, ease=ease, lead_in=lead_in, budget=budget)
+    motion = certify(moved, setup, bonds, limit_scale=limit_scale, lead_in=lead_in, budget=budget)
     planned = np.empty(len(keys))
     planned[order] = motion.planned
     bottlenecks = {(int(order[i]), int(order[j])): bottleneck for (i, j), bottleneck in motion.bottlenecks.items()}

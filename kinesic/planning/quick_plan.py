@@ -50,7 +50,7 @@ def rest_at_keys(
     setup: Setup,
     bonds: tuple[Bond, ...] = (),
     *,
-    ease: float = 1.0,
+    limit_scale: float = 1.0,
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
@@ -60,11 +60,11 @@ def rest_at_keys(
         postures: at least two, the first and the last keyed in all hinges.
         setup: limits.
         bonds: between sync points of different behaviours.
-        ease: fraction of the limits that is used.
+        limit_scale: fraction of the limits that is used.
         budget: hardly charged.
         memory: unused.
     """
-    limits = setup.limits.scaled(ease)
+    limits = setup.limits.scaled(limit_scale)
     keys = Keys.of(postures, limits, bonds)
     gaps, finder = dict(keys.gaps), NearestFinder(keys, limits, _resting)
     for (_, pair), least in _rest_times(keys, limits).items():

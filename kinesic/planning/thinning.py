@@ -10,7 +10,7 @@ from kinesic.expressivity.keyframes import KeyFrames
 Span = tuple[float, float]  # [s] of block time
 
 
-def drop_by_priority(frames: KeyFrames, about: Collection[str], share: float = 1.0) -> dict[str, str]:
+def drop_by_priority(frames: KeyFrames, conflicting: Collection[str], kept_fraction: float = 1.0) -> dict[str, str]:
     """Choose overlapping behaviours to drop, with reasons.
 
     Overlapping behaviours use the same body part at the same time as the given ones, directly or through others. The
@@ -20,14 +20,14 @@ def drop_by_priority(frames: KeyFrames, about: Collection[str], share: float = 1
 
     Args:
         frames: of the block.
-        about: conflicting behaviours.
-        share: fraction to be kept, 0 to 1.
+        conflicting: conflicting behaviours.
+        kept_fraction: fraction to be kept, 0 to 1.
 
     Returns:
         Reason by behaviour id; empty if nothing needs to be dropped.
     """
     spans = {one.behaviour.id: (min(one.times.values()), max(one.times.values())) for one in frames.timeline.timed}
-    overlapping = _find_overlapping(frames, spans, about)
+    overlapping = _find_overlapping(frames, spans, conflicting)
     if len(overlapping) < 2:
         return {}
     begin, end = min(spans[id][0] for id in overlapping), max(spans[id][1] for id in overlapping)
@@ -35,7 +35,7 @@ def drop_by_priority(frames: KeyFrames, about: Collection[str], share: float = 1
     by_priority = sorted(
         (one for one in frames.timeline.block.behaviours if one.id in overlapping), key=lambda one: not one.required
     )
-    kept_ids = {one.id for one in by_priority[: ceil(share * len(overlapping))]}
+    kept_ids = {one.id for one in by_priority[: ceil(kept_fraction * len(overlapping))]}
     reason = (
         f"{len(overlapping | displaced)} behaviours overlap from {begin:.2f} to {end:.2f} s, more than the planning "
         f"budget allows; {len(kept_ids)} of them are kept, the others need other times"
@@ -43,7 +43,7 @@ def drop_by_priority(frames: KeyFrames, about: Collection[str], share: float = 1
     return dict.fromkeys((overlapping | displaced) - kept_ids, reason)
 
 
-def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], about: Collection[str]) -> set[str]:
+def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], conflicting: Collection[str]) -> set[str]:
     """Return given behaviours and those that overlap them on a body part.
 
     The overlap may be direct or through others.
@@ -53,7 +53,7 @@ def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], about: Collecti
         for part in frames.uses.get(id, ()):
             parts[part].append(id)
     groups = [group for row in parts.values() for group in _groups(row, spans)]
-    overlapping, before = set(about), 0
+    overlapping, before = set(conflicting), 0
     while len(overlapping) > before:
         before = len(overlapping)
         for group in groups:

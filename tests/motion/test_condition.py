@@ -99,27 +99,31 @@ def test_trajectory_time_of_block_zero_accounts_for_the_first_key_time():
         assert motion.trajectory.at(first + 2.0 + motion.trajectory.zero).angles == pytest.approx([0.5, 0.5])
 
 
-def test_eased_limits_determine_key_times_and_full_limits_determine_the_motion():
+def test_reduced_limits_determine_key_times_and_full_limits_determine_the_motion():
     """At a quarter of the limits sharp turns are smoothed, but not at the key times found for them."""
     sharp = (KeyPassage(tension=1.0),) * 2
     keys = tuple(
         replace(posture(time, angles, sync), passages=sharp)
         for time, angles, sync in ((0.0, (0, 0), "start"), (0.5, (1.0, 0.4), "stroke"), (1.0, (0, 0), "end"))
     )
-    hard, easy, slow = condition(keys, LIMITS), condition(keys, LIMITS, ease=0.25), condition(keys, LIMITS.scaled(0.25))
+    hard, easy, slow = (
+        condition(keys, LIMITS),
+        condition(keys, LIMITS, limit_scale=0.25),
+        condition(keys, LIMITS.scaled(0.25)),
+    )
     assert np.ptp(easy.planned) > 1.2 * np.ptp(hard.planned)
     np.testing.assert_allclose(easy.planned, slow.planned, atol=1e-9)
     assert easy.rms_distances[0] < 0.5 * slow.rms_distances[0]
     assert highest(easy) <= 1.0 + 1e-6
-    np.testing.assert_array_equal(condition(keys, LIMITS, ease=1.0).planned, hard.planned)
+    np.testing.assert_array_equal(condition(keys, LIMITS, limit_scale=1.0).planned, hard.planned)
 
 
 @pytest.mark.parametrize("finder", ["can_pass", "nearest_within_limits"])
 def test_key_time_search_ends_if_no_motion_exists(monkeypatch, finder):
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
-    usual = condition(keys, LIMITS, ease=0.8)
+    usual = condition(keys, LIMITS, limit_scale=0.8)
     monkeypatch.setattr(sys.modules[condition.__module__], finder, lambda *_: None)
-    slower = condition(keys, LIMITS, ease=0.8)
+    slower = condition(keys, LIMITS, limit_scale=0.8)
     assert np.ptp(slower.planned) > 1.05 * np.ptp(usual.planned)
     assert highest(slower) <= 1.0 + 1e-6
 

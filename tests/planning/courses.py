@@ -18,7 +18,7 @@ REST = ROBOT.skeleton.rest
 LEFT, RIGHT = (list(ROBOT.joints(f"{side}_arm")) for side in ("l", "r"))
 
 
-LEAST = 0.014
+MIN_CLEARANCE = 0.014
 
 
 IN_FRONT = np.radians([0, 40, -15, -50, 70, 0, 0, 0])

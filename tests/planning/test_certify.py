@@ -130,7 +130,7 @@ def test_motion_within_duty_is_unchanged(known: Setup, first: Conditioned):
 def test_torque_certification_passes_its_options_on_to_conditioning(known: Setup):
     keys, setup = keys_of(known), under(known, nothing)
     bonds = (Bond(("b", "strokeStart"), ("b", "stroke"), 0.9),)
-    for asked in ({"bonds": bonds}, {"ease": 0.5}, {"lead_in": 0.0}):
+    for asked in ({"bonds": bonds}, {"limit_scale": 0.5}, {"lead_in": 0.0}):
         same(certify(keys, setup, **asked), condition(keys, known.limits, **asked))
 
 

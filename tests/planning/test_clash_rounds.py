@@ -46,7 +46,7 @@ def look(finder: ClashFinder) -> str:
 def test_only_the_worst_timing_conflict_in_a_row_of_gestures_is_resolved(row):
     finder = row(ROW)
     assert look(finder) == "bcef"
-    assert {"".join(sorted(pair)): clash.late for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}
+    assert {"".join(sorted(pair)): clash.delay for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}
 
 
 def test_only_alternate_timing_conflicts_are_resolved_when_the_budget_is_spent(row):

@@ -18,7 +18,7 @@ from kinesic.session.setup import set_up
 
 SETUP = set_up()
 ROBOT = SETUP.robot
-LEAST = ROBOT.min_clearance + LAG_RESERVE
+MIN_CLEARANCE = ROBOT.min_clearance + LAG_RESERVE
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 WILD = Style.uniform(
     Expressivity(spatial=1, temporal=1, fluidity=1, power=1, tension=-1, repetition=1, openness=1), "wild"
@@ -55,7 +55,7 @@ def test_hand_that_touches_the_body_hovers_10_to_30_mm_away(lexeme, style):
         posture = gaps(at_sync(made, sync))
         for pair in TOUCHES[lexeme]:
             assert 0.010 <= posture[pair] <= 0.030
-    assert made.clearance.distances.min() >= LEAST
+    assert made.clearance.distances.min() >= MIN_CLEARANCE
 
 
 @pytest.mark.parametrize("lexeme", TOUCHES)
@@ -69,7 +69,7 @@ def test_touching_arm_posture_is_held_until_relax(lexeme):
     samples = made.trajectory.sample(np.array(strokeless))[0][:, arms]
     if lexeme != "chin":  # which gives way to the nodding head
         assert np.ptp(samples, axis=0).max() < np.radians(1.0)
-    assert made.clearance.distances.min() >= LEAST
+    assert made.clearance.distances.min() >= MIN_CLEARANCE
 
 
 @pytest.mark.parametrize("lexeme", TOUCHES)
@@ -90,7 +90,7 @@ def test_hands_move_between_two_touching_poses_without_collision(first, second):
     for names in ((first, second), (second, first)):
         made = planned(body.format(*names))
         assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"realised"}
-        assert made.clearance.distances.min() >= LEAST
+        assert made.clearance.distances.min() >= MIN_CLEARANCE
 
 
 def test_hands_that_exchange_positions_avoid_each_other():
@@ -101,7 +101,7 @@ def test_hands_that_exchange_positions_avoid_each_other():
     )
     made = planned(body)
     assert not [outcome.why for outcome in made.keyframes.outcomes.values() if outcome.kind == "dropped"]
-    assert made.clearance.distances.min() >= LEAST
+    assert made.clearance.distances.min() >= MIN_CLEARANCE
 
 
 def test_unavoidable_collision_drops_behaviour_with_reason():
@@ -114,9 +114,9 @@ def test_behaviours_of_distant_collisions_are_dropped_in_one_planning_round():
     """The clear behaviour is kept."""
     conditioned: list[int] = []
 
-    def counted(keys, setup, bonds=(), /, *, ease=1.0, budget=UNLIMITED_BUDGET, memory=None):
+    def counted(keys, setup, bonds=(), /, *, limit_scale=1.0, budget=UNLIMITED_BUDGET, memory=None):
         conditioned.append(len(keys))
-        return certify(keys, setup, bonds, ease=ease, budget=budget, memory=memory)
+        return certify(keys, setup, bonds, limit_scale=limit_scale, budget=budget, memory=memory)
 
     body = "".join(f'<gesture id="g{k}" lexeme="offer" start="{10 * k}"/>' for k in range(4))
     tight = replace(SETUP, robot=replace(ROBOT, min_clearance=0.2))
@@ -133,7 +133,7 @@ def test_detour_that_gives_too_little_clearance_is_widened():
         replace(SETUP, style=Style.load("calm")),
     )
     assert block_plan.keyframes.outcomes["g"].kind == "realised"
-    assert block_plan.clearance.distances.min() >= LEAST
+    assert block_plan.clearance.distances.min() >= MIN_CLEARANCE
 
 
 def named(pair, at, body):

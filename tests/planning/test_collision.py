@@ -22,7 +22,7 @@ from kinesic.sim.worst_postures import random_postures
 ROBOT = Robot.load()
 DISTANCES = CapsuleDistances(ROBOT)
 ARMS = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
-LEAST = 0.015
+MIN_CLEARANCE = 0.015
 REST_GAPS = DISTANCES.gaps(ROBOT.skeleton.rest[None])[0]  # [m] of all counted pairs at rest
 
 
@@ -30,7 +30,7 @@ def near_ones(count):
     """Return random postures with slight collisions."""
     postures = random_postures(ROBOT.skeleton, 40 * count, seed=5)
     least = DISTANCES.clearance(postures).distances
-    return postures[(least < LEAST - 0.002) & (least > -0.02)][:count]
+    return postures[(least < MIN_CLEARANCE - 0.002) & (least > -0.02)][:count]
 
 
 def gaps(posture):
@@ -38,26 +38,26 @@ def gaps(posture):
 
 
 def test_nearly_every_posture_has_a_collision_free_neighbour():
-    results = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST)) for posture in near_ones(25)]
+    results = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)) for posture in near_ones(25)]
     clear = [posture for posture in results if posture is not None]
     assert len(clear) >= 23
     for posture in clear:
-        assert gaps(posture).min() >= LEAST - 1e-9
+        assert gaps(posture).min() >= MIN_CLEARANCE - 1e-9
         assert np.all(posture >= ROBOT.skeleton.lower)
         assert np.all(posture <= ROBOT.skeleton.upper)
 
 
 def test_collision_free_posture_is_the_nearest_one():
     for posture in near_ones(10):
-        clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST))
+        clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE))
         if clear is not None:
-            assert gaps(clear).min() <= LEAST + 5 * GAP_TOLERANCE
+            assert gaps(clear).min() <= MIN_CLEARANCE + 5 * GAP_TOLERANCE
             assert np.array_equal(np.delete(clear, ARMS), np.delete(posture, ARMS))
 
 
 def test_collision_free_posture_is_unchanged():
     rest = ROBOT.skeleton.rest
-    assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(LEAST)), rest)
+    assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)), rest)
 
 
 def test_elbows_move_before_hands():
@@ -66,7 +66,7 @@ def test_elbows_move_before_hands():
     elbow = ROBOT.skeleton.segment("r_elbow")
     posture = ROBOT.skeleton.rest.copy()
     posture[list(ROBOT.joints("r_arm"))] = np.radians([0, 50, -22, -45, 120, 0, 0, 0])
-    clear = separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, Spacing(LEAST + 0.01))
+    clear = separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, Spacing(MIN_CLEARANCE + 0.01))
     before, after = (ROBOT.skeleton.frames(angles).origins for angles in (posture, clear))
     ways = np.linalg.norm(after - before, axis=1)
     assert 0 < ways[wrist] < 0.5 * ways[elbow]
@@ -79,8 +79,8 @@ def test_segments_that_should_touch_approach_each_other():
         posture[list(ROBOT.joints(f"{side}_arm"))] = bent
     pair = next(k for k, pair in enumerate(ROBOT.counted_pairs) if set(pair) == {"l_wrist", "r_wrist"})
     assert gaps(posture)[pair] > 0.05
-    laid = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST, touching=(pair,)))
-    assert LEAST <= gaps(laid)[pair] <= LEAST + TOUCH_TOLERANCE
+    laid = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE, touching=(pair,)))
+    assert MIN_CLEARANCE <= gaps(laid)[pair] <= MIN_CLEARANCE + TOUCH_TOLERANCE
     left, right = (laid[list(ROBOT.joints(f"{side}_arm"))] for side in ("l", "r"))
     np.testing.assert_allclose(left, right, atol=1e-9)
 
@@ -88,16 +88,16 @@ def test_segments_that_should_touch_approach_each_other():
 def test_collision_of_segments_that_the_given_joints_do_not_move_is_ignored():
     posture = ROBOT.skeleton.rest.copy()
     posture[ROBOT.skeleton.joint("l_shoulder_abduct")] = np.radians(-13)
-    assert gaps(posture).min() < LEAST
-    assert np.array_equal(separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, Spacing(LEAST)), posture)
+    assert gaps(posture).min() < MIN_CLEARANCE
+    assert np.array_equal(separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)), posture)
 
 
 @pytest.mark.parametrize("room", [0.02, 0.03])
 def test_colliding_pairs_get_the_target_distance(room):
     for posture in near_ones(6):
-        clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST, room))
+        clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE, room))
         if clear is not None:
-            short = gaps(posture) < LEAST
+            short = gaps(posture) < MIN_CLEARANCE
             assert gaps(clear)[short].min() >= room - 1e-9
             assert np.all(gaps(clear)[~short] >= np.minimum(gaps(posture)[~short], room) - 1e-9)
 
@@ -191,7 +191,7 @@ def test_joint_step_is_limited_per_hinge():
     longest = 0.0
     for posture in deep:
         seen.clear()
-        separate(posture, ARMS, ROBOT, Watched(), Spacing(LEAST))
+        separate(posture, ARMS, ROBOT, Watched(), Spacing(MIN_CLEARANCE))
         steps = np.abs(np.diff(seen, axis=0)).max(axis=1)
         longest = max(longest, float(steps.max()))
     assert longest == pytest.approx(MAX_HINGE_STEP)

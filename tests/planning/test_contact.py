@@ -110,7 +110,7 @@ def test_touch_by_fingertip_then_by_hand_then_without_contact_is_tried(known, mo
     hand = Hand(resting_hands(robot)["r"], touch=touch, tip="index")
     np.testing.assert_array_equal(collision.clear_hands(rest, {"r": hand}, robot, known.distances, near), rest)
     pair = collision.touched_pair("r", touch, robot, near)
-    assert [(spacing.least, spacing.touching, len(spacing.surfaces)) for spacing in tried] == [
+    assert [(spacing.min_distance, spacing.touching, len(spacing.surfaces)) for spacing in tried] == [
         (HOVER_DISTANCE, (), 1),
         (HOVER_DISTANCE, (pair,), 0),
         (HOVER_DISTANCE, (), 0),

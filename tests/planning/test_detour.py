@@ -11,25 +11,25 @@ from kinesic.planning.posture_course import MIN_KEY_INTERVAL
 from kinesic.sim.distances import CapsuleDistances
 
 from ..performances import ROBOT
-from .courses import DISTANCES, HIGHER, IN_FRONT, LEAST, LEFT, REST, RIGHT, course, key, least
+from .courses import DISTANCES, HIGHER, IN_FRONT, LEFT, MIN_CLEARANCE, REST, RIGHT, course, key, least
 
 
 def test_clear_motion_has_no_detour():
     clear = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0))
-    assert least(clear) >= LEAST
-    assert add_detours(clear, DISTANCES, least=LEAST) is clear
+    assert least(clear) >= MIN_CLEARANCE
+    assert add_detours(clear, DISTANCES, min_clearance=MIN_CLEARANCE) is clear
 
 
 def test_hands_at_same_place_avoid_each_other():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     assert least(together) < 0
-    led = add_detours(together, DISTANCES, least=LEAST)
-    assert least(led) >= LEAST - 1e-3
+    led = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
+    assert least(led) >= MIN_CLEARANCE - 1e-3
 
 
 def test_detours_keep_arm_keys_apart_and_in_order():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    led = add_detours(together, DISTANCES, least=LEAST)
+    led = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
     for arm in (LEFT, RIGHT):
         own = [k for k, posture in enumerate(led.postures) if posture.keyed[arm[0]]]
         assert np.diff(led.planned[own]).min() >= MIN_KEY_INTERVAL - 1e-9
@@ -51,11 +51,11 @@ def test_detour_search_checks_collisions_only_in_changed_motion_samples(monkeypa
         (key(at, left=IN_FRONT), key(at + 0.4, right=IN_FRONT), key(at + 0.8, left=HIGHER)) for at in (1.0, 61.0)
     )
     long = course(key(0.0), *first, key(3.0), key(60.0), *second, key(63.0))
-    led = add_detours(long, DISTANCES, least=LEAST)
+    led = add_detours(long, DISTANCES, min_clearance=MIN_CLEARANCE)
     assert asked[0] >= 6300
     assert len(asked) > 2
     assert max(asked[1:]) < 700
-    assert least(led) >= LEAST - 1e-3
+    assert least(led) >= MIN_CLEARANCE - 1e-3
 
 
 def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
@@ -73,9 +73,9 @@ def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
     assert least(near) < 0.0
     calm = near.calmed(0.45)
     assert swings(calm) == [None, 0.0, 0.75, 0.75, None]
-    assert least(calm) > LEAST
-    led = add_detours(near, DISTANCES, least=LEAST)
-    assert least(led) > LEAST
+    assert least(calm) > MIN_CLEARANCE
+    led = add_detours(near, DISTANCES, min_clearance=MIN_CLEARANCE)
+    assert least(led) > MIN_CLEARANCE
     assert [posture.time for posture in led.postures] == [posture.time for posture in near.postures]
     assert swings(led)[1] == 0.375
     assert swings(near.calmed(0.45, 0.5)) == [None, 0.375, 0.75, 0.75, None]
@@ -94,16 +94,16 @@ def between(one, other, share):
 
 def test_detours_follow_the_deviating_trajectory():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    clear = add_detours(together, DISTANCES, least=LEAST)
+    clear = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
     trajectory = between(clear, together, 0.5)
     straying = clear.straying(trajectory)
     np.testing.assert_allclose(straying.at(1.2), trajectory.at(1.2 + trajectory.zero).angles, atol=1e-3)
     last = float(clear.planned[-1])
     np.testing.assert_allclose(straying.at(last), trajectory.at(last + trajectory.zero).angles, atol=1e-3)
-    lacking = LEAST - DISTANCES.clearance(straying.samples()).distances.min()
+    lacking = MIN_CLEARANCE - DISTANCES.clearance(straying.samples()).distances.min()
     assert lacking > 0.002
-    led = add_detours(straying, DISTANCES, least=LEAST)
-    assert LEAST - DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking
+    led = add_detours(straying, DISTANCES, min_clearance=MIN_CLEARANCE)
+    assert MIN_CLEARANCE - DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking
 
 
 def test_clear_posture_search_is_cached(monkeypatch):
@@ -112,7 +112,7 @@ def test_clear_posture_search_is_cached(monkeypatch):
     monkeypatch.setattr(detour, "separate", lambda *given: asked.append(given) or separate(*given))
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     known = ClearPostures(ROBOT, DISTANCES)
-    detoured = [add_detours(together, DISTANCES, least=LEAST, cache=known) for _ in range(2)]
+    detoured = [add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE, cache=known) for _ in range(2)]
     here = [(given[0].tobytes(), given[1], given[-1]) for given in asked]
     assert here
     assert len(here) == len(set(here))
@@ -121,38 +121,44 @@ def test_clear_posture_search_is_cached(monkeypatch):
 
 
 def test_detour_count_grows_with_duration_within_budget():
-    assert [detour._most_changes(seconds) for seconds in (0.5, 10.0, 40.0, 150.0, 1000.0)] == [16, 16, 64, 17, 16]
+    assert [detour._compute_max_detours(seconds) for seconds in (0.5, 10.0, 40.0, 150.0, 1000.0)] == [
+        16,
+        16,
+        64,
+        17,
+        16,
+    ]
 
 
 def test_detour_search_keeps_a_motion_with_an_unavoidable_collision(monkeypatch):
     monkeypatch.setattr(detour, "separate", lambda *given: None)
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    assert add_detours(together, DISTANCES, least=LEAST) is together
+    assert add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE) is together
 
 
 def test_detours_start_from_the_closest_sample_of_each_collision():
     lacking = np.array([0.0, 1.0, 3.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0])
-    assert list(detour._closest(lacking)) == [2, 6]
-    assert list(detour._closest(lacking[1:8])) == [1, 5]
-    assert list(detour._closest(np.zeros(4))) == []
+    assert list(detour._find_closest_samples(lacking)) == [2, 6]
+    assert list(detour._find_closest_samples(lacking[1:8])) == [1, 5]
+    assert list(detour._find_closest_samples(np.zeros(4))) == []
 
 
 def test_unsolved_collision_does_not_block_detours_around_later_ones(monkeypatch):
-    usual = detour._changes
+    usual = detour._propose_detours
     monkeypatch.setattr(
-        detour, "_changes", lambda course, time, *more: usual(course, time, *more) if time > 5.0 else iter(())
+        detour, "_propose_detours", lambda course, time, *more: usual(course, time, *more) if time > 5.0 else iter(())
     )
     first, second = (
         (key(at, left=IN_FRONT + off), key(at + 0.4, right=IN_FRONT + off), key(at + 0.8, left=HIGHER))
         for at, off in ((1.0, 0.0), (11.0, 0.001))  # in other postures, so that no key moves with those of the other
     )
     made = course(key(0.0), *first, key(3.0), key(10.0), *second, key(13.0))
-    led = add_detours(made, DISTANCES, least=LEAST)
+    led = add_detours(made, DISTANCES, min_clearance=MIN_CLEARANCE)
     assert led is not made
     angles = led.samples()
     clearance = DISTANCES.clearance(angles).distances
-    assert clearance[:500].min() < LEAST
-    assert clearance[500:].min() >= LEAST - 1e-3
+    assert clearance[:500].min() < MIN_CLEARANCE
+    assert clearance[500:].min() >= MIN_CLEARANCE - 1e-3
 
 
 class Asked:
@@ -169,13 +175,13 @@ class Asked:
 def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
     room, arm = Asked(), tuple(LEFT)
     before = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
-    changes = list(detour._with_a_key(before, 1.5, [arm], room, LEAST))
+    changes = list(detour._add_key_candidates(before, 1.5, [arm], room, MIN_CLEARANCE))
     here = before.at(1.5)
     for share, (start, joints, spacing), change in zip(detour.WITHDRAWAL_FRACTIONS, room.near_to, changes, strict=True):
         np.testing.assert_allclose(start[LEFT], here[LEFT] + share * (REST[LEFT] - here[LEFT]))
         np.testing.assert_array_equal(start[RIGHT], here[RIGHT])
         assert joints == arm
-        assert (spacing.least, spacing.room) == (LEAST, LEAST + detour.DETOUR_MARGIN)
+        assert (spacing.min_distance, spacing.desired_distance) == (MIN_CLEARANCE, MIN_CLEARANCE + detour.DETOUR_MARGIN)
         (added,) = set(change.postures) - set(before.postures)
         np.testing.assert_array_equal(added.angles, start)
 
@@ -183,12 +189,12 @@ def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
 def test_detour_moves_a_key_only_for_arms_that_are_not_at_rest():
     room = Asked()
     before = course(key(0.0), key(1.0, left=IN_FRONT, right=REST[RIGHT]), key(3.0))
-    assert len(list(detour._with_a_key_away(before, 1, [tuple(LEFT), tuple(RIGHT)], room, LEAST))) == len(
+    assert len(list(detour._move_key_candidates(before, 1, [tuple(LEFT), tuple(RIGHT)], room, MIN_CLEARANCE))) == len(
         detour.KEY_OFFSETS
     )
     gap = DISTANCES.gaps(before.at(1.0)[None])[0].min()
     for more, (start, joints, spacing) in zip(detour.KEY_OFFSETS, room.near_to, strict=True):
         np.testing.assert_array_equal(start, before.at(1.0))
         assert joints == tuple(LEFT)
-        assert spacing.least == pytest.approx(max(gap, LEAST) + more)
-    assert list(detour._with_a_key_away(before, 0, [tuple(LEFT)], room, LEAST)) == []
+        assert spacing.min_distance == pytest.approx(max(gap, MIN_CLEARANCE) + more)
+    assert list(detour._move_key_candidates(before, 0, [tuple(LEFT)], room, MIN_CLEARANCE)) == []

@@ -14,8 +14,8 @@ from kinesic.planning import clearance, detour
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import (
     COLLISION_SPAN,
-    EASE_FACTOR,
     LAG_RESERVE,
+    LIMIT_REDUCTION_FACTOR,
     MIN_LAG_RESERVE,
     REPAIR_MARGIN,
     find_colliding_behaviours,
@@ -94,27 +94,27 @@ def asked(known):
 
 @pytest.fixture
 def watched(monkeypatch):
-    """Record the courses, required clearances and eases of all rounds."""
-    courses, eases = [], []
+    """Record the courses, required clearances and scales of all rounds."""
+    courses, scales = [], []
 
-    def around(course, *, least, distances, cache):
-        courses.append((course, least))
+    def record(course, *, min_clearance, distances, cache):
+        courses.append((course, min_clearance))
         return course
 
-    def conditioned(keys, setup, bonds=(), /, *, ease=1.0, **more):
-        eases.append(ease)
-        return certify(keys, setup, bonds, ease=ease)
+    def conditioned(keys, setup, bonds=(), /, *, limit_scale=1.0, **more):
+        scales.append(limit_scale)
+        return certify(keys, setup, bonds, limit_scale=limit_scale)
 
-    monkeypatch.setattr(clearance, "add_detours", around)
-    return courses, eases, conditioned
+    monkeypatch.setattr(clearance, "add_detours", record)
+    return courses, scales, conditioned
 
 
 @pytest.mark.parametrize("repairs", [0, 1, 2])
 def test_colliding_motion_without_a_useful_detour_is_slowed(asked, watched, repairs: int):
     solved, setup = asked
-    courses, eases, conditioned = watched
+    courses, scales, conditioned = watched
     postures, motion, times, result = keep_clear(solved, setup, conditioned=conditioned, repairs=repairs)
-    assert eases == pytest.approx([EASE_FACTOR**k for k in range(repairs + 1)])
+    assert scales == pytest.approx([LIMIT_REDUCTION_FACTOR**k for k in range(repairs + 1)])
     assert [course.stray is None for course, _ in courses] == [True] + [False] * repairs
     assert courses[0][1] == pytest.approx(0.2 + LAG_RESERVE)
     assert postures.postures == solved.postures
@@ -127,24 +127,24 @@ def test_colliding_motion_without_a_useful_detour_is_slowed(asked, watched, repa
 
 def test_motion_with_an_accepted_detour_is_not_slowed(asked, watched, monkeypatch):
     solved, setup = asked
-    _, eases, conditioned = watched
+    _, scales, conditioned = watched
 
-    def around(course, **more):
+    def shift(course, **more):
         return replace(
             course, postures=tuple(replace(posture, time=posture.time + 0.001) for posture in course.postures)
         )
 
-    monkeypatch.setattr(clearance, "add_detours", around)
+    monkeypatch.setattr(clearance, "add_detours", shift)
     postures, *_ = keep_clear(solved, setup, conditioned=conditioned, repairs=2)
-    assert eases == [1.0, 1.0, 1.0]
+    assert scales == [1.0, 1.0, 1.0]
     assert [posture.time for posture in postures.postures] == pytest.approx([0.003, 1.003, 2.003])
 
 
 def test_collision_free_motion_is_conditioned_once(asked, watched, known):
     solved, _ = asked
-    courses, eases, conditioned = watched
+    courses, scales, conditioned = watched
     keep_clear(solved, replace(known, robot=replace(known.robot, min_clearance=0.0)), conditioned=conditioned)
-    assert (len(courses), eases) == (1, [1.0])
+    assert (len(courses), scales) == (1, [1.0])
 
 
 def test_plan_of_a_single_posture_has_no_motion(known):
@@ -167,21 +167,21 @@ def changes(monkeypatch, known):
 
         class Scan:
             def __init__(self, course: PostureCourse) -> None:
-                self.lacking = np.array([0.0, lacking[id(course)], 0.0])
+                self.deficits = np.array([0.0, lacking[id(course)], 0.0])
 
             @classmethod
-            def of(cls, course, distances, least):
+            def of(cls, course, distances, min_clearance):
                 return cls(course)
 
-            def after(self, course, distances, least):
+            def after(self, course, distances, min_clearance):
                 return Scan(course)
 
             def same(self, samples, before):
                 return samples
 
         monkeypatch.setattr(detour, "_Scan", Scan)
-        monkeypatch.setattr(detour, "_changes", lambda course, *_: iter(others if course is start else ()))
-        found = add_detours(start, known.distances, least=0.01)
+        monkeypatch.setattr(detour, "_propose_detours", lambda course, *_: iter(others if course is start else ()))
+        found = add_detours(start, known.distances, min_clearance=0.01)
         return None if found is start else next(k for k, other in enumerate(others) if other is found)
 
     return taken

@@ -10,7 +10,7 @@ from kinesic.body.robot import Side
 class Clash:
     """Delay of a hand between two strokes too close in time."""
 
-    late: float  # [s] delay of the hand after moving from one to the other
+    delay: float  # [s] delay of the hand after moving from one to the other
     brief: bool = False  # whether both were reduced to one key already, and cannot be shortened further
 
 

@@ -176,7 +176,7 @@ class _Hands:
         clash = self.clashes.get(frozenset((work.id, stroke.id)))
         if clash is None or (not clash.brief and is_brief(work.stroke) and is_brief(stroke)):
             return 0.0
-        return clash.late
+        return clash.delay
 
     def _busy_conflicts(self, stroke: Stroke, option: Poses) -> list[BusyHand]:
         """Return conflicting uses of the hands by other blocks."""

@@ -6,17 +6,17 @@ from kinesic.expressivity.hands.strokes import HandStroke, Stroke
 from kinesic.expressivity.keyframes import Outcome
 
 
-def busy_with_stroke(stroke: Stroke, side: Side, work: HandStroke, late: float) -> str:
+def busy_with_stroke(stroke: Stroke, side: Side, work: HandStroke, delay: float) -> str:
     """Return a message about a hand that another stroke keeps busy.
 
     Args:
         stroke: that needs the hand.
         side: of the hand.
         work: stroke that the hand performs.
-        late: delay of the hand after that stroke [s]; 0 where the strokes overlap.
+        delay: delay of the hand after that stroke [s]; 0 where the strokes overlap.
     """
-    if late > 0.0:
-        times = f"from that of {work.id} at {work.at('stroke'):.2f} s the {SIDE_NAMES[side]} hand is {late:.2f} s late"
+    if delay > 0.0:
+        times = f"from that of {work.id} at {work.at('stroke'):.2f} s the {SIDE_NAMES[side]} hand is {delay:.2f} s late"
         return f"its stroke is at {stroke.times['stroke']:.2f} s, {times}"
     use = f"the stroke of {work.id} until {work.at('strokeEnd'):.2f} s"
     return f"{_begins(stroke)}, the {SIDE_NAMES[side]} hand is busy with {use}"

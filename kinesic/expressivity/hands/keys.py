@@ -150,7 +150,7 @@ def path_keys_between(
     *,
     unit: float,
     power: float,
-    late: bool = False,
+    has_late_peak: bool = False,
     start_velocity: float = 0.0,
 ) -> list[HandKey]:
     """Sample a curved hand path as intermediate keys between two stroke keys.
@@ -164,7 +164,7 @@ def path_keys_between(
         path: in the world; None: straight.
         unit: the arm length [m].
         power: of the gesture.
-        late: whether the peak velocity is at the end of the path, as a word sounds there.
+        has_late_peak: whether the peak velocity is at the end of the path, as a word sounds there.
         start_velocity: of a hand that arrives along the path, relative to the constant velocity.
     """
     a, b = keys[k - 1], keys[k]
@@ -172,7 +172,7 @@ def path_keys_between(
     if path is None or start is None or end is None:
         return []
     parameters = path.samples(start.position, end.position, PATH_TOLERANCE * unit, PATH_STEP * unit)
-    brake = WORD_BRAKE_TIME / (b.time - a.time) if late else None
+    brake = WORD_BRAKE_TIME / (b.time - a.time) if has_late_peak else None
     times = a.time + (b.time - a.time) * _time_fractions(
         parameters, path.swings(start.position, end.position), power, brake, start_velocity
     )

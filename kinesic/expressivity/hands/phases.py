@@ -164,7 +164,7 @@ def _clashing_neighbours(row: Sequence[HandStroke], k: int, clashes: Clashes) ->
 def _deferral_remarks(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tuple[str, ...]]:
     """Return remarks about rest poses that clash with gestures, by id."""
     poses = [(work.id, _clashing_neighbours(row, k, clashes)) for k, work in enumerate(row) if work.stroke.rest]
-    lacking = {pair: f"{clash.late:.2f} s are missing between the two" for pair, clash in clashes.items()}
+    lacking = {pair: f"{clash.delay:.2f} s are missing between the two" for pair, clash in clashes.items()}
     return {
         id: tuple(f"is taken as the hands go back from {other}: {lacking[frozenset((id, other))]}" for other in others)
         for id, others in poses

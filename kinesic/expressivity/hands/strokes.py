@@ -209,7 +209,7 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace, time_ratio: float = 1.
             path,
             unit=pace.robot.arm_length,
             power=work.stroke.manner.power,
-            late=work.stroke.spoken and strokes[k],
+            has_late_peak=work.stroke.spoken and strokes[k],
             start_velocity=0.0 if waits or k > 1 else effort.path_start_velocity(poses[0].passage),
         )
         keys += [*path_keys, poses[k]]

@@ -214,7 +214,7 @@ class Effort:
             manner,
             phase,
             accent=free * accent,
-            late=self.spoken,
+            has_late_peak=self.spoken,
             swing=free * swing,
             gesture_power=self.manner.power,
         )

@@ -26,36 +26,36 @@ _PROBE_ANGLE = 1e-5  # [rad] step of finite differences of the Jacobian
 _JACOBIAN_DAMPING = 1e-3  # added to the diagonal of J A J^T, for arms that can hardly move along some axis
 
 
-def scale_time(ease: float, least: float, extent: float, most: float) -> float:
+def scale_time(natural: float, minimum: float, extent: float, max_factor: float) -> float:
     """Scale a duration [s] by temporal extent, above the servo minimum.
 
-    The fastest extent divides the duration by `most`, the slowest multiplies it. Where the minimum duration forbids the
-    whole factor, extent 1 gives the minimum duration, and extents between 0 and 1 are scaled accordingly.
+    The fastest extent divides the duration by `max_factor`, the slowest multiplies it. Where the minimum duration
+    forbids the whole factor, extent 1 gives the minimum duration, and extents between 0 and 1 are scaled accordingly.
 
     Args:
-        ease: duration at extent 0 [s].
-        least: minimum duration of the servos [s].
+        natural: duration at extent 0 [s].
+        minimum: minimum duration of the servos [s].
         extent: -1 slow .. 1 fast.
-        most: velocity factor at extent 1, at least 1.
+        max_factor: velocity factor at extent 1, at least 1.
     """
-    factor = most if extent < 0 or least <= 0 else min(most, max(ease / least, 1.0))
-    return float(max(least, ease * factor**-extent))
+    factor = max_factor if extent < 0 or minimum <= 0 else min(max_factor, max(natural / minimum, 1.0))
+    return float(max(minimum, natural * factor**-extent))
 
 
-def natural_time(ease: float, least: float, temporal: float, power: float, *, margin: float = 1.0) -> float:
+def natural_time(natural: float, minimum: float, temporal: float, power: float, *, margin: float = 1.0) -> float:
     """Scale a duration by temporal extent and power within servo limits [s].
 
     Args:
-        ease: duration without either [s].
-        least: minimum duration of the servos [s].
+        natural: duration without either [s].
+        minimum: minimum duration of the servos [s].
         temporal: extent, -1 slow .. 1 fast.
         power: of a stroke, -1 weak .. 1 forceful.
         margin: multiple of the minimum duration below which power does not shorten a movement.
     """
-    scaled = scale_time(ease, least, temporal, TEMPORAL_FACTOR)
+    scaled = scale_time(natural, minimum, temporal, TEMPORAL_FACTOR)
     if power <= 0.0:
-        return scale_time(scaled, least, power, WEAKNESS_FACTOR)
-    return scale_time(scaled, min(scaled, margin * least), power**POWER_EXPONENT, POWER_FACTOR)
+        return scale_time(scaled, minimum, power, WEAKNESS_FACTOR)
+    return scale_time(scaled, min(scaled, margin * minimum), power**POWER_EXPONENT, POWER_FACTOR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,10 +153,10 @@ class Pace:
         """
         arm = np.array(self.robot.arm(side).joints, dtype=np.intp)
         limits = self.limits.part(arm)
-        jacobian, ease = self._hand_jacobian(side), limits.acceleration
-        inertia_inverse = jacobian * ease @ jacobian.transpose(0, 2, 1) + _JACOBIAN_DAMPING * np.eye(3)
+        jacobian, accelerations = self._hand_jacobian(side), limits.acceleration
+        inertia_inverse = jacobian * accelerations @ jacobian.transpose(0, 2, 1) + _JACOBIAN_DAMPING * np.eye(3)
         # (c, 3, k) [rad/m], weighted by the acceleration limits of the joints
-        joint_angles = np.linalg.inv(inertia_inverse) @ (jacobian * ease)
+        joint_angles = np.linalg.inv(inertia_inverse) @ (jacobian * accelerations)
         times = least_rest_times(
             self.robot.arm_length * _SAMPLED_DISTANCES[:, None, None, None] * joint_angles, limits
         ).max(axis=-1)

@@ -30,7 +30,7 @@ def passage_of(
     phase: Phase,
     *,
     accent: float = 0.0,
-    late: bool = False,
+    has_late_peak: bool = False,
     swing: float = 0.0,
     gesture_power: float | None = None,
 ) -> KeyPassage:
@@ -45,7 +45,7 @@ def passage_of(
         manner: expressivity of the behaviour.
         phase: gesture phase of the movement that ends at the key.
         accent: steepness of the stroke itself, beyond the softest easing.
-        late: whether the accent lies at the end of the movement instead of its beginning.
+        has_late_peak: whether the accent lies at the end of the movement instead of its beginning.
         swing: of the key.
         gesture_power: power of the whole gesture, if this phase has another one.
     """
@@ -58,7 +58,7 @@ def passage_of(
         + tension ** tension_exponent(manner.power if gesture_power is None else gesture_power),
         accent * (1.0 - weakness) - weakness,
     )
-    if late and min(power, tension) < OVERSHOOT_THRESHOLD and accent > 0.0:
+    if has_late_peak and min(power, tension) < OVERSHOOT_THRESHOLD and accent > 0.0:
         left = max(left, MIN_LATE_ACCENT * min(accent, 1.0)) + force
         return replace(
             passed,

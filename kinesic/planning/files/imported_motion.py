@@ -73,13 +73,15 @@ def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
     even_times = (
         np.linspace(begin, end, max(1, round((end - begin) / KEY_INTERVAL)) + 1) if end > begin else np.array([begin])
     )
-    turns = [frames.times[_turns(column)] for column in frames.angles.T]
-    times = np.unique(np.concatenate([even_times, *turns]))
+    reversals = [frames.times[_find_reversals(column)] for column in frames.angles.T]
+    times = np.unique(np.concatenate([even_times, *reversals]))
     sampled = np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
     angles = setup.robot.skeleton.clamp(sampled)
-    keyed = np.stack([_keyed(times, even_times, reversals) for reversals in turns], axis=1)
+    keyed = np.stack([_flag_keys(times, even_times, times_of_hinge) for times_of_hinge in reversals], axis=1)
     rest = setup.robot.skeleton.rest
-    approach_time, return_time = (_way(setup, rest, posture) for posture in (angles[0], angles[-1]))
+    approach_time, return_time = (
+        _compute_comfortable_duration(setup, rest, posture) for posture in (angles[0], angles[-1])
+    )
     all_hinges = (True,) * len(rest)
     inner = [
         KeyPosture(time, sealed(posture), tuple(flags))
@@ -92,7 +94,7 @@ def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
     )
 
 
-def _turns(column: Floats) -> Indices:
+def _find_reversals(column: Floats) -> Indices:
     """Return the indices of reversals in angles (m,), ignoring noise.
 
     Successive reversals differ by more than noise. The middle of a pause counts, and the first of several equal peaks
@@ -103,7 +105,7 @@ def _turns(column: Floats) -> Indices:
     rises = np.diff(column[starts]) > 0.0
     extremes = np.flatnonzero(np.diff(rises, prepend=~rises[:1], append=~rises[-1:]))
     angles = column[starts[extremes]].tolist()
-    turns: list[int] = []
+    chosen: list[int] = []
     lowest = highest = direction = 0
     for k, angle in enumerate(angles):
         if angle > angles[highest]:
@@ -111,27 +113,27 @@ def _turns(column: Floats) -> Indices:
         elif angle < angles[lowest]:
             lowest = k
         if direction >= 0 and angles[highest] - angle >= REVERSAL_PROMINENCE:
-            turns += [highest] * direction
+            chosen += [highest] * direction
             direction, lowest = -1, k
         elif direction <= 0 and angle - angles[lowest] >= REVERSAL_PROMINENCE:
-            turns += [lowest] * -direction
+            chosen += [lowest] * -direction
             direction, highest = 1, k
-    reversals: Indices = middles[extremes[turns]]
+    reversals: Indices = middles[extremes[chosen]]
     return reversals
 
 
-def _keyed(times: Floats, even_times: Floats, turns: Floats) -> Flags:
+def _flag_keys(times: Floats, even_times: Floats, reversals: Floats) -> Flags:
     """Flag the samples (m,) that become keys of a hinge.
 
     It has keys at its reversals, at even times away from these, and at both ends.
     """
-    near = np.abs(times[:, None] - turns).min(axis=1, initial=np.inf)
+    near = np.abs(times[:, None] - reversals).min(axis=1, initial=np.inf)
     keyed: Flags = (near == 0.0) | (np.isin(times, even_times) & (near >= REVERSAL_MARGIN))
     keyed[[0, -1]] = True
     return keyed
 
 
-def _way(setup: Setup, start: Floats, end: Floats) -> float:
+def _compute_comfortable_duration(setup: Setup, start: Floats, end: Floats) -> float:
     """Return a comfortable duration [s] for a movement between two postures."""
     return max(MIN_APPROACH_TIME, COMFORT_FACTOR * float(least_rest_times(end - start, setup.limits).max()))
 

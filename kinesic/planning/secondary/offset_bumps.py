@@ -60,9 +60,9 @@ class OffsetBump:
 
     def added(self, times: Floats) -> Floats:
         """Return the offsets (m, h) [rad] at times (m,) [s]."""
-        return np.asarray(self.share(times)[:, None] * self.away[list(self.hinges)])
+        return np.asarray(self.fractions_at(times)[:, None] * self.away[list(self.hinges)])
 
-    def share(self, times: Floats) -> Floats:
+    def fractions_at(self, times: Floats) -> Floats:
         """Return the fraction (m,) of the peak offset at (m,) times [s]."""
         rising = minimum_jerk((times - self.begin) / (self.peak - self.begin))
         left = self.peak + self.stays

@@ -97,7 +97,7 @@ def test_hand_path_with_a_late_accent_is_fastest_in_its_last_turn(turns):
     path = shape_path("circle", amplitude=(0.1, 0.0, 0.1), frequency=(turns, turns, turns))
     fastest = []
     for late in (False, True):
-        keys = [ends[0], *path_keys_between(ends, 1, path, unit=0.42, power=0.0, late=late), ends[1]]
+        keys = [ends[0], *path_keys_between(ends, 1, path, unit=0.42, power=0.0, has_late_peak=late), ends[1]]
         places = np.array([key.hand.reach.position for key in keys])
         times = np.array([key.time for key in keys])
         speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)

@@ -6,7 +6,7 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.dry_run import dry_run
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.files.bap import BapFrames, read_bap, write_bap
-from kinesic.planning.files.imported_motion import REVERSAL_PROMINENCE, _turns, plan_imported
+from kinesic.planning.files.imported_motion import REVERSAL_PROMINENCE, _find_reversals, plan_imported
 from kinesic.report.checks import checks
 from kinesic.session.plan import plan
 
@@ -98,7 +98,7 @@ def test_reversals_of_an_imported_hinge_match_scipy(seed: int):
     rng = np.random.default_rng(seed)
     angles = np.repeat(np.cumsum(rng.normal(0.0, REVERSAL_PROMINENCE / 2, 200)), rng.integers(1, 5, 200))
     peaks = [find_peaks(sign * angles, prominence=REVERSAL_PROMINENCE)[0] for sign in (1.0, -1.0)]
-    np.testing.assert_array_equal(_turns(angles), np.sort(np.concatenate(peaks)))
+    np.testing.assert_array_equal(_find_reversals(angles), np.sort(np.concatenate(peaks)))
 
 
 @pytest.mark.parametrize(
@@ -114,4 +114,4 @@ def test_reversals_of_an_imported_hinge_match_scipy(seed: int):
     ids=["one frame", "still", "one way", "pause", "equal peaks", "noise"],
 )
 def test_reversal_is_an_extreme_angle_that_differs_by_more_than_noise(angles, turns):
-    assert _turns(np.array(angles)).tolist() == turns
+    assert _find_reversals(np.array(angles)).tolist() == turns

@@ -71,7 +71,7 @@ def test_held_free_hand_never_stops_for_a_second():
     motion = raised(4.0)
     bumps = [*make_drifts(motion, 1.0, ROBOT, np.random.default_rng(1))]
     times = np.linspace(1.8, 5.2, 341)
-    offsets = np.sum([bump.share(times)[:, None] * bump.away for bump in bumps], axis=0)
+    offsets = np.sum([bump.fractions_at(times)[:, None] * bump.away for bump in bumps], axis=0)
     speed = np.abs(np.diff(offsets, axis=0)).max(axis=1) / 0.01
     is_still = (speed < np.radians(0.5)).astype(int)
     longest = max(map(len, "".join(map(str, is_still)).split("0")))
