@@ -27,17 +27,19 @@ class Key:
     mode: ArmMode
     rest: Floats  # (k,) [rad] rest posture, preferred for angles that the reach leaves free
     reach: Reach | None = None  # hand target of `ArmMode.REACH`
-    openness: float = 0.0  # fraction of the way from the hanging elbow to the swivel `ReachManner.open`
-    passing: bool = False  # on a path: the swivel is kept, and the nearest posture to where the path began is taken
+    openness: float = 0.0  # fraction of the way from the hanging elbow to the swivel `ReachLimits.open_swivel`
+    passing: bool = False  # on a path: keeps the swivel, and takes the posture nearest to the start of the path
 
 
 @dataclass(frozen=True)
-class ReachManner:
+class ReachLimits:
     """Limits of an arm's elbow swing and hinge steps between keys."""
 
-    widest: float  # [rad] that an elbow swings aside for the palm and the pointing of its hand
-    leap: float  # [rad] of a hinge from key to key, at most, where the elbow need not swing for these
-    open: float  # [rad] swivel of the elbow at openness 1
+    max_swivel_change: float  # [rad] largest swing of the elbow for the palm and pointing directions
+    max_hinge_step: (
+        float  # [rad] largest hinge rotation between keys; beyond it, the elbow keeps its swivel if possible
+    )
+    open_swivel: float  # [rad] swivel of the elbow at openness 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,19 +54,19 @@ class KeyArms:
 def pose_keys(
     chain: Chain,
     keys: Sequence[Key],
-    manner: ReachManner,
+    limits: ReachLimits,
     *,
-    now: Floats,
-    began: Floats | None,
+    start: Floats,
+    path_start: Floats | None,
 ) -> KeyArms:
     """Solve the arm posture at each key, starting from the previous one.
 
     Args:
         chain: the arm.
         keys: in their order.
-        manner: of all keys.
-        now: (k,) [rad] the arm before the first key.
-        began: (k,) [rad] the arm as the path began that it is on before the first key; `now` where it is on none.
+        limits: of the elbow swing and of hinge steps, the same for all keys.
+        start: (k,) [rad] posture before the first key.
+        path_start: (k,) [rad] posture at the start of the current path; None if the first key starts one.
 
     Raises:
         ValueError: a shape is wrong or a number is not finite.
@@ -82,7 +84,7 @@ def pose_keys(
             swivels[k] = key.reach.swivel
     rests = np.reshape([key.rest for key in keys], (count, hinges))
     has_reach = np.array([key.mode is ArmMode.REACH for key in keys], dtype=bool)
-    if not (np.isfinite(places[0, has_reach]).all() and np.isfinite(rests).all() and np.isfinite(now).all()):
+    if not (np.isfinite(places[0, has_reach]).all() and np.isfinite(rests).all() and np.isfinite(start).all()):
         raise ValueError("keys: every position, rest and start must be finite")
     key_arms = KeyArms(np.empty((count, hinges)), np.empty((count, hinges)), np.empty(count))
     arm_of(chain).pose_keys(
@@ -94,11 +96,11 @@ def pose_keys(
         swivels,
         np.ascontiguousarray(rests, dtype=np.float64),
         np.array([key.openness for key in keys], dtype=np.float64),
-        np.ascontiguousarray(now, dtype=np.float64),
-        np.full(hinges, np.nan) if began is None else np.ascontiguousarray(began, dtype=np.float64),
-        manner.widest,
-        manner.leap,
-        manner.open,
+        np.ascontiguousarray(start, dtype=np.float64),
+        np.full(hinges, np.nan) if path_start is None else np.ascontiguousarray(path_start, dtype=np.float64),
+        limits.max_swivel_change,
+        limits.max_hinge_step,
+        limits.open_swivel,
         key_arms.angles,
         key_arms.beginnings,
         key_arms.swivels,

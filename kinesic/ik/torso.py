@@ -70,7 +70,7 @@ def lean_torso(robot: Robot, hands: Mapping[Side, Floats], *, max_turn: float = 
     far = [arm for arm in arms if _excess(arm, turns, [0.0] * len(turns)) > 0.0]
     if not far:
         return 0.0, 0.0, 0.0
-    pulls = [_pull(turn, far) for turn in turns]
+    pulls = [_compute_pull_moment(turn, far) for turn in turns]
     strongest = max((abs(pull) for pull in pulls), default=0.0) or 1.0
 
     def angles_at(scale: float) -> list[float]:
@@ -93,8 +93,8 @@ def _bisect(excess: Callable[[float], float], insufficient: float, sufficient: f
     return sufficient
 
 
-def _pull(turn: _Turn, far: Sequence[_Arm]) -> float:
-    """Return the moment [m] of unit pulls towards targets about a hinge."""
+def _compute_pull_moment(turn: _Turn, far: Sequence[_Arm]) -> float:
+    """Return the moment [m] about a hinge of unit forces towards the targets."""
     moment = 0.0
     for arm in far:
         rest = [pivot.rest for pivot in arm.linkage.pivots]

@@ -1,4 +1,4 @@
-"""Directions of an arm's links, measured on postures and set in them."""
+"""Conversion between arm postures and the directions of the arm's links."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
 
 LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm, from the shoulder outward
-# Per link: angle [deg] from straight down towards the front, and angle [deg] outward, out of the sagittal plane.
-ARM_FEATURES = tuple(f"{link}_{way}" for link in LINK_NAMES for way in ("forward", "outward"))
+# Two angles [deg] of each link: from straight down towards the front, and outward from the sagittal plane.
+ARM_FEATURES = tuple(f"{link}_{direction}" for link in LINK_NAMES for direction in ("forward", "outward"))
 SOLVER_STEPS = 8  # largest number of Gauss-Newton iterations for an arm's posture
 STEP_TOLERANCE = 1e-5  # [rad] largest change of a hinge in an iteration after which the solution counts as final
 HINGE_WEIGHT = 0.06  # [1/rad] weight of a hinge's deviation from its start angle, relative to direction errors
@@ -37,14 +37,14 @@ def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Float
     """
     skeleton, arm, solved = robot.skeleton, robot.arm(side), np.array(angles)
     joints = [joint for joint in arm.joints if joint not in arm.shoulder_lift_joints]
-    wanted, start = _to_directions(side, features), np.array(angles[joints])
+    targets, start = _to_directions(side, features), np.array(angles[joints])
     lower, upper = (np.asarray(bound)[joints] for bound in (skeleton.lower, skeleton.upper))
     for _ in range(SOLVER_STEPS):
         nudged = np.repeat(solved[None], len(joints) + 1, axis=0)
         nudged[np.arange(len(joints)), joints] += DIFFERENCE_STEP
         directions = _link_directions(robot, side, nudged).reshape(len(nudged), -1)
         slopes = (directions[:-1] - directions[-1]).T / DIFFERENCE_STEP
-        error = wanted.ravel() - directions[-1]
+        error = targets.ravel() - directions[-1]
         matrix = np.vstack([slopes, HINGE_WEIGHT * np.eye(len(joints))])
         right = np.concatenate([error, HINGE_WEIGHT * (start - solved[joints])])
         before = solved[joints]

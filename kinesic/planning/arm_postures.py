@@ -19,7 +19,7 @@ from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.passive_shoulder import carry_shoulder
 from kinesic.ik.arm.refine import refine_posture, true_arm
-from kinesic.ik.keys import ArmMode, Key, ReachManner, pose_keys
+from kinesic.ik.keys import ArmMode, Key, ReachLimits, pose_keys
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import aim_from_shoulder, turn_reach
 
@@ -27,7 +27,7 @@ MAX_SWIVEL_CHANGE = float(np.radians(25))  # [rad] largest swing of the elbow fo
 MAX_HINGE_STEP = float(np.radians(110))  # [rad] largest hinge rotation between keys; a flipping arm would be late
 OPEN_SWIVEL = float(np.radians(78))  # [rad] elbow swivel at openness 1; above this, elbows rise and palms turn
 # Limits on elbow and hinge changes between two keys.
-REACH_SETTINGS = ReachManner(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)
+REACH_LIMITS = ReachLimits(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)
 MAX_KEYS_PER_CALL = 64  # largest number of keys solved together before collisions are checked
 
 
@@ -46,7 +46,7 @@ def with_arms(angles: Floats, hands: Mapping[Side, Hand], reaches: Mapping[Side,
     solved, frames = angles.copy(), robot.body_frames(angles)
     for side, hand in hands.items():
         arm_key = ArmKey.of(robot, side, hand, reaches[side], frames)
-        solved = solve_keys(robot, side, [arm_key], solved[None], began=None)[0][0]
+        solved = solve_keys(robot, side, [arm_key], solved[None], path_start=None)[0][0]
     return solved
 
 
@@ -83,7 +83,7 @@ class ArmKey:
 
 
 def solve_keys(
-    robot: Robot, side: Side, keys: Sequence[ArmKey], postures: Floats, *, began: Floats | None
+    robot: Robot, side: Side, keys: Sequence[ArmKey], postures: Floats, *, path_start: Floats | None
 ) -> tuple[Floats, Floats]:
     """Solve an arm for all its keys in one call.
 
@@ -92,7 +92,7 @@ def solve_keys(
         side: of the arm.
         keys: in their order; a single one if the ideal arm differs from the true one.
         postures: (m, n) [rad] of these keys with their torsos in place; the first has the current arm.
-        began: (k,) [rad] arm at the start of the current hand path; None: the hand is on no path.
+        path_start: (k,) [rad] arm at the start of the current hand path; None: the hand is on no path.
 
     Returns:
         (m, n) [rad] postures with this arm, and (m, k) [rad] arm at the start of the path after each key.
@@ -100,7 +100,7 @@ def solve_keys(
     chain, joints = robot.arms[side], list(robot.arm(side).joints)
     indices, solved = list(chain.indices), postures.copy()
     solution = pose_keys(
-        chain, [arm_key.key for arm_key in keys], REACH_SETTINGS, now=postures[0, indices], began=began
+        chain, [arm_key.key for arm_key in keys], REACH_LIMITS, start=postures[0, indices], path_start=path_start
     )
     beginnings = solution.beginnings
     for k, arm_key in enumerate(keys):
@@ -111,11 +111,11 @@ def solve_keys(
         if arm_key.reach is None or true_arm(robot, side).exact:
             continue
         near = postures[k].copy()
-        if arm_key.key.passing and began is not None:
-            near[indices] = began
+        if arm_key.key.passing and path_start is not None:
+            near[indices] = path_start
         swivel = None if np.isnan(solution.swivels[k]) else float(solution.swivels[k])
         solved[k] = refine_posture(robot, side, structs.replace(arm_key.reach, swivel=swivel), solved[k], near=near)
-        if not (arm_key.key.passing and began is not None):
+        if not (arm_key.key.passing and path_start is not None):
             beginnings[k] = solved[k, indices]
     return solved, beginnings
 
@@ -193,18 +193,18 @@ def solve_arms(
     Returns:
         (m, n) [rad] within the joint limits, and the target of each hand in the world.
     """
-    angles, began = np.array(bodies), dict[Side, Floats]()
+    angles, path_starts = np.array(bodies), dict[Side, Floats]()
     targets: list[Mapping[Side, Reach | None]] = []
     max_count = MAX_KEYS_PER_CALL if all(true_arm(robot, side).exact for side in SIDES) else 1
     first, count = 0, max_count
     while first < len(tasks):
         next_tasks = _ahead(tasks, first, count, angles[first], robot)
-        rows, beginnings = _solved(next_tasks, angles[first : first + len(next_tasks)], began, robot)
+        rows, beginnings = _solved(next_tasks, angles[first : first + len(next_tasks)], path_starts, robot)
         collision_row = _cleared(next_tasks, rows, robot, distances)
         solved_count = len(rows) if collision_row is None else collision_row + 1
         angles[first : first + solved_count] = rows[:solved_count]
         for side in SIDES:
-            _carry(side, next_tasks[:solved_count], rows[:solved_count], beginnings, began, robot)
+            _carry(side, next_tasks[:solved_count], rows[:solved_count], beginnings, path_starts, robot)
             arm = list(robot.arm(side).joints)
             angles[first + solved_count :, arm] = rows[solved_count - 1, arm]
         targets += [task.targets for task in next_tasks[:solved_count]]
@@ -232,7 +232,7 @@ def _ahead(tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, r
 
 
 def _solved(
-    tasks: Sequence[ArmsTask], postures: Floats, began: Mapping[Side, Floats], robot: Robot
+    tasks: Sequence[ArmsTask], postures: Floats, path_starts: Mapping[Side, Floats], robot: Robot
 ) -> tuple[Floats, Mapping[Side, Floats]]:
     """Solve the inverse kinematics of both arms, ignoring collisions.
 
@@ -246,7 +246,7 @@ def _solved(
         if not rows_of_side:
             continue
         keys = [tasks[k].keys[side] for k in rows_of_side]
-        solution, beginnings[side] = solve_keys(robot, side, keys, rows[rows_of_side], began=began.get(side))
+        solution, beginnings[side] = solve_keys(robot, side, keys, rows[rows_of_side], path_start=path_starts.get(side))
         latest = np.searchsorted(rows_of_side, np.arange(len(rows)), side="right") - 1  # otherwise the arm stays
         met = np.flatnonzero(latest >= 0)
         rows[met[:, None], arm] = solution[latest[met, None], arm]
@@ -275,12 +275,12 @@ def _carry(
     tasks: Sequence[ArmsTask],
     rows: Floats,
     beginnings: Mapping[Side, Floats],
-    began: dict[Side, Floats],
+    path_starts: dict[Side, Floats],
     robot: Robot,
 ) -> None:
     """Store the arm's posture at the start of the current hand path."""
     rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
     if rows_of_side:
-        on_path = tasks[rows_of_side[-1]].hands[side].passing and (side in began or len(rows_of_side) > 1)
+        on_path = tasks[rows_of_side[-1]].hands[side].passing and (side in path_starts or len(rows_of_side) > 1)
         arm = list(robot.arms[side].indices)
-        began[side] = beginnings[side][len(rows_of_side) - 1] if on_path else rows[rows_of_side[-1], arm]
+        path_starts[side] = beginnings[side][len(rows_of_side) - 1] if on_path else rows[rows_of_side[-1], arm]

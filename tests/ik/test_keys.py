@@ -8,14 +8,14 @@ from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.keys import ArmMode, Key, ReachManner, pose_keys
+from kinesic.ik.keys import ArmMode, Key, ReachLimits, pose_keys
 from kinesic.ik.solve import solve
 
 from ..reference.ik import keys as reference
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
-MANNER = ReachManner(widest=0.4, leap=1.9, open=1.36)
+LIMITS = ReachLimits(max_swivel_change=0.4, max_hinge_step=1.9, open_swivel=1.36)
 
 
 def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
@@ -38,8 +38,10 @@ def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
 @pytest.mark.parametrize("chain", ARMS.values(), ids=ARMS)
 @pytest.mark.parametrize("on_path", [True, False])
 def test_arm_keys_solved_in_one_kernel_call_equal_the_python_reference(chain: Chain, on_path: bool):
-    keys, began = _keys(chain, 12, seed=3), chain.rest + 0.05 if on_path else None
-    one, two = (pose(chain, keys, MANNER, now=chain.rest, began=began) for pose in (reference.pose_keys, pose_keys))
+    keys, path_start = _keys(chain, 12, seed=3), chain.rest + 0.05 if on_path else None
+    one, two = (
+        pose(chain, keys, LIMITS, start=chain.rest, path_start=path_start) for pose in (reference.pose_keys, pose_keys)
+    )
     assert np.array_equal(one.angles[:8], two.angles[:8])  # before the first that is out of reach
     for name in ("angles", "beginnings", "swivels"):
         assert getattr(one, name) == pytest.approx(getattr(two, name), abs=1e-9, nan_ok=True)
@@ -47,18 +49,18 @@ def test_arm_keys_solved_in_one_kernel_call_equal_the_python_reference(chain: Ch
 
 def test_arm_keys_solved_in_parts_match_one_ik_call():
     keys = _keys(LEFT, 7, seed=4)
-    whole = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None)
-    now, began = LEFT.rest, None
+    whole = pose_keys(LEFT, keys, LIMITS, start=LEFT.rest, path_start=None)
+    start, path_start = LEFT.rest, None
     for k, key in enumerate(keys):
-        part = pose_keys(LEFT, [key], MANNER, now=now, began=began)
+        part = pose_keys(LEFT, [key], LIMITS, start=start, path_start=path_start)
         assert np.array_equal(part.angles[0], whole.angles[k])
-        now, began = part.angles[0], part.beginnings[0]
+        start, path_start = part.angles[0], part.beginnings[0]
 
 
 def test_arm_keeps_its_first_swivel_angle_along_a_hand_path():
     places = [np.array([0.28, 0.10 + 0.02 * k, -0.05]) for k in (0, 1, 2, 1, 0)]
     keys = [Key(ArmMode.REACH, LEFT.rest, Reach(place), passing=k > 0) for k, place in enumerate(places)]
-    result = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None)
+    result = pose_keys(LEFT, keys, LIMITS, start=LEFT.rest, path_start=None)
     first = result.angles[0]
     assert np.array_equal(result.beginnings, np.tile(first, (5, 1)))
     for place, angles, turn in zip(places[1:], result.angles[1:], result.swivels[1:], strict=True):
@@ -75,17 +77,17 @@ def test_arm_keys_of_each_mode_get_arm_postures():
         Key(ArmMode.REACH, LEFT.rest, reach, openness=1.0),
         Key(ArmMode.REST, LEFT.rest),
     ]
-    angles = pose_keys(LEFT, keys, MANNER, now=LEFT.rest, began=None).angles
+    angles = pose_keys(LEFT, keys, LIMITS, start=LEFT.rest, path_start=None).angles
     assert np.array_equal(angles[0], angles[1])
-    assert swivel(LEFT, angles[2]) == pytest.approx(MANNER.open, abs=1e-6)
+    assert swivel(LEFT, angles[2]) == pytest.approx(LIMITS.open_swivel, abs=1e-6)
     assert np.array_equal(angles[3], LEFT.rest)
 
 
 def test_empty_arm_key_list_gives_no_postures():
-    assert pose_keys(LEFT, [], MANNER, now=LEFT.rest, began=None).angles.shape == (0, 8)
+    assert pose_keys(LEFT, [], LIMITS, start=LEFT.rest, path_start=None).angles.shape == (0, 8)
 
 
 def test_nan_arm_key_target_raises_an_error():
     lost = Key(ArmMode.REACH, LEFT.rest, Reach(np.array([np.nan, 0.0, 0.0])))
     with pytest.raises(ValueError, match="finite"):
-        pose_keys(LEFT, [lost], MANNER, now=LEFT.rest, began=None)
+        pose_keys(LEFT, [lost], LIMITS, start=LEFT.rest, path_start=None)

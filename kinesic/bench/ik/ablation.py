@@ -144,12 +144,12 @@ def _aim_bone(link: Link, direction: Vector, start: Sequence[float]) -> list[tup
     last = link.pivots[-1]
     if len(start) == 1:
         aimed = turn_towards(last.axis, link.along, direction)
-        return [(start[-1] if aimed is None else last.held(aimed, start[-1]),)]
+        return [(start[-1] if aimed is None else last.bring_into_range(aimed, start[-1]),)]
     first, branches = link.pivots[-2], []
     for branch in first_of_two(first.axis, last.axis, link.along, direction) or (start[-2],):
-        angle = first.held(branch, start[-2])
+        angle = first.bring_into_range(branch, start[-2])
         aimed = turn_towards(last.axis, link.along, turned(direction, first.axis, -angle))
-        branches.append((*fixed, angle, start[-1] if aimed is None else last.held(aimed, start[-1])))
+        branches.append((*fixed, angle, start[-1] if aimed is None else last.bring_into_range(aimed, start[-1])))
     return branches
 
 

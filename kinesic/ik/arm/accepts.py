@@ -48,21 +48,21 @@ def accept_chain(chain: Chain) -> Chain:
             _check_bone(where, joint, float(chain.lengths.sum()))
         for hinge in joint.hinges:
             _check_hinge(f"{where}: hinge {hinge.name}", hinge)
-    joints = _slid(chain.joints)
+    joints = _move_twist_hinges_to_parent(chain.joints)
     for joint in joints:
         _check_joint(where, joint)
     return replace(chain, joints=joints)
 
 
-def _slid(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
+def _move_twist_hinges_to_parent(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
     """Reassign first hinges parallel to the parent's bone to the parent joint."""
-    slid = [joints[0]]
+    regrouped = [joints[0]]
     for joint in joints[1:]:
-        parent = slid[-1]
+        parent = regrouped[-1]
         slides = int(bool(joint.hinges) and _parallel(joint.hinges[0].axis, parent.bone))
-        slid[-1] = replace(parent, hinges=parent.hinges + joint.hinges[:slides])
-        slid.append(replace(joint, hinges=joint.hinges[slides:]))
-    return tuple(slid)
+        regrouped[-1] = replace(parent, hinges=parent.hinges + joint.hinges[:slides])
+        regrouped.append(replace(joint, hinges=joint.hinges[slides:]))
+    return tuple(regrouped)
 
 
 def _check_joint(where: str, joint: ChainJoint) -> None:

@@ -39,10 +39,10 @@ class Pivot:
     upper: float  # [rad]
     rest: float  # [rad]
 
-    def held(self, angle: float, near: float) -> float:
-        """Return the equivalent in-range angle [rad] nearest to `near`.
+    def bring_into_range(self, angle: float, near: float) -> float:
+        """Add whole turns to an angle [rad] so that it lies within the range.
 
-        If no whole turn brings it into the range, return the nearer stop.
+        Of several such angles, return the nearest to `near`; without any, return the nearer stop.
         """
         same = near + remainder(angle - near, tau)
         if self.lower <= same <= self.upper:
@@ -159,27 +159,32 @@ def linkage_of(chain: Chain) -> Linkage:
     upper, fore = links[-3], links[-2]
     twisted = bool(fore.pivots) and norm(cross(fore.pivots[0].axis, upper.along)) < PARALLEL_SINE
     aside = origin[1] + sum(link.bone[1] for link in links[:-3])
-    farthest, closest = (_extreme(upper.bone, fore.pivots[twisted:], fore.bone, way=way) for way in (1.0, -1.0))
+    farthest, closest = (
+        _compute_extreme_reach(upper.bone, fore.pivots[twisted:], fore.bone, sign=sign) for sign in (1.0, -1.0)
+    )
     return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, farthest, closest)
 
 
-def _extreme(upper: Vector, pivots: Sequence[Pivot], fore: Vector, *, way: float) -> float:
+def _compute_extreme_reach(upper: Vector, pivots: Sequence[Pivot], fore: Vector, *, sign: float) -> float:
     """Return the longest or shortest possible shoulder-hand distance [m].
 
-    It is where both hinges aim one bone along the other, or where one of them is stopped and the other aims; `way` is
-    1 for the longest, and -1 for the shortest, where the bones lie against one another.
+    There, both hinges aim one bone along the other, or one hinge is at its stop and the other aims. `sign` is 1 for the
+    longest distance and -1 for the shortest, at which the bones lie against one another.
     """
     if not pivots:
         return norm(plus(upper, fore))
-    first, last, aim = pivots[0], pivots[-1], scaled(unit(upper), way)
+    first, last, aim = pivots[0], pivots[-1], scaled(unit(upper), sign)
     if len(pivots) == 1:
         turn = turn_towards(first.axis, unit(fore), aim)
-        angle = first.lower if turn is None else first.held(turn, first.rest)
+        angle = first.lower if turn is None else first.bring_into_range(turn, first.rest)
         return norm(plus(upper, turned(fore, first.axis, angle)))
-    ways = first_of_two(first.axis, last.axis, unit(fore), aim)
-    firsts = (first.lower, first.upper, *(first.held(turn, first.rest) for turn in ways))
+    solutions = first_of_two(first.axis, last.axis, unit(fore), aim)
+    firsts = (first.lower, first.upper, *(first.bring_into_range(turn, first.rest) for turn in solutions))
     distances = (
-        *(_extreme(turned(upper, first.axis, -turn), (last,), fore, way=way) for turn in firsts),
-        *(_extreme(upper, (first,), turned(fore, last.axis, turn), way=way) for turn in (last.lower, last.upper)),
+        *(_compute_extreme_reach(turned(upper, first.axis, -turn), (last,), fore, sign=sign) for turn in firsts),
+        *(
+            _compute_extreme_reach(upper, (first,), turned(fore, last.axis, turn), sign=sign)
+            for turn in (last.lower, last.upper)
+        ),
     )
-    return max(distances) if way > 0.0 else min(distances)
+    return max(distances) if sign > 0.0 else min(distances)

@@ -90,13 +90,13 @@ def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier
         carried = turn @ rest
         frame = carried @ before[k]
         if lengths[k] > MIN_BONE_RATIO * chain.size:
-            frame = _led(frame, bones[k] / lengths[k])
+            frame = _rotate_without_twist(frame, bones[k] / lengths[k])
         rotations[k] = carried.T @ frame
         turn = frame @ rest.T
     return stance_of(chain, rotations, carrier)
 
 
-def _led(frame: Floats, along: Floats) -> Floats:
+def _rotate_without_twist(frame: Floats, along: Floats) -> Floats:
     """Return a bone's frame (3, 3) rotated without twist to another direction."""
     side = np.cross(transport_up(frame[:, 2], frame[:, 0], along), along)
     side /= np.linalg.norm(side)

@@ -61,23 +61,27 @@ def add_secondary_motion(
     Returns:
         The motion, and times (k,) [s] with its clearance.
     """
-    changes = _changes(motion, frames, utterances, setup)
+    changes = _collect_offsets(motion, frames, utterances, setup)
     if not changes:
         return motion, times, clearance
-    alone, spans = motion.trajectory, _ChangeSpans(Changes(motion.trajectory, changes), setup.robot)
+    original, spans = motion.trajectory, _ChangeSpans(Changes(motion.trajectory, changes), setup.robot)
     amounts = spans.changes.within_limits(np.ones(len(changes)), np.ones(len(changes), dtype=np.bool_), setup.limits)
-    laid = spans.changes.added(amounts)
-    times, changed_clearance = scan_clearance(laid, setup.distances)
-    chosen = np.ones(len(times), dtype=np.bool_)
-    bad = _hindered(alone, laid, times, (changed_clearance, clearance), chosen, setup)
-    while np.any(met := (amounts > 0.0) & spans.met(times, bad)):
-        less = met & spans.moves_arm if np.any(met & spans.moves_arm) else met
-        amounts = spans.changes.within_limits(reduce_amounts(amounts, less), less, setup.limits)
-        laid = spans.changes.added(amounts)
-        chosen = spans.touched(times, less)
-        changed_clearance = _measure_again(changed_clearance, chosen, laid.sample(times[chosen])[0], setup)
-        bad = np.where(chosen, _hindered(alone, laid, times, (changed_clearance, clearance), chosen, setup), bad)
-    return replace(motion, trajectory=laid), times, changed_clearance
+    summed = spans.changes.added(amounts)
+    times, changed_clearance = scan_clearance(summed, setup.distances)
+    checked = np.ones(len(times), dtype=np.bool_)
+    violating = _find_violations(original, summed, times, (changed_clearance, clearance), checked, setup)
+    while np.any(met := (amounts > 0.0) & spans.met(times, violating)):
+        reduced = met & spans.moves_arm if np.any(met & spans.moves_arm) else met
+        amounts = spans.changes.within_limits(reduce_amounts(amounts, reduced), reduced, setup.limits)
+        summed = spans.changes.added(amounts)
+        checked = spans.touched(times, reduced)
+        changed_clearance = _measure_again(changed_clearance, checked, summed.sample(times[checked])[0], setup)
+        violating = np.where(
+            checked,
+            _find_violations(original, summed, times, (changed_clearance, clearance), checked, setup),
+            violating,
+        )
+    return replace(motion, trajectory=summed), times, changed_clearance
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,21 +105,21 @@ class _ChangeSpans:
         begins, ends = np.array([(change.begin, change.end) for change in self.changes.offsets]).T
         return np.stack([times.searchsorted(begins, side="right"), times.searchsorted(ends)], axis=1)
 
-    def met(self, times: Floats, bad: Flags) -> Flags:
+    def met(self, times: Floats, violating: Flags) -> Flags:
         """Flag the offsets (c,) that are active at any flagged time.
 
         Args:
             times: (m,) [s].
-            bad: (m,) whether a time is bad.
+            violating: (m,) whether limits are violated at each time.
         """
         first, last = self.under_way(times).T
-        before = np.append(0, np.cumsum(bad))
+        before = np.append(0, np.cumsum(violating))
         return np.asarray(before[np.maximum(first, last)] > before[first])
 
-    def touched(self, times: Floats, chosen: Flags) -> Flags:
+    def touched(self, times: Floats, offsets: Flags) -> Flags:
         """Flag the times (m,) at which any chosen offset is active."""
         changed_clearance: Flags = np.zeros(len(times), dtype=np.bool_)
-        for first, last in self.under_way(times)[chosen].tolist():
+        for first, last in self.under_way(times)[offsets].tolist():
             changed_clearance[first:last] = True
         return changed_clearance
 
@@ -137,7 +141,7 @@ def _measure_again(before: Clearance, changed: Flags, angles: Floats, setup: Set
     return Clearance(sealed(distances), pairs)
 
 
-def _changes(
+def _collect_offsets(
     motion: Conditioned, frames: KeyFrames, utterances: Mapping[str, Utterance], setup: Setup
 ) -> tuple[MotionChange, ...]:
     """Collect the secondary motion offsets of a block, except during pointing."""
@@ -210,19 +214,19 @@ def _idle_offsets(
     yield from make_head_arcs(motion, nods, part, robot, chance)
 
 
-def _hindered(
-    alone: Trajectory,
-    laid: Trajectory,
+def _find_violations(
+    original: Trajectory,
+    summed: Trajectory,
     times: Floats,
     clearances: tuple[Clearance, Clearance],
-    chosen: Flags,
+    checked: Flags,
     setup: Setup,
 ) -> Flags:
     """Flag the times (m,) with too little clearance or overloaded servos.
 
-    Times that violate without the changes do not count. Drives are checked at the `chosen` times.
+    Times that violate without the changes do not count. Drives are checked at the `checked` times.
     """
     now, before = clearances
     distances = before.distances[np.minimum(np.arange(len(times)), len(before.distances) - 1)]
     least = np.minimum(setup.robot.min_clearance + LAG_RESERVE, distances - MAX_CLEARANCE_LOSS)
-    return (now.distances < least) | np.isin(times, find_overloaded_times(alone, laid, times[chosen], setup))
+    return (now.distances < least) | np.isin(times, find_overloaded_times(original, summed, times[checked], setup))

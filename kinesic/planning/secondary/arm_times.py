@@ -39,7 +39,7 @@ class Gap:
     rests: tuple[Span, ...]
 
     @property
-    def way_home(self) -> Span | None:
+    def return_span(self) -> Span | None:
         """Time span [s] of the return to rest, None without a return."""
         if not self.rests or (len(self.rests) == 1 and self.end < inf):
             return None

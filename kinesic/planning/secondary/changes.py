@@ -19,9 +19,9 @@ REDUCED_AMOUNT = 0.4  # amount of a secondary motion that violates a limit, trie
 EMPTY_ROW = sealed([])  # empty array for concatenation if there are no offsets
 
 
-def reduce_amounts(amounts: Floats, less: Flags) -> Floats:
+def reduce_amounts(amounts: Floats, reduced: Flags) -> Floats:
     """Reduce flagged amounts (c,) from 1 to `REDUCED_AMOUNT`, then to 0."""
-    return np.where(less, np.where(amounts == 1.0, REDUCED_AMOUNT, 0.0), amounts)
+    return np.where(reduced, np.where(amounts == 1.0, REDUCED_AMOUNT, 0.0), amounts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,9 @@ class Changes:
     @cached_property
     def _rows(self) -> Sequence[Floats]:
         """Angles (r, h) [rad] that each offset adds to control points."""
-        times: Floats = np.asarray(self.motion.start + (np.arange(self._alone.shape[1]) - CONTROL_LEAD) * KNOT_INTERVAL)
+        times: Floats = np.asarray(
+            self.motion.start + (np.arange(self._original_controls.shape[1]) - CONTROL_LEAD) * KNOT_INTERVAL
+        )
         spans = self._spans.tolist()
         return [change.added(times[first:last]) for change, (first, last) in zip(self.offsets, spans, strict=True)]
 
@@ -110,7 +112,7 @@ class Changes:
         )
 
     @cached_property
-    def _alone(self) -> Floats:
+    def _original_controls(self) -> Floats:
         """Spline control points (n, k) [rad] of the motion without offsets.
 
         The last one is repeated until all changes are over.
@@ -119,27 +121,27 @@ class Changes:
         beyond = self._whole_size(np.ones(len(self.offsets))) - columns_of_motion.shape[1]
         return np.hstack([columns_of_motion, np.repeat(columns_of_motion[:, -1:], beyond, axis=1)])
 
-    def _laid(self, amounts: Floats) -> Floats:
+    def _summed_controls(self, amounts: Floats) -> Floats:
         """Return the spline control points (n, k) [rad] with scaled offsets added.
 
         Args:
             amounts: (c,) of each change.
         """
-        columns, cells = self._alone.copy(), self._cells
-        np.add.at(columns.reshape(-1), self._places, amounts[cells.change] * cells.added)
+        columns, cells = self._original_controls.copy(), self._cells
+        np.add.at(columns.reshape(-1), self._flat_indices, amounts[cells.change] * cells.added)
         return columns
 
     @cached_property
-    def _places(self) -> Indices:
+    def _flat_indices(self) -> Indices:
         """Flat index of each contribution in the control-point array, (p,)."""
-        return np.asarray(self._cells.hinge * self._alone.shape[1] + self._cells.row)
+        return np.asarray(self._cells.hinge * self._original_controls.shape[1] + self._cells.row)
 
     def added(self, amounts: Floats) -> Trajectory:
         """Return the motion plus the offsets scaled by amounts (c,).
 
         It lasts until the last of them is over.
         """
-        controls = self._laid(amounts)[:, : self._whole_size(amounts)].T
+        controls = self._summed_controls(amounts)[:, : self._whole_size(amounts)].T
         return Trajectory(sealed(np.ascontiguousarray(controls)), self.motion.zero, self.motion.start)
 
     def within_limits(self, amounts: Floats, changed: Flags, limits: Limits) -> Floats:
@@ -155,10 +157,12 @@ class Changes:
         """
         while np.any(changed):
             hinges, window = np.flatnonzero(self.moved[changed].any(axis=0)), self._window(amounts, changed)
-            broken = np.zeros(self._alone.shape, dtype=np.bool_)
-            laid, alone = (offsets[hinges, window] for offsets in (self._laid(amounts), self._alone))
-            broken[hinges, window] = find_beyond(laid, alone, limits, hinges, full=FULL_LIMIT)
-            met = self._cells.change[broken.reshape(-1)[self._places]]
-            changed = (np.bincount(met, minlength=len(amounts)) > 0) & (amounts > 0.0)
+            violated = np.zeros(self._original_controls.shape, dtype=np.bool_)
+            summed, original = (
+                offsets[hinges, window] for offsets in (self._summed_controls(amounts), self._original_controls)
+            )
+            violated[hinges, window] = find_beyond(summed, original, limits, hinges, full=FULL_LIMIT)
+            violating = self._cells.change[violated.reshape(-1)[self._flat_indices]]
+            changed = (np.bincount(violating, minlength=len(amounts)) > 0) & (amounts > 0.0)
             amounts = reduce_amounts(amounts, changed)
         return amounts

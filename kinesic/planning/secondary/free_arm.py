@@ -12,7 +12,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
-from kinesic.planning.secondary.homeward import MAX_REST_DEVIATION, Bow, draw_offsets, turn_outward
+from kinesic.planning.secondary.homeward import MAX_REST_DEVIATION, ArmOffset, draw_offsets, turn_outward
 from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 MAX_SWING = (radians(3.0), radians(4.0), radians(5.0))  # [rad] largest offsets of shoulder, elbow and wrist
@@ -57,7 +57,7 @@ def _draw_swings(
     robot: Robot,
     seed: tuple[int, str],
     touched: Mapping[Side, Sequence[float]],
-) -> Iterator[Bow]:
+) -> Iterator[ArmOffset]:
     """Yield random offsets of the arm that does not perform the strokes."""
     side = next(other for other in SIDES if other != course.side)
     for stroke, (before, after) in zip(course.strokes, pairwise(course.gaps), strict=True):
@@ -70,15 +70,15 @@ def _draw_swings(
         fraction = amount * min(1.0, (end - begin) / FULL_SWING_TIME)
         offsets = draw_offsets(fraction, MAX_SWING, side, robot, chance)
         angles = motion.sample(np.array([stroke.end]))[0][0]
-        yield Bow(OffsetBump(begin, stroke.end, end, offsets), angles, side)
+        yield ArmOffset(OffsetBump(begin, stroke.end, end, offsets), angles, side)
 
 
 def _find_motion(stroke: ArmStroke, before: Gap, after: Gap, motion: Trajectory) -> Span:
     """Return the time span [s] of a hand's motion for a stroke."""
     begin = before.rests[-1][1] if before.rests else before.begin
     end = after.rests[0][0] if after.rests else after.end
-    if after.way_home is not None:
-        end = after.way_home[1]
+    if after.return_span is not None:
+        end = after.return_span[1]
     return max(begin, motion.start), min(end, motion.end)
 
 

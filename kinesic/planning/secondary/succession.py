@@ -87,16 +87,19 @@ def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
     hand, forearm = (robot.skeleton.joints_of((name,)) for name in arm.segments[:-3:-1])
     upper = [joint for joint in arm.joints if joint not in (*forearm, *hand)]
     for stroke, (before, after) in zip(course.strokes, pairwise(course.gaps), strict=True):
-        shifts = [_Shift(arm.all_joints, _behind(stroke, before, after), together=True)] if stroke.behind else []
-        for joints, late in (
+        shifts = [_Shift(arm.all_joints, _delay_hand(stroke, before, after), together=True)] if stroke.behind else []
+        for joints, delay in (
             (upper, -SHOULDER_LEAD_FRACTION * stroke.loose),
             ((*hand, *arm.fingers), (1.0 - SHOULDER_LEAD_FRACTION) * stroke.loose),
         ):
-            shifts += [_Shift(joints, _coming(late, before, start)), _Shift(joints, _going(late, after))]
+            shifts += [
+                _Shift(joints, _delay_on_approach(delay, before, start)),
+                _Shift(joints, _delay_on_return(delay, after)),
+            ]
         yield from (shift for shift in shifts if shift.joints and shift.lateness)
 
 
-def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
+def _delay_hand(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
     """Return the time course of a hand's delay behind the other hand.
 
     It is empty if the arm could not catch up.
@@ -113,7 +116,7 @@ def _behind(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
     return (begin, 0.0), (leave, stroke.behind), (back, stroke.behind), (end, 0.0)
 
 
-def _coming(late: float, gap: Gap, start: float) -> Lateness:
+def _delay_on_approach(delay: float, gap: Gap, start: float) -> Lateness:
     """Return a joint's delay over time during the approach to a stroke.
 
     It is zero at the stroke.
@@ -121,25 +124,25 @@ def _coming(late: float, gap: Gap, start: float) -> Lateness:
     if not gap.rests:
         return ()
     one, leave = gap.rests[-1]
-    available = leave - (max(one, start) if late < 0.0 else one)
-    late = np.sign(late) * min(abs(late), MAX_DELAY_RATE * available, MAX_CATCH_UP * (gap.end - leave))
-    return ((max(one, leave - abs(late) / MAX_DELAY_RATE), 0.0), (leave, late), (gap.end, 0.0)) if late else ()
+    available = leave - (max(one, start) if delay < 0.0 else one)
+    delay = np.sign(delay) * min(abs(delay), MAX_DELAY_RATE * available, MAX_CATCH_UP * (gap.end - leave))
+    return ((max(one, leave - abs(delay) / MAX_DELAY_RATE), 0.0), (leave, delay), (gap.end, 0.0)) if delay else ()
 
 
-def _going(late: float, gap: Gap) -> Lateness:
+def _delay_on_return(delay: float, gap: Gap) -> Lateness:
     """Return a joint's delay over time during the return to rest.
 
     It is empty if the arm does not return to rest.
     """
-    if gap.way_home is None:
+    if gap.return_span is None:
         return ()
-    leave, there = gap.way_home
+    leave, there = gap.return_span
     begin, until = (gap.rests[0][0] if len(gap.rests) > 1 else gap.begin), gap.rests[-1][1]
     leave = leave if leave > begin else there
-    late = np.sign(late) * min(abs(late), MAX_DELAY_RATE * (leave - begin), MAX_DELAY_RATE * (until - there))
+    delay = np.sign(delay) * min(abs(delay), MAX_DELAY_RATE * (leave - begin), MAX_DELAY_RATE * (until - there))
     return (
-        ((begin, 0.0), (leave, late), (there, late), (min(until, there + abs(late) / MAX_DELAY_RATE), 0.0))
-        if late
+        ((begin, 0.0), (leave, delay), (there, delay), (min(until, there + abs(delay) / MAX_DELAY_RATE), 0.0))
+        if delay
         else ()
     )
 
@@ -164,8 +167,10 @@ class _Curves:
         rows = np.concatenate([np.arange(first, end + CONTROL_LEAD + 2) for first, end in spans])
         times = np.asarray(start + (rows - CONTROL_LEAD) * KNOT_INTERVAL, dtype=np.float64)
         edges = np.cumsum([0, *(end + CONTROL_LEAD + 2 - first for first, end in spans)]).tolist()
-        late = _late_at([times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts])
-        places = np.minimum(np.maximum(rows - late / KNOT_INTERVAL, 0.0), last)
+        delays = _evaluate_delays(
+            [times[one:other] for one, other in pairwise(edges)], [shift.lateness for shift in shifts]
+        )
+        places = np.minimum(np.maximum(rows - delays / KNOT_INTERVAL, 0.0), last)
         values = self.motion.controls[:, list(self.joints)]
         away = _spline(values).at(places) - values.take(np.minimum(rows, last), axis=0)
         columns = {joint: k for k, joint in enumerate(self.joints)}
@@ -173,10 +178,10 @@ class _Curves:
             sealed(away[one:other].take([columns[joint] for joint in shift.joints], axis=1))
             for shift, (one, other) in zip(shifts, pairwise(edges), strict=True)
         ]
-        moments: list[float] = times.tolist()
-        for shift, hinge, first, end in _seen_runs(shifts, blocks):
+        times_of_rows: list[float] = times.tolist()
+        for shift, hinge, first, end in _find_visible_ranges(shifts, blocks):
             which = slice(None) if shifts[shift].together else slice(hinge, hinge + 1)
-            begin, until = moments[edges[shift] + first], moments[edges[shift] + end] + 2 * KNOT_INTERVAL
+            begin, until = times_of_rows[edges[shift] + first], times_of_rows[edges[shift] + end] + 2 * KNOT_INTERVAL
             yield Delay(begin, until, tuple(shifts[shift].joints[which]), blocks[shift][first : end + 1, which])
 
 
@@ -201,7 +206,7 @@ def _spline(points: Floats) -> PiecewisePolynomial:
     return PiecewisePolynomial(np.arange(float(len(points))), coefficients)
 
 
-def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[tuple[int, int, int, int]]:
+def _find_visible_ranges(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[tuple[int, int, int, int]]:
     """Yield the sample ranges in which a delay visibly changes an angle.
 
     Each joint counts alone, or all joints of a shift together as its first.
@@ -231,7 +236,7 @@ def _seen_runs(shifts: Sequence[_Shift], blocks: Sequence[Floats]) -> Iterator[t
         yield *owners[column], first, last
 
 
-def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
+def _evaluate_delays(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
     """Evaluate time-varying delays [s], each at its own times [s]."""
     parts: list[tuple[float, float, float, float]] = []  # start, duration, delay and its growth [s]
     counts: list[int] = []
@@ -243,5 +248,5 @@ def _late_at(times: Sequence[Floats], latenesses: Sequence[Lateness]) -> Floats:
             NO_DELAY,
         ]
         counts += [other - one for one, other in pairwise((0, *edges, len(values)))]
-    begin, lasts, late, growth = np.repeat(np.array(parts).T, counts, axis=1)
-    return np.asarray(late + minimum_jerk((np.concatenate(times) - begin) / lasts) * growth)
+    begin, durations, delays, growth = np.repeat(np.array(parts).T, counts, axis=1)
+    return np.asarray(delays + minimum_jerk((np.concatenate(times) - begin) / durations) * growth)

@@ -63,10 +63,10 @@ def test_arm_reach_covers_the_extremes_of_all_elbow_hinges() -> None:
 
 def test_limited_angle_is_an_equivalent_in_range_or_the_nearest_limit() -> None:
     pivot = Pivot((0.0, 0.0, 1.0), math.radians(-50), math.radians(190), 0.0)
-    assert math.degrees(pivot.held(math.radians(-175), 0.0)) == pytest.approx(185)
-    assert math.degrees(pivot.held(math.radians(20), 0.0)) == pytest.approx(20)
-    assert pivot.held(math.radians(-60), 0.0) == pivot.lower
-    assert pivot.held(math.radians(-160), 0.0) == pivot.upper
+    assert math.degrees(pivot.bring_into_range(math.radians(-175), 0.0)) == pytest.approx(185)
+    assert math.degrees(pivot.bring_into_range(math.radians(20), 0.0)) == pytest.approx(20)
+    assert pivot.bring_into_range(math.radians(-60), 0.0) == pivot.lower
+    assert pivot.bring_into_range(math.radians(-160), 0.0) == pivot.upper
 
 
 def test_chain_without_elbow_raises_an_error(arm: Chain) -> None:
@@ -92,4 +92,4 @@ def test_hinge_with_an_empty_range_raises_an_error(arm: Chain, lower: float, upp
 def test_arm_joint_may_be_fixed_by_equal_limits(arm: Chain) -> None:
     first, *others = arm.joints[0].hinges
     joint = replace(arm.joints[0], hinges=(replace(first, lower=0.1, upper=0.1), *others))
-    assert linkage_of(replace(arm, joints=(joint, *arm.joints[1:]))).pivots[0].held(1.0, 0.1) == 0.1
+    assert linkage_of(replace(arm, joints=(joint, *arm.joints[1:]))).pivots[0].bring_into_range(1.0, 0.1) == 0.1

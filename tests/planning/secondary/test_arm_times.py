@@ -55,4 +55,4 @@ def test_short_standstill_is_no_rest():
     ],
 )
 def test_return_path_ends_at_the_last_rest_posture_of_a_gap(gap: Gap, way: tuple[float, float] | None):
-    assert gap.way_home == way
+    assert gap.return_span == way

@@ -6,7 +6,7 @@ import pytest
 from kinesic.expressivity.variation import Variation
 from kinesic.planning.secondary.arm_times import find_arm_courses
 from kinesic.planning.secondary.changes import Changes
-from kinesic.planning.secondary.homeward import MAX_BOW, MAX_REST_OFFSET, vary_returns
+from kinesic.planning.secondary.homeward import MAX_REST_OFFSET, MAX_RETURN_OFFSET, vary_returns
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -42,7 +42,7 @@ def test_return_motion_of_each_gesture_lies_between_relax_and_end(exact, courses
     (course,) = courses
     assert (course.side, [stroke.id for stroke in course.strokes]) == ("r", ["g0", "g1", "g2"])
     for k, gap in enumerate(course.gaps[1:]):
-        leave, there = np.subtract(gap.way_home, exact.trajectory.zero)
+        leave, there = np.subtract(gap.return_span, exact.trajectory.zero)
         assert leave == pytest.approx(exact.syncs[f"g{k}:relax"].planned, abs=0.05)
         assert there == pytest.approx(exact.syncs[f"g{k}:end"].planned, abs=0.05)
 
@@ -73,7 +73,7 @@ def test_rest_posture_of_the_hand_varies_until_the_next_stroke(exact, courses):
 def test_return_variation_is_small_and_seeded(exact, courses):
     swells = found(exact, courses)
     assert len(swells) == 3 + 2
-    assert all(np.abs(swell.away).max() <= max(*MAX_BOW, *MAX_REST_OFFSET) + 1e-9 for swell in swells)
+    assert all(np.abs(swell.away).max() <= max(*MAX_RETURN_OFFSET, *MAX_REST_OFFSET) + 1e-9 for swell in swells)
     assert [*map(repr, (s.away for s in found(exact, courses)))] == [*map(repr, (s.away for s in swells))]
     other = found(exact, courses, seed=5)
     assert all(np.abs(a.away - b.away).max() > 1e-3 for a, b in zip(swells, other, strict=True))

@@ -106,7 +106,7 @@ def _turns(branch: _Branch, link: Link, point: Vector, near: Sequence[float]) ->
     ways = first_of_two(first.axis, last.axis, link.along, wanted) or (now[-2],)
     turns = []
     for way in ways:
-        turn = first.held(way, now[-2])
+        turn = first.bring_into_range(way, now[-2])
         aimed = _aimed(last, link.along, turned(wanted, first.axis, -turn), now[-1])
         turns.append((*kept, turn, aimed))
     return turns
@@ -115,4 +115,4 @@ def _turns(branch: _Branch, link: Link, point: Vector, near: Sequence[float]) ->
 def _aimed(pivot: Pivot, along: Vector, wanted: Vector, now: float) -> float:
     """The last hinge's turn, held in its range [rad]."""
     turn = turn_towards(pivot.axis, along, wanted)
-    return now if turn is None else pivot.held(turn, now)
+    return now if turn is None else pivot.bring_into_range(turn, now)

@@ -111,7 +111,7 @@ def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float])
     now = near[link.first :]
     inner = product(transposed(frame), wanted)
     ways = _three_turns(link, inner, now) if len(link.pivots) == 3 else [_few_turns(link, frame, wanted, now)]
-    held = [tuple(p.held(a, b) for p, a, b in zip(link.pivots, way, now, strict=True)) for way in ways]
+    held = [tuple(p.bring_into_range(a, b) for p, a, b in zip(link.pivots, way, now, strict=True)) for way in ways]
     turns = [norm(shortest_turn(link.turn(IDENTITY_ROTATION, way), inner)) for way in held]
     best = min(range(len(held)), key=lambda k: (turns[k] > PERFECT and turns[k], _travel(held[k], now)))
     return held[best], turns[best]
