@@ -144,12 +144,12 @@ class Performer:
         first_run, *other_runs = dry_runs(
             planned, factors, feedforward=feedforward, correction=correction, believed=believed
         )
-        run = performance_of(first_run, beside=tuple(other_runs), seed=planned.setup.idling.seed)
+        run = performance_of(first_run, other_runs=tuple(other_runs), seed=planned.setup.idling.seed)
         if sinks:
             _play(planned, sinks, believed, feedforward)
         if on == "servos" and run.ok:
             live = _perform_on_servos(run, ports or {})
-            run = performance_of(first_run, beside=tuple(other_runs), seed=planned.setup.idling.seed, servos=live)
+            run = performance_of(first_run, other_runs=tuple(other_runs), seed=planned.setup.idling.seed, servos=live)
         return run
 
     def report(

@@ -34,7 +34,7 @@ from kinesic.report.films import film_processes
 from kinesic.report.gltf.scene import is_scene, save_performed, save_voice
 from kinesic.report.output import WrittenPaths, add_films, default_folder, write_report
 from kinesic.report.report import Json, report
-from kinesic.report.servo_belief import with_lesson
+from kinesic.report.servo_estimate import add_identification
 from kinesic.report.servo_report import live_checks, live_log
 from kinesic.report.verdict import verdict
 from kinesic.session.documents import write_text
@@ -80,8 +80,8 @@ def perform_file(
             stage("learning from the twin")
             identification = identify_servos(make_log(performance.measured), setup.robot, memory.estimate)
         stage("writing the report")
-        data = report(performance, source=source, seed=setup.idling.seed, beside=other_runs)
-        data = with_lesson(data, identification)
+        data = report(performance, source=source, seed=setup.idling.seed, other_runs=other_runs)
+        data = add_identification(data, identification)
         written = write_report(performance, data, folder, film=film is not None, force=output.force)
         try:
             progress = stage_progress(stage, printable(f"drawing films; the report page is ready: {written.page}"))
@@ -138,7 +138,7 @@ def _perform_scene(
         stage("writing the scene")
         voice = save_voice(performance.plan, output.out, force=output.force)
         save_performed(performance, output.out, force=output.force)
-        data = report(performance, source=document_name(file), seed=setup.idling.seed, beside=other_runs)
+        data = report(performance, source=document_name(file), seed=setup.idling.seed, other_runs=other_runs)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:

@@ -33,7 +33,7 @@ from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.output import WrittenPaths, rewrite
 from kinesic.report.report import Json
-from kinesic.report.servo_belief import with_lesson
+from kinesic.report.servo_estimate import add_identification
 from kinesic.report.servo_report import live_log, with_live
 from kinesic.sim.log import write_log
 
@@ -179,7 +179,7 @@ def write_servo_run(
     Returns:
         The report, and the path of the log.
     """
-    new_data = with_lesson(with_live(data, servo_run), identification)
+    new_data = add_identification(with_live(data, servo_run), identification)
     rewrite(written, servo_run.performance, new_data)
     servo_log = written.report.with_name("servos.npz")
     with new_file(servo_log, force=True) as temporary:

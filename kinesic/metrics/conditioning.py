@@ -27,7 +27,10 @@ MIN_VISIBLE_STROKE = {
 
 @dataclass(frozen=True)
 class SyncShift:
-    """Consecutive sync points of a behaviour that shifted by the same time."""
+    """Consecutive sync points of a behaviour that shifted by the same time.
+
+    The fields are keys of report.json.
+    """
 
     syncs: tuple[str, ...]
     asked: float  # [s] block time of the first sync point
@@ -44,16 +47,19 @@ class SyncShift:
 
 @dataclass(frozen=True)
 class StrokeLoss:
-    """Speed or path of a stroke, as requested and as planned."""
+    """Speed or path of a stroke, as requested and as planned.
+
+    The fields are keys of report.json.
+    """
 
     part: PartName
     quantity: str
     unit: str
-    asked: float
+    asked: float  # requested value
     planned: float
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """Lost fraction of the requested value, negative if it grew."""
         return 1.0 - self.planned / self.asked if self.asked else 0.0
 
@@ -173,5 +179,5 @@ def _losses(
     unit, scale = ("m", 1.0) if part in HAND_PARTS else ("deg", float(np.degrees(1.0)))
     for k, (quantity, per) in enumerate((("speed", "/s"), ("path", ""))):
         loss = StrokeLoss(part, quantity, unit + per, scale * requested[k], scale * planned[k])
-        if loss.share > MIN_REPORTED_LOSS and loss.asked > MIN_VISIBLE_STROKE[loss.unit]:
+        if loss.fraction > MIN_REPORTED_LOSS and loss.asked > MIN_VISIBLE_STROKE[loss.unit]:
             yield loss

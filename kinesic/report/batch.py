@@ -185,12 +185,12 @@ def judge(
     """
     try:
         document = file.read_bytes() if content is None else content
-        performance, *beside = dry_runs(plan(document, setup, source=str(file)), twins)
+        performance, *other_runs = dry_runs(plan(document, setup, source=str(file)), twins)
     except BmlError as error:
         return DocumentVerdict(str(file), "refused", 0, error=str(error)), {}
     except OSError as error:
         return DocumentVerdict(str(file), "refused", 2, error=f"{file}: {error.strerror}"), {}
-    data = report(performance, source=str(file), beside=beside)
+    data = report(performance, source=str(file), other_runs=other_runs)
     outcomes = performance.plan.keyframes.outcomes
     behaviours = tuple((b.type, outcomes[b.id].kind) for b in performance.plan.timeline.block.behaviours)
     if behaviours and all(outcome == "dropped" for _, outcome in behaviours):

@@ -196,7 +196,7 @@ def _process(kind: FilmKind) -> Iterator["subprocess.Popen[bytes]"]:
 
 
 def draw_films(
-    jobs: Mapping[Path, FilmJob], processes: FilmProcesses, progress: Callable[[float], None] = lambda share: None
+    jobs: Mapping[Path, FilmJob], processes: FilmProcesses, progress: Callable[[float], None] = lambda fraction: None
 ) -> dict[Path, str]:
     """Draw films concurrently and return their error texts by path.
 
@@ -210,19 +210,19 @@ def draw_films(
     Returns:
         The error text of each film by its path; empty for a film that exists.
     """
-    shares = dict.fromkeys(jobs, 0.0)
+    fractions = dict.fromkeys(jobs, 0.0)
     for path in set(jobs) & {job.after for job in jobs.values()}:
         path.touch()  # it is coming
 
     def draw(path: Path, job: FilmJob) -> str:
-        def tell(share: float) -> None:
-            shares[path] = share
-            progress(sum(shares.values()) / len(shares))
+        def report_fraction(fraction: float) -> None:
+            fractions[path] = fraction
+            progress(sum(fractions.values()) / len(fractions))
 
-        why = _draw(processes[job.kind], path, job, tell)
-        if why:
+        error = _draw(processes[job.kind], path, job, report_fraction)
+        if error:
             path.unlink(missing_ok=True)  # so that nobody waits for it
-        return why
+        return error
 
     with ThreadPoolExecutor(max(len(jobs), 1)) as threads:
         waiting = {path: threads.submit(draw, path, job) for path, job in jobs.items()}
@@ -234,7 +234,9 @@ def draw_films(
             raise
 
 
-def _draw(process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, tell: Callable[[float], None]) -> str:
+def _draw(
+    process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, report_fraction: Callable[[float], None]
+) -> str:
     """Draw a film in its process and return any error text."""
     assert process.stdin is not None  # they are pipes, since `_process`
     assert process.stdout is not None
@@ -245,7 +247,7 @@ def _draw(process: "subprocess.Popen[bytes]", path: Path, job: FilmJob, tell: Ca
             text = line.decode(errors="replace").strip()
             if text.startswith(FAILURE_PREFIX):
                 return text.removeprefix(FAILURE_PREFIX)
-            tell(float(text))
+            report_fraction(float(text))
     code = process.wait()
-    how = f"signal {signal.Signals(-code).name}" if code < 0 else f"code {code}"
-    return f"the process that drew ended with {how}: check OpenGL with `kinesic doctor`" if code else ""
+    cause = f"signal {signal.Signals(-code).name}" if code < 0 else f"code {code}"
+    return f"the process that drew ended with {cause}: check OpenGL with `kinesic doctor`" if code else ""

@@ -25,7 +25,7 @@ from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES_FOLDER, read_scripts
 from kinesic.report.shapes import shapes_made
 from kinesic.report.transcript import transcribe
-from kinesic.report.verdict import format_number, gravity_of, rows_of, verdict
+from kinesic.report.verdict import format_number, rows_of, severity_rank, verdict
 
 FILM_TYPES = {  # MIME types of films, by suffix
     ".webp": "image/webp",
@@ -99,7 +99,7 @@ def write_page(
         policy=content_policy(f"\n{player}\n", img_src="data: blob:", media_src="data:"),
         replay=replay_data(performance),
         tiles=tiles(rows_of(data, "checks")),
-        checks=sorted(rows_of(data, "checks"), key=gravity_of),
+        checks=sorted(rows_of(data, "checks"), key=severity_rank),
         behaviours=sorted(rows, key=lambda row: OUTCOME_RANKS[str(row["outcome"])]),
         fates={row["id"]: row for row in rows},
         transcript=transcribe(performance.plan),
@@ -142,7 +142,7 @@ def _template() -> Template:
     environment.filters |= {
         "breakable": breakable,
         "departure": style_departures,
-        "body": body_beside,
+        "body": describe_body_motion,
         "shapes": shapes_made,
     }
     return environment.get_template("page.jinja")
@@ -153,7 +153,7 @@ def format_shift(seconds: float) -> str:
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
 
 
-def body_beside(row: Mapping[str, Json]) -> str:
+def describe_body_motion(row: Mapping[str, Json]) -> str:
     """Describe in words the body motion that accompanies a behaviour.
 
     The text is empty without such motion.
@@ -232,10 +232,10 @@ def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
 
 
 def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
-    worst = min(rows, key=lambda row: (gravity_of(row), -_nearness(row)))
+    worst = min(rows, key=lambda row: (severity_rank(row), -_compute_limit_ratio(row)))
     unit = str(worst["unit"])
     value, shown = quantity(worst["value"], unit)
-    limit, beside = quantity(worst["limit"], unit)
+    limit, shown_unit = quantity(worst["limit"], unit)
     if value == limit and worst["status"] != "pass":
         value = f"{worst['value']:.7g}"  # shows on which side of the limit it is
     side = "at least" if worst["at_least"] else "at most"
@@ -245,13 +245,13 @@ def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
         name=str(worst["name"]).split(".", 1)[-1].replace("_", " "),
         value=value,
         unit=shown,
-        limit=f"{side} {limit}{'' if beside in UNSPACED_UNITS else ' '}{beside}".rstrip(),
+        limit=f"{side} {limit}{'' if shown_unit in UNSPACED_UNITS else ' '}{shown_unit}".rstrip(),
         where=str(worst["where"]),
         others=len(rows) - 1,
     )
 
 
-def _nearness(row: Mapping[str, Json]) -> float:
+def _compute_limit_ratio(row: Mapping[str, Json]) -> float:
     """Return the ratio of a check's value to its limit, for ranking.
 
     It is limit / value if the limit is a minimum, and 0 for `COMPLETENESS_CHECKS`.

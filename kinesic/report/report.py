@@ -22,7 +22,7 @@ from kinesic.report.checks import LIMIT_TOLERANCE, checks, grade
 from kinesic.report.checks.plan import penetrations
 from kinesic.report.checks.twin import measure_tracking
 from kinesic.report.labels import label
-from kinesic.report.servo_belief import lead
+from kinesic.report.servo_estimate import describe_assumed
 from kinesic.report.speech import describe_speech
 from kinesic.version import __version__
 
@@ -36,14 +36,14 @@ NO_LAGS: Mapping[SyncTime, float | None] = MappingProxyType(  # delays of sync p
 )  # sync point delays of a performance without measurements
 
 
-def report(performance: DryRun, *, source: str, seed: int = 0, beside: Sequence[DryRun] = ()) -> dict[str, Json]:
+def report(performance: DryRun, *, source: str, seed: int = 0, other_runs: Sequence[DryRun] = ()) -> dict[str, Json]:
     """Return the content of `report.json` for one performance.
 
     Args:
         performance: planned and performed motion; the checks are of this one.
         source: name of the document.
         seed: seed of all random choices.
-        beside: the same plan in other twins, whose errors are included.
+        other_runs: the same plan in other twins, whose errors are included.
     """
     plan = performance.plan
     began = perf_counter()
@@ -74,9 +74,9 @@ def report(performance: DryRun, *, source: str, seed: int = 0, beside: Sequence[
         "collision": _collision(performance),
         "smoothness": _smoothness(performance),
         "power": _power(performance),
-        "lead": lead(performance.servo_estimate),
+        "lead": describe_assumed(performance.servo_estimate),
         "learned": None,
-        "twins": {run.twin_name: asdict(measure_tracking(run)) for run in (performance, *beside)},
+        "twins": {run.twin_name: asdict(measure_tracking(run)) for run in (performance, *other_runs)},
         "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
         "feedback": list(feedback(plan, performance.lags)),
         "timing": timing,
@@ -98,7 +98,7 @@ def _style(style: Style, block: Block) -> dict[str, Json]:
     return {"name": style.name, **weights, **asdict(style.gesture), **tables}
 
 
-def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
+def _expressivity(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
     """Return a behaviour's expressivity parameters with their sources."""
     modality = find_modality(behaviour.action)
     if modality is None:
@@ -126,7 +126,7 @@ def _behaviours(performance: DryRun) -> list[Json]:
                 "why": "; ".join(reasons),
                 "reason": behaviour.reason,
                 "hands": _hands(plan, behaviour.id),
-                "manner": _manner(behaviour, plan),
+                "manner": _expressivity(behaviour, plan),
                 "body": _body(plan.keyframes.bodies.get(behaviour.id)),
                 "shapes": _shapes(plan, behaviour.id),
             }

@@ -59,7 +59,7 @@ class Performance(DryRun, NotebookView):
     """A plan performed in the twin and, optionally, on servos."""
 
     seed: int = 0
-    beside: tuple[DryRun, ...] = ()  # the same plan in other twins
+    other_runs: tuple[DryRun, ...] = ()  # the same plan in other twins
     servos: ServoRun | None = None
 
     @cached_property
@@ -75,7 +75,7 @@ class Performance(DryRun, NotebookView):
     @cached_property
     def data(self) -> Mapping[str, Json]:
         """Content of `report.json`."""
-        content = report(self, source=self.plan.timeline.block.source, seed=self.seed, beside=self.beside)
+        content = report(self, source=self.plan.timeline.block.source, seed=self.seed, other_runs=self.other_runs)
         return with_live(content, self.servos) if self.servos is not None else content
 
     @cached_property
@@ -190,11 +190,11 @@ class Performance(DryRun, NotebookView):
 
 
 def performance_of(
-    run: DryRun, *, seed: int, beside: tuple[DryRun, ...] = (), servos: ServoRun | None = None
+    run: DryRun, *, seed: int, other_runs: tuple[DryRun, ...] = (), servos: ServoRun | None = None
 ) -> Performance:
     """Combine a dry run and an optional servo run into a performance."""
     same = {field.name: getattr(run, field.name) for field in fields(DryRun)}
-    return Performance(**same, seed=seed, beside=beside, servos=servos)
+    return Performance(**same, seed=seed, other_runs=other_runs, servos=servos)
 
 
 def _check_free(folder: Path) -> None:

@@ -26,10 +26,10 @@ def verdict(data: Mapping[str, Json]) -> str:
         (len(rows_of(data, "warnings")), "warning"),
     )
     notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
-    beyond = ", ".join([*(_beyond(row) for row in sorted(reported, key=gravity_of)), *_dropped(data)])
-    what = f"{data['input']} on {data['robot']}{_style_note(data)}, {duration} s"
+    violations = ", ".join([*(_format_violation(row) for row in sorted(reported, key=severity_rank)), *_dropped(data)])
+    subject = f"{data['input']} on {data['robot']}{_style_note(data)}, {duration} s"
     overall_grade = "fail" if any(row["status"] == "fail" for row in bad) else "poor" if bad else "ok"
-    return f"{overall_grade}: {what}, {beyond or 'nothing fails'}{'; ' if notes else ''}{notes}"
+    return f"{overall_grade}: {subject}, {violations or 'nothing fails'}{'; ' if notes else ''}{notes}"
 
 
 def _style_note(data: Mapping[str, Json]) -> str:
@@ -47,13 +47,13 @@ def _dropped(data: Mapping[str, Json]) -> list[str]:
     return [f"{len(names)} of {len(rows)} dropped: {', '.join(names[:MAX_NAMED_DROPS])}{more}"] if names else []
 
 
-def _beyond(row: Mapping[str, Json]) -> str:
+def _format_violation(row: Mapping[str, Json]) -> str:
     """Format a violated check's name, value and limit."""
     word = "limit" if row["status"] == "fail" else "poor below" if row["at_least"] else "poor above"
     return f"{row['name']} {format_number(row['value'])} ({word} {format_number(row['limit'])})"
 
 
-def gravity_of(row: Mapping[str, Json]) -> int:
+def severity_rank(row: Mapping[str, Json]) -> int:
     """Return the severity rank of a check, 0 being the most severe."""
     return STATUS_ORDER.index(str(row["status"]))
 

@@ -25,7 +25,7 @@ def test_rushed_stroke_is_reported_with_the_reached_limit_and_amplitude_loss(hur
     assert results == {sync.sync for sync in syncs if abs(sync.planned - sync.requested) > SHIFT_TO_WARN}
     assert all(moved.hinge in hinges and moved.quantity and moved.ratio > 1.0 for moved in rushed.moved)
     assert {loss.part for loss in rushed.losses} == {"r_hand"}
-    assert all(loss.planned < loss.asked and loss.share > MIN_REPORTED_LOSS for loss in rushed.losses)
+    assert all(loss.planned < loss.asked and loss.fraction > MIN_REPORTED_LOSS for loss in rushed.losses)
     assert rushed.shift == pytest.approx(max(abs(sync.planned - sync.requested) for sync in syncs))
 
 

@@ -125,8 +125,10 @@ def analyse_gestures(files: tuple[Path, ...], as_json: bool) -> int:
     if rated:
         print_ratings(rated, screen)
     for person, habit in habits.items():
-        times = f"{habit.share.hits} of {habit.share.total} times"
-        screen.print(quote_text(f"participant {person} chose position {habit.place} {times} (p = {habit.share.p:.1g})"))
+        times = f"{habit.frequency.hits} of {habit.frequency.total} times"
+        screen.print(
+            quote_text(f"participant {person} chose position {habit.place} {times} (p = {habit.frequency.p:.1g})")
+        )
     return 0
 
 
@@ -178,4 +180,4 @@ def _preference_to_json(result: PreferenceResult) -> dict[str, Json]:
 
 
 def _habit_to_json(habit: Habit) -> dict[str, Json]:
-    return {"place": habit.place, **fraction_to_json(habit.share)}
+    return {"place": habit.place, **fraction_to_json(habit.frequency)}

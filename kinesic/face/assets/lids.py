@@ -44,16 +44,16 @@ class Lids:
     strands: Floats  # (l, 3) [m] vectors from the roots
     rest_elevations: Floats  # (l,) [rad] elevation of the roots at rest
 
-    def close(self, positions: Floats, share: float, ahead: Floats) -> None:
+    def close(self, positions: Floats, closure: float, ahead: Floats) -> None:
         """Move lid and lash vertices to a lid position, in place.
 
         Args:
             positions: (v, 3) [m] vertices after the shapes.
-            share: fraction of the visible iris that the upper lid hides; at 1 it meets the lower lid.
+            closure: fraction of the visible iris that the upper lid hides; at 1 it meets the lower lid.
             ahead: (3,) unit vector of the gaze.
         """
         progress = (1.0 + LID_OVERLAP) * np.interp(
-            share, self.hidden_fractions, np.linspace(0.0, 1.0, len(self.hidden_fractions))
+            closure, self.hidden_fractions, np.linspace(0.0, 1.0, len(self.hidden_fractions))
         )
         points = positions[self.skin] - self.centre
         gap = self._measure_gap(positions, points[:, 1])

@@ -23,7 +23,7 @@ class SkinningFrame:
 
     name: str
     segment: str  # segment whose hinges turn the frame about its origin
-    share: float = 1.0  # fraction of the segment's rotation without twist
+    rotation_fraction: float = 1.0  # fraction of the segment's rotation without twist
     twist: float = 1.0  # fraction of the twist about the bone, if there is one
 
 

@@ -54,7 +54,7 @@ class Skin:
         self._partial = [
             (k, frame, self._list_turns(frame))
             for k, frame in enumerate(self.frames)
-            if (frame.share, frame.twist) != (1, 1)
+            if (frame.rotation_fraction, frame.twist) != (1, 1)
         ]
         self.centres = np.array([figure.centres[frame.segment] for frame in self.frames])  # (f, 3) [m] in the bind pose
         self.inverse_bind_rotations = self._compute_bind_rotations().transpose(
@@ -143,7 +143,9 @@ class Skin:
                 else:
                     swing = _multiply(swing, _make_quaternion(axis, float(angles[joint])))
             parent = self._skeleton.steps[self._segments[k]][0]
-            rotations[k] = stand.rotations[parent] @ _to_matrix(_multiply(_scale_turn(swing, frame.share), twist))
+            rotations[k] = stand.rotations[parent] @ _to_matrix(
+                _multiply(_scale_turn(swing, frame.rotation_fraction), twist)
+            )
         return rotations, origins
 
 

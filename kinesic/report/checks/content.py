@@ -20,12 +20,12 @@ def content_checks(performance: DryRun) -> list[Check]:
         where = f"dropped: {', '.join(dropped)}" if dropped else ""
         results.append(Check.of("meaning.performed", 1.0 - len(dropped) / total, 1.0, where))
     losses = [
-        (loss.share, f"{loss.part} in {label_with_id(changed.behaviour, block)}")
+        (loss.fraction, f"{loss.part} in {label_with_id(changed.behaviour, block)}")
         for changed in performance.reference.changes
         for loss in changed.losses
         if loss.asked - loss.planned > MIN_VISIBLE_LOSSES.get(loss.unit, inf)
     ]
     if any(sync.is_stroke for sync in plan.syncs):
-        share, where = max(losses, default=(0.0, ""))
-        results.append(Check.of("amplitude.path", share, MAX_PATH_LOSS, where))
+        fraction, where = max(losses, default=(0.0, ""))
+        results.append(Check.of("amplitude.path", fraction, MAX_PATH_LOSS, where))
     return results

@@ -26,9 +26,9 @@ def limit_checks(performance: DryRun) -> list[Check]:
         results.append(Check.of(name, float(peak.ratios[peak.hinge]), 1.0, where, slack=slack))
     duty, where = _highest(performance.reference.duties, performance.measured.times, names)
     results.append(Check.of("limits.duty", duty, MAX_DUTY, where, slack=slack))
-    times, shares = performance.reference.holding_torques
-    share, where = _highest(shares, times, names)
-    return [*results, Check.of("limits.holding", share, MAX_HOLDING_RATIO, where)]
+    times, ratios = performance.reference.holding_torques
+    ratio, where = _highest(ratios, times, names)
+    return [*results, Check.of("limits.holding", ratio, MAX_HOLDING_RATIO, where)]
 
 
 def _margin(performance: DryRun) -> Check:

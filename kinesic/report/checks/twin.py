@@ -79,9 +79,9 @@ def _strokes(performance: DryRun) -> list[Check]:
     return results
 
 
-def _percentile(ordered: Sequence[float], share: float) -> float:
+def _percentile(ordered: Sequence[float], fraction: float) -> float:
     """Return a quantile of sorted values, faster than NumPy for short lists."""
-    place = share * (len(ordered) - 1)
+    place = fraction * (len(ordered) - 1)
     below = int(place)
     above = min(below + 1, len(ordered) - 1)
     return ordered[below] + (place - below) * (ordered[above] - ordered[below])

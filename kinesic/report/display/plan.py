@@ -12,7 +12,7 @@ from kinesic.report.page import quantity
 from kinesic.report.plots.score import MAX_ROWS, scores
 from kinesic.report.replay import planned_replay_data, replay_data
 from kinesic.report.run import Performance
-from kinesic.report.verdict import gravity_of, rows_of, verdict
+from kinesic.report.verdict import rows_of, severity_rank, verdict
 
 
 def plan_html(plan: Plan) -> str:
@@ -60,7 +60,7 @@ def performance_html(run: Performance) -> str:
             f"{'at least' if row['at_least'] else 'at most'} {_measure(row['limit'], str(row['unit']))}",
             str(row["where"]),
         )
-        for row in sorted(rows_of(data, "checks"), key=gravity_of)
+        for row in sorted(rows_of(data, "checks"), key=severity_rank)
     ]
     return (
         line(f" {text}", before=badge(grade(run.checks)))

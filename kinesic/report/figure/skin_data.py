@@ -66,7 +66,7 @@ def _bones(skin_of: Skin, skeleton: Skeleton) -> list[Json]:
             {
                 "segment": segment,
                 "parent": skeleton.steps[segment][0],
-                "share": frame.share,
+                "share": frame.rotation_fraction,
                 "turns": _turns(frame, skeleton),
                 "back": [round(float(value), FRAME_DIGITS) + 0.0 for value in back.ravel()],
             }
@@ -76,7 +76,7 @@ def _bones(skin_of: Skin, skeleton: Skeleton) -> list[Json]:
 
 def _turns(frame: SkinningFrame, skeleton: Skeleton) -> list[Json]:
     """List a rig frame's hinges with their axes and twist weights."""
-    if (frame.share, frame.twist) == (1, 1):
+    if (frame.rotation_fraction, frame.twist) == (1, 1):
         return []
     return [
         {

@@ -225,12 +225,12 @@ class Axes:
 
         self._drawn.append(("over", draw))
 
-    def head(self, what: str, note: str, *, height: float) -> None:
+    def write_heading(self, title: str, note: str, *, height: float) -> None:
         """Write a heading at the left and a note at the right.
 
         The height is a fraction of the axes.
         """
-        self.write((0.0, height), what)
+        self.write((0.0, height), title)
         self.write((1.0, height), note, colour=ThemeColour.FAINT, align="right")
 
     def svg(self) -> str:

@@ -72,7 +72,7 @@ def _frame(axes: Axes, view: HandView, low: Floats, high: Floats) -> None:
     span = (float(low[view.across]), float(high[view.across]))
     axes.limit_x(*(span[::-1] if view.mirrored else span))
     axes.limit_y(float(low[2]), float(high[2]))
-    axes.head(view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
+    axes.write_heading(view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
 
 
 def _path(axes: Axes, view: HandView, planned: Floats, performed: Floats, keys: Floats) -> None:

@@ -115,7 +115,7 @@ def _panel(
     _shade(axes, robot, joint)
     hinge = robot.skeleton.hinges[joint]
     span = f"range {np.degrees(hinge.lower):.0f}\u2026{np.degrees(hinge.upper):.0f}\u00b0"
-    axes.head(hinge.name, span, height=1.06)
+    axes.write_heading(hinge.name, span, height=1.06)
 
 
 def _shade(axes: Axes, robot: Robot, joint: int) -> None:

@@ -47,7 +47,7 @@ def _clearance(axes: Axes, performance: DryRun) -> None:
     worst = measured.clearance.worst
     a, b = measured.clearance.pairs[worst]
     nearest = f"nearest: {a} and {b} at {measured.times[worst]:.2f} s"
-    axes.head("distance to the body [mm]", nearest, height=HEADING_POSITION)
+    axes.write_heading("distance to the body [mm]", nearest, height=HEADING_POSITION)
 
 
 def _limit_ratios(axes: Axes, performance: DryRun) -> None:
@@ -69,7 +69,7 @@ def _limit_ratios(axes: Axes, performance: DryRun) -> None:
     axes.limit_y(0.0, top)
     axes.level(1.0, ThemeColour.FAIL)
     axes.band(1.0, top, ThemeColour.OUTSIDE)
-    axes.head("fraction of limit, worst hinge", "", height=HEADING_POSITION)
+    axes.write_heading("fraction of limit, worst hinge", "", height=HEADING_POSITION)
     for k, (name, ratios, colour) in enumerate(ratios_by_name):
         heading = _peak(name, ratios, performance)
         axes.write((1.0 - 0.21 * (3 - k), HEADING_POSITION), heading, colour=colour, align="right")
@@ -86,7 +86,7 @@ def _tracking(axes: Axes, performance: DryRun) -> None:
         axes.line(*thin_line(performance.measured.times, errors.max(axis=1)), colour)
     axes.limit_y(0.0)
     title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"
-    axes.head(title, _peak("while moving", counted, performance), height=HEADING_POSITION)
+    axes.write_heading(title, _peak("while moving", counted, performance), height=HEADING_POSITION)
 
 
 def _peak(name: str, values: Floats, performance: DryRun) -> str:

@@ -51,7 +51,7 @@ class Habit:
     """Answer position that a participant chooses most often, with its frequency."""
 
     place: int  # preferred position, from 1
-    share: Fraction  # of the answers; its p-value is for any position to be chosen as often by chance
+    frequency: Fraction  # of the answers; its p-value is for any position to be chosen as often by chance
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def analyse_matches(answers: Sequence[SpeechMatch]) -> MatchResult | None:
     return MatchResult(
         dict(sorted(shares.items(), key=lambda item: (-item[1].rate, item[0]))),
         compare_with_chance(sum(answer.place == 0 for answer in answers), len(answers), 0.5),
-        {system: find_detectable_rate(share.total) for system, share in shares.items()},
+        {system: find_detectable_rate(frequency.total) for system, frequency in shares.items()},
     )
 
 
@@ -188,7 +188,7 @@ def find_position_choosers(answers: Answers) -> dict[str, Habit]:
     result: dict[str, Habit] = {}
     for group in map(habits, (answers.recognitions, answers.preferences, answers.matches, answers.realisms)):
         for person, habit in group.items():
-            if habit.share.p < min(MAX_HABIT_P, result[person].share.p if person in result else MAX_HABIT_P):
+            if habit.frequency.p < min(MAX_HABIT_P, result[person].frequency.p if person in result else MAX_HABIT_P):
                 result[person] = habit
     return result
 
@@ -200,8 +200,10 @@ def _find_habit(answers: Sequence[ParticipantAnswer]) -> Habit:
     """
     choices = len(answers[0].options)
     (place, hits), *_ = Counter(answer.place for answer in answers).most_common(1)
-    share = compare_with_chance(hits, len(answers), 1 / choices, "greater")
-    return Habit(place + 1, Fraction(share.hits, share.total, share.interval, min(1.0, choices * share.p)))
+    frequency = compare_with_chance(hits, len(answers), 1 / choices, "greater")
+    return Habit(
+        place + 1, Fraction(frequency.hits, frequency.total, frequency.interval, min(1.0, choices * frequency.p))
+    )
 
 
 def _recognised(answers: Sequence[Recognition]) -> Fraction:

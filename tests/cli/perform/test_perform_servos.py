@@ -63,7 +63,7 @@ def drive(runs: tuple[DryRun, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(perform, "live_checks", lambda run: ())
     monkeypatch.setattr(perform, "identify_servos", made.identify)
     monkeypatch.setattr(perform, "print_learned_factors", made.print)
-    monkeypatch.setattr(perform, "with_lesson", lambda data, identification: data)
+    monkeypatch.setattr(perform, "add_identification", lambda data, identification: data)
     monkeypatch.setattr(ServoMemory, "keep", lambda _, identification, folder=None: made.keep(identification, folder))
 
     def write(servo_run, data, written, identification):

@@ -234,7 +234,7 @@ def test_block_without_motion_has_no_motion_checks(known):
 
 def test_metrics_of_two_twins_are_reported(done):
     other = dry_run(done.plan, twin=PESSIMISTIC_FACTORS)
-    data = report(done, source="x", beside=(other,))
+    data = report(done, source="x", other_runs=(other,))
     assert list(data["twins"]) == ["nominal", "pessimistic"]
     alone = report(other, source="x")
     assert data["twins"]["pessimistic"] == alone["twins"]["pessimistic"]

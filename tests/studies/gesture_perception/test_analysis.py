@@ -89,8 +89,8 @@ def test_participant_who_always_chooses_first_is_detected(tmp_path: Path):
     position_choosers = find_position_choosers(answers)
     assert set(position_choosers) == {"first_place-1"}
     habit = position_choosers["first_place-1"]
-    assert (habit.place, habit.share.hits, habit.share.total) == (1, 24, 24)
-    assert habit.share.p == pytest.approx(6 / 6**24, rel=1e-9, abs=0)
+    assert (habit.place, habit.frequency.hits, habit.frequency.total) == (1, 24, 24)
+    assert habit.frequency.p == pytest.approx(6 / 6**24, rel=1e-9, abs=0)
     result = analyse_recognition(answers.recognitions)
     assert result is not None
     own = result.participants["first_place-1"]

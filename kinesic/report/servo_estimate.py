@@ -11,21 +11,27 @@ if TYPE_CHECKING:
     from kinesic.report.report import Json  # which has these tables
 
 
-def lead(factors: Factors) -> dict[str, "Json"]:
+def describe_assumed(factors: Factors) -> dict[str, "Json"]:
     """Describe the servo parameters assumed by the feed-forward."""
     gains: dict[str, Json] = {name: servo_factors.gain for name, servo_factors in factors.servos.items()}
     text = "as in the data sheets" if factors == NOMINAL_FACTORS else describe_estimate(factors)
     return {"gain": gains or factors.gain, "latency_s": factors.latency, "text": text}
 
 
-def taught(lesson: Identification | None) -> dict[str, "Json"] | None:
+def describe_identified(identification: Identification | None) -> dict[str, "Json"] | None:
     """Describe the identified servo parameters, or return None without identification."""
-    if lesson is None:
+    if identification is None:
         return None
-    before, after = degrees(lesson.before), degrees(lesson.after)
-    return {**lead(lesson.estimate), "before_deg": before, "after_deg": after, "why": lesson.why, "text": str(lesson)}
+    before, after = degrees(identification.before), degrees(identification.after)
+    return {
+        **describe_assumed(identification.estimate),
+        "before_deg": before,
+        "after_deg": after,
+        "why": identification.why,
+        "text": str(identification),
+    }
 
 
-def with_lesson(data: Mapping[str, "Json"], lesson: Identification | None) -> dict[str, "Json"]:
+def add_identification(data: Mapping[str, "Json"], identification: Identification | None) -> dict[str, "Json"]:
     """Add the identified servo parameters to report data."""
-    return {**data, "learned": taught(lesson)}
+    return {**data, "learned": describe_identified(identification)}
