@@ -30,7 +30,7 @@ BLOCK_TEMPLATE = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"
 TASKS_PER_WORKER = 180  # planned documents per worker and measurement
 MEASUREMENT_ROUNDS = 3  # measurements with one and two workers, alternating; larger counts are measured once
 EMPTY_TASKS = 400  # tasks without work, which measure the engine's overhead
-IGNORED_TAIL_TASKS = 20  # last tasks per worker, not counted because some workers are idle at the end
+IGNORED_TAIL_TASKS = 20  # number of last tasks per worker that are not counted, as some workers are idle then
 MIN_EFFICIENCY = 0.9  # throughput per worker relative to a single worker, with GOAL_WORKERS workers
 GOAL_WORKERS = 2  # number of workers at which MIN_EFFICIENCY is required
 WORKER_IMPORTS = "import distributed.worker, kinesic.report.batch; from kinesic.session.setup import set_up; set_up()"

@@ -30,7 +30,7 @@ from kinesic.sim.log import make_log
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors, join_factors
 
 CORPUS_BLOCKS = 50  # number of corpus documents to perform
-LOOSE_PLAY = pi / 360  # [rad] backlash of a loose twin: half a degree
+LOOSE_PLAY = pi / 360  # [rad] backlash of the twin with worn gears: half a degree
 REFERENCE_TWINS: tuple[tuple[str, Factors], ...] = (("nominal", NOMINAL_FACTORS), ("pessimistic", PESSIMISTIC_FACTORS))
 DETUNED_TWINS: tuple[tuple[str, Factors], ...] = (  # twins that each differ from nominal in one factor
     ("gain_0.5", Factors(gain=0.5)),

@@ -18,7 +18,7 @@ from kinesic.sim.shells.variant import find_shell
 
 WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
 TORQUE_COLOURS = {"pass": "", "warn": "yellow", "fail": "red"}  # verdict on a torque ratio -> its colour
-FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails
+FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails the check
 MAX_PRINTED_NOTES = 5  # largest number of printed notes on parts that the import omits
 
 

@@ -175,7 +175,7 @@ class ArmsTask:
 
     @property
     def reaches(self) -> bool:
-        """Whether any hand has a target to reach."""
+        """Whether any hand has a position target."""
         return any(hand.reach is not None for hand in self.hands.values())
 
 
@@ -214,7 +214,7 @@ def solve_arms(
 
 
 def _ahead(tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
-    """Return the next tasks that can be solved together.
+    """Return the next keys whose arm postures can be solved together.
 
     These are at most `count`, and end before the next task with a pointing hand after the first one. The target of a
     pointing hand depends on the posture at the key before; that of the first task is set here.
@@ -278,7 +278,7 @@ def _carry(
     path_starts: dict[Side, Floats],
     robot: Robot,
 ) -> None:
-    """Store the arm's posture at the start of the current hand path."""
+    """Store the arm's posture at the start of its current hand path."""
     rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
     if rows_of_side:
         on_path = tasks[rows_of_side[-1]].hands[side].passing and (side in path_starts or len(rows_of_side) > 1)

@@ -1,4 +1,4 @@
-"""Captions: the text of speech with its times."""
+"""Captions: the spoken text with its times."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

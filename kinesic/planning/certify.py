@@ -1,4 +1,4 @@
-"""Certify motions: tighten limits until inverse dynamics finds no overloaded drive.
+"""Certification of motions: duty limits tightened until no drive is overloaded.
 
 The duty limit of `condition` treats each hinge alone, with its worst load. Loads by other hinges are known only from
 the motion: if inverse dynamics finds a drive above full duty, its limit is tightened.

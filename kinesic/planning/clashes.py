@@ -258,7 +258,7 @@ def _search(
 
 
 def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
-    """Return rows of the nearest exact keys before and after two gestures."""
+    """Return rows of the nearest exact keys around two gestures."""
     gesture_rows = [
         row
         for row, posture in enumerate(postures)
@@ -270,7 +270,7 @@ def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> P
 
 
 def _part(posture: KeyPosture, hinges: Indices, *, whole: bool) -> KeyPosture:
-    """Restrict a key posture to the given hinges.
+    """Return a key posture with the given hinges alone.
 
     A whole key has all of them.
     """

@@ -1,4 +1,4 @@
-"""Face poses of a planned performance, over time."""
+"""Face poses of a planned performance over time."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

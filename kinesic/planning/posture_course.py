@@ -51,7 +51,7 @@ class PostureCourse:
         return angles if self.stray is None else np.asarray(angles + self.stray)
 
     def straying(self, trajectory: Trajectory) -> "PostureCourse":
-        """Return the course shifted by a trajectory's deviation from the requested motion.
+        """Return the course with a trajectory's deviation from the requested motion added.
 
         Detours then start from the actual motion.
         """
@@ -112,7 +112,7 @@ class PostureCourse:
         return list(matches.values())
 
     def calmed(self, time: float, swing_ratio: float = 0.0) -> "PostureCourse":
-        """Reduce overshoot and remove accents at arm keys around a block time.
+        """Reduce overshoot and velocity accents at arm keys around a block time.
 
         Of each arm's keys with overshoot or an accent, the last one before and the first one after the time change.
         The course itself is returned if there are none.
@@ -162,7 +162,7 @@ class PostureCourse:
 
 
 def _is_lively(posture: KeyPosture, joint: int) -> bool:
-    """Return whether a hinge has an overshoot or accent at a key."""
+    """Return whether a hinge has an overshoot or a velocity accent at a key."""
     if not posture.passages or not posture.keyed[joint]:
         return False
     return posture.passages[joint] != posture.passages[joint].without_accent

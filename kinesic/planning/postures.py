@@ -143,7 +143,7 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
 
 
 def _firm(frame: KeyFrame) -> bool:
-    """Return whether the motion must pass exactly through a key frame."""
+    """Return whether the motion must pass exactly through a key."""
     passing = {f"{side}_hand" for side, hand in frame.hands.items() if hand.passing}
     return bool(frame.syncs) or not frame.given <= passing
 

@@ -32,8 +32,8 @@ PEAK_ACCELERATION = 5.7735  # peak acceleration of a rest-to-rest quintic of uni
 PEAK_JERK = 60.0  # peak jerk of a rest-to-rest quintic of unit distance and duration
 DURATION_MARGIN = 1.03  # factor on durations that covers the error of spline approximation
 MIN_MOTION_TIME = 0.06  # [s] shortest time between keys of a moving hinge
-GAP_GROWTH = 1.1  # factor on all times between keys, applied repeatedly until the limits hold
-STOPPING_PASSAGE = KeyPassage(tension=1.0)  # passage that stops the hinge at its key
+GAP_GROWTH = 1.1  # factor on all times between keys, applied until the motion is within its limits
+STOPPING_PASSAGE = KeyPassage(tension=1.0)  # tension with which a hinge stops at its key
 
 
 def plan_quickly(block: Block, setup: Setup, *, busy_hands: Sequence[BusyHand] = ()) -> Plan:

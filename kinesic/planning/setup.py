@@ -21,7 +21,7 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.variation import NO_VARIATION, Variation
 
-MAX_BODY_WEIGHT = 1.5  # upper bound of a style's whole-body weight as factor on secondary motion
+MAX_BODY_WEIGHT = 1.5  # upper bound of the style's whole-body weight, a factor on secondary motion
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def choose_rate_and_pitch(style: Style) -> tuple[float, float]:
 
 
 def convert_remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
-    """Convert the voice's remarks on utterances into notices."""
+    """Convert the voice engine's remarks on utterances into notices."""
     return [
         Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, f"{block.id}:{name}", remark)
         for name, utterance in utterances.items()

@@ -17,8 +17,8 @@ STANCE_FILE = CONFIGS / "standing.toml"
 # Angles [deg] of trunk and head; `shoulder_rise` is that of the line of the shoulders over the rolled trunk.
 BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll", "shoulder_rise")
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
-MAX_DRAW = 1.8  # [standard deviations] largest normal draw of a component
-MAX_SPREAD = 1.5  # largest factor on all components of a draw, from the tails of the t distribution
+MAX_DRAW = 1.8  # [standard deviations] bound of the random value of each principal component
+MAX_SPREAD = 1.5  # bound of the common random factor of all components, from the tails of the t distribution
 
 
 class StanceComponents(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

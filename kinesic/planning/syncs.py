@@ -222,5 +222,5 @@ def _on_path(postures: Sequence[KeyPosture], timed: TimedBehaviour, robot: Robot
 
 
 def _length(path: Floats) -> float:
-    """Compute the length of a path (m, 3) [m]."""
+    """Return the length [m] of a path (m, 3) [m]."""
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

@@ -17,7 +17,7 @@ from kinesic.body.rotation import shortest_rotation
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import TURN_AXES, UPRIGHT_TURN, turn_angles
 
-COLLAR_STEP = 0.05  # [rad] rotation of collar bones from which their effect on the line of the shoulders is measured
+COLLAR_STEP = 0.05  # [rad] collar bone rotation for the finite difference of the shoulder line's rise
 MIN_RANGE = 1e-9  # [rad] smallest assumed hinge range, which avoids division by zero
 
 

@@ -1,4 +1,4 @@
-"""Conflicts of a new block with speech and body parts of others."""
+"""Conflicts of a new block with speech and body parts of other blocks."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -120,7 +120,7 @@ def _replan_trunk(
 
 
 def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
-    """Return the motion after removing ended behaviours from their hinges."""
+    """Return the motion in which hinges of ended behaviours return to rest."""
     if running.merged is None:
         return scene.motion
     at, remaining = scene.first_change(now), [entry for entry in running.occupancy if entry not in ended]

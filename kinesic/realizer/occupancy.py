@@ -23,7 +23,7 @@ ARM_ROLES: tuple[Role, ...] = ("l_hand", "r_hand")  # roles of the arms
 READY_SYNCS = ("ready", "strokeStart", "stroke", "relax")  # sync points that may mark readiness, the preferred first
 RELAX_SYNCS = ("relax", "strokeEnd", "stroke", "end")  # sync points that may mark relaxation, the preferred first
 MOTION_TOLERANCE = 1e-9  # [rad] hinges that move less count as unmoved
-ROUNDING_TOLERANCE = 1e-6  # [s] difference of equal times whose clocks were shifted by different amounts
+ROUNDING_TOLERANCE = 1e-6  # [s] times closer than this count as equal, as clock shifts cause rounding errors
 
 T = TypeVar("T")
 
@@ -149,7 +149,7 @@ def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan:
 
 
 def _held(id: str, plan: Plan, there: Floats) -> Floats:
-    """Return one behaviour's contribution (n,) [rad] to the held offset from rest.
+    """Return the offset (n,) [rad] from rest that a behaviour holds.
 
     Args:
         id: id of the behaviour.

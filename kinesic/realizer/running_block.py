@@ -108,7 +108,7 @@ class RunningBlock:
 
     @cached_property
     def points(self) -> dict[Point, float]:
-        """Global times [s] of the block's sync points, start and end."""
+        """Global times [s] of the block's start, sync points and end."""
         sync_points = {
             Point(self.id, id, sync): self.zero + t for id, at in self.times.items() for sync, t in at.items()
         }

@@ -1,4 +1,4 @@
-"""Start of blocks, in addition to running ones or in their place."""
+"""Start of blocks in addition to running blocks, or replacing them."""
 
 from dataclasses import replace
 

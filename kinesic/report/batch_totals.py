@@ -1,4 +1,4 @@
-"""Totals over many documents: outcomes, behaviours and checks."""
+"""Totals of outcomes, behaviours and checks over many documents."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

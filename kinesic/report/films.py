@@ -40,7 +40,7 @@ class FilmJob(Protocol):
 
     @property
     def after(self) -> Path | None:
-        """Path of the face film shown on the head, or None."""
+        """Path of the face film that must be drawn first, or None."""
 
     @staticmethod
     def prepare() -> None:

@@ -37,7 +37,7 @@ SOUND_TYPES = {".wav": "audio/wav"}  # MIME types of sounds, by suffix
 HAND_NAMES = {"l_hand": "left hand", "r_hand": "right hand"}  # names of the hands in texts, by body part
 SHOWN_LOADS = 6  # joint loads listed before the table is expanded
 MIN_SHOWN_ANGLE = 0.5  # [deg] smaller body motion is not listed
-SHOWN_CHAPTERS = 6  # changed behaviours listed before the list is expanded
+SHOWN_CHAPTERS = 6  # behaviours changed by limits that are listed before the list is expanded
 OUTCOME_RANKS = {  # sort order of behaviour outcomes, the most severe first
     "dropped": 0,
     "substituted": 1,

@@ -99,7 +99,7 @@ def _style(style: Style, block: Block) -> dict[str, Json]:
 
 
 def _expressivity(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
-    """Return a behaviour's expressivity parameters with their sources."""
+    """Return a behaviour's expressivity parameters and the source of each."""
     modality = find_modality(behaviour.action)
     if modality is None:
         return None

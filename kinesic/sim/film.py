@@ -47,7 +47,7 @@ class FilmError(RuntimeError):
 
 
 def moments(begin: float, end: float, rate: float = FILM_RATE) -> Floats:
-    """Return the times [s] of a film's pictures.
+    """Return the times (m,) [s] of a film's pictures.
 
     Args:
         begin: [s].

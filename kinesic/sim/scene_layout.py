@@ -17,7 +17,7 @@ VIEW_MARGIN = 1.03  # picture height / smallest height that shows all parts
 HAND_FLOOR_GAP = 0.12  # [arm lengths] height of hanging hands above the floor
 ROD_RADIUS = 0.035  # [arm lengths] largest radius of the rods drawn between joints
 MIN_ROD_LENGTH = 1e-3  # [m] shortest rod that is drawn
-MIN_COLUMN_LENGTH = 0.2  # [arm lengths] column length below which a robot stands without a column
+MIN_COLUMN_LENGTH = 0.2  # [arm lengths] shortest column that is drawn below a robot
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from kinesic.bench.metric import Metric
 EXPECTATIONS_FOLDER = "expectations"  # name of the folder in the corpus
 
 Shape = TypeVar("Shape")
-MIN_PASS_FRACTION = 0.97  # fraction of a suite's expectations that must be met
+MIN_PASS_FRACTION = 0.97  # goal for the fraction of a suite's expectations that are met
 
 
 class Step(msgspec.Struct, frozen=True):

@@ -41,7 +41,7 @@ DRIVER_FACTORIES: Mapping[str, DriverFactory] = {
 MISSING_REASONS: Mapping[str, Callable[[], str]] = {
     name: why_lerobot_is_missing for name in DRIVER_FACTORIES if LerobotDriver.name in name
 }
-MAX_CELL_WIDTH = 12  # [characters] a text this long in the fourth column is a refusal, and widens no column
+MAX_CELL_WIDTH = 12  # [characters] rows with a longer text in the fourth column, an error, widen no column after it
 TABLE_COLUMNS = (
     "fault",
     "servos",

@@ -17,7 +17,7 @@ STORY_TEXT = (
 )
 STORY_SEEDS = range(10)  # seeds of the stories that are compared
 BLINK_MINUTES = 10  # [min] duration of the story that is repeated to count blinks
-MINUTE_DURATION = 60.0  # [s]
+MINUTE_DURATION = 60.0  # [s] duration of a minute
 
 
 def measure_prosody(voice: Voice) -> Mapping[str, float]:

@@ -1,4 +1,4 @@
-"""Benchmark of adaptive scattering: time saved and effect kept (thesis 5.2)."""
+"""Benchmark of adaptive skin scattering: speed and accuracy (thesis 5.2)."""
 
 from dataclasses import replace
 from functools import partial

@@ -1,4 +1,4 @@
-"""Goals for the hand motion of the lexicon in the default style."""
+"""Metrics of the lexicon's hand motion in the default style, with goals."""
 
 from collections.abc import Iterable, Mapping, Sequence
 

@@ -40,7 +40,7 @@ MIN_RATIO_ONE = 0.6  # goal for bare physics time / dry run time with one twin
 MIN_RATIO_BOTH = 0.7  # goal for bare physics time / dry run time with two twins
 MAX_VARIANT_TIME = 20.0  # [ms] goal for the time of one servo variant
 VARIANT_GROUPS = 3  # number of timed groups of servo variants; the first warms up
-FLOAT_BYTES = 8  # size of a float [bytes]
+FLOAT_BYTES = 8  # [bytes] size of a 64-bit float
 MEASURED_ARRAYS = 12  # number of posture arrays over all steps that measurements read or write
 COPY_SIZE = 32 * 1024 * 1024  # [bytes] size of the array copied to measure memory bandwidth
 

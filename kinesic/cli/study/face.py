@@ -39,7 +39,7 @@ COMPARED_CONDITIONS = {
     "presentation": ("presentation", ("animation", "image")),
     "wrinkles": ("wrinkles", ("with", "without")),
 }
-MIN_PRINTED_P_VALUE = 0.001  # smaller p values are printed as < 0.001
+MIN_PRINTED_P_VALUE = 0.001  # p values below this are printed as < 0.001
 
 
 def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:

@@ -97,7 +97,7 @@ UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {
         "mouthUpperUpRight": -0.2,
     },
 }
-LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # of shapes that are weak
+LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # upper bounds other than 1
 LIP_ROLLING_UNITS = ("23", "28")  # action units that roll the lips over the teeth
 ROLLED_OVERLAP = 0.0012  # [m] extra overlap of rolled lips at full intensity
 LIP_SEALING_UNITS = ("24", "28")  # action units that press the lips together at any jaw opening

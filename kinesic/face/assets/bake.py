@@ -32,7 +32,7 @@ SOURCE_AXES = (2, 0, 1)  # index of kinesic's x, y and z among the axes of the s
 REST_SHAPES = {"mouthClose": 0.1}  # weights of expression shapes at rest, because the lips of the source are parted
 LASH_ROOT = 0.0004  # [m] distance of the root of a lash from the nearest lid vertex
 LASH_LENGTH = 0.0024  # [m] full length of a lash
-CLOSING_PASSES = 4  # repetitions until the lips just touch
+CLOSING_PASSES = 4  # number of passes that move the lips together until they touch
 NECK_CUT_RATIO = 1.75  # depth of the neck cut below the eyes, relative to the skull height above them
 AGE_WEIGHTS = {"young": 0.8, "old": 0.2}  # weight of each source figure by age
 SOURCE_ETHNICITIES = ("african", "asian", "caucasian")  # source figures that are averaged
@@ -222,7 +222,7 @@ def _measure_tips(positions: Floats, parts: Integers) -> Floats:
 
 
 def _read_shapes(archive: ZipFile, place: Integers, parts: Integers) -> list[ShapeDeltas]:
-    """Read all expression shapes without eyeballs, which rotate instead."""
+    """Read all expression shapes except those of the eyeballs, which rotate instead."""
     shape_list = []
     for path in sorted(
         name for name in archive.namelist() if name.startswith(SHAPE_FOLDER) and name.endswith(".target")

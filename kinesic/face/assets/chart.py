@@ -19,7 +19,7 @@ CHART_WIDTH = 4 * np.pi  # range of the chart coordinate a, twice the angle arou
 AXIS_OFFSET = 1.6  # distance of the cylinder axis behind the eyes, in distances between the eyes
 WINDOW_LEFT_RIGHT = (-1.8, 1.8)  # range of the chart coordinate a that is painted
 WINDOW_LOW_HIGH = (-2.2, 1.6)  # [eye distances] range of the chart coordinate y (height) that is painted
-MASK_RAMP = (-0.6, -0.4)  # forward positions [eye distances] between which the skin mask rises from 0 to 1
+MASK_RAMP = (-0.6, -0.4)  # [eye distances] forward positions between which the mask of painted skin rises from 0 to 1
 HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between the eyes
     (0.0, 1.25),
     (25.0, 1.23),

@@ -22,7 +22,7 @@ BURIED_DEPTH = 0.001  # [m] depth in the eyeball at rest from which skin is neve
 LID_OVERLAP = 0.02  # fraction of its travel by which a closed upper lid overlaps the lower one
 PROTRUSION_WEIGHT = 20.0  # [rad/m] weight of protrusion relative to height in the search for the lid edge
 LID_STEPS = 40  # number of steps between sampled lid positions from open to closed
-MIN_BLINK = 5e-4  # [m] blink displacement below which a vertex counts as unmoved
+MIN_BLINK = 5e-4  # [m] lower bound of the lid edge's displacement in a blink, used as a divisor
 
 Vertices = NDArray[np.intp]
 

@@ -21,7 +21,7 @@ from kinesic.face.assets.pores import paint_creases, paint_oil, paint_pores
 
 Colour = tuple[float, ...]  # red, green, blue
 
-SKIN_RESOLUTION = 1024  # [pixels] along a side of the skin texture
+SKIN_RESOLUTION = 1024  # [pixels] side of the skin texture
 PORE_DARKNESS = 0.09  # darkening of the skin in the deepest pores and creases
 PORE_DRYNESS = 0.25  # dryness that the deepest pores and creases add to the skin
 OIL_SHINE = 0.12  # dryness that oil takes from the skin

@@ -29,7 +29,7 @@ MIN_FRAME_INTERVAL = 1 / 60  # [s] smallest time between two pictures
 
 
 class Screen(Protocol):
-    """Output for pictures and source of key presses."""
+    """Interface of an output for pictures that also returns pressed keys."""
 
     @property
     def closed(self) -> bool:

@@ -65,5 +65,5 @@ class SharedCommand:
 
     @property
     def is_over(self) -> bool:
-        """Whether no further command follows."""
+        """Whether the last command was written."""
         return self._over.is_set()

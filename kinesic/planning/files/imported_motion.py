@@ -1,4 +1,4 @@
-"""Plan imported motions: samples become keys, and limits are kept."""
+"""Planning of imported motions: samples become keys of a motion within limits."""
 
 from time import perf_counter
 

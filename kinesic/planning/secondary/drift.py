@@ -1,4 +1,4 @@
-"""Drift: small movements of an arm that holds a pose."""
+"""Small random movements (drift) of an arm that holds a pose."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -21,7 +21,7 @@ MAX_TOUCH_DRIFT = radians(0.9)  # [rad] largest drift of a hinge of a touching o
 STILL_THRESHOLD = 2e-4  # [rad] change per knot below which an arm holds, even if the trunk turns
 TOUCH_MARGIN = 0.3  # [s] distance of a hold from a key at which its hand counts as touching
 RANGE_MARGIN = 1e-3  # [rad] smallest distance of a drifting arm from the joint limits
-NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # no hand touches anything
+NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # touch times [s] of hands that touch nothing
 MIN_REST_DISTANCE = 0.05  # [rad] smallest distance from the rest pose at which a held arm drifts
 
 

@@ -16,9 +16,9 @@ from kinesic.planning.secondary.homeward import MAX_REST_DEVIATION, ArmOffset, d
 from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 MAX_SWING = (radians(3.0), radians(4.0), radians(5.0))  # [rad] largest offsets of shoulder, elbow and wrist
-MIN_SWING_TIME = 0.6  # [s] gestures with shorter motion of the hand move the other arm not at all
-FULL_SWING_TIME = 1.2  # [s] duration of the motion from which the other arm moves fully
-NO_TIMES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # no hand touches the other arm
+MIN_SWING_TIME = 0.6  # [s] hand motion of a gesture below which the other arm stays still
+FULL_SWING_TIME = 1.2  # [s] hand motion of a gesture from which the other arm has its full offset
+NO_TIMES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # touch times [s] of hands that touch no arm
 
 
 def swing_free_arms(

@@ -21,7 +21,7 @@ from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
 
 SHOULDER_LEAD_FRACTION = 0.5  # shoulder lead / delay from shoulder to wrist; the wrist lags by the rest
-MAX_CATCH_UP = 0.15  # largest delay that a joint makes up along a path / duration of the path
+MAX_CATCH_UP = 0.15  # largest delay that a joint reduces to zero during a motion / duration of the motion
 MAX_DELAY_RATE = 0.35  # largest delay that a joint builds up during a rest / duration of the rest
 MAX_TRAILING_KNOTS = 30  # knots by which delays may prolong the motion
 MIN_VISIBLE_OFFSET = 1e-3  # [rad] angle offset below which a joint's delay is not applied
@@ -100,7 +100,7 @@ def _shifts(course: ArmCourse, start: float, robot: Robot) -> Iterator[_Shift]:
 
 
 def _delay_hand(stroke: ArmStroke, before: Gap, after: Gap) -> Lateness:
-    """Return the time course of a hand's delay behind the other hand.
+    """Return one hand's delay relative to the other hand over time.
 
     It is empty if the arm could not catch up.
     """

@@ -142,7 +142,7 @@ def tracking_checks(performance: DryRun) -> list[Check]:
 
 
 def _restoring(performance: DryRun) -> list[Check]:
-    """Warn if the observer's correction was reduced to keep servos stable."""
+    """Check whether the observer's correction was reduced to keep servos stable."""
     if performance.restoring == 1.0:
         return []
     return [

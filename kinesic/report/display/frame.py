@@ -16,7 +16,7 @@ MAX_DISPLAY_SIZE = 1_500_000  # [bytes] largest HTML of one object in a notebook
 MAX_DISPLAY_FRAMES = 800  # largest number of replay frames in a notebook, 16 s at the full rate
 STAGE_HEIGHT = 470  # [pixels] height of the drawn robot with its playback controls
 STILL_HEIGHT = 340  # [pixels] height of a still display, which has no playback controls
-ROW_HEIGHT = 20  # [pixels] height of a timeline row in a wide notebook
+ROW_HEIGHT = 20  # [pixels] height of a timeline row
 TIMELINE_MARGIN = 82  # [pixels] height of the time axis and the legend below the timeline
 FRAME_SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")  # script files of the frame, in loading order
 

@@ -22,7 +22,7 @@ MIN_PANEL_HEIGHT = 4.2  # [in] height of the smallest panel
 ROW_HEIGHT = 0.2  # [in] height of a row of bars
 PICTURE_DPI = 110  # [dots/in] resolution of the PNG
 
-MAX_RATIO = 100.0  # largest drawn ratio of limit to value, which keeps values near 0 in the picture
+MAX_RATIO = 100.0  # largest drawn ratio of limit to value; larger ones are clipped
 # Names of the checks whose limit is a minimum, as an SQL list.
 MINIMUM_CHECKS = ", ".join(f"'{name}'" for name, limit in CHECK_LIMITS.items() if limit.at_least)
 # The ratio exceeds 1 where a value is beyond its limit: of a minimum, it is that of the limit to the value.

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.sim.fitting.parameters import Unknown
 
 DATASHEET_DEVIATION = 0.5  # prior standard deviation of a parameter, relative to its data sheet value
-MAX_KNOWN_DEVIATION = 0.02  # largest relative standard deviation of an identified parameter
+MAX_KNOWN_DEVIATION = 0.02  # relative standard deviation up to which a parameter counts as identified
 
 
 @dataclass(frozen=True, eq=False)

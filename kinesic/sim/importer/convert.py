@@ -98,7 +98,7 @@ def _choose_servos(
 
 
 def _rate_confidence(figure: HumanoidGeometry) -> float:
-    """Compute the confidence in the mapping from its geometry, 0..1."""
+    """Compute the confidence 0..1 in the joint mapping from its geometry."""
     split = min(
         max((figure.likeness - ZERO_CONFIDENCE_LIKENESS) / (FULL_CONFIDENCE_LIKENESS - ZERO_CONFIDENCE_LIKENESS), 0.0),
         1.0,

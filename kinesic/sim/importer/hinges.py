@@ -36,10 +36,10 @@ ANATOMICAL_RANGES = {
     "wrist_pivot": (-30.0, 30.0),
     "wrist_twisting": (-90.0, 90.0),
 }
-# Signs of the components x, y, z of a left hinge's positive axis, by name suffix; the largest component decides, 0: as
-# by default; mirrored for right hinges.
+# Signs of the components x, y, z of a left hinge's positive axis, by name suffix. The largest component decides; 0
+# means the sign of _DEFAULT_POSITIVE_AXES. Right hinges are mirrored.
 _POSITIVE_AXES = {"elbow_flexion": (-1, -1, 1), "wrist_flexion": (-1, 0, 0), "wrist_pivot": (0, 1, 0)}
-_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # likewise for all other hinges
+_DEFAULT_POSITIVE_AXES = (1, -1, 1)  # signs of the positive axis of all hinges not listed in _POSITIVE_AXES
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.model_tree import BASE_INDEX, ModelPart
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
-UPPER_ARM_GIRTH = 0.15  # radius / length of the upper arm
-FOREARM_GIRTH = 0.14  # radius / length of the forearm
+UPPER_ARM_GIRTH = 0.15  # radius of a generated upper arm / its length
+FOREARM_GIRTH = 0.14  # radius of a generated forearm / its length
 HAND_GIRTH = 0.12  # radius of the hand / length of the forearm
 HEAD_RADIUS_RATIO = 0.17  # radius of the head / length of the arm
 HAND_LENGTH_RATIO = 0.45  # length of the hand / length of the forearm
@@ -25,7 +25,7 @@ ROOT_SEGMENT = "humanoid_root"  # name of the root segment in robot files
 TRUNK_SEGMENT = "vl5"  # name of the trunk segment in robot files
 HEAD_SEGMENT = "skullbase"  # name of the head segment in robot files
 FIXED_HEAD = (0.15, 0.45, 0.14)  # [arm lengths] head without hinges: lower and upper end over the shoulders, radius
-WAIST_DEPTH = 0.9  # [arm lengths] height of the shoulders over the waist of a trunk without hinges
+WAIST_DEPTH = 0.9  # [arm lengths] distance of the waist below the shoulders in a trunk without hinges
 COORDINATE_DIGITS = 6  # decimal digits of coordinates in robot files
 
 

@@ -29,8 +29,7 @@ SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint
 LINE_POSITION = 0.62  # position of the panel line along a limb, 0..1
 MIN_LINED_LENGTH = 0.14  # [m] shortest limb with a panel line
 TAPER_SLOPE = 0.30  # largest change of a limb's half width along it [m/m]
-# Half width of a cross-section / half width of the rectangle that fits inside its round corners.
-CORNER_ALLOWANCE = 1.17
+CORNER_ALLOWANCE = 1.17  # half width of a cross-section / that of the largest rectangle inside its round corners
 TAPER_STEPS = 8  # steps in which a bar's half width decreases
 TIP_RATIO = 0.68  # half width of a sleeve at the end of a shape / at its start
 ENVELOPE_POINTS = 33  # positions at which the envelope of a limb is computed

@@ -39,7 +39,7 @@ DESIGN_CRITERIA: Mapping[str, DesignCriterion] = {
 
 
 def values_of(trials: Sequence[Trial]) -> Floats:
-    """Return the criteria of all trials as whole numbers of comparison steps.
+    """Return the criteria of all trials, divided by their steps and rounded.
 
     Smaller is better.
 
@@ -51,7 +51,7 @@ def values_of(trials: Sequence[Trial]) -> Floats:
 
 
 def beaten_by(trials: Sequence[Trial]) -> list[list[int]]:
-    """List for each design trial the indices of trials that dominate it.
+    """List the indices of the trials that dominate each trial.
 
     Such a trial is no worse in any criterion and better in at least one.
     """

@@ -20,7 +20,7 @@ StimulusVersion = Literal["standard", "changed"]
 STUDY_TASKS: tuple[StudyTask, ...] = get_args(StudyTask)
 STIMULUS_VERSIONS: tuple[StimulusVersion, ...] = get_args(StimulusVersion)
 OPTION_COUNT = 6  # number of meanings offered per gesture
-LABEL_WORDS = 3  # largest number of words of a meaning that participants see
+LABEL_WORDS = 3  # largest number of words in the label of a meaning
 MEANING_CATEGORIES = ("emblem", "emotion", "iconic")  # categories of gestures whose meaning does not depend on speech
 STANDARD_SYSTEM = "standard"  # name of the system with unchanged settings in comparisons
 OPTION_SEPARATOR = "|"  # separator of the options in an answer
@@ -110,7 +110,7 @@ def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[StudyQuestio
 
 
 def _choose_different(right: Meaning, others: Iterable[Meaning]) -> tuple[Meaning, ...]:
-    """Return up to five meanings unlike the right one and each other."""
+    """Return up to five meanings that differ from the right one and each other."""
     chosen = [right]
     for other in others:
         if len(chosen) < OPTION_COUNT and not any(other.is_similar(meaning) for meaning in chosen):

@@ -128,7 +128,7 @@ def _resample(wins: Floats, seed: int) -> Floats:
 
 
 def _is_bounded(wins: Floats) -> NDArray[np.bool_]:
-    """Return for each table of wins whether all strengths are finite.
+    """Return whether each table of wins determines finite strengths.
 
     A table is (..., k, k). Strengths are finite if each system won directly or indirectly against all that it was
     compared with.

@@ -1,4 +1,4 @@
-"""Page of a gesture study, which draws the robot itself.
+"""HTML page of a gesture study, which draws the robot in the browser.
 
 Making it needs neither films nor OpenGL.
 """
@@ -17,9 +17,9 @@ from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPa
 from kinesic.studies.questionnaire.page import write_questionnaire
 
 TEMPLATE_FOLDER = Path(__file__).parent
-RECOGNITION_COUNT = 24  # most gestures per participant; the right answer is four times at each position
+RECOGNITION_COUNT = 24  # largest number of gestures per participant; each answer position is right four times
 
-COMPARISON_COUNT = 6  # most motion pairs per condition and participant; half of them show the standard motion first
+COMPARISON_COUNT = 6  # motion pairs per condition and participant at most; half show the standard motion first
 
 
 def write_gesture_page(

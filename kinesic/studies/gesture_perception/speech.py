@@ -19,7 +19,7 @@ from kinesic.studies.gesture_perception.design import OPTION_SEPARATOR, STANDARD
 from kinesic.studies.gesture_perception.stimuli import SampledMotion, changed_setup, sample_motion
 
 MIN_TEXTS = 2  # smallest number of texts of a mismatching test
-MAX_TAIL_TIME = 0.3  # [s] most time for which a motion is shown after the end of its speech
+MAX_TAIL_TIME = 0.3  # [s] longest display of a motion after the end of its speech
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Page of a speech study: the mismatching test, and comparisons of systems."""
+"""HTML page of a speech study: mismatching test and comparisons of systems."""
 
 import hashlib
 import json
@@ -20,9 +20,9 @@ from kinesic.studies.gesture_perception.speech import SpokenMotion, choose_foils
 from kinesic.studies.gesture_perception.stimuli import motion_data
 from kinesic.studies.questionnaire.page import write_questionnaire
 
-MATCHES_PER_SYSTEM = 8  # most motions of a system per participant; half have their own speech first
-PAIRS_PER_COMPARISON = 4  # most texts shown to a participant for each pair of systems
-MAX_SAMPLE = 32767  # largest sample of 16 bits
+MATCHES_PER_SYSTEM = 8  # largest number of motions per system and participant; half have their own speech first
+PAIRS_PER_COMPARISON = 4  # largest number of texts per participant for each pair of systems
+MAX_SAMPLE = 32767  # largest value of a 16-bit audio sample
 
 
 def write_speech_page(path: Path, robot: Robot, spoken: Sequence[SpokenMotion], *, post_to: str = "") -> int:

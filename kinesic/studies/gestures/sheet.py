@@ -43,7 +43,7 @@ _NOTE_COLOUR = "#777777"  # colour of the texts below the drawn postures
 _PATH_WIDTH = 0.007  # line width of a palm path / picture height
 _PATH_BRIGHTNESS = 0.6  # brightness of a palm path / brightness of its arm
 _ARROW_LENGTH = 0.035  # length of an arrow head / picture height
-_POINTS_PER_INCH = 72  # points per inch
+_POINTS_PER_INCH = 72  # typographic points per inch
 _LINE_TONES = 96  # number of colours of a line drawing
 _SHADED_TONES = 256  # number of colours of a shaded picture
 PORTRAIT_ASPECT = 0.87  # width / height of a shaded figure
@@ -106,7 +106,7 @@ def draw_portraits(
 
 
 def _strip_paper(show: Show, wide: float, scale: float) -> tuple["Figure", "Axes"]:
-    """Create an empty picture strip labelled with the posture names."""
+    """Create an empty picture strip, labelled with the posture names."""
     paper, axes = _make_paper(len(show.postures) * wide, _FIGURE_HEIGHT + _FOOTER_HEIGHT, scale)
     for k in range(len(show.postures)):
         name = "stroke" if k == show.stroke else f"{k + 1}"
@@ -221,7 +221,7 @@ def _draw(axes: "Axes", lines: Sequence[PenStroke], window: OutlineWindow, at: F
 
 
 def _add_lines(axes: "Axes", lines: Sequence[PenStroke], scale: float) -> None:
-    """Add pen strokes to the paper in order."""
+    """Add lines to the figure in drawing order."""
     from matplotlib.collections import LineCollection  # noqa: PLC0415 - an extra
 
     axes.add_collection(

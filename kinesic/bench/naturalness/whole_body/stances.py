@@ -22,8 +22,8 @@ MAX_HANGING = {"upper_arm_forward": 30.0, "upper_arm_outward": 30.0, "forearm_fo
 MIN_DEVIATION = 0.3  # [deg] principal components with smaller deviations are dropped
 # [deg] smallest change of a feature since the first frame; clips of a set begin and end in one pose of the animator.
 MIN_POSE_CHANGE = 3.0
-MIN_CLIP_COUNT = 5  # fewest clips of a person
-REST_FREEDOM = 2.0  # degrees of freedom with the largest likelihood of the rests in the tuned sets
+MIN_CLIP_COUNT = 5  # persons with fewer clips are left out
+REST_FREEDOM = 2.0  # degrees of freedom of the t distribution that best fits resting postures of the tuned sets
 SCATTER_STEPS = 60  # fixed-point iterations of the scatter matrix, which converge in about 30
 
 
