@@ -23,7 +23,7 @@ def export(*arguments: str) -> int:
     return kinesic(["export", *arguments], standalone_mode=False)
 
 
-def test_recording_has_the_name_of_the_document(capsys):
+def test_exported_recording_is_named_after_the_document(capsys):
     pytest.importorskip("foxglove", reason="the extra mcap is not installed")
     assert export("nod.bml", "--to", "mcap") == 0
     assert capsys.readouterr().out == "recording: nod.mcap\n"

@@ -26,18 +26,18 @@ def list_calls(name: str) -> Iterator[tuple[Path, ast.Call]]:
                 yield path, node
 
 
-def test_consoles_are_opened_in_one_place():
+def test_only_the_terminal_module_opens_consoles_and_without_markup():
     assert {path for path, _ in list_calls("Console")} == {TERMINAL}
     assert [ast.unparse(call) for _, call in list_calls("Console") if "markup=False" not in ast.unparse(call)] == []
 
 
-def test_progress_columns_read_no_markup():
+def test_progress_columns_do_not_interpret_markup():
     columns = [ast.unparse(call) for _, call in list_calls("TextColumn")]
     assert len(columns) >= 3
     assert [column for column in columns if "{" in column and "markup=False" not in column] == []
 
 
-def test_no_text_of_the_program_is_written_in_markup():
+def test_program_texts_contain_no_rich_markup():
     written = [
         (path.name, node.value)
         for path in sorted((PACKAGE / "cli").rglob("*.py"))
@@ -48,7 +48,7 @@ def test_no_text_of_the_program_is_written_in_markup():
 
 
 @pytest.mark.parametrize("open_console", [console, error_console])
-def test_foreign_text_keeps_its_brackets(open_console, capsys: pytest.CaptureFixture[str]):
+def test_untrusted_text_is_printed_with_its_brackets(open_console, capsys: pytest.CaptureFixture[str]):
     screen: Console = open_console()
     table = Table(FOREIGN, title=FOREIGN, box=None)
     table.add_row(FOREIGN)
@@ -58,7 +58,7 @@ def test_foreign_text_keeps_its_brackets(open_console, capsys: pytest.CaptureFix
     assert printed.count(FOREIGN) == 4
 
 
-def test_benchmark_notes_keep_the_extra_that_they_name(kinesic, monkeypatch: pytest.MonkeyPatch):
+def test_benchmark_notes_are_printed_with_the_brackets_of_an_extra(kinesic, monkeypatch: pytest.MonkeyPatch):
     metrics = [
         Metric("a.missing", None, "s", 1.0, "lower", FOREIGN),
         Metric("a.measured", 0.5, "s", 1.0, "lower", FOREIGN),

@@ -28,7 +28,7 @@ def test_offscreen_picture_is_drawn_and_read_back():
     assert error == 0
 
 
-def test_errors_while_drawing_are_not_reported_as_display_errors():
+def test_errors_raised_while_drawing_are_not_reported_as_display_errors():
     draws()
     with pytest.raises(KeyError, match="mine"), open_offscreen_context():
         raise KeyError("mine")

@@ -93,7 +93,7 @@ END = step(do="wait_block_end", block="b1")
         ),
     ],
 )
-def test_bml_scenario_passes_or_explains_the_failed_check(
+def test_conformance_scenario_passes_or_gives_the_reason_of_its_failure(
     corpus: Path, steps: list[dict[str, object]], why: str
 ) -> None:
     scenarios = suite(corpus, "one/test", *steps)

@@ -45,7 +45,7 @@ def test_tools_answer_without_a_robot_and_one_line_reports_why(tmp_path: Path):
     assert lines[0].removeprefix("kinesic: ") in stopped["content"][0]["text"]
 
 
-def test_loaded_setup_is_never_collected_while_an_emergency_stop_may_come():
+def test_garbage_collector_ignores_the_setup_and_so_delays_no_emergency_stop():
     opened: Future[object] = Future()
     opened.set_result(None)
     before = gc.get_freeze_count()

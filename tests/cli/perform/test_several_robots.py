@@ -48,7 +48,7 @@ def test_options_unsupported_by_several_robots_are_refused(kinesic_in, folder, a
     assert message in ended.err
 
 
-def test_options_of_one_robot_are_taken_if_one_is_named(kinesic_in, folder):
+def test_options_for_a_single_robot_are_accepted_with_one_robot(kinesic_in, folder):
     ended = kinesic_in(folder, "perform", "missing.bml", "--robot", "upper22", "--json")
     assert ended.code == 2
     assert "missing.bml" in ended.err

@@ -17,5 +17,5 @@ def test_missing_scipy_is_reported_with_its_extra(monkeypatch):
         type(scipy)().spatial  # noqa: B018 - the access imports it
 
 
-def test_stand_in_has_no_private_names():
+def test_scipy_stand_in_has_no_private_attributes():
     assert not hasattr(scipy, "__wrapped__")

@@ -91,5 +91,5 @@ def test_emphasised_word_has_a_nod_above_the_usual_size(known):
     )
 
 
-def test_no_speech_gives_no_speech_motion(known):
+def test_block_without_speech_has_no_speech_motion(known):
     assert not swells(known, '<wait id="w" duration="8"/>')[1]

@@ -69,7 +69,7 @@ def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
     assert np.array_equal(triangles, np.concatenate([FIGURE.mesh.triangles, len(packed) + FIGURE.locks.triangles]))
 
 
-def test_only_a_skin_enlarges_the_page_and_only_slightly():
+def test_only_a_robot_with_skin_enlarges_the_page_and_only_slightly():
     assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MOST
     assert "skin" not in scene_data(Robot.load("upper36"))
     assert "skin" in scene_data(HUMAN)
@@ -102,7 +102,7 @@ def test_page_script_moves_the_skin_like_the_renderer():
 
 
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
-def test_page_shows_skin_clothes_highlight_duty_face_and_ghost(tmp_path: Path):
+def test_page_draws_skin_clothes_highlight_servo_duty_face_and_ghost(tmp_path: Path):
     data = {**scene_data(HUMAN), "features": face_data([{"26": 1.0}])}
     text = PAGE.replace("SIDE", str(SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
     (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")

@@ -64,11 +64,11 @@ def check(name: str, found: Mapped, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("name", SAMPLE_ROBOTS)
-def test_sample_robot_is_imported_without_manual_edits(name, tmp_path):
+def test_sample_of_corpus_robots_is_imported_without_manual_edits(name, tmp_path):
     check(name, import_humanoid(model(name)), tmp_path)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("name", [name for name in ROBOT_FILES if name not in SAMPLE_ROBOTS])
-def test_every_robot_is_imported_without_manual_edits(name, tmp_path):
+def test_other_corpus_robots_are_imported_without_manual_edits(name, tmp_path):
     check(name, import_humanoid(model(name)), tmp_path)

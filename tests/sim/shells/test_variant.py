@@ -26,7 +26,7 @@ def write_robot(path: Path, text: str) -> Robot:
     return Robot.load(path)
 
 
-def test_robot_with_the_shape_of_the_extended_one_is_drawn_in_its_shell(tmp_path: Path):
+def test_robot_with_the_shape_of_its_base_robot_is_drawn_in_that_shell(tmp_path: Path):
     robot = write_robot(tmp_path / "own.toml", HEADER + '[[hinge]]\nname = "l_elbow_flexion"\nrange_deg = [0, 90]\n')
     shell = find_shell(robot)
     assert shell is not None
@@ -37,7 +37,7 @@ def test_robot_with_the_shape_of_the_extended_one_is_drawn_in_its_shell(tmp_path
     assert find_shell(second) is not None
 
 
-def test_changed_segments_of_an_extending_robot_get_a_new_surface(tmp_path: Path):
+def test_segments_that_differ_from_the_base_robot_get_a_new_surface(tmp_path: Path):
     robot = write_robot(tmp_path / "own.toml", HEADER + THICK_HAND)
     assert load_shell(robot) is None
     shell = find_shell(robot)
@@ -56,7 +56,7 @@ def is_unchanged(vertices: np.ndarray, name: str) -> bool:
     return len(vertices) == len(surface.vertices) and float(np.abs(vertices - surface.vertices).max()) < 1e-4
 
 
-def test_own_shell_file_is_preferred_to_that_of_the_extended_robot(tmp_path: Path):
+def test_shell_file_of_the_robot_is_preferred_to_that_of_its_base_robot(tmp_path: Path):
     robot = write_robot(tmp_path / "own.toml", HEADER)
     without_head = {name: part for name, part in ROBOT_SHELL.segments.items() if name != "skullbase"}
     write_shell(type(ROBOT_SHELL)(without_head, fingerprint(robot)), tmp_path / "own.npz")
@@ -65,7 +65,7 @@ def test_own_shell_file_is_preferred_to_that_of_the_extended_robot(tmp_path: Pat
     assert set(shell.segments) == set(without_head)
 
 
-def test_robot_that_extends_none_or_one_without_a_shell_has_no_shell(tmp_path: Path):
+def test_robot_without_base_robot_or_with_one_without_shell_has_no_shell(tmp_path: Path):
     whole = (CONFIGS / "robots" / "upper22.toml").read_text(encoding="utf-8")
     assert find_shell(write_robot(tmp_path / "copy.toml", whole)) is None
     assert find_shell(write_robot(tmp_path / "own.toml", '[robot]\nname = "own"\nextends = "copy.toml"\n')) is None

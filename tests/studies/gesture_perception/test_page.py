@@ -134,7 +134,7 @@ def test_study_page_draws_the_robot_and_plays_its_motion_once(page: Page):
     page.until("document.readyState === 'complete' && typeof state === 'object' && state.place === 2")
 
 
-def test_study_page_ignores_foreign_stored_state(unbegun: Page):
+def test_gesture_study_page_ignores_invalid_stored_state(unbegun: Page):
     first = unbegun.value("JSON.stringify(state.order[0])")
     for order in ('[{"id": "nowhere", "options": []}]', "[null]", "[7]", f"[{first.replace('gesture_', 'x')}]"):
         kept = f'{{"participant": "ab", "order": {order}, "place": 0, "rows": []}}'

@@ -163,7 +163,7 @@ def rate_frown(person: str, strength: str, points: int) -> Rating:
     return Rating("4", conditions, labels, {"naturalness": 3, "realism": 3}, person)
 
 
-def test_differences_within_participants_are_found_where_people_differ_more():
+def test_paired_test_finds_differences_hidden_by_variation_between_people():
     """Each of ten people rates the strong frown one point higher, on a level of their own."""
     answers = [
         rate_frown(f"p{k}", strength, points)
@@ -177,7 +177,7 @@ def test_differences_within_participants_are_found_where_people_differ_more():
     assert cell.paired.p < 0.005 < 0.05 < cell.p
 
 
-def test_participant_with_one_side_only_does_not_count_within_participants():
+def test_participant_without_both_conditions_is_excluded_from_the_paired_test():
     answers = [rate_frown("a", "high", 5), rate_frown("a", "low", 2), rate_frown("b", "high", 5)]
     cell = compare_sides(answers, "strength", ("high", "low")).cells["4", "EXP"]
     assert cell.paired.participants == 1
@@ -187,7 +187,7 @@ def test_participant_with_one_side_only_does_not_count_within_participants():
     assert isnan(nowhere.corrected_paired_p)
 
 
-def test_single_actions_are_corrected_together_and_all_actions_apart(answers: tuple[Rating, ...]):
+def test_p_values_of_single_actions_and_of_all_actions_are_corrected_separately(answers: tuple[Rating, ...]):
     cells = compare_sides(answers, "presentation", ("animation", "image")).cells
     for family in ([a for a in cells if a[0] != ALL_ACTIONS], [a for a in cells if a[0] == ALL_ACTIONS]):
         smallest = min(family, key=lambda cell: cells[cell].p)

@@ -93,7 +93,7 @@ FOREIGN = (
 )
 
 
-def test_study_page_ignores_foreign_stored_state(page: Page):
+def test_face_study_page_ignores_invalid_stored_state(page: Page):
     for kept in FOREIGN:
         page.value(f"localStorage.setItem('kinesic-study', {json.dumps(kept)}); window.before = true")
         page.call("Page.reload")

@@ -37,7 +37,7 @@ def test_rank_biserial_correlation_weighs_pairs_by_rank():
     assert compare_pairs([2.0, 2.0, 1.0]).correlation == 1.0
 
 
-def test_equal_ratings_differ_in_nothing():
+def test_equal_ratings_give_no_difference_and_a_p_value_of_one():
     result = compare_pairs([0.0, 0.0])
     assert (result.participants, result.difference, result.p, result.correlation) == (2, 0.0, 1.0, 0.0)
     assert isnan(compare_pairs([]).p)

@@ -33,7 +33,7 @@ def test_robot_looks_ahead_at_rest(motion):
     assert 0.7 < posture.down < 1.0
 
 
-def test_gestures_are_distributed_over_performances():
+def test_gestures_are_distributed_over_all_random_seeds():
     tasks = list_gestures()
     assert len({gesture for gesture, _ in tasks}) == len(tasks)
     for every in (1, 3):

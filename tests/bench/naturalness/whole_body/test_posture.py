@@ -24,7 +24,7 @@ def test_wrists_of_hanging_arms_are_measured_relative_to_the_shoulders():
     assert posture.forward_difference == posture.flexion_difference == pytest.approx(0.0, abs=1e-6)
 
 
-def test_difference_between_arms_has_no_sign():
+def test_posture_of_a_mirror_image_has_the_same_measures():
     left, right = (measure_posture(make_body(bend=bend)) for bend in ((10.0, 40.0), (40.0, 10.0)))
     assert left.flexion_difference == pytest.approx(30.0, abs=1e-3)
     assert astuple(left) == pytest.approx(astuple(right))

@@ -58,7 +58,7 @@ class Elements(HTMLParser):
         self.found.append((tag, dict(attrs)))
 
 
-def test_foreign_words_create_no_element_handler_or_link(page: Path):
+def test_untrusted_words_create_no_html_element_event_handler_or_link(page: Path):
     result = Elements(page).found
     assert sum(tag == "script" for tag, _ in result) == 2
     assert not [tag for tag, _ in result if tag in ("iframe", "object", "embed", "base", "link", "form")]
@@ -71,7 +71,7 @@ def test_foreign_words_create_no_element_handler_or_link(page: Path):
 
 @pytest.mark.realtime
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
-def test_browser_ignores_foreign_markup_and_still_replays(page: Path, tmp_path: Path):
+def test_browser_ignores_untrusted_markup_and_plays_the_replay(page: Path, tmp_path: Path):
     with opened(page.as_uri(), drawn=False) as tab:
         tab.until("document.querySelector('#stage')?.hidden === false")
         assert tab.value("window.hacked ?? 0") == 0
