@@ -16,6 +16,7 @@ from kinesic.bench import BENCH_PARTS
 from kinesic.bench.metric import Metric
 from kinesic.body.config import names_of
 from kinesic.cli.many.workers import Workers
+from kinesic.cli.option_values import MetricsOutput
 from kinesic.cli.progress import Stage, ignore_stage, show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.held_folder import name_failures
@@ -60,23 +61,21 @@ def print_metrics(
     matrix: bool,
     styles: tuple[str, ...],
     capture: Path | None,
-    as_json: bool,
-    plots: Path | None,
-    out: Path | None,
-    force: bool,
+    output: MetricsOutput,
     workers: Workers,
 ) -> int:
     """Run benchmarks of one part or all, and print or plot metrics.
 
     Workers evaluate the gestures of the lexicon.
     """
+    plots, out = output.plots, output.out
     if matrix:
         PART_NEEDS["bus"].require()
-        return _print_matrix(as_json=as_json)
+        return _print_matrix(as_json=output.as_json)
     if (styles or capture) and part != "naturalness":
         raise click.UsageError("--style and --capture apply only to naturalness")
     if out is not None:
-        check_folder(out, force=force)
+        check_folder(out, force=output.force)
     if plots is not None:
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
@@ -89,13 +88,15 @@ def print_metrics(
             metrics = [metric for name in part_names for metric in measure(name, stage)]
         if plots is not None:
             stage("drawing")
-            _draw(metrics, part_names, plots, styles=styles or (() if capture else names_of("style")), force=force)
+            _draw(
+                metrics, part_names, plots, styles=styles or (() if capture else names_of("style")), force=output.force
+            )
     text = json.dumps([asdict(metric) | {"ok": metric.ok} for metric in metrics], indent=1)
     if out is not None:
-        with new_folder(out, force=force) as temporary:
+        with new_folder(out, force=output.force) as temporary:
             (temporary / METRICS_FILE).write_text(text, encoding="utf-8")
-        click.echo(f"json: {out / METRICS_FILE}", err=as_json)
-    if as_json:
+        click.echo(f"json: {out / METRICS_FILE}", err=output.as_json)
+    if output.as_json:
         click.echo(text)
         return 0
     table = Table("name", "value", "unit", "goal", "", "", box=None)

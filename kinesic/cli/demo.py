@@ -6,7 +6,7 @@ import click
 
 from kinesic.cli.browser import open_in_browser
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
-from kinesic.cli.perform import perform_file
+from kinesic.cli.perform import PerformOptions, perform_file
 from kinesic.files.film_settings import FilmSettings
 from kinesic.report.output import PAGE_FILE
 from kinesic.session.options import INTERACTIVE_DEFAULTS
@@ -22,14 +22,14 @@ def perform_demo(out: Path | None, robot: str, style: str, film: bool, force: bo
     A report in the default folder is replaced; a folder of the user's is replaced only by force.
     """
     folder = out or DEMO_FOLDER
-    exit_code = perform_file(
-        DEMO_DOCUMENT,
+    options = PerformOptions(
         Planning(robot, style, {**INTERACTIVE_DEFAULTS, "voice": "auto"}),
         Performers(frozenset({"twin"}), ()),
         TwinOptions(twin=None, learn=None, feedforward="full", correction=True),
         Output(folder, force or out is None, as_json=False),
         DEMO_FILM if film else None,
     )
+    exit_code = perform_file(DEMO_DOCUMENT, options)
     page = folder / PAGE_FILE
     if browser and page.is_file() and open_in_browser(page.resolve().as_uri()):
         click.echo("the page is open in the browser")

@@ -6,7 +6,8 @@ import click
 
 from kinesic.cli.completion import GESTURE_NAME, ROBOT_NAME
 from kinesic.cli.help_pages import VerbGroup
-from kinesic.cli.options import force_option, implemented_by
+from kinesic.cli.option_values import GesturePicture
+from kinesic.cli.options import force_option, group_options, implemented_by
 
 lexicon_option = click.option(
     "--lexicon", type=click.Path(path_type=Path), help="Gesture lexicon: TOML, or Greta's gestuary XML."
@@ -57,10 +58,14 @@ def _show_gesture() -> None:
 @gesture_verbs.command("render")
 @click.argument("lexeme", type=GESTURE_NAME, required=False)
 @click.option("--all", "all_gestures", is_flag=True, help="Draw a contact sheet of all gestures, as lines.")
-@click.option("--turntable", is_flag=True, help="Film the stroke posture from all sides: X.webp or X.mp4.")
-@click.option("--drawn", is_flag=True, help="Draw lines, as for X.svg and X.pdf, or without OpenGL.")
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Picture or film, such as X.png.")
-@force_option
+@group_options(
+    "picture",
+    GesturePicture,
+    click.option("--turntable", is_flag=True, help="Film the stroke posture from all sides: X.webp or X.mp4."),
+    click.option("--drawn", is_flag=True, help="Draw lines, as for X.svg and X.pdf, or without OpenGL."),
+    click.option("--out", required=True, type=click.Path(path_type=Path), help="Picture or film, such as X.png."),
+    force_option,
+)
 @lexicon_option
 @gesture_robot_option
 @implemented_by("gestures:render_gestures")

@@ -12,6 +12,7 @@ from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.cli.gesture_search import check_category
+from kinesic.cli.option_values import GesturePicture
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages, stage_progress
 from kinesic.cli.terminal import console, quote_text
@@ -93,24 +94,18 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
 
 
 def render_gestures(
-    lexeme: str | None,
-    all_gestures: bool,
-    turntable: bool,
-    drawn: bool,
-    out: Path,
-    force: bool,
-    lexicon: Path | None,
-    robot: str,
+    lexeme: str | None, all_gestures: bool, picture: GesturePicture, lexicon: Path | None, robot: str
 ) -> int:
     """Draw one gesture as key postures or turntable, or all gestures."""
+    turntable, out = picture.turntable, picture.out
     if (lexeme is None) != all_gestures:
         raise click.UsageError("name one gesture, or give --all")
-    if turntable and (all_gestures or drawn):
+    if turntable and (all_gestures or picture.drawn):
         raise click.UsageError(f"--turntable films one gesture: leave out {'--all' if all_gestures else '--drawn'}")
     _check_suffix(out, turntable)
-    check_file(out, force=force)
+    check_file(out, force=picture.force)
     setup = set_up(load_robot(robot), lexicon=lexicon)
-    with new_file(out, force=force) as temporary, show_stages() as stage:
+    with new_file(out, force=picture.force) as temporary, show_stages() as stage:
         if lexeme is None:
             gestures = list(_plan_feasible_gestures(setup, stage_progress(stage, "planning gestures")))
             stage("drawing")
@@ -126,7 +121,7 @@ def render_gestures(
                 _save_turntable(gesture, setup.robot, temporary, stage_progress(stage, "drawing"))
             else:
                 stage("drawing")
-                _draw_key_postures(gesture, setup.robot, temporary, description, drawn=drawn)
+                _draw_key_postures(gesture, setup.robot, temporary, description, drawn=picture.drawn)
     click.echo(f"{'film' if turntable else 'picture'}: {out}")
     return 0
 

@@ -2,12 +2,14 @@
 
 import json
 from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE
+from kinesic.cli.option_values import SpokenInput
 from kinesic.cli.options import FAULT_EXIT_CODE, Output, Performers, Planning, TwinOptions, read_input
 from kinesic.cli.plain_words import printable
 from kinesic.cli.plan import document_name, plan_input, print_written
@@ -28,6 +30,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.host import LIVE_SERVER, SERVO_DRIVER
 from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.servo_run import ServoRun
+from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import checks
 from kinesic.report.films import film_processes
@@ -43,16 +46,36 @@ from kinesic.session.recorded import SpokenRecording, write_recording
 from kinesic.sim.log import make_log
 
 
+@dataclass(frozen=True)
+class PerformOptions:
+    """Options of one performance: planning, sinks, twin, output and film."""
+
+    planning: Planning
+    performers: Performers
+    twin: TwinOptions
+    output: Output
+    film: FilmSettings | None
+
+
+@dataclass(frozen=True)
+class _Content:
+    """Document, plain text or recording to perform."""
+
+    file: str  # or the name of a text or recording
+    text: str | None
+    recording: SpokenRecording | None
+
+    def plan(self, setup: Setup) -> Plan:
+        """Plan the recording or text, or otherwise the document in the file."""
+        if self.recording is not None:
+            return plan_recording(self.text, self.recording, setup, source=self.file)
+        if self.text is not None:
+            return plan_plain_text(self.text, setup, source=self.file)
+        return plan_input(self.file, setup)
+
+
 def perform_file(
-    file: str,
-    planning: Planning,
-    performers: Performers,
-    twin_options: TwinOptions,
-    output: Output,
-    film: FilmSettings | None,
-    *,
-    text: str | None = None,
-    recording: SpokenRecording | None = None,
+    file: str, options: PerformOptions, *, text: str | None = None, recording: SpokenRecording | None = None
 ) -> int:
     """Perform a document in the twin, report, then perform on servos.
 
@@ -60,21 +83,22 @@ def perform_file(
     glTF scene with its voice beside it, and no report folder. A plain text or a recording, if given, is performed, and
     `file` is its name.
     """
+    performers, output, film = options.performers, options.output, options.film
     if "servos" in performers.sinks:
         SERVO_DRIVER.require()
-    source = document_name(file)
-    memory = ServoMemory.of(twin_options)
+    source, content = document_name(file), _Content(file, text, recording)
+    memory = ServoMemory.of(options.twin)
     if is_scene(output.out):
-        return _perform_scene(file, planning, performers, twin_options, output, text, recording)
+        return _perform_scene(content, options)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
     if film is not None and film.format == "mp4" and find_encoder() is None:
         raise ConfigError(explain_missing_encoder())
     with film_processes() if film is not None else nullcontext() as processes, show_stages() as stage:
         stage("reading the robot")
-        setup = planning.set_up()
+        setup = options.planning.set_up()
         paths = read_all_ports(performers.ports, Manifest.of(setup.robot).bauds) if "servos" in performers.sinks else {}
-        performance, *other_runs = _perform_in_twins(file, setup, twin_options, memory, stage, text, recording)
+        performance, *other_runs = _perform_in_twins(content, setup, options.twin, memory, stage)
         identification = None
         if memory.path is not None and not paths:
             stage("learning from the twin")
@@ -115,30 +139,22 @@ def perform_file(
     return 0 if data["ok"] else 1
 
 
-def _perform_scene(
-    file: str,
-    planning: Planning,
-    performers: Performers,
-    twin_options: TwinOptions,
-    output: Output,
-    text: str | None,
-    recording: SpokenRecording | None,
-) -> int:
+def _perform_scene(content: _Content, options: PerformOptions) -> int:
     """Perform in the twin and write a glTF scene, without report files."""
-    if performers.sinks != {"twin"}:
+    output = options.output
+    if options.performers.sinks != {"twin"}:
         raise ConfigError(f"{output.out}: a scene shows the twin alone: --out FOLDER for --on servos or face")
     assert output.out is not None  # The suffix is that of a scene.
     check_file(output.out, force=output.force)
     with show_stages() as stage:
         stage("reading the robot")
-        setup = planning.set_up()
-        performance, *other_runs = _perform_in_twins(
-            file, setup, twin_options, ServoMemory.of(twin_options), stage, text, recording
-        )
+        setup = options.planning.set_up()
+        memory = ServoMemory.of(options.twin)
+        performance, *other_runs = _perform_in_twins(content, setup, options.twin, memory, stage)
         stage("writing the scene")
         voice = save_voice(performance.plan, output.out, force=output.force)
         save_performed(performance, output.out, force=output.force)
-        data = report(performance, source=document_name(file), seed=setup.idling.seed, other_runs=other_runs)
+        data = report(performance, source=document_name(content.file), seed=setup.idling.seed, other_runs=other_runs)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
@@ -150,28 +166,27 @@ def _perform_scene(
 
 
 def say_text(
-    text: str | None,
-    audio: Path | None,
-    words: Path | None,
+    spoken: SpokenInput,
     planning: Planning,
     performers: Performers,
     twin_options: TwinOptions,
     output: Output,
     film: FilmSettings | None,
-    to: str,
 ) -> int:
     """Write BML for a text or recording, then perform or print it.
 
     The text `-` stands for standard input, which is spoken as it arrives.
     """
-    if audio is not None:
-        recording = SpokenRecording(audio, words)
+    options = PerformOptions(planning, performers, twin_options, output, film)
+    text, words, to = spoken.text, spoken.words, spoken.to
+    if spoken.audio is not None:
+        recording = SpokenRecording(spoken.audio, words)
         if text == "-":
             raise ConfigError("say -: standard input has no recording; give the text of --audio on the command line")
         if to == "bml":
             print_written(lambda setup: write_recording(text, recording, setup), planning.set_up)
             return 0
-        return perform_file("said", planning, performers, twin_options, output, film, text=text, recording=recording)
+        return perform_file("said", options, text=text, recording=recording)
     if words is not None:
         raise ConfigError("--words: the times of words need a recording: --audio speech.wav")
     if text is None:
@@ -188,7 +203,7 @@ def say_text(
     if to == "bml":
         print_written(lambda setup: write_text(text, setup), planning.set_up)
         return 0
-    return perform_file("said", planning, performers, twin_options, output, film, text=text)
+    return perform_file("said", options, text=text)
 
 
 def _print_report(performances: tuple[DryRun, ...], servo_run: ServoRun | None, data: dict[str, Json]) -> None:
@@ -213,25 +228,16 @@ def _identify_run(servo_run: ServoRun, memory: ServoMemory) -> Identification | 
 
 
 def _perform_in_twins(
-    file: str,
-    setup: Setup,
-    twin_options: TwinOptions,
-    memory: ServoMemory,
-    stage: Stage,
-    text: str | None,
-    recording: SpokenRecording | None,
+    content: _Content, setup: Setup, options: TwinOptions, memory: ServoMemory, stage: Stage
 ) -> tuple[DryRun, ...]:
     """Plan a document, text or recording and perform it in the twins."""
     stage("planning")
-    if recording is not None:
-        plan = plan_recording(text, recording, setup, source=file)
-    else:
-        plan = plan_input(file, setup) if text is None else plan_plain_text(text, setup, source=file)
+    plan = content.plan(setup)
     return dry_runs(
         plan,
         memory.twins,
-        feedforward=twin_options.feedforward,
-        correction=twin_options.correction,
+        feedforward=options.feedforward,
+        correction=options.correction,
         believed=memory.estimate,
         progress=stage_progress(stage, "performing in the twin"),
     )

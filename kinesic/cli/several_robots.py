@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import Picture
 from kinesic.body.config import ConfigError, locate_config
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
-from kinesic.cli.perform import perform_file
+from kinesic.cli.perform import PerformOptions, perform_file
 from kinesic.cli.plan import document_name
 from kinesic.cli.progress import show_stages
 from kinesic.cli.servos.memory import check_single_robot
@@ -38,17 +38,10 @@ def perform_document(
 ) -> int:
     """Perform a document with one robot, or several separated by commas."""
     perform = perform_with_several if "," in planning.robot else perform_file
-    return perform(file, planning, performers, twin_options, output, film)
+    return perform(file, PerformOptions(planning, performers, twin_options, output, film))
 
 
-def perform_with_several(
-    file: str,
-    planning: Planning,
-    performers: Performers,
-    twin_options: TwinOptions,
-    output: Output,
-    film: FilmSettings | None,
-) -> int:
+def perform_with_several(file: str, options: PerformOptions) -> int:
     """Perform a document with each robot, and film them side by side.
 
     Each robot has its own report folder.
@@ -56,9 +49,9 @@ def perform_with_several(
     Raises:
         ConfigError: a robot is unknown or named twice, or an option does not allow several robots.
     """
-    robots = planning.robot.split(",")
-    _check_options(robots, performers, output)
-    check_single_robot(twin_options)
+    robots, output, film = options.planning.robot.split(","), options.output, options.film
+    _check_options(robots, options.performers, output)
+    check_single_robot(options.twin)
     if film is not None and film.format != "webp":
         raise ConfigError("--film-format mp4: several robots are filmed side by side only as webp; name one robot")
     if file == "-":
@@ -74,11 +67,10 @@ def perform_with_several(
         check_file(film_path, force=output.force)
     exit_code = 0
     for robot, robot_folder in zip(robots, robot_folders, strict=True):
-        robot_planning = replace(planning, robot=robot)
-        exit_code = max(
-            exit_code,
-            perform_file(file, robot_planning, performers, twin_options, replace(output, out=robot_folder), film),
+        robot_options = replace(
+            options, planning=replace(options.planning, robot=robot), output=replace(output, out=robot_folder)
         )
+        exit_code = max(exit_code, perform_file(file, robot_options))
     if film is not None and all((robot_folder / FILM_FILE).exists() for robot_folder in robot_folders):
         combined_film = _CombinedFilm(robot_folders, film)
         with new_file(film_path, force=output.force) as temporary, show_stages() as stage:

@@ -14,11 +14,13 @@ from kinesic.cli.effects import effect_options, view_options
 from kinesic.cli.film_options import film_options
 from kinesic.cli.help_pages import VerbGroup
 from kinesic.cli.many.workers import worker_options
+from kinesic.cli.option_values import MetricsOutput, SpokenInput
 from kinesic.cli.options import (
     FORCE_HELP,
     STYLE_HELP,
     expression_options,
     force_option,
+    group_options,
     implemented_by,
     output_options,
     performer_options,
@@ -87,10 +89,16 @@ def kinesic() -> None:
     type=click.Path(path_type=Path),
     help="For naturalness: measure a folder of captured gestures (.skm with .sk, .bvh).",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print a list of metrics as JSON.")
-@click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Also write plots into this folder.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the metrics, for `kinesic results`.")
-@click.option("--force", is_flag=True, help="Replace existing plots, or a folder made by kinesic.")
+@group_options(
+    "output",
+    MetricsOutput,
+    click.option("--json", "as_json", is_flag=True, help="Print a list of metrics as JSON."),
+    click.option(
+        "--plots", type=click.Path(file_okay=False, path_type=Path), help="Also write plots into this folder."
+    ),
+    click.option("--out", type=click.Path(path_type=Path), help="Folder of the metrics, for `kinesic results`."),
+    click.option("--force", is_flag=True, help="Replace existing plots, or a folder made by kinesic."),
+)
 @worker_options
 @implemented_by("bench:print_metrics")
 def _bench() -> None:
@@ -246,9 +254,13 @@ def _new() -> None:
 
 
 @kinesic.command("say")
-@click.argument("text", required=False)
-@click.option("--audio", metavar="WAV", type=click.Path(path_type=Path), help=AUDIO_HELP)
-@click.option("--words", metavar="FILE", type=click.Path(path_type=Path), help=WORDS_HELP)
+@group_options(
+    "spoken",
+    SpokenInput,
+    click.argument("text", required=False),
+    click.option("--audio", metavar="WAV", type=click.Path(path_type=Path), help=AUDIO_HELP),
+    click.option("--words", metavar="FILE", type=click.Path(path_type=Path), help=WORDS_HELP),
+)
 @planning_options
 @performer_options(ON_HELP)
 @twin_options

@@ -9,7 +9,8 @@ import click
 
 from kinesic.cli.completion import ROBOT_NAME
 from kinesic.cli.help_pages import VerbGroup
-from kinesic.cli.options import implemented_by, robot_and_port_options, robot_option
+from kinesic.cli.option_values import ShaftPhysics
+from kinesic.cli.options import group_options, implemented_by, robot_and_port_options, robot_option
 from kinesic.hardware.virtual.faults import FAULT_KINDS
 from kinesic.host import SERVO_DRIVER, VIRTUAL_PORTS
 
@@ -83,12 +84,18 @@ def _show_servos() -> None:
     f"and way (reply or request). Kinds: {', '.join(FAULT_KINDS)}.",
 )
 @robot_option
-@click.option("--physics", type=click.Choice(("servo", "twin")), default="servo", show_default=True, help=PHYSICS_HELP)
-@click.option(
-    "--twin",
-    default="nominal",
-    show_default=True,
-    help="Servos of the twin: nominal, pessimistic, or a TOML file of factors.",
+@group_options(
+    "shafts",
+    ShaftPhysics,
+    click.option(
+        "--physics", type=click.Choice(("servo", "twin")), default="servo", show_default=True, help=PHYSICS_HELP
+    ),
+    click.option(
+        "--twin",
+        default="nominal",
+        show_default=True,
+        help="Servos of the twin: nominal, pessimistic, or a TOML file of factors.",
+    ),
 )
 @click.option("--faults", type=click.Path(path_type=Path, dir_okay=False), help="TOML file of faults.")
 @click.option("--baud", type=int, help="Baud rate of all servos (default: as in the robot file).")

@@ -16,6 +16,7 @@ import numpy as np
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.cli.option_values import ShaftPhysics
 from kinesic.files.held_folder import name_failures
 from kinesic.hardware.bus.host import request_real_time
 from kinesic.hardware.protocol.registers import BAUD_RATES
@@ -32,22 +33,22 @@ MAX_INPUT_BYTES = 256  # [bytes] largest standard input per read
 
 
 def simulate_servos(
-    robot: str, physics: str, twin: str, faults: Path | None, baud: int | None, folder: Path | None, by_hand: bool
+    robot: str, shafts: ShaftPhysics, faults: Path | None, baud: int | None, folder: Path | None
 ) -> int:
     """Simulate a robot's servos behind pseudo-terminals until stopped."""
     if baud is not None and baud not in BAUD_RATES:
         raise ConfigError(f"--baud is {baud}, must be one of {', '.join(str(rate) for rate in BAUD_RATES)}")
-    if by_hand and physics == "twin":
+    if shafts.by_hand and shafts.physics == "twin":
         raise ConfigError("--by-hand turns servos without a body; leave out --physics twin")
     robot_model = load_robot(robot)
     plan = NO_FAULTS if faults is None else FaultPlan.read(faults)
-    start = np.zeros(len(robot_model.skeleton.hinges)) if by_hand else None
+    start = np.zeros(len(robot_model.skeleton.hinges)) if shafts.by_hand else None
     wires = [replace(cable, faults=plan, baud=baud or cable.baud) for cable in describe_cables(robot_model, start)]
     if not wires:
         raise ConfigError(f"{robot_model.path}: no [[bus]], so there are no servos to simulate")
-    hands = HandTurnedPhysics(independent_motors(wires), robot_model, wires) if by_hand else None
+    hands = HandTurnedPhysics(independent_motors(wires), robot_model, wires) if shafts.by_hand else None
     try:
-        _, buses = build_bus(wires, hands or _body_physics(physics, twin, robot_model, wires))
+        _, buses = build_bus(wires, hands or _body_physics(shafts, robot_model, wires))
     except ValueError as error:
         raise ConfigError(f"--physics twin: {error}") from None
     request_real_time(REAL_TIME_PRIORITY)
@@ -68,13 +69,13 @@ def simulate_servos(
     return 0
 
 
-def _body_physics(physics: str, twin: str, robot: Robot, wires: Sequence[Cable]) -> Physics | None:
+def _body_physics(shafts: ShaftPhysics, robot: Robot, wires: Sequence[Cable]) -> Physics | None:
     """Return the physics of the robot's twin, or None for independent motors."""
-    if physics != "twin":
+    if shafts.physics != "twin":
         return None
     from kinesic.controller.virtual_robot import TwinPhysics  # noqa: PLC0415 - loads MuJoCo
 
-    return TwinPhysics(robot, wires, factors=read_twins(twin)[0])
+    return TwinPhysics(robot, wires, factors=read_twins(shafts.twin)[0])
 
 
 def _turned_by_enter(hands: HandTurnedPhysics, stopped: Event) -> Callable[[], bool]:

@@ -12,6 +12,7 @@ from kinesic.cli.options import Planning, read_input
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages
 from kinesic.cli.study.fractions import format_cells, format_rate, fraction_to_json, fractions_to_json
+from kinesic.cli.study.options import GestureStudyContent, StudyOutput
 from kinesic.cli.study.systems import matches_to_json, print_matches, print_ratings, ratings_to_json
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_folder import check_folder, new_folder
@@ -42,42 +43,33 @@ from kinesic.studies.gesture_perception.stimuli import (
 from kinesic.studies.questionnaire.page import find_origin
 
 
-def make_gesture_study(
-    out: Path | None,
-    force: bool,
-    gestures: tuple[str, ...],
-    count: int,
-    conditions: tuple[str, ...],
-    pairs: int,
-    documents: tuple[Path, ...],
-    post_to: str,
-    planning: Planning,
-) -> int:
+def make_gesture_study(output: StudyOutput, content: GestureStudyContent, planning: Planning) -> int:
     """Plan the gestures of a study and write its questionnaire page."""
-    folder = out or default_folder("gesture-study")
-    check_folder(folder, force=force)
-    find_origin(post_to)
+    folder, pairs = output.out or default_folder("gesture-study"), content.pairs
+    check_folder(folder, force=output.force)
+    find_origin(output.post_to)
     setup, seed = planning.set_up(), planning.options["seed"]
-    for condition in conditions:
+    for condition in content.conditions:
         changed_setup(setup, condition)
-    texts = _read_documents(documents)
-    meanings = draw_meanings(setup.lexicon, count, seed, gestures)
+    texts = _read_documents(content.documents)
+    meanings = draw_meanings(setup.lexicon, content.count, seed, content.gestures)
     gesture_blocks = gesture_documents((meaning.gesture for meaning in meanings), setup.lexicon)
-    with new_folder(folder, force=force) as temporary, show_stages() as stage:
+    with new_folder(folder, force=output.force) as temporary, show_stages() as stage:
         stage("planning gestures")
         motions = plan_motions(gesture_blocks, setup, _warn)
         questions = draw_questions([meaning for meaning in meanings if meaning.gesture in motions], seed)
         stage("planning texts")
         text_motions = plan_motions(texts, setup, _warn)
         stimulus_pairs: list[StimulusPair] = []
-        for k, condition in enumerate(dict.fromkeys(conditions) if pairs or text_motions else ()):
+        for k, condition in enumerate(dict.fromkeys(content.conditions) if pairs or text_motions else ()):
             stage(f"planning with {condition}")
             new_pairs = plan_pairs(texts, text_motions, setup, condition, len(text_motions))
             new_pairs += plan_pairs(gesture_blocks, motions, setup, condition, pairs, first=k * pairs)
             if not new_pairs:
                 raise ConfigError(f"--compare {condition} changes no gesture visibly")
             stimulus_pairs += new_pairs
-        write_gesture_page(temporary / "index.html", setup.robot, questions, motions, stimulus_pairs, post_to=post_to)
+        page = temporary / "index.html"
+        write_gesture_page(page, setup.robot, questions, motions, stimulus_pairs, post_to=output.post_to)
     click.echo(f"page: {folder / 'index.html'}")
     return 0
 

@@ -7,6 +7,7 @@ import click
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.progress import show_stages
+from kinesic.cli.study.options import SpeechStudyContent, StudyOutput
 from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.report.output import default_folder
 from kinesic.session.documents import is_spoken_file
@@ -20,28 +21,20 @@ from kinesic.studies.gesture_perception.speech_page import (
 from kinesic.studies.questionnaire.page import find_origin
 
 
-def make_speech_study(
-    out: Path | None,
-    force: bool,
-    documents: tuple[Path, ...],
-    conditions: tuple[str, ...],
-    participants: int,
-    post_to: str,
-    planning: Planning,
-) -> int:
+def make_speech_study(output: StudyOutput, content: SpeechStudyContent, planning: Planning) -> int:
     """Plan texts with several systems and write the speech study's page."""
-    folder = out or default_folder("speech-study")
-    check_folder(folder, force=force)
-    find_origin(post_to)
-    texts = _read_texts(documents)
-    setup, systems = planning.set_up(), tuple(dict.fromkeys(conditions))
-    with new_folder(folder, force=force) as temporary, show_stages() as stage:
+    folder = output.out or default_folder("speech-study")
+    check_folder(folder, force=output.force)
+    find_origin(output.post_to)
+    texts = _read_texts(content.documents)
+    setup, systems = planning.set_up(), tuple(dict.fromkeys(content.conditions))
+    with new_folder(folder, force=output.force) as temporary, show_stages() as stage:
         spoken = plan_spoken_motions(texts, setup, systems, lambda system: stage(f"planning with {system}"))
-        count = write_speech_page(temporary / "index.html", setup.robot, spoken, post_to=post_to)
+        count = write_speech_page(temporary / "index.html", setup.robot, spoken, post_to=output.post_to)
     click.echo(f"{len(texts)} texts, {len(systems) + 1} systems, {count} trials for each participant")
     if all(item.sound is None for item in spoken):
         click.echo("warning: the voice is silent, so that participants read the words: --voice espeak", err=True)
-    _print_power(participants, len(texts), bool(systems))
+    _print_power(content.participants, len(texts), bool(systems))
     click.echo(f"page: {folder / 'index.html'}")
     return 0
 

@@ -6,7 +6,8 @@ import click
 
 from kinesic.cli.completion import GESTURE_NAME
 from kinesic.cli.help_pages import VerbGroup
-from kinesic.cli.options import FORCE_HELP, implemented_by, planning_options
+from kinesic.cli.options import FORCE_HELP, group_options, implemented_by, planning_options
+from kinesic.cli.study.options import GestureStudyContent, SpeechStudyContent, StudyOutput
 from kinesic.face.render.presets import QUALITY_PRESETS
 
 DEFAULT_COMPARISONS = ("effort=0", "whole_body=0", "power=-1")  # style settings compared with the unchanged style
@@ -40,34 +41,44 @@ def _make_study() -> None:
 
 
 @study_verbs.command("make-gestures")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/gesture-study-TIME).")
-@click.option("--force", is_flag=True, help=FORCE_HELP)
-@click.option(
-    "--gesture",
-    "gestures",
-    type=GESTURE_NAME,
-    multiple=True,
-    metavar="ID",
-    help="Id of a gesture to include. Repeatable.",
+@group_options(
+    "output",
+    StudyOutput,
+    click.option(
+        "--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/gesture-study-TIME)."
+    ),
+    click.option("--force", is_flag=True, help=FORCE_HELP),
 )
-@click.option(
-    "--count",
-    type=click.IntRange(6),
-    default=48,
-    show_default=True,
-    help="Number of gestures drawn at random if none is named.",
+@group_options(
+    "content",
+    GestureStudyContent,
+    click.option(
+        "--gesture",
+        "gestures",
+        type=GESTURE_NAME,
+        multiple=True,
+        metavar="ID",
+        help="Id of a gesture to include. Repeatable.",
+    ),
+    click.option(
+        "--count",
+        type=click.IntRange(6),
+        default=48,
+        show_default=True,
+        help="Number of gestures drawn at random if none is named.",
+    ),
+    click.option(
+        "--compare", "conditions", multiple=True, metavar="NAME=VALUE", default=DEFAULT_COMPARISONS, help=COMPARE_HELP
+    ),
+    click.option(
+        "--pairs",
+        type=click.IntRange(0),
+        default=12,
+        show_default=True,
+        help="Number of gestures compared for each setting.",
+    ),
+    click.option("--text", "documents", multiple=True, type=click.Path(path_type=Path), metavar="FILE", help=TEXT_HELP),
 )
-@click.option(
-    "--compare", "conditions", multiple=True, metavar="NAME=VALUE", default=DEFAULT_COMPARISONS, help=COMPARE_HELP
-)
-@click.option(
-    "--pairs",
-    type=click.IntRange(0),
-    default=12,
-    show_default=True,
-    help="Number of gestures compared for each setting.",
-)
-@click.option("--text", "documents", multiple=True, type=click.Path(path_type=Path), metavar="FILE", help=TEXT_HELP)
 @click.option("--post-to", default="", metavar="URL", help="URL that also receives the answers, as CSV.")
 @planning_options
 @implemented_by("study.gestures:make_gesture_study")
@@ -79,30 +90,40 @@ def _make_gesture_study() -> None:
 
 
 @study_verbs.command("make-speech")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/speech-study-TIME).")
-@click.option("--force", is_flag=True, help=FORCE_HELP)
-@click.option(
-    "--text",
-    "documents",
-    multiple=True,
-    required=True,
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Text or BML document with speech, preferably of similar length. Repeatable; at least two.",
+@group_options(
+    "output",
+    StudyOutput,
+    click.option(
+        "--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/speech-study-TIME)."
+    ),
+    click.option("--force", is_flag=True, help=FORCE_HELP),
 )
-@click.option(
-    "--compare",
-    "conditions",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Setting of a further system, as for --set, or idle=0, variation=0. Repeatable.",
-)
-@click.option(
-    "--participants",
-    type=click.IntRange(1, 100_000),
-    default=40,
-    show_default=True,
-    help="Planned number of participants, for the estimate of power.",
+@group_options(
+    "content",
+    SpeechStudyContent,
+    click.option(
+        "--text",
+        "documents",
+        multiple=True,
+        required=True,
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="Text or BML document with speech, preferably of similar length. Repeatable; at least two.",
+    ),
+    click.option(
+        "--compare",
+        "conditions",
+        multiple=True,
+        metavar="NAME=VALUE",
+        help="Setting of a further system, as for --set, or idle=0, variation=0. Repeatable.",
+    ),
+    click.option(
+        "--participants",
+        type=click.IntRange(1, 100_000),
+        default=40,
+        show_default=True,
+        help="Planned number of participants, for the estimate of power.",
+    ),
 )
 @click.option("--post-to", default="", metavar="URL", help="URL that also receives the answers, as CSV.")
 @planning_options

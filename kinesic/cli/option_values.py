@@ -1,0 +1,43 @@
+"""Values of command-line options that belong together, one type for each purpose."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class SpokenInput:
+    """Text or recording to be spoken, and the form of the result."""
+
+    text: str | None
+    audio: Path | None  # WAV recording of the text
+    words: Path | None  # file with the times of the recording's words
+    to: str  # "performance" or "bml"
+
+
+@dataclass(frozen=True)
+class MetricsOutput:
+    """Forms in which benchmark metrics are printed, plotted and stored."""
+
+    as_json: bool
+    plots: Path | None  # folder
+    out: Path | None  # folder of the metrics
+    force: bool
+
+
+@dataclass(frozen=True)
+class GesturePicture:
+    """Form and file of the picture or film of gestures."""
+
+    turntable: bool
+    drawn: bool  # as lines
+    out: Path
+    force: bool
+
+
+@dataclass(frozen=True)
+class ShaftPhysics:
+    """Physics that moves the shafts of simulated servos."""
+
+    physics: str  # "servo": each motor alone; "twin": the robot's body
+    twin: str  # servos of the twin, by name or TOML file
+    by_hand: bool  # whether Enter turns the hinges
