@@ -11,7 +11,7 @@ from kinesic.bench.naturalness import (
     VARIATION_SEEDS,
     document_metrics,
     draw,
-    lexicon_metrics,
+    style_metrics,
     measured,
     varied_metrics,
 )
@@ -245,7 +245,7 @@ if __name__ == "__main__":
     found = measured(styles)
     before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
     written_section = section(
-        found, [*lexicon_metrics(found, Robot.load().arm_length), *document_metrics(), *varied_metrics()]
+        found, [*style_metrics(found, Robot.load().arm_length), *document_metrics(), *varied_metrics()]
     )
     PAGE.write_text(f"{before}{BEGIN}\n\n{written_section}\n\n{END}{rest.split(END)[1]}", encoding="utf-8")
     draw(styles, DOCS / "pictures")

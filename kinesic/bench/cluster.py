@@ -21,7 +21,7 @@ from time import monotonic, process_time
 
 from kinesic.bench.metric import Metric
 from kinesic.extras import install_extra
-from kinesic.report.batch import DocumentVerdict, judge
+from kinesic.report.batch import DocumentVerdict, judge_document
 from kinesic.session.setup import set_up
 from kinesic.tasks.engine import Engine, Processes
 
@@ -160,7 +160,7 @@ def _prepare() -> Callable[[str], CompletedTask]:
 
     def do(end: str) -> CompletedTask:
         began = process_time()
-        verdict, _ = judge(Path(f"{end}.bml"), setup, content=BLOCK_TEMPLATE.format(end).encode())
+        verdict, _ = judge_document(Path(f"{end}.bml"), setup, content=BLOCK_TEMPLATE.format(end).encode())
         return CompletedTask(os.getpid(), began, process_time(), verdict)
 
     return do

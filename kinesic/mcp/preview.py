@@ -26,7 +26,7 @@ NO_PICTURE_NOTE = "no picture: no behaviour has a stroke"
 
 
 @dataclass(frozen=True)
-class Preview:
+class PlanPreview:
     """Answer and stroke picture of a dry run."""
 
     answer: RobotAnswer
@@ -41,7 +41,7 @@ class Previewer:
         self._gate = gate
         self._calls = CallQueue(max_calls=MAX_PREVIEWS)
 
-    async def preview(self, write: Callable[[], str]) -> Preview:
+    async def preview(self, write: Callable[[], str]) -> PlanPreview:
         """Plan a document without performing it, and draw its strokes.
 
         Args:
@@ -53,7 +53,7 @@ class Previewer:
         """
         return await self._calls.run(partial(self._preview_in_turn, write))
 
-    async def _preview_in_turn(self, write: Callable[[], str]) -> Preview:
+    async def _preview_in_turn(self, write: Callable[[], str]) -> PlanPreview:
         line = await self._gate.ready_line()
         async with self._calls.turn():
             document, _ = await to_thread(check_document, write)
@@ -62,18 +62,18 @@ class Previewer:
             status = await line.status()
             return await to_thread(self._make, planned, status)
 
-    def _make(self, planned: RobotAnswer, status: RobotAnswer) -> Preview:
+    def _make(self, planned: RobotAnswer, status: RobotAnswer) -> PlanPreview:
         from kinesic.mcp.stroke_picture import draw_strokes  # noqa: PLC0415 - slow to import, and not needed to start
 
         answer, robot = summarise_plan(planned), self._gate.setup.result().robot
         if status.get("robot") != robot.name:
-            return Preview({**answer, "picture": "no picture: the server performs with another robot"}, None)
+            return PlanPreview({**answer, "picture": "no picture: the server performs with another robot"}, None)
         figures, total = choose_figures(planned, len(robot.skeleton.rest))
         if not figures:
-            return Preview({**answer, "picture": NO_PICTURE_NOTE}, None)
+            return PlanPreview({**answer, "picture": NO_PICTURE_NOTE}, None)
         shown = f"{total}" if len(figures) == total else f"{len(figures)} of {total}"
         note = f"{shown} stroke{'s' if total > 1 else ''}"
-        return Preview({**answer, "picture": note}, draw_strokes(robot, figures))
+        return PlanPreview({**answer, "picture": note}, draw_strokes(robot, figures))
 
 
 def summarise_plan(planned: RobotAnswer) -> RobotAnswer:

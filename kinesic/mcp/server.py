@@ -36,7 +36,7 @@ from kinesic.mcp.parameters import (
     choice_schema,
 )
 from kinesic.mcp.performing import DocumentPerformer, check_document
-from kinesic.mcp.preview import Preview, Previewer
+from kinesic.mcp.preview import PlanPreview, Previewer
 from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.robot_status import summarise
 from kinesic.mcp.teaching import MODEL_INSTRUCTIONS
@@ -234,7 +234,7 @@ async def _answer_json(answer: Awaitable[RobotAnswer]) -> str:
         raise ToolError(str(error)) from None
 
 
-def _preview_content(drawn: Preview) -> list[str | Image]:
+def _preview_content(drawn: PlanPreview) -> list[str | Image]:
     answer = json.dumps(drawn.answer, ensure_ascii=False)
     return [answer] if drawn.picture is None else [answer, Image(data=drawn.picture, format="png")]
 

@@ -163,13 +163,13 @@ def _prepare(
     setup = make_setup()
 
     def do(task: DocumentTask) -> tuple[DocumentVerdict, str]:
-        verdict, data = judge(Path(task.file), setup, twins=twins, content=task.content)
+        verdict, data = judge_document(Path(task.file), setup, twins=twins, content=task.content)
         return verdict, json.dumps(data, indent=1) if reports and data else ""
 
     return do
 
 
-def judge(
+def judge_document(
     file: Path, setup: Setup, *, twins: tuple[Factors, ...] = (NOMINAL_FACTORS,), content: bytes | None = None
 ) -> tuple[DocumentVerdict, dict[str, Json]]:
     """Dry-run one document in the twin and return verdict and report.

@@ -9,7 +9,7 @@ MAX_LISTED_LINES = 2000  # document lines shown on the page; longer documents ar
 
 
 @dataclass(frozen=True)
-class DocumentLine:
+class SourceLine:
     """A line of the document, with the behaviours that begin on it."""
 
     number: int  # from 1
@@ -17,7 +17,7 @@ class DocumentLine:
     behaviours: tuple[Behaviour, ...]  # whose elements begin on it
 
 
-def document_lines(block: Block) -> tuple[DocumentLine, ...]:
+def document_lines(block: Block) -> tuple[SourceLine, ...]:
     """Split a document into lines with the behaviours that begin there.
 
     The result is empty if the text of the document is unknown.
@@ -30,5 +30,5 @@ def document_lines(block: Block) -> tuple[DocumentLine, ...]:
     text = block.text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n")
     lines = text.split("\n")  # as XML has it: others end no line
     return tuple(
-        DocumentLine(number, text, tuple(begun[number])) for number, text in enumerate(lines[:MAX_LISTED_LINES], 1)
+        SourceLine(number, text, tuple(begun[number])) for number, text in enumerate(lines[:MAX_LISTED_LINES], 1)
     )

@@ -17,7 +17,7 @@ from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import MARKER_FILE, check_folder
 from kinesic.metrics.dry_run import DryRun, MeasuredMotion
 from kinesic.metrics.servo_run import ServoRun
-from kinesic.planning.files.motion_files import replace_motion
+from kinesic.planning.files.motion_files import replace_motion_file
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks, grade
 from kinesic.report.report import Json, report
@@ -125,7 +125,7 @@ class Performance(DryRun, NotebookView):
         Raises:
             ConfigError: the suffix is unknown, or the path is a folder, a link or, unless forced, another file.
         """
-        return replace_motion(self.motion, self.plan.setup.robot, Path(path), force=force)
+        return replace_motion_file(self.motion, self.plan.setup.robot, Path(path), force=force)
 
     def report(self, folder: str | Path, *, film: bool = True) -> "WrittenPaths":
         """Write the report files, replacing earlier ones.

@@ -28,7 +28,7 @@ from kinesic.serve.planner_process import Planner
 from kinesic.serve.queues import FairQueue
 from kinesic.serve.sinks.arming import Arming
 from kinesic.serve.sinks.real_time import RealTimeSink
-from kinesic.serve.tracks import NO_ACCOMPANIMENT, Effects, SoundAndFace
+from kinesic.serve.tracks import NO_ACCOMPANIMENT, SoundAndFace, TrackEffects
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 from kinesic.speech.voice import table_modules
@@ -73,7 +73,7 @@ class Session:
         self._renewal: Task[None] | None = None  # requests the next lexicon reload
         self._renewed = -RENEWAL_PERIOD  # [s] monotonic clock time of the last requested reload
         self.clock = Clock()
-        effects = Effects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
+        effects = TrackEffects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
         setup = make_setup()
         self.loop = Loop(
             setup, sinks, self.clock, effects=effects, send_feedback=self._pass_on, notify_server=self._pass_news

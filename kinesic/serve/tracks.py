@@ -84,7 +84,7 @@ def changed_tracks(
     return versions, ended | {id: make_track(playing[id], accompaniment) for id in changed}
 
 
-class Effects:
+class TrackEffects:
     """Player of the face and sound tracks of all running blocks."""
 
     def __init__(self, speaker: Speaker | None = None, *, face: bool = False) -> None:

@@ -65,7 +65,7 @@ def list_windings(names: tuple[str, ...], drives: Drives) -> tuple[Winding, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Supply:
+class SaggingSupply:
     """Power supply of the servos with a voltage that sags under load."""
 
     drives: Drives
@@ -74,7 +74,7 @@ class Supply:
     volts: float  # [V] open-circuit voltage
 
     @classmethod
-    def of(cls, drives: Drives, factors: Factors) -> "Supply | None":
+    def of(cls, drives: Drives, factors: Factors) -> "SaggingSupply | None":
         """Return the supply described by servo factors, None for constant voltage.
 
         Args:

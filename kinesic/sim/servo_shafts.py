@@ -15,7 +15,7 @@ from kinesic.sim.model import (
     find_play_indices,
     sum_hinge_values,
 )
-from kinesic.sim.power import Supply
+from kinesic.sim.power import SaggingSupply
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.sim.twin import MAX_PHYSICS_STEP
 
@@ -43,7 +43,7 @@ class Shafts:
         self._data = mujoco.MjData(self._model)
         self._joints: Indices = find_joint_indices(robot, self._model)
         self._play = find_play_indices(robot, self._model)
-        self._supply = Supply.of(self._drives, factors)
+        self._supply = SaggingSupply.of(self._drives, factors)
         self._actuators: Indices = find_actuator_indices(robot, self._model)
         self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
         self._goals = np.array(robot.skeleton.rest if start is None else start)
@@ -98,7 +98,7 @@ class Shafts:
             self._data.ctrl[self._actuators] = self._find_motor_setpoints(self._supply)
             mujoco.mj_step(self._model, self._data)
 
-    def _find_motor_setpoints(self, supply: Supply | None) -> Floats:
+    def _find_motor_setpoints(self, supply: SaggingSupply | None) -> Floats:
         """Return the setpoints (n,) [rad] of the motors.
 
         With backlash the position of a motor differs from that of its hinge, which the servo measures.

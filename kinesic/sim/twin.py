@@ -13,7 +13,7 @@ from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.model import sum_hinge_values
-from kinesic.sim.power import Supply
+from kinesic.sim.power import SaggingSupply
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.sim.stepping.addresses import TwinParts, function_address, timestep_address
 from kinesic.sim.stepping.driven_motion import HingePlaces
@@ -67,7 +67,7 @@ class Twin:
         body = simulation or build_simulation(robot, factors, touches=touches)
         self._model, self._data = body.model, body.data
         self._order, self._play, self._actuators = body.joints, body.play, body.actuators
-        self._supply = Supply.of(self._robot.drives, factors)
+        self._supply = SaggingSupply.of(self._robot.drives, factors)
         self._ticks = robot.drives.tick if rounds else None
         posture = robot.skeleton.rest if start is None else start
         self._data.qpos[self._order] = posture
@@ -256,7 +256,7 @@ class Twin:
         self._log.stepped(count, span / count)
         self._time = time
 
-    def _find_motor_setpoints(self, supply: Supply | None) -> Floats:
+    def _find_motor_setpoints(self, supply: SaggingSupply | None) -> Floats:
         """Return the setpoints (n,) [rad] of the motors.
 
         With backlash the position of a motor differs from that of its hinge, which the servo measures.

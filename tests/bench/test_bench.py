@@ -25,10 +25,10 @@ def few_repetitions(monkeypatch):
     monkeypatch.setattr(plan, "CROWDED_BLOCKS", 1)
     monkeypatch.setattr(plan, "CPU_BLOCKS", 1)
     monkeypatch.setattr(plan, "REPEATED_BLOCKS", 1)
-    cost = plan.hostile.Cost(
+    cost = plan.hostile.PlanningCost(
         0.5, 80.0, "realised 1"
     )  # measured in its own process, see tests/bench/plan/test_hostile.py
-    monkeypatch.setattr(plan.hostile, "measure_plan", lambda name: cost)
+    monkeypatch.setattr(plan.hostile, "measure_hostile_plan", lambda name: cost)
     monkeypatch.setattr(
         plan, "write_overlapping_block", lambda seed, lexemes: write_overlapping_block(QUICK_SEED + seed, lexemes)
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.report.batch import documents, judge
+from kinesic.report.batch import documents, judge_document
 from kinesic.session.setup import set_up
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -32,7 +32,7 @@ def sample() -> list[Path]:
 
 @pytest.mark.parametrize("path", sample(), ids=lambda path: path.stem)
 def test_corpus_document_is_performed_within_limits_or_refused_with_its_location(path, known):
-    verdict, data = judge(path, known)
+    verdict, data = judge_document(path, known)
     assert verdict.exit == 0
     if verdict.outcome == "refused":
         assert verdict.error.startswith(f"{path}:")
@@ -46,7 +46,7 @@ def test_corpus_document_is_performed_within_limits_or_refused_with_its_location
 
 @pytest.mark.parametrize("path", documents((CORPUS / "greta" / "malformed",)) if CORPUS.exists() else [])
 def test_malformed_documents_are_refused_with_line_and_column(path, known):
-    verdict, _ = judge(path, known)
+    verdict, _ = judge_document(path, known)
     assert verdict.outcome == "refused"
     line, column = verdict.error.removeprefix(f"{path}:").split(":")[:2]
     assert int(line) > 1

@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.bml.block import BmlError
 from kinesic.report import batch
-from kinesic.report.batch import DocumentTask, DocumentVerdict, documents, judge, validate_documents
+from kinesic.report.batch import DocumentTask, DocumentVerdict, documents, judge_document, validate_documents
 from kinesic.report.batch_totals import counts, tallies, totals
 from kinesic.report.checks import Check
 from kinesic.report.verdict import format_number
@@ -68,7 +68,7 @@ def test_each_document_has_a_verdict(folder: Path, known):
 
 
 def test_document_without_performable_behaviours_is_refused_with_every_reason(folder: Path, known):
-    result, data = judge(folder / "unknown.bml", known)
+    result, data = judge_document(folder / "unknown.bml", known)
     assert (result.outcome, result.exit, result.checks) == ("refused", 0, ())
     assert result.file == str(folder / "unknown.bml")
     assert result.behaviours == (("gesture", "dropped"),) * 2
@@ -78,18 +78,21 @@ def test_document_without_performable_behaviours_is_refused_with_every_reason(fo
 
 
 def test_unreadable_document_is_refused_like_by_perform(tmp_path: Path, known):
-    result, data = judge(tmp_path / "none.bml", known)
+    result, data = judge_document(tmp_path / "none.bml", known)
     assert result == DocumentVerdict(
         str(tmp_path / "none.bml"), "refused", 2, error=f"{tmp_path / 'none.bml'}: No such file or directory"
     )
     assert data == {}
-    assert judge(tmp_path / "none.bml", known, content=NOD.encode())[0].outcome == "performed"
+    assert judge_document(tmp_path / "none.bml", known, content=NOD.encode())[0].outcome == "performed"
 
 
 def test_document_fails_if_its_performance_has_failed_checks(folder: Path, known, monkeypatch):
     usual = batch.report
     monkeypatch.setattr(batch, "report", lambda *given, **named: usual(*given, **named) | {"ok": False})
-    assert (judge(folder / "nod.bml", known)[0].exit, judge(folder / "unknown.bml", known)[0].exit) == (1, 0)
+    assert (
+        judge_document(folder / "nod.bml", known)[0].exit,
+        judge_document(folder / "unknown.bml", known)[0].exit,
+    ) == (1, 0)
 
 
 def test_next_batch_run_reuses_recorded_reports(folder: Path, known):

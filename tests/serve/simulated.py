@@ -16,7 +16,7 @@ from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, LoopStart, News, PlannerReady, Proposal, ProposalVerdict, RequestDone
 from kinesic.serve.sinks.real_time import RealTimeSink
-from kinesic.serve.tracks import Effects
+from kinesic.serve.tracks import TrackEffects
 
 START_TIME = 1000.0  # [s] monotonic clock time
 MAX_SLEEPS = 20_000  # per run; more indicate an endless loop
@@ -60,7 +60,7 @@ class Simulation:
     told: list[tuple[float, str, int]] = field(default_factory=list)  # time [s], message, receiver
     news: list[PlannerReady | RequestDone | None] = field(default_factory=list)
     sleeps: int = 0  # so far
-    effects: Effects = field(default_factory=lambda: Effects(face=True))
+    effects: TrackEffects = field(default_factory=lambda: TrackEffects(face=True))
 
     def make(self, sinks: Sequence[RealTimeSink] = ()) -> Loop:
         self.clock = Clock()

@@ -11,7 +11,7 @@ from kinesic.serve.loop import TICK_PERIOD, Loop
 from kinesic.serve.messages import ClientRequest, LoopProperties, PlannerReady, RequestDone
 from kinesic.serve.planner import PlannerState
 from kinesic.serve.refiner import RefinementJob, _refine, pack, unpack
-from kinesic.serve.tracks import NO_ACCOMPANIMENT, Effects
+from kinesic.serve.tracks import NO_ACCOMPANIMENT, TrackEffects
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 
@@ -47,7 +47,7 @@ class SimulatedServer:
         self._requests: list[tuple[float, int, Callable[[], ClientRequest]]] = []
         self._refined: list[tuple[float, int, bytes]] = []
         self._next_tick = self._looked = 0.0
-        self.loop = Loop(setup, [], self.clock, effects=Effects(), send_feedback=self.tell, notify_server=_ignore)
+        self.loop = Loop(setup, [], self.clock, effects=TrackEffects(), send_feedback=self.tell, notify_server=_ignore)
         self.start_planner()
 
     def tell(self, message: str, client: int) -> None:

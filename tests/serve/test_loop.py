@@ -10,7 +10,7 @@ from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, Proposal
 from kinesic.serve.sinks.real_time import RealTimeSink
-from kinesic.serve.tracks import Effects
+from kinesic.serve.tracks import TrackEffects
 from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
@@ -95,7 +95,7 @@ def test_feedback_waiting_for_arrival_survives_the_next_proposal(known, becomes)
         known,
         [RealTimeSink(Blind())],
         clock,
-        effects=Effects(),
+        effects=TrackEffects(),
         send_feedback=lambda message, sender: results.append(message),
         notify_server=lambda message: None,
     )
@@ -149,7 +149,12 @@ def test_blocked_planner_does_not_delay_the_loop_during_many_stops(becomes):
     setup, clock = set_up(), Clock()
     ours, planner = Pipe()
     loop = Loop(
-        setup, [], clock, effects=Effects(), send_feedback=lambda message, sender: None, notify_server=lambda news: None
+        setup,
+        [],
+        clock,
+        effects=TrackEffects(),
+        send_feedback=lambda message, sender: None,
+        notify_server=lambda news: None,
     )
     loop.connect_planner(ours, loop.snapshot())
     loop.start()

@@ -10,7 +10,7 @@ from kinesic.planning.setup import Setup
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, Interruption, PlannerReady, RequestDone
 from kinesic.serve.planner_process import MAX_COLD_DEATHS, Planner
-from kinesic.serve.tracks import Effects
+from kinesic.serve.tracks import TrackEffects
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 from kinesic.session.setup import set_up
 
@@ -39,7 +39,7 @@ async def plan_until(
         known,
         [],
         Clock(),
-        effects=Effects(),
+        effects=TrackEffects(),
         send_feedback=lambda message, sender: None,
         notify_server=lambda news: tasks.call_soon_threadsafe(hear, news),
     )

@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.utterance import Sound
 from kinesic.realizer.realizer import Scene, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
-from kinesic.serve.tracks import Effects, SoundAndFace, Track, make_track, track_version
+from kinesic.serve.tracks import SoundAndFace, Track, TrackEffects, make_track, track_version
 from kinesic.speech.loudspeaker import SpeakerError
 
 BLOCK = (
@@ -56,7 +56,7 @@ def test_tracks_without_outputs_are_not_computed(running):
 
 
 def test_maximum_intensities_of_several_faces_are_shown():
-    effects = Effects(face=True)
+    effects = TrackEffects(face=True)
     effects.take({"a": shows(1.0, x=[0.2, 0.8], y=[0.5, 0.5]), "b": shows(1.01, x=[0.4])})
     assert effects.face(1.0) == {"x": 0.2, "y": 0.5}
     assert effects.face(1.0101) == {"x": 0.8, "y": 0.5}
@@ -68,7 +68,7 @@ def test_maximum_intensities_of_several_faces_are_shown():
 
 def test_sound_that_was_played_is_not_played_again():
     speaker = Recorder()
-    effects = Effects(speaker)
+    effects = TrackEffects(speaker)
     effects.take({"a": heard(1.0)})
     effects.take({"b": heard(2.0)})
     effects.take({"a": heard(1.0)})
@@ -77,7 +77,7 @@ def test_sound_that_was_played_is_not_played_again():
 
 def test_sounds_of_removed_blocks_stop_and_others_continue():
     speaker = Recorder()
-    effects = Effects(speaker)
+    effects = TrackEffects(speaker)
     effects.take({"a": heard(1.0), "b": heard(2.0)})
     speaker.told.clear()
     effects.take({"a": None})
@@ -88,7 +88,7 @@ def test_sounds_of_removed_blocks_stop_and_others_continue():
 
 def test_failing_loudspeaker_is_ignored():
     speaker = Recorder(SpeakerError("unplugged"))
-    effects = Effects(speaker, face=True)
+    effects = TrackEffects(speaker, face=True)
     effects.take({"a": heard(1.0), "b": shows(0.0, x=[1.0])})
     speaker.fault = None
     effects.take({"c": heard(3.0)})

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.power import MIN_VOLTAGE_FRACTION, Supply
+from kinesic.sim.power import MIN_VOLTAGE_FRACTION, SaggingSupply
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import MAX_PHYSICS_STEP, Twin
@@ -17,7 +17,7 @@ REST_POSTURE = ROBOT.skeleton.rest
 
 def supply(**figures):
     factors = Factors(**figures)
-    result = Supply.of(factors.applied(ROBOT).drives, factors)
+    result = SaggingSupply.of(factors.applied(ROBOT).drives, factors)
     assert result
     return result
 
@@ -40,8 +40,8 @@ def raise_arms(factors, *, seconds=1.0):
 
 
 def test_constant_voltage_needs_no_supply_object():
-    assert Supply.of(DRIVES, NOMINAL_FACTORS) is None
-    assert Supply.of(DRIVES, Factors(supply=0.8)) is None
+    assert SaggingSupply.of(DRIVES, NOMINAL_FACTORS) is None
+    assert SaggingSupply.of(DRIVES, Factors(supply=0.8)) is None
 
 
 @pytest.mark.parametrize("resistance", [0.05, 0.2, 0.6])

@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
-from kinesic.bench.bml.expectations import ExpectationVerdict, Scenario, ScenarioSuite, Step
-from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage
+from kinesic.bench.bml.expectations import ExpectationVerdict, Scenario, ScenarioStep, ScenarioSuite
+from kinesic.bench.bml.virtual_realizer import FeedbackLog, Realizer, ReceivedMessage
 from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
@@ -21,7 +21,7 @@ DRAFT_PREFIX = "draft"  # prefix of scenario dialects that are read strictly as 
 FIRST_TARGET = (1.5, 0.4, 1.2)  # [m] world position of the first generated target
 TARGET_SPACING = 0.1  # [m] distance from one generated target to the next, to the right
 
-Check = Callable[[Step, Feedback], str]
+Check = Callable[[ScenarioStep, FeedbackLog], str]
 
 
 def play_suite(suite: str, folder: Path, expected: ScenarioSuite, setup: Setup) -> Iterator[ExpectationVerdict]:
@@ -83,7 +83,7 @@ def _play(scenario: Scenario, folder: Path, expected: ScenarioSuite, setup: Setu
     return ""
 
 
-def _do(step: Step, realizer: Realizer, folder: Path, timeout: float) -> str:
+def _do(step: ScenarioStep, realizer: Realizer, folder: Path, timeout: float) -> str:
     match step.do:
         case "send":
             if step.inline_block is not None:
@@ -105,41 +105,41 @@ def _do(step: Step, realizer: Realizer, folder: Path, timeout: float) -> str:
     return ""
 
 
-def _check(step: Step, feedback: Feedback) -> str:
+def _check(step: ScenarioStep, feedback: FeedbackLog) -> str:
     check = CHECK_FUNCTIONS.get(step.check)
     return f"'{step.check}' is not a known check" if check is None else check(step, feedback)
 
 
-def _list_warnings(feedback: Feedback) -> list[ReceivedMessage]:
+def _list_warnings(feedback: FeedbackLog) -> list[ReceivedMessage]:
     """Return the warnings (exceptions in BML drafts) of some feedback."""
     return feedback.of("warningFeedback")
 
 
-def _check_count(step: Step, feedback: Feedback) -> str:
+def _check_count(step: ScenarioStep, feedback: FeedbackLog) -> str:
     warnings = _list_warnings(feedback)
     texts = "; ".join(f"{message.id}: {message.text}" for message in warnings)
     return "" if len(warnings) == step.count else f"{len(warnings)} {step.check}, not {step.count}: {texts}"
 
 
-def _check_duplicates(_: Step, feedback: Feedback) -> str:
+def _check_duplicates(_: ScenarioStep, feedback: FeedbackLog) -> str:
     return "".join(f"reported more than once: {', '.join(again)}" for again in (feedback.repeated(),) if again)
 
 
-def _check_blocks(step: Step, feedback: Feedback) -> str:
+def _check_blocks(step: ScenarioStep, feedback: FeedbackLog) -> str:
     for point, expected in (("start", step.started), ("end", step.ended)):
         if feedback.blocks(point) != list(expected):
             return f"{point} of blocks {feedback.blocks(point)}, not {list(expected)}"
     return ""
 
 
-def _check_order(step: Step, feedback: Feedback) -> str:
+def _check_order(step: ScenarioStep, feedback: FeedbackLog) -> str:
     reported = feedback.syncs(step.behaviour)
     remaining = iter(reported)
     missing = [sync for sync in step.syncs if sync not in remaining]
     return f"{step.behaviour}: {missing[0]} is missing, or out of order, in {reported}" if missing else ""
 
 
-def _check_time(step: Step, feedback: Feedback) -> str:
+def _check_time(step: ScenarioStep, feedback: FeedbackLog) -> str:
     time = feedback.sync_time(step.sync)
     if time is None:
         return f"{step.sync} was not reported"
@@ -151,7 +151,7 @@ def _check_time(step: Step, feedback: Feedback) -> str:
     return "" if is_met else f"{step.sync} at {time:.3f} s, {step.check} {step.time:g} s"
 
 
-def _check_coincidence(step: Step, feedback: Feedback) -> str:
+def _check_coincidence(step: ScenarioStep, feedback: FeedbackLog) -> str:
     a, b = feedback.sync_time(step.a), feedback.sync_time(step.b)
     if a is None or b is None:
         return f"{step.a if a is None else step.b} was not reported"
@@ -159,7 +159,7 @@ def _check_coincidence(step: Step, feedback: Feedback) -> str:
     return "" if gap <= (step.tolerance or 0.0) else f"{step.a} and {step.b} are {gap:.3f} s apart"
 
 
-def _check_succession(step: Step, feedback: Feedback) -> str:
+def _check_succession(step: ScenarioStep, feedback: FeedbackLog) -> str:
     start, end = feedback.block_time(step.start_of, "start"), feedback.block_time(step.end_of, "end")
     if start is None or end is None:
         return f"start of {step.start_of} or end of {step.end_of} was not reported"
@@ -167,22 +167,22 @@ def _check_succession(step: Step, feedback: Feedback) -> str:
     return "" if abs(gap) <= (step.tolerance or 0.0) else f"{step.start_of} starts {gap:.3f} s after {step.end_of} ends"
 
 
-def _check_duration(step: Step, feedback: Feedback) -> str:
+def _check_duration(step: ScenarioStep, feedback: FeedbackLog) -> str:
     start, end = feedback.block_time(step.block, "start"), feedback.block_time(step.block, "end")
     return "" if start is not None and end is not None and end > start else f"{step.block}: {start} to {end} s"
 
 
-def _check_not_negative(_: Step, feedback: Feedback) -> str:
+def _check_not_negative(_: ScenarioStep, feedback: FeedbackLog) -> str:
     early = [message.id for message in feedback.of("syncPointProgress") if message.time < 0.0]
     return f"before the start of their block: {', '.join(early)}" if early else ""
 
 
-def _check_one_named(step: Step, feedback: Feedback) -> str:
+def _check_one_named(step: ScenarioStep, feedback: FeedbackLog) -> str:
     names = [message.id for message in _list_warnings(feedback)]
     return "" if len(names) == 1 and names[0] in step.among else f"{names} named, not one of {list(step.among)}"
 
 
-def _check_alternatives(step: Step, feedback: Feedback) -> str:
+def _check_alternatives(step: ScenarioStep, feedback: FeedbackLog) -> str:
     named = [message.id for message in _list_warnings(feedback)]
     steps = (then for case in step.cases if case.when_named in named for then in case.then)
     return next(filter(None, (_check(then, feedback) for then in steps)), "")

@@ -19,7 +19,7 @@ Shape = TypeVar("Shape")
 MIN_PASS_FRACTION = 0.97  # goal for the fraction of a suite's expectations that are met
 
 
-class Step(msgspec.Struct, frozen=True):
+class ScenarioStep(msgspec.Struct, frozen=True):
     """One action or check of a scenario."""
 
     do: str = ""
@@ -51,13 +51,13 @@ class NamedCase(msgspec.Struct, frozen=True):
     """Checks to make only if a warning names a certain behaviour."""
 
     when_named: str
-    then: tuple[Step, ...]
+    then: tuple[ScenarioStep, ...]
 
 
 class Scenario(msgspec.Struct, frozen=True):
     """Sequence of actions and checks that a BML realizer must pass."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[ScenarioStep, ...]
 
 
 class ScenarioSuite(msgspec.Struct, frozen=True):

@@ -114,10 +114,10 @@ def heard_stroke_errors(count: int) -> Iterator[float]:
     for number in range(count):
         words, lexemes = rng.sample(WORDS_BY_LANGUAGE["en"], 11), rng.sample(GESTURE_LEXEMES, 2)
         text = BLOCK_TEMPLATE.format(id=f"b{number}", words=list(map(escape, words)), lexemes=lexemes, pause=MARK_PAUSE)
-        yield from stroke_errors(text, setup)
+        yield from block_stroke_errors(text, setup)
 
 
-def stroke_errors(text: str, setup: Setup) -> Iterator[float]:
+def block_stroke_errors(text: str, setup: Setup) -> Iterator[float]:
     """Yield stroke time errors [s] relative to audible words of a block.
 
     Strokes that were shifted by the schedule are left out.

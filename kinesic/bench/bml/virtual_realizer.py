@@ -42,7 +42,7 @@ def read_message(xml: str) -> ReceivedMessage:
     )
 
 
-class Feedback:
+class FeedbackLog:
     """All feedback messages received from a realizer, in order."""
 
     def __init__(self, messages: Iterable[ReceivedMessage] = ()) -> None:
@@ -87,7 +87,7 @@ class Realizer:
     """A realizer of documents in virtual time, from rest at time 0."""
 
     def __init__(self, setup: Setup) -> None:
-        self.feedback = Feedback()
+        self.feedback = FeedbackLog()
         self.now = 0.0  # [s]
         self._setup, self._scene = setup, Scene.of(setup)
 
@@ -109,7 +109,7 @@ class Realizer:
         """Advance virtual time by a duration [s]."""
         self._advance_to(self.now + seconds)
 
-    def wait_until(self, is_done: Callable[[Feedback], bool], *, timeout: float) -> bool:
+    def wait_until(self, is_done: Callable[[FeedbackLog], bool], *, timeout: float) -> bool:
         """Advance virtual time until a condition on the feedback holds.
 
         Return False after the timeout [s].

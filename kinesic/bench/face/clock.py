@@ -28,7 +28,7 @@ void main() {
 }"""
 
 
-class Clock:
+class DrawingClock:
     """A clock of drawing time that excludes the time to submit commands.
 
     A card that waits for commands would add the submission time. Before each measurement the card is therefore kept

@@ -68,7 +68,7 @@ class Closing(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Talk:
+class LipMotion:
     """Lip closures and largest lip speed of one utterance."""
 
     closings: tuple[Closing, ...]
@@ -94,7 +94,7 @@ def measure_lips(sentences: Sequence[str] = LIP_SENTENCES) -> dict[str, float]:
     return metrics
 
 
-def measure_talk(utterance: Utterance, head: Mesh) -> Talk:
+def measure_talk(utterance: Utterance, head: Mesh) -> LipMotion:
     """Measure the lips of a head during an utterance."""
     assert utterance.sound is not None
     times = np.arange(-0.3, utterance.duration + 0.3, CONTROL_PERIOD)
@@ -104,7 +104,7 @@ def measure_talk(utterance: Utterance, head: Mesh) -> Talk:
     gap = np.array([_measure_lip_gap(head, mouth, row) for row in rows])
     loudness = loudness_steps(utterance.sound)
     closings = tuple(_measure_closing(run, (times, gap), loudness) for run in _find_runs(utterance.phonemes))
-    return Talk(closings, float(np.abs(np.diff(gap)).max() / CONTROL_PERIOD))
+    return LipMotion(closings, float(np.abs(np.diff(gap)).max() / CONTROL_PERIOD))
 
 
 def loudness_steps(sound: Sound) -> tuple[Floats, Floats]:

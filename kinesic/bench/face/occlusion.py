@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
-from kinesic.bench.face.clock import Clock
+from kinesic.bench.face.clock import DrawingClock
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
@@ -57,7 +57,7 @@ def measure_occlusion(sizes: Sequence[int]) -> dict[str, float]:
         with geometry.context as context:
             geometry.draw(SMILE_UNITS, FRONT_CAMERA)
             head, seen = geometry.parts() > 0, PositionPass(context, geometry).draw()
-            clock = Clock(context)
+            clock = DrawingClock(context)
             scale = TABLE_SIZE[1] / (2 * FRONT_CAMERA.distance * np.tan(np.radians(FRONT_CAMERA.field_deg) / 2))
             for estimator in get_args(Estimator):
                 for size in sizes:
@@ -68,7 +68,7 @@ def measure_occlusion(sizes: Sequence[int]) -> dict[str, float]:
 
 
 def _compare_passes(
-    clock: Clock, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
+    clock: DrawingClock, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
 ) -> dict[str, float]:
     passes = {
         "separable": OcclusionPass(clock.context, seen, settings),

@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import partial
 from statistics import median
 
-from kinesic.bench.face.clock import Clock
+from kinesic.bench.face.clock import DrawingClock
 from kinesic.bench.face.occlusion import colour_difference
 from kinesic.body.arrays import Flags, Picture
 from kinesic.face.assets.action_units import read_intensities
@@ -77,9 +77,9 @@ def _time_ratio(whole: Scattering, part: Scattering) -> float:
     return median(times[0]) / median(times[1])
 
 
-def _clock(portrait: Portrait) -> Clock:
+def _clock(portrait: Portrait) -> DrawingClock:
     with portrait.pipeline.geometry.context as context:
-        return Clock(context)
+        return DrawingClock(context)
 
 
 def _make_preset(settings: Scattering | None) -> Preset:

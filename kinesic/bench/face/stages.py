@@ -6,7 +6,7 @@ from itertools import islice
 from statistics import median
 from time import perf_counter
 
-from kinesic.bench.face.clock import Clock
+from kinesic.bench.face.clock import DrawingClock
 from kinesic.bench.face.frame_rate import moving_face
 from kinesic.face.gl.textures import Size
 from kinesic.face.render.portrait import Portrait
@@ -52,7 +52,7 @@ def _time_stages(portrait: Portrait) -> dict[str, float]:
     """Return the times [ms] of the rendering stages and the picture."""
     spent: dict[str, list[float]] = {}
     with portrait.pipeline.geometry.context as context:
-        clock = Clock(context)
+        clock = DrawingClock(context)
         for frame in islice(moving_face(), WARM_UP_PICTURES + MEASURED_PICTURES):
             steps = portrait.pipeline.stages(*frame, 1.0)
             for name in stages_of(portrait.preset):

@@ -45,7 +45,7 @@ MAX_MEMORY_RATIO = 1.5  # goal for the memory of the longer document / that of t
 
 
 @dataclass(frozen=True)
-class Cost:
+class DocumentCost:
     """CPU time and memory to plan and perform a document."""
 
     size: float  # length [s], or number of joints
@@ -99,7 +99,7 @@ def draw(folder: Path) -> list[Path]:
 
 
 @cache
-def cost_by_length() -> tuple[Cost, ...]:
+def cost_by_length() -> tuple[DocumentCost, ...]:
     """Measure the cost of documents of increasing length on upper22.
 
     Each runs in a process of its own that has already performed a document of ten seconds. The memory is that of the
@@ -108,27 +108,29 @@ def cost_by_length() -> tuple[Cost, ...]:
     return tuple(_measure_apart(length) for length in DOCUMENT_LENGTHS)
 
 
-def _measure_apart(length: float) -> Cost:
+def _measure_apart(length: float) -> DocumentCost:
     command = [sys.executable, "-m", LENGTH_PROGRAM, str(length)]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=True)
-    return Cost(**json.loads(done.stdout))
+    return DocumentCost(**json.loads(done.stdout))
 
 
 @cache
-def cost_by_joints() -> tuple[Cost, ...]:
+def cost_by_joints() -> tuple[DocumentCost, ...]:
     """Measure the cost of one document on robots of increasing joint count."""
-    warm_up(set_up())
-    return tuple(measure_cost(set_up(robot), COMMON_LENGTH, float(len(robot.drives))) for robot in make_robots())
+    warm_up_planner(set_up())
+    return tuple(
+        measure_document_cost(set_up(robot), COMMON_LENGTH, float(len(robot.drives))) for robot in make_robots()
+    )
 
 
-def warm_up(setup: Setup) -> None:
+def warm_up_planner(setup: Setup) -> None:
     """Import slow libraries, then plan and perform a document once."""
     for name in SLOW_IMPORTS:
         import_module(name)
-    measure_cost(setup, COMMON_LENGTH, COMMON_LENGTH)
+    measure_document_cost(setup, COMMON_LENGTH, COMMON_LENGTH)
 
 
-def write_document(length: float) -> str:
+def write_gesture_document(length: float) -> str:
     """Return a BML document of evenly spaced gestures and nods."""
     strokes = np.arange(min(1.0, length / 2), length, STROKE_INTERVAL)
     lines = [
@@ -139,7 +141,7 @@ def write_document(length: float) -> str:
     return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="long">{"".join(lines)}</bml>'
 
 
-def measure_cost(setup: Setup, length: float, size: float) -> Cost:
+def measure_document_cost(setup: Setup, length: float, size: float) -> DocumentCost:
     """Plan and perform a document and return its cost.
 
     Args:
@@ -147,22 +149,22 @@ def measure_cost(setup: Setup, length: float, size: float) -> Cost:
         length: length of the document [s].
         size: size stored in the cost, in seconds or joints.
     """
-    text = write_document(length)
+    text = write_gesture_document(length)
     gc.collect()
     began = process_time()
     planned = plan(text, setup)
     middle, planning_memory = process_time(), peak_memory()
     checks(dry_run(planned))
-    return Cost(size, middle - began, process_time() - middle, planning_memory, peak_memory())
+    return DocumentCost(size, middle - began, process_time() - middle, planning_memory, peak_memory())
 
 
-def value_of(cost: Cost, name: str) -> float:
+def value_of(cost: DocumentCost, name: str) -> float:
     """Return a time [s] or memory [MB] by its metric name."""
     values = {"plan": cost.planning, "run": cost.running, "plan_memory": cost.planning_memory, "memory": cost.memory}
     return values[name]
 
 
-def fit_exponents(costs: Sequence[Cost], *, min_size: float) -> dict[str, float]:
+def fit_exponents(costs: Sequence[DocumentCost], *, min_size: float) -> dict[str, float]:
     """Fit the exponent e of y = a x^e to each metric.
 
     Only sizes >= `min_size` count.
@@ -176,13 +178,13 @@ def fit_exponents(costs: Sequence[Cost], *, min_size: float) -> dict[str, float]
 
 
 def _exponents(
-    kind: str, costs: Sequence[Cost], goal: float, *, min_size: float, names: Mapping[str, str]
+    kind: str, costs: Sequence[DocumentCost], goal: float, *, min_size: float, names: Mapping[str, str]
 ) -> list[Metric]:
     slopes = fit_exponents(costs, min_size=min_size)
     return [Metric(f"growth.{kind}.{name}", slopes[name], "exponent", goal, "lower") for name in names]
 
 
-def _compare_memory(costs: Sequence[Cost]) -> list[Metric]:
+def _compare_memory(costs: Sequence[DocumentCost]) -> list[Metric]:
     """Return the memory ratio of the longer to the shorter document."""
     by_size, why = {cost.size: cost for cost in costs}, f"{LONGER_LENGTH:g} s compared with {SHORTER_LENGTH:g} s"
     return [
@@ -198,7 +200,7 @@ def _compare_memory(costs: Sequence[Cost]) -> list[Metric]:
     ]
 
 
-def _points(kind: str, costs: Sequence[Cost], unit: str, *, names: Sequence[str]) -> list[Metric]:
+def _points(kind: str, costs: Sequence[DocumentCost], unit: str, *, names: Sequence[str]) -> list[Metric]:
     return [
         Metric(
             f"growth.{kind}.{cost.size:g}.{name}",

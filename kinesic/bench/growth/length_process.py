@@ -7,10 +7,10 @@ import json
 import sys
 from dataclasses import asdict
 
-from kinesic.bench.growth import measure_cost, warm_up
+from kinesic.bench.growth import measure_document_cost, warm_up_planner
 from kinesic.session.setup import set_up
 
 if __name__ == "__main__":
     setup, length = set_up(), float(sys.argv[1])
-    warm_up(setup)
-    sys.stdout.write(json.dumps(asdict(measure_cost(setup, length, length))))
+    warm_up_planner(setup)
+    sys.stdout.write(json.dumps(asdict(measure_document_cost(setup, length, length))))

@@ -36,7 +36,7 @@ DEICTIC_INTENTS = ("deictic-me", "deictic-you", "world-place-there", "world-plac
 
 
 @dataclass(frozen=True)
-class AuthoredText:
+class GesturedText:
     """A text and the behaviours chosen for it."""
 
     passage: Passage
@@ -89,13 +89,13 @@ def _time_authoring(text: str, lexicon: Lexicon, style: Style, grammar: GrammarN
     return process_time() - began
 
 
-def _author_text(text: str, lexicon: Lexicon, style: Style) -> AuthoredText:
+def _author_text(text: str, lexicon: Lexicon, style: Style) -> GesturedText:
     seconds = _time_authoring(text, lexicon, style, "rules")
     passage, selection = plan_behaviours(text, lexicon, style)
-    return AuthoredText(passage, selection.behaviours, seconds)
+    return GesturedText(passage, selection.behaviours, seconds)
 
 
-def _stressed_fraction(written: Iterable[AuthoredText]) -> float:
+def _stressed_fraction(written: Iterable[GesturedText]) -> float:
     """Return the fraction of strokes on stressed syllables.
 
     Long drawing strokes, which accompany their word instead of ending at it, are left out.
@@ -109,14 +109,14 @@ def _stressed_fraction(written: Iterable[AuthoredText]) -> float:
     return float(np.mean(hits))
 
 
-def _count_negated_nods(written: AuthoredText) -> int:
+def _count_negated_nods(written: GesturedText) -> int:
     """Count the nods of a text that fall into negated phrases."""
     denied = [behaviour.intent for behaviour in written.behaviours if behaviour.intent.name in NEGATION_INTENTS]
     nods = [behaviour.intent.stroke.seconds for behaviour in written.behaviours if behaviour.lexeme == NOD_LEXEME]
     return sum(any(span.start.seconds <= time <= span.end.seconds for span in denied) for time in nods)
 
 
-def _count_repeats(written: AuthoredText) -> int:
+def _count_repeats(written: GesturedText) -> int:
     """Count gestures that repeat one of the two preceding gestures."""
     names = [gesture.lexeme for gesture in written.gestures]
     return sum(name in names[max(0, k - REPEAT_WINDOW + 1) : k] for k, name in enumerate(names))

@@ -5,7 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from kinesic.bench.meaning.judging import JudgedSet, Judgement, ShownGesture, Utterance, judge, load_judged, read_tokens
+from kinesic.bench.meaning.judging import (
+    JudgedSet,
+    JudgedUtterance,
+    Judgement,
+    ShownGesture,
+    judge_utterance,
+    load_judged,
+    read_tokens,
+)
 from kinesic.bench.metric import Metric
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
@@ -58,7 +66,7 @@ def bench(corpus: Path | None) -> Iterator[Metric]:
     runs = judge_seeds(judged) if judged is not None else ()
     for half, is_odd in HALF_PARITIES.items():
         chosen = [[(utterance, result) for utterance, result in run if utterance.is_odd is is_odd] for run in runs]
-        figures = [summarise(run) for run in chosen]
+        figures = [summarise_verdicts(run) for run in chosen]
         for name, goal in METRIC_GOALS.items():
             worst = max if goal.better == "lower" else min
             value = worst((figure[name] for figure in figures), default=None)
@@ -68,24 +76,29 @@ def bench(corpus: Path | None) -> Iterator[Metric]:
             yield Metric(f"meaning.judged_{half}_{name}", value, unit, target, goal.better, why=why)
 
 
-def judge_seeds(judged: JudgedSet, seeds: int = SEED_COUNT) -> Sequence[Sequence[tuple[Utterance, Judgement]]]:
+def judge_seeds(judged: JudgedSet, seeds: int = SEED_COUNT) -> Sequence[Sequence[tuple[JudgedUtterance, Judgement]]]:
     """Return the verdicts on every utterance, for each random seed."""
     lexicon, style = Lexicon.load(), Style.load("neutral")
     return [
-        [(utterance, perform(utterance, judged, lexicon, style, seed)) for utterance in judged.utterances]
+        [
+            (utterance, judge_chosen_behaviours(utterance, judged, lexicon, style, seed))
+            for utterance in judged.utterances
+        ]
         for seed in range(seeds)
     ]
 
 
-def perform(utterance: Utterance, judged: JudgedSet, lexicon: Lexicon, style: Style, seed: int) -> Judgement:
+def judge_chosen_behaviours(
+    utterance: JudgedUtterance, judged: JudgedSet, lexicon: Lexicon, style: Style, seed: int
+) -> Judgement:
     """Choose the behaviours of one utterance and return the verdict on them."""
     passage, selection = plan_behaviours(utterance.text, lexicon, style, seed=seed)
     gestures, faces, heads = read_shown(passage, utterance, selection.behaviours)
-    return judge(utterance, judged, gestures, faces, heads)
+    return judge_utterance(utterance, judged, gestures, faces, heads)
 
 
 def read_shown(
-    passage: Passage, utterance: Utterance, behaviours: Iterable[ChosenBehaviour]
+    passage: Passage, utterance: JudgedUtterance, behaviours: Iterable[ChosenBehaviour]
 ) -> tuple[list[ShownGesture], set[str], set[str]]:
     """Return the shown gestures, the emotions and the kinds of head movement.
 
@@ -121,7 +134,7 @@ def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
     return indices
 
 
-def summarise(results: Sequence[tuple[Utterance, Judgement]]) -> dict[str, float]:
+def summarise_verdicts(results: Sequence[tuple[JudgedUtterance, Judgement]]) -> dict[str, float]:
     """Return the metrics of one run, merit included, in percent."""
     plain = [result for utterance, result in results if "plain" in utterance.tags]
     trap = [result for utterance, result in results if "trap" in utterance.tags]

@@ -15,7 +15,7 @@ REST_KIND = "any rest"  # name of the gesture kind of rest poses, which do not c
 
 
 @dataclass(frozen=True, eq=False)
-class Utterance:
+class JudgedUtterance:
     """Test sentence with the behaviours that judges accept or find misleading."""
 
     id: str
@@ -62,7 +62,7 @@ class Judgement:
 class JudgedSet:
     """Judged utterances, and the gestures of each kind."""
 
-    utterances: tuple[Utterance, ...]
+    utterances: tuple[JudgedUtterance, ...]
     kinds: Mapping[str, frozenset[str]]
 
 
@@ -83,7 +83,7 @@ def _rows(path: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
 
 
-def _read_utterance(row: Mapping[str, str], kinds: Mapping[str, frozenset[str]]) -> Utterance:
+def _read_utterance(row: Mapping[str, str], kinds: Mapping[str, frozenset[str]]) -> JudgedUtterance:
     tokens = read_tokens(row["text"])
     accepted: dict[str, frozenset[int]] = {}
     for name, word in _split_items(row["accepted"]):
@@ -100,7 +100,7 @@ def _read_utterance(row: Mapping[str, str], kinds: Mapping[str, frozenset[str]])
             kind, _, excluded = name.partition(" except ")
             gestures = (kinds[kind] if kind.startswith("any ") else frozenset([kind])) - set(excluded.split())
             misleading.append((gestures, frozenset(_find_word(word, tokens)) if word else None))
-    return Utterance(
+    return JudgedUtterance(
         id=row["id"],
         text=row["text"],
         tokens=tokens,
@@ -135,8 +135,8 @@ def _find_word(word: str, tokens: Sequence[str]) -> list[int]:
     return positions
 
 
-def judge(
-    utterance: Utterance, judged: JudgedSet, gestures: Iterable[ShownGesture], faces: set[str], heads: set[str]
+def judge_utterance(
+    utterance: JudgedUtterance, judged: JudgedSet, gestures: Iterable[ShownGesture], faces: set[str], heads: set[str]
 ) -> Judgement:
     """Judge all behaviours of one utterance.
 
@@ -159,7 +159,7 @@ def judge(
     return Judgement("neutral", has_hit, 0.0, verdicts)
 
 
-def _is_accepted(utterance: Utterance, gesture: ShownGesture) -> bool:
+def _is_accepted(utterance: JudgedUtterance, gesture: ShownGesture) -> bool:
     places = utterance.accepted.get(gesture.lexeme, frozenset())
     return _is_near(gesture.token, places)
 
@@ -168,7 +168,7 @@ def _is_near(token: int, places: frozenset[int]) -> bool:
     return any(abs(token - place) <= MAX_WORD_DISTANCE for place in places)
 
 
-def _judge_gesture(utterance: Utterance, judged: JudgedSet, gesture: ShownGesture) -> Verdict | None:
+def _judge_gesture(utterance: JudgedUtterance, judged: JudgedSet, gesture: ShownGesture) -> Verdict | None:
     """Return the verdict on one gesture, None for an unlabelled rest pose."""
     if _is_accepted(utterance, gesture):
         return "right"

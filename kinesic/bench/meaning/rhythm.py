@@ -92,11 +92,11 @@ def bench(robot: str = "human") -> Iterator[Metric]:
         robot: name of the body.
     """
     for level, style in STORY_STYLES.items():
-        stories = [measure_story(text, style, robot) for text in STORIES.values()]
-        yield from metrics(f"meaning.rhythm.{level}", stories)
+        stories = [measure_story_rhythm(text, style, robot) for text in STORIES.values()]
+        yield from rhythm_metrics(f"meaning.rhythm.{level}", stories)
 
 
-def metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
+def rhythm_metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
     """Yield the rhythm metrics of several stories in one style.
 
     Args:
@@ -117,13 +117,13 @@ def metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
     yield Metric(f"{part}.returns", 100.0 * float(np.mean(returns)) if returns else None, "%", 0.0, "lower", why=why)
 
 
-def measure_story(text: str, style: str, robot: str) -> StoryRhythm:
+def measure_story_rhythm(text: str, style: str, robot: str) -> StoryRhythm:
     """Plan a story in a style, and measure its rhythm."""
     setup = replace(set_up(robot, voice="auto"), style=Style.load(style))
-    return measure_plan(plan(write_text(text, setup).bml, setup))
+    return measure_rhythm(plan(write_text(text, setup).bml, setup))
 
 
-def measure_plan(planned: Plan) -> StoryRhythm:
+def measure_rhythm(planned: Plan) -> StoryRhythm:
     """Measure the rhythm of a planned text."""
     gestures = {
         behaviour.id: behaviour.action for behaviour in planned.timeline.block.behaviours if behaviour.type == "gesture"

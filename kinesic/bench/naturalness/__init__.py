@@ -20,7 +20,7 @@ from kinesic.bench.naturalness.synchrony import synchrony_metrics
 from kinesic.bench.naturalness.whole_body.clips import UnreadClip, read_clips
 from kinesic.bench.naturalness.whole_body.comparison import compare_body, compare_sets
 from kinesic.bench.naturalness.whole_body.features import measure_set, measure_sets
-from kinesic.bench.naturalness.whole_body.lexicon import list_gestures, perform_gestures
+from kinesic.bench.naturalness.whole_body.lexicon import list_seeded_gestures, perform_gestures
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion
 from kinesic.bench.naturalness.whole_body.stored import read_captured_sets
 from kinesic.body.config import names_of
@@ -42,7 +42,7 @@ def bench_styles(styles: Sequence[str]) -> list[Metric]:
 
     The neutral style gets all metrics, other styles only the rows.
     """
-    metrics = lexicon_metrics(measured(tuple(styles)), Robot.load().arm_length)
+    metrics = style_metrics(measured(tuple(styles)), Robot.load().arm_length)
     return [*metrics, *document_metrics(), *varied_metrics()] if NEUTRAL_STYLE in styles else metrics
 
 
@@ -85,7 +85,7 @@ def varied() -> Mapping[int, tuple[MeasuredGesture, ...]]:
     return {seed: tuple(measure_varied(seed)) for seed in VARIATION_SEEDS}
 
 
-def lexicon_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:
+def style_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:
     """Return hand-motion metrics of gestures in several styles.
 
     Args:
@@ -129,7 +129,7 @@ def people_metrics(robots: Sequence[str], every: int = 1) -> list[Metric]:
     """
     metrics: list[Metric] = []
     for robot in robots:
-        ours = measure_set(robot, perform_gestures(robot, list_gestures(every)))
+        ours = measure_set(robot, perform_gestures(robot, list_seeded_gestures(every)))
         metrics += compare_body(ours, read_captured_sets())
     return metrics
 

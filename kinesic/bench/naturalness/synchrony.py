@@ -67,7 +67,7 @@ def passage_lags() -> tuple[StrokeLag, ...]:
 
     The result is cached.
     """
-    return measure_planned_lags(plan(write_passage(), set_up()))
+    return measure_planned_lags(plan(write_spoken_passage(), set_up()))
 
 
 @cache
@@ -96,7 +96,7 @@ def write_nods() -> str:
     return BLOCK_TEMPLATE.format(f'<speech id="s" start="1.5"><text>{words}</text></speech>{heads}')
 
 
-def write_passage() -> str:
+def write_spoken_passage() -> str:
     """Write the spoken passage with its gestures as BML."""
     spoken = "".join(f'{words} <sync id="w{k}"/>' for k, (words, _) in enumerate(PASSAGE_PARTS))
     gestures = "".join(

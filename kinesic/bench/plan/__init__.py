@@ -51,7 +51,7 @@ def bench() -> list[Metric]:
         Metric("plan.full_5s_p95", 1000 * float(np.percentile(seconds, 95)), "ms", 300.0, "lower"),
         Metric("plan.full_5s_moved", 1000 * median(hurried), "ms", 1000.0, "lower"),
         *cpu_metrics(setup, lexemes),
-        *hostile.metrics(),
+        *hostile.hostile_metrics(),
         Metric(
             "plan.violations", float(sum(count_violations(planned) for planned in all_plans)), "count", 0.0, "lower"
         ),

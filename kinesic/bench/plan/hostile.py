@@ -19,7 +19,7 @@ DocumentWriter = Callable[[Sequence[str]], str]  # writes a document from lexeme
 
 
 @dataclass(frozen=True)
-class Cost:
+class PlanningCost:
     """CPU time and memory to plan one document."""
 
     cpu: float  # [s]
@@ -58,7 +58,7 @@ def write_mob(count: int) -> DocumentWriter:
     return lambda lexemes: write_crammed_block(0, lexemes, count)
 
 
-def write_nods(count: int, interval: float) -> DocumentWriter:
+def write_regular_nods(count: int, interval: float) -> DocumentWriter:
     """Return a function that writes nods at regular intervals [s]."""
     return lambda lexemes: _document(f'<head id="h{k}" lexeme="NOD" start="{interval * k:.2f}"/>' for k in range(count))
 
@@ -140,8 +140,8 @@ HOSTILE_DOCUMENTS: Mapping[str, DocumentWriter] = {
     "stairs_100": write_stairs(100, 0.05, 2.0),
     "stairs_300": write_stairs(300, 0.05, 2.0),
     "row_100": write_stairs(100, 0.3, 1.0),
-    "nods_1000_s": write_nods(1000, 1.0),
-    "nods_hurried": write_nods(1000, 0.1),
+    "nods_1000_s": write_regular_nods(1000, 1.0),
+    "nods_hurried": write_regular_nods(1000, 0.1),
     "looks_500": write_gazes(500),
     "stances_300": write_postures(300, 0.5, 2.0),
     "ring_of_ends": write_ring(500, "end"),
@@ -160,19 +160,19 @@ HOSTILE_DOCUMENTS: Mapping[str, DocumentWriter] = {
 }
 
 
-def measure_plan(name: str) -> Cost:
+def measure_hostile_plan(name: str) -> PlanningCost:
     """Measure the cost to plan a hostile document in another process.
 
     Raises:
         subprocess.CalledProcessError: the process failed.
     """
     process = subprocess.run([sys.executable, "-m", PLAN_PROGRAM, name], stdout=subprocess.PIPE, check=True)
-    return Cost(**json.loads(process.stdout))
+    return PlanningCost(**json.loads(process.stdout))
 
 
-def metrics(names: Sequence[str] = tuple(HOSTILE_DOCUMENTS)) -> list[Metric]:
+def hostile_metrics(names: Sequence[str] = tuple(HOSTILE_DOCUMENTS)) -> list[Metric]:
     """Measure the largest CPU time and memory to plan hostile documents."""
-    costs = [measure_plan(name) for name in names]
+    costs = [measure_hostile_plan(name) for name in names]
     return [
         Metric("plan.cpu_hostile", max(cost.cpu for cost in costs), "s", MAX_CPU_TIME, "lower"),
         Metric("plan.memory_hostile", max(cost.memory for cost in costs), "MB", MAX_MEMORY, "lower"),

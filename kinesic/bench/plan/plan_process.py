@@ -11,7 +11,7 @@ from math import nan
 from pathlib import Path
 from time import process_time
 
-from kinesic.bench.plan.hostile import CPU_LIMIT, HOSTILE_DOCUMENTS, Cost
+from kinesic.bench.plan.hostile import CPU_LIMIT, HOSTILE_DOCUMENTS, PlanningCost
 from kinesic.bml.block import BmlError
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
@@ -20,7 +20,7 @@ BYTES_PER_KIB = 1024
 STATUS_FILE = Path("/proc/self/status")
 
 
-def measure_cost(name: str) -> Cost:
+def measure_planning_cost(name: str) -> PlanningCost:
     """Return the CPU time and memory to plan a document."""
     setup = set_up()
     text = HOSTILE_DOCUMENTS[name]([form.id for form in setup.lexicon.forms])
@@ -31,7 +31,7 @@ def measure_cost(name: str) -> Cost:
         ending = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
     except BmlError as error:
         ending = f"refused: {error}"[:200]
-    return Cost(process_time() - began, peak_memory(), ending)
+    return PlanningCost(process_time() - began, peak_memory(), ending)
 
 
 def peak_memory() -> float:
@@ -59,4 +59,4 @@ def _bound_time() -> None:
 
 if __name__ == "__main__":
     _bound_time()
-    sys.stdout.write(json.dumps(asdict(measure_cost(sys.argv[1]))))
+    sys.stdout.write(json.dumps(asdict(measure_planning_cost(sys.argv[1]))))

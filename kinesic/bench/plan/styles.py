@@ -43,10 +43,12 @@ def bench() -> Iterator[Metric]:
     for robot in names_of("robot"):
         setup = set_up(robot, idle=1.0, variation=1.0)
         for style in names_of("style"):
-            yield from metrics(f"plan.styles.{robot}.{style}", measure_style(replace(setup, style=Style.load(style))))
+            yield from style_error_metrics(
+                f"plan.styles.{robot}.{style}", measure_style(replace(setup, style=Style.load(style)))
+            )
 
 
-def metrics(part: str, strokes: StrokeErrors) -> Iterator[Metric]:
+def style_error_metrics(part: str, strokes: StrokeErrors) -> Iterator[Metric]:
     """Yield the stroke metrics of one style on one body.
 
     Args:

@@ -7,7 +7,7 @@ from kinesic.client import DEFAULT_PORT
 from kinesic.serve.address import Address
 
 
-def read_address(text: str, token: str | None) -> Address | None:
+def read_listen_address(text: str, token: str | None) -> Address | None:
     """Parse the listening address HOST:PORT, or return None for `none`.
 
     Raises:

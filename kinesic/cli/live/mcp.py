@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.live.addresses import read_address
+from kinesic.cli.live.addresses import read_listen_address
 from kinesic.cli.options import Performers, Planning
 from kinesic.expressivity.lexicon.categories import GESTURE_CATEGORIES
 from kinesic.extras import install_extra
@@ -45,7 +45,7 @@ def serve_tools(
     planning: Planning, performers: Performers, connect: str | None, token: str | None, http: str | None
 ) -> int:
     """Serve the MCP tools until the client disconnects."""
-    address = None if http is None else read_address(http, token)
+    address = None if http is None else read_listen_address(http, token)
     # All threads get priority, because any thread that holds the interpreter could delay an emergency stop.
     with _open_robot(connect, planning, performers, token) as opened, raise_priority():
         try:

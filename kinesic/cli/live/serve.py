@@ -14,7 +14,7 @@ import click
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.ending_signals import detach_closed_terminal
 from kinesic.cli.live.access_options import AccessOptions
-from kinesic.cli.live.addresses import read_address
+from kinesic.cli.live.addresses import read_listen_address
 from kinesic.cli.live.frozen import FrozenPlanning
 from kinesic.cli.options import FAULT_EXIT_CODE, Performers, Planning, ServoOptions
 from kinesic.cli.progress import show_stages
@@ -95,7 +95,7 @@ def open_and_serve(
     audio_problem = audio_fault() if sound is not False else "not requested"
     if sound and audio_problem:
         raise ConfigError(f"--sound: {audio_problem}")
-    address, quotas = read_address(access_options.listen, access_options.token), read_rules(rules)
+    address, quotas = read_listen_address(access_options.listen, access_options.token), read_rules(rules)
     access = Access(
         access_options.token or None, frozenset(map(read_origin, access_options.origins)), texts=access_options.texts
     )

@@ -10,7 +10,7 @@ import click
 from kinesic.body.config import ConfigError
 from kinesic.cli.browser import open_in_browser
 from kinesic.cli.live.access_options import AccessOptions
-from kinesic.cli.live.addresses import read_address
+from kinesic.cli.live.addresses import read_listen_address
 from kinesic.cli.live.attached import ask_robot, read_server, set_up_like, show_page
 from kinesic.cli.live.folder_gestures import read_folder
 from kinesic.cli.live.frozen import FrozenPlanning
@@ -104,7 +104,7 @@ def _attach(
     """
     if file is not None:
         raise ConfigError(f"{file}: with --connect, documents are in the server's folder; open it on the page")
-    robot_address, page_address = read_server(connect), read_address(access_options.listen, token=None)
+    robot_address, page_address = read_server(connect), read_listen_address(access_options.listen, token=None)
     if page_address is None:
         raise ConfigError("--listen none: a page needs an address; give HOST:PORT")
     setup = set_up_like(planning, ask_robot(robot_address, access_options.token), robot_address)

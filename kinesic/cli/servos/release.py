@@ -16,7 +16,7 @@ from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.manifest import Manifest, describe_raised_joints
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.tools.release import held_angles, release_servos
+from kinesic.hardware.tools.release import holding_angles, release_servos
 
 FAULT_EXIT_CODE = 3  # exit code if a servo may still have torque
 FOLD_TIMEOUT = 60.0  # [s] time limit for a supervisor to fold the robot and switch torque off
@@ -47,7 +47,7 @@ def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
                 continue
             stack.callback(wires[name].close)
         if supervisor is None:
-            _confirm_release(manifest, held_angles(manifest, wires), yes=yes)
+            _confirm_release(manifest, holding_angles(manifest, wires), yes=yes)
         problems += release_servos(wires, _group_ids(manifest, wires))
     for line in problems:
         click.echo(f"kinesic: {line}", err=True)

@@ -16,7 +16,7 @@ USUAL_PAUSES = ((HANGING_REST, 2.0), ("hands_folded_low", 3.0), ("hand_on_hip", 
 UPRIGHT_TURN = Turn()  # zero rotation of head and trunk
 
 
-class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class StandingTurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a rotation of head or trunk."""
 
     torsion: float = 0.0  # [deg] + left
@@ -32,8 +32,8 @@ class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a style's posture, resting hands, face and gaze habit."""
 
-    head: TurnTable = TurnTable()  # rotation in the world
-    trunk: TurnTable = TurnTable()  # rotation from upright
+    head: StandingTurnTable = StandingTurnTable()  # rotation in the world
+    trunk: StandingTurnTable = StandingTurnTable()  # rotation from upright
     arms: dict[str, float] = {}  # [deg] added to the hinges of both resting arms, by the hinge name without side
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers of the resting hands
     rest: str = ""  # rest gesture of the lexicon that the hands take where the body can; empty: arms hang

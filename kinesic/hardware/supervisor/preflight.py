@@ -64,7 +64,7 @@ def take_over(
     wires = open_wires(manifest, opens)
     try:
         axes = prepare_servos(manifest, wires, period=period)
-        tables = read_tables(axes)
+        tables = read_manifest_tables(axes)
         check_servos(axes, tables)
     except BusError:
         for wire in wires.values():
@@ -118,7 +118,7 @@ def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: flo
     return Axes(manifest, buses)
 
 
-def read_tables(axes: Axes) -> tuple[RegisterTable, ...]:
+def read_manifest_tables(axes: Axes) -> tuple[RegisterTable, ...]:
     """Read the registers of all servos.
 
     Raises:

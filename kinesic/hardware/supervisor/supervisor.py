@@ -19,7 +19,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.observation import Observation
 from kinesic.hardware.supervisor.player import END_TOLERANCE
-from kinesic.hardware.supervisor.preflight import RegisterTable, configure, read_tables, take_over
+from kinesic.hardware.supervisor.preflight import RegisterTable, configure, read_manifest_tables, take_over
 from kinesic.hardware.supervisor.requests import Requests
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import MOVING_STAGES, Action, Event, Stage, SupervisorState, step
@@ -264,7 +264,7 @@ class Supervisor:
         if self._axes is not None:
             for change in configure(self._axes, self._tables):
                 self._note("configured", f"{change.register.name}: {change.before} -> {change.after}", change.servo)
-            self._tables = read_tables(self._axes)
+            self._tables = read_manifest_tables(self._axes)
             self._clock = self._axes.now()
 
     def _begin(self, action: Action) -> None:

@@ -22,7 +22,7 @@ RELEASE_REPEATS = 2  # Number of torque-off broadcasts before each servo is veri
 TORQUE_OFF_PACKET = packet.write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.field.address, b"\0")
 
 
-def held_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
+def holding_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
     """Read the joint angles (n,) [rad] that torque holds.
 
     Joints without torque count as at rest; NaN if a servo is silent.

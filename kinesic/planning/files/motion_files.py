@@ -38,7 +38,7 @@ def save_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Pa
     return path
 
 
-def replace_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Path:
+def replace_motion_file(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Path:
     """Write a motion, refusing to replace foreign files unless forced.
 
     Raises:

@@ -10,7 +10,7 @@ from kinesic.report.export.recording import (
     WORLD_FRAME,
     ExportedMotion,
     JointTrack,
-    Surface,
+    SegmentSurface,
     TimedText,
     surfaces,
 )
@@ -57,7 +57,7 @@ def _write_scene(motion: ExportedMotion, context: "Context") -> None:
     SceneUpdateChannel(SCENE_TOPIC, context=context).log(SceneUpdate(entities=entities), log_time=0)
 
 
-def _entity(surface: Surface, number: int) -> "SceneEntity":
+def _entity(surface: SegmentSurface, number: int) -> "SceneEntity":
     from foxglove.messages import Color, Point3, SceneEntity, Timestamp, TriangleListPrimitive  # noqa: PLC0415 - an extra
 
     red, green, blue = surface.colour

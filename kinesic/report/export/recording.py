@@ -42,7 +42,7 @@ class TimedText:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class SegmentSurface:
     """Triangles of one colour on a segment."""
 
     segment: str
@@ -90,7 +90,7 @@ class ExportedMotion:
         return {"planned": self.planned} | ({} if self.measured is None else {"measured": self.measured})
 
 
-def surfaces(robot: Robot) -> Iterator[Surface]:
+def surfaces(robot: Robot) -> Iterator[SegmentSurface]:
     """Yield a robot's surfaces: its shell, or capsules if it has none."""
     shell = find_shell(robot)
     if shell is not None:
@@ -106,13 +106,15 @@ def surfaces(robot: Robot) -> Iterator[Surface]:
         if segment.capsules:
             mesh = join_surfaces([capsule_mesh(capsule) for capsule in segment.capsules])
             colour = LIGHT_COLOUR if segment.name in limbs else DARK_COLOUR
-            yield Surface(segment.name, mesh.positions, mesh.normals, mesh.corners, colour)
+            yield SegmentSurface(segment.name, mesh.positions, mesh.normals, mesh.corners, colour)
 
 
-def _compact(name: str, part: SegmentShell, triangles: NDArray[np.integer], colour: tuple[float, ...]) -> Surface:
+def _compact(
+    name: str, part: SegmentShell, triangles: NDArray[np.integer], colour: tuple[float, ...]
+) -> SegmentSurface:
     """Create a surface from triangles, without unused vertices."""
     used, corners = np.unique(triangles, return_inverse=True)
-    return Surface(name, part.vertices[used], part.normals[used], corners.reshape(-1, 3), colour)
+    return SegmentSurface(name, part.vertices[used], part.normals[used], corners.reshape(-1, 3), colour)
 
 
 def _words(plan: Plan) -> tuple[TimedText, ...]:

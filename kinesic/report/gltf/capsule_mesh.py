@@ -13,7 +13,7 @@ CAP_STACKS = 5  # rings of each hemisphere of a capsule mesh
 
 
 @dataclass(frozen=True, eq=False)
-class Triangles:
+class ClosedMesh:
     """Triangle mesh of a closed surface."""
 
     positions: Floats  # (v, 3) [m]
@@ -21,7 +21,7 @@ class Triangles:
     corners: NDArray[np.intp]  # (t, 3) anticlockwise from outside
 
 
-def capsule_mesh(capsule: Capsule) -> Triangles:
+def capsule_mesh(capsule: Capsule) -> ClosedMesh:
     """Return the triangle mesh of a capsule in its segment's frame."""
     axis = capsule.end - capsule.start
     length = float(np.linalg.norm(axis))
@@ -43,13 +43,13 @@ def capsule_mesh(capsule: Capsule) -> Triangles:
         quads[:-AXIS_SLICES, [0, 2, 3]],
     )  # at the poles one of two has no area
     corners = np.concatenate([first, second])
-    return Triangles(positions.reshape(-1, 3), normals.reshape(-1, 3), corners)
+    return ClosedMesh(positions.reshape(-1, 3), normals.reshape(-1, 3), corners)
 
 
-def join_surfaces(meshes: list[Triangles]) -> Triangles:
+def join_surfaces(meshes: list[ClosedMesh]) -> ClosedMesh:
     """Join triangle meshes into one."""
     starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
-    return Triangles(
+    return ClosedMesh(
         np.concatenate([mesh.positions for mesh in meshes]),
         np.concatenate([mesh.normals for mesh in meshes]),
         np.concatenate([mesh.corners + start for mesh, start in zip(meshes, starts, strict=False)]),

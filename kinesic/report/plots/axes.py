@@ -51,10 +51,10 @@ class Figure:
             style: CSS classes of the figure.
         """
         self.height, self.width, self._style = height, width, style
-        self._axes: list[Axes] = []
+        self._axes: list[PlotAxes] = []
         self._words: list[str] = []
 
-    def axes(self, left: float, bottom: float, width: float, height: float, *, timed: bool = False) -> "Axes":
+    def axes(self, left: float, bottom: float, width: float, height: float, *, timed: bool = False) -> "PlotAxes":
         """Add axes at a position within the figure.
 
         Args:
@@ -65,7 +65,7 @@ class Figure:
             timed: whether the abscissa is performance time, on which the replay shows its position.
         """
         self._axes.append(
-            Axes(
+            PlotAxes(
                 left * UNITS_PER_INCH,
                 (self.height - bottom - height) * UNITS_PER_INCH,
                 width * UNITS_PER_INCH,
@@ -94,7 +94,7 @@ class Figure:
         return Markup(f'<div class="{self._style}"><div>{drawn}</div></div>')  # every text is escaped
 
 
-class Axes:
+class PlotAxes:
     """Rectangular plot area with x and y axis."""
 
     def __init__(self, left: float, top: float, width: float, height: float, timed: bool) -> None:

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.metrics.arrival import compute_part_paths
 from kinesic.metrics.dry_run import DryRun
-from kinesic.report.plots.axes import FIGURE_WIDTH, Axes, Figure, ThemeColour
+from kinesic.report.plots.axes import FIGURE_WIDTH, Figure, PlotAxes, ThemeColour
 
 HAND_PARTS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}  # body part of each side's hand
 VIEW_GAP = 0.5  # [in] gap between two views
@@ -67,7 +67,7 @@ def hands(performance: DryRun) -> Markup:
     return drawn.svg()
 
 
-def _frame(axes: Axes, view: HandView, low: Floats, high: Floats) -> None:
+def _frame(axes: PlotAxes, view: HandView, low: Floats, high: Floats) -> None:
     axes.ticks = 6
     span = (float(low[view.across]), float(high[view.across]))
     axes.limit_x(*(span[::-1] if view.mirrored else span))
@@ -75,7 +75,7 @@ def _frame(axes: Axes, view: HandView, low: Floats, high: Floats) -> None:
     axes.write_heading(view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
 
 
-def _path(axes: Axes, view: HandView, planned: Floats, performed: Floats, keys: Floats) -> None:
+def _path(axes: PlotAxes, view: HandView, planned: Floats, performed: Floats, keys: Floats) -> None:
     planned, performed = (path[:: len(path) // MAX_PATH_POINTS + 1] for path in (planned, performed))
     axes.line(planned[:, view.across], planned[:, 2], ThemeColour.PLANNED, width=1.2)
     axes.line(performed[:, view.across], performed[:, 2], ThemeColour.PERFORMED, width=1.0, dashed=True)

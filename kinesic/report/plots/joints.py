@@ -11,7 +11,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import PART_CHAINS, Robot
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.syncs import SyncTime
-from kinesic.report.plots.axes import FIGURE_WIDTH, Axes, Figure, ThemeColour
+from kinesic.report.plots.axes import FIGURE_WIDTH, Figure, PlotAxes, ThemeColour
 from kinesic.report.plots.fitting import fit_text, spaced_indices, thin_line
 
 CHAIN_PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # chains drawn side by side
@@ -95,7 +95,7 @@ def _figure(
 
 
 def _panel(
-    axes: Axes,
+    axes: PlotAxes,
     performance: DryRun,
     joint: int,
     curves: tuple[Floats, Floats, Floats],
@@ -118,7 +118,7 @@ def _panel(
     axes.write_heading(hinge.name, span, height=1.06)
 
 
-def _shade(axes: Axes, robot: Robot, joint: int) -> None:
+def _shade(axes: PlotAxes, robot: Robot, joint: int) -> None:
     """Shade the angles outside a joint's range."""
     low, high = axes.y_limits
     hinge = robot.skeleton.hinges[joint]
@@ -136,7 +136,7 @@ def _syncs(performance: DryRun, chain: str) -> list[SyncTime]:
     return [sync for sync in plan.syncs if part in plan.keyframes.uses.get(sync.behaviour, frozenset())]
 
 
-def _mark(axes: Axes, performance: DryRun, syncs: list[SyncTime]) -> None:
+def _mark(axes: PlotAxes, performance: DryRun, syncs: list[SyncTime]) -> None:
     """Mark sync points by vertical lines, only strokes if there are many."""
     zero = performance.plan.trajectory.zero
     for strong in (False, True) if len(syncs) <= MAX_SYNC_LINES else (True,):
@@ -145,7 +145,7 @@ def _mark(axes: Axes, performance: DryRun, syncs: list[SyncTime]) -> None:
         axes.verticals(times, colour, width=width)
 
 
-def _label(axes: Axes, performance: DryRun, syncs: list[SyncTime], width: float) -> None:
+def _label(axes: PlotAxes, performance: DryRun, syncs: list[SyncTime], width: float) -> None:
     """Label strokes with behaviour names, without overlaps."""
     zero = performance.plan.trajectory.zero
     strokes = [sync for sync in syncs if sync.is_stroke]

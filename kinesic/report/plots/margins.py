@@ -5,7 +5,7 @@ from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
 from kinesic.metrics.dry_run import DryRun
-from kinesic.report.plots.axes import FIGURE_WIDTH, Axes, Figure, ThemeColour
+from kinesic.report.plots.axes import FIGURE_WIDTH, Figure, PlotAxes, ThemeColour
 from kinesic.report.plots.fitting import thin_line
 
 PANEL_HEIGHT = 1.35  # [in] height of a panel with its heading
@@ -30,7 +30,7 @@ def margins(performance: DryRun) -> Markup:
     return drawn.svg()
 
 
-def _clearance(axes: Axes, performance: DryRun) -> None:
+def _clearance(axes: PlotAxes, performance: DryRun) -> None:
     """Draw the distance of the closest segments and the required clearance."""
     plan, measured = performance.plan, performance.measured
     least = 1000 * plan.setup.robot.min_clearance
@@ -50,7 +50,7 @@ def _clearance(axes: Axes, performance: DryRun) -> None:
     axes.write_heading("distance to the body [mm]", nearest, height=HEADING_POSITION)
 
 
-def _limit_ratios(axes: Axes, performance: DryRun) -> None:
+def _limit_ratios(axes: PlotAxes, performance: DryRun) -> None:
     """Draw velocity, acceleration, jerk and duty, each relative to its limit.
 
     The largest ratio of all hinges is drawn.
@@ -75,7 +75,7 @@ def _limit_ratios(axes: Axes, performance: DryRun) -> None:
         axes.write((1.0 - 0.21 * (3 - k), HEADING_POSITION), heading, colour=colour, align="right")
 
 
-def _tracking(axes: Axes, performance: DryRun) -> None:
+def _tracking(axes: PlotAxes, performance: DryRun) -> None:
     """Draw the largest tracking error of any joint.
 
     Grey includes joints that hardly move.

@@ -9,7 +9,7 @@ from kinesic.bml.block import Speech
 from kinesic.planning.captions import Caption, make_captions
 from kinesic.planning.plan import Plan
 from kinesic.report.labels import label
-from kinesic.report.plots.axes import FIGURE_WIDTH, Axes, Figure, ThemeColour
+from kinesic.report.plots.axes import FIGURE_WIDTH, Figure, PlotAxes, ThemeColour
 from kinesic.report.plots.fitting import fit_text
 
 TOP_MARGIN = 0.06  # [in] margin above the timeline
@@ -44,10 +44,10 @@ NARROW_LAYOUT = Layout("plot narrow", 3.6, 0.16, 0.16, 0.34, 0.42)  # timeline l
 
 def scores(plan: Plan, end: float) -> list[Markup]:
     """Draw the behaviour timeline for wide and narrow screens."""
-    return [drawn for layout in (BROAD_LAYOUT, NARROW_LAYOUT) if (drawn := score(plan, end, layout))]
+    return [drawn for layout in (BROAD_LAYOUT, NARROW_LAYOUT) if (drawn := draw_timeline(plan, end, layout))]
 
 
-def score(plan: Plan, end: float, layout: Layout = BROAD_LAYOUT) -> Markup | None:
+def draw_timeline(plan: Plan, end: float, layout: Layout = BROAD_LAYOUT) -> Markup | None:
     """Draw the timeline of all performed behaviours, or return None without any.
 
     Args:
@@ -89,7 +89,7 @@ def _span(name: str, plan: Plan) -> tuple[float, float]:
     return zero + min(times), zero + max(times)
 
 
-def _label(axes: Axes, row: int, words: str, span: tuple[float, float], end: float, layout: Layout) -> None:
+def _label(axes: PlotAxes, row: int, words: str, span: tuple[float, float], end: float, layout: Layout) -> None:
     """Write a behaviour's name left of the axes or above its bar.
 
     Above the bar it begins at the start, or ends at the end if there is no space otherwise.
@@ -105,7 +105,7 @@ def _label(axes: Axes, row: int, words: str, span: tuple[float, float], end: flo
     axes.write((place, row + 0.9 * layout.above), shown, place="data", align="left" if is_left else "right")
 
 
-def _phases(axes: Axes, row: int, name: str, plan: Plan, layout: Layout) -> None:
+def _phases(axes: PlotAxes, row: int, name: str, plan: Plan, layout: Layout) -> None:
     """Draw a behaviour's duration, stroke and requested times."""
     zero = plan.trajectory.zero
     syncs = [sync for sync in plan.syncs if sync.behaviour == name]
@@ -128,7 +128,7 @@ def _phases(axes: Axes, row: int, name: str, plan: Plan, layout: Layout) -> None
     axes.verticals([zero + sync.requested for sync in strokes], ThemeColour.ASKED, width=1.8, span=below)
 
 
-def _words(axes: Axes, row: int, pieces: Iterable[Caption], per_second: float, layout: Layout) -> None:
+def _words(axes: PlotAxes, row: int, pieces: Iterable[Caption], per_second: float, layout: Layout) -> None:
     """Draw the spoken text pieces over time."""
     top, foot = layout.down(row, 0.1), layout.down(row, 0.9)
     for caption in pieces:

@@ -14,7 +14,7 @@ from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.hand import MappedHand, find_hand
 from kinesic.sim.importer.hand_tables import Hands, with_hands
 from kinesic.sim.importer.hinges import MappedHinge, name_hinges, spell_angle
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.rest_pose import find_limits_nearest_to_zero, rest_pose, with_exclusions
 from kinesic.sim.importer.segments import lay_out_segments
 from kinesic.sim.importer.servos import servo
@@ -54,7 +54,7 @@ def import_humanoid(path: Path) -> Mapped:
     Raises:
         ConfigError: the file cannot be read, or no two arms are found.
     """
-    geometry = analyse_geometry(load_model(path))
+    geometry = analyse_geometry(load_robot_tree(path))
     hinges = name_hinges(geometry)
     layout = lay_out_segments(geometry, hinges)
     hands = {side: hand for side in SIDES if (hand := find_hand(geometry, side)) is not None}

@@ -68,7 +68,7 @@ def _mimic(mimic: ElementTree.Element | None) -> Follow | None:
     return Follow(mimic.get("joint", ""), float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0)))
 
 
-def load_model(path: Path) -> Tree:
+def load_robot_tree(path: Path) -> Tree:
     """Load a robot as a tree of hinges.
 
     Args:

@@ -44,7 +44,7 @@ ALL_ACTIONS = "all"  # name of the row for all actions together
 
 
 @dataclass(frozen=True)
-class Rating:
+class FaceRating:
     """Ratings of one face by one participant, on Likert scales."""
 
     action: str
@@ -61,7 +61,7 @@ class Rating:
         return self.labels[self.action] > max(others, default=0)
 
 
-def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
+def read_answers(paths: Sequence[Path]) -> tuple[FaceRating, ...]:
     """Read the answers of all participants, except those about distractor faces.
 
     Raises:
@@ -75,7 +75,7 @@ def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
 
 
 # Measure as named in the thesis -> points (1 to 5) of an answer.
-RATING_MEASURES: Mapping[str, Callable[[Rating], int]] = {
+RATING_MEASURES: Mapping[str, Callable[[FaceRating], int]] = {
     "EXP": lambda answer: answer.labels[answer.action],  # recognition of the expression
     "NAT": lambda answer: answer.opinions["naturalness"],
     "RE": lambda answer: answer.opinions["realism"],
@@ -121,7 +121,7 @@ class FirstChoices:
     counts: Mapping[tuple[str, str], int]
 
 
-def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, str]) -> Comparison:
+def compare_sides(answers: Sequence[FaceRating], condition: str, sides: tuple[str, str]) -> Comparison:
     """Compare mean ratings under two values of a study condition, by action.
 
     Args:
@@ -165,13 +165,13 @@ class People:
     ages: tuple[int, ...]  # [years] in ascending order, where given
 
 
-def count_participants(answers: Sequence[Rating]) -> People:
+def count_participants(answers: Sequence[FaceRating]) -> People:
     """Count the participants and list their ages."""
     ages = {answer.participant: answer.age for answer in answers}
     return People(len(ages), tuple(sorted(age for age in ages.values() if age is not None)))
 
 
-def count_first_choices(answers: Sequence[Rating]) -> FirstChoices:
+def count_first_choices(answers: Sequence[FaceRating]) -> FirstChoices:
     """Return the fraction of correct first choices, by action and wrinkles."""
     groups = {
         (action, side): [a.first_choice for a in answers if a.action == action and a.conditions["wrinkles"] == side]
@@ -188,7 +188,7 @@ Points = Mapping[str, Sequence[int]]  # participant -> points of the answers
 
 
 def _collect_points(
-    answers: Sequence[Rating], condition: str, side: str, measure: Callable[[Rating], int]
+    answers: Sequence[FaceRating], condition: str, side: str, measure: Callable[[FaceRating], int]
 ) -> dict[str, list[int]]:
     """Return the points under one side of a condition, by participant."""
     points: dict[str, list[int]] = defaultdict(list)
@@ -223,7 +223,7 @@ def _correct(p_values: Mapping[Cell, float]) -> dict[Cell, float]:
     return adjust_holm(single) | adjust_holm({cell: p for cell, p in p_values.items() if cell[0] == ALL_ACTIONS})
 
 
-def _answer(location: str, row: Mapping[str, str]) -> Rating:
+def _answer(location: str, row: Mapping[str, str]) -> FaceRating:
     conditions = {name: row[name] for name in CONDITION_VALUES}
     for name, value in conditions.items():
         if value not in CONDITION_VALUES[name]:
@@ -234,7 +234,7 @@ def _answer(location: str, row: Mapping[str, str]) -> Rating:
     opinions = {name: _points(location, name, row[name]) for name in OPINION_COLUMNS}
     age_text = row.get("age", "")
     age = _whole(location, "age", age_text, ACCEPTED_AGES) if age_text else None
-    return Rating(row["action"], conditions, labels, opinions, row["participant"], age)
+    return FaceRating(row["action"], conditions, labels, opinions, row["participant"], age)
 
 
 def _points(location: str, name: str, text: str) -> int:

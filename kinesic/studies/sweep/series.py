@@ -153,7 +153,9 @@ def sweep_parameter(gesture: str, parameter: str, setup: Setup, *, values: Seque
     Raises:
         ConfigError: the gesture or parameter does not exist, or a value is out of range.
     """
-    return Series(gesture, parameter, tuple(play(task, setup) for task in tasks_of(gesture, parameter, setup, values)))
+    return Series(
+        gesture, parameter, tuple(play_task(task, setup) for task in tasks_of(gesture, parameter, setup, values))
+    )
 
 
 def tasks_of(gesture: str, parameter: str, setup: Setup, values: Sequence[float] = ()) -> list[SweepTask]:
@@ -193,7 +195,7 @@ def _prepare(make_setup: Callable[[], Setup]) -> Callable[[SweepTask], Played | 
 
     def do(task: SweepTask) -> Played | str:
         try:
-            return play(task, known_values)
+            return play_task(task, known_values)
         except ConfigError as error:
             return str(error)
 
@@ -213,7 +215,7 @@ def preset_tasks(gesture: str, setup: Setup) -> Mapping[str, SweepTask]:
     return {name: SweepTask(gesture, Style.load(name), name, 0.0) for name in names}
 
 
-def play(task: SweepTask, setup: Setup) -> Played:
+def play_task(task: SweepTask, setup: Setup) -> Played:
     """Perform one gesture in the twin and measure it.
 
     Raises:

@@ -15,13 +15,13 @@ from kinesic.bench.bml.expectations import (
     ExpectationVerdict,
     ParsingSuite,
     ReferenceSuite,
+    ScenarioStep,
     ScenarioSuite,
-    Step,
     read_expectations,
     verdict_metrics,
 )
 from kinesic.bench.bml.parsing import judge_parsing, judge_references
-from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage, read_message
+from kinesic.bench.bml.virtual_realizer import FeedbackLog, Realizer, ReceivedMessage, read_message
 from kinesic.session.setup import set_up
 
 NOD = (
@@ -118,51 +118,61 @@ def test_unknown_gaze_targets_of_documents_get_a_position_in_front_of_the_robot(
     assert positions["lamp"][0] > 1.0
 
 
-def feedback_of(*ids: str, kind: str = "syncPointProgress") -> Feedback:
-    return Feedback(ReceivedMessage(kind, id, global_time=float(k), time=float(k)) for k, id in enumerate(ids))
+def feedback_of(*ids: str, kind: str = "syncPointProgress") -> FeedbackLog:
+    return FeedbackLog(ReceivedMessage(kind, id, global_time=float(k), time=float(k)) for k, id in enumerate(ids))
 
 
 @pytest.mark.parametrize(
     ("check", "feedback", "why"),
     [
         (
-            Step(check="no_duplicate_feedback"),
+            ScenarioStep(check="no_duplicate_feedback"),
             feedback_of("b:h:start", "b:h:start"),
             "reported more than once: b:h:start",
         ),
         (
-            Step(check="sync_before_time", sync="b:h:end", time=1.0),
+            ScenarioStep(check="sync_before_time", sync="b:h:end", time=1.0),
             feedback_of("b:h:start", "b:h:end"),
             "b:h:end at 1.000 s",
         ),
-        (Step(check="sync_after_time", sync="b:h:end", time=0.5), feedback_of("b:h:start", "b:h:end"), ""),
-        (Step(check="sync_time", sync="b:h:end"), feedback_of(), "b:h:end was not reported"),
+        (ScenarioStep(check="sync_after_time", sync="b:h:end", time=0.5), feedback_of("b:h:start", "b:h:end"), ""),
+        (ScenarioStep(check="sync_time", sync="b:h:end"), feedback_of(), "b:h:end was not reported"),
         (
-            Step(check="syncs_coincide", a="b:h:start", b="b:g:end", a_offset=1.0),
+            ScenarioStep(check="syncs_coincide", a="b:h:start", b="b:g:end", a_offset=1.0),
             feedback_of("b:h:start", "b:g:end"),
             "",
         ),
         (
-            Step(check="syncs_coincide", a="b:h:start", b="b:g:end"),
+            ScenarioStep(check="syncs_coincide", a="b:h:start", b="b:g:end"),
             feedback_of("b:h:start", "b:g:end"),
             "1.000 s apart",
         ),
-        (Step(check="syncs_coincide", a="b:h:start", b="b:g:end"), feedback_of(), "b:h:start was not reported"),
-        (Step(check="blocks", started=("b",)), feedback_of("c:start", kind="blockProgress"), "start of blocks ['c']"),
-        (Step(check="block_duration_positive", block="b"), feedback_of("b:start", kind="blockProgress"), "0.0 to None"),
+        (ScenarioStep(check="syncs_coincide", a="b:h:start", b="b:g:end"), feedback_of(), "b:h:start was not reported"),
         (
-            Step(check="sync_times_not_negative"),
-            Feedback([ReceivedMessage("syncPointProgress", "b:h:x", time=-1.0)]),
+            ScenarioStep(check="blocks", started=("b",)),
+            feedback_of("c:start", kind="blockProgress"),
+            "start of blocks ['c']",
+        ),
+        (
+            ScenarioStep(check="block_duration_positive", block="b"),
+            feedback_of("b:start", kind="blockProgress"),
+            "0.0 to None",
+        ),
+        (
+            ScenarioStep(check="sync_times_not_negative"),
+            FeedbackLog([ReceivedMessage("syncPointProgress", "b:h:x", time=-1.0)]),
             "b:h:x",
         ),
         (
-            Step(check="one_behaviour_named", among=("b:g",)),
+            ScenarioStep(check="one_behaviour_named", among=("b:g",)),
             feedback_of("b:h", kind="warningFeedback"),
             "['b:h'] named",
         ),
     ],
 )
-def test_conformance_check_accepts_feedback_or_gives_the_reason(check: Step, feedback: Feedback, why: str) -> None:
+def test_conformance_check_accepts_feedback_or_gives_the_reason(
+    check: ScenarioStep, feedback: FeedbackLog, why: str
+) -> None:
     reason = CHECK_FUNCTIONS[check.check](check, feedback)
     assert why in reason
     assert bool(reason) is bool(why)

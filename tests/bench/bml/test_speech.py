@@ -38,7 +38,7 @@ def test_stroke_is_within_30_ms_of_a_word_delayed_by_a_pause():
     )
     setup = set_up(voice="espeak")
     assert any("a pause of" in notice.text for notice in plan(text, setup).notices)
-    (error,) = speech.stroke_errors(text, setup)
+    (error,) = speech.block_stroke_errors(text, setup)
     assert abs(error) <= 0.030
 
 

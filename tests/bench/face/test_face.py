@@ -131,10 +131,10 @@ def test_each_rendering_stage_is_timed_by_card_or_processor_clock(monkeypatch: p
 @drawable
 def test_drawing_time_excludes_command_queueing():
     """Check that drawing nothing takes far less time than keeping the card busy."""
-    from kinesic.bench.face.clock import Clock  # noqa: PLC0415 - needs OpenGL
+    from kinesic.bench.face.clock import DrawingClock  # noqa: PLC0415 - needs OpenGL
 
     with open_offscreen_context() as context:
-        clock = Clock(context, of_card=True)
+        clock = DrawingClock(context, of_card=True)
         began = perf_counter()
         counted = clock.milliseconds(lambda: None)
         assert counted < 0.5 * 1e3 * (perf_counter() - began)

@@ -4,7 +4,7 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from kinesic.bench.growth import Cost, bench, cost_by_length, draw, fit_exponents, write_document
+from kinesic.bench.growth import DocumentCost, bench, cost_by_length, draw, fit_exponents, write_gesture_document
 from kinesic.bench.growth.robots import make_robots
 from kinesic.body import command
 from kinesic.controller import closed_loop
@@ -19,14 +19,14 @@ FLOAT_BYTES = 8  # [bytes]
 
 
 def test_cost_exponents_are_fitted_above_a_minimum_document_length():
-    costs = [Cost(size, 2.0 * size**1.5, 3.0 * size, 7.0, 5.0 * size**0.5) for size in (10.0, 30.0, 90.0)]
-    short = Cost(1.0, 50.0, 50.0, 50.0, 50.0)
+    costs = [DocumentCost(size, 2.0 * size**1.5, 3.0 * size, 7.0, 5.0 * size**0.5) for size in (10.0, 30.0, 90.0)]
+    short = DocumentCost(1.0, 50.0, 50.0, 50.0, 50.0)
     metrics = fit_exponents([short, *costs], min_size=10.0)
     assert metrics == pytest.approx({"plan": 1.5, "run": 1.0, "plan_memory": 0.0, "memory": 0.5}, abs=1e-12)
 
 
 def test_memory_of_a_long_document_is_compared_with_a_shorter_one(monkeypatch):
-    costs = (Cost(60.0, 1.0, 2.0, 100.0, 150.0), Cost(600.0, 10.0, 20.0, 130.0, 300.0))
+    costs = (DocumentCost(60.0, 1.0, 2.0, 100.0, 150.0), DocumentCost(600.0, 10.0, 20.0, 130.0, 300.0))
     monkeypatch.setattr("kinesic.bench.growth.cost_by_length", lambda: costs)
     monkeypatch.setattr("kinesic.bench.growth.cost_by_joints", lambda: costs)
     metrics = {metric.name: metric for metric in bench()}
@@ -44,8 +44,8 @@ def test_growth_benchmark_robots_have_increasing_joint_counts():
 
 
 def test_document_has_a_gesture_every_two_seconds():
-    assert write_document(1.0).count("<gesture") == 1
-    assert write_document(60.0).count("<gesture") == 30
+    assert write_gesture_document(1.0).count("<gesture") == 1
+    assert write_gesture_document(60.0).count("<gesture") == 30
 
 
 @pytest.mark.soak
@@ -71,7 +71,7 @@ def test_dry_run_needs_little_more_memory_than_its_result(monkeypatch):
         monkeypatch.setattr(module, name, 256)
     setup, rows, peaks = set_up(), [], []
     for length in (6.0, 10.0, 20.0):  # the first run imports what planning needs
-        planned = plan(write_document(length), setup)
+        planned = plan(write_gesture_document(length), setup)
         run, memory = trace_memory(lambda planned=planned: dry_run(planned, watch=False))
         peaks.append((memory, trace_memory(lambda run=run: checks(run))[1]))
         rows.append(run.measured.angles.size)
@@ -91,7 +91,7 @@ def trace_memory(work):
 
 
 def test_cost_growth_is_plotted_as_png(tmp_path, monkeypatch):
-    costs = tuple(Cost(size, size, size, size, size) for size in np.array([10.0, 100.0]))
+    costs = tuple(DocumentCost(size, size, size, size, size) for size in np.array([10.0, 100.0]))
     monkeypatch.setattr("kinesic.bench.growth.cost_by_length", lambda: costs)
     monkeypatch.setattr("kinesic.bench.growth.cost_by_joints", lambda: costs)
     (path,) = draw(tmp_path)

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.bench.blocks import find_corpus
 from kinesic.bench.meaning import judged
-from kinesic.bench.meaning.judging import JudgedSet, ShownGesture, Utterance, judge, load_judged
+from kinesic.bench.meaning.judging import JudgedSet, JudgedUtterance, ShownGesture, judge_utterance, load_judged
 
 FOLDER = (find_corpus() or Path("absent")) / "sentences"
 HEADER = "id\ttext\taccepted\tbeat_ok\tnone_ok\tmisleading\ttags\n"
@@ -25,7 +25,7 @@ def small_set(tmp_path):
 
 def verdict(small: JudgedSet, number: int, *gestures: tuple[str, int], faces=(), heads=()):
     shown = [ShownGesture(*gesture) for gesture in gestures]
-    result = judge(small.utterances[number], small, shown, set(faces), set(heads))
+    result = judge_utterance(small.utterances[number], small, shown, set(faces), set(heads))
     return result.verdict, result.has_hit, result.merit
 
 
@@ -49,9 +49,9 @@ def test_facial_expressions_head_movements_and_rest_poses_get_verdicts(small_set
 
 
 def test_benchmark_reports_the_worst_random_seed_of_each_half(small_set, monkeypatch, tmp_path):
-    right, wrong = (judge(small_set.utterances[k], small_set, shown, set(), set()) for k, shown in
+    right, wrong = (judge_utterance(small_set.utterances[k], small_set, shown, set(), set()) for k, shown in
                     ((0, [ShownGesture("large", 4)]), (0, [ShownGesture("stop", 0)])))  # fmt: skip
-    plain = judge(small_set.utterances[1], small_set, [], set(), set())
+    plain = judge_utterance(small_set.utterances[1], small_set, [], set(), set())
     runs = [[(small_set.utterances[0], first), (small_set.utterances[1], plain)] for first in (right, wrong, right)]
     monkeypatch.setattr(judged, "judge_seeds", lambda _: runs)
     (tmp_path / "sentences").mkdir()
@@ -85,13 +85,13 @@ def test_verdicts_agree_with_the_scoring_program_of_the_judged_utterances():
         theirs = score.judge(
             rows[utterance.id], table, {"gestures": gestures, "face": sorted(faces), "head": sorted(heads)}
         )
-        ours = judge(utterance, judged_set, shown, faces, heads)
+        ours = judge_utterance(utterance, judged_set, shown, faces, heads)
         assert (ours.verdict, ours.has_hit, ours.merit, utterance.needs_picture) == (
             theirs["verdict"], theirs["hit"], theirs["merit"], theirs["calls"],
         )  # fmt: skip
 
 
-def _pick(utterance: Utterance, lexemes: list[str], number: int) -> ShownGesture:
+def _pick(utterance: JudgedUtterance, lexemes: list[str], number: int) -> ShownGesture:
     """Return an accepted gesture, or any one, on some word."""
     candidates = sorted(utterance.accepted) if number % 2 and utterance.accepted else lexemes
     return ShownGesture(candidates[number * 7 % len(candidates)], number * 5 % len(utterance.tokens))

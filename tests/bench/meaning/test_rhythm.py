@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bench.meaning import rhythm
-from kinesic.bench.meaning.rhythm import PlannedStroke, StoryRhythm, measure_plan
+from kinesic.bench.meaning.rhythm import PlannedStroke, StoryRhythm, measure_rhythm
 from kinesic.planning.setup import Setup
 from kinesic.session.plan import plan
 
@@ -21,7 +21,7 @@ STORY = StoryRhythm(
 def test_rhythm_metrics_of_a_story_are_computed_from_its_strokes() -> None:
     assert (STORY.rate, STORY.beats, STORY.silence) == (4.0, 0.75, 45.0)
     assert (STORY.repeats, STORY.late) == (2, 1)
-    values = {metric.name.rpartition(".")[2]: metric.value for metric in rhythm.metrics("x", [STORY])}
+    values = {metric.name.rpartition(".")[2]: metric.value for metric in rhythm.rhythm_metrics("x", [STORY])}
     assert values["returns"] == 50.0
     assert values["lost"] == values["late"] == 1
 
@@ -30,6 +30,6 @@ def test_rhythm_metrics_of_a_story_are_computed_from_its_strokes() -> None:
 def test_return_to_rest_is_measured_within_runs_only(known: Setup, gap: float, returned: list[bool]) -> None:
     times = {"beat": 2.0, "beat_lift": 2.0 + gap}
     beats = "".join(f'<gesture id="{name}" lexeme="{name}" stroke="{time}"/>' for name, time in times.items())
-    measured = measure_plan(plan(f'<bml id="b">{beats}</bml>', known))
+    measured = measure_rhythm(plan(f'<bml id="b">{beats}</bml>', known))
     assert [stroke.lexeme for stroke in measured.strokes] == ["beat", "beat_lift"]
     assert list(measured.returns) == returned

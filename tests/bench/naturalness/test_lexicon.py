@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.naturalness import lexicon_metrics
+from kinesic.bench.naturalness import style_metrics
 from kinesic.bench.naturalness.body import BodyMeasures
 from kinesic.bench.naturalness.captured_table import read_captured_table
 from kinesic.bench.naturalness.legibility import ALIKE_DISTANCE
@@ -81,7 +81,7 @@ def gestures(wave):
 
 
 def metrics_by_name(gestures: list[MeasuredGesture]):
-    return {metric.name.removeprefix("naturalness."): metric for metric in lexicon_metrics(gestures, ARM_LENGTH)}
+    return {metric.name.removeprefix("naturalness."): metric for metric in style_metrics(gestures, ARM_LENGTH)}
 
 
 def test_naturalness_metrics_are_medians_or_fractions_of_gestures(gestures):

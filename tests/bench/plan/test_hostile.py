@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from kinesic.bench.plan.hostile import HOSTILE_DOCUMENTS, measure_plan
+from kinesic.bench.plan.hostile import HOSTILE_DOCUMENTS, measure_hostile_plan
 from kinesic.bml.block import BmlError
 from kinesic.motion import key_times
 from kinesic.motion.key_time_tuning import SEARCH_TUNING
@@ -50,7 +50,7 @@ def test_fifty_overlapping_gestures_stay_within_the_planning_budgets(known, lexe
 
 @pytest.mark.soak
 def test_planning_process_reports_cpu_time_memory_and_refusal():
-    cost = measure_plan("repetition")
+    cost = measure_hostile_plan("repetition")
     assert cost.ending.startswith("refused: <text>:1:")
     assert cost.cpu >= 0.0
     assert cost.memory > 10.0

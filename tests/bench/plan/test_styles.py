@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.plan.styles import DOCUMENT_COUNT, StrokeErrors, measure_plans, metrics, write_documents
+from kinesic.bench.plan.styles import DOCUMENT_COUNT, StrokeErrors, measure_plans, style_error_metrics, write_documents
 from kinesic.session.plan import plan
 
 NOD_BML = '<bml id="b"><head id="h" lexeme="NOD" amount="1" repetition="5" start="0.5" end="{}"/></bml>'
@@ -27,6 +27,6 @@ def test_stroke_with_too_little_time_has_the_error_of_its_planned_shift(known):
 def test_late_strokes_miss_the_goals():
     good = StrokeErrors(np.full(20, 0.01), 0, 0.0)
     late = replace(good, errors=np.append(np.full(17, 0.01), [0.1, 0.2, 0.3]), shift=0.3)
-    assert [metric.ok for metric in metrics("part", good)][:2] == [True, True]
-    assert [metric.ok for metric in metrics("part", late)][:2] == [True, False]
-    assert [metric.why for metric in metrics("part", late)][1] == "largest shift in the plan: 300 ms"
+    assert [metric.ok for metric in style_error_metrics("part", good)][:2] == [True, True]
+    assert [metric.ok for metric in style_error_metrics("part", late)][:2] == [True, False]
+    assert [metric.why for metric in style_error_metrics("part", late)][1] == "largest shift in the plan: 300 ms"

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.live.addresses import read_address
+from kinesic.cli.live.addresses import read_listen_address
 from kinesic.cli.live.serve import read_rules
 from kinesic.client import Client
 from kinesic.serve.server import Address
@@ -32,20 +32,20 @@ SERVE = (sys.executable, "-m", "kinesic", "serve", "--voice", "durations")
     ],
 )
 def test_valid_server_addresses_are_parsed(text, token, address):
-    assert read_address(text, token) == address
+    assert read_listen_address(text, token) == address
 
 
 @pytest.mark.parametrize("text", ["0.0.0.0:80", "[::]:80", "robot.local:80", "192.168.0.2:80"])
 @pytest.mark.parametrize("token", [None, ""])
 def test_server_on_a_public_address_requires_a_token(text, token):
     with pytest.raises(ConfigError, match="give --token-file, or set KINESIC_TOKEN"):
-        read_address(text, token)
+        read_listen_address(text, token)
 
 
 @pytest.mark.parametrize("text", ["", "80", "localhost", "localhost:", "localhost:x", "localhost:99999"])
 def test_invalid_server_address_is_refused(text):
     with pytest.raises(ConfigError, match=r"give HOST:PORT"):
-        read_address(text, None)
+        read_listen_address(text, None)
 
 
 def test_server_rule_option_changes_only_the_named_client_quota():
@@ -64,7 +64,7 @@ def test_invalid_server_rules_are_refused(text, why):
 
 def test_server_address_round_trips_through_text():
     for text in ("127.0.0.1:5", "[::1]:5"):
-        assert str(read_address(text, None)) == text
+        assert str(read_listen_address(text, None)) == text
 
 
 def test_server_performs_blocks_from_standard_input_and_then_ends():

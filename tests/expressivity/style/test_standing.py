@@ -15,15 +15,15 @@ from kinesic.expressivity.style.standing import (
     GazeHabit,
     Standing,
     StandingTable,
-    TurnTable,
+    StandingTurnTable,
     choose_rest,
 )
 
 
 def test_standing_has_the_values_of_its_table_in_radians():
     table = StandingTable(
-        head=TurnTable(10.0, 20.0, 30.0),
-        trunk=TurnTable(tilt=5.0),
+        head=StandingTurnTable(10.0, 20.0, 30.0),
+        trunk=StandingTurnTable(tilt=5.0),
         arms={"flexion": 15.0},
         fist=0.3,
         rest="hand_on_hip",

@@ -7,7 +7,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.planning.files.bap import PARAMETER_COUNT, PARAMETER_NUMBERS
-from kinesic.planning.files.motion_files import replace_motion, save_motion, write_motion
+from kinesic.planning.files.motion_files import replace_motion_file, save_motion, write_motion
 
 ROBOT = Robot.load()
 
@@ -68,18 +68,18 @@ def test_only_files_written_by_kinesic_are_replaced_without_force(ending: str, m
     for somebodys in (b"dear", b"", b"PK\3\4", b"3.2 other 25 1\n", b"time,x\n", b"\xff"):
         path.write_bytes(somebodys)
         with pytest.raises(ConfigError, match=r"is no motion written by kinesic; use force=True"):
-            replace_motion(motion, ROBOT, path, force=False)
+            replace_motion_file(motion, ROBOT, path, force=False)
         assert path.read_bytes() == somebodys
     for force in (True, False):
-        assert replace_motion(motion, ROBOT, path, force=force) == path
+        assert replace_motion_file(motion, ROBOT, path, force=force) == path
     other = save_motion(motion, ROBOT, tmp_path / f"n.{ending}", force=False)
-    assert replace_motion(motion, ROBOT, other, force=False) == other
+    assert replace_motion_file(motion, ROBOT, other, force=False) == other
 
 
 def test_other_npz_archives_are_not_replaced(motion, tmp_path):
     np.savez(tmp_path / "m.npz", times=[1.0])
     with pytest.raises(ConfigError, match="no motion"):
-        replace_motion(motion, ROBOT, tmp_path / "m.npz", force=False)
+        replace_motion_file(motion, ROBOT, tmp_path / "m.npz", force=False)
 
 
 def test_bap_header_contains_file_name(motion, tmp_path):

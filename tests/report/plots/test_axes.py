@@ -6,11 +6,11 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from kinesic.report.plots.axes import FIGURE_WIDTH, UNITS_PER_INCH, Axes, Figure, ThemeColour, nice_ticks
+from kinesic.report.plots.axes import FIGURE_WIDTH, UNITS_PER_INCH, Figure, PlotAxes, ThemeColour, nice_ticks
 
 
 @pytest.fixture
-def drawn() -> tuple[Figure, Axes]:
+def drawn() -> tuple[Figure, PlotAxes]:
     """Draw axes of 1 x 1 in with margins of 2 in on the left and 1 in below."""
     figure = Figure(3.0)
     axes = figure.axes(2.0, 1.0, 1.0, 1.0)
@@ -28,7 +28,7 @@ def elements(figure: Figure, tag: str) -> list[ElementTree.Element]:
     return [element for element in ElementTree.fromstring(text).iter() if element.tag == tag]
 
 
-def test_plot_data_are_drawn_at_their_coordinates(drawn: tuple[Figure, Axes]):
+def test_plot_data_are_drawn_at_their_coordinates(drawn: tuple[Figure, PlotAxes]):
     figure, axes = drawn
     axes.line(np.array([0.0, 5.0, 10.0]), np.array([-1.0, 0.0, 1.0]), ThemeColour.PLANNED)
     (line,) = elements(figure, "polyline")
@@ -50,7 +50,7 @@ def test_plot_data_are_drawn_at_their_coordinates(drawn: tuple[Figure, Axes]):
     assert inner.attrib["overflow"] == "hidden", "what is beyond the limits is cut"
 
 
-def test_plot_axes_may_be_inverted(drawn: tuple[Figure, Axes]):
+def test_plot_axes_may_be_inverted(drawn: tuple[Figure, PlotAxes]):
     figure, axes = drawn
     axes.limit_x(10.0, 0.0)
     axes.limit_y(4.0, 0.0)
@@ -63,14 +63,14 @@ def test_plot_axes_may_be_inverted(drawn: tuple[Figure, Axes]):
     )
 
 
-def test_missing_limit_leaves_headroom_above_the_data(drawn: tuple[Figure, Axes]):
+def test_missing_limit_leaves_headroom_above_the_data(drawn: tuple[Figure, PlotAxes]):
     _, axes = drawn
     axes.line(np.array([0.0, 1.0]), np.array([2.0, 8.0]), ThemeColour.PLANNED)
     axes.limit_y(0.0)
     assert axes.y_limits == (0.0, pytest.approx(8.4))
 
 
-def test_markup_in_plot_texts_is_escaped(drawn: tuple[Figure, Axes]):
+def test_markup_in_plot_texts_is_escaped(drawn: tuple[Figure, PlotAxes]):
     figure, axes = drawn
     axes.write((1.0, 1.0), "<script>\x9b&", align="right")
     text = next(element for element in elements(figure, "text") if element.text == "<script> &")
@@ -78,7 +78,7 @@ def test_markup_in_plot_texts_is_escaped(drawn: tuple[Figure, Axes]):
     assert (float(text.attrib["x"]), float(text.attrib["y"])) == (3 * UNITS_PER_INCH, UNITS_PER_INCH)
 
 
-def test_tick_labels_are_drawn_below_the_axes_on_request(drawn: tuple[Figure, Axes]):
+def test_tick_labels_are_drawn_below_the_axes_on_request(drawn: tuple[Figure, PlotAxes]):
     figure, axes = drawn
     assert {element.text for element in elements(figure, "text")} >= {"0", "10", "\u22121"}
     axes.labelled, axes.ticks = False, 0

@@ -14,7 +14,7 @@ from kinesic.report.plots.fitting import MAX_LINE_POINTS, fit_text, spaced_indic
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import HingeCurves, joints, still_hinges
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.score import NARROW_LAYOUT, score
+from kinesic.report.plots.score import NARROW_LAYOUT, draw_timeline
 from kinesic.report.report import report
 
 
@@ -30,7 +30,7 @@ def moves(hurried: DryRun) -> list[str]:
 
 @pytest.fixture(scope="module")
 def acts(hurried: DryRun) -> str:
-    return score(hurried.plan, float(hurried.measured.times[-1])) or ""
+    return draw_timeline(hurried.plan, float(hurried.measured.times[-1])) or ""
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_plots_over_time_have_playheads_at_their_axes(hurried: DryRun, moves: li
 
 
 def test_narrow_timeline_plot_has_the_same_labels_above_its_bars(hurried: DryRun, acts: str) -> None:
-    narrow = score(hurried.plan, float(hurried.measured.times[-1]), NARROW_LAYOUT) or ""
+    narrow = draw_timeline(hurried.plan, float(hurried.measured.times[-1]), NARROW_LAYOUT) or ""
     assert {"offer", "NOD"} <= words_of(narrow) & words_of(acts)
     (head,) = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', narrow)
     assert float(head[0]) == pytest.approx(NARROW_LAYOUT.left / NARROW_LAYOUT.width, abs=1e-4)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from kinesic.sim.importer.convert import Mapped, import_humanoid
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.model_tree import Tree
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, analyse_geometry
 
@@ -127,7 +127,7 @@ def tee_path(written) -> Path:
 
 @pytest.fixture(scope="session")
 def tee(tee_path) -> Tree:
-    return load_model(tee_path)
+    return load_robot_tree(tee_path)
 
 
 @pytest.fixture(scope="session")
@@ -147,7 +147,7 @@ def hanging_path(written) -> Path:
 
 @pytest.fixture(scope="session")
 def hanging(hanging_path) -> Tree:
-    return load_model(hanging_path)
+    return load_robot_tree(hanging_path)
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ from kinesic.body.robot_schema import robot_text
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.convert import _rate_confidence, import_humanoid
 from kinesic.sim.importer.hinges import name_hinges
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.zero_pose import analyse_geometry
 
 ROUNDING_TOLERANCE = 5e-6  # [m] error of rounding to micrometres
@@ -69,7 +69,7 @@ def test_unusual_arm_is_marked_doubtful(written, puppets):
 
 def test_urdf_import_names_the_arm_chain_and_omits_the_gripper(hanging_mapped, hanging_path):
     assert len(hanging_mapped.hinges) == 1 + 2 * 5
-    assert load_model(hanging_path).name == "hanging"
+    assert load_robot_tree(hanging_path).name == "hanging"
     assert hanging_mapped.file.chains["l_arm"] == ["l_shoulder", "l_elbow", "l_wrist"]
     assert "torso" not in hanging_mapped.file.chains
 

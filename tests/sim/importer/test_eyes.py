@@ -8,7 +8,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.sim.importer.eyes import place_eyes
 from kinesic.sim.importer.hinges import name_hinges
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mesh_file import Triangles
 from kinesic.sim.importer.model_tree import BASE_INDEX, Surface
 from kinesic.sim.importer.segments import HEAD_SEGMENT, assign_parts, lay_out_segments
@@ -31,7 +31,7 @@ def box(middle: tuple[float, float, float], half: tuple[float, float, float]) ->
 
 
 def test_eyes_are_on_the_front_of_a_spherical_head(tee_path):
-    figure = analyse_geometry(load_model(tee_path))
+    figure = analyse_geometry(load_robot_tree(tee_path))
     segment, at = eyes_in_world(figure)
     (ball,) = figure.tree.lump(figure.tree.below(figure.neck[-1])).shapes
     assert segment == HEAD_SEGMENT
@@ -39,7 +39,7 @@ def test_eyes_are_on_the_front_of_a_spherical_head(tee_path):
 
 
 def test_eyes_are_on_the_front_of_a_head_mesh_despite_a_neck(tee_path):
-    figure = analyse_geometry(load_model(tee_path))
+    figure = analyse_geometry(load_robot_tree(tee_path))
     last = figure.neck[-1]
     x, _, z = figure.tree.parts[last].shapes[0].start
     surfaces = (box((x, 0.0, z), (0.11, 0.07, 0.12)), box((x, 0.0, z - 0.5), (0.02, 0.02, 0.4)))
@@ -51,7 +51,7 @@ def test_eyes_are_on_the_front_of_a_head_mesh_despite_a_neck(tee_path):
 
 
 def test_fixed_head_is_found_above_the_shoulders(written, puppets):
-    figure = analyse_geometry(load_model(written("stiff.xml", puppets.puppet(neck=False, trunk=False))))
+    figure = analyse_geometry(load_robot_tree(written("stiff.xml", puppets.puppet(neck=False, trunk=False))))
     segment, plain = eyes_in_world(figure)
     shoulder = figure.arms["l"].centres.shoulder
     high = float(shoulder[2]) + 0.35 * figure.arm_length

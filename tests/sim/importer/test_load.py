@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.load import _find_effort, load_model, urdf_joints
+from kinesic.sim.importer.load import _find_effort, load_robot_tree, urdf_joints
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow
 from kinesic.sim.importer.reading.robot_files import read_robot_files
 
@@ -53,7 +53,7 @@ def test_masses_and_shapes_belong_to_the_hinge_that_moves_them(tee):
 
 def test_loading_a_robot_model_creates_no_files(tee_path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    load_model(tee_path)
+    load_robot_tree(tee_path)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -67,7 +67,7 @@ def test_loading_a_robot_model_creates_no_files(tee_path, tmp_path, monkeypatch)
 )
 def test_broken_file_error_names_the_cause(written, text, message):
     with pytest.raises(ConfigError, match=message) as caught:
-        load_model(written("broken.xml", text))
+        load_robot_tree(written("broken.xml", text))
     assert "\n" not in str(caught.value)
 
 
@@ -76,19 +76,19 @@ def test_file_suffix_may_be_uppercase(tee_path, hanging_path, tmp_path, ending):
     source = hanging_path if ending.lower() == ".urdf" else tee_path
     (tmp_path / f"robot{ending}").write_bytes(source.read_bytes())
     (tmp_path / "robot.xml").write_text("<mujoco/>")  # a different file that must not be read
-    model = load_model(tmp_path / f"robot{ending}")
-    assert [joint.name for joint in model.joints] == [joint.name for joint in load_model(source).joints]
+    model = load_robot_tree(tmp_path / f"robot{ending}")
+    assert [joint.name for joint in model.joints] == [joint.name for joint in load_robot_tree(source).joints]
 
 
 def test_included_files_are_found_next_to_a_robot_file_with_uppercase_suffix(tee_path, tmp_path):
     (tmp_path / "part.xml").write_bytes(tee_path.read_bytes())
     (tmp_path / "robot.MJCF").write_text('<mujoco><include file="part.xml"/></mujoco>')
-    assert len(load_model(tmp_path / "robot.MJCF").joints) == len(load_model(tee_path).joints)
+    assert len(load_robot_tree(tmp_path / "robot.MJCF").joints) == len(load_robot_tree(tee_path).joints)
 
 
 def test_error_names_a_missing_model_file(tmp_path):
     with pytest.raises(ConfigError, match=r"nowhere\.xml: no such file"):
-        load_model(tmp_path / "nowhere.xml")
+        load_robot_tree(tmp_path / "nowhere.xml")
 
 
 def test_urdf_velocities_and_mimics_are_read(hanging_path):

@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
 from kinesic.sim.importer import looks as module
 from kinesic.sim.importer.convert import import_humanoid
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mesh_file import Triangles
 from kinesic.sim.importer.shell import MAX_SEGMENT_TRIANGLES, build_imported_shell, split_creases
 from kinesic.sim.shells.shell import fingerprint
@@ -83,7 +83,7 @@ def imported(path: Path):
 
 
 def test_mesh_is_at_its_file_position_and_moves_with_its_hinge(folder: Path):
-    tree = load_model(written(folder, mjcf()))
+    tree = load_robot_tree(written(folder, mjcf()))
     elbow = [joint.name for joint in tree.joints].index("left_elbow")
     (surface,) = tree.parts[elbow].surfaces
     assert [len(part.surfaces) for part in tree.parts].count(1) == 2
@@ -129,12 +129,12 @@ def test_missing_or_outside_mesh_is_omitted_with_a_note(folder: Path, mesh: str,
 def test_symbolic_link_out_of_the_folder_is_not_followed(folder: Path):
     (folder / "meshes" / "ball.stl").unlink()
     (folder / "meshes" / "ball.stl").symlink_to(folder.parent / "outside.stl")
-    assert "not in the folder" in load_model(written(folder, mjcf())).left_out[0]
+    assert "not in the folder" in load_robot_tree(written(folder, mjcf())).left_out[0]
 
 
 def test_meshes_beyond_the_size_limit_are_not_read(folder: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "MAX_MESH_BYTES", 100)
-    assert "MB of meshes" in load_model(written(folder, mjcf())).left_out[0]
+    assert "MB of meshes" in load_robot_tree(written(folder, mjcf())).left_out[0]
 
 
 def test_cube_edges_are_sharp_and_a_ball_is_smooth():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mirror import sides
 
 
@@ -19,7 +19,7 @@ def test_mirror_pairs_are_found_by_geometry(tee):
 
 @pytest.mark.parametrize(("turned", "left"), [(0, (0, 1)), (90, (-1, 0)), (180, (0, -1)), (270, (1, 0))])
 def test_forward_direction_is_independent_of_world_orientation(written, puppets, turned, left):
-    tree = load_model(written("turned.xml", puppets.puppet(turned=turned)))
+    tree = load_robot_tree(written("turned.xml", puppets.puppet(turned=turned)))
     result = sides(tree)
     assert result.left == pytest.approx(left, abs=1e-9)
     forward = result.upright @ np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0])
@@ -27,7 +27,7 @@ def test_forward_direction_is_independent_of_world_orientation(written, puppets,
 
 
 def test_forward_direction_is_found_from_feet_and_head_if_joint_names_have_no_side(written, puppets):
-    tree = load_model(written("unnamed.xml", puppets.puppet(left="one_", right="two_", turned=180)))
+    tree = load_robot_tree(written("unnamed.xml", puppets.puppet(left="one_", right="two_", turned=180)))
     result = sides(tree)
     assert result.certain
     assert set(names(tree, result.pairs)) == {name for name in names(tree, result.pairs) if name.startswith("one_")}
@@ -42,7 +42,7 @@ def test_left_and_right_joints_in_an_asymmetric_pose_are_paired_by_names(hanging
 
 @pytest.mark.parametrize(("left", "right"), [("L_", "R_"), ("left_", "right_"), ("Left", "Right"), ("l_", "r_")])
 def test_body_sides_are_recognised_by_words_in_joint_names(written, puppets, left, right):
-    tree = load_model(
+    tree = load_robot_tree(
         written("worded.xml", puppets.puppet(left=right, right=left))
     )  # names contradict the geometry and take precedence
     assert sides(tree).left == pytest.approx((0, -1))

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.arm import Split
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mirror import sides
 from kinesic.sim.importer.zero_pose import branches
 
@@ -42,13 +42,13 @@ def test_gripper_is_not_part_of_the_wrist(hanging):
 
 
 def test_robot_without_neck_and_trunk_is_accepted(written, puppets):
-    tree = load_model(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
+    tree = load_robot_tree(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
     result = branches(tree, sides(tree))
     assert (result.trunk, result.neck) == ((), ())
 
 
 def test_robot_without_arms_is_rejected(written):
     one = '<mujoco model="one"><worldbody><body><joint/><geom size="0.1"/></body></worldbody></mujoco>'
-    tree = load_model(written("one.xml", one))
+    tree = load_robot_tree(written("one.xml", one))
     with pytest.raises(ConfigError, match="robot one: no arms found: among 1 hinges there are 0 mirror pairs"):
         branches(tree, sides(tree))

@@ -14,8 +14,8 @@ from kinesic.studies.perception.answers import (
     ACTION_NAMES,
     ALL_ACTIONS,
     ANSWER_COLUMNS,
+    FaceRating,
     People,
-    Rating,
     compare_sides,
     count_first_choices,
     count_participants,
@@ -70,11 +70,11 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def answers(file: Path) -> tuple[Rating, ...]:
+def answers(file: Path) -> tuple[FaceRating, ...]:
     return read_answers([file])
 
 
-def test_simulated_study_effect_is_significant(answers: tuple[Rating, ...]):
+def test_simulated_study_effect_is_significant(answers: tuple[FaceRating, ...]):
     comparison = compare_sides(answers, "strength", ("high", "low"))
     for action in (*ACTION_NAMES, ALL_ACTIONS):
         cell = comparison.cells[action, "EXP"]
@@ -82,7 +82,7 @@ def test_simulated_study_effect_is_significant(answers: tuple[Rating, ...]):
         assert cell.means[0] > cell.means[1] + 0.5
 
 
-def test_overall_significance_test_pools_all_facial_actions(answers: tuple[Rating, ...]):
+def test_overall_significance_test_pools_all_facial_actions(answers: tuple[FaceRating, ...]):
     """An effect too weak for one action is significant over all actions."""
     cells = compare_sides(answers, "strength", ("high", "low")).cells
     assert cells[ALL_ACTIONS, "NAT"].counts == tuple(
@@ -96,17 +96,17 @@ def test_each_participant_of_the_face_study_counts_once_and_age_is_optional():
     conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
     opinions = {"naturalness": 3, "realism": 3}
     results = [
-        Rating("4", conditions, {"4": 4}, opinions, name, age) for name, age in (("a", 51), ("b", None), ("a", 51))
+        FaceRating("4", conditions, {"4": 4}, opinions, name, age) for name, age in (("a", 51), ("b", None), ("a", 51))
     ]
     assert count_participants(results) == People(2, (51,))
 
 
-def test_missing_study_effect_is_rarely_significant(answers: tuple[Rating, ...]):
+def test_missing_study_effect_is_rarely_significant(answers: tuple[FaceRating, ...]):
     comparison = compare_sides(answers, "presentation", ("animation", "image"))
     assert sum(cell.significant for cell in comparison.cells.values()) <= 4  # of 18, by chance 1
 
 
-def test_analysis_finds_the_simulated_effect_of_wrinkles_on_the_frown(answers: tuple[Rating, ...]):
+def test_analysis_finds_the_simulated_effect_of_wrinkles_on_the_frown(answers: tuple[FaceRating, ...]):
     shares = count_first_choices(answers).shares
     assert shares["4", "with"] > shares["4", "without"] + 0.15
     comparison = compare_sides(answers, "wrinkles", ("with", "without"))
@@ -117,7 +117,7 @@ def test_fully_separated_ratings_are_significant():
     """Without overlap U = 0, and p is the asymptotic one, as ratings are tied."""
     conditions = {"wrinkles": "with", "presentation": "image"}
     answers = [
-        Rating(
+        FaceRating(
             "4", conditions | {"strength": side}, {"4": points, "1+2": 1, "1+4": 1}, {"naturalness": 1, "realism": 1}
         )
         for side, points in [*(("high", 5),) * 5, *(("low", 1),) * 5]
@@ -132,8 +132,8 @@ def test_fully_separated_ratings_are_significant():
 def test_label_with_the_same_rating_as_another_is_not_the_first_choice():
     conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
     opinions = {"naturalness": 3, "realism": 3}
-    assert not Rating("4", conditions, {"4": 4, "1+2": 4, "1+4": 1}, opinions).first_choice
-    assert Rating("4", conditions, {"4": 4, "1+2": 3, "1+4": 1}, opinions).first_choice
+    assert not FaceRating("4", conditions, {"4": 4, "1+2": 4, "1+4": 1}, opinions).first_choice
+    assert FaceRating("4", conditions, {"4": 4, "1+2": 3, "1+4": 1}, opinions).first_choice
 
 
 def test_analyse_command_prints_face_study_tables_of_the_thesis(file: Path):
@@ -157,10 +157,10 @@ def test_analyse_command_prints_face_study_tables_of_the_thesis(file: Path):
     assert all(row["within"]["p_holm"] < 0.05 for row in strong)
 
 
-def rate_frown(person: str, strength: str, points: int) -> Rating:
+def rate_frown(person: str, strength: str, points: int) -> FaceRating:
     conditions = {"wrinkles": "with", "presentation": "image", "strength": strength}
     labels = {"4": points, "1+2": 1, "1+4": 1}
-    return Rating("4", conditions, labels, {"naturalness": 3, "realism": 3}, person)
+    return FaceRating("4", conditions, labels, {"naturalness": 3, "realism": 3}, person)
 
 
 def test_paired_test_finds_differences_hidden_by_variation_between_people():
@@ -187,7 +187,7 @@ def test_participant_without_both_conditions_is_excluded_from_the_paired_test():
     assert isnan(nowhere.corrected_paired_p)
 
 
-def test_p_values_of_single_actions_and_of_all_actions_are_corrected_separately(answers: tuple[Rating, ...]):
+def test_p_values_of_single_actions_and_of_all_actions_are_corrected_separately(answers: tuple[FaceRating, ...]):
     cells = compare_sides(answers, "presentation", ("animation", "image")).cells
     for family in ([a for a in cells if a[0] != ALL_ACTIONS], [a for a in cells if a[0] == ALL_ACTIONS]):
         smallest = min(family, key=lambda cell: cells[cell].p)

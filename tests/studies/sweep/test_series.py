@@ -12,7 +12,7 @@ from kinesic.studies.sweep.series import (
     Played,
     Series,
     draw_series,
-    play,
+    play_task,
     preset_tasks,
     sweep_parameter,
 )
@@ -102,7 +102,7 @@ def test_style_presets_are_performed_by_name(known, monkeypatch, tmp_path):
     (tmp_path / "styles").mkdir()
     (tmp_path / "styles" / "sad.toml").touch()
     monkeypatch.setattr("kinesic.studies.sweep.series.CONFIGS", tmp_path)
-    results = {name: play(task, known) for name, task in preset_tasks("beat", known).items()}
+    results = {name: play_task(task, known) for name, task in preset_tasks("beat", known).items()}
     assert list(results) == ["sad"]
     assert results["sad"].measures.stroke_error is not None
 

@@ -27,7 +27,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.faults import FaultPlan
 from kinesic.intent.greta.lexicon import read_lexicon
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mesh_file import read_mesh
 from kinesic.sim.log import read_log
 from kinesic.sim.servo_factors import Factors
@@ -186,7 +186,7 @@ BINARY_READERS: dict[str, tuple[str, Callable[[], bytes], Callable[[Path], objec
     "mjcf": (
         "x.xml",
         lambda: b'<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody></mujoco>',
-        load_model,
+        load_robot_tree,
     ),
     "greta": ("x.xml", lambda: GRETA_XML, read_lexicon),
 }

@@ -37,7 +37,7 @@ class Separation:
 Scorer = Callable[[Floats, Flags, Floats], Floats]  # training features, their labels, test features -> test scores
 
 
-def separate(ours: Sample, others: Sample, scorer: "Scorer | None" = None) -> Separation:
+def separate_samples(ours: Sample, others: Sample, scorer: "Scorer | None" = None) -> Separation:
     """Return cross-validated AUC and accuracy of a classifier of two samples.
 
     Scores of a fold come from a classifier that saw no performance of this fold. AUC and accuracy are means over folds.

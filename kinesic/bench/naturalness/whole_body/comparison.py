@@ -15,7 +15,7 @@ from kinesic.bench.naturalness.whole_body.classifier import (
     Separation,
     score_logistic,
     score_neighbours,
-    separate,
+    separate_samples,
     separate_unseen,
 )
 from kinesic.bench.naturalness.whole_body.features import MeasuredSet, motion_sample, posture_sample
@@ -170,7 +170,7 @@ def compare_sets(captured: Sequence[MeasuredSet], known: Sequence[MeasuredSet]) 
             metrics += separation_metrics(part, measured, tuned, unseen, None, None)
     several = [measured for measured in captured if len(set(measured.performances)) > 1]
     for a, b in combinations(several, 2):
-        auc = separate(motion_sample([a]), motion_sample([b])).auc
+        auc = separate_samples(motion_sample([a]), motion_sample([b])).auc
         name = f"{METRIC_PREFIX}.{a.name}.auc_from.{b.name}".replace(" ", "_")
         metrics.append(Metric(name, auc, "", None, "lower", "cross-validated by performance"))
     return metrics
@@ -210,7 +210,7 @@ def _separations(
     sample = sample_of([ours])
     return {
         "unseen": separate_unseen(sample, sample_of(tuned), sample_of(unseen), scorer),
-        "left_out": separate(sample, sample_of([*tuned, *unseen], whole_sets=True), scorer),
+        "left_out": separate_samples(sample, sample_of([*tuned, *unseen], whole_sets=True), scorer),
     }
 
 

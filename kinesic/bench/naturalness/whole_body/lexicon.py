@@ -20,7 +20,7 @@ PERFORMANCE_COUNT = 24  # number of random seeds; the gestures of one seed count
 GestureTask = tuple[str, int]  # gesture id and seed
 
 
-def list_gestures(every: int = 1) -> list[GestureTask]:
+def list_seeded_gestures(every: int = 1) -> list[GestureTask]:
     """List gestures of the lexicon, distributed over several seeds.
 
     Args:

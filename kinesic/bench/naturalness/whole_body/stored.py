@@ -26,7 +26,7 @@ class SetTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     postures: Mapping[str, tuple[float, ...]]
 
 
-class BodyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class CapturedBodyTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Measures of all captured sets by name."""
 
     sets: Mapping[str, SetTable]
@@ -39,7 +39,7 @@ def read_captured_sets() -> tuple[MeasuredSet, ...]:
     Raises:
         ConfigError: the table is missing or invalid.
     """
-    table = read_toml(TABLE_FILE, BodyTable)
+    table = read_toml(TABLE_FILE, CapturedBodyTable)
     return tuple(_to_set(name, columns) for name, columns in table.sets.items())
 
 

@@ -7,7 +7,7 @@ from kinesic.bench.naturalness.whole_body.classifier import (
     assign_folds,
     score_logistic,
     score_neighbours,
-    separate,
+    separate_samples,
     separate_unseen,
 )
 
@@ -30,7 +30,7 @@ def test_area_under_curve_counts_pairs_and_halves_ties():
 @pytest.mark.parametrize("scorer", SCORERS)
 def test_equal_distributions_cannot_be_separated(scorer):
     generator = np.random.default_rng(1)
-    result = separate(make_sample(generator, 300), make_sample(generator, 300, name="b"), scorer)
+    result = separate_samples(make_sample(generator, 300), make_sample(generator, 300, name="b"), scorer)
     assert result.auc == pytest.approx(0.5, abs=0.08)
     assert result.accuracy == pytest.approx(0.5, abs=0.08)
 
@@ -39,7 +39,7 @@ def test_equal_distributions_cannot_be_separated(scorer):
 def test_shift_of_one_feature_gives_the_expected_separation(scorer):
     generator = np.random.default_rng(2)
     ours, others = make_sample(generator, 400, shift=1.5), make_sample(generator, 400, name="b")
-    result = separate(ours, others, scorer)
+    result = separate_samples(ours, others, scorer)
     assert result.auc == pytest.approx(0.856, abs=0.06)  # normal distribution at 1.5 / sqrt(2)
     assert result.accuracy == pytest.approx(0.773, abs=0.06)  # normal distribution at 0.75
 
@@ -56,8 +56,8 @@ def test_features_of_single_performances_do_not_separate_the_classes(scorer):
 
     ours, others = marked("a"), marked("b")
     leaky = [Sample(sample.features, tuple(map(str, range(len(sample))))) for sample in (ours, others)]
-    assert separate(*leaky, score_neighbours).auc > 0.95
-    assert separate(ours, others, scorer).auc < 0.75
+    assert separate_samples(*leaky, score_neighbours).auc > 0.95
+    assert separate_samples(ours, others, scorer).auc < 0.75
 
 
 def test_clips_of_a_performance_are_in_the_same_fold():
@@ -73,11 +73,11 @@ def test_unseen_clips_are_not_used_for_training():
     generator = np.random.default_rng(4)
     ours, seen = make_sample(generator, 100, shift=6.0), make_sample(generator, 100, name="b")
     unseen = make_sample(generator, 100, shift=12.0, name="c")  # on the other side of ours
-    assert separate(ours, unseen).auc > 0.95
+    assert separate_samples(ours, unseen).auc > 0.95
     assert separate_unseen(ours, seen, unseen).auc < 0.05
 
 
 def test_constant_features_are_ignored():
     ours = Sample(np.column_stack([np.ones(20), np.arange(20.0)]), tuple(map(str, range(20))))
     others = Sample(np.column_stack([np.ones(20), np.arange(20.0) + 100]), tuple(map(str, range(20))))
-    assert separate(ours, others).auc == 1.0
+    assert separate_samples(ours, others).auc == 1.0

@@ -4,7 +4,7 @@ import pytest
 from kinesic.bench.naturalness.whole_body import stored
 from kinesic.bench.naturalness.whole_body.comparison import TUNED_SETS
 from kinesic.bench.naturalness.whole_body.features import measure_sets
-from kinesic.bench.naturalness.whole_body.stored import BodyTable, format_sets, read_captured_sets
+from kinesic.bench.naturalness.whole_body.stored import CapturedBodyTable, format_sets, read_captured_sets
 
 from .bodies import make_body
 
@@ -36,4 +36,4 @@ def test_supplied_table_has_tuned_and_unseen_sets():
 
 def test_unknown_keys_of_the_table_are_rejected():
     with pytest.raises(msgspec.ValidationError):
-        msgspec.convert({"sets": {}, "other": 1}, BodyTable)
+        msgspec.convert({"sets": {}, "other": 1}, CapturedBodyTable)

@@ -10,7 +10,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer import load
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.reading import robot_files
 
 PART_XML = '<mujoco><worldbody><body name="part"><joint/><geom size="0.1"/></body></worldbody></mujoco>'
@@ -33,14 +33,14 @@ def mjcf(inside: str = "", world: str = "") -> str:
 def refused(robot: Path, text: str) -> str:
     robot.write_text(text)
     with pytest.raises(ConfigError) as caught:
-        load_model(robot)
+        load_robot_tree(robot)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
 
 def test_included_files_in_the_robot_folder_are_read(robot: Path):
     robot.write_text(mjcf('<include file="parts/arm.xml"/>'))
-    assert len(load_model(robot).joints) == 2
+    assert len(load_robot_tree(robot).joints) == 2
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_attached_model_cannot_include_files_from_outside(robot: Path):
 
 def test_backslashes_work_as_folder_separators(robot: Path):
     robot.write_text(mjcf('<include file="parts\\arm.xml"/>'))
-    assert len(load_model(robot).joints) == 2
+    assert len(load_robot_tree(robot).joints) == 2
 
 
 def test_model_attached_twice_is_read_once(robot: Path):
@@ -95,7 +95,7 @@ def test_model_attached_twice_is_read_once(robot: Path):
     attach = '<attach model="m" body="part" prefix="{}_"/>'
     asset = '<asset><model name="m" file="parts\\hand.xml"/></asset>'
     robot.write_text(mjcf(asset, attach.format("left") + attach.format("right")))
-    assert len(load_model(robot).joints) == 3
+    assert len(load_robot_tree(robot).joints) == 3
 
 
 def test_mujoco_opens_no_files(robot: Path, monkeypatch: pytest.MonkeyPatch):
@@ -105,7 +105,7 @@ def test_mujoco_opens_no_files(robot: Path, monkeypatch: pytest.MonkeyPatch):
     (robot.parent / "mesh-0.stl").write_bytes(bytes(1000))
     asset = '<asset><model name="m" file="parts/arm.xml"/><mesh name="x" file="nowhere.stl"/></asset>'
     robot.write_text(mjcf(asset, '<attach model="m" body="part" prefix="a_"/><geom type="mesh" mesh="x"/>'))
-    tree = load_model(robot)
+    tree = load_robot_tree(robot)
     assert len(tree.joints) == 2
     assert tree.left_out == ("nowhere.stl: not in the folder robot; copy it there, or the robot's file above it",)
 
@@ -168,7 +168,7 @@ MUSCLE_XML = '<actuator><muscle joint="j"/></actuator>'
 def test_huge_sizes_declared_in_a_robot_file_allocate_no_memory(robot: Path, inside: str):
     began = time.process_time()
     robot.write_text(mjcf(inside))
-    assert [joint.name for joint in load_model(robot).joints] == ["j"]
+    assert [joint.name for joint in load_robot_tree(robot).joints] == ["j"]
     assert time.process_time() - began < 5.0
 
 
@@ -178,7 +178,7 @@ def test_user_values_of_one_body_allocate_no_memory_for_others(robot: Path):
         f'<body user="{"1 " * 3000}"/>' + '<body user="1"><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
     )
     robot.write_text(mjcf(world=bodies * 900))
-    assert len(load_model(robot).joints) == 1
+    assert len(load_robot_tree(robot).joints) == 1
 
 
 @pytest.mark.parametrize(
@@ -267,12 +267,12 @@ def test_meshes_and_textures_are_not_opened_or_allocated(robot: Path):
     os.mkfifo(pipe)  # opening it would block forever
     mesh = f'<asset><mesh name="m" file="endless.stl"/><texture name="t" type="2d" file="{pipe}"/></asset>'
     robot.write_text(mjcf(f'<size memory="900G"/>{mesh}', '<geom type="mesh" mesh="m"/>'))
-    assert len(load_model(robot).joints) == 1
+    assert len(load_robot_tree(robot).joints) == 1
 
 
 def test_urdf_files_are_screened(robot: Path):
     robot.write_text('<robot name="r"><link name="a"/></robot>')
-    load_model(robot)
+    load_robot_tree(robot)
     robot.write_text('<!DOCTYPE robot><robot name="r"><link name="a"/></robot>')
     with pytest.raises(ConfigError, match="declares a document type"):
-        load_model(robot)
+        load_robot_tree(robot)
