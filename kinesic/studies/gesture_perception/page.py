@@ -14,7 +14,7 @@ from kinesic.report.scene import SCENE_SCRIPTS, read_scripts, scene_data
 from kinesic.studies.gesture_perception.answers import ANSWER_COLUMNS
 from kinesic.studies.gesture_perception.design import OPTION_SEPARATOR, StudyQuestion
 from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPair, motion_data
-from kinesic.studies.questionnaire.page import write_questionnaire
+from kinesic.studies.questionnaire.page import Questionnaire, write_questionnaire
 
 TEMPLATE_FOLDER = Path(__file__).parent
 RECOGNITION_COUNT = 24  # largest number of gestures per participant; each answer position is right four times
@@ -69,14 +69,13 @@ def write_gesture_page(
         "pace": 1.0,
     }
     content_hash = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:12]
-    write_questionnaire(
-        path,
+    questionnaire = Questionnaire(
         {"name": f"kinesic-gestures-{content_hash}", **content},
         template=TEMPLATE_FOLDER / "gestures.jinja",
         script="\n".join((read_scripts(SCENE_SCRIPTS), (TEMPLATE_FOLDER / "gestures.js").read_text(encoding="utf-8"))),
-        post_to=post_to,
         shown=trial_count,
     )
+    write_questionnaire(path, questionnaire, post_to=post_to)
 
 
 def _recognition(question: StudyQuestion, motion: int) -> Json:

@@ -18,7 +18,7 @@ from kinesic.studies.gesture_perception.design import OPTION_SEPARATOR
 from kinesic.studies.gesture_perception.page import TEMPLATE_FOLDER
 from kinesic.studies.gesture_perception.speech import SpokenMotion, choose_foils, shown_duration
 from kinesic.studies.gesture_perception.stimuli import motion_data
-from kinesic.studies.questionnaire.page import write_questionnaire
+from kinesic.studies.questionnaire.page import Questionnaire, write_questionnaire
 
 MATCHES_PER_SYSTEM = 8  # largest number of motions per system and participant; half have their own speech first
 PAIRS_PER_COMPARISON = 4  # largest number of texts per participant for each pair of systems
@@ -79,15 +79,14 @@ def write_speech_page(path: Path, robot: Robot, spoken: Sequence[SpokenMotion], 
         "pace": 1.0,
     }
     content_hash = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:12]
-    write_questionnaire(
-        path,
+    questionnaire = Questionnaire(
         {"name": f"kinesic-speech-{content_hash}", **content},
         template=TEMPLATE_FOLDER / "speech.jinja",
         script="\n".join((read_scripts(SCENE_SCRIPTS), (TEMPLATE_FOLDER / "gestures.js").read_text(encoding="utf-8"))),
-        post_to=post_to,
         shown=count,
         variables={"heard": any(item.sound is not None for item in spoken)},
     )
+    write_questionnaire(path, questionnaire, post_to=post_to)
     return count
 
 

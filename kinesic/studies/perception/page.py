@@ -21,7 +21,7 @@ from kinesic.face.show.files import save_film, save_picture
 from kinesic.report.report import Json
 from kinesic.studies.perception.answers import ACCEPTED_AGES, ANSWER_COLUMNS
 from kinesic.studies.perception.design import FACIAL_ACTIONS, LIKERT_POINTS, STIMULI_PER_CELL, Stimulus, list_stimuli
-from kinesic.studies.questionnaire.page import write_questionnaire
+from kinesic.studies.questionnaire.page import Questionnaire, write_questionnaire
 
 TEMPLATE_FOLDER = Path(__file__).parent
 LIKERT_LABELS = ("totally disagree", "disagree", "neither", "agree", "totally agree")
@@ -68,16 +68,15 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
         "perCell": STIMULI_PER_CELL,
         "seconds": FILM_DURATION,
     }
-    write_questionnaire(
-        path,
+    questionnaire = Questionnaire(
         study,
         template=TEMPLATE_FOLDER / "study.jinja",
         script=(TEMPLATE_FOLDER / "study.js").read_text(encoding="utf-8"),
-        post_to=post_to,
         shown=4 * STIMULI_PER_CELL,
         images="*",
         variables={"ages": [ACCEPTED_AGES[0], ACCEPTED_AGES[-1]]},
     )
+    write_questionnaire(path, questionnaire, post_to=post_to)
 
 
 def file_of(stimulus: Stimulus) -> str:

@@ -6,8 +6,8 @@ One file that stores the answers and needs no server.
 import json
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
@@ -17,49 +17,50 @@ from kinesic.report.content_policy import content_policy
 from kinesic.report.report import Json
 
 TEMPLATE_FOLDER = Path(__file__).parent
-NO_VARIABLES: Mapping[str, Json] = MappingProxyType({})
 
 
-def write_questionnaire(
-    path: Path,
-    study: Mapping[str, Json],
-    *,
-    template: Path,
-    script: str,
-    post_to: str,
-    shown: int,
-    images: str = "'none'",
-    variables: Mapping[str, Json] = NO_VARIABLES,
-) -> None:
+@dataclass(frozen=True)
+class Questionnaire:
+    """Template, script and data of a study's page.
+
+    The data contain the `name` under which a browser stores the answers, the `columns` of the answers, `most`, the
+    maximum number of shown items per participant, and data for the study's own script.
+    """
+
+    data: Mapping[str, Json]
+    template: Path  # extends `questionnaire.jinja`
+    script: str  # of the study, which runs after `questionnaire.js`
+    shown: int  # number of items per participant, stated in the welcome text
+    images: str = "'none'"  # allowed image sources in the content policy
+    variables: Mapping[str, Json] = field(default_factory=dict)  # further variables of the template
+
+
+def write_questionnaire(path: Path, questionnaire: Questionnaire, *, post_to: str) -> None:
     """Write the HTML page of a study from its template.
 
     Args:
         path: path of the page.
-        study: data for its script: `name`, under which a browser stores the answers; `columns` of the answers; `most`,
-            the maximum
-            number of shown items per participant; and data for the study's own script.
-        template: template that extends `questionnaire.jinja`.
-        script: script of the study, which runs after `questionnaire.js`.
+        questionnaire: content of the page.
         post_to: URL that receives each participant's answers as CSV; empty: answers are only offered as a file.
-        shown: number of items per participant, stated in the welcome text.
-        images: allowed image sources in the content policy.
-        variables: further variables of the template.
 
     Raises:
         ConfigError: `post_to` is not an http or https URL.
     """
+    template = questionnaire.template
     loader = FileSystemLoader([template.parent, TEMPLATE_FOLDER])
     environment = Environment(
         loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    full_script = f"{(TEMPLATE_FOLDER / 'questionnaire.js').read_text(encoding='utf-8')}\n{script}"
+    full_script = f"{(TEMPLATE_FOLDER / 'questionnaire.js').read_text(encoding='utf-8')}\n{questionnaire.script}"
     text = environment.get_template(template.name).render(
         look=Markup((TEMPLATE_FOLDER / "questionnaire.css").read_text(encoding="utf-8")),
         script=Markup(full_script),
-        policy=content_policy(full_script, img_src=images, connect_src=f"blob: {find_origin(post_to)}".rstrip()),
-        study=Markup(json.dumps({**study, "postTo": post_to}).replace("<", "\\u003c")),
-        shown=shown,
-        **variables,
+        policy=content_policy(
+            full_script, img_src=questionnaire.images, connect_src=f"blob: {find_origin(post_to)}".rstrip()
+        ),
+        study=Markup(json.dumps({**questionnaire.data, "postTo": post_to}).replace("<", "\\u003c")),
+        shown=questionnaire.shown,
+        **questionnaire.variables,
     )
     path.write_text(text, encoding="utf-8")
 
