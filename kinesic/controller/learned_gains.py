@@ -70,7 +70,7 @@ class LearnedGains:
 
 @dataclass(frozen=True)
 class Identification:
-    """Result of identifying servos from a motion."""
+    """Servo parameters identified from a motion, with the errors before and after."""
 
     estimate: Factors  # new estimate; the earlier one where the motion gives no evidence
     before: float = 0.0  # [rad] RMS error of a twin with the earlier estimate

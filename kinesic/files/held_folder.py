@@ -30,7 +30,7 @@ class HeldFolder:
     descriptor: int | None
 
     def entry_path(self, name: str) -> str:
-        """Return a folder entry's path, relative to the descriptor if open."""
+        """Return the path of an entry, relative to the folder's open descriptor."""
         return name if self.descriptor is not None else str(self.path / name)
 
     def renamed(self, name: str) -> "HeldFolder":

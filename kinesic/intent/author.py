@@ -26,7 +26,7 @@ from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.writing import write_block
 
 EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
-GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word, limited to keep the speech prompt
+GESTURE_LEAD_TIME = 0.4  # [s] time by which an early gesture starts before the first word; more would delay the speech
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
 MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the end of a wave
 GREETING_INTENT = "performative-greet"  # intent of greetings, shown by waves

@@ -30,7 +30,7 @@ ACCELERATION_WEIGHT = 1e-9  # [s^4] weight of squared acceleration relative to s
 
 @dataclass(frozen=True, eq=False)
 class FreeRows:
-    """Limit constraints that the fixed spline ends do not determine."""
+    """Limit constraints that depend on free control points of the spline."""
 
     places: Floats  # (r,) knot positions of the rows, in steps from the first knot
     kinds: NDArray[np.intp]  # (r,) 0 velocity, 1 acceleration, 2 jerk, 3 duty
@@ -127,7 +127,7 @@ class Grid:
 
     @cached_property
     def free_rows(self) -> "FreeRows":
-        """Limit constraints that the fixed spline ends do not determine."""
+        """Limit constraints that depend on free control points of the spline."""
         is_free = self.bounds == 1.0
         places = np.concatenate([np.linspace(0, self.pieces, count) for count in self.counts])
         kinds = np.repeat(np.arange(len(self.counts)), self.counts)

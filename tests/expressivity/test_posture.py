@@ -86,7 +86,7 @@ def test_arm_pose_name_is_matched_as_a_whole_or_rejected(robot, lexicon):
     assert pose(Posture(poses=(("ARMS", "ARMS_WIGGLY"),)), lexicon, robot) is None
 
 
-def test_open_arms_are_held_open(robot, lexicon):
+def test_posture_with_open_arms_holds_both_hands_out_to_the_side(robot, lexicon):
     (form,) = pose(Posture(poses=(("ARMS", "ARMS_OPEN"),)), lexicon, robot).arms
     assert form.rest
     assert all(hand.position[1] > 0.3 for key in form.keys for hand in key.hands.values())  # out to the side

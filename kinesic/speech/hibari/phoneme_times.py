@@ -55,7 +55,7 @@ class _Unit:
 
     @property
     def onset(self) -> float:
-        """Time [s] at which its closure or constriction begins."""
+        """Time [s] at which the sound's closure or constriction begins."""
         if not self.is_initial or self.letter in VOWEL_LETTERS | DIPHTHONG_LETTERS:
             return self.begin + ONSET_SHIFT
         return self.begin + (SIBILANT_ONSET_SHIFT if self.letter in SIBILANT_LETTERS else INITIAL_ONSET_SHIFT)

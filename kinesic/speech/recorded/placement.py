@@ -20,7 +20,7 @@ from kinesic.speech.recorded.warping import FrameSequence, warp
 RENDITION_BRIDGE = 5  # [frames] longest silence inside speech of a rendition
 EDGE_OFFSET = 1e-6  # [s] by which the end of a word lies before the start of the next one in a rendition
 PATH_STEP = 3  # [frames] between points of the path inside a word
-LONG_SILENCE = 0.3  # [s] silence in which the lips rest
+LONG_SILENCE = 0.3  # [s] shortest silence in which the lips return to rest
 SPEECH_MARGIN = 0.08  # [s] time before and after audible speech in which a quiet sound may lie
 QUIET_END = 0.15  # [s] time after audible speech in which the lips close and open for a final p, b or m
 CLOSING_LETTERS = frozenset("pbm")  # phonetic letters of sounds with closed lips

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices, find_runs
 
-COARSE_FRAMES = 4  # [frames] averaged into one frame of the coarse path
+COARSE_FRAMES = 4  # number of frames averaged into one frame of the coarse alignment
 COARSE_RADIUS = 600  # [coarse frames] largest distance of the coarse path from a path of constant rate
 FINE_RADIUS = 100  # [frames] largest distance of the fine path from the coarse path
 SILENCE_FRAMES = 4  # [frames] by which a silence of any length is represented
