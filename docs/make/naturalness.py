@@ -11,8 +11,8 @@ from kinesic.bench.naturalness import (
     VARIATION_SEEDS,
     document_metrics,
     draw,
-    style_metrics,
     measured,
+    style_metrics,
     varied_metrics,
 )
 from kinesic.bench.naturalness.bars import METRIC_PREFIX

@@ -134,7 +134,7 @@ class SplineSegment:
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
-        """Successive key pairs of the segment, start to end, (m + 1,)."""
+        """Pairs of successive keys from the segment's start to its end, (m + 1,)."""
         return tuple(pairwise([*(mark[0] for mark in self.marks[:-1]), self.marks[-1][-1]]))
 
     @cached_property

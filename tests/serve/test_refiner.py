@@ -130,7 +130,7 @@ def refined(line: Connection, job: RefinementJob, setup: Setup) -> RefinedPlan:
     return found
 
 
-def test_refiner_speaks_before_its_first_job(known: Setup, monkeypatch: pytest.MonkeyPatch):
+def test_refiner_process_synthesises_a_trial_speech_before_its_first_job(known: Setup, monkeypatch: pytest.MonkeyPatch):
     scripts = []
 
     class HeardVoice:
