@@ -147,6 +147,7 @@ def test_delay_ends_all_conflicts_except_those_with_held_postures(nod, rest):
     elsewhere = replace(other, roles=frozenset({"look"}), relax=ready + 0.5)
     assert replace(task, others=(other, longer, held, elsewhere))._delays == [31, 41, 51]
     assert replace(task, others=(other,))._delays == [20, 30, 40, 60]
+    assert replace(task, others=(replace(other, relax=ready + 0.005),))._delays == [1, 11, 21, 41]
     assert replace(task, others=(held, elsewhere))._delays == [10, 20, 40]
     assert task._delays == [10, 20, 40]
 
