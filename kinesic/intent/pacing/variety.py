@@ -9,6 +9,7 @@ from kinesic.intent.behaviour_sets import Channel, Choice
 from kinesic.intent.behaviours import ChosenBehaviour, Omission, name_form
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
+from kinesic.intent.meaning.cues import PICTURE_INTENT
 from kinesic.intent.pacing.beat_spans import select_fitting
 from kinesic.intent.pacing.candidates import Candidate
 from kinesic.intent.pacing.memory import PastGesture
@@ -166,4 +167,6 @@ def draw_lexemes(
         manner = agent.manner(intent.name, channel, intent.strength)
         if channel == "gesture" and is_beat(choice.lexeme) and intent.certainty < EMPHATIC_CERTAINTY:
             manner = {**beat_manner, **manner}
+        elif channel == "gesture" and intent.name == PICTURE_INTENT:  # a second stroke would accompany other words
+            manner = {**{name: value for name, value in beat_manner.items() if name == "repetition"}, **manner}
         yield ChosenBehaviour(channel, choice.lexeme, intent, choice.amount, choice.repetition, manner)

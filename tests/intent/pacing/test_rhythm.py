@@ -97,12 +97,14 @@ def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
     }
 
 
-def test_lively_style_neither_enlarges_nor_repeats_uncertain_beats() -> None:
-    for behaviour in gestures_of("bicycle", "joyful"):
+def test_lively_style_neither_enlarges_uncertain_beats_nor_repeats_strokes_of_pictures() -> None:
+    gestures = gestures_of("bicycle", "joyful")
+    for behaviour in gestures:
         if is_beat(behaviour.lexeme) and behaviour.intent.certainty < EMPHATIC_CERTAINTY:
             assert behaviour.manner == {"spatial": 0.0, "repetition": 0.0}
         else:
-            assert not behaviour.manner
+            assert behaviour.manner == ({"repetition": 0.0} if behaviour.intent.name == "picture" else {})
+    assert {behaviour.intent.name == "picture" for behaviour in gestures} == {True, False}
 
 
 @pytest.mark.parametrize(
