@@ -53,6 +53,8 @@ def solve_linear_program(
     """
     import highspy  # noqa: PLC0415 - takes longer to import than a gesture takes to plan, and few plans need it
 
+    from kinesic.body.quiet_highs import QuietHighs  # noqa: PLC0415 - imports highspy
+
     program = highspy.HighsLp()
     program.num_row_, program.num_col_ = matrix.shape
     program.col_cost_ = costs
@@ -61,8 +63,7 @@ def solve_linear_program(
     program.a_matrix_.format_ = highspy.MatrixFormat.kColwise
     starts, rows, program.a_matrix_.value_ = matrix.compress()
     program.a_matrix_.start_, program.a_matrix_.index_ = starts.astype(np.int32), rows.astype(np.int32)
-    solver = highspy._core._Highs()  # `highspy.Highs` prints a line before its output can be turned off
-    solver.setOptionValue("output_flag", False)
+    solver = QuietHighs()
     solver.passModel(program)
     solver.run()
     is_optimal = solver.getModelStatus() == highspy.HighsModelStatus.kOptimal
