@@ -4,6 +4,7 @@ from kinesic.extras import install_extra
 
 EXTRA_OF_PACKAGE = {  # import name of a package -> extra that installs it
     "cryptography": "cluster",
+    "PIL": "film",
     "dask": "cluster",
     "distributed": "cluster",
     "duckdb": "store",
@@ -25,4 +26,5 @@ def explain_missing(error: ModuleNotFoundError) -> str | None:
     """
     package = (error.name or "").partition(".")[0]
     extra = EXTRA_OF_PACKAGE.get(package)
-    return None if extra is None else f"this needs {package}: {install_extra(extra)}"
+    name = "Pillow" if package == "PIL" else package
+    return None if extra is None else f"this needs {name}: {install_extra(extra)}"

@@ -15,6 +15,7 @@ from kinesic.extras import install_extra
 if TYPE_CHECKING:
     from kinesic.face.gl.context import GlContext
 
+FACE_PACKAGES = {"scipy": "scipy", "PIL": "Pillow"}  # import name -> name of a package that every picture needs
 INSTALL_DRIVER = "apt-get install libegl1 libgl1"  # command that installs OpenGL on Debian and Ubuntu
 
 
@@ -32,8 +33,10 @@ def open_offscreen_context() -> "Iterator[GlContext]":
     Neither a display nor a graphics card is needed.
 
     Raises:
-        DisplayError: there is no OpenGL driver.
+        DisplayError: there is no OpenGL driver, or a package is missing.
     """
+    if problem := explain_missing_packages():
+        raise DisplayError(problem)
     from kinesic.egl import GraphicsError  # noqa: PLC0415 - as above
     from kinesic.face.gl.offscreen import open_context  # noqa: PLC0415 - only pictures need it
 
@@ -47,15 +50,17 @@ def open_offscreen_context() -> "Iterator[GlContext]":
         context.release()
 
 
-def explain_missing_scipy() -> str | None:
-    """Return how to install SciPy, which builds meshes, or None if installed."""
-    return None if find_spec("scipy") else f"scipy is not installed: {install_extra('face')}"
+def explain_missing_packages() -> str | None:
+    """Return how to install SciPy and Pillow, or None if installed.
+
+    SciPy builds the meshes, Pillow paints the skin.
+    """
+    missing = [name for module, name in FACE_PACKAGES.items() if find_spec(module) is None]
+    return f"{missing[0]} is not installed: {install_extra('face')}" if missing else None
 
 
 def find_display_problem() -> str | None:
     """Return why no picture can be drawn here, or None."""
-    if problem := explain_missing_scipy():
-        return problem
     try:
         with open_offscreen_context():
             return None

@@ -5,10 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
 
 from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
+from kinesic.files.late_pillow import Image, ImageDraw, ImageFont
 
 LETTER_HEIGHT = 0.04  # Letter height / picture height
 MAX_LINE_WIDTH = 0.86  # Largest line width / picture width
@@ -62,7 +62,7 @@ def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np
     return (x, y, x + band.width, y + band.height), colours[..., :3], colours[..., 3:] / np.float32(255)
 
 
-def _break_lines(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, most: float) -> list[str]:
+def _break_lines(text: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", most: float) -> list[str]:
     """Break caption words into lines of at most `most` [pixels].
 
     Words beyond the last line are replaced by an ellipsis.

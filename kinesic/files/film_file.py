@@ -16,10 +16,10 @@ from types import TracebackType
 from typing import BinaryIO, Protocol, Self
 
 import numpy as np
-from PIL import Image
 
 from kinesic.body.arrays import Picture
 from kinesic.extras import install_command
+from kinesic.files.late_pillow import Image
 
 PixelBox = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
 

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
 
 from kinesic.body.arrays import Picture
+from kinesic.files.late_pillow import Image
 
 
 class FilmReader:
@@ -20,11 +20,8 @@ class FilmReader:
         Raises:
             OSError: the file cannot be read, or is not a film.
         """
-        try:
-            self._film = Image.open(path)
-            self._film.load()
-        except UnidentifiedImageError as error:
-            raise OSError(str(error)) from None
+        self._film = Image.open(path)
+        self._film.load()
         self.size: tuple[int, int] = (self._film.width, self._film.height)
         self._last = getattr(self._film, "n_frames", 1) - 1
         self._seen: tuple[int, Picture] | None = None

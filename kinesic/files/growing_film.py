@@ -6,9 +6,9 @@ from io import BytesIO, RawIOBase
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from kinesic.body.arrays import Picture
+from kinesic.files.late_pillow import Image
 
 FILE_HEADER_SIZE = 12  # [bytes] size of the WebP file header: RIFF, file size and WEBP
 PICTURE_HEADER_SIZE = 16  # [bytes] size of a picture header: half left, half top, width, height, duration, flags

@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Coupling, Hinge
-from kinesic.face.display import explain_missing_scipy
+from kinesic.face.display import explain_missing_packages
 from kinesic.report.figure.skin_data import skin_data
 from kinesic.report.report import Json
 from kinesic.sim.filming.face_screen import Sheet, build_face_screen
@@ -43,11 +43,11 @@ def scene_data(robot: Robot) -> dict[str, Json]:
 
 
 def drawable(robot: Robot) -> Robot:
-    """Return a robot without its skin if SciPy is missing.
+    """Return a robot without its skin if SciPy or Pillow is missing.
 
-    The skin's mesh needs SciPy. Capsules and a screen with the face take its place.
+    The skin's mesh needs SciPy, its painting Pillow. Capsules and a screen with the face take its place.
     """
-    return robot if robot.skin is None or explain_missing_scipy() is None else replace(robot, skin=None)
+    return robot if robot.skin is None or explain_missing_packages() is None else replace(robot, skin=None)
 
 
 def read_scripts(names: tuple[str, ...]) -> str:

@@ -8,12 +8,12 @@ from typing import TypeVar
 
 import mujoco
 import numpy as np
-from PIL import Image
 
 from kinesic.body.arrays import Floats, Picture
 from kinesic.body.robot import Robot
 from kinesic.files.caption_band import Spoken, caption_box, words_at, write_caption
 from kinesic.files.film_file import EncodingError, PixelBox, open_film, picture_durations
+from kinesic.files.late_pillow import Image
 from kinesic.sim.filming.canvas import Canvas, CanvasError
 from kinesic.sim.filming.framing import (
     bounding_box,

@@ -12,6 +12,8 @@ import sys
 from collections.abc import Mapping, MutableMapping
 from functools import cache
 
+from kinesic.files.late_pillow import explain_missing_pillow
+
 INSTALL_COMMAND = "apt-get install libegl1 libgl1-mesa-dri libopengl0"
 _OFF_VALUES = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that disable drawing
 _SAFE_VALUES = (*_OFF_VALUES, "enable", "enabled", "on", "true", "1", "glfw", "glx")  # values that allow the import
@@ -52,11 +54,13 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
 
 
 def missing_libraries() -> str | None:
-    """Check libraries and MUJOCO_GL, and return the drawing obstacle, or None.
+    """Return a missing library or setting that prevents drawing, or None.
 
     Returns:
-        The reason with a remedy; None if no obstacle was found.
+        The reason with a remedy: Pillow, OpenGL or MUJOCO_GL; None if no obstacle was found.
     """
+    if problem := explain_missing_pillow():
+        return problem
     if platform.system() == "Linux":
         if missing := _find_missing_libraries():
             return f"OpenGL is missing ({', '.join(missing)}): {INSTALL_COMMAND}"

@@ -111,6 +111,7 @@ def test_face_rendering_imports_no_compiled_packages_except_the_core_dependencie
     assert set(output.split()) <= {"numpy", "scipy", "msgspec", "PIL"}
 
 
-def test_missing_scipy_is_a_display_problem(monkeypatch):
-    monkeypatch.setitem(sys.modules, "scipy", None)
-    assert find_display_problem() == f"scipy is not installed: {install_extra('face')}"
+@pytest.mark.parametrize(("module", "name"), [("scipy", "scipy"), ("PIL", "Pillow")])
+def test_missing_package_is_a_display_problem(module, name, monkeypatch):
+    monkeypatch.setitem(sys.modules, module, None)
+    assert find_display_problem() == f"{name} is not installed: {install_extra('face')}"

@@ -4,6 +4,7 @@ import sys
 
 import pytest
 
+from kinesic.files.late_pillow import explain_missing_pillow
 from kinesic.sim import gl
 
 
@@ -50,6 +51,13 @@ def test_fault_names_missing_libraries_and_install_command(no_libraries):
     assert why is not None
     assert "libEGL.so.1" in why
     assert gl.INSTALL_COMMAND in why
+
+
+def test_missing_pillow_prevents_drawing(all_libraries, monkeypatch):
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    reason = explain_missing_pillow()
+    assert reason is not None
+    assert gl.missing_libraries() == reason
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux reads MUJOCO_GL this way")

@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from kinesic.face.display import DisplayError, explain_missing_scipy
+from kinesic.face.display import DisplayError, explain_missing_packages
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -27,7 +27,7 @@ class _LateScipy:
         try:
             module = import_module(f"scipy.{name}")
         except ModuleNotFoundError:
-            if (problem := explain_missing_scipy()) is None:
+            if (problem := explain_missing_packages()) is None:
                 raise
             raise DisplayError(problem) from None
         setattr(self, name, module)

@@ -11,13 +11,13 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Floats, seal_in_place, sealed
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import WINDOW_LEFT_RIGHT, WINDOW_LOW_HIGH
 from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.pores import paint_creases, paint_oil, paint_pores
+from kinesic.files.late_pillow import Image, ImageDraw
 
 Colour = tuple[float, ...]  # red, green, blue
 

@@ -5,7 +5,6 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from kinesic.body.arrays import Picture
 from kinesic.face.display import DisplayError
@@ -13,6 +12,7 @@ from kinesic.files.film_file import MP4_SUFFIX as ENCODED
 from kinesic.files.film_file import WEBP_SUFFIX as FILM
 from kinesic.files.film_file import EncodingError, Mp4Film, WebpFilm, explain_missing_encoder, find_encoder
 from kinesic.files.film_reader import FilmReader
+from kinesic.files.late_pillow import Image
 
 PICTURE_SUFFIXES = (".png", ".webp")  # formats of single pictures
 STRIP_SUFFIX = ".png"  # suffix of a picture with all film frames in rows

@@ -6,12 +6,12 @@ Each unit is shown weak and strong, with and without wrinkles (thesis Figures 4.
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 from kinesic.body.action_units import ACTION_UNITS
 from kinesic.body.arrays import Picture
 from kinesic.face.render.camera import CLOSE_CAMERA, Camera
 from kinesic.face.render.portrait import Portrait
+from kinesic.files.late_pillow import Image, ImageDraw
 
 LOW_INTENSITY = 0.4  # intensity in the pictures of weak action units
 HIGH_INTENSITY = 1.0  # intensity in the pictures of strong action units

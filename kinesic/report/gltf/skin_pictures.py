@@ -4,11 +4,11 @@ import io
 from functools import cache
 
 import numpy as np
-from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.hair import Locks
 from kinesic.face.assets.paint import COMPLEXIONS, paint_skin
+from kinesic.files.late_pillow import Image
 
 HEM_HALF_WIDTH = 0.04  # [m] width of the clothes' texture on each side of a border
 PAINTING_SIZE = 512  # [pixels] width and height of the skin texture

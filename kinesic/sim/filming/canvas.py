@@ -6,10 +6,10 @@ from typing import Literal
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
+from kinesic.files.late_pillow import Image
 from kinesic.sim.filming.drawn_face import SCREEN_SIZE
 from kinesic.sim.filming.offscreen import Offscreen, OffscreenError
 from kinesic.sim.filming.scene_screen import has_screen, put_face
@@ -65,7 +65,7 @@ class Canvas:
                 picture = np.asarray(Image.fromarray(picture).resize(SCREEN_SIZE, Image.Resampling.BILINEAR))
             mujoco.mjr_uploadTexture(self._model, self._context, put_face(self._model, picture))
 
-    def draw(self, data: mujoco.MjData, box: PixelBox | None = None, *, sunk: PixelBox | None = None) -> Image.Image:
+    def draw(self, data: mujoco.MjData, box: PixelBox | None = None, *, sunk: PixelBox | None = None) -> "Image.Image":
         """Draw only the robot, on a transparent background.
 
         Floor and sky do not change and would take longer to draw than the robot.
@@ -89,7 +89,7 @@ class Canvas:
             drawn[_crop(drawn_area)][hidden] = 0
         return self._downsample(drawn, "RGBa")
 
-    def draw_empty(self, data: mujoco.MjData) -> Image.Image:
+    def draw_empty(self, data: mujoco.MjData) -> "Image.Image":
         """Draw the scene without the robot, in RGB."""
         whole = (0, 0, *self._size)
         self._render(data, self._room, whole)
@@ -103,7 +103,7 @@ class Canvas:
             self._floor = self._read_depths(self._find_area(whole, whole))
         return self._floor
 
-    def _downsample(self, drawn: Picture, mode: Literal["RGBa", "RGBX"]) -> Image.Image:
+    def _downsample(self, drawn: Picture, mode: Literal["RGBa", "RGBX"]) -> "Image.Image":
         """Downsample a buffer of OpenGL and flip its rows into a picture."""
         fine = Image.frombuffer("RGBX", (drawn.shape[1], drawn.shape[0]), drawn, "raw", "RGBX", 0, 1)
         coarse = fine.reduce(self._finer)

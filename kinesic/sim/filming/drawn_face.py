@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Floats, Picture, sealed
+from kinesic.files.late_pillow import Image, ImageDraw
 
 Colour = tuple[int, int, int]
 

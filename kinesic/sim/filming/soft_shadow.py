@@ -1,10 +1,10 @@
 """Soft shadow of the robot on the floor from its capsules."""
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFilter
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.files.film_file import PixelBox
+from kinesic.files.late_pillow import Image, ImageDraw, ImageFilter
 from kinesic.sim.filming.framing import project_points
 from kinesic.sim.scene_layout import SUN_DIRECTION, SceneView
 
@@ -42,7 +42,7 @@ def compute_shadow_outlines(places: Floats, radii: Floats, view: SceneView, *, s
     return sealed(project_points(view, corners, size=size)[..., :2])
 
 
-def shade(picture: Image.Image, box: PixelBox, outlines: Floats) -> None:
+def shade(picture: "Image.Image", box: PixelBox, outlines: Floats) -> None:
     """Darken a picture inside the shadow outlines.
 
     Args:

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.files.late_pillow import Image
 from kinesic.report.silhouette import (
     OWNER_COLOURS,
     OutlineWindow,

@@ -1,0 +1,25 @@
+import sys
+
+import PIL.Image
+import pytest
+
+from kinesic.files.late_pillow import Image, explain_missing_pillow
+
+
+def test_stand_in_has_the_attributes_of_the_module():
+    assert Image.fromarray is PIL.Image.fromarray
+    assert explain_missing_pillow() is None
+
+
+def test_missing_pillow_is_reported_with_its_extra(monkeypatch):
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    reason = explain_missing_pillow()
+    assert reason is not None
+    assert reason.startswith("Pillow is not installed: ")
+    assert reason.endswith('kinesic[film]"')
+    with pytest.raises(ModuleNotFoundError, match="PIL"):
+        type(Image)("ImageMath").eval  # noqa: B018 - the access imports it
+
+
+def test_stand_in_has_no_private_names():
+    assert not hasattr(Image, "__wrapped__")
