@@ -117,7 +117,7 @@ def make_clearance_watch(plan: Plan) -> ServoWatch:
     def reference(times: Floats) -> Floats:
         return plan.trajectory.sample(np.minimum(times, end))[0]
 
-    return ServoWatch(reference, setup.distances, least=setup.robot.min_clearance)
+    return ServoWatch(reference, setup.distances, min_clearance=setup.robot.min_clearance)
 
 
 def _apply_watch(

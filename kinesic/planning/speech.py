@@ -121,7 +121,10 @@ def compute_mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict
 
 
 def find_required_pauses(
-    timeline: Timeline, syncs: tuple[SyncTime, ...], most: Mapping[str, float], before: tuple[SpeechPause, ...] = ()
+    timeline: Timeline,
+    syncs: tuple[SyncTime, ...],
+    max_pauses: Mapping[str, float],
+    before: tuple[SpeechPause, ...] = (),
 ) -> tuple[SpeechPause, ...]:
     """Choose pauses that let the body arrive in time for each word.
 
@@ -130,7 +133,7 @@ def find_required_pauses(
     Args:
         timeline: as planned with the earlier pauses.
         syncs: requested and planned times.
-        most: [s] longest pause of each speech that may wait.
+        max_pauses: [s] longest pause of each speech that may wait.
         before: earlier pauses.
     """
     delays = compute_mark_delays(timeline, syncs)
@@ -139,12 +142,14 @@ def find_required_pauses(
     for timed in timeline.timed:
         name, times = timed.behaviour.id, timed.times
         shift, earlier_delay = 0.0, 0.0
-        marks = [mark for mark in _marks(timed.behaviour) if mark in times and name in most]
+        marks = [mark for mark in _marks(timed.behaviour) if mark in times and name in max_pauses]
         for mark in sorted(marks, key=lambda mark: times[mark]):
             delay, sync = delays.get((name, mark), (earlier_delay, ("", "")))
             waiting = earlier.get((name, mark), SpeechPause(name, mark, 0.0, sync))
             extra = (
-                min(delay - earlier_delay, most[name] - waiting.later) if delay - earlier_delay > SHIFT_TO_WARN else 0.0
+                min(delay - earlier_delay, max_pauses[name] - waiting.later)
+                if delay - earlier_delay > SHIFT_TO_WARN
+                else 0.0
             )
             shift, earlier_delay = shift + extra, delay
             if extra or waiting.duration:

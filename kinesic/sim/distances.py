@@ -109,7 +109,13 @@ class CapsuleDistances:
         return sealed(gaps.T)
 
     def approach(
-        self, angles: Floats, ends: Indices, *, near: float, least: float = np.inf, lowest: Floats | None = None
+        self,
+        angles: Floats,
+        ends: Indices,
+        *,
+        near: float,
+        minimum_elsewhere: float = np.inf,
+        end_distances: Floats | None = None,
     ) -> Clearance:
         """Find the closest approach in each interval of a motion.
 
@@ -122,22 +128,23 @@ class CapsuleDistances:
             ends: (m,) non-decreasing index of the last posture of each interval; an interval begins after the
                 previous one.
             near: [m] every approach below this distance is found.
-            least: [m] smallest distance found in other parts of the motion.
-            lowest: (p, m) [m] result of `lowest` for the postures at the ends, if already computed.
+            minimum_elsewhere: [m] smallest distance found in other parts of the motion.
+            end_distances: (p, m) [m] result of `lowest` for the postures at the ends, if already computed.
 
         Returns:
             Distance and pair for each interval. The distance is the minimum over all postures of the interval if that
-            minimum is below `near`, or below `least` and below the distance at every end. Otherwise it is the
-            distance at the end of the interval. The smallest returned distance is that of the whole motion.
+            minimum is below `near`, or below `minimum_elsewhere` and below the distance at every end. Otherwise it is
+            the distance at the end of the interval. The smallest returned distance is that of the whole motion.
         """
         if not self._names or not len(ends):
             return self.clearance(angles[ends])
-        if lowest is None:
-            lowest = self.lowest(body_frames(self._robot, angles[ends]), angles[ends])
+        if end_distances is None:
+            end_distances = self.lowest(body_frames(self._robot, angles[ends]), angles[ends])
         distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
-        pairs[ends] = lowest.argmin(axis=0)
-        distances[ends] = lowest.min(axis=0)
-        candidates = suspects(angles, ends, lowest, self._reaches, limit=max(near, min(least, float(lowest.min()))))
+        pairs[ends] = end_distances.argmin(axis=0)
+        distances[ends] = end_distances.min(axis=0)
+        limit = max(near, min(minimum_elsewhere, float(end_distances.min())))
+        candidates = suspects(angles, ends, end_distances, self._reaches, limit=limit)
         distances[candidates], pairs[candidates] = self._find_nearest(angles, candidates)
         chosen, stretches = ends.copy(), np.searchsorted(ends, candidates)
         nearer = np.flatnonzero(distances[candidates] < distances[ends[stretches]])

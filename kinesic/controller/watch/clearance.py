@@ -34,7 +34,7 @@ class ClearanceWatch:
 
     strayed: tuple[Floats, ...] = ()  # (n,) [rad] measured minus planned at the last evaluations, the latest last
     swung: tuple[Floats, ...] = ()  # (n,) [rad] errors that may change sign; 0 once servos no longer oscillate
-    room: float = inf  # [m] forecast clearance
+    forecast_clearance: float = inf  # [m] smallest clearance within the lookahead time
     pace: float = 1.0  # time scale
     crept: float = 0.0  # [s] duration of creeping
     near: bool = False  # whether the measured clearance is below the reserve
@@ -49,7 +49,7 @@ class ClearanceWatch:
 
 
 def look_ahead(
-    watch: ClearanceWatch, coming: Floats, strayed: Floats, distances: Distances, *, least: float
+    watch: ClearanceWatch, coming: Floats, strayed: Floats, distances: Distances, *, min_clearance: float
 ) -> ClearanceWatch:
     """Update the clearance watch from the postures expected next.
 
@@ -58,7 +58,7 @@ def look_ahead(
         coming: (k, n) [rad] planned postures of the next `LOOKAHEAD_TIME` seconds, the present one first.
         strayed: (n,) [rad] measured minus planned now; NaN for a servo that did not answer.
         distances: of the robot.
-        least: [m] required clearance of the robot.
+        min_clearance: [m] required clearance of the robot.
     """
     error = sealed(np.nan_to_num(strayed))
     recent = (*watch.strayed, error)[-1 - _MEMORY_LOOKS :]
@@ -66,24 +66,27 @@ def look_ahead(
     errors = np.concatenate([np.array(recent[::-LOOKS_PER_ERROR]), -np.array(swung[::-LOOKS_PER_ERROR])])
     disturbed = (coming[:, None] + errors).reshape(-1, len(strayed))
     clearances = distances.clearance(disturbed).distances
-    room, present = float(clearances.min()), float(clearances[0])
-    pace = choose_pace(room, least)
+    forecast_clearance, present = float(clearances.min()), float(clearances[0])
+    pace = choose_pace(forecast_clearance, min_clearance)
     crept = watch.crept + LOOK_PERIOD if pace <= CREEP_PACE else 0.0
-    near = present < RESERVE_FRACTION * least
-    return replace(watch, strayed=recent, swung=swung, room=room, pace=pace, crept=crept, near=near)
+    near = present < RESERVE_FRACTION * min_clearance
+    return replace(
+        watch, strayed=recent, swung=swung, forecast_clearance=forecast_clearance, pace=pace, crept=crept, near=near
+    )
 
 
-def choose_pace(room: float, least: float) -> float:
+def choose_pace(forecast_clearance: float, min_clearance: float) -> float:
     """Return the fraction of the planned speed for a forecast clearance.
 
     Args:
-        room: [m] forecast clearance.
-        least: [m] required clearance of the robot.
+        forecast_clearance: [m] smallest clearance within the lookahead time.
+        min_clearance: [m] required clearance of the robot.
 
     Returns:
         `CREEP_PACE` to 1.
     """
-    return min(1.0, max(CREEP_PACE, (room / least - CREEP_FRACTION) / (SLOWING_FRACTION - CREEP_FRACTION)))
+    fraction = (forecast_clearance / min_clearance - CREEP_FRACTION) / (SLOWING_FRACTION - CREEP_FRACTION)
+    return min(1.0, max(CREEP_PACE, fraction))
 
 
 def lookahead_times(time: float, end: float) -> Floats:
@@ -94,6 +97,6 @@ def lookahead_times(time: float, end: float) -> Floats:
     return sealed(np.minimum(time + LOOK_PERIOD * np.arange(_LOOKAHEAD_LOOKS + 1), end))
 
 
-def needs_slowing(rooms: Floats, robot: Robot) -> bool:
+def needs_slowing(clearances: Floats, robot: Robot) -> bool:
     """Return whether any predicted clearance (k,) [m] requires a slower motion."""
-    return bool(rooms.min() < SLOWING_FRACTION * robot.min_clearance)
+    return bool(clearances.min() < SLOWING_FRACTION * robot.min_clearance)

@@ -53,15 +53,15 @@ class WrittenPostures:
 class ServoWatch:
     """Clearance watch of one robot's servos."""
 
-    def __init__(self, reference: Callable[[Floats], Floats], distances: Distances, *, least: float) -> None:
+    def __init__(self, reference: Callable[[Floats], Floats], distances: Distances, *, min_clearance: float) -> None:
         """Create the watch, before any servo status has arrived.
 
         Args:
             reference: returns planned postures (k, n) [rad] at performance times (k,) [s], also beyond the end.
             distances: of the robot.
-            least: [m] required clearance of the robot.
+            min_clearance: [m] required clearance of the robot.
         """
-        self._reference, self._distances, self._least = reference, distances, least
+        self._reference, self._distances, self._min_clearance = reference, distances, min_clearance
         self._clocks: deque[float] = deque(maxlen=MAX_STORED_CYCLES)  # [s] clock of each cycle
         self._times: deque[float] = deque(maxlen=MAX_STORED_CYCLES)  # [s] performance time of each cycle
         self._strayed = self._taken = np.zeros(0)  # (n,) [rad] error and [s] measurement time; empty at first
@@ -114,7 +114,7 @@ class ServoWatch:
     def _look(self, status: Status) -> None:
         strayed = np.where(status.clock - self._taken <= MAX_READING_AGE, self._strayed, np.nan)
         coming = self._reference(lookahead_times(status.time, np.inf))
-        self.watch = look_ahead(self.watch, coming, sealed(strayed), self._distances, least=self._least)
+        self.watch = look_ahead(self.watch, coming, sealed(strayed), self._distances, min_clearance=self._min_clearance)
 
     def _forget(self) -> None:
         """Discard all tracking errors after a stop or a new motion.

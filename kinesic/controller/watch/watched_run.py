@@ -81,7 +81,7 @@ def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: 
         strayed = twin.positions() - angles
         if len(times) % TICKS_PER_LOOK == 0:
             coming = plan.trajectory.sample(lookahead_times(clock.time, end))[0]
-            watch = look_ahead(watch, coming, strayed, setup.distances, least=setup.robot.min_clearance)
+            watch = look_ahead(watch, coming, strayed, setup.distances, min_clearance=setup.robot.min_clearance)
         times.append(clock.time)
         duties.append(feed_forward.duties[0])
         paces.append(clock.scale)

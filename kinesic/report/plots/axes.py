@@ -278,17 +278,17 @@ class PlotAxes:
         return places
 
 
-def nice_ticks(first: float, last: float, most: int) -> list[tuple[float, str]]:
+def nice_ticks(first: float, last: float, max_count: int) -> list[tuple[float, str]]:
     """Return round values between two limits, with their labels.
 
-    They divide the range into at most `most` intervals.
+    They divide the range into at most `max_count` intervals.
     """
     low, high = sorted((first, last))
-    least = (high - low) / most
-    if not least > 0 or not np.isfinite(least):
+    min_step = (high - low) / max_count
+    if not min_step > 0 or not np.isfinite(min_step):
         return []
-    power = 10.0 ** floor(log10(least))
-    step = next(factor * power for factor in TICK_STEPS if factor * power >= least * (1 - 1e-9))
+    power = 10.0 ** floor(log10(min_step))
+    step = next(factor * power for factor in TICK_STEPS if factor * power >= min_step * (1 - 1e-9))
     digits = next(digits for digits in range(12) if abs(round(step, digits) - step) < 1e-6 * step)
     counts = range(ceil(low / step - 1e-9), floor(high / step + 1e-9) + 1)
     return [(count * step, f"{count * step + 0.0:.{digits}f}".replace("-", "\u2212")) for count in counts]

@@ -17,12 +17,12 @@ def fit_text(words: str, width: float) -> str:
     return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
 
 
-def spaced_indices(times: Iterable[float], least: float) -> list[int]:
-    """Return the indices of times at least `least` [s] apart."""
+def spaced_indices(times: Iterable[float], min_interval: float) -> list[int]:
+    """Return the indices of times at least `min_interval` [s] apart."""
     kept: list[int] = []
     last = -np.inf
     for k, time in enumerate(times):
-        if time - last >= least:
+        if time - last >= min_interval:
             kept.append(k)
             last = time
     return kept

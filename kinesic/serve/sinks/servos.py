@@ -49,7 +49,7 @@ class RealServos:
 
     def _start_watch(self) -> None:
         self._written = WrittenPostures()
-        self._watch = ServoWatch(self._written, self._distances, least=self._min_clearance)
+        self._watch = ServoWatch(self._written, self._distances, min_clearance=self._min_clearance)
 
     def write(self, command: Command, /) -> None:
         """Forward one command if the servos are armed."""

@@ -77,26 +77,26 @@ def _parse_obj(text: str) -> Triangles:
     return Triangles(sealed(np.array(vertices).reshape(-1, 3)), mesh)
 
 
-def simplify(surface: Triangles, most: int) -> Triangles:
-    """Merge nearby vertices until at most `most` triangles are left.
+def simplify(surface: Triangles, max_triangles: int) -> Triangles:
+    """Merge nearby vertices until at most `max_triangles` are left.
 
     Args:
         surface: Mesh of any size.
-        most: Largest number of triangles.
+        max_triangles: Largest number of triangles.
     """
     surface = _remove_far_triangles(surface, MAX_VERTEX_COORDINATE)
     size = float(np.ptp(surface.vertices, axis=0).max()) if len(surface.vertices) else 0.0
     low, high, best = size / MAX_GRID_CELLS, size, surface
-    if len(surface.corners) <= most or size == 0.0:
+    if len(surface.corners) <= max_triangles or size == 0.0:
         return surface
     for _ in range(CELL_BISECTIONS):
         cell = (low + high) / 2
         candidate = _merge_vertices(surface, cell)
-        if len(candidate.corners) <= most:
+        if len(candidate.corners) <= max_triangles:
             high, best = cell, candidate
         else:
             low = cell
-    return best if len(best.corners) <= most else _merge_vertices(surface, size)
+    return best if len(best.corners) <= max_triangles else _merge_vertices(surface, size)
 
 
 def _remove_far_triangles(surface: Triangles, max_coordinate: float) -> Triangles:

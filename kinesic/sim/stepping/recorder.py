@@ -51,7 +51,7 @@ class Recorder:
         self._spent: Spent | None = None  # at the last step of the previous window
         self._energy, self._volts, self._winding_names = 0.0, inf, tuple[str, ...]()
         self._last = np.empty((0, 0))  # (p, 1) [m] pair distances in the last posture; (0, 0) before the first window
-        self._least = inf  # [m] smallest distance at the commands of previous windows
+        self._minimum = inf  # [m] smallest distance at the commands of previous windows
 
     def add(self, log: StepLog) -> None:
         """Measure the physics steps of a log as the next time window.
@@ -94,13 +94,13 @@ class Recorder:
             motion.postures,
             np.append([0] * previous_postures, ends).astype(np.intp),
             near=self._robot.min_clearance,
-            least=self._least,
-            lowest=np.hstack([self._last, lowest]) if previous_postures else lowest,
+            minimum_elsewhere=self._minimum,
+            end_distances=np.hstack([self._last, lowest]) if previous_postures else lowest,
         )
         self._add(distances=approach.distances[previous_postures:], **dict(zip(SIDES, hands, strict=True)))
         self._pairs += approach.pairs[previous_postures:]
         self._last = lowest[:, -1:].copy()
-        self._least = min(self._least, float(lowest.min(initial=inf)))
+        self._minimum = min(self._minimum, float(lowest.min(initial=inf)))
 
     def _add(self, **window: Floats) -> None:
         """Store the measurements at the commands of one time window.

@@ -63,13 +63,13 @@ def stroke_error(planned: Plan) -> float:
     return max(strokes, key=abs, default=float("nan"))
 
 
-def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
+def key_postures(form: GestureForm, planned: Plan, max_count: int) -> Show:
     """Return key postures and palm paths of an isolated gesture.
 
     Args:
         form: form of the gesture.
         planned: plan from `plan_gesture`.
-        most: at least 2; the stroke and, if possible, the first and last posture are included.
+        max_count: at least 2; the stroke and, if possible, the first and last posture are included.
 
     Raises:
         BmlError: the gesture could not be planned.
@@ -83,7 +83,7 @@ def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
         posture for posture in _make_arm_postures(form, planned) if first.requested <= posture.time <= last.requested
     ]
     middle = int(np.argmin([abs(posture.time - stroke.requested) for posture in stroke_keys]))
-    chosen = _choose_spread_indices(len(stroke_keys), middle, most)
+    chosen = _choose_spread_indices(len(stroke_keys), middle, max_count)
     path_times = planned.trajectory.zero + np.linspace(first.planned, last.planned, _PATH_POINTS)
     frames = planned.setup.robot.skeleton.frames(planned.trajectory.sample(path_times)[0])
     paths = {side: _trace_palm(planned, side, frames.rotations, frames.origins) for side in SIDES if side in form.sides}
@@ -111,12 +111,12 @@ def _without_blink(units: Mapping[str, float]) -> dict[str, float]:
     return {unit: value for unit, value in units.items() if unit.lstrip("LR") != BLINK_UNIT}
 
 
-def _choose_spread_indices(count: int, middle: int, most: int) -> list[int]:
+def _choose_spread_indices(count: int, middle: int, max_count: int) -> list[int]:
     """Return evenly spread indices that include first, middle and last."""
-    if count <= most:
+    if count <= max_count:
         return list(range(count))
-    indices = np.round(np.linspace(0, count - 1, most)).astype(int)
-    inner = 1 + int(np.argmin(np.abs(indices[1:-1] - middle))) if most > 2 else most - 1
+    indices = np.round(np.linspace(0, count - 1, max_count)).astype(int)
+    inner = 1 + int(np.argmin(np.abs(indices[1:-1] - middle))) if max_count > 2 else max_count - 1
     if middle not in (0, count - 1):
         indices[inner] = middle
     return sorted({int(k) for k in indices} | {middle})

@@ -26,19 +26,19 @@ WALL = Wall()
 
 
 def seen(watch: ClearanceWatch, *coming: float, strayed: float) -> ClearanceWatch:
-    return look_ahead(watch, np.array(coming)[:, None], np.array([strayed]), WALL, least=MIN_CLEARANCE)
+    return look_ahead(watch, np.array(coming)[:, None], np.array([strayed]), WALL, min_clearance=MIN_CLEARANCE)
 
 
 def test_clearance_watch_keeps_full_speed_at_ample_clearance():
     watch = seen(ClearanceWatch(), 0.05, 0.03, strayed=0.01)
-    assert watch.room == pytest.approx(0.02)
+    assert watch.forecast_clearance == pytest.approx(0.02)
     assert (watch.pace, watch.over) == (1.0, False)
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_clearance_watch_adds_and_subtracts_the_tracking_error_from_coming_postures(way):
     watch = seen(ClearanceWatch(), 0.05, 0.02, 0.04, strayed=0.013 * way)
-    assert watch.room == pytest.approx(0.007)
+    assert watch.forecast_clearance == pytest.approx(0.007)
     assert CREEP_PACE < watch.pace < 1.0
 
 
@@ -53,10 +53,10 @@ def test_clearance_watch_remembers_a_tracking_error_for_the_memory_duration():
     watch = seen(ClearanceWatch(), 0.02, strayed=0.02)
     for _ in range(round(ERROR_MEMORY / LOOK_PERIOD) - 1):
         watch = seen(watch, 0.02, strayed=0.0)
-    assert min(watch.room, seen(watch, 0.02, strayed=0.0).room) == pytest.approx(0.0)
+    assert min(watch.forecast_clearance, seen(watch, 0.02, strayed=0.0).forecast_clearance) == pytest.approx(0.0)
     for _ in range(3):
         watch = seen(watch, 0.02, strayed=0.0)
-    assert (watch.room, watch.pace) == (pytest.approx(0.02), 1.0)
+    assert (watch.forecast_clearance, watch.pace) == (pytest.approx(0.02), 1.0)
 
 
 def test_clearance_watch_ends_after_the_maximum_time_at_minimum_speed():
@@ -89,7 +89,7 @@ def test_clearance_watch_expects_the_latest_tracking_error_in_both_directions(wa
     watch = ClearanceWatch()
     for strayed, room in ((0.0, 0.05), (0.02, 0.03), (0.0, 0.05), (0.03, 0.02)):
         watch = seen(watch, 0.05, strayed=way * strayed)
-        assert watch.room == pytest.approx(room)
+        assert watch.forecast_clearance == pytest.approx(room)
 
 
 def test_clearance_watch_at_minimum_speed_applies_the_error_only_with_its_sign():
@@ -97,7 +97,7 @@ def test_clearance_watch_at_minimum_speed_applies_the_error_only_with_its_sign()
     while watch.pace <= CREEP_PACE or not looks:
         watch, looks = seen(watch, 0.02, strayed=0.019), looks + 1
     assert looks * LOOK_PERIOD == pytest.approx(SETTLING_TIME + ERROR_MEMORY, abs=3 * LOOK_PERIOD)
-    assert watch.room == pytest.approx(0.02)
+    assert watch.forecast_clearance == pytest.approx(0.02)
 
 
 def test_time_at_minimum_speed_is_reset_when_the_watch_speeds_up():
@@ -108,7 +108,7 @@ def test_time_at_minimum_speed_is_reset_when_the_watch_speeds_up():
 
 
 def test_servo_without_answer_counts_as_zero_tracking_error():
-    assert seen(ClearanceWatch(), 0.02, strayed=np.nan).room == pytest.approx(0.02)
+    assert seen(ClearanceWatch(), 0.02, strayed=np.nan).forecast_clearance == pytest.approx(0.02)
 
 
 def test_clearance_lookahead_ends_with_the_motion():

@@ -45,7 +45,7 @@ def nearing(times):
 
 
 def watch(reference=standing):
-    return ServoWatch(reference, Wall(), least=MIN_CLEARANCE)
+    return ServoWatch(reference, Wall(), min_clearance=MIN_CLEARANCE)
 
 
 def status(time, angle, *, taken=None, clock=None, stage=Stage.ACTIVE):
