@@ -298,3 +298,19 @@ def test_hostile_names_and_texts_never_run_and_broken_answers_are_ignored(studio
     studio.page.value("document.querySelector('#search').value = ''")
     studio.write(WORDS)
     assert studio.page.value("document.querySelector('#fault').hidden")
+
+
+def test_every_entry_of_the_palette_is_performed_without_writing_xml(studio: Studio):
+    studio.write('<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="new"></bml>')
+    page, line = studio.page, "document.querySelector('#line')"
+    page.value(f"{line}.value = 'Hello & welcome.'; document.querySelector('#say-line').requestSubmit(); 0")
+    values = page.value("[...document.querySelectorAll('#add option')].map(each => each.value).filter(each => each)")
+    menu = "document.querySelector('#add')"
+    for number, value in enumerate(values):
+        page.value(f"kinesicStudio.playback.player.duration = 99; kinesicStudio.playback.player.seek({3 * number}); 0")
+        page.value(f"{menu}.value = {value!r}; {menu}.dispatchEvent(new Event('change')); 0")
+    count = 1 + len(values)
+    studio.until(f"s.draft.behaviours.length === {count} || !document.querySelector('#fault').hidden")
+    outcomes = {item["id"]: (item["outcome"], item["why"]) for item in studio.state("draft")["behaviours"]}
+    assert {outcome for outcome, _ in outcomes.values()} == {"realised"}, outcomes
+    assert "Hello &amp; welcome." in studio.state("text")

@@ -9,6 +9,7 @@ import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
 import { Motion } from "./motion.ts";
+import { listenToPalette } from "./palette.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Playback } from "./playback.ts";
 import { Robot } from "./robot.ts";
@@ -92,6 +93,7 @@ class App {
       say: (text) => this.robot.live.say(text),
     });
     this.listen();
+    listenToPalette((edit) => this.add(edit));
     fillMenus(this.about);
     this.files.begin();
   }
@@ -171,9 +173,16 @@ class App {
   }
 
   private insert(lexeme: string): void {
+    this.add((text, time) => ({ text: addGesture(text, lexeme, time), id: null }));
+  }
+
+  /** Add a behaviour at the time of the slider, and select it if it has an id. */
+  private add(edit: (text: string, time: number) => { text: string; id: string | null } | null): void {
     const time = Math.max(0, this.playback.player.time - (this.draft?.zero ?? 0));
     if (this.isGesture) this.robot.live.say("open a document first; this is a gesture");
-    else this.edit(addGesture(this.document, lexeme, time));
+    const added = this.isGesture ? null : edit(this.document, time);
+    if (added?.id) this.chosen = added.id;
+    if (added) this.edit(added.text);
   }
 
   private setManner(name: string, value: number | null): void {

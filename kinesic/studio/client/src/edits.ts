@@ -108,14 +108,26 @@ export function alone(lexeme: string, manner: ReadonlyMap<string, number>, numbe
   return [...manner].reduce((text, [name, value]) => setManner(text, id, name, value), asked);
 }
 
+/** Document with a new behaviour. */
+export interface Added {
+  text: string;
+  id: string;
+}
+
+/** Append an element at the end of a document, with a new id; null if the text is no document. */
+export function append(text: string, stem: string, write: (prefix: string, id: string) => string): Added | null {
+  const end = findTags(text).findLast((tag) => tag.name === "bml" && (tag.closing || tag.empty));
+  if (!end) return null;
+  const id = unusedId(text, stem, false);
+  const line = `  ${write(end.prefix, id)}\n`;
+  if (end.closing) return { id, text: text.slice(0, end.from) + line + text.slice(end.from) };
+  return { id, text: `${text.slice(0, end.to - 2).trimEnd()}>\n${line}</${end.prefix}bml>${text.slice(end.to)}` };
+}
+
 /** Append a gesture at a block time [s]. */
 export function addGesture(text: string, lexeme: string, time: number): string {
-  const tags = findTags(text);
-  const end = tags.findLast((tag) => tag.name === "bml" && (tag.closing || tag.empty));
-  if (!end) return text;
   const stem = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
-  const id = unusedId(text, /^[a-z_]/.test(stem) ? stem : `g_${stem}`, false);
-  const line = `  <${end.prefix}gesture id="${id}" lexeme="${escapeXml(lexeme)}" start="${formatTime(time)}"/>\n`;
-  if (end.closing) return text.slice(0, end.from) + line + text.slice(end.from);
-  return `${text.slice(0, end.to - 2).trimEnd()}>\n${line}</${end.prefix}bml>${text.slice(end.to)}`;
+  const write = (prefix: string, id: string) =>
+    `<${prefix}gesture id="${id}" lexeme="${escapeXml(lexeme)}" start="${formatTime(time)}"/>`;
+  return append(text, /^[a-z_]/.test(stem) ? stem : `g_${stem}`, write)?.text ?? text;
 }

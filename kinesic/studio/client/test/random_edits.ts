@@ -1,6 +1,7 @@
 // Random edits of documents.
 import { readdirSync, readFileSync } from "node:fs";
 import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "../src/edits.ts";
+import { addEntry, addSpeech, PALETTE } from "../src/palette.ts";
 import { BLOCK, findTags } from "../src/xml.ts";
 
 export const welcome = readFileSync("../../configs/bml/welcome.bml", "utf8");
@@ -23,13 +24,15 @@ export function randomly(seed: number): () => number {
 
 const VALUES = ['a & "b"', "<'>", "]]>", "\u0000\u000b\ud800\uffff", "\u{1f600} ä", "--", ""];
 
+const ENTRIES = Object.entries(PALETTE).flatMap(([group, all]) => all.map(({ label }) => `${group}/${label}`));
+
 /** Return a text after a random edit. */
 export function edited(text: string, random: () => number): string {
   const one = <T>(items: readonly T[]): T => items[Math.floor(random() * items.length)]!;
   const ids = findTags(text).flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
   const id = ids.length > 1 ? one(ids.slice(1)) : "none"; // not the document itself
   const time = random() * 9;
-  switch (Math.floor(random() * 9)) {
+  switch (Math.floor(random() * 11)) {
     case 0:
       return tie(text, id, "stroke", { time });
     case 1:
@@ -46,6 +49,10 @@ export function edited(text: string, random: () => number): string {
       return setManner(text, one([id, BLOCK]), one(["power", "spatial"]), random() < 0.2 ? null : random());
     case 7:
       return setManner(text, id, "style", one(["shy", null, ...VALUES]));
+    case 8:
+      return addSpeech(text, one(VALUES), time)?.text ?? text;
+    case 9:
+      return addEntry(text, one(ENTRIES), time)?.text ?? text;
     default:
       return mark(text, one([id, "s"]), "start", Math.floor(random() * 5)).text;
   }
