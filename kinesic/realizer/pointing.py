@@ -82,7 +82,7 @@ class PointingStroke:
 
     def miss(self, motion: Trajectory, robot: Robot) -> float:
         """Return the pointing error [rad] in a motion."""
-        return self.pointer.miss(motion.sample(np.array([self.time]))[0][0], robot)
+        return self.pointer.miss(motion.at(self.time).angles, robot)
 
 
 def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
@@ -118,7 +118,7 @@ def correct_pointing(
         The corrected motion, or None if it would exceed limits or collide.
     """
     robot, limits = setup.robot, widen_limits(setup.limits)
-    posture = motion.sample(np.array([stroke.time]))[0][0]
+    posture = motion.at(stroke.time).angles
     change = stroke.pointer.arm(posture, robot) - posture
     at, occupancy = stroke.time - motion.start, stroke.occupancy.shifted(-motion.start)
     same = [other.shifted(-motion.start) for other in others if f"{stroke.pointer.side}_hand" in other.roles]

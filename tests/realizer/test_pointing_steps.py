@@ -94,9 +94,9 @@ def stroke(*, time=0.5, occupancy=None, change=0.1) -> PointingStroke:
     return PointingStroke(pointer, START + time, (occupancy or use()).shifted(START))
 
 
-def correct(known, *, time=0.1, others=(), count=100, **options):
+def correct(known, *, time=0.1, others=(), count=100, angle=0.3, **options):
     others = [other.shifted(START) for other in others]
-    return correct_pointing(motion(count, angle=0.3, start=START), START + time, stroke(**options), others, known)
+    return correct_pointing(motion(count, angle=angle, start=START), START + time, stroke(**options), others, known)
 
 
 def test_correction_is_complete_from_the_stroke_to_its_relax_point(known, corrections):
@@ -164,7 +164,7 @@ def test_hinge_without_a_correction_within_limits_keeps_its_motion(known, correc
     monkeypatch.setattr(module, "keep_limits", lambda *_: None)
     np.testing.assert_array_equal(correct(known).controls, 0.3)
     corrections[0].clear()
-    correct(known, change=1e-9)
+    correct(known, change=1e-9, angle=0.0)
     assert corrections[0] == []
 
 
@@ -266,7 +266,7 @@ def restored(monkeypatch):
 
         monkeypatch.setattr(module, "correct_pointing", correct)
         monkeypatch.setattr(module.PointingStroke, "miss", miss)
-        monkeypatch.setattr(module, "_reference_miss", lambda *_: usual)
+        monkeypatch.setattr(module, "_reference_miss", lambda before, *_: {"before": usual}[before])
         monkeypatch.setattr(module, "_with_motion", with_motion)
         pointer = PointingHand("p", "r", None, np.zeros(3))
         assert _restore_hand("before", stage, block, pointer, now) is stage
@@ -288,6 +288,7 @@ def test_hand_that_misses_its_target_is_corrected(restored):
     [
         ({"bent": 0.5 + 0.99 * TOLERANCE, "usual": 0.5}, False),
         ({"bent": 0.5 + 1.01 * TOLERANCE, "usual": 0.5}, True),
+        ({"bent": TOLERANCE}, False),
         ({"now": 3.5}, False),
         ({"now": 3.49}, True),
         ({"merged": None}, False),
@@ -309,6 +310,7 @@ def test_only_future_strokes_that_miss_more_than_usual_are_corrected(restored, c
         ({"corrected": 0.5}, "corrected", 29),
         ({"corrected": 0.5, "usual": 0.5 - 1.01 * TOLERANCE}, "corrected", 29),
         ({"corrected": 0.5, "usual": 0.5 - 0.99 * TOLERANCE}, "corrected", None),
+        ({"corrected": TOLERANCE}, "corrected", None),
     ],
 )
 def test_remaining_pointing_error_is_reported(restored, changes, motion, error):
