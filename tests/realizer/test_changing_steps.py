@@ -56,7 +56,7 @@ def steps(monkeypatch, running):
 
     def restore(before, after, now):
         given["restore_pointing"] = (before, after, now)
-        return after.with_feedback(ScheduledFeedback(0.4, "points elsewhere", 0))
+        return after.with_feedback(ScheduledFeedback(now, "points elsewhere", 0))
 
     for name in results:
         monkeypatch.setattr(module, name, step(name))
@@ -113,8 +113,9 @@ def test_playing_block_joins_its_new_plan_with_its_speech(scene, running, better
     assert given["restore_pointing"][0] is before
     assert given["restore_pointing"][2] == 0.3
     assert after.outgoing_feedback == waiting
-    texts = [message for message in after.agenda if message.content == "points elsewhere"]
-    assert len(texts) == 1
+    warning, *others = [message.xml for message in after.agenda if message.time == 0.3]
+    assert warning == "points elsewhere"
+    assert any("<predictionFeedback" in text for text in others)
     assert [message.time for message in after.agenda] == sorted(message.time for message in after.agenda)
     (stroke,) = [message.time for message in after.agenda if getattr(message.content, "point", "") == "stroke"]
     assert stroke == pytest.approx(running.zero + 0.66)

@@ -111,6 +111,7 @@ def test_motion_truncated_before_a_knot_keeps_the_later_control_points(planned, 
     cut = len(running.controls) - len(left.controls)
     assert cut == min(max(knot, 0), len(running.controls) - 7)
     np.testing.assert_array_equal(left.controls, running.controls[cut:])
+    assert (left.zero, left.start) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(("late", "rejoins"), [(0.0, False), (1.0, True)])

@@ -157,13 +157,14 @@ def test_motion_without_a_block_lacks_its_layer_and_rests_its_arms(known, count)
     layer[15:, arm] = 0.05
     current[:, [NECK, arm]] += 0.3
     current[5, arm] += 0.4
+    current[-1, arm] += 0.1
     current[:20, 0] = 0.02
     after = _motion_without_block(
         current, Trajectory(layer, 0.0), [use("o", "look", offset=0.3 * np.eye(22)[NECK])], robot
     )
     assert len(after) == 30
     np.testing.assert_allclose(after[:, NECK], np.where((np.arange(30) < 10) | (np.arange(30) >= 15), 0.3, 0.2))
-    np.testing.assert_allclose(after[:, arm], robot.skeleton.rest[arm] + 0.25)
+    np.testing.assert_allclose(after[:, arm], robot.skeleton.rest[arm] + 0.35)
     np.testing.assert_allclose(after[:, 0], current[:, 0])
 
 
