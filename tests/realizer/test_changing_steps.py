@@ -5,13 +5,21 @@ from types import SimpleNamespace
 
 import pytest
 
-from kinesic.bml.block import Notice, NoticeType
+from kinesic.bml.block import Notice, NoticeType, ParameterChange
 from kinesic.bml.composition import BlockState
 from kinesic.bml.parse import parse
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer import changing as module
-from kinesic.realizer.changing import _announce, _has_equal_speech, _parameter_change, change_style, improve_block
+from kinesic.realizer.changing import (
+    _announce,
+    _has_equal_speech,
+    _parameter_change,
+    change_parameter,
+    change_style,
+    improve_block,
+    take_replans,
+)
 from kinesic.realizer.feedback import ScheduledFeedback, times_by_behaviour
 from kinesic.realizer.realizer import begin, prepare_block
 from kinesic.realizer.request import Message, read_request
@@ -113,6 +121,7 @@ def test_playing_block_joins_its_new_plan_with_its_speech(scene, running, better
     assert given["restore_pointing"][0] is before
     assert given["restore_pointing"][2] == 0.3
     assert after.outgoing_feedback == waiting
+    assert waiting[0] not in after.agenda
     warning, *others = [message.xml for message in after.agenda if message.time == 0.3]
     assert warning == "points elsewhere"
     assert any("<predictionFeedback" in text for text in others)
@@ -162,6 +171,32 @@ def test_style_of_one_block_keeps_the_style_of_later_blocks(scene):
     whole = change_style(scene, 0.2, style="calm")
     assert whole.setup.style.name == "calm"
     assert whole.replans[0].block.behaviours[0].manner.style is None
+
+
+def test_amount_changed_after_the_style_keeps_the_style(scene):
+    after = change_style(change_style(scene, 0.2, style="calm", block="a"), 0.2, amount=0.5)
+    (behaviour,) = after.replans[0].block.behaviours
+    assert (behaviour.action.amount, behaviour.manner.style) == (0.5, "calm")
+
+
+@pytest.mark.parametrize(
+    ("target", "replans", "spatial"), [("a", 1, 0.5), ("a:h", 1, 0.5), ("a:other", 1, None), ("b", 0, None)]
+)
+def test_parameter_of_one_behaviour_or_of_all_behaviours_of_a_block_changes(scene, running, target, replans, spatial):
+    after = change_parameter(scene, running, "p", ParameterChange(target, "spatial", "0.5"), 0.2)
+    remaining, requests = take_replans(after)
+    assert (remaining.replans, len(requests)) == ((), replans)
+    assert [request.block.behaviours[0].manner.spatial for request in requests] == [spatial] * replans
+    assert remaining.motion is scene.motion
+
+
+def test_sender_of_an_invalid_parameter_change_is_warned(scene, running):
+    after = change_parameter(scene, running, "p", ParameterChange("a", "volume", "0.5"), 0.2)
+    assert after.replans == ()
+    *earlier, warning = after.outgoing_feedback
+    assert tuple(earlier) == scene.outgoing_feedback
+    assert 'id="a:p" type="CUSTOM_BEHAVIOUR_NOT_SUPPORTED"' in warning.xml
+    assert warning.time == 0.2
 
 
 def test_block_whose_changed_behaviours_cannot_be_timed_is_warned(scene, monkeypatch):
@@ -256,10 +291,12 @@ def test_new_plan_reports_what_the_sender_does_not_know_yet(scene, running, bett
 @pytest.mark.parametrize(("shift", "is_predicted"), [(0.9 * SHIFT_TO_WARN, False), (1.1 * SHIFT_TO_WARN, True)])
 def test_new_plan_is_predicted_if_its_times_change(scene, running, better, shift, is_predicted):
     new = replace(running, predicted=(running.zero + shift, running.times))
-    noticed = replace(better, notices=(NEW,))
+    noticed = replace(better, notices=(NEW, OLD))
     new = replace(new, prepared=replace(new.prepared, plan=noticed))
-    after = _announce(replace(scene, agenda=()), running, new, 0.4)
-    assert ["<predictionFeedback" in message.xml for message in after.agenda] == [True] * is_predicted + [False]
+    after = _announce(replace(scene, agenda=(ScheduledFeedback(0.4, "sent later", 0),)), running, new, 0.4)
+    *messages, later = after.agenda
+    assert ["<predictionFeedback" in message.xml for message in messages] == [True] * is_predicted + [False, False]
+    assert later.content == "sent later"
     expected = (running.zero, running.times) if is_predicted else new.predicted
     assert after.find("a").predicted == expected
     assert times_by_behaviour(running.prepared.plan.syncs) == running.times
