@@ -1,11 +1,15 @@
 """Verb `kinesic export`."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.cli import export as verb
 from kinesic.cli import kinesic
+from kinesic.cli.options import Planning
 
 BML = '<bml id="b"><head id="n" lexeme="NOD" start="0"/></bml>'
 
@@ -38,3 +42,70 @@ def test_exported_recording_is_named_after_the_document(capsys):
 def test_export_refuses_a_wrong_file_suffix_and_suggests_the_right_one(kind: str, right: str):
     with pytest.raises(ConfigError, match=f"name it {right}"):
         export("nod.bml", "--to", kind, "--out", "x.glb")
+
+
+@pytest.fixture
+def steps(monkeypatch) -> list[object]:
+    """Steps of an export, in their order, without planning and packages of viewers."""
+    done: list[object] = []
+
+    @contextmanager
+    def show_stages() -> Iterator[Callable[[str], None]]:
+        yield done.append
+
+    def save(kind: str) -> Callable[..., None]:
+        return lambda *arguments, force: done.append((kind, *arguments, force))
+
+    monkeypatch.setattr(Planning, "set_up", lambda planning: "setup")
+    monkeypatch.setattr(verb, "import_at_once", done.append)
+    monkeypatch.setattr(verb, "check_file", lambda path, force: done.append(("check", path, force)))
+    monkeypatch.setattr(verb, "show_stages", show_stages)
+    monkeypatch.setattr(verb, "plan_input", lambda file, setup: f"plan of {file} with {setup}")
+    monkeypatch.setattr(verb, "dry_run", lambda plan: f"run of {plan}")
+    monkeypatch.setattr(verb.ExportedMotion, "of_plan", lambda plan: f"planned: {plan}")
+    monkeypatch.setattr(verb.ExportedMotion, "of_performance", lambda run: f"performed: {run}")
+    monkeypatch.setattr(verb, "save_mcap", save("mcap"))
+    monkeypatch.setattr(verb, "save_rerun", save("rerun"))
+    monkeypatch.setattr(verb, "error_console", lambda: "screen")
+    monkeypatch.setattr(verb, "print_notices", lambda plan, screen: done.append((plan, screen)))
+    return done
+
+
+PLAN = "plan of nod.bml with setup"
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_planned_motion_is_written_for_a_viewer(steps, capsys, force):
+    planning = Planning("upper22", "neutral", {})
+    assert verb.export_motion("nod.bml", planning, "rerun", False, None, force) == 0
+    path = Path("nod.rrd")
+    assert steps == [
+        "rerun",
+        ("check", path, force),
+        "planning",
+        "writing",
+        ("rerun", f"planned: {PLAN}", path, force),
+        (PLAN, "screen"),
+    ]
+    assert capsys.readouterr().out == "recording: nod.rrd\n"
+
+
+def test_performed_motion_is_that_of_the_twin(steps):
+    path = Path("own.MCAP")
+    assert verb.export_motion("nod.bml", Planning("upper22", "neutral", {}), "mcap", True, path, False) == 0
+    assert steps == [
+        "foxglove",
+        ("check", path, False),
+        "planning",
+        "performing in the twin",
+        "writing",
+        ("mcap", f"performed: run of {PLAN}", path, False),
+        (PLAN, "screen"),
+    ]
+
+
+@pytest.mark.parametrize(("name", "written"), [("-", "motion.mcap"), (f"{'a' * 120}.bml", f"{'a' * 100}.mcap")])
+def test_recording_has_a_default_name_of_at_most_100_characters(steps, capsys, monkeypatch, name, written):
+    monkeypatch.setattr(verb, "document_name", lambda file: "" if file == "-" else file)
+    verb.export_motion(name, Planning("upper22", "neutral", {}), "mcap", False, None, False)
+    assert capsys.readouterr().out == f"recording: {written}\n"
