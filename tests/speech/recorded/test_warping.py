@@ -1,7 +1,18 @@
+from itertools import product
+
 import numpy as np
 import pytest
 
-from kinesic.speech.recorded.warping import FrameSequence, _trace, warp
+from kinesic.speech.recorded.warping import (
+    FrameSequence,
+    _average,
+    _find_path,
+    _search,
+    _shorten_silences,
+    _trace,
+    _window,
+    warp,
+)
 
 WORDS = np.array([0, 40, 90, 150])  # first frame of each word
 COUNT = 200
@@ -68,3 +79,93 @@ def test_word_after_the_end_of_the_rendition_begins_at_the_last_frame_with_speec
     found = warp(recording, rendition, np.append(WORDS, COUNT))
     assert found is not None
     assert found.word_frames[-1] == COUNT - 1
+
+
+def test_each_silence_is_shortened_to_four_frames_at_its_begin():
+    is_speech = np.array([0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 1], dtype=bool)
+    frames, is_silent = _shorten_silences(is_speech)
+    assert frames.tolist() == [0, 0, 0, 0, 2, 3, 4, 5, 5, 5, 5, 11]
+    assert is_silent.tolist() == [True] * 4 + [False] * 3 + [True] * 4 + [False]
+
+
+def test_frames_are_averaged_in_groups_of_four():
+    rows = np.array([[0.0, 1.0], [2.0, 1.0], [4.0, 1.0], [6.0, 1.0], [10.0, 3.0], [20.0, 5.0]])
+    np.testing.assert_allclose(_average(rows), [[3.0, 1.0], [15.0, 4.0]])
+
+
+def test_window_grows_only_and_has_the_first_and_the_last_column():
+    first, last = _window(np.array([3.2, 5.0, 4.5, 9.0]), 2, 12)
+    assert first.tolist() == [0, 2, 2, 7]
+    assert last.tolist() == [6, 7, 7, 11]
+    first, last = _window(np.array([0.0, 1.0]), 9, 3)
+    assert (first.tolist(), last.tolist()) == ([0, 0], [2, 2])
+
+
+def cost_of(path: tuple[int, ...], rows: tuple, columns: tuple) -> float:
+    """Return the cost of a path by its definition, infinite for one that is not allowed."""
+    (features, is_silent), (others, takes_silence, is_gap) = rows, columns
+    total = 0.0 if path[0] < 2 and path[-1] >= len(others) - 2 else np.inf
+    for k, column in enumerate(path):
+        step = column - path[k - 1] if k else 1
+        total += {0: 1.7, 1: 0.0, 2: 0.0 if is_gap[column - 1] else 1.7}.get(step, np.inf)
+        if is_silent[k]:
+            total += 0.0 if takes_silence[column] else 10.0
+        else:
+            total += 7.5 if is_gap[column] else float(np.linalg.norm(others[column] - features[k]))
+    return total
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_path_is_the_cheapest_of_all_that_move_by_at_most_two_columns(seed: int):
+    rng = np.random.default_rng(seed)
+    count, width = 4, 6
+    rows = (rng.normal(scale=4.0, size=(count, 2)), rng.random(count) < 0.3)
+    is_gap = rng.random(width) < 0.3
+    columns = (rng.normal(scale=4.0, size=(width, 2)), is_gap | (rng.random(width) < 0.2), is_gap)
+    window = np.array([0, 0, 1, 2]), np.array([3, 4, 5, 5])
+    paths = [
+        path
+        for path in product(range(width), repeat=count)
+        if all(low <= column <= high for low, column, high in zip(window[0], path, window[1], strict=True))
+    ]
+    costs = [cost_of(path, rows, columns) for path in paths]
+    found = tuple(_search(rows, columns, window).tolist())
+    assert cost_of(found, rows, columns) == pytest.approx(min(costs))
+
+
+def test_silence_between_words_takes_the_gap_of_the_next_word():
+    """The features of the words differ, so that each frame has one fitting column."""
+    words = np.repeat(np.array([[0.0, 0.0], [40.0, 0.0], [0.0, 40.0]]), 8, axis=0)
+    gaps = [0, 9, 18, 27]
+    columns = np.full(28, -1)
+    columns[[k for k in range(28) if k not in gaps]] = np.arange(24)
+    rows = np.insert(words, [8] * 4, 99.0, axis=0)
+    is_silent = np.arange(28) // 4 == 2
+    path = _find_path(rows, is_silent, words, columns)
+    assert path.tolist() == [*range(1, 9), *[9] * 4, *range(10, 18), *range(19, 27)]
+
+
+@pytest.mark.parametrize(("recorded", "spoken"), [(1, 9), (9, 1)])
+def test_one_frame_of_speech_has_no_warp(recorded: int, spoken: int):
+    recording, rendition = (FrameSequence(np.ones((10, 2)), np.arange(10) < count) for count in (recorded, spoken))
+    assert warp(recording, rendition, np.array([0])) is None
+
+
+def test_two_frames_of_speech_are_warped():
+    both = FrameSequence(np.array([[0.0], [5.0]]), np.ones(2, dtype=bool))
+    found = warp(both, both, np.array([0, 1]))
+    assert found is not None
+    assert found.word_frames.tolist() == [0, 1]
+    assert found.frames.tolist() == [0, 1]
+    assert found.rendition_frames.tolist() == [0.0, 1.0]
+
+
+def test_pauses_of_the_rendition_are_left_out_and_its_frames_counted():
+    features = np.repeat(np.array([[0.0, 0.0], [40.0, 0.0]]), 8, axis=0)
+    rendition = FrameSequence(np.insert(features, [8] * 6, 99.0, axis=0), np.abs(np.arange(22) - 10.5) > 3)
+    recording = FrameSequence(np.insert(features, [0] * 5, 99.0, axis=0), np.arange(21) >= 5)
+    found = warp(recording, rendition, np.array([0, 14]))
+    assert found is not None
+    assert found.word_frames.tolist() == [5, 13]
+    assert found.frames.tolist() == [*range(5, 21)]
+    assert found.rendition_frames == pytest.approx([*range(8), *range(14, 22)])
