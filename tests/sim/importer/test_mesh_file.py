@@ -6,7 +6,14 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer import mesh_file as module
-from kinesic.sim.importer.mesh_file import Triangles, read_mesh, simplify
+from kinesic.sim.importer.mesh_file import (
+    Triangles,
+    _keep_outermost,
+    _merge_vertices,
+    _number_rows,
+    read_mesh,
+    simplify,
+)
 
 
 def ball(rings: int) -> Triangles:
@@ -86,3 +93,71 @@ def test_mesh_below_the_triangle_limit_is_not_simplified():
 def test_triangles_far_outside_a_robot_are_removed():
     mesh = Triangles(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1e6, 0, 0]]), np.array([[0, 1, 2], [0, 1, 3]]))
     assert simplify(mesh, 1000).corners.tolist() == [[0, 1, 2]]
+
+
+def test_faces_of_the_same_corners_keep_only_the_outermost():
+    """Opposite walls of a hollow part lie on each other after their vertices were merged."""
+    vertices = np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1], [0, 0, -3]])
+    outside, inside = [0, 1, 2], [2, 1, 0]
+    for corners in ([outside, inside], [inside, outside]):
+        assert _keep_outermost(vertices, np.array(corners)).tolist() == [outside]
+    both = [[0, 1, 2], [0, 1, 3], [1, 3, 0]]
+    assert _keep_outermost(vertices, np.array(both)).tolist() == [[0, 1, 2], [0, 1, 3]]
+
+
+def test_vertices_of_one_cell_become_their_mean_and_flat_triangles_disappear():
+    vertices = np.array([[0.0, 0, 0], [0.2, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1.3, 0.1]])
+    surface = Triangles(vertices, np.array([[0, 2, 3], [0, 1, 2], [2, 0, 1], [1, 3, 4], [3, 4, 2], [1, 2, 4]]))
+    merged = _merge_vertices(surface, 1.0)
+    corners = merged.vertices[merged.corners]
+    assert len(merged.vertices) == 3
+    assert len(corners) == 1
+    places = np.array(sorted(corners[0].round(6).tolist()))
+    np.testing.assert_allclose(places, [[0.0, 1.15, 0.05], [0.1, 0.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+def test_cells_have_a_number_each_in_every_order():
+    rows = np.array([[0, 0, 0], [0, 0, 2], [0, 1, 0], [1, 0, 0], [2, 1, 2], [2, 1, 1], [0, 0, 2]])
+    assert _number_rows(rows).tolist() == [0, 2, 3, 6, 17, 16, 2]
+
+
+@pytest.mark.parametrize("most", [12, 11])
+def test_mesh_is_simplified_only_above_the_limit(most: int):
+    corner = np.array(np.meshgrid([0.0, 1], [0, 1], [0, 1])).reshape(3, -1).T
+    faces = np.array([[k % 8, (k + 1) % 8, (k + 3) % 8] for k in range(12)])
+    few = simplify(Triangles(corner, faces), most)
+    assert (len(few.corners) == 12) is (most == 12)
+    assert len(few.corners) <= most
+
+
+def test_triangles_up_to_100_metres_are_kept():
+    vertices = np.array([[0.0, 0, 0], [99.9, 0, 0], [0, -99.9, 0], [0, -100.0, 0]])
+    mesh = Triangles(vertices, np.array([[0, 1, 2], [0, 1, 3]]))
+    assert simplify(mesh, 9).corners.tolist() == [[0, 1, 2]]
+
+
+def test_mesh_without_size_or_vertices_is_returned_unchanged():
+    point = Triangles(np.zeros((3, 3)), np.array([[0, 1, 2]] * 5))
+    assert len(simplify(point, 2).corners) == 5
+    assert len(simplify(Triangles(np.zeros((0, 3)), np.zeros((0, 3), int)), 0).corners) == 0
+
+
+def test_mesh_files_up_to_20_megabytes_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    sizes: list[int] = []
+    monkeypatch.setattr(module, "read_inside", lambda *_, max_size: sizes.append(max_size) or stl(ball(4)))
+    read_mesh(tmp_path / "a.stl", folder=tmp_path)
+    assert sizes == [20_000_000]
+
+
+def test_obj_lines_of_other_kinds_and_more_numbers_are_ignored(tmp_path: Path):
+    path = tmp_path / "a.obj"
+    path.write_text("v 1 2 3 0.5 0.5 0.5\nvt 9 9\nv 4 5 6\nv 7 8 10\ns off\nf 1/1/1 2/2/2 3/3/3\nf -1 -2 -3\n")
+    mesh = read_mesh(path, folder=tmp_path)
+    assert mesh.vertices.tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 10]]
+    assert mesh.corners.tolist() == [[0, 1, 2], [2, 1, 0]]
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n")
+    with pytest.raises(ConfigError, match="invalid vertex index"):
+        read_mesh(path, folder=tmp_path)
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n")
+    with pytest.raises(ConfigError, match="no triangles"):
+        read_mesh(path, folder=tmp_path)
