@@ -54,3 +54,71 @@ def test_stress_stays_in_accented_words_alone():
     moved = move_stress(sounds, WORDS[:2], np.array([False, True]))
     assert [sound.symbol for sound in moved] == ["\u02cca", "\u02c8o", "n"]
     assert move_stress(sounds, WORDS[:2], np.array([False, False])) == sounds
+
+
+def test_prominence_is_half_the_sum_of_level_pitch_and_length_above_the_mean_of_near_words():
+    words = [(0.0, 0.5), (2.0, 2.5), (4.1, 4.6)]  # the second is near both others, which are not near each other
+    levels, pitch = np.full(500, -20.0), np.full(500, 100.0)
+    levels[200:250], pitch[200:250] = -12.0, 200.0
+    natural = [0.5, 0.25, 0.5]
+    rise = 8.0 / 4.0 + 12.0 / 2.5 + np.log(2.0) / 0.35
+    first, second, third = find_prominences(words, levels, pitch, natural)
+    assert (first, third) == pytest.approx((-rise / 4, 0.0))
+    assert second == pytest.approx(rise / 4)
+
+
+def test_level_and_pitch_of_a_word_are_those_of_its_loudest_and_highest_fifth():
+    levels, pitch = np.full(40, 0.0), np.full(40, 100.0)
+    levels[10:20] = 10.0 * np.arange(10)
+    pitch[10:20] = 100.0 * 2.0 ** (np.arange(10) / 12.0)
+    pitch[15] = np.nan
+    first, second = find_prominences([(0.0, 0.1), (0.1, 0.2)], levels, pitch, [0.1, 0.1])
+    assert second == pytest.approx((72.0 / 4.0 + np.percentile([0, 1, 2, 3, 4, 6, 7, 8, 9], 80) / 2.5) / 4)
+    assert first == pytest.approx(-second)
+
+
+def test_word_shorter_than_a_frame_has_one_frame_and_a_least_length():
+    levels = np.array([0.0, 8.0, 0.0, 0.0])
+    words, natural = [(0.0, 0.01), (0.0105, 0.0106), (0.03, 0.03)], [0.01, 0.02, 0.04]
+    prominences = find_prominences(words, levels, np.full(4, np.nan), natural)
+    mean = np.array([8.0 / 4.0 / 3.0, -np.log(2.0) / 0.35 / 3.0])
+    expected = [np.sum([level, length] - mean) / 2 for level, length in ((0, 0), (2, 0), (0, -np.log(2.0) / 0.35))]
+    assert prominences == pytest.approx(expected)
+
+
+def test_words_after_the_end_of_the_recording_have_no_level():
+    prominences = find_prominences([(0.0, 0.1), (5.0, 5.1)], np.zeros(10), np.full(10, np.nan), [0.1, 0.1])
+    assert prominences == pytest.approx([0.0, 0.0])
+    assert find_prominences([], np.zeros(0), np.zeros(0), []).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ("prominence", "stressed", "accented"),
+    [(0.7, True, True), (0.69, True, False), (1.4, False, True), (1.39, False, False)],
+)
+def test_word_has_an_accent_from_a_prominence_of_0_7_or_twice_that(prominence, stressed, accented):
+    words = [(0.0, 0.5), (0.5, 1.0), (1.0, 1.5)]
+    accents = find_accents(words, np.array([9.0, prominence, 9.0]), np.array([True, stressed, True]))
+    assert accents.tolist() == [True, accented, True]
+
+
+@pytest.mark.parametrize(("start", "accented"), [(0.75, True), (0.74, False)])
+def test_phrase_begins_after_a_quarter_of_a_second(start, accented):
+    words = [(0.0, 0.5), (start, 1.0), (1.0, 1.5)]
+    accents = find_accents(words, np.array([2.0, 0.6, 0.0]), np.ones(3, dtype=bool))
+    assert accents.tolist() == [True, accented, False]
+
+
+@pytest.mark.parametrize(("best", "accented"), [(0.31, True), (0.29, False)])
+def test_only_accent_of_a_phrase_stands_out_by_0_15(best, accented):
+    words = [(0.0, 0.5), (0.5, 1.0)]
+    assert find_accents(words, np.array([0.0, best]), np.ones(2, dtype=bool)).tolist() == [False, accented]
+    assert not find_accents(words, np.array([0.0, best]), np.array([True, False])).any()
+
+
+@pytest.mark.parametrize(
+    ("start", "symbol"), [(0.291, "\u02c8a"), (0.289, "\u02cca"), (0.59, "\u02c8a"), (0.0, "\u02cca")]
+)
+def test_sound_belongs_to_a_word_from_one_frame_before_it(start, symbol):
+    (moved,) = move_stress((Phoneme("\u02c8a", start, 0.1),), [(0.1, 0.3), (0.3, 0.6)], np.array([False, True]))
+    assert moved.symbol == symbol

@@ -3,9 +3,18 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from kinesic.body.utterance import STRESS_MARKS, Sound
+from kinesic.body.utterance import STRESS_MARKS, Phoneme, Sound
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.recorded.unworded import FRAME_PERIOD, SOUND_SYMBOLS, _classify, _join, _max_near, lip_sounds
+from kinesic.speech.recorded.unworded import (
+    FRAME_PERIOD,
+    SOUND_SYMBOLS,
+    _classify,
+    _find_accents,
+    _join,
+    _max_near,
+    _stress,
+    lip_sounds,
+)
 from tests.speech.recorded.speaking import speak
 
 RATE = 16_000
@@ -94,3 +103,81 @@ def test_lips_close_around_a_dip_of_loudness_within_speech():
     assert np.flatnonzero(kinds == closed).tolist() == [28, 29, 30, 31, 32]
     assert closed not in _classify(np.ones((60, 26)), 0.3 * levels, is_speech)
     assert closed not in _classify(np.ones((60, 26)), levels, ~is_speech)
+
+
+@pytest.mark.parametrize(
+    ("low", "middle", "high", "hiss", "symbol"),
+    [
+        (1.0, 0.61, 0.59, 0.0, "\u0259"),
+        (1.0, 0.59, 0.59, 0.0, "u"),
+        (1.0, 0.61, 0.61, 0.0, "e"),
+        (1.0, 0.59, 0.61, 0.0, "e"),
+        (1.0, 1.79, 0.5, 0.0, "\u0259"),
+        (1.0, 1.81, 0.7, 0.0, "a"),
+        (1.0, 1.81, 0.7, 3.5, "a"),
+        (1.0, 1.81, 0.7, 3.52, "s"),
+    ],
+)
+def test_sound_is_chosen_by_the_power_of_low_middle_high_and_hissing_bands(low, middle, high, hiss, symbol):
+    powers = np.concatenate(
+        [np.full(count, power / count) for count, power in ((5, low), (7, middle), (7, high), (7, hiss))]
+    )
+    kinds = _classify(np.tile(powers, (9, 1)), np.zeros(9), np.ones(9, dtype=bool))
+    assert [SOUND_SYMBOLS[kind] for kind in kinds] == [symbol] * 9
+
+
+def test_sounds_have_the_mean_opening_of_their_frames_and_none_in_silence():
+    symbols, openings = np.array([0] * 6 + [1] * 4 + [1] * 3 + [5] * 2), np.arange(15) / 7
+    is_speech = np.array([True] * 10 + [False] * 3 + [True] * 2)
+    assert list(_join(symbols, openings, is_speech)) == [
+        Phoneme("\u0259", 0.0, pytest.approx(0.06), opening=0.357),
+        Phoneme("u", pytest.approx(0.06), pytest.approx(0.04), opening=1.071),
+        Phoneme("m", pytest.approx(0.13), pytest.approx(0.02), opening=1.929),
+    ]
+
+
+def test_vowels_have_stress_if_an_accent_falls_into_them():
+    sounds = [Phoneme(symbol, 0.125 * k, 0.125) for k, symbol in enumerate(("\u0259", "u", "m", "e", "a", "s"))]
+    stressed = _stress(sounds, np.array([0.125, 0.3, 0.5, 0.7]))
+    assert [sound.symbol for sound in stressed] == ["\u02cc\u0259", "\u02c8u", "m", "\u02cce", "\u02c8a", "s"]
+
+
+def syllables(heights: dict[int, float], count: int = 800) -> np.ndarray:
+    """Return levels [dB] with triangular peaks of 30 frames, of given heights above -30 dB."""
+    levels = np.full(count, -30.0)
+    for frame, height in heights.items():
+        rise = height - 1.0 * np.abs(np.arange(count) - frame)
+        levels = np.maximum(levels, -30.0 + rise)
+    return levels
+
+
+def accents(levels: np.ndarray, pitch: dict[int, float] | None = None, silent: slice = slice(0)) -> list[int]:
+    hertz = np.full(len(levels), np.nan)
+    for frame, value in (pitch or {}).items():
+        hertz[frame - 3 : frame + 4] = value
+    is_speech = np.ones(len(levels), dtype=bool)
+    is_speech[silent] = False
+    return _find_accents(levels, hertz, is_speech).tolist()
+
+
+def test_syllable_has_an_accent_if_it_is_louder_than_those_within_two_seconds():
+    assert accents(syllables({100: 10.0, 200: 10.0, 300: 15.2, 400: 10.0})) == [300]
+    assert accents(syllables({100: 10.0, 200: 10.0, 300: 14.2, 400: 10.0})) == []
+    assert accents(syllables({100: 10.0, 300: 15.2, 500: 10.0})) == [300]
+    assert accents(syllables({99: 10.0, 300: 15.2, 501: 10.0})) == []
+    assert accents(syllables({100: 10.0, 300: 18.0}), silent=slice(300, 301)) == []
+
+
+def test_higher_syllable_has_an_accent_unless_it_is_voiceless():
+    even = syllables({100: 10.0, 200: 10.0, 300: 10.0})
+    assert accents(even, {100: 100.0, 200: 100.0, 300: 100.0 * 2 ** (3.1 / 12)}) == [300]
+    assert accents(even, {100: 100.0, 200: 100.0, 300: 100.0 * 2 ** (2.9 / 12)}) == []
+    assert accents(even, {100: 100.0 * 2 ** (-8 / 12), 200: 100.0}) == [200]
+    assert accents(even) == []
+
+
+@pytest.mark.parametrize(("distance", "count"), [(40, 2), (39, 1)])
+def test_two_accents_are_at_least_forty_frames_apart(distance, count):
+    levels = syllables({100: 9.0, 150: 9.0, 200: 9.0, 250: 17.0, 250 + distance: 16.0, 340: 9.0, 390: 9.0})
+    found = accents(levels)
+    assert found == [250, 250 + distance][:count]
