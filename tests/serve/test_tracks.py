@@ -1,10 +1,13 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
 from kinesic.realizer.realizer import Scene, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
-from kinesic.serve.tracks import SoundAndFace, Track, TrackEffects, make_track, track_version
+from kinesic.serve import tracks
+from kinesic.serve.tracks import SoundAndFace, Track, TrackEffects, changed_tracks, make_track, track_version
 from kinesic.speech.loudspeaker import SpeakerError
 
 BLOCK = (
@@ -94,3 +97,54 @@ def test_failing_loudspeaker_is_ignored():
     effects.take({"c": heard(3.0)})
     assert speaker.told == []
     assert effects.face(0.0) == {"x": 1.0}
+
+
+def test_track_has_a_row_for_each_hundredth_of_a_second():
+    track = shows(1.0, x=[0.25, 0.5])
+    assert [track.at(time) for time in (0.985, 1.0, 1.0101, 1.0201)] == [{}, {"x": 0.25}, {"x": 0.5}, {}]
+
+
+@pytest.mark.parametrize("needs", [False, True])
+@pytest.mark.parametrize("amount", [0.0, 0.5])
+@pytest.mark.parametrize("outputs", [SoundAndFace(), SoundAndFace(face=True), SoundAndFace(sound=True)])
+def test_track_has_the_sounds_of_speeches_and_a_face_that_moves_or_idles(monkeypatch, needs, amount, outputs):
+    asked = []
+    monkeypatch.setattr(tracks, "needs_face", lambda plan: needs)
+    monkeypatch.setattr(tracks, "compute_action_units", lambda plan, times: asked.append(times) or {"x": times})
+    setup = SimpleNamespace(idling=SimpleNamespace(amount=amount))
+    plan = SimpleNamespace(trajectory=SimpleNamespace(zero=0.25), duration=0.035, setup=setup)
+    sound = Sound.of(8000, np.zeros(8))
+    speeches = [
+        SimpleNamespace(begin=begin, utterance=SimpleNamespace(sound=of)) for begin, of in ((11.0, sound), (12.0, None))
+    ]
+    track = make_track(SimpleNamespace(prepared=SimpleNamespace(plan=plan), zero=10.0, speeches=speeches), outputs)
+    assert track.begin == 9.75
+    assert track.sounds == (((11.0, sound),) if outputs.sound else ())
+    shows_face = outputs.face and (needs or amount > 0.0)
+    assert list(track.face) == ["x"] * shows_face
+    assert [times.tolist() for times in asked] == [pytest.approx([0.0, 0.01, 0.02, 0.03])] * shows_face
+
+
+def test_only_changed_tracks_are_made_and_ended_ones_removed(monkeypatch):
+    monkeypatch.setattr(tracks, "make_track", lambda running, outputs: (running.id, outputs))
+
+    def block(name, zero, end=5.0, times=()):
+        return SimpleNamespace(id=name, zero=zero, end=end, times=times, prepared=SimpleNamespace(plan="plan"))
+
+    outputs = SoundAndFace(sound=True)
+    scene = SimpleNamespace(idle=None, playing=[block("a", 1.0), block("b", 2.0)])
+    versions, changes = changed_tracks(scene, {}, outputs)
+    assert changes == {"a": ("a", outputs), "b": ("b", outputs)}
+    assert changed_tracks(scene, versions, outputs) == (versions, {})
+    for changed in (block("b", 2.5), block("b", 2.0, end=6.0), block("b", 2.0, times=("s",))):
+        later = SimpleNamespace(idle=block("idle", 0.0), playing=[changed])
+        found, changes = changed_tracks(later, versions, outputs)
+        assert list(found) == ["idle", "b"]
+        assert changes == {"a": None, "idle": ("idle", outputs), "b": ("b", outputs)}
+    assert changed_tracks(scene, versions, SoundAndFace()) == ({}, {})
+    assert changed_tracks(scene, versions, SoundAndFace(face=True))[0] == versions
+
+
+def test_player_has_the_outputs_that_it_was_given():
+    assert TrackEffects().accompaniment == SoundAndFace(face=False, sound=False)
+    assert TrackEffects(Recorder(), face=True).accompaniment == SoundAndFace(face=True, sound=True)
