@@ -43,7 +43,7 @@ LAYER_RANGE = (0.7, 1.0)  # range of the random factor on a lock's distance from
 HANGING_RANGE = (-0.7, -0.1)  # [eye distances] heights between which hair changes from hanging to following the skull
 MIN_LOCK_STEPS = 0.9  # length in steps below which a lock is removed
 CUT_VARIATION = (-0.06, 0.06)  # [eye distances] range of the random offset of the height at which hair is cut
-SIDEBURN_HEIGHT = 0.3  # [eye distances] height below which hair before the ears is painted, without locks
+SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair before the ears is painted, without locks
 NAPE_HEIGHT = -0.55  # [eye distances] height below which hair on the neck is painted, without locks
 COMB_WEIGHT = 0.55  # weight of the comb direction in each step along a lock
 

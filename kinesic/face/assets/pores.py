@@ -1,4 +1,4 @@
-"""Fine relief of the skin: pores, creases of the lips, and oil that makes parts of a face shine."""
+"""Painting of pores, creases of the lips and oily skin."""
 
 import numpy as np
 
@@ -32,7 +32,9 @@ def paint_oil(a: Floats, y: Floats) -> Floats:
 
 
 def paint_pores(oil: Floats, random: np.random.Generator) -> Floats:
-    """Return the (n, m) depth of pores, 0 (none) to 1; oily skin has the deepest.
+    """Return the (n, m) depth of pores, 0 (none) to 1.
+
+    Oily skin has the deepest.
 
     Args:
         oil: (n, m) oil on the skin, 0..1.

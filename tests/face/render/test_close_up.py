@@ -50,6 +50,14 @@ def test_line_of_tears_shines_along_the_lower_lid(eye: tuple[np.ndarray, np.ndar
     assert bright[lowest[:, middle]].mean() > 1.2 * bright[higher[:, middle]].mean()
 
 
+def test_tears_do_not_glow_in_the_dark(close: Portrait):
+    lights = close.lights
+    close.light(lights.scaled(0.02))
+    picture = close.draw({}, LEFT_EYE)
+    close.light(lights)
+    assert picture[find_part(close, "eyes")].max() < 70
+
+
 def test_inner_corner_of_an_eye_is_red(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
     picture, _, ball = eye
     columns = np.flatnonzero(ball.any(axis=0))

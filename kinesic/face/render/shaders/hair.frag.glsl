@@ -7,7 +7,7 @@ flat in float kind;
 
 const float STRANDS = 7.0;  // strands on each half of a lock
 const float FINE = 2.5;     // hairs across a strand
-const float RAGGED_ROOT = 0.10, RAGGED_TIP = 0.22;  // largest fraction of a lock that a strand lacks at its ends
+const float RAGGED_ROOT = 0.04, RAGGED_TIP = 0.22;  // largest fraction of a lock that a strand lacks at its ends
 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;  // square root of the linear colour; gloss

@@ -16,7 +16,7 @@ uniform float deep;       // openness below which light scatters with all LEVELS
 const float FURROW = 0.1;  // height from which a wrinkle counts as uneven
 const float EDGE = 0.02;   // distance of key light from 0 and 1 that counts as a shadow edge
 const float WET = 0.6;     // minimum openness of an eye
-const float TEAR_LIGHT = 0.25;
+const float TEAR_GLOSS = 0.25;  // fraction of the light that the line of tears mirrors
 const float TEARS = 0.0005;  // [m] height of the line of tears along a lower lid
 const float PORE_HEIGHT = 0.0007;  // [m] height of skin per unit of gloss, which is lower in pores
 const float PORE_SLOPE = 0.25;  // steepest side of a pore
@@ -75,7 +75,7 @@ void main() {
     vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y) * reached + direct * spent;
     float grazing = 1.0 - max(frontal, 0.0);
     gloss *= own.a * (is_eye ? 1.0 : around) * (1.0 + 2.0 * grazing * grazing * grazing);
-    vec4 lit = vec4(light, gloss + wet * TEAR_LIGHT * around);
+    vec4 lit = vec4(light, gloss + wet * TEAR_GLOSS * around * dot(light, vec3(1.0 / 3.0)));
     vec3 root = floor(255.0 * own.rgb + 0.5) / 255.0;  // quantised as stored, so that zero scattering changes nothing
     picture = composed(lit, root);
 #if KEPT
