@@ -17,7 +17,7 @@ float noise(float x, float y) { return fract(52.9829189 * fract(dot(vec2(floor(x
 void main() {
     float across = placed.x * STRANDS, dense = fwidth(across);
     float strand = noise(across, placed.z), fine = clamp(1.6 - dense, 0.0, 1.0);
-    float missing = noise(across, placed.z + 0.37);
+    float missing = mix(0.5, noise(across, placed.z + 0.37), clamp(2.0 - 2.0 * dense, 0.0, 1.0));
     if (placed.y < RAGGED_ROOT * missing || placed.y > 1.0 - RAGGED_TIP * missing) discard;
     float hair = mix(0.5, noise(FINE * across, placed.z), clamp(1.6 - FINE * dense, 0.0, 1.0));
     float uneven = mix(0.5, 0.65 * strand + 0.35 * hair, fine);

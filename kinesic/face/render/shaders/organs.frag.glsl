@@ -49,8 +49,8 @@ vec4 eye(mat3 ball, inout vec3 n) {
     float fold = smoothstep(0.38, 0.52, nasal) * (1.0 - inside), flesh = smoothstep(0.52, 0.57, nasal + 0.5 * head.z * head.z);
     paint = mix(mix(paint * lid, PLICA, 0.6 * fold), CARUNCLE, flesh);
     vec3 inward = mat3(view)[1] * (detail > 0.5 ? 1.0 : -1.0);
-    n = normalize(n + flesh * (5.0 * (nasal - 0.60) * inward + 0.25 * mat3(view)[2]));
-    return vec4(paint, mix(DAMP, 1.0, max(inside, 0.5 * flesh)));
+    n = normalize(n + flesh * (2.0 * (nasal - 0.60) * inward + 0.25 * mat3(view)[2]));
+    return vec4(paint, mix(DAMP, 1.0, max(inside, 0.3 * flesh)));
 }
 
 // Colour and gloss of teeth and gums. Each tooth bulges; gaps between edges are discarded.
