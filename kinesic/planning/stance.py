@@ -1,4 +1,4 @@
-"""Standing postures drawn from a distribution that was fitted on captured people."""
+"""Standing postures drawn from a mixture of distributions that was fitted on captured people."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,10 +14,13 @@ from kinesic.body.robot import SIDES
 from kinesic.planning.arm_directions import ARM_FEATURES
 
 STANCE_FILE = CONFIGS / "standing.toml"
-# Angles [deg] of trunk and head; `shoulder_rise` is that of the line of the shoulders over the rolled trunk.
-BODY_FEATURES = ("trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll", "shoulder_rise")
+# Angles [deg] of trunk and head: `trunk_turn` is that of the shoulders from the hips, and `shoulder_rise` that of the
+# line of the shoulders over the rolled trunk.
+BODY_FEATURES = ("trunk_turn", "trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll", "shoulder_rise")
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
+SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
 MAX_DRAW = 1.8  # [standard deviations] bound of the random value of each principal component
+MIRROR_PROBABILITY = 0.5  # probability that a posture of the arms is mirrored
 MAX_SPREAD = 1.5  # bound of the common random factor of all components, from the tails of the t distribution
 
 
@@ -32,28 +35,39 @@ class StanceComponents(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a distribution of standing postures [deg]."""
 
+    weight: float  # probability of hanging arms
     mean: Mapping[str, float]  # by feature; arms by features of one arm
     handedness: Mapping[str, float]  # mean asymmetry, added to the left arm and subtracted from the right
     persons: StanceComponents  # deviations of persons from the mean
     rests: StanceComponents  # deviations of rests from the mean of their person
 
 
+class ArmPoseTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """TOML table of a distribution of standing postures in which arms do not hang [deg]."""
+
+    name: str
+    weight: float  # probability of this posture, with its mirror image
+    mean: Mapping[str, float]  # by feature of the whole body
+    components: Sequence[Mapping[str, float]]  # principal components of the deviations
+
+
 class StanceFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML file of standing postures."""
 
     hanging: StanceTable
+    poses: Sequence[ArmPoseTable]
 
 
 @dataclass(frozen=True, eq=False)
-class StanceDeviation:
-    """Deviation of one person's stance from the mean."""
+class Stance:
+    """Standing posture as a deviation from a mean, both (s,) [deg] in the order of `STANCE_FEATURES`."""
 
-    features: Floats  # (s,) [deg] in the order of `STANCE_FEATURES`
-    torsion: float  # [rad] of the trunk, + to the left of the feet
+    mean: Floats | None  # None for the robot's own rest posture
+    deviation: Floats
 
-    def scaled(self, factor: float) -> "StanceDeviation":
-        """Return the deviation times a factor."""
-        return StanceDeviation(sealed(factor * self.features), factor * self.torsion)
+    def scaled(self, factor: float) -> "Stance":
+        """Return the stance with its deviation times a factor."""
+        return Stance(self.mean, sealed(factor * self.deviation))
 
 
 @cache
@@ -78,6 +92,41 @@ def expand_features(values: Mapping[str, float], right_sign: float = 1.0) -> Flo
     return np.array([*body, *arm, *(right_sign * value for value in arm)])
 
 
+def draw_arm_pose(file: StanceFile, chance: np.random.Generator) -> Stance | None:
+    """Draw a standing posture in which arms do not hang, or return None for hanging arms.
+
+    Args:
+        file: distribution of all postures.
+        chance: random generator.
+    """
+    weights = np.array([file.hanging.weight, *(pose.weight for pose in file.poses)])
+    chosen = int(chance.choice(len(weights), p=weights / weights.sum()))
+    if chosen == 0:
+        return None
+    pose = file.poses[chosen - 1]
+    rows = np.stack([_whole_body(row) for row in pose.components])
+    stance = np.stack([_whole_body(pose.mean), _draw_normals(len(rows), chance) @ rows])
+    if chance.uniform() < MIRROR_PROBABILITY:
+        stance = mirror_features(stance)
+    return Stance(*map(sealed, stance))
+
+
+def mirror_features(features: Floats) -> Floats:
+    """Return the features (..., s) [deg] of the mirror image."""
+    count = len(BODY_FEATURES)
+    signs = [1.0 if name in SYMMETRIC_BODY else -1.0 for name in BODY_FEATURES]
+    left, right = np.split(features[..., count:], len(SIDES), axis=-1)
+    return np.concatenate([features[..., :count] * signs, right, left], axis=-1)
+
+
+def _whole_body(values: Mapping[str, float]) -> Floats:
+    return np.array([values.get(name, 0.0) for name in STANCE_FEATURES])
+
+
+def _draw_normals(count: int, chance: np.random.Generator) -> Floats:
+    return np.clip(chance.normal(size=count), -MAX_DRAW, MAX_DRAW)
+
+
 def draw_deviation(table: StanceTable, chance: np.random.Generator) -> Floats:
     """Draw one person's random deviation (s,) [deg] from the symmetric mean posture."""
     person, rest = (draw_components(components, chance) for components in (table.persons, table.rests))
@@ -92,7 +141,7 @@ def draw_components(components: StanceComponents, chance: np.random.Generator) -
     drawn = np.zeros(len(STANCE_FEATURES))
     for table, right_sign in ((components.symmetric, 1.0), (components.asymmetric, -1.0)):
         rows = [expand_features(row, right_sign) for row in table]
-        normals = np.clip(chance.normal(size=len(rows)), -MAX_DRAW, MAX_DRAW)
+        normals = _draw_normals(len(rows), chance)
         freedom = components.degrees_of_freedom
         spread = min(sqrt(freedom / float(chance.chisquare(freedom))), MAX_SPREAD)
         drawn += spread * normals @ np.stack(rows)

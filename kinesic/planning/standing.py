@@ -1,6 +1,6 @@
 """Standing posture of a robot in a style, checked for clearance."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import degrees
 
@@ -24,7 +24,8 @@ from kinesic.planning.collision import clear_hands
 from kinesic.planning.setup import Setup
 from kinesic.planning.stance import (
     BODY_FEATURES,
-    StanceDeviation,
+    Stance,
+    draw_arm_pose,
     draw_components,
     draw_deviation,
     expand_features,
@@ -35,7 +36,6 @@ from kinesic.planning.torso import compute_torso_turn, raise_shoulder, set_turn
 POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of posture offsets, tried until no body parts are too close
 RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the joint limits
 STANDING_STREAM = 7  # index of the random number stream for standing postures
-MAX_TORSION = np.radians(3.5)  # [rad] largest random torsion of the standing trunk
 HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
 MAX_ARM_LIFT_DEG = 12.0  # [deg] largest outward angle added to an arm that hangs too close to the body
 ARM_LIFT_STEP_DEG = 1.0  # [deg] step by which the angle added to an arm grows
@@ -126,17 +126,22 @@ def draw_rest(
         torsion: [rad] of the trunk to the left, likewise.
     """
     features = draw_components(read_stances().hanging.rests, chance)
-    shift = {"trunk_roll": degrees(roll), "shoulder_rise": features[BODY_FEATURES.index("shoulder_rise")]}
+    shift = {
+        "trunk_turn": degrees(torsion),
+        "trunk_roll": degrees(roll),
+        "shoulder_rise": features[BODY_FEATURES.index("shoulder_rise")],
+    }
     features[: len(BODY_FEATURES)] = [shift.get(name, 0.0) for name in BODY_FEATURES]
-    angles = _take_largest_stance(robot, standing, StanceDeviation(sealed(features), torsion), None, distances)
+    angles = _take_largest_stance(robot, standing, Stance(None, sealed(features)), distances)
     return np.array(robot.skeleton.rest) if angles is None else angles
 
 
 def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
     """Return the robot with a random rest posture, as captured people stand.
 
-    People lean a little, stand with their weight on one leg, and no hand hangs as the other does. A style with a
-    posture of its own is the mean of its persons, otherwise captured people are.
+    People lean a little, stand with their weight on one leg, and no hand hangs as the other does. Some have one or both
+    hands before the body. A style with a posture of its own is the mean of its persons, otherwise
+    captured people are.
 
     Args:
         robot: with the rest posture of a style.
@@ -147,11 +152,26 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
     if variation.amount == 0.0:
         return robot
     chance = np.random.default_rng((variation.seed, STANDING_STREAM))
-    table = read_stances().hanging
-    stance = StanceDeviation(draw_deviation(table, chance), MAX_TORSION * float(chance.uniform(-1.0, 1.0)))
-    mean = expand_features(table.mean) if _stands_upright(style) else None
-    angles = _take_largest_stance(robot, style.standing, stance.scaled(variation.amount), mean, distances)
-    return robot if angles is None else _with_rest(robot, angles)
+    for stance in _draw_stances(style, variation.amount, chance):
+        angles = _take_largest_stance(robot, style.standing, stance, distances)
+        if angles is not None:
+            return _with_rest(robot, angles)
+    return robot
+
+
+def _draw_stances(style: Style, amount: float, chance: np.random.Generator) -> Iterator[Stance]:
+    """Yield a random stance, then one with hanging arms for bodies that cannot take it.
+
+    Amounts below 1 lower hands towards hanging arms.
+    """
+    table = read_stances()
+    hanging = expand_features(table.hanging.mean) if _stands_upright(style) else None
+    deviation = draw_deviation(table.hanging, chance)
+    pose = None if hanging is None else draw_arm_pose(table, chance)
+    if hanging is not None and pose is not None and pose.mean is not None:
+        mean = hanging + min(amount, 1.0) * (pose.mean - hanging)
+        yield Stance(sealed(mean), pose.deviation).scaled(amount)
+    yield Stance(hanging, sealed(deviation)).scaled(amount)
 
 
 def _stands_upright(style: Style) -> bool:
@@ -159,25 +179,21 @@ def _stands_upright(style: Style) -> bool:
     return style.posture == 0.0 or not style.standing.moves_body
 
 
-def _take_largest_stance(
-    robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, distances: Distances
-) -> Floats | None:
+def _take_largest_stance(robot: Robot, standing: Standing, stance: Stance, distances: Distances) -> Floats | None:
     """Return a posture [rad] with the largest collision-free deviation, or None."""
     scaled = (stance.scaled(fraction) for fraction in POSTURE_AMOUNTS)
-    candidates = (_take_clear_stance(robot, standing, deviation, mean, distances) for deviation in scaled)
+    candidates = (_take_clear_stance(robot, standing, smaller, distances) for smaller in scaled)
     return next((angles for angles in candidates if angles is not None), None)
 
 
-def _take_clear_stance(
-    robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, distances: Distances
-) -> Floats | None:
+def _take_clear_stance(robot: Robot, standing: Standing, stance: Stance, distances: Distances) -> Floats | None:
     """Take a stance (n,) [rad] with clear arms, or return None.
 
     An arm too close to the body is moved outward, as the deviation of trunk and head should remain.
     """
     lifts = dict.fromkeys(SIDES, 0.0)
     while max(lifts.values()) <= MAX_ARM_LIFT_DEG:
-        angles = _take_stance(robot, standing, stance, mean, lifts)
+        angles = _take_stance(robot, standing, stance, lifts)
         close = _find_close_segments(angles, robot, distances)
         if not close:
             return angles
@@ -188,34 +204,37 @@ def _take_clear_stance(
     return None
 
 
-def _take_stance(
-    robot: Robot, standing: Standing, stance: StanceDeviation, mean: Floats | None, lifts: Mapping[Side, float]
-) -> Floats:
-    """Return the rest posture (n,) [rad] with a deviation from a mean.
+def _take_stance(robot: Robot, standing: Standing, stance: Stance, lifts: Mapping[Side, float]) -> Floats:
+    """Return the rest posture (n,) [rad] of a stance.
 
     Args:
         robot: with the rest posture of the style.
         standing: of this posture.
-        stance: deviation.
-        mean: (s,) [deg] mean stance; None for the robot's own rest posture.
+        stance: mean and deviation.
         lifts: angle [deg] by which each arm is moved outward.
     """
+    mean = _measure_rest(robot) if stance.mean is None else stance.mean
+    deviation, count = np.array(stance.deviation), len(BODY_FEATURES)
+    if stance.mean is None and standing.rest:
+        deviation[count:] *= HELD_ARM_FRACTION
+    turn, tilt, roll, *head, rise = np.radians((mean + deviation)[:count]).tolist()
     angles = np.array(robot.skeleton.rest)
-    torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
-    own = np.degrees([torso[1], torso[2], head[0] - torso[0], head[1], head[2], 0.0])
-    body = np.radians((own if mean is None else mean[: len(own)]) + stance.features[: len(own)])
-    torsion = torso[0] + stance.torsion
-    set_turn(robot, "torso", np.array([torsion, body[0], body[1]]), angles)
+    set_turn(robot, "torso", np.array([turn, tilt, roll]), angles)
     reached = compute_torso_turn(robot, "torso", angles)
-    set_turn(robot, "neck", np.array([torsion + body[2], body[3], body[4]]) - reached, angles)
-    raise_shoulder(robot, float(body[5]), angles)
-    fraction = HELD_ARM_FRACTION if mean is None and standing.rest else 1.0
-    start = np.array(robot.skeleton.rest)
-    for side, deviation in zip(SIDES, np.split(stance.features[len(own) :], len(SIDES)), strict=True):
-        hanging = measure_arm(robot, side, start) if mean is None else mean[-len(deviation) :]
+    set_turn(robot, "neck", np.array([turn + head[0], *head[1:]]) - reached, angles)
+    raise_shoulder(robot, rise, angles)
+    for side, arm in zip(SIDES, np.split((mean + deviation)[count:], len(SIDES)), strict=True):
         outward = [lifts[side] if name.endswith("outward") else 0.0 for name in ARM_FEATURES]
-        angles = set_arm(robot, side, hanging + fraction * deviation + outward, angles)
+        angles = set_arm(robot, side, arm + outward, angles)
     return _inside(angles, robot)
+
+
+def _measure_rest(robot: Robot) -> Floats:
+    """Return the `STANCE_FEATURES` (s,) [deg] of a robot's rest posture, on level shoulders."""
+    torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
+    body = np.degrees([*torso, head[0] - torso[0], head[1], head[2], 0.0])
+    rest = np.array(robot.skeleton.rest)
+    return np.concatenate([body, *(measure_arm(robot, side, rest) for side in SIDES)])
 
 
 def _with_rest(robot: Robot, angles: Floats) -> Robot:

@@ -7,11 +7,15 @@ from kinesic.planning.arm_directions import ARM_FEATURES
 from kinesic.planning.stance import (
     STANCE_FEATURES,
     StanceComponents,
+    draw_arm_pose,
     draw_components,
     draw_deviation,
     expand_features,
+    mirror_features,
     read_stances,
 )
+
+FOREARMS = [STANCE_FEATURES.index(f"{side}_forearm_forward") for side in "lr"]
 
 
 def test_rows_of_the_stance_distribution_have_only_defined_features():
@@ -20,6 +24,38 @@ def test_rows_of_the_stance_distribution_have_only_defined_features():
     rows = [table.mean, table.handedness, *(row for part in parts for row in (*part.symmetric, *part.asymmetric))]
     features = {name.removeprefix("l_").removeprefix("r_") for name in STANCE_FEATURES}
     assert {name for row in rows for name in row} <= features
+
+
+def test_rows_of_arm_poses_have_only_features_of_the_whole_body():
+    rows = [row for pose in read_stances().poses for row in (pose.mean, *pose.components)]
+    assert {name for row in rows for name in row} <= {*STANCE_FEATURES}
+
+
+def test_mirror_image_swaps_arms_and_turns_the_other_way():
+    features = dict.fromkeys(STANCE_FEATURES, 0.0) | {"trunk_turn": 1.0, "trunk_tilt": 2.0, "l_hand_forward": 3.0}
+    mirrored = mirror_features(np.array([*features.values()]))
+    expected = dict.fromkeys(STANCE_FEATURES, 0.0) | {"trunk_turn": -1.0, "trunk_tilt": 2.0, "r_hand_forward": 3.0}
+    assert dict(zip(STANCE_FEATURES, mirrored, strict=True)) == expected
+
+
+def test_arm_poses_are_drawn_as_often_as_their_weights_say():
+    table = read_stances()
+    drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(600)]
+    total = table.hanging.weight + sum(pose.weight for pose in table.poses)
+    assert sum(pose is None for pose in drawn) / 600 == pytest.approx(table.hanging.weight / total, abs=0.06)
+    before = np.array([pose.mean[FOREARMS] > 45.0 for pose in drawn if pose is not None])
+    one_hand = before.sum(axis=1) == 1
+    assert one_hand.sum() / 600 == pytest.approx(table.poses[0].weight / total, abs=0.05)
+    assert before[one_hand, 0].mean() == pytest.approx(0.5, abs=0.12)  # either hand
+
+
+def test_arm_poses_deviate_as_their_components():
+    table = read_stances()
+    drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(600)]
+    both = [pose.deviation for pose in drawn if pose is not None and min(pose.mean[FOREARMS]) > 45.0]
+    sizes = [row.get("head_tilt", 0.0) for row in table.poses[1].components]
+    spread = np.std(both, axis=0)[STANCE_FEATURES.index("head_tilt")]
+    assert spread == pytest.approx(0.93 * np.linalg.norm(sizes), rel=0.15)  # of clipped normal draws
 
 
 def draw_many(table, count=1000):

@@ -12,10 +12,11 @@ from kinesic.expressivity.style.standing import Standing
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
 from kinesic.planning import standing as standing_module
+from kinesic.planning.arm_directions import ARM_FEATURES, measure_arm
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.face_track import compute_action_units
 from kinesic.planning.quick_plan import plan_quickly
-from kinesic.planning.stance import STANCE_FEATURES, draw_deviation, read_stances
+from kinesic.planning.stance import STANCE_FEATURES, draw_arm_pose, draw_deviation, read_stances
 from kinesic.planning.standing import STANDING_STREAM, _take_rest_gesture, draw_rest, standing_robot
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
@@ -132,6 +133,48 @@ def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
     assert np.array_equal(set_up(seed=1).robot.skeleton.rest, ROBOTS["upper22"].skeleton.rest)
 
 
+def find_seeds(*, hanging, count):
+    """Return seeds of neutral standing postures with hanging arms, or with other arms."""
+    drawn = {}
+    for seed in range(40):
+        chance = np.random.default_rng((seed, STANDING_STREAM))
+        draw_deviation(read_stances().hanging, chance)
+        drawn[seed] = draw_arm_pose(read_stances(), chance)
+    return [seed for seed, pose in drawn.items() if (pose is None) == hanging][:count]
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_body_takes_other_arm_postures_within_its_limits(name):
+    robot = ROBOTS[name]
+    for seed in find_seeds(hanging=False, count=8):
+        setup = set_up(name, variation=1.0, seed=seed)
+        rest, skeleton = setup.robot.skeleton.rest, robot.skeleton
+        gaps, own_gaps = setup.distances.gaps(np.stack([rest, robot.skeleton.rest]))
+        assert np.all(gaps >= np.minimum(robot.min_clearance + LAG_RESERVE, own_gaps) - 1e-9)
+        assert np.all((rest >= skeleton.lower) & (rest <= skeleton.upper))
+        arms = np.array([measure_arm(setup.robot, side, rest) for side in "lr"])
+        assert arms[:, ARM_FEATURES.index("forearm_forward")].max() > 40.0
+
+
+def test_smaller_variation_lowers_hands_towards_hanging_arms():
+    seed = find_seeds(hanging=False, count=1)[0]
+    bends = []
+    for amount in (0.0, 0.5, 1.0):
+        body = set_up("human", variation=amount, seed=seed).robot
+        bends.append(max(measure_arm(body, side, body.skeleton.rest)[2] for side in "lr"))
+    assert bends[0] < bends[1] - 10.0 < bends[2] - 20.0
+
+
+def test_styles_with_a_posture_keep_their_own_arms():
+    for seed in find_seeds(hanging=False, count=3):
+        body = set_up("human", style="sad", variation=1.0, seed=seed).robot
+        own = set_up("human", style="sad").robot
+        offsets = [
+            measure_arm(body, side, body.skeleton.rest) - measure_arm(own, side, own.skeleton.rest) for side in "lr"
+        ]
+        assert np.abs(np.array(offsets)[:, ARM_FEATURES.index("forearm_forward")]).max() < 30.0
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_trunk_and_head_of_a_seed_do_not_depend_on_the_girth_of_the_body(seed):
     bodies = [set_up(name, variation=1.0, seed=seed).robot for name in ("human", "upper36")]
@@ -142,7 +185,7 @@ def test_trunk_and_head_of_a_seed_do_not_depend_on_the_girth_of_the_body(seed):
 @pytest.mark.parametrize("name", ["human", "upper36"])
 def test_one_shoulder_stands_higher_as_drawn(name):
     elevations, expected = [], []
-    for seed in range(6):
+    for seed in find_seeds(hanging=True, count=6):
         robot = set_up(name, variation=1.0, seed=seed).robot
         left, right = (robot.skeleton.rest_frames.origins[robot.arm(side).shoulder] for side in "lr")
         line = left - right

@@ -42,6 +42,7 @@ class JointNames:
 
     chest: str
     head: str
+    hips: tuple[str, str]  # left first; a skeleton may lack them
     arms: tuple[tuple[str, str, str], tuple[str, str, str]]  # shoulder, elbow, wrist; left first
 
 
@@ -50,12 +51,12 @@ def _arms(shoulder: str, elbow: str, wrist: str, sides: tuple[str, str]) -> tupl
 
 
 SKELETON_FAMILIES = tuple(
-    JointNames(chest, head, (left, right))
-    for chest, head, (left, right) in (
-        ("JtSpineC", "JtSkullA", _arms("JtShoulder{}", "JtElbow{}", "JtWrist{}", ("Lf", "Rt"))),
-        ("Spine3", "Head", _arms("{}Arm", "{}ForeArm", "{}Hand", ("Left", "Right"))),
-        ("Chest4", "Head", _arms("{}Shoulder", "{}Elbow", "{}Wrist", ("Left", "Right"))),
-        ("Chest", "Head", _arms("{}Shoulder", "{}Forearm", "{}Hand", ("L", "R"))),
+    JointNames(chest, head, hips, (left, right))
+    for chest, head, hips, (left, right) in (
+        ("JtSpineC", "JtSkullA", ("JtHipLf", "JtHipRt"), _arms("JtShoulder{}", "JtElbow{}", "JtWrist{}", ("Lf", "Rt"))),
+        ("Spine3", "Head", ("LeftUpLeg", "RightUpLeg"), _arms("{}Arm", "{}ForeArm", "{}Hand", ("Left", "Right"))),
+        ("Chest4", "Head", ("LeftHip", "RightHip"), _arms("{}Shoulder", "{}Elbow", "{}Wrist", ("Left", "Right"))),
+        ("Chest", "Head", ("LThigh", "RThigh"), _arms("{}Shoulder", "{}Forearm", "{}Hand", ("L", "R"))),
     )
 )
 
@@ -166,6 +167,7 @@ def _make_motion(path: Path, joints: Sequence[CapturedJoint], motion: CapturedMo
         return turned
 
     axes = [_direction(neutral, chain) for chain in names.arms]
+    hips = names.hips if frames.positions.keys() >= {*names.hips} else (left[0], right[0])
     syncs = {name: time - float(motion.times[0]) for name, time in motion.syncs.items()}
     return BodyMotion(
         name=path.stem,
@@ -174,6 +176,7 @@ def _make_motion(path: Path, joints: Sequence[CapturedJoint], motion: CapturedMo
         times=sealed(times - motion.times[0]),
         syncs={**syncs, "start": 0.0, "end": float(times[-1] - times[0])},
         arm=unit * length,
+        hip_lines=sealed(positions(hips[0]) - positions(hips[1])),
         chest=sealed(positions(names.chest)),
         shoulders=sealed([positions(left[0]), positions(right[0])]),
         elbows=sealed([positions(left[1]), positions(right[1])]),

@@ -9,6 +9,7 @@ from kinesic.bench.naturalness.measures import PROFILE_RATE
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 
+LEFT_AXIS = sealed([0.0, 1.0, 0.0])  # hip line of robots, whose pelvis never turns
 SMOOTHING_WEIGHTS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16.0  # weights of neighbouring frames, against capture noise
 
 
@@ -25,6 +26,7 @@ class BodyMotion:
     times: Floats  # (m,) [s]
     syncs: Mapping[str, float]  # [s] times of sync points; `start` and `end` are always there
     arm: float  # [m] arm length from shoulder to wrist
+    hip_lines: Floats  # (m, 3) from the right to the left hip; the shoulders where hips are missing
     chest: Floats  # (m, 3) [m]
     shoulders: Floats  # (2, m, 3) [m]
     elbows: Floats  # (2, m, 3) [m]
@@ -41,6 +43,7 @@ class BodyMotion:
             self,
             name=name or self.name,
             times=sealed(self.times[kept]),
+            hip_lines=sealed(self.hip_lines[kept]),
             syncs={**self.syncs, "start": max(begin, self.syncs["start"]), "end": min(end, self.syncs["end"])},
             chest=sealed(self.chest[kept]),
             shoulders=sealed(self.shoulders[:, kept]),
@@ -88,6 +91,7 @@ def make_motion(robot: Robot, angles: Floats, syncs: Mapping[str, float], name: 
         times=sealed(np.arange(len(angles)) / PROFILE_RATE),
         syncs=dict(syncs),
         arm=robot.arm_length,
+        hip_lines=sealed(np.broadcast_to(LEFT_AXIS, (len(angles), 3))),
         chest=sealed(frames.origins[:, chest]),
         shoulders=sealed([frames.origins[:, arm.shoulder] for arm in arms]),
         elbows=sealed([frames.origins[:, arm.elbow] for arm in arms]),

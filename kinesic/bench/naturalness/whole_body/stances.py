@@ -1,6 +1,6 @@
 """Fit of a standing posture distribution to resting frames of captured clips."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import sqrt
 
 import numpy as np
@@ -10,9 +10,9 @@ from kinesic.bench.naturalness.whole_body.motion import BodyMotion
 from kinesic.bench.naturalness.whole_body.posture import MAX_REST_SPEED, posture_axes
 from kinesic.body.arrays import Floats, Indices
 from kinesic.planning.arm_directions import ARM_FEATURES
-from kinesic.planning.stance import BODY_FEATURES, STANCE_FEATURES, StanceComponents, StanceTable
+from kinesic.planning.stance import BODY_FEATURES, STANCE_FEATURES, SYMMETRIC_BODY, StanceComponents, StanceTable
 
-SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
+StanceGroups = Mapping[str, Floats]  # clip group, which counts as one person -> stances (k, s) [deg]
 ASYMMETRIC_BODY = tuple(name for name in BODY_FEATURES if name not in SYMMETRIC_BODY)
 SYMMETRIC_FEATURES = (*SYMMETRIC_BODY, *ARM_FEATURES)  # features of the symmetric part, arms as mean of both
 ASYMMETRIC_FEATURES = (*ASYMMETRIC_BODY, *ARM_FEATURES)  # features of the asymmetric part, arms as half difference
@@ -33,8 +33,10 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
     up = axes @ motion.chest_rotations[frame, :, 2]
     head = axes @ motion.head_rotations[frame]
     line = motion.shoulders[0, frame] - motion.shoulders[1, frame]
+    hips = axes @ motion.hip_lines[frame]
     roll = -np.arcsin(np.clip(up[1], -1.0, 1.0))
     features = [
+        np.arctan2(hips[0], hips[1]),
         np.arctan2(up[0], up[2]),
         roll,
         np.arctan2(head[1, 0], head[0, 0]),
@@ -51,15 +53,20 @@ def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
     return np.degrees(features)
 
 
-def group_hanging(clips: Iterable[BodyMotion]) -> Mapping[str, Floats]:
-    """Return the stances (k, s) [deg] with hanging arms, by clip group.
+def group_hanging(clips: Iterable[BodyMotion]) -> StanceGroups:
+    """Return the stances (k, s) [deg] with hanging arms, by clip group."""
+    return group_changed(clips, is_hanging)
+
+
+def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bool]) -> StanceGroups:
+    """Return the counted stances (k, s) [deg] of resting frames, by clip group.
 
     Frames in the pose of the first frame are left out. A group has the clips of one set whose names agree between `@`
     and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are left out.
     """
     groups: dict[str, list[Floats]] = {}
     for clip in clips:
-        stances = [stance for frame in find_resting_frames(clip) if _is_hanging(stance := measure_stance(clip, frame))]
+        stances = [stance for frame in find_resting_frames(clip) if is_counted(stance := measure_stance(clip, frame))]
         first = measure_stance(clip)
         changed = [stance for stance in stances if np.abs(stance - first).max() > MIN_POSE_CHANGE]
         if changed:
@@ -75,7 +82,7 @@ def find_resting_frames(motion: BodyMotion) -> Indices:
     return np.flatnonzero(speeds.max(axis=0) < MAX_REST_SPEED)
 
 
-def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
+def fit_stances(groups: StanceGroups, weight: float = 1.0) -> StanceTable:
     """Fit the predictive distribution of an unseen person's stance.
 
     Every group counts as one person. Persons follow the predictive t distribution, which is wider than the sample, as
@@ -84,6 +91,7 @@ def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
 
     Args:
         groups: stances (k, s) [deg] by person.
+        weight: probability of hanging arms.
     """
     centres = np.stack([rows.mean(axis=0) for rows in groups.values()])
     symmetric, asymmetric = _split(centres)
@@ -92,17 +100,18 @@ def fit_stances(groups: Mapping[str, Floats]) -> StanceTable:
     parts = [_split(rows - rows.mean(axis=0)) for rows in groups.values()]
     within = [_scale_tails([part[k] for part in parts]) for k in range(2)]
     return StanceTable(
-        mean=_name(SYMMETRIC_FEATURES, mean),
-        handedness=_name(ASYMMETRIC_FEATURES, handedness),
+        weight=weight,
+        mean=name_features(SYMMETRIC_FEATURES, mean),
+        handedness=name_features(ASYMMETRIC_FEATURES, handedness),
         persons=StanceComponents(
             degrees_of_freedom=count - 1,
-            symmetric=_components((symmetric - mean) / sqrt(count - 1), widened, SYMMETRIC_FEATURES),
-            asymmetric=_components((asymmetric - handedness) / sqrt(count - 1), widened, ASYMMETRIC_FEATURES),
+            symmetric=_find_components((symmetric - mean) / sqrt(count - 1), widened, SYMMETRIC_FEATURES),
+            asymmetric=_find_components((asymmetric - handedness) / sqrt(count - 1), widened, ASYMMETRIC_FEATURES),
         ),
         rests=StanceComponents(
             degrees_of_freedom=REST_FREEDOM,
-            symmetric=_components(within[0], 1.0, SYMMETRIC_FEATURES),
-            asymmetric=_components(within[1], 1.0, ASYMMETRIC_FEATURES),
+            symmetric=_find_components(within[0], 1.0, SYMMETRIC_FEATURES),
+            asymmetric=_find_components(within[1], 1.0, ASYMMETRIC_FEATURES),
         ),
     )
 
@@ -133,18 +142,25 @@ def _scale_tails(parts: Sequence[Floats]) -> Floats:
     return np.asarray(scaled)
 
 
-def _is_hanging(stance: Floats) -> bool:
-    arms = stance[FIRST_ARM:].reshape(2, -1)
-    columns = [ARM_FEATURES.index(name) for name in MAX_HANGING]
-    return bool(np.all(np.abs(arms[:, columns]) <= [*MAX_HANGING.values()]))
+def is_hanging(stance: Floats) -> bool:
+    """Return whether both arms of a stance (s,) [deg] hang."""
+    ranges = {name: (-limit, limit) for name, limit in MAX_HANGING.items()}
+    arms = np.split(stance[FIRST_ARM:], 2)
+    return all(is_within(dict(zip(ARM_FEATURES, arm.tolist(), strict=True)), ranges) for arm in arms)
 
 
-def _components(rows: Floats, factor: float, names: Sequence[str]) -> list[dict[str, float]]:
+def is_within(angles: Mapping[str, float], ranges: Mapping[str, tuple[float, float]]) -> bool:
+    """Return whether each named angle is within its range."""
+    return all(lower <= angles[name] <= upper for name, (lower, upper) in ranges.items())
+
+
+def _find_components(rows: Floats, factor: float, names: Sequence[str]) -> list[dict[str, float]]:
     """Return the principal components of rows (k, c), times a factor."""
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
     scaled = factor * sizes[:, None] * directions
-    return [_name(names, row) for row in scaled if np.abs(row).max() > MIN_DEVIATION]
+    return [name_features(names, row) for row in scaled if np.abs(row).max() > MIN_DEVIATION]
 
 
-def _name(names: Sequence[str], values: Floats) -> dict[str, float]:
+def name_features(names: Sequence[str], values: Floats) -> dict[str, float]:
+    """Return rounded values by the names of their features."""
     return {name: round(float(value), 2) for name, value in zip(names, values, strict=True)}

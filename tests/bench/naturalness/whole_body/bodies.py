@@ -14,6 +14,7 @@ def make_body(
     *,
     seconds=2.5,
     trunk=0.0,
+    pelvis=0.0,
     head=0.0,
     turning=0.0,
     lift=0.0,
@@ -30,6 +31,7 @@ def make_body(
     Args:
         seconds: duration [s].
         trunk: rotation of the chest at the extreme [deg].
+        pelvis: rotation of the pelvis to the left at the extreme [deg].
         head: rotation of the head at the extreme [deg].
         turning: rotation of both hands at the extreme [deg].
         lift: shoulder lift at the extreme [m].
@@ -59,6 +61,7 @@ def make_body(
         times=times,
         syncs=syncs,
         arm=ARM * scale,
+        hip_lines=turn("z", pelvis * shape) @ [0.0, 0.2, 0.0],
         chest=np.zeros((len(times), 3)),
         shoulders=shoulders * scale,
         elbows=elbows * scale,

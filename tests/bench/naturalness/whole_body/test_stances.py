@@ -19,6 +19,12 @@ def test_stance_has_the_directions_of_the_links():
     assert stance["trunk_tilt"] == stance["head_turn"] == stance["shoulder_rise"] == pytest.approx(0.0)
 
 
+def test_trunk_turn_is_that_of_the_shoulders_from_the_hips():
+    turned = make_body(pelvis=-20.0)
+    assert name_features(measure_stance(turned))["trunk_turn"] == pytest.approx(0.0)
+    assert name_features(measure_stance(turned, len(turned.times) // 2))["trunk_turn"] == pytest.approx(20.0, abs=0.5)
+
+
 def make_turning_clips(pose, count=5, **options):
     return [make_body(head=20.0, set_name="s", name=f"A@{pose}_{k}", **options) for k in range(count)]
 
@@ -61,7 +67,8 @@ def test_fit_finds_mean_and_correlation_of_a_population():
     assert draws[:, columns].std(axis=0) == pytest.approx([4.1, 2.3, 5.1], rel=0.25)
     assert np.corrcoef(draws[:, columns].T)[0, 1] > 0.7
     hand = [row["hand_forward"] for row in (*table.rests.symmetric, *table.rests.asymmetric)]
-    assert np.linalg.norm(hand) == pytest.approx(0.85, rel=0.15)  # 0.9 about the mean of five rests, with normal tails
+    # 0.9 about the mean of five rests, less the small components that are left out.
+    assert np.linalg.norm(hand) == pytest.approx(0.8, rel=0.2)
     assert set(table.mean) == {"trunk_tilt", "head_tilt", *ARM_FEATURES}
 
 

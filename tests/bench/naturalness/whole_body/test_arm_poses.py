@@ -1,0 +1,68 @@
+"""Standing postures with one hand or both hands before the body."""
+
+import numpy as np
+import pytest
+
+from kinesic.bench.naturalness.whole_body.arm_poses import find_pose, fit_poses, group_poses
+from kinesic.planning.stance import STANCE_FEATURES, mirror_features
+
+from .bodies import make_body
+
+HANGING = {"upper_arm_outward": 10.0, "forearm_forward": 20.0}
+BEFORE = {"upper_arm_outward": 10.0, "forearm_forward": 70.0, "hand_forward": 80.0}
+ON_HIP = {"upper_arm_outward": 45.0, "forearm_forward": 10.0, "forearm_outward": -25.0}
+
+
+def make_stance(left, right, **body):
+    arms = {f"{side}_{name}": value for side, arm in (("l", left), ("r", right)) for name, value in arm.items()}
+    return np.array([{**body, **arms}.get(name, 0.0) for name in STANCE_FEATURES])
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "pose"),
+    [
+        (HANGING, HANGING, None),
+        (BEFORE, HANGING, "one_hand_before"),
+        (HANGING, BEFORE, "one_hand_before"),
+        (BEFORE, BEFORE, "both_hands_before"),
+        (ON_HIP, ON_HIP, None),
+        (BEFORE, {**BEFORE, "forearm_outward": -50.0}, None),  # folded
+        (BEFORE, {**BEFORE, "forearm_forward": 130.0}, None),  # raised
+    ],
+)
+def test_pose_follows_from_the_places_of_both_hands(left, right, pose):
+    assert find_pose(make_stance(left, right)) == pose
+
+
+def test_one_hand_before_the_body_is_the_right_one_in_a_mirror_image():
+    clips = [make_body(bend=(70.0, 20.0), head=20.0, set_name="s", name=f"A@Idle01_{k}") for k in range(5)]
+    poses = group_poses(clips)
+    assert [*poses["one_hand_before"]] == ["s Idle01"]
+    assert not poses["both_hands_before"]
+    stance = dict(zip(STANCE_FEATURES, poses["one_hand_before"]["s Idle01"].mean(axis=0), strict=True))
+    assert (stance["l_forearm_forward"], stance["r_forearm_forward"]) == pytest.approx((20.0, 70.0))
+    assert stance["head_turn"] < 0.0  # the clip turns it to the left
+
+
+def test_weights_are_mean_fractions_of_sets_and_means_are_those_of_the_frames():
+    one, both = make_stance(HANGING, BEFORE, head_tilt=6.0), make_stance(BEFORE, BEFORE)
+    two_sided = np.stack([both, mirror_features(both)])
+    poses = {
+        "one_hand_before": {"a Idle01": np.stack([one, one])},
+        "both_hands_before": {"b Idle01": two_sided},
+    }
+    hanging = {person: np.stack([make_stance(HANGING, HANGING)] * 2) for person in ("a Idle01", "b Idle01")}
+    weight, tables = fit_poses(poses, hanging)
+    assert [weight, *(table.weight for table in tables)] == pytest.approx([0.59, 0.25, 0.17], abs=0.011)
+    assert tables[0].mean["head_tilt"] == 6.0
+    assert "l_hand_forward" not in tables[0].mean
+
+
+def test_components_have_the_spread_of_the_frames():
+    chance = np.random.default_rng(3)
+    shifts = chance.normal(size=400)
+    rows = np.stack([make_stance(HANGING, BEFORE, head_tilt=4.0 * shift, trunk_tilt=2.0 * shift) for shift in shifts])
+    poses = {name: {"a Idle01": rows} for name in ("one_hand_before", "both_hands_before")}
+    table = fit_poses(poses, {"a Idle01": rows})[1][0]
+    assert abs(table.components[0]["head_tilt"]) == pytest.approx(4.0, rel=0.1)
+    assert table.components[0]["trunk_tilt"] / table.components[0]["head_tilt"] == pytest.approx(0.5, abs=0.03)
