@@ -11,7 +11,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import PART_CHAINS, SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
-from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
+from kinesic.expressivity.turns import add_turns, rest_head_turn, rest_turn, turn_angles
 from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import MIN_GAP, PLAIN_PASSAGE, KeyPassage, KeyPosture
 from kinesic.planning.arm_postures import ArmKey, ArmsTask, solve_arms
@@ -175,11 +175,13 @@ def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robo
 def _in_world(hand: Hand, frame: KeyFrame, robot: Robot) -> Reach | None:
     """Convert a hand target to world coordinates.
 
-    The gesture volume rotates with the torso's own key (thesis 8.7), not with the lean.
+    The gesture volume rotates with the torso's own key (thesis 8.7) and with the standing posture of the trunk, not
+    with the lean. A pointing hand does not follow the standing posture, as its target is in the world.
     """
     if hand.reach is None:
         return None
-    box = find_gesture_volume(robot, frame.torso)
+    turn = frame.torso if hand.aim is not None else add_turns(frame.torso, rest_turn(robot, "torso"))
+    box = find_gesture_volume(robot, turn)
     return hand.reach if box is None else box.placed(hand.reach)
 
 

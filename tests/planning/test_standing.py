@@ -8,6 +8,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.standing import Standing
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import rest_head_turn, rest_turn, turn_angles
@@ -250,3 +251,21 @@ def test_rest_gesture_begins_with_raised_shoulders_and_no_other_arm_offset(mirro
     _take_rest_gesture(np.array(rest), robot, standing, lexicon, CapsuleDistances(robot))
     raised = {robot.skeleton.names[joint]: starts[0][joint] - rest[joint] for joint in np.flatnonzero(starts[0] - rest)}
     assert raised == {f"{side}_sternoclavicular_abduct": pytest.approx(0.05) for side in "lr"}
+
+
+@pytest.mark.parametrize("lexeme", ["hush", "heart", "offer"])
+def test_places_of_gestures_follow_the_standing_trunk(lexeme):
+    wrists = {}
+    for tilt in (0.0, 8.0):
+        style = Style.load("neutral")
+        lean = replace(style, standing=Standing(trunk=Turn(tilt=np.radians(tilt))))
+        setup = set_up("human", style=lean)
+        body = setup.robot
+        text = f'<gesture id="g" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="2"/>'
+        made = plan_quickly(parse(ROOT.format(text)), setup)
+        stroke = next(key for key in made.postures.postures if any(sync == "stroke" for _, sync in key.syncs))
+        frames, arm = body.skeleton.frames(stroke.angles), body.arm("r")
+        trunk = body.skeleton.segment("vt1")
+        offset = frames.origins[arm.wrist] - frames.origins[trunk]
+        wrists[tilt] = frames.rotations[trunk].T @ offset
+    assert np.linalg.norm(wrists[8.0] - wrists[0.0]) < 0.025
