@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from kinesic.bench.naturalness.whole_body.arm_poses import fit_poses, group_poses
+from kinesic.bench.naturalness.whole_body.arm_poses import fit_poses, group_poses, weigh_poses
 from kinesic.bench.naturalness.whole_body.clips import read_clips
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion
 from kinesic.bench.naturalness.whole_body.stances import fit_stances, group_hanging
@@ -16,7 +16,7 @@ from kinesic.planning.stance import STANCE_FILE, ArmPoseTable, StanceTable
 TUNED_SETS = ("Gestures", "Gestures2", "MaleGestures", "FemaleGestures")  # sets on which constants are fitted
 HEAD = """\
 # How people stand: a mixture of distributions, fitted to resting frames of captured clips that differ from the first
-# pose of their clip. `weight` is the probability of a part: the fraction of such frames, as the mean over sets.
+# pose of their clip. `weight` is the probability of a part: its fraction of all resting frames, as the mean over sets.
 # Angles in degrees. Trunk and head: tilt + forward or down, roll + right, turn + left, of the trunk from the hips and
 # of the head from the line of the shoulders. `shoulder_rise`: line of the shoulders over the rolled trunk, + left
 # shoulder up. Links of an arm: direction from straight down, forward and outward.
@@ -59,7 +59,8 @@ if __name__ == "__main__":
     clips = [clip for folder in sys.argv[1:] for clip in read_clips(Path(folder)) if isinstance(clip, BodyMotion)]
     tuned = [clip for clip in clips if clip.set_name in TUNED_SETS]
     people, poses = group_hanging(tuned), group_poses(tuned)
-    weight, fitted = fit_poses(poses, people)
+    weights = weigh_poses(tuned)
     counts = ", ".join(f"{name} {sum(map(len, groups.values()))}" for name, groups in poses.items())
-    text = HEAD.format(groups=", ".join(people), counts=counts) + format_table("hanging", fit_stances(people, weight))
-    STANCE_FILE.write_text(text + "".join(map(format_pose, fitted)), encoding="utf-8")
+    hanging = fit_stances(people, round(weights["hanging"], 2))
+    text = HEAD.format(groups=", ".join(people), counts=counts) + format_table("hanging", hanging)
+    STANCE_FILE.write_text(text + "".join(map(format_pose, fit_poses(poses, weights))), encoding="utf-8")

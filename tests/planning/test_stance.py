@@ -40,18 +40,18 @@ def test_mirror_image_swaps_arms_and_turns_the_other_way():
 
 def test_arm_poses_are_drawn_as_often_as_their_weights_say():
     table = read_stances()
-    drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(600)]
+    drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     total = table.hanging.weight + sum(pose.weight for pose in table.poses)
-    assert sum(pose is None for pose in drawn) / 600 == pytest.approx(table.hanging.weight / total, abs=0.06)
+    assert sum(pose is None for pose in drawn) / 2000 == pytest.approx(table.hanging.weight / total, abs=0.06)
     before = np.array([pose.mean[FOREARMS] > 45.0 for pose in drawn if pose is not None])
     one_hand = before.sum(axis=1) == 1
-    assert one_hand.sum() / 600 == pytest.approx(table.poses[0].weight / total, abs=0.05)
+    assert one_hand.sum() / 2000 == pytest.approx(table.poses[0].weight / total, abs=0.05)
     assert before[one_hand, 0].mean() == pytest.approx(0.5, abs=0.12)  # either hand
 
 
 def test_arm_poses_deviate_as_their_components():
     table = read_stances()
-    drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(600)]
+    drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     both = [pose.deviation for pose in drawn if pose is not None and min(pose.mean[FOREARMS]) > 45.0]
     sizes = [row.get("head_tilt", 0.0) for row in table.poses[1].components]
     spread = np.std(both, axis=0)[STANCE_FEATURES.index("head_tilt")]

@@ -130,14 +130,14 @@ def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
     mirrored = [ROBOTS["upper22"].skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
     assert np.array_equal(bodies[0], bodies[1])
     assert np.degrees(np.abs(bodies[0] - bodies[2]).max()) > 3.0
-    assert abs(np.degrees(bodies[0][mirrored[0]] - bodies[0][mirrored[1]])) > 1.0
+    assert abs(np.degrees(bodies[0][mirrored[0]] - bodies[0][mirrored[1]])) > 0.5
     assert np.array_equal(set_up(seed=1).robot.skeleton.rest, ROBOTS["upper22"].skeleton.rest)
 
 
 def find_seeds(*, hanging, count):
     """Return seeds of neutral standing postures with hanging arms, or with other arms."""
     drawn = {}
-    for seed in range(40):
+    for seed in range(60):
         chance = np.random.default_rng((seed, STANDING_STREAM))
         draw_deviation(read_stances().hanging, chance)
         drawn[seed] = draw_arm_pose(read_stances(), chance)

@@ -1,5 +1,6 @@
 """Fit of standing postures whose arms do not hang to resting frames of captured clips."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
@@ -10,8 +11,11 @@ from kinesic.bench.naturalness.whole_body.stances import (
     FIRST_ARM,
     MAX_HANGING,
     StanceGroups,
+    find_resting_frames,
     group_changed,
+    is_hanging,
     is_within,
+    measure_stance,
 )
 from kinesic.body.arrays import Floats
 from kinesic.planning.arm_directions import ARM_FEATURES
@@ -60,28 +64,37 @@ def find_pose(stance: Floats) -> str | None:
     return next((name for name, places in POSE_PLACES.items() if places in ((right, left), (left, right))), None)
 
 
-def fit_poses(poses: Mapping[str, StanceGroups], hanging: StanceGroups) -> tuple[float, Sequence[ArmPoseTable]]:
-    """Fit mean, components and probability of each pose.
+def weigh_poses(clips: Iterable[BodyMotion]) -> Mapping[str, float]:
+    """Return the mean fraction of each pose in the resting frames of a set.
 
-    Sets count equally in probabilities, and stances in means and components. Symmetric poses are among the given
-    stances twice, with their mirror images.
+    Frames in the first pose of their clip count as well. The fractions of hanging arms and of all poses sum to one.
+    """
+    counts: dict[str, Counter[str]] = {}
+    for clip in clips:
+        stances = (measure_stance(clip, frame) for frame in find_resting_frames(clip))
+        names = ("hanging" if is_hanging(stance) else find_pose(stance) for stance in stances)
+        counts.setdefault(clip.set_name, Counter()).update(name for name in names if name is not None)
+    return {
+        name: float(np.mean([count[name] / count.total() for count in counts.values()]))
+        for name in ("hanging", *POSE_PLACES)
+    }
+
+
+def fit_poses(poses: Mapping[str, StanceGroups], weights: Mapping[str, float]) -> Sequence[ArmPoseTable]:
+    """Fit mean and components of each pose.
 
     Args:
         poses: stances (k, s) [deg] by pose and person, with mirror images.
-        hanging: stances with hanging arms by person.
-
-    Returns:
-        Probability of hanging arms, and the poses.
+        weights: probability of each pose.
     """
-    weights = _weigh(poses, hanging)
     tables = []
     for name, groups in poses.items():
         rows = np.concatenate([*groups.values()])
         centre = rows.mean(axis=0)
         components = _find_seen_components((rows - centre) / np.sqrt(len(rows)))
-        mean = _name_large(centre)
-        tables.append(ArmPoseTable(name=name, weight=round(weights[name], 2), mean=mean, components=components))
-    return round(1.0 - sum(table.weight for table in tables), 2), tables
+        mean, weight = _name_large(centre), round(weights[name], 2)
+        tables.append(ArmPoseTable(name=name, weight=weight, mean=mean, components=components))
+    return tables
 
 
 def _find_seen_components(rows: Floats) -> Sequence[Mapping[str, float]]:
@@ -100,24 +113,6 @@ def _name_large(values: Floats) -> Mapping[str, float]:
 
 def _weigh_feature(name: str) -> float:
     return BODY_WEIGHT if name in BODY_FEATURES else HAND_WEIGHT if "_hand_" in name else 1.0
-
-
-def _weigh(poses: Mapping[str, StanceGroups], hanging: StanceGroups) -> Mapping[str, float]:
-    """Return the mean fraction of each pose in the resting frames of a set."""
-    groups = [hanging, *poses.values()]
-    sets = sorted({_set_of(person) for group in groups for person in group})
-    counts = np.array([[_count_frames(group, name) for group in groups] for name in sets])
-    counts[:, 1:] /= [2.0 if right == left else 1.0 for right, left in (POSE_PLACES[name] for name in poses)]
-    fractions = (counts / counts.sum(axis=1, keepdims=True)).mean(axis=0)
-    return dict(zip(poses, fractions[1:].tolist(), strict=True))
-
-
-def _count_frames(group: StanceGroups, set_name: str) -> float:
-    return float(sum(len(rows) for person, rows in group.items() if _set_of(person) == set_name))
-
-
-def _set_of(person: str) -> str:
-    return person.split(maxsplit=1)[0]
 
 
 def _find_place(stance: Floats, arm: int) -> ArmPlace | None:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.naturalness.whole_body.arm_poses import find_pose, fit_poses, group_poses
-from kinesic.planning.stance import STANCE_FEATURES, mirror_features
+from kinesic.bench.naturalness.whole_body.arm_poses import find_pose, fit_poses, group_poses, weigh_poses
+from kinesic.planning.stance import STANCE_FEATURES
 
 from .bodies import make_body
 
@@ -44,18 +44,20 @@ def test_one_hand_before_the_body_is_the_right_one_in_a_mirror_image():
     assert stance["head_turn"] < 0.0  # the clip turns it to the left
 
 
-def test_weights_are_mean_fractions_of_sets_and_means_are_those_of_the_frames():
-    one, both = make_stance(HANGING, BEFORE, head_tilt=6.0), make_stance(BEFORE, BEFORE)
-    two_sided = np.stack([both, mirror_features(both)])
-    poses = {
-        "one_hand_before": {"a Idle01": np.stack([one, one])},
-        "both_hands_before": {"b Idle01": two_sided},
-    }
-    hanging = {person: np.stack([make_stance(HANGING, HANGING)] * 2) for person in ("a Idle01", "b Idle01")}
-    weight, tables = fit_poses(poses, hanging)
-    assert [weight, *(table.weight for table in tables)] == pytest.approx([0.59, 0.25, 0.17], abs=0.011)
+def test_weights_are_mean_fractions_of_the_resting_frames_of_sets():
+    both = make_body(bend=(70.0, 70.0), set_name="a")
+    one, hanging, folded = (make_body(bend=bend, set_name="b") for bend in ((20.0, 70.0), (20.0, 20.0), (150.0, 20.0)))
+    weights = weigh_poses([both, one, hanging, hanging, folded])
+    assert weights == pytest.approx({"hanging": 1 / 3, "one_hand_before": 1 / 6, "both_hands_before": 0.5})
+
+
+def test_means_are_those_of_the_frames_without_small_angles():
+    one = make_stance(HANGING, BEFORE, head_tilt=6.0, head_roll=0.2)
+    poses = {name: {"a Idle01": np.stack([one, one])} for name in ("one_hand_before", "both_hands_before")}
+    tables = fit_poses(poses, {"one_hand_before": 0.254, "both_hands_before": 0.1})
+    assert [table.weight for table in tables] == [0.25, 0.1]
     assert tables[0].mean["head_tilt"] == 6.0
-    assert "l_hand_forward" not in tables[0].mean
+    assert {"head_roll", "l_hand_forward"}.isdisjoint(tables[0].mean)
 
 
 def test_components_have_the_spread_of_the_frames():
@@ -63,6 +65,6 @@ def test_components_have_the_spread_of_the_frames():
     shifts = chance.normal(size=400)
     rows = np.stack([make_stance(HANGING, BEFORE, head_tilt=4.0 * shift, trunk_tilt=2.0 * shift) for shift in shifts])
     poses = {name: {"a Idle01": rows} for name in ("one_hand_before", "both_hands_before")}
-    table = fit_poses(poses, {"a Idle01": rows})[1][0]
+    table = fit_poses(poses, dict.fromkeys(poses, 0.2))[0]
     assert abs(table.components[0]["head_tilt"]) == pytest.approx(4.0, rel=0.1)
     assert table.components[0]["trunk_tilt"] / table.components[0]["head_tilt"] == pytest.approx(0.5, abs=0.03)
