@@ -43,7 +43,7 @@ class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class ArmPoseTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """TOML table of a distribution of standing postures in which arms do not hang [deg]."""
+    """TOML table of standing postures with hands before the body [deg]."""
 
     name: str
     weight: float  # probability of this posture, with its mirror image
@@ -60,7 +60,7 @@ class StanceFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """Standing posture as a deviation from a mean, both (s,) [deg] in the order of `STANCE_FEATURES`."""
+    """Standing posture: mean and deviation (s,) [deg], ordered as `STANCE_FEATURES`."""
 
     mean: Floats | None  # None for the robot's own rest posture
     deviation: Floats
@@ -93,7 +93,9 @@ def expand_features(values: Mapping[str, float], right_sign: float = 1.0) -> Flo
 
 
 def draw_arm_pose(file: StanceFile, chance: np.random.Generator) -> Stance | None:
-    """Draw a standing posture in which arms do not hang, or return None for hanging arms.
+    """Draw a posture with hands before the body, or None.
+
+    None means hanging arms.
 
     Args:
         file: distribution of all postures.

@@ -160,9 +160,9 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
 
 
 def _draw_stances(style: Style, amount: float, chance: np.random.Generator) -> Iterator[Stance]:
-    """Yield a random stance, then one with hanging arms for bodies that cannot take it.
+    """Yield a random stance, then one with hanging arms.
 
-    Amounts below 1 lower hands towards hanging arms.
+    The second is for bodies that cannot take the first. Amounts below 1 lower hands towards hanging arms.
     """
     table = read_stances()
     hanging = expand_features(table.hanging.mean) if _stands_upright(style) else None
@@ -230,7 +230,7 @@ def _take_stance(robot: Robot, standing: Standing, stance: Stance, lifts: Mappin
 
 
 def _measure_rest(robot: Robot) -> Floats:
-    """Return the `STANCE_FEATURES` (s,) [deg] of a robot's rest posture, on level shoulders."""
+    """Return the stance features (s,) [deg] of a robot's rest posture."""
     torso, head = (turn_angles(turn) for turn in (rest_turn(robot, "torso"), rest_head_turn(robot)))
     body = np.degrees([*torso, head[0] - torso[0], head[1], head[2], 0.0])
     rest = np.array(robot.skeleton.rest)
