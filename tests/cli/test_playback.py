@@ -239,7 +239,7 @@ def test_report_and_log_of_a_servo_run_replace_those_of_the_twin(monkeypatch, tm
     written = SimpleNamespace(report=tmp_path / "report.json")
     (tmp_path / "servos.npz").write_text("old")
     monkeypatch.setattr(playback, "with_live", lambda data, live: {**data, "live": live})
-    monkeypatch.setattr(playback, "with_lesson", lambda data, lesson: {**data, "learned": lesson})
+    monkeypatch.setattr(playback, "add_identification", lambda data, lesson: {**data, "learned": lesson})
     monkeypatch.setattr(playback, "rewrite", lambda *arguments: rewritten.extend(arguments))
     monkeypatch.setattr(playback, "live_log", lambda live: ("log", live))
     monkeypatch.setattr(playback, "write_log", lambda log, robot, path: path.write_text(f"{log[0]} of {robot}"))
