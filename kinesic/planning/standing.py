@@ -6,11 +6,9 @@ from math import degrees
 
 import numpy as np
 
-from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
 from kinesic.expressivity.style.standing import OTHER_HAND_PROBABILITY, Standing
@@ -67,21 +65,6 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
     return _with_rest(robot, arms)
 
 
-def take_block_posture(block: Block, setup: Setup) -> Setup:
-    """Return the setup with the standing posture of a block's style.
-
-    Args:
-        block: whose style replaces the posture of the performance's style, unless a setting fixes the posture.
-        setup: of the performance.
-    """
-    style = BlockContext(block, setup.context).bearing
-    if setup.unstyled is None or style is setup.style:
-        return setup
-    robot = standing_robot(setup.unstyled, style, setup.lexicon, setup.distances)
-    robot = vary_standing(robot, style, setup.variation, setup.distances)
-    return replace(setup, robot=robot, shared_limits=setup.limits)
-
-
 def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | None:
     """Return a setup's posture with hands in another rest gesture, or None.
 
@@ -136,7 +119,9 @@ def draw_rest(
     return np.array(robot.skeleton.rest) if angles is None else angles
 
 
-def vary_standing(robot: Robot, style: Style, variation: Variation, distances: Distances) -> Robot:
+def vary_standing(
+    robot: Robot, style: Style, variation: Variation, distances: Distances, *, hands_hang: bool = False
+) -> Robot:
     """Return the robot with a random rest posture, as captured people stand.
 
     People lean a little, stand with their weight on one leg, and no hand hangs as the other does. Some have one or both
@@ -148,11 +133,13 @@ def vary_standing(robot: Robot, style: Style, variation: Variation, distances: D
         style: of this posture.
         variation: amount and seed; amount 0 leaves the robot unchanged.
         distances: self-distances of the robot.
+        hands_hang: whether no hand is before the body.
     """
     if variation.amount == 0.0:
         return robot
     chance = np.random.default_rng((variation.seed, STANDING_STREAM))
-    for stance in _draw_stances(style, variation.amount, chance):
+    stances = list(_draw_stances(style, variation.amount, chance))
+    for stance in stances[-1:] if hands_hang else stances:
         angles = _take_largest_stance(robot, style.standing, stance, distances)
         if angles is not None:
             return _with_rest(robot, angles)

@@ -11,9 +11,9 @@ from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner
 from kinesic.planning.files.bap import BAP_SUFFIX, read_bap
 from kinesic.planning.files.imported_motion import plan_imported
-from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.planning.standing import take_block_posture
+from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.session.builtin_documents import locate_document, suggest_document
 from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
 from kinesic.session.recorded import SpokenRecording, read_recording
@@ -122,9 +122,7 @@ def _plan_read(read: Callable[[], Block], setup: Setup, conditioned: Conditioner
     began = perf_counter()
     block = read()
     parse_seconds = perf_counter() - began
-    return replace(
-        plan_block(block, take_block_posture(block, setup), conditioned=conditioned), parse_seconds=parse_seconds
-    )
+    return replace(plan_standing_block(block, setup, conditioned=conditioned), parse_seconds=parse_seconds)
 
 
 def _read_bytes(path: Path) -> bytes:

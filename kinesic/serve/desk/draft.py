@@ -11,9 +11,9 @@ from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
 from kinesic.controller.soundtrack import sound
 from kinesic.planning.captions import make_captions
-from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.planning.standing import take_block_posture
+from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.realizer.request import parse_message
 
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
@@ -57,7 +57,7 @@ def plan_draft(
     """
     updated_setup = replace(setup, style=setup.style.changed(changes))
     block = parse_message(bml, updated_setup, source=DOCUMENT_SOURCE, bounds=bounds)
-    plan = plan_block(block, take_block_posture(block, updated_setup))
+    plan = plan_standing_block(block, updated_setup)
     if plan.duration > max_duration:
         raise BmlError(
             f"{DOCUMENT_SOURCE}:1:1: lasts {plan.duration:.0f} s, at most {max_duration:g} s; send it in parts"

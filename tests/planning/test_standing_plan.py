@@ -1,0 +1,63 @@
+"""Plans of blocks in standing postures: arms hang where a raised hand would be in the way of a gesture."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.planning import standing_plan
+from kinesic.planning.standing import vary_standing
+from kinesic.planning.standing_plan import plan_standing_block
+from kinesic.session.documents import read_block
+from kinesic.session.setup import set_up
+
+DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+  <gesture id="g" lexeme="{}" start="0.5"/>
+</bml>"""
+
+
+@pytest.fixture(scope="module")
+def with_raised_hand():
+    """Return a setup whose random standing posture has a hand before the body."""
+    return set_up(robot="upper22", variation=1.0, seed=5)
+
+
+def plan_gesture(setup, lexeme):
+    return plan_standing_block(read_block(DOCUMENT.format(lexeme), setup, source="test"), setup)
+
+
+def refuse_raised_hands(monkeypatch, setup):
+    """Drop the gesture of every plan that starts from the setup's own posture."""
+    plan_block = standing_plan.plan_block
+
+    def plan(block, posture, **options):
+        is_raised = np.array_equal(posture.robot.skeleton.rest, setup.robot.skeleton.rest)
+        return plan_block(block, posture, without={"g": "it meets the raised hand"} if is_raised else {}, **options)
+
+    monkeypatch.setattr(standing_plan, "plan_block", plan)
+
+
+def test_gesture_in_the_way_of_a_raised_hand_is_performed_from_hanging_arms(with_raised_hand, monkeypatch):
+    setup = with_raised_hand
+    refuse_raised_hands(monkeypatch, setup)
+    plan = plan_gesture(setup, "wave")
+    hanging = vary_standing(setup.unstyled, setup.style, setup.variation, setup.distances, hands_hang=True)
+    assert plan.keyframes.outcomes["g"].kind == "realised"
+    assert not np.array_equal(setup.robot.skeleton.rest, hanging.skeleton.rest)
+    assert np.array_equal(plan.setup.robot.skeleton.rest, hanging.skeleton.rest)
+
+
+def test_raised_hand_stays_if_all_gestures_are_performed(with_raised_hand):
+    assert plan_gesture(with_raised_hand, "wave").setup is with_raised_hand
+
+
+def test_raised_hand_stays_if_hanging_arms_perform_no_more_gestures(with_raised_hand):
+    plan = plan_gesture(with_raised_hand, "no_such_gesture_at_all")
+    assert plan.keyframes.outcomes["g"].kind == "dropped"
+    assert plan.setup is with_raised_hand
+
+
+def test_setup_with_a_fixed_posture_is_planned_once(with_raised_hand, monkeypatch):
+    refuse_raised_hands(monkeypatch, with_raised_hand)
+    plan = plan_gesture(replace(with_raised_hand, unstyled=None), "wave")
+    assert plan.keyframes.outcomes["g"].kind == "dropped"
