@@ -19,7 +19,7 @@ ARENA_MAX = -8  # number of mallopt's parameter M_ARENA_MAX in <malloc.h>
 MAX_UNUSED_TOP = 1 << 20  # [bytes] largest free memory at the heap end, above which it is returned
 MIN_MAPPED_BLOCK = 1 << 17  # [bytes] smallest block that is mapped separately and returned when freed
 MAX_ARENAS = 2  # largest number of heaps, which all threads share
-TRIM_PERIOD = 10.0  # [s] time between two returns of free pages within the heap
+TRIM_PERIOD = 10.0  # [s] time between two returns of free pages within the heap to the system
 
 
 def freeze_heap() -> None:

@@ -26,7 +26,7 @@ class MetricsOutput:
 
 @dataclass(frozen=True)
 class GesturePicture:
-    """Form and file of the picture or film of gestures."""
+    """Options of drawn gestures: turntable, line drawing, output file and overwriting."""
 
     turntable: bool
     drawn: bool  # as lines

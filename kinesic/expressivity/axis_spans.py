@@ -12,7 +12,7 @@ NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Return the time spans in which the layers rotate each axis.
+    """Return, for each axis, the spans in which layers of keys rotate about it.
 
     A layer that stays away from upright does not use its axis after the last key.
     """

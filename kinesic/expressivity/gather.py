@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the time within the frame's span nearest to the frame [s].
+        """Return the candidate time [s] within a key frame's span nearest to the key frame.
 
         Args:
             times: sorted [s].

@@ -239,7 +239,7 @@ def _forget_directions(talk: Talk, passage: Passage) -> Talk:
 
 
 def is_all_said(talk: Talk, language: Language) -> bool:
-    """Return whether a complete streamed text has been spoken and performed."""
+    """Return whether a complete streamed text has no unplanned words left."""
     if not talk.is_over:
         return False
     rest, passage, _ = _drop_sentences(talk, language, MAX_SILENCE)

@@ -25,7 +25,9 @@ Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 # Limited quantities, in the order of `Grid.rows`.
 LIMIT_QUANTITIES: tuple[Quantity, ...] = ("speed", "acceleration", "jerk", "duty")
 EASY_DEFICIT = -0.2  # ln(required / available time) below which the deficit is not computed exactly: time is ample
-ACCELERATION_CONTROLS = np.array([1 / 3, -1 / 6, 1 / 3])  # control points of acceleration 1 / step^2 alone
+ACCELERATION_CONTROLS = np.array(
+    [1 / 3, -1 / 6, 1 / 3]
+)  # spline control points with position 0, velocity 0, acceleration 1 / step^2
 MIN_SLOPE_DEFICIT = -0.01  # ln(required / available time) below which the deficit's slopes are not needed
 MAX_SLOPE_IMBALANCE = 0.1  # largest relative sum of deficit slopes, ideally 0 as shifting all keys changes nothing
 MIN_RELIABLE_SLOPE = 0.5  # [1/s] deficit slope below which finite differences replace the analytic slope

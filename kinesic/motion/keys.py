@@ -43,7 +43,7 @@ TIME_TOLERANCE = 1e-6  # [s] rounding tolerance of key times
 # Cost weights [1/s] of shifting keys, by sync point.
 SYNC_WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 0.5, "ready": 0.3, "relax": 0.3}
 REPEAT_WEIGHT = 0.3  # cost weight [1/s] of shifting a repeated stroke; the first stroke has priority
-DEFAULT_WEIGHT = 0.05  # cost weight [1/s] of shifting any other key
+DEFAULT_WEIGHT = 0.05  # cost weight [1/s] of shifting keys without a weight in SYNC_WEIGHTS
 
 
 def flow(tension: Amount, continuity: Amount, swing: Amount) -> Amount:

@@ -15,7 +15,9 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory, spline_weights
 
 CHECK_RATE = 1000  # [Hz] sampling rate of the limit check
 INTERVALS_PER_CHUNK = 128  # knot intervals per block, so that arrays fit in the cache
-SAMPLE_PARAMETERS = np.linspace(0.0, 1.0, round(CHECK_RATE * KNOT_INTERVAL) + 1)  # normalised sample times
+SAMPLE_PARAMETERS = np.linspace(
+    0.0, 1.0, round(CHECK_RATE * KNOT_INTERVAL) + 1
+)  # sample times within a knot interval, 0 to 1
 SAMPLE_WEIGHTS = tuple(
     spline_weights(SAMPLE_PARAMETERS, 1, order)[1] for order in range(3)
 )  # weights (s, 4 - order) of the control points at the sample times, by order of the derivative

@@ -78,7 +78,7 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the last offset (n,) [rad] held in a role, or zeros.
+    """Return the offset (n,) [rad] of gaze or trunk last held, or zeros.
 
     Of occupancies with the same end, the last one counts.
     """

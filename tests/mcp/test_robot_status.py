@@ -135,6 +135,6 @@ def test_wait_tool_returns_the_status_after_its_time_limit():
 @pytest.mark.parametrize(
     ("blocks", "told"), [([PLAYING, NEXT], "; a, b play or wait"), ([], "; nothing plays")], ids=["playing", "resting"]
 )
-def test_unknown_block_is_refused_with_the_known_ones(blocks: list[Mapping[str, object]], told: str):
+def test_refusal_of_an_unknown_block_names_the_known_blocks(blocks: list[Mapping[str, object]], told: str):
     with pytest.raises(RefusedError, match=f"^no block 'c' was performed here{told}$"):
         wait(PlayedRobot([blocks]), "c")

@@ -86,7 +86,7 @@ def test_infeasible_segment_gets_more_time():
     assert not find_infeasible(search, keys)
 
 
-def test_segment_of_unknown_time_deficit_stops_at_its_keys_at_once():
+def test_segment_with_unknown_time_deficit_gets_rest_to_rest_durations():
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
     search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
     segment = find_infeasible(search, keys)[0]

@@ -18,7 +18,7 @@ def test_warm_up_loads_all_data_of_the_first_streamed_phrase():
     assert load_language.cache_info().hits == before.hits + 1
 
 
-def test_warm_up_builds_the_names_of_the_lexicon_in_use():
+def test_warm_up_indexes_the_gesture_names_of_the_lexicon_in_use():
     setup = set_up()
     warm_up(setup, NO_ACCOMPANIMENT)
     before = index_names.cache_info()

@@ -67,7 +67,7 @@ def test_appended_journal_entry_appears_in_the_tables(folder):
     assert ask(folder, "SELECT count(*) FROM documents").rows == ((3,),)
 
 
-def test_errors_of_invalid_queries_and_empty_folders_name_the_tables(folder, tmp_path):
+def test_invalid_query_error_names_the_tables_and_empty_folder_error_the_command(folder, tmp_path):
     with pytest.raises(ConfigError, match="tables are behaviours, checks, documents"):
         ask(folder, "SELECT * FROM document")
     with pytest.raises(ConfigError, match="no results; `kinesic validate"):

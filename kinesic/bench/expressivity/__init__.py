@@ -9,7 +9,7 @@ EXPRESSIVITY_PARTS = (sweeps, lexicon, fingers)
 
 
 def bench() -> list[Metric]:
-    """Measure expressivity parameters, distinct gestures and fingers."""
+    """Measure effects of expressivity parameters, errors of gestures and finger clearance."""
     return [metric for part in EXPRESSIVITY_PARTS for metric in part.bench()]
 
 

@@ -24,7 +24,7 @@ EXPRESSION_SEED = 23  # seed of the random expressions
 
 
 def measure_eyes(expressions: int = 500) -> dict[str, float]:
-    """Measure eyelid errors of both heads while closing and in expressions.
+    """Measure eyelid errors of the two heads while closing and in expressions.
 
     The values are the unevenness of closing and the number of eye pixels outside the lids.
     """

@@ -1,4 +1,4 @@
-"""Benchmark of gestures chosen for texts: rate, stressed syllables and writing time."""
+"""Benchmark of gestures for texts: gesture rate, stressed syllables, computing time."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

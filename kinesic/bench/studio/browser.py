@@ -89,7 +89,7 @@ class Page:
         return reply.result
 
     def read(self, expression: str, kind: type[Value]) -> Value:
-        """Evaluate a JavaScript expression and return its value as a type.
+        """Evaluate a JavaScript expression, and convert its value to a type.
 
         Raises:
             RuntimeError: the expression fails or has no value.

@@ -17,7 +17,7 @@ from kinesic.report.checks import SEVERITY_RANKS
 FAILURE_LABELS = {"fail": "failed", "poor": "poor"}  # check status -> its word in the table
 COLUMN_GAP = 2  # [characters] space between the columns of a table
 TEXT_COLUMNS = 3  # number of last columns with text in the table of checks: unit, place and file
-MIN_TEXT_WIDTH = 8  # [characters] smallest width of a column with a place or a file
+MIN_TEXT_WIDTH = 8  # [characters] smallest width of the columns of time and place, and of the file name
 MAX_FOLDER_ROWS = 16  # largest number of rows; more folders are grouped by their parents
 
 

@@ -134,7 +134,7 @@ class _Hands:
         return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
 
     def _take(self, stroke: Stroke, option: Poses) -> None:
-        """Assign a stroke to hands, and shorten their preceding strokes."""
+        """Assign a stroke to hands, and make time after their preceding strokes."""
         for side in sorted(option.hands):
             before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
             if before and stroke.rest:

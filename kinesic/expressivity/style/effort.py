@@ -57,7 +57,7 @@ MIN_SPOKEN_TENSION = -0.15  # smallest spline tension in the preparation of a st
 PATH_START_SWING = 0.6  # overshoot (0 .. 1) where a path begins; the preparation ends along it
 PATH_START_VELOCITY = 0.5  # velocity at the start of a path without a word / its constant velocity
 PATH_END_SWING = 0.4  # overshoot (0 .. 1) at the end of a path, low so that the hand stays on it
-MIN_LEISURE = 0.7  # available / natural time below which keys have neither swing nor accent
+MIN_TIME_RATIO = 0.7  # available / natural time below which keys have neither overshoot nor accent
 RETRACTION_STEEPNESS = 7.5  # steepness of a retraction without fluidity: peak / mean velocity is 4/3
 FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
 FULL_FIRMNESS = 0.5  # power, tension or stiffness that removes all swing
@@ -207,7 +207,7 @@ class Effort:
                 manner = replace(
                     manner, fluidity=min(manner.fluidity, 0.0), tension=max(manner.tension, MIN_SPOKEN_TENSION)
                 )
-        free = self.traits.weight * min(max((time_ratio - MIN_LEISURE) / (1.0 - MIN_LEISURE), 0.0), 1.0)
+        free = self.traits.weight * min(max((time_ratio - MIN_TIME_RATIO) / (1.0 - MIN_TIME_RATIO), 0.0), 1.0)
         accent = self._accent(is_spoken_key=self.spoken and stroke) if phase == "stroke" and not led else 0.0
         swing = self._swing_factor * self._largest_swing(phase, led=led) if self.traits.dynamic else 0.0
         passed = passage_of(

@@ -39,7 +39,7 @@ class GoalCourse:
 
     @classmethod
     def still(cls, goals: Floats) -> "GoalCourse":
-        """Create goals at rest."""
+        """Create goals with zero velocity."""
         return cls(sealed(goals), sealed(np.zeros(len(goals))))
 
 

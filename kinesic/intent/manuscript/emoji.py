@@ -1,4 +1,4 @@
-"""Emoji, their names between colons, keys and commands to a terminal."""
+"""Emoji, short codes (`:smile:`), keycap emoji and terminal escape sequences of texts."""
 
 import re
 import unicodedata

@@ -32,7 +32,7 @@ TICK_LENGTH = 2.0  # [pt] length of axis ticks
 LABEL_GAP = 3.0  # [pt] gap between a tick and its label
 TICK_SPACING = 60.0  # [pt] smallest distance between time ticks
 TICK_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)  # tick intervals, times a power of ten
-HEADROOM_FRACTION = 0.05  # free height above data without upper limit / height of the data
+HEADROOM_FRACTION = 0.05  # free height above data / height of the data, if no upper axis limit is given
 
 Align = Literal["left", "center", "right"]
 TEXT_ANCHORS: dict[Align, str] = {"left": "start", "center": "middle", "right": "end"}  # SVG text anchors, by alignment

@@ -15,7 +15,7 @@ from kinesic.report.plots.axes import FIGURE_WIDTH, Figure, PlotAxes, ThemeColou
 from kinesic.report.plots.fitting import fit_text, spaced_indices, thin_line
 
 CHAIN_PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # chains drawn side by side
-CHAIN_PARTS = {chain: part for part, chain in PART_CHAINS.items()}  # key frame part of each chain
+CHAIN_PARTS = {chain: part for part, chain in PART_CHAINS.items()}  # body part in key frames, by kinematic chain
 OTHER_TITLE = "other hinges"  # title of the plot of joints outside all chains
 CHAIN_NAMES = {"l_arm": "left arm", "r_arm": "right arm"}  # names of chains in plots
 MIN_DRAWN_TRAVEL = 0.5  # [deg] joints that move less are not drawn

@@ -103,7 +103,7 @@ class Recorder:
         self._minimum = min(self._minimum, float(lowest.min(initial=inf)))
 
     def _add(self, **window: Floats) -> None:
-        """Store the measurements at the commands of one time window.
+        """Store the measurements at the command times of one window.
 
         Rows for all commands at once are stored without a copy.
         """

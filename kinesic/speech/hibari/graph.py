@@ -31,7 +31,7 @@ TENSOR_SHAPE = 2
 SHAPE_DIMENSION = 1
 DIMENSION_SIZE = 1
 DIMENSION_NAME = 2
-FLOAT_ELEMENT = 1  # element type float32
+FLOAT_ELEMENT = 1  # ONNX code of the element type float32
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from kinesic.expressivity.style.effort import (
     ACCENT_MARGIN,
     CATEGORY_PROFILES,
     LOOSENESS_REDUCTION,
-    MIN_LEISURE,
+    MIN_TIME_RATIO,
     PATH_START_VELOCITY,
     STROKE_ACCENT,
     TEMPO_FACTORS,
@@ -166,7 +166,7 @@ def test_hand_enters_a_path_with_its_velocity_unless_tense_or_spoken(pace):
 
 
 def test_overshoot_and_accent_fade_if_time_is_short(pace):
-    passages = [Effort(pace).passage("stroke", time_ratio=share) for share in (0.0, MIN_LEISURE, 0.8, 0.9, 1.0, 2.0)]
+    passages = [Effort(pace).passage("stroke", time_ratio=share) for share in (0.0, MIN_TIME_RATIO, 0.8, 0.9, 1.0, 2.0)]
     swings, accents = [item.swing for item in passages], [item.steepness for item in passages[2:]]
     assert swings[0] == swings[1] == 0.0 < swings[2] < swings[3] < swings[4] == swings[5]
     assert accents[0] < accents[1] < accents[2] == accents[3] == MIN_STEEPNESS + STROKE_ACCENT
@@ -202,7 +202,7 @@ def test_velocity_accent_of_a_stroke_on_a_word_remains_at_low_power_and_tension(
     ):
         spoken = Effort(pace, manner=Expressivity(**manner), spoken=True)
         assert spoken.passage("stroke").steepness >= MIN_STEEPNESS + MIN_LATE_ACCENT
-        assert spoken.passage("stroke", time_ratio=MIN_LEISURE).easing != LATE_ACCENT_EASING
+        assert spoken.passage("stroke", time_ratio=MIN_TIME_RATIO).easing != LATE_ACCENT_EASING
         assert spoken.passage("stroke", stroke=False).easing != LATE_ACCENT_EASING
 
 

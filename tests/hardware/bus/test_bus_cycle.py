@@ -259,7 +259,7 @@ def test_repeated_query_destroys_most_late_replies(rig: Make):
     assert made.bus._listener.replies_late
 
 
-def test_repeated_query_for_one_of_several_servos_keeps_the_late_reply_state(rig: Make):
+def test_answered_repeat_for_one_of_several_servos_keeps_assuming_late_replies(rig: Make):
     made = rig(3, period=0.05)
     made.run(3)
     write, count = made.wire.write, [0]

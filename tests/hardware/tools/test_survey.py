@@ -47,7 +47,7 @@ def test_scan_pings_given_ids_one_by_one():
     assert [sighting.servo.id for sighting in servos] == [1, 7, 20]
 
 
-def test_survey_reports_an_id_of_several_servos():
+def test_scan_reports_an_id_shared_by_several_servos():
     faults = FaultPlan((PlannedFault("duplicate_id", servos=(20,)),))
     servos = scan_bus(port(faults=faults), bauds=(1_000_000,), ids=(20,))
     assert [sighting.servo.id for sighting in servos if not sighting.shared] == [1, 7]

@@ -126,7 +126,7 @@ def test_newer_query_of_the_same_client_and_kind_replaces_a_waiting_one(workshop
     workshop.run(work)
 
 
-def test_renewal_reloads_the_lexicon_for_the_next_answer_only(workshop: Workshop) -> None:
+def test_renewal_reloads_the_lexicon_once_before_the_next_answer(workshop: Workshop) -> None:
     async def work() -> None:
         workshop.ask(1, "a")
         await workshop.until_told(1)

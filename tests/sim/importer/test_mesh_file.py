@@ -130,7 +130,7 @@ def test_mesh_is_simplified_only_above_the_limit(most: int):
     assert len(few.corners) <= most
 
 
-def test_triangles_up_to_100_metres_are_kept():
+def test_triangles_with_a_coordinate_of_100_metres_or_more_are_removed():
     vertices = np.array([[0.0, 0, 0], [99.9, 0, 0], [0, -99.9, 0], [0, -100.0, 0]])
     mesh = Triangles(vertices, np.array([[0, 1, 2], [0, 1, 3]]))
     assert simplify(mesh, 9).corners.tolist() == [[0, 1, 2]]
