@@ -1,0 +1,278 @@
+"""Hinges, couplings, motors, masses and shapes read from small models, one value at a time."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer import load
+from kinesic.sim.importer.load import (
+    UrdfJoint,
+    _actuators,
+    _capsule,
+    _find_effort,
+    _find_fixed_mimics,
+    _find_gain,
+    _joint,
+    _part,
+    _positive,
+    _read_equalities,
+    _to_absolute,
+    _tree,
+    _without_meshes,
+    urdf_joints,
+)
+from kinesic.sim.importer.looks import Looks
+from kinesic.sim.importer.model_tree import BASE_INDEX, Follow
+
+X, Y, Z = np.eye(3)
+
+
+def spec_of(text):
+    return mujoco.MjSpec.from_string(f'<mujoco><compiler angle="radian"/>{text}</mujoco>')
+
+
+def compiled(text):
+    model = spec_of(text).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return model, data
+
+
+def hinges(*names, motors="", attributes=""):
+    """Return a chain of hinges on bodies one above the other."""
+    bodies = "".join(
+        f'<body name="{name}" pos="0 0 1"><joint name="{name}" {attributes}/><geom size="0.1" mass="1"/>'
+        for name in names
+    )
+    closed = "</body>" * len(names)
+    return f"<worldbody>{bodies}{closed}</worldbody><actuator>{motors}</actuator>"
+
+
+def test_velocity_and_coupling_of_urdf_joints_are_read():
+    text = """<robot><joint name="a"><limit velocity="2.5"/></joint><joint name="b"/><joint name="c"><limit/></joint>
+    <joint name="d"><limit velocity="-1"/><mimic joint="a"/></joint>
+    <joint><limit velocity="0.5"/><mimic multiplier="-2" offset="0.25"/></joint></robot>"""
+    assert urdf_joints(ElementTree.fromstring(text)) == {
+        "a": UrdfJoint(2.5, None),
+        "b": UrdfJoint(None, None),
+        "c": UrdfJoint(None, None),
+        "d": UrdfJoint(None, Follow("a", 1.0, 0.0)),
+        "": UrdfJoint(0.5, Follow("", -2.0, 0.25)),
+    }
+    assert urdf_joints(ElementTree.fromstring('<mujoco><joint name="a"/></mujoco>')) == {}
+
+
+def test_couplings_are_linear_and_other_constraints_are_noted():
+    equalities = """<equality>
+    <joint joint1="a" joint2="b" polycoef="0.1 2 0 0 0"/>
+    <joint joint1="c" joint2="b" polycoef="0.2 3 0 0 -0.5"/>
+    <joint joint1="d"/><connect name="loop" body1="a" body2="c" anchor="0 0 0"/></equality>
+    <tendon><fixed><joint joint="a" coef="1"/></fixed><fixed><joint joint="b" coef="1"/></fixed></tendon>"""
+    found = _read_equalities(spec_of(hinges("a", "b", "c", "d") + equalities))
+    assert found.follows == {"a": Follow("b", 2.0, 0.1), "c": Follow("b", 3.0, 0.2)}
+    assert found.left_out == (
+        "c follows b linearly, but non-linearly in the file",
+        "the equality d is left out: only joint couplings are supported",
+        "the equality loop is left out: only joint couplings are supported",
+        "2 tendons are left out: hinges that they drive move independently",
+    )
+    assert _read_equalities(spec_of(hinges("a"))).left_out == ()
+
+
+@pytest.mark.parametrize(("curve", "notes"), [("0.9e-9", 0), ("1.1e-9", 1), ("-1.1e-9", 1)])
+def test_tiny_curve_of_a_coupling_counts_as_linear(curve, notes):
+    coupling = f'<equality><joint joint1="a" joint2="b" polycoef="0 1 {curve} 0 0"/></equality>'
+    assert len(_read_equalities(spec_of(hinges("a", "b") + coupling)).left_out) == notes
+
+
+def test_couplings_are_converted_to_absolute_angles():
+    text = """<worldbody><body><freejoint/><geom size="0.1"/><body><joint name="a" ref="0.5"/><geom size="0.1"/>
+    <body><joint name="b" ref="0.25"/><geom size="0.1"/></body></body></body></worldbody>"""
+    model, _ = compiled(text)
+    assert _to_absolute({"a": Follow("b", 3.0, 0.1)}, model) == {"a": Follow("b", 3.0, pytest.approx(-0.15))}
+
+
+@pytest.mark.parametrize(("bodies", "geoms"), [(3, 3), (4, 2)])
+def test_model_larger_than_a_robot_may_be_is_rejected(monkeypatch, bodies, geoms):
+    monkeypatch.setattr(load, "MAX_BODIES", bodies)
+    monkeypatch.setattr(load, "MAX_GEOMS", geoms)
+    with pytest.raises(ConfigError, match=f"r.xml: 4 bodies and 3 shapes; at most {bodies} and {geoms}"):
+        _without_meshes(spec_of(hinges("a", "b", "c")), Path("r.xml"))
+    monkeypatch.setattr(load, "MAX_BODIES", 4)
+    monkeypatch.setattr(load, "MAX_GEOMS", 3)
+    assert _without_meshes(spec_of(hinges("a", "b", "c")), Path("r.xml")).nbody == 4
+
+
+def test_robot_has_at_most_2000_bodies_and_20_000_shapes():
+    assert (load.MAX_BODIES, load.MAX_GEOMS) == (2000, 20_000)
+
+
+def test_bodies_without_mass_get_a_small_one_and_pictures_are_left_out():
+    text = """<asset><texture name="t" type="2d" builtin="flat" width="4" height="4"/><material name="m" texture="t"/>
+    <mesh name="s" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
+    <worldbody><light/><camera/><body name="empty"><joint name="a"/>
+    <body name="ball"><geom size="0.1" mass="2" material="m"/><geom type="mesh" mesh="s"/></body>
+    <body name="flat"><joint name="b"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 3"/></body>
+    <body name="dust"><joint name="c"/><inertial pos="0 0 0" mass="1e-9" diaginertia="1e-9 1e-9 1e-9"/></body>
+    </body></worldbody><keyframe><key qpos="0 0 0"/></keyframe>
+    <custom><numeric name="n" data="1"/><text name="x" data="x"/></custom>
+    <sensor><jointpos joint="a"/></sensor><contact><exclude body1="ball" body2="flat"/></contact>"""
+    model = _without_meshes(spec_of(text), Path("r.xml"))
+    assert model.body("empty").mass[0] == pytest.approx(1e-3)
+    assert model.body("empty").inertia == pytest.approx([1e-6] * 3)
+    assert model.body("ball").mass[0] == 2.0
+    assert model.body("dust").mass[0] == pytest.approx(1e-3)
+    assert model.body("dust").inertia == pytest.approx([1e-6] * 3)
+    assert model.body("flat").inertia == pytest.approx([5 / 3] * 3)
+    assert (model.ngeom, model.nmesh, model.nmat, model.ntex, model.ncam, model.nlight) == (1, 0, 0, 0, 0, 0)
+    assert (model.nkey, model.nnumeric, model.ntext, model.nsensor, model.nexclude) == (0, 0, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "motors", "effort"),
+    [
+        ("", "", None),
+        ('actuatorfrcrange="-9 7"', "", 7.0),
+        ('actuatorfrcrange="-9 7"', '<motor joint="a" gear="-2" forcerange="-5 3"/>', 6.0),
+        ('actuatorfrcrange="-9 5"', '<motor joint="a" gear="2" forcerange="-5 3"/>', 5.0),
+        ("", '<motor joint="a" gear="3" ctrlrange="-1 2"/>', 6.0),
+        ("", '<motor joint="a" gear="-3" ctrlrange="-4 2"/>', 6.0),
+        ("", '<general joint="a" gainprm="-5" ctrlrange="-1 2"/>', 10.0),
+        ("", '<motor joint="a" gear="3" ctrlrange="-1 2" forcerange="-5 4"/>', 12.0),
+        ("", '<position joint="a" kp="5" ctrlrange="-1 2"/>', None),
+        ("", '<motor joint="a"/>', None),
+        ("", '<motor joint="b" forcerange="-5 3"/>', None),
+        ("", '<motor joint="a" forcerange="-5 3"/><motor joint="a" forcerange="-5 2"/>', 2.0),
+    ],
+)
+def test_torque_limit_is_the_least_of_joint_and_actuators(attributes, motors, effort):
+    model, _ = compiled(hinges("a", "b", motors=motors, attributes=attributes))
+    assert _find_effort(model, 0) == effort
+
+
+@pytest.mark.parametrize(
+    ("motors", "gain"),
+    [
+        ("", None),
+        ('<position joint="a" kp="5"/>', 5.0),
+        ('<motor joint="a"/><position joint="a" kp="5"/>', 5.0),
+        ('<velocity joint="a" kv="5"/>', None),
+        ('<general joint="a" gainprm="5" biastype="affine" biasprm="0 -4 0"/>', None),
+        ('<general joint="a" gainprm="5" biastype="none" biasprm="0 -5 0"/>', None),
+        ('<general joint="a" gainprm="-5" biastype="affine" biasprm="0 5 0"/>', None),
+        ('<position joint="b" kp="5"/>', None),
+    ],
+)
+def test_gain_is_that_of_a_position_actuator(motors, gain):
+    model, _ = compiled(hinges("a", "b", motors=motors))
+    assert _find_gain(model, 0) == gain
+
+
+def test_actuators_of_tendons_do_not_belong_to_a_joint():
+    tendon = '<tendon><fixed name="t"><joint joint="a" coef="1"/></fixed></tendon>'
+    motors = '<motor joint="b"/><motor tendon="t"/><motor joint="a"/><motor joint="a"/>'
+    model, _ = compiled(tendon + hinges("a", "b", motors=motors))
+    assert [_actuators(model, k) for k in (0, 1)] == [[2, 3], [0]]
+
+
+def test_zero_means_that_a_value_is_missing():
+    assert (_positive(0.0), _positive(-1.0), _positive(0.5)) == (None, None, 0.5)
+
+
+def test_hinge_has_the_line_range_and_losses_of_its_joint():
+    text = """<worldbody><body><freejoint/><geom size="0.1"/><body pos="1 0 0" euler="0 0 1.5707963267948966">
+    <joint name="a" ref="0.5" range="-1 2" pos="0 0 3" axis="1 0 0" armature="0.1" frictionloss="0.2" damping="0.3"/>
+    <joint name="b" axis="0 1 0"/><geom size="0.1"/></body></body></worldbody>
+    <actuator><position joint="a" kp="5" forcerange="-4 4"/></actuator>"""
+    model, data = compiled(text)
+    a = _joint(model, data, 1, 7, UrdfJoint(2.5, None))
+    assert (a.name, a.parent, a.zero, a.lower, a.upper) == ("a", 7, 0.5, -1.0, 2.0)
+    np.testing.assert_allclose((a.anchor, a.axis), (X + 3 * Z, Y), atol=1e-12)
+    assert (a.effort, a.speed, a.gain, a.armature, a.friction, a.damping) == (4.0, 2.5, 5.0, 0.1, 0.2, 0.3)
+    b = _joint(model, data, 2, BASE_INDEX, None)
+    assert (b.name, b.parent, b.zero, b.lower, b.upper) == ("b", BASE_INDEX, 0.0, None, None)
+    assert (b.effort, b.speed, b.gain, b.armature, b.friction, b.damping) == (None,) * 6
+
+
+@pytest.mark.parametrize(
+    ("mimics", "fixed"),
+    [
+        (set(), set()),
+        ({"a"}, {"a"}),
+        ({"c"}, set()),
+        ({"a", "b"}, {"a", "b"}),
+        ({"b", "c"}, set()),
+        ({"a", "c"}, {"a"}),
+    ],
+)
+def test_coupled_hinges_that_carry_independent_ones_are_fixed(mimics, fixed):
+    model, _ = compiled(hinges("a", "b", "c"))
+    assert _find_fixed_mimics(model, mimics) == fixed
+
+
+def test_part_is_balanced_at_its_centre_of_mass():
+    text = """<worldbody><body pos="1 0 0"><geom size="0.1" mass="1"/></body>
+    <body pos="0 2 0"><geom size="0.2" mass="3"/><geom size="0.001" mass="0"/></body>
+    <body pos="0 0 5"><geom size="0.3" mass="9"/></body></worldbody>"""
+    model, data = compiled(text)
+    part = _part(model, data, [1, 2], 7 * X)
+    assert part.mass == 4.0
+    np.testing.assert_allclose(part.centre, (0.25, 1.5, 0.0))
+    assert [shape.radius for shape in part.shapes] == [0.1, 0.2]
+
+
+@pytest.mark.parametrize(("anchor", "centre"), [(None, 0 * X), (7 * X, 7 * X)])
+def test_part_without_mass_is_at_its_hinge(anchor, centre):
+    model, data = compiled('<worldbody><body pos="1 0 0"><geom size="0.1" mass="1"/></body></worldbody>')
+    part = _part(model, data, [0], anchor)
+    assert (part.mass, part.centre.tolist(), part.shapes) == (0.0, centre.tolist(), ())
+
+
+@pytest.mark.parametrize(
+    ("shape", "capsule"),
+    [
+        ('type="sphere" size="0.1"', (0.0, 0, 0, 0.1)),
+        ('type="sphere" size="0.005"', (0.0, 0, 0, 0.005)),
+        ('type="sphere" size="0.0049"', None),
+        ('type="capsule" size="0.1 0.3" euler="0 1.5707963267948966 0"', (0.3, 0, 0, 0.1)),
+        ('type="plane" size="1 1 1"', None),
+    ],
+)
+def test_sphere_or_capsule_is_kept_in_the_world_unless_it_is_tiny(shape, capsule):
+    found = _capsule(*compiled(f'<worldbody><geom {shape} pos="1 2 3"/></worldbody>'), 0)
+    if capsule is None:
+        assert found is None
+        return
+    *half, radius = capsule
+    ends = np.array([found.start, found.end]) - (1, 2, 3)
+    np.testing.assert_allclose(ends, (np.negative(half), half), atol=1e-12)
+    assert found.radius == pytest.approx(radius)
+
+
+def test_bodies_belong_to_the_last_hinge_before_them():
+    text = """<worldbody><geom size="0.9"/>
+    <body name="root"><freejoint/><geom size="0.1" mass="1"/>
+      <body name="a" pos="1 0 0"><joint name="slide" type="slide"/><joint name="a1"/>
+        <joint name="a2" axis="0 1 0"/><geom size="0.2" mass="2"/>
+        <body name="b"><geom size="0.3" mass="4"/>
+          <body name="c"><joint name="c1"/><geom size="0.4" mass="8"/></body></body></body>
+      <body name="d"><joint name="mimic"/><geom size="0.5" mass="16"/>
+        <body name="e"><joint name="e1"/><geom size="0.6" mass="32"/></body></body>
+    </body></worldbody>"""
+    model, data = compiled(text)
+    urdf = {"mimic": UrdfJoint(None, Follow("a1", 1, 0)), "c1": UrdfJoint(3.5, None)}
+    couplings = {"e1": Follow("a1", 2.0, 0.0)}
+    looks = Looks({body: (f"surface {body}",) for body in (0, 1, 3)}, ("a note",))
+    tree = _tree("name", model, data, urdf, couplings, looks)
+    assert [(joint.name, joint.parent) for joint in tree.joints] == [("a1", -1), ("a2", 0), ("c1", 1), ("e1", -1)]
+    assert [joint.speed for joint in tree.joints] == [None, None, 3.5, None]
+    assert [joint.follows for joint in tree.joints] == [None, None, None, couplings["e1"]]
+    assert [part.mass for part in (*tree.parts, tree.base)] == [0.0, 6.0, 8.0, 32.0, 17.0]
+    assert tree.parts[0].centre.tolist() == [1, 0, 0]
+    surfaces = [part.surfaces for part in (*tree.parts, tree.base)]
+    assert surfaces == [(), ("surface 3",), (), (), ("surface 0", "surface 1")]
+    assert (tree.name, tree.left_out) == ("name", ("a note",))
