@@ -154,6 +154,12 @@ def test_block_whose_start_was_told_is_interrupted(scene_of):
     assert after.ended[-1].state is BlockState.INTERRUPTED
 
 
+def test_block_that_has_begun_is_interrupted_before_its_first_behaviour(scene_of):
+    block = small_block("b", {"n": {"start": 0.5, "end": 1.0}}, zero=10.0, run=3)
+    after = end_block(scene_of(block), block, 9.9, "")
+    assert after.ended[-1].state is BlockState.INTERRUPTED
+
+
 def test_motion_of_a_stopped_block_is_removed_from_the_change_on(scene_of, released):
     block = playing(NECK, 5)
     scene = scene_of(block)
@@ -310,3 +316,19 @@ def test_trunk_is_replanned_only_while_the_ended_behaviour_uses_it(scene_of, rel
     block = playing(NECK, occupancy=(ended, use("n", "sign", hinges=[NECK, 12], begin=10.5, end=14.0)))
     end_behaviours(scene_of(block), block, frozenset({"g"}), 11.0)
     assert len(replanned[0]) == is_replanned
+
+
+def test_trunk_is_replanned_if_one_of_the_ended_behaviours_uses_it(scene_of, released, replanned):
+    past, coming = (use(id, "r_hand", hinges=[NECK], end=end) for id, end in (("g", 11.0), ("k", 13.0)))
+    block = playing(NECK, occupancy=(past, coming, use("n", "sign", hinges=[NECK], begin=10.5, end=14.0)))
+    end_behaviours(scene_of(block), block, frozenset({"g", "k"}), 11.0)
+    assert len(replanned[0]) == 1
+
+
+def test_behaviour_of_a_motionless_block_ends_without_a_change_of_motion(scene_of, released, replanned):
+    block = replace(playing(), merged=None)
+    scene = scene_of(block)
+    after = end_behaviours(scene, block, frozenset({"g"}), 11.0)
+    assert after.motion is scene.motion
+    assert list(after.find("b").times) == ["n"]
+    assert released == replanned[0] == []
