@@ -1,0 +1,513 @@
+"""Requests and due events of the planner, with a scene and streamed texts that are only recorded."""
+
+import json
+import re
+from dataclasses import replace
+from math import inf
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from kinesic.bml.block import BmlError
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.style.style import style_preset
+from kinesic.motion.trajectory import stay
+from kinesic.realizer.realizer import Scene
+from kinesic.realizer.request import Message
+from kinesic.serve import planner as module
+from kinesic.serve.messages import (
+    DocumentRequest,
+    Halted,
+    Interruption,
+    LoopProperties,
+    LoopStart,
+    PlannerReady,
+    Renewal,
+    RequestDone,
+    Restyling,
+    Resumption,
+    Words,
+)
+from kinesic.serve.planner import PlannerState, run_planner
+from kinesic.serve.refiner import RefinedPlan
+from kinesic.serve.shared_scene import Verdict
+from kinesic.serve.talks import Phrase
+from kinesic.serve.tracks import NO_ACCOMPANIMENT
+from kinesic.serve.wire.quotas import Quotas
+
+NOW = 7.0  # [s] time of the clock
+
+
+class PlayedScene:
+    """Shared scene that accepts or rejects all changes."""
+
+    def __init__(self, setup, loop, properties, *, beginning, other_clients, on_halt) -> None:
+        self.scene, self.stops = Scene.of(setup), beginning.stops
+        self.other_clients, self.on_halt = other_clients, on_halt
+        self.verdict = Verdict.ACCEPTED
+        self.proposals, self.told, self.waited, self.halts, self.renewed = [], [], [], [], []
+        self.replans = []
+
+    def propose(self, change):
+        self.proposals.append(change)
+        after = change(self.scene, NOW)
+        if self.verdict is Verdict.ACCEPTED:
+            self.scene = after
+        return self.verdict
+
+    def tell(self, message, sender) -> None:
+        self.told.append((message, sender))
+
+    def wait_for_stops(self, stops) -> None:
+        self.waited.append(stops)
+
+    def handle_stop(self, halted) -> None:
+        self.halts.append(halted)
+
+    def renew(self, setup) -> None:
+        self.renewed.append(setup)
+
+    def pop_replan(self):
+        return self.replans.pop(0) if self.replans else None
+
+
+class PlayedTalks:
+    """Streamed texts with prepared phrases."""
+
+    def __init__(self, character) -> None:
+        self.character, self.senders = character, frozenset({3})
+        self.time, self.refusal = inf, ""
+        self.taken, self.phrases, self.ended = [], [], []
+
+    def next_time(self, scene) -> float:
+        return self.time
+
+    def take(self, words, now):
+        self.taken.append((words, now))
+        return self.refusal
+
+    def next_phrase(self, scene, now):
+        assert now == NOW
+        return self.phrases.pop(0) if self.phrases else None
+
+    def finished(self, setup):
+        return self.ended
+
+    def clear(self) -> None:
+        self.taken.append("cleared")
+
+
+class PlayedIdling:
+    """Scheduler of idle motion with a prepared time."""
+
+    def __init__(self) -> None:
+        self.time, self.calls = inf, []
+
+    def next_time(self, scene) -> float:
+        return self.time
+
+    def allow(self, now) -> None:
+        self.calls.append(("allow", now))
+
+    def forbid(self) -> None:
+        self.calls.append("forbid")
+
+    def postpone(self, now) -> None:
+        self.calls.append(("postpone", now))
+
+    def plan_next(self, setup):
+        return "spell"
+
+
+@pytest.fixture
+def state(known, monkeypatch) -> PlannerState:
+    """Planner after two emergency stops."""
+    monkeypatch.setattr(module, "SharedScene", PlayedScene)
+    monkeypatch.setattr(module, "Talks", PlayedTalks)
+    monkeypatch.setattr(module, "IdleScheduler", PlayedIdling)
+    monkeypatch.setattr(module, "advance", lambda scene, now: replace(scene, runs=scene.runs + 100))
+    properties = LoopProperties(SimpleNamespace(now=lambda: NOW), NO_ACCOMPANIMENT)
+    sent = []
+    refiner = SimpleNamespace(send_bytes=sent.append, sent=sent)
+    beginning = LoopStart(stay(known.robot.skeleton.rest), 2, ())
+    rules = Quotas(duration=20.0, depth=8)
+    return PlannerState(
+        known, lambda setup: ("new", setup), None, refiner, properties, beginning=beginning, rules=rules
+    )
+
+
+def test_clients_with_unspoken_words_and_stops_are_known_to_the_scene(state):
+    assert state._shared.other_clients() == {3}
+    state._shared.on_halt()
+    assert state._idling.calls == ["forbid"]
+    assert state._talks.taken == ["cleared"]
+
+
+@pytest.mark.parametrize(
+    ("scene", "idle", "words", "pause"),
+    [
+        (inf, inf, inf, None),
+        (9.0, inf, inf, 2.0),
+        (inf, 8.0, inf, 1.0),
+        (inf, inf, 7.5, 0.5),
+        (9.0, 8.0, 7.5, 0.5),
+        (7.01, inf, inf, 0.05),
+        (1.0, inf, inf, 0.05),
+    ],
+)
+def test_planner_pauses_until_its_next_event(state, scene, idle, words, pause):
+    state._shared.scene = SimpleNamespace(next_time=scene)
+    state._idling.time, state._talks.time = idle, words
+    assert state.pause == (None if pause is None else pytest.approx(pause))
+
+
+@pytest.mark.parametrize(("time", "idles"), [(6.9, True), (NOW, True), (7.1, False)])
+def test_idle_motion_begins_when_it_is_due(state, monkeypatch, time, idles):
+    state._idling.time = time
+    given = []
+
+    def begin_idle(scene, spell, now):
+        given.append((scene.runs, spell, now))
+        return replace(scene, idle="moving")
+
+    monkeypatch.setattr(module, "begin_idle", begin_idle)
+    state.advance_scene()
+    assert given == ([(100, "spell", NOW)] if idles else [])
+    assert state._shared.scene.runs == 100
+    assert state._idling.calls == []
+
+
+def test_idle_motion_that_did_not_begin_is_postponed(state, monkeypatch):
+    state._idling.time = NOW
+    monkeypatch.setattr(module, "begin_idle", lambda scene, spell, now: scene)
+    state.advance_scene()
+    assert state._idling.calls == [("postpone", NOW)]
+
+
+@pytest.mark.parametrize("block", [None, "b"])
+def test_interruption_of_all_blocks_cancels_idle_motion_and_words(state, monkeypatch, block):
+    monkeypatch.setattr(module, "interrupt", lambda scene, now, block: replace(scene, runs=(now, block)))
+    state.execute(Interruption(block))
+    assert state._shared.scene.runs == (NOW, block)
+    assert state._idling.calls == ["forbid"] * (block is None)
+    assert state._talks.taken == ["cleared"] * (block is None)
+    assert state._shared.waited == []
+
+
+def test_renewal_reloads_the_setup(state):
+    setup = state._shared.scene.setup
+    state.execute(Renewal())
+    assert state._shared.renewed == [("new", setup)]
+    state.execute(Renewal())
+    assert state._renewals == 2
+
+
+@pytest.mark.parametrize(("stops", "count"), [(1, 0), (2, 1), (3, 0)])
+def test_resumption_of_the_last_stop_returns_to_rest(state, stops, count):
+    rest = state._shared.scene.motion.controls[-1]
+    bent = state._shared.scene.setup.robot.skeleton.clamp(rest + 0.2)
+    state._shared.scene = replace(state._shared.scene, motion=stay(bent), lasting=("held",))
+    state.execute(Resumption(stops))
+    assert state._shared.waited == [stops]
+    assert len(state._shared.proposals) == count
+    if count:
+        np.testing.assert_allclose(state._shared.scene.motion.controls[-1], rest, atol=1e-9)
+        assert state._shared.scene.lasting == ()
+
+
+def test_only_movable_hinges_return_after_a_stop(state, monkeypatch):
+    given = []
+
+    def release(motion, at, hinges, setup):
+        given.append((at, hinges.tolist()))
+        return motion
+
+    monkeypatch.setattr(module, "release_motion", release)
+    scene = state._shared.scene
+    lower, upper = np.zeros(3), np.array([1.0, 0.0, 1.0])
+    setup = SimpleNamespace(limits=SimpleNamespace(lower=lower, upper=upper))
+    state._shared.scene = replace(scene, setup=setup, ahead=0.5)
+    state.execute(Resumption(2))
+    ((at, hinges),) = given
+    assert at == 7.5
+    assert hinges == [True, False, True]
+    assert state._shared.scene.motion is not scene.motion
+
+
+def test_words_are_queued_and_their_refusal_is_told(state):
+    words = Words("Hello", 7)
+    state.execute(DocumentRequest(words, 2))
+    assert state._talks.taken == [(words, NOW)]
+    assert state._idling.calls == [("allow", NOW)]
+    assert (state._shared.waited, state._shared.told) == ([2], [])
+    assert state._shared.scene.runs == 100
+    state._talks.refusal = "too long"
+    state.execute(DocumentRequest(words, 2))
+    ((message, sender),) = state._shared.told
+    assert "rule waiting: too long" in message
+    assert sender == 7
+    assert state._shared.scene.runs == 200
+
+
+def planned(state, monkeypatch, *, start: float = 0.0, end: float = 20.0):
+    """Record the calls that plan a document from a start to an end [s]."""
+    calls = []
+    request = SimpleNamespace(
+        block=SimpleNamespace(id="b"), timeline=SimpleNamespace(start=start, end=end), prediction="prediction"
+    )
+
+    def read(message, setup, *, context, bounds):
+        calls.append((message, setup, context, bounds.size, bounds.depth))
+        return "read"
+
+    monkeypatch.setattr(module, "read_request", read)
+    monkeypatch.setattr(module, "with_busy_hands", lambda scene, found: request if found == "read" else None)
+    monkeypatch.setattr(
+        module, "prepare_block", lambda found, setup, *, is_scheduled: ("plan", found is request, is_scheduled)
+    )
+    monkeypatch.setattr(module, "begin", lambda scene, prepared, now: replace(scene, runs=(prepared, now)))
+    state.execute(DocumentRequest(Message("<bml id='b'/>", 7), 2))
+    return calls
+
+
+def test_document_is_predicted_and_planned_with_its_timeline(state, monkeypatch):
+    ((message, setup, context, size, depth),) = planned(state, monkeypatch)
+    assert (message.sender, setup, context.now) == (7, state._shared.scene.setup, NOW)
+    assert (size, depth) == (Quotas().message, 8)
+    assert state._shared.told == [("prediction", 7)]
+    assert state._shared.scene.runs == (("plan", True, True), NOW)
+    assert state._idling.calls == [("allow", NOW)]
+
+
+@pytest.mark.parametrize(("start", "end", "is_refused"), [(0.0, 20.0, False), (0.0, 20.1, True), (-1.0, 19.1, True)])
+def test_document_longer_than_the_quota_is_refused(state, monkeypatch, start, end, is_refused):
+    planned(state, monkeypatch, start=start, end=end)
+    ((message, sender),) = state._shared.told
+    assert sender == 7
+    assert ("rule duration" in message) is is_refused
+    assert (state._shared.proposals == []) is is_refused
+    if is_refused:
+        assert f"b lasts {end:.0f} s, at most 20 s are taken: split it" in message
+        assert 'id="b"' in message
+
+
+@pytest.mark.parametrize(
+    ("verdict", "rule", "why"),
+    [
+        (Verdict.STOPPED, "stopped", "resume first"),
+        (Verdict.LATE, "planning", "too late for every start time"),
+        (Verdict.UNSTEADY, "planning", "would cause a step"),
+    ],
+)
+def test_rejected_plan_is_reported_with_its_reason(state, monkeypatch, verdict, rule, why):
+    state._shared.verdict = verdict
+    planned(state, monkeypatch)
+    message, sender = state._shared.told[-1]
+    assert f"rule {rule}: " in message
+    assert why in message
+    assert 'id="b"' in message
+    assert sender == 7
+
+
+def test_document_from_before_a_stop_is_not_proposed(state, monkeypatch):
+    state._shared.stops = 3
+    planned(state, monkeypatch)
+    assert state._shared.proposals == []
+    assert "rule stopped" in state._shared.told[-1][0]
+
+
+def test_refused_and_failed_documents_are_told_to_their_sender(state, monkeypatch, capfd):
+    def fail(error):
+        def read(*_, **__):
+            raise error
+
+        monkeypatch.setattr(module, "read_request", read)
+        state.execute(DocumentRequest(Message("<bml id='b'/>", 7), 2))
+        return state._shared.told[-1]
+
+    message, sender = fail(BmlError("no such gesture"))
+    assert (sender, "no such gesture" in message, "PARSING_FAILURE" in message) == (7, True, True)
+    message, sender = fail(IndexError("defect"))
+    assert sender == 7
+    assert re.search(r'id="b".*rule planning: planning failed \(IndexError\)', message)
+    assert "defect" in capfd.readouterr().err
+    with pytest.raises(ConnectionResetError):
+        fail(ConnectionResetError())
+
+
+def test_phrases_are_told_and_planned_in_turn(state, monkeypatch):
+    documents = []
+    monkeypatch.setattr(PlannerState, "_plan", lambda _, document: documents.append(document))
+    state._talks.phrases = [
+        Phrase(4, "said4-1", "<one/>", "One."),
+        Phrase(5, "said5-1", "<two/>", "Two.", replaced=frozenset({"n"}), before="gone"),
+    ]
+    state._talks.ended = [(4, "said4-1")]
+    state.plan_phrases()
+    assert [(document.message.text, document.message.sender, document.stops) for document in documents] == [
+        ("<one/>", 4, 2),
+        ("<two/>", 5, 2),
+    ]
+    assert {document.message.source for document in documents} == {"<words>"}
+    assert len(state._shared.proposals) == 1
+    told = [(json.loads(message), sender) for message, sender in state._shared.told]
+    assert [(message["told"], message["block"], sender) for message, sender in told] == [
+        ("saying", "said4-1", 4),
+        ("saying", "said5-1", 5),
+        ("all_said", "said4-1", 4),
+    ]
+
+
+def test_one_block_at_a_time_is_sent_to_the_refiner(state, monkeypatch):
+    monkeypatch.setattr(module, "pack", lambda job: job)
+    state.request_refinement()
+    assert state._refiner.sent == []
+    state._shared.replans = ["first", "second"]
+    state._renewals = 4
+    state.request_refinement()
+    state.request_refinement()
+    (job,) = state._refiner.sent
+    assert (job.request, job.style, job.renewals) == ("first", state._shared.scene.setup.style, 4)
+    monkeypatch.setattr(module, "unpack", lambda data, setup: RefinedPlan("first", None))
+    state.apply_refinement(b"")
+    assert state._shared.proposals == []
+    state.request_refinement()
+    assert [job.request for job in state._refiner.sent] == ["first", "second"]
+
+
+@pytest.mark.parametrize("is_possible", [True, False])
+def test_refined_plan_is_proposed_for_the_advanced_scene(state, monkeypatch, is_possible):
+    given = []
+
+    def improve(scene, block, plan, now):
+        given.append((scene.runs, block, plan, now))
+        return replace(scene, runs=999) if is_possible else None
+
+    monkeypatch.setattr(module, "unpack", lambda data, setup: RefinedPlan("b", "plan"))
+    monkeypatch.setattr(module, "improve_block", improve)
+    state.apply_refinement(b"")
+    assert given == [(100, "b", "plan", NOW)]
+    assert state._shared.scene.runs == (999 if is_possible else 100)
+
+
+@pytest.fixture
+def restyled(state, monkeypatch):
+    """Apply a change of style, and return its arguments."""
+
+    def apply(*given):
+        found = []
+        monkeypatch.setattr(module, "change_style", lambda scene, now, **options: found.append(options) or scene)
+        state.execute(Restyling(*given))
+        return found
+
+    return apply
+
+
+def test_style_and_changes_apply_to_all_blocks(state, restyled):
+    ((options),) = restyled("calm", ("power=-0.5",), 0.5, None, 3)
+    assert options["style"] == style_preset("calm").changed(("power=-0.5",))
+    assert (options["amount"], options["block"]) == (0.5, None)
+    ((options),) = restyled(None, ("power=-0.5",), None, None, 3)
+    assert options["style"] == state._shared.scene.setup.style.changed(("power=-0.5",))
+    assert restyled("calm", (), None, None, 3)[0]["style"] == style_preset("calm")
+    assert restyled(None, (), 0.5, None, 3)[0]["style"] is None
+
+
+def test_style_of_one_block_is_passed_on_by_name(state, restyled):
+    ((options),) = restyled("calm", (), None, "b", 3)
+    assert (options["style"], options["block"], options["amount"]) == ("calm", "b", None)
+
+
+def test_refused_style_is_told_to_its_sender(state, restyled, monkeypatch):
+    assert restyled("gloomy", (), None, None, 3) == []
+    ((message, sender),) = state._shared.told
+    assert sender == 3
+    assert (json.loads(message)["told"], json.loads(message)["do"]) == ("refused", "style")
+
+
+def test_stop_is_passed_to_the_scene(state):
+    halted = Halted(3, 1.0, None)
+    state.handle_stop(halted)
+    assert state._shared.halts == [halted]
+
+
+class PlayedEnd:
+    """End of a pipe with prepared messages."""
+
+    def __init__(self, name, *messages) -> None:
+        self.name, self.messages, self.sent = name, list(messages), []
+
+    def recv(self):
+        return self.messages.pop(0)
+
+    recv_bytes = recv
+
+    def send(self, message) -> None:
+        self.sent.append(message)
+
+
+def test_planner_handles_stops_first_then_requests_then_refined_plans(monkeypatch):
+    calls = []
+
+    class PlayedState:
+        pause = 0.5
+
+        def __init__(self, setup, renewed, loop, refiner, properties, *, beginning, rules) -> None:
+            calls.append(("state", setup, renewed("old"), beginning, rules))
+
+        def __getattr__(self, name):
+            return lambda *given: calls.append((name, *given))
+
+    requests, loop, refiner = (
+        PlayedEnd("requests", "start", "request"),
+        PlayedEnd("loop", "stop"),
+        PlayedEnd("r", "plan"),
+    )
+    ready = [[requests, loop, refiner], [refiner, requests], [refiner], []]
+
+    def wait(ends, pause):
+        assert ends == [requests, loop, refiner]
+        assert pause == 0.5
+        if not ready:
+            raise EOFError
+        return ready.pop(0)
+
+    monkeypatch.setattr(module, "PlannerState", PlayedState)
+    monkeypatch.setattr(module, "wait", wait)
+    monkeypatch.setattr(module, "warm_up", lambda setup, accompaniment: calls.append(("warm_up", setup, accompaniment)))
+    monkeypatch.setattr(module, "freeze_heap", lambda: calls.append(("freeze_heap",)))
+    monkeypatch.setattr(module, "renew_setup", lambda make, setup: (make(), setup))
+    run_planner(lambda: "setup", requests, loop, refiner, SimpleNamespace(accompaniment="face"), "rules")
+    each = [("plan_phrases",), ("request_refinement",)]
+    assert calls == [
+        ("warm_up", "setup", "face"),
+        ("freeze_heap",),
+        ("state", "setup", ("setup", "old"), "start", "rules"),
+        ("handle_stop", "stop"),
+        *each,
+        ("execute", "request"),
+        ("plan_phrases",),
+        *each,
+        ("apply_refinement", "plan"),
+        *each,
+        ("advance_scene",),
+        *each,
+    ]
+    assert [type(message) for message in loop.sent] == [PlannerReady, RequestDone]
+
+
+@pytest.mark.parametrize("error", [EOFError, BrokenPipeError, ConnectionResetError])
+def test_planner_ends_with_the_server(error):
+    def fail():
+        raise error
+
+    run_planner(fail, None, None, None, None, None)
+
+
+def test_unreadable_setup_ends_the_planner_with_its_error():
+    def fail():
+        raise ConfigError("no robot")
+
+    with pytest.raises(ConfigError):
+        run_planner(fail, None, None, None, None, None)
