@@ -304,7 +304,7 @@ def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule |
 
     None for other shapes and for very small ones.
     """
-    kind, size = model.geom_type[geom], model.geom_size[geom]
+    kind, size = int(model.geom_type[geom]), model.geom_size[geom]
     centre, frame = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
     if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
         half, radius = np.zeros(3), float(size[0])

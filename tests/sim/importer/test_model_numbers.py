@@ -238,18 +238,25 @@ def test_part_without_mass_is_at_its_hinge(anchor, centre):
         ('type="sphere" size="0.1"', (0.0, 0, 0, 0.1)),
         ('type="sphere" size="0.005"', (0.0, 0, 0, 0.005)),
         ('type="sphere" size="0.0049"', None),
-        ('type="capsule" size="0.1 0.3" euler="0 1.5707963267948966 0"', (0.3, 0, 0, 0.1)),
+        ('type="capsule" size="0.1 0.3"', (0, 0, 0.3, 0.1)),
+        ('type="cylinder" size="0.1 0.3"', (0, 0, 0.2, 0.1)),
+        ('type="cylinder" size="0.3 0.1"', (0.1, 0, 0, 0.2)),
+        ('type="box" size="0.1 0.5 0.3"', (0, 0.3, 0, 0.2)),
+        ('type="ellipsoid" size="0.5 0.1 0.3"', (0.3, 0, 0, 0.2)),
+        ('type="box" size="0.1 0.1 0.1"', (0, 0, 0, 0.1)),
         ('type="plane" size="1 1 1"', None),
     ],
 )
-def test_sphere_or_capsule_is_kept_in_the_world_unless_it_is_tiny(shape, capsule):
-    found = _capsule(*compiled(f'<worldbody><geom {shape} pos="1 2 3"/></worldbody>'), 0)
+def test_shape_becomes_a_capsule_along_its_longest_side(shape, capsule):
+    turned = f'<worldbody><geom {shape} pos="1 2 3" euler="0 0 1.5707963267948966"/></worldbody>'
+    found = _capsule(*compiled(turned), 0)
     if capsule is None:
         assert found is None
         return
-    *half, radius = capsule
+    x, y, z, radius = capsule
+    half = np.array([-y, x, z])
     ends = np.array([found.start, found.end]) - (1, 2, 3)
-    np.testing.assert_allclose(ends, (np.negative(half), half), atol=1e-12)
+    np.testing.assert_allclose(ends, (-half, half), atol=1e-12)
     assert found.radius == pytest.approx(radius)
 
 
