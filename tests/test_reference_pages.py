@@ -24,6 +24,7 @@ INTERNAL_SCHEMAS = {  # of files that only kinesic itself has
     "LegibilityTable": "requirements of tests",
     "StanceFile": "standing postures of captured people",
     "BodyTable": "captured whole bodies",
+    "CapturedBodyTable": "captured bodies",
     "CapturedTable": "captured gestures",
     "_PlainLanguages": "words of the rules for plain text",
     "_Table": "rules of a language",

@@ -70,8 +70,9 @@ def test_missing_required_package_is_reported_with_its_traceback(tmp_path):
 def test_extra_suggested_for_a_missing_package_contains_this_package(package):
     line = explain_missing(ModuleNotFoundError(f"No module named '{package}.part'", name=f"{package}.part"))
     extra = EXTRA_OF_PACKAGE[package]
-    assert line == f"this needs {package}: {install_extra(extra)}"
-    needed = "distributed" if package == "dask" else package  # which requires dask
+    name, distribution = ("Pillow", "pillow") if package == "PIL" else (package, package)
+    assert line == f"this needs {name}: {install_extra(extra)}"
+    needed = "distributed" if package == "dask" else distribution  # which requires dask
     assert any(each.startswith(needed) for each in EXTRAS[extra])
 
 

@@ -7,7 +7,12 @@ from pathlib import Path
 import kinesic
 
 ROOT = Path(kinesic.__file__).parent
-LABELS = {"hardware/supervisor/status.py", "report/output.py"}  # the time of day of an event, a folder's name
+LABELS = {  # the time of day of an event, of a backup or version of a document, a folder's name
+    "hardware/supervisor/status.py",
+    "report/output.py",
+    "serve/desk/archive.py",
+    "serve/desk/backups.py",
+}
 WALL = {("time", "time"), ("time", "time_ns"), ("time", "localtime"), ("time", "gmtime"), ("datetime", "now")}
 NAMED = re.compile(r"\b(time_ns|localtime|gmtime|now)\b|\btime(\.| import .*\b)time\b", re.DOTALL)
 

@@ -77,6 +77,8 @@ def describe_type(hint: object) -> str:
         (limits,) = [part for part in parts[1:] if isinstance(part, msgspec.Meta)]
         if limits.max_length is not None:
             return f"{describe_type(parts[0])}, at most {limits.max_length} characters"
+        if limits.pattern is not None:
+            return f"{describe_type(parts[0])} matching `{limits.pattern}`"
         return f"{describe_type(parts[0])} in [{limits.ge:g}, {limits.le:g}]"
     if origin is Literal:
         return ", ".join(f"`{value}`" for value in parts)

@@ -104,7 +104,7 @@ def test_each_effect_changes_the_head_but_not_the_background(gallery: Gallery, n
             pictures.append(portrait.draw({"12": 0.5}).astype(int))
             head = portrait.pipeline.geometry.parts() > 0
     changed = np.abs(pictures[1] - pictures[0]).max(axis=2)
-    assert changed[head].max() >= 3
+    assert changed[head].max() >= 2
     assert changed[:12, :12].max() <= 1  # blur does not change the background except by rounding
 
 
