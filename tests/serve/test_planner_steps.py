@@ -10,131 +10,28 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import BmlError
-from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.style import style_preset
 from kinesic.motion.trajectory import stay
-from kinesic.realizer.realizer import Scene
 from kinesic.realizer.request import Message
 from kinesic.serve import planner as module
 from kinesic.serve.messages import (
     DocumentRequest,
-    Halted,
     Interruption,
-    LoopProperties,
-    LoopStart,
-    PlannerReady,
     Renewal,
-    RequestDone,
-    Restyling,
     Resumption,
     Words,
 )
-from kinesic.serve.planner import PlannerState, run_planner
+from kinesic.serve.planner import PlannerState
 from kinesic.serve.refiner import RefinedPlan
 from kinesic.serve.shared_scene import Verdict
 from kinesic.serve.talks import Phrase
-from kinesic.serve.tracks import NO_ACCOMPANIMENT
 from kinesic.serve.wire.quotas import Quotas
 
-NOW = 7.0  # [s] time of the clock
-
-
-class PlayedScene:
-    """Shared scene that accepts or rejects all changes."""
-
-    def __init__(self, setup, loop, properties, *, beginning, other_clients, on_halt) -> None:
-        self.scene, self.stops = Scene.of(setup), beginning.stops
-        self.other_clients, self.on_halt = other_clients, on_halt
-        self.verdict = Verdict.ACCEPTED
-        self.proposals, self.told, self.waited, self.halts, self.renewed = [], [], [], [], []
-        self.replans = []
-
-    def propose(self, change):
-        self.proposals.append(change)
-        after = change(self.scene, NOW)
-        if self.verdict is Verdict.ACCEPTED:
-            self.scene = after
-        return self.verdict
-
-    def tell(self, message, sender) -> None:
-        self.told.append((message, sender))
-
-    def wait_for_stops(self, stops) -> None:
-        self.waited.append(stops)
-
-    def handle_stop(self, halted) -> None:
-        self.halts.append(halted)
-
-    def renew(self, setup) -> None:
-        self.renewed.append(setup)
-
-    def pop_replan(self):
-        return self.replans.pop(0) if self.replans else None
-
-
-class PlayedTalks:
-    """Streamed texts with prepared phrases."""
-
-    def __init__(self, character) -> None:
-        self.character, self.senders = character, frozenset({3})
-        self.time, self.refusal = inf, ""
-        self.taken, self.phrases, self.ended = [], [], []
-
-    def next_time(self, scene) -> float:
-        return self.time
-
-    def take(self, words, now):
-        self.taken.append((words, now))
-        return self.refusal
-
-    def next_phrase(self, scene, now):
-        assert now == NOW
-        return self.phrases.pop(0) if self.phrases else None
-
-    def finished(self, setup):
-        return self.ended
-
-    def clear(self) -> None:
-        self.taken.append("cleared")
-
-
-class PlayedIdling:
-    """Scheduler of idle motion with a prepared time."""
-
-    def __init__(self) -> None:
-        self.time, self.calls = inf, []
-
-    def next_time(self, scene) -> float:
-        return self.time
-
-    def allow(self, now) -> None:
-        self.calls.append(("allow", now))
-
-    def forbid(self) -> None:
-        self.calls.append("forbid")
-
-    def postpone(self, now) -> None:
-        self.calls.append(("postpone", now))
-
-    def plan_next(self, setup):
-        return "spell"
+from .played_planner import NOW, played_planner
 
 
 @pytest.fixture
 def state(known, monkeypatch) -> PlannerState:
-    """Planner after two emergency stops."""
-    monkeypatch.setattr(module, "SharedScene", PlayedScene)
-    monkeypatch.setattr(module, "Talks", PlayedTalks)
-    monkeypatch.setattr(module, "IdleScheduler", PlayedIdling)
-    monkeypatch.setattr(module, "advance", lambda scene, now: replace(scene, runs=scene.runs + 100))
-    properties = LoopProperties(SimpleNamespace(now=lambda: NOW), NO_ACCOMPANIMENT)
-    sent = []
-    refiner = SimpleNamespace(send_bytes=sent.append, sent=sent)
-    beginning = LoopStart(stay(known.robot.skeleton.rest), 2, ())
-    rules = Quotas(duration=20.0, depth=8)
-    return PlannerState(
-        known, lambda setup: ("new", setup), None, refiner, properties, beginning=beginning, rules=rules
-    )
+    return played_planner(known, monkeypatch)
 
 
 def test_clients_with_unspoken_words_and_stops_are_known_to_the_scene(state):
@@ -389,125 +286,3 @@ def test_refined_plan_is_proposed_for_the_advanced_scene(state, monkeypatch, is_
     state.apply_refinement(b"")
     assert given == [(100, "b", "plan", NOW)]
     assert state._shared.scene.runs == (999 if is_possible else 100)
-
-
-@pytest.fixture
-def restyled(state, monkeypatch):
-    """Apply a change of style, and return its arguments."""
-
-    def apply(*given):
-        found = []
-        monkeypatch.setattr(module, "change_style", lambda scene, now, **options: found.append(options) or scene)
-        state.execute(Restyling(*given))
-        return found
-
-    return apply
-
-
-def test_style_and_changes_apply_to_all_blocks(state, restyled):
-    ((options),) = restyled("calm", ("power=-0.5",), 0.5, None, 3)
-    assert options["style"] == style_preset("calm").changed(("power=-0.5",))
-    assert (options["amount"], options["block"]) == (0.5, None)
-    ((options),) = restyled(None, ("power=-0.5",), None, None, 3)
-    assert options["style"] == state._shared.scene.setup.style.changed(("power=-0.5",))
-    assert restyled("calm", (), None, None, 3)[0]["style"] == style_preset("calm")
-    assert restyled(None, (), 0.5, None, 3)[0]["style"] is None
-
-
-def test_style_of_one_block_is_passed_on_by_name(state, restyled):
-    ((options),) = restyled("calm", (), None, "b", 3)
-    assert (options["style"], options["block"], options["amount"]) == ("calm", "b", None)
-
-
-def test_refused_style_is_told_to_its_sender(state, restyled, monkeypatch):
-    assert restyled("gloomy", (), None, None, 3) == []
-    ((message, sender),) = state._shared.told
-    assert sender == 3
-    assert (json.loads(message)["told"], json.loads(message)["do"]) == ("refused", "style")
-
-
-def test_stop_is_passed_to_the_scene(state):
-    halted = Halted(3, 1.0, None)
-    state.handle_stop(halted)
-    assert state._shared.halts == [halted]
-
-
-class PlayedEnd:
-    """End of a pipe with prepared messages."""
-
-    def __init__(self, name, *messages) -> None:
-        self.name, self.messages, self.sent = name, list(messages), []
-
-    def recv(self):
-        return self.messages.pop(0)
-
-    recv_bytes = recv
-
-    def send(self, message) -> None:
-        self.sent.append(message)
-
-
-def test_planner_handles_stops_first_then_requests_then_refined_plans(monkeypatch):
-    calls = []
-
-    class PlayedState:
-        pause = 0.5
-
-        def __init__(self, setup, renewed, loop, refiner, properties, *, beginning, rules) -> None:
-            calls.append(("state", setup, renewed("old"), beginning, rules))
-
-        def __getattr__(self, name):
-            return lambda *given: calls.append((name, *given))
-
-    requests, loop, refiner = (
-        PlayedEnd("requests", "start", "request"),
-        PlayedEnd("loop", "stop"),
-        PlayedEnd("r", "plan"),
-    )
-    ready = [[requests, loop, refiner], [refiner, requests], [refiner], []]
-
-    def wait(ends, pause):
-        assert ends == [requests, loop, refiner]
-        assert pause == 0.5
-        if not ready:
-            raise EOFError
-        return ready.pop(0)
-
-    monkeypatch.setattr(module, "PlannerState", PlayedState)
-    monkeypatch.setattr(module, "wait", wait)
-    monkeypatch.setattr(module, "warm_up", lambda setup, accompaniment: calls.append(("warm_up", setup, accompaniment)))
-    monkeypatch.setattr(module, "freeze_heap", lambda: calls.append(("freeze_heap",)))
-    monkeypatch.setattr(module, "renew_setup", lambda make, setup: (make(), setup))
-    run_planner(lambda: "setup", requests, loop, refiner, SimpleNamespace(accompaniment="face"), "rules")
-    each = [("plan_phrases",), ("request_refinement",)]
-    assert calls == [
-        ("warm_up", "setup", "face"),
-        ("freeze_heap",),
-        ("state", "setup", ("setup", "old"), "start", "rules"),
-        ("handle_stop", "stop"),
-        *each,
-        ("execute", "request"),
-        ("plan_phrases",),
-        *each,
-        ("apply_refinement", "plan"),
-        *each,
-        ("advance_scene",),
-        *each,
-    ]
-    assert [type(message) for message in loop.sent] == [PlannerReady, RequestDone]
-
-
-@pytest.mark.parametrize("error", [EOFError, BrokenPipeError, ConnectionResetError])
-def test_planner_ends_with_the_server(error):
-    def fail():
-        raise error
-
-    run_planner(fail, None, None, None, None, None)
-
-
-def test_unreadable_setup_ends_the_planner_with_its_error():
-    def fail():
-        raise ConfigError("no robot")
-
-    with pytest.raises(ConfigError):
-        run_planner(fail, None, None, None, None, None)
