@@ -1,6 +1,7 @@
 """Tests of wrinkle maps and of the normals that they bend."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,7 +74,8 @@ class Bent:
 
 @pytest.fixture(scope="module")
 def bent(gallery: Gallery) -> Iterator[Bent]:
-    with gallery(NORMAL_PRESET, (PICTURE_SIDE, PICTURE_SIDE)) as portrait:
+    """Head without locks, which cover the two sides of a forehead differently."""
+    with gallery(replace(NORMAL_PRESET, hair=False), (PICTURE_SIDE, PICTURE_SIDE)) as portrait:
         yield Bent(portrait)
 
 
@@ -191,7 +193,7 @@ def test_left_and_right_wrinkles_mirror(bent: Bent, unit: int):
     left, right = (tangent(bent.normals({f"{side}{unit}": 1.0}), flat) for side in "LR")
     assert left.max() > 0.1
     difference = np.sqrt(np.mean((left - right[:, ::-1]) ** 2) / np.mean(left**2))
-    assert difference < 0.01  # hairs of the brows differ between the sides
+    assert difference < 0.003
 
 
 @pytest.mark.parametrize("yaw", CAMERA_YAWS)
