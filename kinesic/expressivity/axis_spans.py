@@ -12,7 +12,7 @@ NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Return, for each axis, the spans in which layers of keys rotate about it.
+    """Return the time spans of rotation about each axis.
 
     A layer that stays away from upright does not use its axis after the last key.
     """

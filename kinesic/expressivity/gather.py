@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the candidate time [s] within a key frame's span nearest to the key frame.
+        """Return the time [s] in a key frame's span nearest to it.
 
         Args:
             times: sorted [s].

@@ -30,7 +30,7 @@ def read_held(folder: HeldFolder, name: str, *, limit: int) -> bytes | None:
 
 
 def replace_held(folder: HeldFolder, name: str, content: bytes) -> None:
-    """Write a file durably; an earlier one stays until the new one is complete.
+    """Write a file durably, keeping an earlier one until it is complete.
 
     Raises:
         OSError: the file is not written.

@@ -217,7 +217,7 @@ class Servos:
             time.sleep(POLL_INTERVAL)
 
     def _leave(self) -> None:
-        """Close the pipe; the supervisor then folds the arms without this process."""
+        """Close the pipe, so that the supervisor folds the arms itself."""
         if self._process.stdin is not None:
             self._process.stdin.close()
 

@@ -104,5 +104,5 @@ def spectral_arc_length(speeds: Floats, *, period: float) -> float | None:
 
 
 def _measure_speeds(path: Floats, period: float) -> Floats:
-    """Return the speeds (m - 1,) [m/s] along a path (m, 3) [m]."""
+    """Return the speeds [m/s] along a path (m, 3) [m]."""
     return np.asarray(np.linalg.norm(np.diff(path, axis=0), axis=1) / period)

@@ -134,7 +134,7 @@ class SplineSegment:
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
-        """Pairs of successive keys from the segment's start to its end, (m + 1,)."""
+        """Pairs of successive keys from the segment's start to its end."""
         return tuple(pairwise([*(mark[0] for mark in self.marks[:-1]), self.marks[-1][-1]]))
 
     @cached_property

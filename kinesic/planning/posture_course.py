@@ -162,7 +162,7 @@ class PostureCourse:
 
 
 def _is_lively(posture: KeyPosture, joint: int) -> bool:
-    """Return whether a hinge has an overshoot or a velocity accent at a key."""
+    """Return whether a hinge has an overshoot or accent at a key."""
     if not posture.passages or not posture.keyed[joint]:
         return False
     return posture.passages[joint] != posture.passages[joint].without_accent

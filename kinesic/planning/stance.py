@@ -1,4 +1,4 @@
-"""Standing postures drawn from a mixture of distributions that was fitted on captured people."""
+"""Random standing postures from distributions that were fitted to captured people."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

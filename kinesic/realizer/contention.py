@@ -1,4 +1,4 @@
-"""Conflicts of a new block with speech and body parts of other blocks."""
+"""Conflicts of a new block with other blocks' speech and body parts."""
 
 from collections.abc import Mapping
 from dataclasses import replace

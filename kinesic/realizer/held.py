@@ -78,7 +78,7 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the offset (n,) [rad] of gaze or trunk last held, or zeros.
+    """Return the last held offset (n,) [rad] of gaze or trunk.
 
     Of occupancies with the same end, the last one counts.
     """

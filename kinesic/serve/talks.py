@@ -134,7 +134,7 @@ class Talks:
         return None
 
     def finished(self, setup: Setup) -> Iterator[tuple[int, str]]:
-        """Remove ended texts without unplanned words; yield client and last block id."""
+        """Remove completely planned ended texts, and yield client and last block id."""
         for sender, speech in list(self._texts.items()):
             if speech.is_read and is_all_said(speech.talk, load_language(setup.language)):
                 del self._texts[sender]

@@ -1,4 +1,4 @@
-"""Moving meshes: a head that turns, or a figure posed by a skeleton."""
+"""Moving meshes: a turning head, or a figure posed by a skeleton."""
 
 from collections.abc import Mapping
 from typing import Protocol

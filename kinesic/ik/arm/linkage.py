@@ -40,7 +40,7 @@ class Pivot:
     rest: float  # [rad]
 
     def bring_into_range(self, angle: float, near: float) -> float:
-        """Add whole turns to an angle [rad] so that it lies within the range.
+        """Add whole turns to an angle [rad] to bring it into range.
 
         Of several such angles, return the nearest to `near`; without any, return the nearer stop.
         """

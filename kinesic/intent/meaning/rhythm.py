@@ -17,7 +17,7 @@ HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures
 
 
 def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[int]) -> Iterator[Intent]:
-    """Yield the intents with certain main accents and further beats in long sentences.
+    """Yield the intents, with main accents and beats of long sentences.
 
     The accent on the last content word of a sentence becomes more certain, and a long sentence gets a further beat. The
     accents of short sentences show no gesture unless they are emphasised.

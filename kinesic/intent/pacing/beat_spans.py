@@ -27,7 +27,7 @@ PLAIN_SPAN = BeatSpan()  # of a beat with one short stroke
 
 
 def select_fitting(choices: Sequence[Choice], before: float, after: float) -> Sequence[Choice]:
-    """Return the gestures that fit between two strokes, or all if none fits.
+    """Return the gestures that fit between two strokes, or all.
 
     Args:
         choices: gestures for one word.

@@ -101,7 +101,7 @@ class _Reading:
     following: str = ""  # beginning of the text after the token
 
     def take(self, kind: str, text: str, end: int) -> None:
-        """Append the words or punctuation of one token that ends at a text position."""
+        """Append the words or punctuation of one token of the text."""
         match kind:
             case "word":
                 for word in segment(text, self.language):

@@ -1,4 +1,4 @@
-"""Folder with versions and backups of documents, inside the folder of the documents."""
+"""Folder of versions and backups of documents, inside their folder."""
 
 import errno
 import os
@@ -19,7 +19,7 @@ LINK_ERRORS = frozenset({errno.ENOTDIR, errno.ELOOP})  # errors of opening a fol
 
 @contextmanager
 def hold_archive(folder: Path | None) -> Iterator[HeldFolder]:
-    """Hold the archive of a document folder open, and make it if it is missing.
+    """Open the archive of a document folder, and make a missing one.
 
     Raises:
         ConfigError: the archive cannot be made, is a link or is not a folder.

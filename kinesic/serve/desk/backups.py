@@ -43,11 +43,11 @@ class BackupFolder:
     """Backups of unsaved documents in the archive of a document folder."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Take the folder of the documents; with None, all requests are refused."""
+        """Take the document folder; without one, all requests are refused."""
         self._folder = folder
 
     def keep(self, key: str, name: str, revision: str, text: str) -> None:
-        """Store an unsaved document durably, in place of an earlier backup with this key.
+        """Store an unsaved document durably, and replace its earlier backup.
 
         Raises:
             ConfigError: the backup is not stored.
@@ -88,7 +88,7 @@ class BackupFolder:
 
 
 def _choose_file(headers: dict[str, Header], key: str) -> str:
-    """Return the file of the key's backup, else an unused file, else the oldest."""
+    """Return the backup file of the key, an unused one or the oldest."""
     for file, header in headers.items():
         if header.key == key:
             return file

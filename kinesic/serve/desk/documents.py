@@ -33,7 +33,7 @@ def is_document_name(name: str) -> bool:
 
 
 class RevisionError(ConfigError):
-    """Error of saving over a file that is not the one the client knows."""
+    """Error of saving over a file that the client does not know."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class DocumentFolder:
         return raw.decode("utf-8", "replace")
 
     def check_revision(self, name: str, revision: str | None) -> None:
-        """Refuse to replace a file that has another revision than the given one.
+        """Refuse to replace a file with another revision than the given one.
 
         Raises:
             RevisionError: such a file exists.
@@ -117,7 +117,7 @@ class DocumentFolder:
         self._check(name, _read_regular(self._path(name)), revision)
 
     def save(self, name: str, text: str, revision: str | None = None) -> str:
-        """Write a document durably, byte for byte, and keep a replaced one as a version.
+        """Write a document durably, and keep a replaced one as a version.
 
         Args:
             name: name of the document.

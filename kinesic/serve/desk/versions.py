@@ -29,11 +29,11 @@ class VersionFolder:
     """Earlier versions of the documents of a folder."""
 
     def __init__(self, folder: Path | None, *, max_size: int) -> None:
-        """Take the folder of the documents, and the largest size of a document [bytes]."""
+        """Take the document folder and the largest document size [bytes]."""
         self._folder, self._max_size = folder, max_size
 
     def keep(self, name: str, content: bytes) -> None:
-        """Store the content that is about to be replaced, and remove the oldest version beyond ten.
+        """Store the content to be replaced, and keep only ten versions.
 
         Content equal to the newest version is not stored again.
 

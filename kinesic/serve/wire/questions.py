@@ -88,7 +88,7 @@ class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True
 
 
 class VersionsRequest(Struct, tag="versions", tag_field="do", forbid_unknown_fields=True):
-    """Request for an earlier version of a document, or for the list of its versions."""
+    """Request for an earlier version of a document or their list."""
 
     name: str  # file name of the document
     number: int | None = None  # number of the version; without it the answer lists all versions

@@ -1,4 +1,4 @@
-"""Fit of standing postures whose arms do not hang to resting frames of captured clips."""
+"""Fit of standing postures with raised forearms to captured resting frames."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -65,7 +65,7 @@ def find_pose(stance: Floats) -> str | None:
 
 
 def weigh_poses(clips: Iterable[BodyMotion]) -> Mapping[str, float]:
-    """Return the mean fraction of each pose in the resting frames of a set.
+    """Return the mean fraction of each pose in a set's resting frames.
 
     Frames in the first pose of their clip count as well. The fractions of hanging arms and of all poses sum to one.
     """

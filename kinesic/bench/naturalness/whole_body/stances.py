@@ -59,7 +59,7 @@ def group_hanging(clips: Iterable[BodyMotion]) -> StanceGroups:
 
 
 def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bool]) -> StanceGroups:
-    """Return the counted stances (k, s) [deg] of resting frames, by clip group.
+    """Return counted stances (k, s) [deg] of resting frames by clip group.
 
     Frames in the pose of the first frame are left out. A group has the clips of one set whose names agree between `@`
     and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are left out.
