@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from kinesic.bml.block import Block
+from kinesic.body.robot import Robot
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.certify import certify
@@ -39,21 +40,21 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
 
 def _take_posture(style: Style, setup: Setup) -> Setup:
     """Return the setup with the standing posture of a style."""
-    if setup.unstyled is None or style is setup.style:
-        return setup
-    robot = standing_robot(setup.unstyled, style, setup.lexicon, setup.distances)
-    robot = vary_standing(robot, style, setup.variation, setup.distances)
-    return replace(setup, robot=robot, shared_limits=setup.limits)
+    return setup if setup.unstyled is None or style is setup.style else _stand(setup.unstyled, style, setup)
 
 
 def _lower_hands(style: Style, setup: Setup) -> Setup | None:
     """Return the setup with hanging arms, or None if they hang already."""
     if setup.unstyled is None:
         return None
-    robot = standing_robot(setup.unstyled, style, setup.lexicon, setup.distances)
-    robot = vary_standing(robot, style, setup.variation, setup.distances, hands_hang=True)
-    if np.array_equal(robot.skeleton.rest, setup.robot.skeleton.rest):
-        return None
+    lowered = _stand(setup.unstyled, style, setup, hands_hang=True)
+    return None if np.array_equal(lowered.robot.skeleton.rest, setup.robot.skeleton.rest) else lowered
+
+
+def _stand(unstyled: Robot, style: Style, setup: Setup, *, hands_hang: bool = False) -> Setup:
+    """Return the setup in which a robot stands in a style."""
+    robot = standing_robot(unstyled, style, setup.lexicon, setup.distances)
+    robot = vary_standing(robot, style, setup.variation, setup.distances, hands_hang=hands_hang)
     return replace(setup, robot=robot, shared_limits=setup.limits)
 
 
