@@ -11,7 +11,7 @@ _SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1)(?::t[1-6]|::skin-tone-[1-6
 _OPEN_SHORT_CODE = re.compile(r":(?:[a-z_]{0,29}|[+-]1?):?(?:(?<=:)(?:t[1-6]?|:[a-z0-9-]{0,11}):?)?")
 _TERMINAL_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]*[A-Za-z]?)?")  # colour or position in a terminal
 _OPEN_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]{0,20})?")
-_KEYCAP = re.compile("[0-9]\ufe0f?\u20e3")  # emoji of a key with a digit
+_KEYCAP = re.compile("[0-9]\ufe0f?\u20e3")  # keycap emoji of a digit
 _OPEN_KEYCAP = re.compile("[0-9]\ufe0f?")
 _JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
 _EMOJI_PATTERN = re.compile(

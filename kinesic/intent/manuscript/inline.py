@@ -18,7 +18,7 @@ MAX_STRESS_LENGTH = 400  # [characters] longest emphasised text
 MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
 MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech system
 _NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
-_TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time of a line in a transcript
+_TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
 _PROMPT_MARKS = frozenset(("INST", "/INST"))  # bracketed marks of prompts for language models
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
 _HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")  # `&amp;`, `&#39;`

@@ -43,7 +43,7 @@ class BackupFolder:
     """Backups of unsaved documents in the archive of a document folder."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Take the document folder; without one, all requests are refused."""
+        """Take the document folder, and refuse all requests without one."""
         self._folder = folder
 
     def keep(self, key: str, name: str, revision: str, text: str) -> None:
@@ -88,7 +88,7 @@ class BackupFolder:
 
 
 def _choose_file(headers: dict[str, Header], key: str) -> str:
-    """Return the backup file of the key, an unused one or the oldest."""
+    """Return the key's backup file, an unused one or the oldest."""
     for file, header in headers.items():
         if header.key == key:
             return file

@@ -106,7 +106,7 @@ class BackupRequest(Struct, tag="backup", tag_field="do", forbid_unknown_fields=
 
 
 class BackupsRequest(Struct, tag="backups", tag_field="do", forbid_unknown_fields=True):
-    """Request for the backup with a key, or for the list of backups."""
+    """Request for one backup or for the list of backups."""
 
     key: BackupKey | None = None  # without it the answer lists all backups
     id: int = 0  # repeated in the answer; 0: no id

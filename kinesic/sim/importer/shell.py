@@ -86,7 +86,7 @@ def split_creases(mesh: Triangles) -> tuple[Floats, Floats, Indices]:
 
 
 def _assign_normals(vertex: Indices, faces: Floats) -> Indices:
-    """Assign each triangle corner to a group of similar normals at its vertex.
+    """Assign each triangle corner to a group of similar normals.
 
     A corner joins the first group whose first face normal is within the crease angle.
     """

@@ -110,7 +110,7 @@ def draw_questions(meanings: Sequence[Meaning], seed: int) -> tuple[StudyQuestio
 
 
 def _choose_different(right: Meaning, others: Iterable[Meaning]) -> tuple[Meaning, ...]:
-    """Return up to five meanings that differ from the right one and each other."""
+    """Return up to five distinct meanings besides the right one."""
     chosen = [right]
     for other in others:
         if len(chosen) < OPTION_COUNT and not any(other.is_similar(meaning) for meaning in chosen):

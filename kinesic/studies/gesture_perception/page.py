@@ -1,4 +1,4 @@
-"""HTML page of a gesture study, which draws the robot in the browser.
+"""HTML page of a gesture study, with a robot drawn by JavaScript.
 
 Making it needs neither films nor OpenGL.
 """
