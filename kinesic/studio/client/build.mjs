@@ -9,7 +9,9 @@ const HERE = dirname(fileURLToPath(import.meta.url));
 const SHARED = ["shapes.js", "motion.js", "skin.js", "screen.js", "scene.js"].map((name) =>
   join(HERE, "../../report/templates", name),
 );
-const sources = readdirSync(join(HERE, "src"))
+const sources = readdirSync(join(HERE, "src"), { recursive: true })
+  .filter((name) => name.endsWith(".ts"))
+  .map((name) => name.replaceAll("\\", "/"))
   .sort()
   .map((name) => join(HERE, "src", name));
 
