@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from kinesic.bml.block import BmlError, DocumentBounds
+from kinesic.bml.timing.syllables import find_accented_vowels
 from kinesic.body.config import ConfigError
 from kinesic.controller.soundtrack import sound
 from kinesic.planning.captions import make_captions
@@ -15,6 +16,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.realizer.request import parse_message
+from kinesic.serve.desk.behaviour_tracks import label_behaviour, list_tracks
 
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
 
@@ -81,6 +83,8 @@ def draft_json(plan: Plan) -> dict[str, Json]:
             {
                 "id": behaviour.id,
                 "type": behaviour.type,
+                "label": label_behaviour(behaviour),
+                "tracks": list_tracks(behaviour, plan),
                 "outcome": outcomes[behaviour.id].kind if behaviour.id in outcomes else "realised",
                 "why": outcomes[behaviour.id].why if behaviour.id in outcomes else "",
             }
@@ -97,6 +101,7 @@ def draft_json(plan: Plan) -> dict[str, Json]:
         ],
         "words": list(_words(plan)),
         "phonemes": list(_phonemes(plan)),
+        "accents": sorted(_accents(plan)),
         "loudness": _loudness(plan),
         "notices": [{"type": notice.type.value, "id": notice.id, "text": notice.text} for notice in plan.notices],
         "rate": ANGLE_RATE,
@@ -133,6 +138,15 @@ def _phonemes(plan: Plan) -> Iterator[list[Json]]:
             begin = plan.trajectory.zero + timed.times["start"]
             for phoneme in utterance.phonemes:
                 yield [phoneme.symbol, round(begin + phoneme.start, 4)]
+
+
+def _accents(plan: Plan) -> Iterator[float]:
+    """Yield the times of the voice's accents [s after the first command]."""
+    for timed in plan.timeline.timed:
+        if (utterance := plan.utterances.get(timed.behaviour.id)) is not None:
+            begin = plan.trajectory.zero + timed.times["start"]
+            for accent in utterance.accents or find_accented_vowels(utterance.phonemes):
+                yield round(begin + accent, 4)
 
 
 def _loudness(plan: Plan) -> str:

@@ -69,3 +69,38 @@ def test_document_preview_reads_no_files_named_in_the_document(upper22_setup, tm
         said.update(item["text"].replace(str(name), "FILE") for item in preview["notices"])
     assert len(said) == 1, said
     assert "the document is not a file" in said.pop()
+
+
+PARTS = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">'
+    '<speech id="s"><text>Say one, and another.</text></speech>'
+    '<gesture id="left" lexeme="offer" mode="LEFT_HAND" start="0"/>'
+    '<gesture id="both" lexeme="welcome" mode="BOTH_HANDS" start="3"/>'
+    '<gesture id="odd" lexeme="xyzzy" mode="BOTH_HANDS" start="6"/>'
+    '<head id="nod" lexeme="NOD" start="1"/><gaze id="look" target="left" start="1" end="3"/>'
+    '<faceFacs id="lips" au="12" start="1" end="3"/><wait id="pause" duration="1"/>'
+    '<posture id="lean" start="0" end="3"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture></bml>'
+)
+
+
+def test_document_preview_names_the_body_parts_and_lexeme_of_each_behaviour(upper22_setup):
+    preview = draft(PARTS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    assert {item["id"]: (item["label"], *item["tracks"]) for item in preview["behaviours"]} == {
+        "s": ("Say one, and another.", "voice"),
+        "left": ("offer", "l_hand"),
+        "both": ("welcome", "r_hand", "l_hand"),
+        "odd": ("xyzzy", "r_hand", "l_hand"),
+        "nod": ("NOD", "head"),
+        "look": ("left", "gaze"),
+        "lips": ("AU 12", "face"),
+        "pause": ("pause",),
+        "lean": ("LEANING_FORWARD", "torso"),
+    }
+
+
+def test_document_preview_contains_accents_within_the_spoken_words(speaking_setup):
+    preview = draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    begin, end = preview["words"][0]["start"], preview["words"][-1]["end"]
+    assert 2 <= len(preview["accents"]) <= 6
+    assert preview["accents"] == sorted(preview["accents"])
+    assert all(begin < time < end for time in preview["accents"])
