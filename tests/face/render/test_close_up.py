@@ -91,3 +91,13 @@ def test_close_skin_is_rough(drawable: None):
     with Portrait("female", preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
         cheek = portrait.draw({}, LEFT_CHEEK).mean(axis=2)
     assert (cheek - gaussian_filter(cheek, 4.0)).std() > 1.4
+
+
+def test_pores_roughen_mirrored_light_alone(drawable: None):
+    """Light that enters skin spreads wider than a pore, and adaptive scattering would keep pores in it."""
+    with Portrait("female", preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
+        portrait.draw({}, LEFT_CHEEK)
+        light = portrait.pipeline._light.target.read(1)[40:-40, 100:-20]
+    entering, mirrored = (field - gaussian_filter(field, 4.0) for field in (light[..., 1], light[..., 3]))
+    assert entering.std() < 0.004
+    assert mirrored.std() > 0.004

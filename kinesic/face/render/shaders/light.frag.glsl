@@ -19,7 +19,7 @@ const float WET = 0.6;     // minimum openness of an eye
 const float TEAR_GLOSS = 0.25;  // fraction of the light that the line of tears mirrors
 const float TEARS = 0.0005;  // [m] height of the line of tears along a lower lid
 const float PORE_HEIGHT = 0.0007;  // [m] height of skin per unit of gloss, which is lower in pores
-const float PORE_SLOPE = 0.25;  // steepest side of a pore
+const float PORE_SLOPE = 0.16;  // steepest side of a pore
 const float STEEPEST = 4.0;    // slope of skin from which it shows no pores; edges are steeper
 const float FACE = 1.2;    // chart range around the nose, where the mask is low only in the mouth
 const float BRIGHT_MOUTH = 0.65;  // minimum light on teeth and tongue
@@ -46,8 +46,7 @@ void main() {
     vec4 own = surface(uv, skinned, height);
     float pixel = 2.0 * lens.y * -depth(facing.w) / float(textureSize(bent, 0).y);  // [m]
     float flat_area = float(skinned && fwidth(facing.w) < STEEPEST * pixel);
-    n.xy -= flat_area * clamp(PORE_HEIGHT / pixel * vec2(dFdx(own.a), dFdy(own.a)), -PORE_SLOPE, PORE_SLOPE);
-    n = normalize(n);
+    vec2 pores = flat_area * clamp(PORE_HEIGHT / pixel * vec2(dFdx(own.a), dFdy(own.a)), -PORE_SLOPE, PORE_SLOPE);
     float is_skin = float(skinned);
     bool is_eye = part(facing.w) == EYES;
     float under = textureLod(bent, uv - vec2(0.0, 0.5 * TEARS / (lens.y * -depth(facing.w))), 0.0).w;
@@ -63,14 +62,15 @@ void main() {
     vec3 reached = around + BLEED * is_skin * around * (1.0 - around);
     vec3 direct = vec3(0.0);
     float behind = float(!in_mouth) * lip;  // fraction of rim light, which has no shadow map and must not shine through a cheek
-    float gloss = 0.0, frontal = dot(n, eye);
+    float gloss = 0.0, frontal = dot(n, eye), mirrored = frontal - dot(pores, eye.xy);
     for (int k = 0; k < 3; ++k) {
         vec3 shone = k == 0 ? power[k] * mix(key, vec3(1.0), SEEP * is_skin) : k == 1 ? power[k] : power[k] * behind;
         float toward = dot(n, towards[k]);
         direct += shone * max(toward + wrap, 0.0);
-        float half_way = max(toward + frontal, 0.0);  // unnormalised cosine to the half vector
+        float shining = toward - dot(pores, towards[k].xy);  // light that enters skin spreads wider than a pore
+        float half_way = max(shining + mirrored, 0.0);  // unnormalised cosine to the half vector
         float wide = eighth(half_way * half_way / (2.0 + 2.0 * dot(towards[k], eye))), narrow = eighth(wide * wide);
-        gloss += dot(shone, vec3(1.0 / 3.0)) * clamp(6.0 * toward, 0.0, 1.0) * (is_eye ? 2.4 * narrow : 0.16 * wide);
+        gloss += dot(shone, vec3(1.0 / 3.0)) * clamp(6.0 * shining, 0.0, 1.0) * (is_eye ? 2.4 * narrow : 0.16 * wide);
     }
     vec3 light = mix(ground, sky, 0.5 + 0.5 * n.y) * reached + direct * spent;
     float grazing = 1.0 - max(frontal, 0.0);
