@@ -260,7 +260,9 @@ def test_folding_waits_until_all_blocks_have_ended(on_stage: Callable):
 def test_folding_does_not_wait_for_an_ended_loop(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.alive = False
-        await stage.session.fold()
+        stage.planner.busy = True
+        await asyncio.wait_for(stage.session.fold(), 5.0)
+        assert stage.planner.busy
 
     on_stage(act)
 

@@ -32,10 +32,13 @@ def test_joint_common_to_several_limbs_is_one_mass():
     assert limbs.root("right").tolist() == [0.0, 0.0, 0.0]
 
 
-def test_limb_with_unlimited_first_joint_may_have_limits_beyond_it():
+def test_limb_with_a_free_first_joint_keeps_the_limits_of_its_second_joint():
     wide, narrow = [np.pi, np.pi / 2.0, np.pi], [0.5, 0.5, 0.5]
     boxes = EulerBoxes.of(-np.array([wide, narrow]), np.array([wide, narrow]), joints=2)
-    Limbs((Limb("trunk", TRUNK), Limb("arm", BallChain.of(ARM.points, limits=boxes), "trunk")))
+    limbs = Limbs((Limb("trunk", TRUNK), Limb("arm", BallChain.of(ARM.points, limits=boxes), "trunk")))
+    limits = limbs.members[1].chain.limits
+    assert limits is not None
+    assert limits.upper[1].tolist() == narrow
 
 
 @pytest.mark.parametrize(
