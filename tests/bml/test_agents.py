@@ -60,7 +60,7 @@ def test_first_agent_in_the_document_is_performed_by_default_with_a_notice() -> 
     assert parse('<bml id="b"><head id="h" lexeme="NOD" agent="A"/></bml>').notices == ()
 
 
-def test_behaviours_of_other_agents_are_dropped_first() -> None:
+def test_infeasible_behaviour_of_another_agent_is_dropped_first_although_required() -> None:
     loop = (
         '<bml id="b" agent="A"><required><head id="h" lexeme="NOD" agent="B" start="i:end"/></required>'
         '<head id="i" lexeme="NOD" start="h:end"/></bml>'

@@ -39,12 +39,12 @@ def test_docs_page_lists_all_supported_attributes(title: str, read: dict[str, tu
     assert set(table_rows) == {(element, name) for element, names in read.items() for name in names}
 
 
-def test_parser_has_attributes_for_every_element() -> None:
+def test_each_behaviour_element_has_an_attribute_table_and_a_reader() -> None:
     assert BEHAVIOUR_ATTRIBUTES.keys() == ACTION_READERS.keys()
 
 
 @pytest.mark.parametrize("element", ACTION_READERS)
-def test_only_unknown_attributes_give_a_notice(element: str) -> None:
+def test_only_the_unknown_attribute_of_a_behaviour_gives_a_notice(element: str) -> None:
     attributes = " ".join(f'{name}="1"' for name in BEHAVIOUR_ATTRIBUTES[element])
     block = parse(f'<bml id="b"><{element} id="x" {attributes} nonsense="1"/></bml>')
     unread = [notice.text for notice in block.notices if "is unknown" in notice.text]

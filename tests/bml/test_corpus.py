@@ -132,7 +132,9 @@ def test_alternative_spellings_of_sync_points_give_equal_times(spoken: Callable[
     assert count >= 10
 
 
-def test_every_behaviour_can_end_with_its_block(spoken: Callable[[Block], dict[str, Utterance]]) -> None:
+def test_first_behaviour_of_each_document_can_end_with_its_block(
+    spoken: Callable[[Block], dict[str, Utterance]],
+) -> None:
     for path, _, block in blocks():
         for first in block.behaviours[:1]:
             tag = f'end="bml:end" id="{first.id}"'

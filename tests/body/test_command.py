@@ -21,7 +21,7 @@ def test_commands_cover_the_motion_and_its_settling_time(duration: float, rate: 
     assert times.tolist() == pytest.approx([k / rate for k in range(count)])
 
 
-def test_commands_are_sent_100_times_a_second_and_a_while_after_the_motion():
+def test_default_command_times_are_10_ms_apart_until_the_settling_time_ends():
     times = command_times(1.0)
     assert np.diff(times) == pytest.approx(0.01)
     assert times[-1] == pytest.approx(1.0 + SETTLE_DURATION)
@@ -35,7 +35,7 @@ def test_deprecated_names_return_velocities_and_setpoints():
     assert State(*vectors[:3]).speeds is vectors[1]
 
 
-def test_setpoints_in_ticks_are_returned_in_radians():
+def test_setpoints_stored_in_ticks_are_returned_as_read_only_radians():
     rows = SetpointRows(np.array([[1, 2], [3, 4], [5, 6]], dtype=np.int16), np.array([0.5, 2.0]))
     assert rows.angles().tolist() == [[0.5, 4.0], [1.5, 8.0], [2.5, 12.0]]
     assert rows.angles(slice(1, 2)).tolist() == [[1.5, 8.0]]
@@ -76,7 +76,9 @@ def test_duties_and_torques_follow_the_servo_model_of_the_setpoints_in_force(mea
     assert not measured.duties.flags.writeable
 
 
-def test_windows_of_commands_do_not_change_the_values(measured: Measurements, monkeypatch: pytest.MonkeyPatch):
+def test_duties_and_torques_do_not_depend_on_the_batch_size_of_commands(
+    measured: Measurements, monkeypatch: pytest.MonkeyPatch
+):
     whole = measured.duties, measured.torques
     monkeypatch.setattr(command_module, "COMMANDS_PER_WINDOW", 2)
     assert [(rows.start, rows.stop) for rows in measured.windows()] == [(0, 2), (2, 4), (4, 6)]
@@ -85,5 +87,5 @@ def test_windows_of_commands_do_not_change_the_values(measured: Measurements, mo
     assert replace(measured, times=np.arange(4)).windows().__next__() == slice(0, 2)
 
 
-def test_measurements_are_shown_by_their_size(measured: Measurements):
+def test_repr_of_measurements_contains_their_count_and_number_of_hinges(measured: Measurements):
     assert repr(measured) == f"<{COUNT} measurements of {measured.angles.shape[1]} hinges>"

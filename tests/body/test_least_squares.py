@@ -43,25 +43,25 @@ def test_minimum_within_bounds_matches_scipy(seed):
     assert solution.cost <= polished.cost * (1.0 + 1e-5)
 
 
-def test_minimum_on_a_bound_moves_along_it():
+def test_bounded_minimum_lies_on_the_upper_bound_of_a_variable():
     upper = np.array([0.5, np.inf])
     solution = minimise_squares(rosenbrock, np.array([-1.2, 1.0]), lower=-FREE, upper=upper, max_evaluations=60)
     np.testing.assert_allclose(solution.values, [0.5, 0.25], atol=1e-5)
 
 
-def test_unknown_with_equal_bounds_stays_fixed():
+def test_variable_with_equal_bounds_stays_fixed():
     lower, upper = np.array([0.3, -9.0]), np.array([0.3, 9.0])
     solution = minimise_squares(rosenbrock, np.array([0.3, 4.0]), lower=lower, upper=upper, max_evaluations=60)
     np.testing.assert_allclose(solution.values, [0.3, 0.09], atol=1e-5)
 
 
-def test_start_at_a_bound_may_leave_it():
+def test_search_that_starts_at_a_lower_bound_reaches_the_free_minimum():
     lower = np.array([-1.2, -9.0])
     solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), lower=lower, upper=FREE, max_evaluations=60)
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
 
 
-def test_evaluations_are_counted_without_those_of_the_jacobian():
+def test_evaluation_limit_excludes_evaluations_of_the_jacobian():
     counts = {"residuals": 0, "jacobian": 0}
 
     def residuals(values):

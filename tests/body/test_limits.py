@@ -25,7 +25,7 @@ def loaded(holding: float, inertia: float = 0.01) -> Limits:
     return Limits.of(DEFAULT_ROBOT, Load(inertia=inertia * STALL_TORQUES, holding=holding * STALL_TORQUES))
 
 
-def test_acceleration_and_holding_use_80_percent_of_stall_torque():
+def test_acceleration_limit_and_load_use_80_percent_of_stall_torque():
     limits = loaded(0.3)
     torque = limits.acceleration * 0.01 * STALL_TORQUES + 0.3 * STALL_TORQUES + DEFAULT_ROBOT.drives.frictionloss
     np.testing.assert_allclose(torque, 0.8 * STALL_TORQUES)
@@ -42,7 +42,7 @@ def test_duty_limit_subtracts_holding_duty():
     assert limits.upper is DEFAULT_ROBOT.skeleton.upper
 
 
-def test_overloaded_hinge_keeps_minimum_limits():
+def test_overloaded_hinge_has_the_minimum_acceleration_and_duty_limits():
     limits = loaded(1.5)
     np.testing.assert_array_equal(limits.acceleration, 1.0)
     np.testing.assert_array_equal(limits.duty, 0.1)
@@ -71,7 +71,7 @@ def test_motion_limits_can_be_reduced_to_selected_joints():
         np.testing.assert_array_equal(getattr(part, name), getattr(limits, name)[[1, 0]])
 
 
-def test_duty_limit_of_plain_box_limits_never_binds():
+def test_box_limits_have_a_duty_limit_far_above_their_duty():
     limits = Limits.box(**BOX_LIMITS)
     for name, values in BOX_LIMITS.items():
         np.testing.assert_array_equal(getattr(limits, name), values)

@@ -45,7 +45,7 @@ def test_compressed_columns_match_scipy(seed: int):
     np.testing.assert_allclose(values, other.data)
 
 
-def test_variables_of_least_cost_lie_at_a_vertex():
+def test_optimum_of_a_linear_program_lies_at_a_vertex():
     matrix = SparseMatrix(np.array([0, 0, 1]), np.array([0, 1, 1]), np.array([1.0, 2.0, 1.0]), (2, 2))
     bounds, ranges = (np.array([4.0, -np.inf]), np.array([np.inf, 1.5])), (np.zeros(2), INFINITE)
     assert solve_linear_program(np.array([1.0, 1.0]), matrix, bounds, ranges) == pytest.approx([1.0, 1.5])
@@ -53,7 +53,7 @@ def test_variables_of_least_cost_lie_at_a_vertex():
 
 
 @pytest.mark.parametrize("costs", [(1.0, 1.0), (-1.0, 0.0)], ids=["contradiction", "no least cost"])
-def test_linear_program_without_a_solution_has_no_variables(costs):
+def test_infeasible_or_unbounded_linear_program_returns_none(costs):
     lowest = 3.0 if costs[0] > 0 else 0.0
     matrix = SparseMatrix(np.array([0]), np.array([1]), np.ones(1), (1, 2))
     bounds = np.full(1, -np.inf), np.full(1, 2.0)
@@ -79,7 +79,7 @@ def test_least_cost_matches_scipy(seed: int):
         assert costs @ found == pytest.approx(other.fun, abs=1e-6)
 
 
-def test_solver_prints_nothing(capfd):
+def test_linear_program_solver_prints_nothing(capfd):
     matrix = SparseMatrix(np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.intp), np.ones(1), (1, 1))
     solve_linear_program(np.ones(1), matrix, (np.ones(1), np.ones(1)), (np.zeros(1), np.ones(1)))
     assert capfd.readouterr() == ("", "")

@@ -50,7 +50,7 @@ def test_equal_left_and_right_angles_give_mirrored_postures(name, seed):
                 assert capsule.radius == image.radius
 
 
-def test_robot_file_without_mirror_is_unchanged(file):
+def test_robot_file_without_a_mirror_setting_is_unchanged(file):
     plain = msgspec.structs.replace(file, robot=msgspec.structs.replace(file.robot, mirror=None))
     assert with_both_sides(plain) is plain
 

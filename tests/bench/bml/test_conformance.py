@@ -103,7 +103,7 @@ def test_conformance_scenario_passes_or_gives_the_reason_of_its_failure(
     assert verdict.passed is (why == "")
 
 
-def test_suites_of_bml_drafts_reject_documents_without_behaviours(corpus: Path) -> None:
+def test_only_bml_draft_suites_count_a_document_without_behaviours_as_an_error(corpus: Path) -> None:
     steps = [step(do="send", inline_block={}), step(do="sleep", seconds=1), step(check="exceptions", count=1)]
     (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), set_up())
     assert verdict.passed
@@ -111,7 +111,7 @@ def test_suites_of_bml_drafts_reject_documents_without_behaviours(corpus: Path) 
     assert verdict.why.startswith("0 exceptions")
 
 
-def test_unknown_gaze_targets_of_documents_get_a_position_in_front_of_the_robot() -> None:
+def test_only_gaze_targets_missing_from_the_setup_get_a_position_before_the_robot() -> None:
     setup = set_up()
     positions = place_targets([LAMP_GAZE.encode(), b"no bml", b'<bml><gaze target="user"/></bml>'], setup)
     assert set(positions) == {"lamp"}
@@ -170,7 +170,7 @@ def feedback_of(*ids: str, kind: str = "syncPointProgress") -> FeedbackLog:
         ),
     ],
 )
-def test_conformance_check_accepts_feedback_or_gives_the_reason(
+def test_each_scenario_check_of_feedback_passes_or_gives_its_reason(
     check: ScenarioStep, feedback: FeedbackLog, why: str
 ) -> None:
     reason = CHECK_FUNCTIONS[check.check](check, feedback)
@@ -217,7 +217,7 @@ def test_missing_corpus_gives_null_conformance_metrics_with_reason(corpus: Path)
     assert find_corpus() == corpus
 
 
-def test_sync_point_at_a_wrong_time_or_missing_fails() -> None:
+def test_scenario_verdict_names_sync_points_at_wrong_times_and_missing_ones() -> None:
     content = '<gesture id="g" type="beat" stroke_start="2.0"/>'
     assert judge_scenario(DraftScenario(content, {"g:strokeStart": 2.0}), set_up()) == ""
     late = DraftScenario(content, {"g:strokeStart": 1.0, "h:stroke": 2.0})
@@ -232,7 +232,7 @@ def test_all_bml_conformance_expectations_of_the_corpus_pass() -> None:
     assert min(Counter(verdict.suite for verdict in metrics).values()) >= 19
 
 
-def test_parsing_benchmark_fails_if_accepted_and_rejected_cases_are_swapped() -> None:
+def test_parsing_verdicts_fail_if_accepted_and_rejected_cases_are_swapped() -> None:
     documents, grammar = (
         read_expectations(bml.DOCUMENT_SUITE, ParsingSuite),
         read_expectations(bml.GRAMMAR_SUITE, ReferenceSuite),

@@ -81,7 +81,7 @@ def test_lerobot_reads_the_simulated_servos_without_errors():
 
 
 @pytest.mark.usefixtures("double")
-def test_lerobot_raises_for_failed_reads_or_retries_them():
+def test_lerobot_raises_for_lost_replies_unless_it_retries_reads():
     once, again = run_case("lost 5%"), run_case("lost 5%", retries=3)
     assert once.exceptions > 0
     assert again.exceptions == 0

@@ -25,7 +25,7 @@ def run_driver(driver: str, case: str, cycles: int = 120) -> TrialResult:
 
 
 @pytest.mark.parametrize("case", [pytest.param(name, marks=[pytest.mark.soak] * ("1%" in name)) for name in CASES])
-def test_kinesic_never_raises_and_reports_no_wrong_position(case: str):
+def test_kinesic_driver_refuses_or_survives_each_bus_fault_without_wrong_positions(case: str):
     result = run_driver("kinesic", case)
     if case in REFUSALS:
         assert REFUSALS[case] in result.refused

@@ -23,7 +23,7 @@ def test_finger_shape_of_hush_is_complete_at_stroke_start(setup):
     assert 0.010 <= result.clearance <= 0.020
 
 
-def test_finger_shapes_of_both_hands_are_measured(setup):
+def test_finger_shape_errors_of_both_hands_are_measured(setup):
     shape_errors = judge_fingers(setup.lexicon.forms_by_id["arms_hanging"], setup).shape_errors
     assert len(shape_errors) == 2
     assert max(shape_errors) < 1e-6

@@ -50,7 +50,7 @@ def test_power_ratio_counts_only_gestures_with_sufficient_velocity_limits(short_
     )
 
 
-def test_stroke_that_is_not_found_has_the_error_of_the_search_window(short_sweep):
+def test_missing_stroke_counts_as_an_error_of_300_ms(short_sweep):
     power = next(series for series in sweeps.sweep_all() if series.parameter == "power")
     metrics = {metric.name: metric for metric in sweeps.sweep_metrics("power", [_with(power, stroke_error=None)])}
     assert metrics["expressivity.power_stroke"].value == pytest.approx(300.0)

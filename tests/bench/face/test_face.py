@@ -38,7 +38,7 @@ def test_missing_opengl_gives_every_metric_a_reason(monkeypatch: pytest.MonkeyPa
 
 @pytest.mark.soak
 @drawable
-def test_violations_of_the_wrinkle_laws_stay_within_their_goals(monkeypatch: pytest.MonkeyPatch):
+def test_measured_wrinkle_errors_meet_their_benchmark_goals(monkeypatch: pytest.MonkeyPatch):
     from kinesic.bench.face import wrinkles as laws  # noqa: PLC0415 - needs OpenGL
 
     some = laws.load_wrinkles()[::4]  # a sample; all are tested in tests/face/render/test_wrinkles.py
@@ -80,7 +80,7 @@ def test_thresholded_skin_scattering_keeps_most_of_the_visible_effect(monkeypatc
 
 @pytest.mark.soak
 @drawable
-def test_occlusion_benchmark_covers_each_estimator_and_is_near_exact(monkeypatch: pytest.MonkeyPatch):
+def test_ambient_occlusion_benchmark_has_all_metrics_and_small_errors(monkeypatch: pytest.MonkeyPatch):
     from kinesic.bench.face import occlusion  # noqa: PLC0415 - needs OpenGL
 
     monkeypatch.setattr(occlusion, "TIMING_REPETITIONS", 1)
@@ -110,7 +110,7 @@ def test_face_frame_rate_is_measured_for_every_quality_preset(monkeypatch: pytes
 
 @drawable
 @pytest.mark.parametrize("of_card", [False, True])
-def test_each_rendering_stage_is_timed_by_card_or_processor_clock(monkeypatch: pytest.MonkeyPatch, of_card: bool):
+def test_each_rendering_stage_is_timed_by_a_gpu_or_cpu_clock(monkeypatch: pytest.MonkeyPatch, of_card: bool):
     """Check that the pipeline has exactly the stages of the benchmark, each with a metric."""
     from kinesic.bench.face import clock, stages  # noqa: PLC0415 - needs OpenGL
 

@@ -83,7 +83,7 @@ def test_greedy_ik_guess_stays_in_range_and_never_beats_backtracking(arm: Ablati
     assert wrong > 0
 
 
-def test_drawn_target_is_missed_by_the_mass_model_and_reached_by_the_elbow_circle(arm: AblationArm) -> None:
+def test_plotted_target_is_missed_by_the_mass_model_and_reached_by_the_elbow_circle(arm: AblationArm) -> None:
     limited = extract(arm.linkage, settle_bone_ends(arm, ablation.DRAWN_TARGET), arm.rest)
     assert limited.miss > 0.01
     assert (

@@ -178,7 +178,7 @@ def test_triangulation_ik_needs_one_iteration() -> None:
     assert runs.residuals.max() < 1e-7
 
 
-def test_spring_ik_methods_agree_on_the_relaxed_chain() -> None:
+def test_three_spring_ik_methods_reach_the_same_target() -> None:
     """Relax the same springs by three methods; the bones must not stretch."""
     for method in ("force_verlet", "pinned_verlet", "tridiagonal"):
         solved = solve_chain(

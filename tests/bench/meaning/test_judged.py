@@ -48,7 +48,7 @@ def test_facial_expressions_head_movements_and_rest_poses_get_verdicts(small_set
     assert verdict(small_set, 1, ("beat", 1))[0] == "neutral"
 
 
-def test_benchmark_reports_the_worst_random_seed_of_each_half(small_set, monkeypatch, tmp_path):
+def test_metrics_are_the_worst_over_random_seeds_in_each_half_of_the_utterances(small_set, monkeypatch, tmp_path):
     right, wrong = (judge_utterance(small_set.utterances[k], small_set, shown, set(), set()) for k, shown in
                     ((0, [ShownGesture("large", 4)]), (0, [ShownGesture("stop", 0)])))  # fmt: skip
     plain = judge_utterance(small_set.utterances[1], small_set, [], set(), set())

@@ -150,7 +150,7 @@ def test_dropped_late_and_violating_gestures_are_counted_and_named(gestures):
     assert results["violations"].value == 3
 
 
-def test_other_styles_have_naturalness_metrics_without_goals(gestures):
+def test_non_neutral_style_has_naturalness_metrics_without_goals(gestures):
     results = metrics_by_name([*gestures, *(replace(gesture, style="calm") for gesture in gestures)])
     assert results["calm.return_speed_all"].value == results["return_speed_all"].value
     assert results["calm.return_speed_all"].goal is None

@@ -9,7 +9,7 @@ from kinesic.session.plan import plan
 NOD_BML = '<bml id="b"><head id="h" lexeme="NOD" amount="1" repetition="5" start="0.5" end="{}"/></bml>'
 
 
-def test_twenty_different_texts_are_performed():
+def test_style_benchmark_writes_twenty_different_texts():
     texts = write_documents()
     assert len(texts) == len(set(texts)) == DOCUMENT_COUNT
     assert all(text.endswith(".") and len(text) > 100 for text in texts)
@@ -24,7 +24,7 @@ def test_stroke_with_too_little_time_has_the_error_of_its_planned_shift(known):
     assert [error.lost for error in errors.values()] == [0, 0]
 
 
-def test_late_strokes_miss_the_goals():
+def test_late_strokes_fail_the_99th_percentile_goal_of_stroke_errors():
     good = StrokeErrors(np.full(20, 0.01), 0, 0.0)
     late = replace(good, errors=np.append(np.full(17, 0.01), [0.1, 0.2, 0.3]), shift=0.3)
     assert [metric.ok for metric in style_error_metrics("part", good)][:2] == [True, True]

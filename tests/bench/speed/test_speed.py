@@ -56,7 +56,7 @@ def test_planning_memory_stays_below_its_goal(starts):
     assert starts["speed.ready_memory"].value < starts["speed.planner_memory"].value
 
 
-def test_starting_and_first_beat_are_timed(starts):
+def test_program_start_and_first_beat_gesture_have_positive_times(starts):
     # no more is asserted: each time is measured in a process of its own, and the difference is below the noise
     assert starts["speed.ready"].value > 0
     assert starts["speed.beat"].value > 0

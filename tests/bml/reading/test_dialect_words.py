@@ -15,11 +15,11 @@ def test_gestures_named_after_head_movements_become_head_behaviours(lexeme: str)
 
 
 @pytest.mark.parametrize("lexeme", ["shake_hands", "shake_fist", "handshake", "beat", "left", "head"])
-def test_gestures_with_other_names_are_not_head_movements(lexeme: str) -> None:
+def test_gesture_names_that_contain_head_words_stay_gestures(lexeme: str) -> None:
     assert parse(f'<bml><gesture id="g" lexeme="{lexeme}"/></bml>').behaviours[0].action == Gesture(lexeme)
 
 
-def test_smartbody_elements_are_translated_inside_a_bml() -> None:
+def test_smartbody_elements_within_a_bml_element_are_translated() -> None:
     block = parse(
         '<bml id="b"><animation name="A@Idle01_RArm_GestureOffer" start="1"/><body posture="LHandOnHip_Motex"/></bml>'
     )

@@ -67,7 +67,7 @@ def test_parsed_sync_references_are_written_as_text(case: dict[str, Any]) -> Non
         ("1200", SyncRef("b", "bml", "start", offset=1200.0)),
     ],
 )
-def test_extensions_of_the_reference_grammar_are_accepted(text: str, ref: SyncRef) -> None:
+def test_sync_references_beyond_the_bml_grammar_are_parsed(text: str, ref: SyncRef) -> None:
     assert parse_ref(text, KNOWN_NAMES) == ref
 
 
@@ -92,7 +92,7 @@ def test_extensions_of_the_reference_grammar_are_accepted(text: str, ref: SyncRe
         *("g:stroke:0", "g:stroke:-1", "g:stroke:x", "a:b:c:d:e", "a:b:stroke:x", "word", "g:start+-1", "g:stroke:²"),
     ],
 )
-def test_invalid_references_raise_an_error_with_remedy(text: str) -> None:
+def test_invalid_sync_references_raise_an_error_with_remedy(text: str) -> None:
     with pytest.raises(BmlError, match="; "):
         parse_ref(text, KNOWN_NAMES)
 

@@ -29,7 +29,7 @@ FENCE = "the Markdown fence around the document is ignored"
         ("<|im_start|>", "", ["<|im_start|>"]),
     ],
 )
-def test_document_is_read_at_its_place_and_the_text_around_it_is_reported(document, before, after, notices):
+def test_document_within_a_text_is_parsed_and_the_text_around_it_reported(document, before, after, notices):
     block = parse(before + document + after)
     [head] = block.behaviours
     text = before + document
@@ -58,12 +58,12 @@ def test_document_is_read_at_its_place_and_the_text_around_it_is_reported(docume
         "",
     ],
 )
-def test_documents_and_texts_without_one_are_unchanged(text):
+def test_complete_documents_and_texts_without_a_document_are_unchanged(text):
     assert open_document(text).text == text
     assert not is_wrapped(text)
 
 
-def test_errors_of_a_fenced_document_name_the_line_of_the_file():
+def test_error_in_a_document_within_a_code_fence_has_the_line_of_the_file():
     with pytest.raises(BmlError, match=r"^f:3:24: not JSON: ':' is missing"):
         parse('Sure:\n```json\n{"behaviours": 1, "id" 2}\n```', source="f")
     with pytest.raises(BmlError, match=r"^f:4:9: .*mismatched tag"):
@@ -74,7 +74,7 @@ def test_errors_of_a_fenced_document_name_the_line_of_the_file():
     ("text", "root"),
     [(XML, "bml"), (f"Look:\n```\n{XML}", "bml"), ("```xml\n<speak>Hi</speak>\n```", "speak"), (JSON, ""), ("Hi.", "")],
 )
-def test_root_is_found_within_a_fence(text, root):
+def test_root_element_is_found_within_a_code_fence(text, root):
     assert find_root(text) == root
     assert find_root(text.encode()) == root
 
@@ -84,7 +84,7 @@ def test_document_in_an_unknown_element_is_read():
         assert parse(f"<answer>{document}</answer>").behaviours[0].id == "h"
 
 
-def test_text_above_the_size_limit_of_documents_is_not_searched():
+def test_text_above_the_size_limit_is_not_searched_for_a_document():
     text = "word " * (1 + MAX_OPENED_SIZE // 5) + "<bml id='b'/>"
     assert open_document(text).text is text
     assert not open_document(text[-1000:]).text[:900].strip()

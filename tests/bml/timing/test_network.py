@@ -101,7 +101,7 @@ def test_sync_points_fixed_in_reverse_order_conflict(gap: float, clashes: int) -
         assert loop == [Edge(points[2], points[4], 0.0, "g"), Edge(points[4], points[2], pytest.approx(-gap), "g")]
 
 
-def test_first_order_conflict_of_each_behaviour_is_returned() -> None:
+def test_first_pair_of_fixed_sync_points_in_reverse_order_is_returned() -> None:
     _, network = resolved(BEAT_TEMPLATE.format("g", ""))
     points = network.chains[0].points
     tied = tuple(Distance(points[k], points[0], 4.0 - k / 2, None) for k in (2, 4, 5))
@@ -142,7 +142,7 @@ def test_after_constraint_becomes_edges_from_the_earlier_sync_point() -> None:
     assert network.orders == (Edge(stroke, start, -2.0), Edge(stroke, end, 1.0))
 
 
-def test_behaviours_end_before_a_referenced_block_end() -> None:
+def test_all_behaviours_end_before_a_block_end_that_one_of_them_references() -> None:
     end = Point("b", "bml", "end")
     pair = BEAT_TEMPLATE.format("g", "") + BEAT_TEMPLATE.format("h", "")
     assert resolved(pair)[1].orders == ()

@@ -30,11 +30,11 @@ def make_stance(left, right, **body):
         (BEFORE, {**BEFORE, "forearm_forward": 130.0}, None),  # raised
     ],
 )
-def test_pose_follows_from_the_places_of_both_hands(left, right, pose):
+def test_arm_pose_is_named_by_the_positions_of_both_hands(left, right, pose):
     assert find_pose(make_stance(left, right)) == pose
 
 
-def test_one_hand_before_the_body_is_the_right_one_in_a_mirror_image():
+def test_pose_of_the_left_hand_before_the_body_is_mirrored_to_the_right():
     clips = [make_body(bend=(70.0, 20.0), head=20.0, set_name="s", name=f"A@Idle01_{k}") for k in range(5)]
     poses = group_poses(clips)
     assert [*poses["one_hand_before"]] == ["s Idle01"]
@@ -44,14 +44,14 @@ def test_one_hand_before_the_body_is_the_right_one_in_a_mirror_image():
     assert stance["head_turn"] < 0.0  # the clip turns it to the left
 
 
-def test_weights_are_mean_fractions_of_the_resting_frames_of_sets():
+def test_arm_pose_weight_is_the_mean_fraction_of_resting_frames_over_capture_sets():
     both = make_body(bend=(70.0, 70.0), set_name="a")
     one, hanging, folded = (make_body(bend=bend, set_name="b") for bend in ((20.0, 70.0), (20.0, 20.0), (150.0, 20.0)))
     weights = weigh_poses([both, one, hanging, hanging, folded])
     assert weights == pytest.approx({"hanging": 1 / 3, "one_hand_before": 1 / 6, "both_hands_before": 0.5})
 
 
-def test_means_are_those_of_the_frames_without_small_angles():
+def test_mean_arm_pose_omits_small_angles():
     one = make_stance(HANGING, BEFORE, head_tilt=6.0, head_roll=0.2)
     poses = {name: {"a Idle01": np.stack([one, one])} for name in ("one_hand_before", "both_hands_before")}
     tables = fit_poses(poses, {"one_hand_before": 0.254, "both_hands_before": 0.1})
@@ -60,7 +60,7 @@ def test_means_are_those_of_the_frames_without_small_angles():
     assert {"head_roll", "l_hand_forward"}.isdisjoint(tables[0].mean)
 
 
-def test_components_have_the_spread_of_the_frames():
+def test_arm_pose_components_have_the_standard_deviation_of_the_frames():
     chance = np.random.default_rng(3)
     shifts = chance.normal(size=400)
     rows = np.stack([make_stance(HANGING, BEFORE, head_tilt=4.0 * shift, trunk_tilt=2.0 * shift) for shift in shifts])

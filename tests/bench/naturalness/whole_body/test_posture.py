@@ -47,7 +47,7 @@ def test_heading_and_size_of_the_body_do_not_change_the_posture():
     assert astuple(measure_posture(turned)) == pytest.approx(astuple(measure_posture(body)), abs=1e-9)
 
 
-def test_features_that_depend_on_the_skeleton_are_left_out():
+def test_posture_vector_excludes_features_that_depend_on_the_skeleton():
     assert len(posture_vector(measure_posture(make_body()))) == len(COMPARED_FEATURES)
     assert not SKELETON_FEATURES & set(COMPARED_FEATURES)
 

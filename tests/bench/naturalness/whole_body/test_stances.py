@@ -12,7 +12,7 @@ def name_features(stance):
     return dict(zip(STANCE_FEATURES, stance, strict=True))
 
 
-def test_stance_has_the_directions_of_the_links():
+def test_stance_contains_link_directions_and_trunk_angles():
     stance = name_features(measure_stance(make_body(bend=(30.0, 10.0))))
     assert (stance["l_upper_arm_forward"], stance["l_forearm_forward"]) == pytest.approx((0.0, 30.0))
     assert stance["r_forearm_forward"] == pytest.approx(10.0)
@@ -34,14 +34,14 @@ def test_bent_arms_do_not_count_as_hanging():
     assert list(group_hanging(clips)) == ["s Idle01"]
 
 
-def test_stances_differ_from_the_first_pose_of_their_clip():
+def test_frames_close_to_the_first_pose_of_their_clip_are_excluded_from_stances():
     turns = group_hanging(make_turning_clips("Idle01"))["s Idle01"][:, STANCE_FEATURES.index("head_turn")]
     assert 3.0 < turns.min() < 4.0
     assert turns.max() == pytest.approx(20.0, abs=0.5)
     assert not group_hanging([make_body(name=f"A@Idle01_{k}") for k in range(5)])
 
 
-def test_persons_with_few_clips_are_left_out():
+def test_stances_exclude_a_person_with_four_clips():
     assert not group_hanging(make_turning_clips("Idle01", count=4))
 
 
@@ -72,7 +72,7 @@ def test_fit_finds_mean_and_correlation_of_a_population():
     assert set(table.mean) == {"trunk_tilt", "head_tilt", *ARM_FEATURES}
 
 
-def test_rare_poses_hardly_widen_the_rests():
+def test_rare_poses_hardly_increase_the_spread_of_rest_postures():
     chance = np.random.default_rng(5)
     rows = chance.normal(size=(400, len(STANCE_FEATURES)))
     rows[:20] *= 10.0
