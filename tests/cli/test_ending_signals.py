@@ -104,7 +104,7 @@ def test_standard_streams_are_redirected_only_after_the_terminal_closed(capfd: p
     assert capfd.readouterr().out == "still printed\n"
 
 
-def test_interrupts_are_handled_before_anything_slow_is_imported():
+def test_signal_module_imports_no_slow_modules():
     """The module is imported alone, without the package's other modules and without those of the interpreter's site."""
     file = Path(ending_signals.__file__)
     program = "import runpy, sys; before = {*sys.modules}; runpy.run_path(sys.argv[1]); print(*{*sys.modules} - before)"

@@ -94,7 +94,9 @@ def test_face_of_a_document_is_drawn_as_film_or_strip(
         assert film.width * film.height * getattr(film, "n_frames", 1) >= 10 * 32 * 32
 
 
-def test_emotion_looks_like_its_action_units(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_emotion_option_draws_the_same_picture_as_its_action_units(
+    drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     for name, words in (("a.png", ["--emotion", "smile"]), ("b.png", ["--au", "6=0.5,12=0.9"])):
         assert run_face(monkeypatch, *words, "--out", str(tmp_path / name), "--size", "48", "--preset", "draft") == 0
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

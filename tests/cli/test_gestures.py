@@ -133,7 +133,7 @@ def test_turntable_requires_opengl(kinesic, tmp_path, monkeypatch):
     assert not (tmp_path / "x.webp").exists()
 
 
-def test_list_as_json_has_all_gestures_of_a_category(kinesic):
+def test_json_gesture_list_of_a_category_has_only_this_category(kinesic):
     ended = kinesic("gestures", "list", "--category", "beat", "--json")
     assert ended.code == 0
     entries = json.loads(ended.out)
@@ -148,7 +148,7 @@ def test_turntable_file_name_is_checked_before_the_gesture_is_planned(kinesic):
     assert "xyzzy" not in ended.err
 
 
-def test_gestures_are_found_by_words_the_best_first(kinesic):
+def test_gesture_search_by_words_lists_the_best_match_first(kinesic):
     data = json.loads(kinesic("gestures", "find", "weigh", "two things", "--json", "--count", "3").out)
     assert data[0]["id"] == "balance"
     assert len(data) == 3
@@ -165,7 +165,7 @@ def test_gesture_search_without_a_result_prints_one_line(kinesic):
     assert "no category iconik; did you mean iconic?" in kinesic("gestures", "find", "x", "--category", "iconik").err
 
 
-def test_gesture_without_a_plan_is_reported_and_the_others_are_drawn(monkeypatch, capsys):
+def test_infeasible_gesture_is_reported_and_the_others_are_drawn(monkeypatch, capsys):
     def plan(form, setup):
         if form == "far":
             raise BmlError("gesture far cannot be performed")

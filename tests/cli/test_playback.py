@@ -53,7 +53,7 @@ def test_speech_starts_with_the_performance_and_the_speaker_is_closed(monkeypatc
     assert fake.calls == ["stop", "close"]
 
 
-def test_user_action_awaited_by_the_servos_is_printed_once(capsys):
+def test_each_user_action_that_the_servos_await_is_printed_once(capsys):
     report = playback.report_waiting()
     for waits in ("nothing", "consent", "consent", "nothing", "confirmation"):
         report(Status(Stage.HOLD, waits=waits))
@@ -91,7 +91,7 @@ def test_face_follows_the_time_of_the_servos_up_to_the_last_command(monkeypatch,
     assert shown == [commands[index]]
 
 
-def test_no_face_follows_the_servos_without_a_window():
+def test_face_follows_no_servos_without_a_window():
     assert playback.follow_servos(PLAN, None)(Status(Stage.ACTIVE, time=1.0)) is None
 
 
@@ -150,7 +150,7 @@ def test_face_window_that_does_not_open_is_an_error_of_the_configuration(monkeyp
 
 
 @pytest.mark.parametrize(("voice", "opens"), [(SPEECH, True), (SPEECH, False), (None, True)])
-def test_whole_performance_is_shown_with_its_voice_if_there_is_a_speaker(monkeypatch, voice, opens):
+def test_face_window_plays_the_performance_with_its_voice_if_there_is_a_speaker(monkeypatch, voice, opens):
     fake, played = FakeSpeaker(), []
 
     @contextmanager
@@ -201,7 +201,7 @@ def servo_runs(monkeypatch) -> list[SimpleNamespace]:
 
 
 @pytest.mark.parametrize("quiet", [False, True])
-def test_servos_perform_with_a_log_of_events_and_a_listener(servo_runs, capsys, tmp_path, quiet):
+def test_servo_performance_writes_an_event_log_and_passes_statuses_to_the_listener(servo_runs, capsys, tmp_path, quiet):
     performance = SimpleNamespace(plan=SimpleNamespace(setup=SimpleNamespace(robot="robot")))
     heard: list[Status] = []
     run = playback.perform_on_servos(performance, {"left": Path("port")}, tmp_path, quiet=quiet, listener=heard.append)
@@ -226,7 +226,7 @@ def test_servos_perform_with_a_log_of_events_and_a_listener(servo_runs, capsys, 
         ("", True, "end", True),
     ],
 )
-def test_stop_key_comes_before_enter_and_enter_before_an_interrupt(monkeypatch, keys, interrupted, request_, detached):
+def test_stop_key_overrides_enter_and_enter_overrides_an_interrupt(monkeypatch, keys, interrupted, request_, detached):
     detachments: list[bool] = []
     monkeypatch.setattr(playback, "detach_closed_terminal", lambda: detachments.append(True))
     assert playback._make_request_reader(lambda: keys, lambda: interrupted)() == request_

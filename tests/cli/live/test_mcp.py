@@ -20,7 +20,7 @@ INITIALISE = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo":
 
 
 @pytest.mark.soak  # starts two processes
-def test_tools_answer_without_a_robot_and_one_line_reports_why(tmp_path: Path):
+def test_mcp_tools_answer_without_a_robot_and_print_the_reason_in_one_line(tmp_path: Path):
     (tmp_path / "wrong.toml").write_text("targets = 7")
     command = [sys.executable, "-m", "kinesic", "mcp", "--targets", "wrong.toml"]
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
@@ -45,7 +45,7 @@ def test_tools_answer_without_a_robot_and_one_line_reports_why(tmp_path: Path):
     assert lines[0].removeprefix("kinesic: ") in stopped["content"][0]["text"]
 
 
-def test_garbage_collector_ignores_the_setup_and_so_delays_no_emergency_stop():
+def test_loaded_setup_is_excluded_from_garbage_collection():
     opened: Future[object] = Future()
     opened.set_result(None)
     before = gc.get_freeze_count()

@@ -55,7 +55,7 @@ def test_incomplete_address_of_a_running_server_is_refused(text: str) -> None:
         verb._read_server(text)
 
 
-def test_connection_to_a_running_server_closes_with_the_tools() -> None:
+def test_connection_to_a_running_server_is_closed_when_the_mcp_tools_end() -> None:
     with verb._open_robot("host:88", PLANNING, TWIN, "secret") as opened:
         line = opened.result(0)
         assert (line.address, line.token, line.is_open) == (("host", 88), "secret", True)
@@ -103,7 +103,7 @@ def started(monkeypatch: pytest.MonkeyPatch, *lines: str) -> Server:
 
 
 @pytest.mark.parametrize(("token", "variable"), [("secret", "secret"), (None, "")])
-def test_own_server_gets_its_token_in_the_environment(monkeypatch, token, variable) -> None:
+def test_started_robot_server_gets_its_token_in_the_environment(monkeypatch, token, variable) -> None:
     monkeypatch.setenv("KEPT", "yes")
     server = started(monkeypatch, "starting", "listening at 127.0.0.1:88", "listening at 127.0.0.1:99")
     with verb._open_robot(None, PLANNING, TWIN, token) as opened:
@@ -118,7 +118,7 @@ def test_own_server_gets_its_token_in_the_environment(monkeypatch, token, variab
 
 
 @pytest.mark.parametrize("hangs", [False, True])
-def test_own_server_has_fifteen_seconds_to_fold_the_arms(monkeypatch, hangs: bool) -> None:
+def test_started_robot_server_is_killed_after_fifteen_seconds(monkeypatch, hangs: bool) -> None:
     server = started(monkeypatch, "listening at 127.0.0.1:88")
     server.hangs = hangs
     with verb._open_robot(None, PLANNING, TWIN, None) as opened:
@@ -126,7 +126,7 @@ def test_own_server_has_fifteen_seconds_to_fold_the_arms(monkeypatch, hangs: boo
     assert server.calls == [("wait", 15.0), "kill", "left"]
 
 
-def test_tools_end_although_their_server_did_not_start(monkeypatch) -> None:
+def test_mcp_tools_report_a_robot_server_that_did_not_start(monkeypatch) -> None:
     server = started(monkeypatch, "no robot")
     with verb._open_robot(None, PLANNING, TWIN, None) as opened:
         assert str(opened.exception(5.0)) == (
@@ -135,7 +135,7 @@ def test_tools_end_although_their_server_did_not_start(monkeypatch) -> None:
     assert server.calls == [("wait", 15.0), "kill", "left"]
 
 
-def test_server_that_refuses_the_connection_did_not_start() -> None:
+def test_robot_server_that_refuses_the_connection_counts_as_not_started() -> None:
     opened: Future[object] = Future()
     verb._follow(Server(["listening at host:1", "listening at host:2"]), opened, None)
     with pytest.raises(RobotError, match="does not start: refused"):
@@ -143,14 +143,14 @@ def test_server_that_refuses_the_connection_did_not_start() -> None:
 
 
 @pytest.mark.parametrize("line", ["listening at host:2", "no robot"])
-def test_nothing_is_reported_after_the_client_has_disconnected(line: str) -> None:
+def test_robot_server_state_is_not_reported_after_the_client_has_disconnected(line: str) -> None:
     opened: Future[object] = Future()
     assert opened.cancel()
     verb._follow(Server([line]), opened, None)
     assert opened.cancelled()
 
 
-def test_connection_that_comes_after_the_client_has_left_is_closed(monkeypatch) -> None:
+def test_robot_connection_opened_after_the_client_has_disconnected_is_closed(monkeypatch) -> None:
     opened: Future[object] = Future()
     lines: list[Line] = []
 
@@ -164,7 +164,7 @@ def test_connection_that_comes_after_the_client_has_left_is_closed(monkeypatch) 
     assert [line.is_open for line in lines] == [False]
 
 
-def test_options_of_the_tools_become_arguments_of_their_server() -> None:
+def test_options_of_the_mcp_command_become_arguments_of_the_started_server() -> None:
     options = {"settings": ("head.power=1", "overall.speed=2"), "lexicon": Path("mine.toml"), "seed": 0, "engine": None}
     assert verb._list_arguments(Planning("mine.toml", "calm", options), SERVOS) == [
         "--robot=mine.toml",
@@ -179,7 +179,7 @@ def test_options_of_the_tools_become_arguments_of_their_server() -> None:
     ]
 
 
-def test_only_errors_of_the_configuration_are_printed_before_any_call(capsys) -> None:
+def test_only_configuration_errors_of_the_setup_are_printed(capsys) -> None:
     for error in (ConfigError("no style"), ValueError("bug"), None):
         setup: Future[object] = Future()
         setup.set_exception(error) if error else setup.set_result("setup")
@@ -188,7 +188,7 @@ def test_only_errors_of_the_configuration_are_printed_before_any_call(capsys) ->
     assert (printed.out, printed.err) == ("", "kinesic: no style\n")
 
 
-def test_setup_is_not_loaded_for_a_server_that_does_not_start(monkeypatch) -> None:
+def test_setup_is_not_loaded_if_the_robot_server_does_not_start(monkeypatch) -> None:
     opened: Future[object] = Future()
     opened.set_exception(RobotError("gone"))
     with pytest.raises(ConfigError, match="gone"):
@@ -247,7 +247,7 @@ class Tools:
         self.calls.append(transport)
 
 
-def test_tools_use_standard_streams_in_a_process_with_priority(monkeypatch) -> None:
+def test_mcp_tools_use_standard_streams_and_raise_the_process_priority(monkeypatch) -> None:
     tools = Tools(monkeypatch)
     assert verb.serve_tools(PLANNING, TWIN, None, "secret", None) == 0
     assert tools.calls == [("open", (None, PLANNING, TWIN, "secret")), "priority", 0.0001, "stdio", "closed"]
@@ -255,20 +255,20 @@ def test_tools_use_standard_streams_in_a_process_with_priority(monkeypatch) -> N
 
 
 @pytest.mark.parametrize(("connect", "performers"), [("host:88", TWIN), (None, SERVOS)])
-def test_model_may_not_resume_on_servos_or_a_server_that_it_does_not_know(monkeypatch, connect, performers) -> None:
+def test_language_model_may_not_resume_servos_or_another_running_server(monkeypatch, connect, performers) -> None:
     tools = Tools(monkeypatch)
     verb.serve_tools(PLANNING, performers, connect, None, None)
     assert not tools.resumes
 
 
-def test_tools_offer_the_categories_of_the_gestures_of_the_user(monkeypatch) -> None:
+def test_mcp_tools_offer_the_gesture_categories_of_the_user_lexicon(monkeypatch) -> None:
     tools = Tools(monkeypatch)
     verb.serve_tools(Planning("upper22", "calm", {"lexicon": "mine.toml"}), TWIN, None, None, None)
     assert tools.categories == ("own",)
     assert tools.lexicon.categories == ("own",)
 
 
-def test_tools_over_http_wait_for_a_valid_setup_and_print_their_address(monkeypatch, capsys) -> None:
+def test_mcp_tools_over_http_print_their_address_and_raise_setup_errors(monkeypatch, capsys) -> None:
     tools = Tools(monkeypatch)
     assert verb.serve_tools(PLANNING, TWIN, None, "secret", "127.0.0.1:88") == 0
     assert tools.calls[-2:] == [((tools, "127.0.0.1", 88), "secret"), "closed"]
@@ -279,14 +279,14 @@ def test_tools_over_http_wait_for_a_valid_setup_and_print_their_address(monkeypa
         verb.serve_tools(PLANNING, TWIN, None, None, "127.0.0.1:88")
 
 
-def test_invalid_setup_is_printed_while_the_tools_run(monkeypatch, capsys) -> None:
+def test_invalid_setup_is_printed_while_the_mcp_tools_run(monkeypatch, capsys) -> None:
     tools = Tools(monkeypatch)
     tools.setup = ConfigError("no style")
     assert verb.serve_tools(PLANNING, TWIN, None, None, None) == 0
     assert capsys.readouterr().err == "kinesic: no style\n"
 
 
-def test_missing_package_of_the_tools_is_an_error_that_names_the_extra(monkeypatch) -> None:
+def test_missing_mcp_package_is_an_error_that_names_the_extra(monkeypatch) -> None:
     Tools(monkeypatch)
 
     def fail_to_import(name: str) -> None:
@@ -297,7 +297,7 @@ def test_missing_package_of_the_tools_is_an_error_that_names_the_extra(monkeypat
         verb.serve_tools(PLANNING, TWIN, None, None, None)
 
 
-def test_tools_whose_server_does_not_start_have_an_exit_code_of_their_own(monkeypatch) -> None:
+def test_mcp_tools_exit_with_2_if_the_robot_server_does_not_start(monkeypatch) -> None:
     tools = Tools(monkeypatch)
     tools.opened = Future()
     tools.opened.set_exception(RobotError("gone"))

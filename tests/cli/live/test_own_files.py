@@ -20,7 +20,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.mcp.errors import RobotError
 
 
-def test_lexicon_of_the_options_is_loaded_else_the_builtin_one(monkeypatch: pytest.MonkeyPatch):
+def test_lexicon_option_or_else_the_builtin_lexicon_is_loaded(monkeypatch: pytest.MonkeyPatch):
     loaded: list[object] = []
     monkeypatch.setattr(Lexicon, "load", loaded.append)
     for options in ({}, {"lexicon": None}, {"lexicon": "mine.toml"}):
@@ -31,7 +31,7 @@ def test_lexicon_of_the_options_is_loaded_else_the_builtin_one(monkeypatch: pyte
 @pytest.mark.parametrize(
     ("name", "message"), [("a.txt", "name it NAME.bml"), ("con.bml", "name it NAME.bml"), ("b.bml", "no such file")]
 )
-def test_studio_refuses_a_document_that_it_could_not_save(tmp_path: Path, name: str, message: str):
+def test_studio_refuses_documents_with_an_unusable_name_or_outside_its_folder(tmp_path: Path, name: str, message: str):
     (tmp_path / "a.bml").write_text("")
     _check_document(tmp_path / "a.bml", tmp_path)
     with pytest.raises(ConfigError, match=message):
@@ -41,7 +41,9 @@ def test_studio_refuses_a_document_that_it_could_not_save(tmp_path: Path, name: 
 
 
 @pytest.mark.parametrize("as_json", [False, True])
-def test_speech_from_standard_input_prints_texts_or_whole_messages(monkeypatch: pytest.MonkeyPatch, as_json: bool):
+def test_say_from_standard_input_prints_texts_or_json_and_refuses_a_report(
+    monkeypatch: pytest.MonkeyPatch, as_json: bool
+):
     opened: list[tuple] = []
     monkeypatch.setattr(say, "open_and_serve", lambda *arguments, console: opened.append((arguments, console)) or 0)
     monkeypatch.setattr(say, "FrozenPlanning", SimpleNamespace(of=lambda planning: "frozen"))
@@ -53,7 +55,7 @@ def test_speech_from_standard_input_prints_texts_or_whole_messages(monkeypatch: 
         say.speak_standard_input("planning", "performers", SimpleNamespace(out=Path("x"), as_json=as_json))
 
 
-def test_spoken_texts_go_to_output_and_losses_to_standard_error(capsys):
+def test_say_prints_spoken_texts_to_output_and_problems_to_standard_error(capsys):
     for message in (
         json.dumps({"told": "saying", "text": "Hello"}),
         json.dumps({"told": "pong", "why": "late"}),
@@ -66,7 +68,7 @@ def test_spoken_texts_go_to_output_and_losses_to_standard_error(capsys):
     assert printed.err == "kinesic: late\nkinesic: left out: a & b\n"
 
 
-def test_attached_studio_takes_no_file_and_needs_an_address_for_its_page():
+def test_studio_with_a_remote_server_refuses_a_file_and_needs_a_page_address():
     access = AccessOptions("none", None, (), texts=False)
     with pytest.raises(ConfigError, match=r"mine\.bml: with --connect, documents are in the server's folder"):
         _attach(Path("mine.bml"), "planning", access, "127.0.0.1:9", print)
@@ -75,7 +77,7 @@ def test_attached_studio_takes_no_file_and_needs_an_address_for_its_page():
 
 
 @pytest.mark.parametrize(("fault", "code"), [(None, 0), (RobotError("gone"), START_EXIT_CODE)])
-def test_tools_end_with_an_exit_code_if_the_robot_did_not_start(
+def test_mcp_tools_have_a_separate_exit_code_if_the_robot_did_not_start(
     monkeypatch: pytest.MonkeyPatch, fault: Exception | None, code: int
 ):
     pytest.importorskip("mcp", reason="pip install 'kinesic[mcp]'")

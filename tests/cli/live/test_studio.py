@@ -175,7 +175,7 @@ def test_address_of_the_studio_is_printed_and_opened_if_requested(served, tmp_pa
     assert shown == ["http://127.0.0.1:88/"] * browser
 
 
-def test_attached_studio_shows_the_robot_of_the_other_server(served):
+def test_studio_with_a_remote_server_shows_the_robot_of_this_server(served):
     assert open_page(None, connect="127.0.0.1:9") == 6
     (page,) = served
     own, robot, files, _ = page["arguments"]

@@ -71,7 +71,7 @@ def store(monkeypatch, capsys) -> Store:
     return opened
 
 
-def test_summary_asks_one_query_for_each_table_of_the_store(store, capsys):
+def test_results_summary_runs_one_query_per_result_table(store, capsys):
     assert ask_results("summary", Path("folder"), True, None, False) == 0
     rows = json.loads(capsys.readouterr().out)
     assert [row["query"] for row in rows if row["query"] not in ("a", "[red]")] == [
@@ -79,14 +79,14 @@ def test_summary_asks_one_query_for_each_table_of_the_store(store, capsys):
     ]
 
 
-def test_query_prints_json_rows_with_an_indent_of_one(store, capsys):
+def test_results_query_prints_json_rows_with_an_indent_of_one(store, capsys):
     assert ask_results("SELECT 1", Path("folder"), True, None, False) == 0
     printed = capsys.readouterr().out
     assert printed.startswith('[\n {\n  "query": "1",\n')
     assert [list(row.values()) for row in json.loads(printed)] == [["1", 12345.678], ["a", None], ["[red]", 7]]
 
 
-def test_query_prints_a_table_with_four_digits_and_empty_cells(store, capsys):
+def test_results_query_prints_a_table_with_four_digits_and_empty_cells(store, capsys):
     assert ask_results("SELECT 1", Path("folder"), False, None, False) == 0
     head, first, second, third = (line.split() for line in capsys.readouterr().out.splitlines())
     assert head[0] == "query"
@@ -95,7 +95,7 @@ def test_query_prints_a_table_with_four_digits_and_empty_cells(store, capsys):
 
 
 @pytest.mark.parametrize(("out", "force"), [(None, False), ("mine.png", False), ("mine.png", True)])
-def test_plot_replaces_its_own_picture_or_one_by_force(store, capsys, tmp_path, out, force):
+def test_results_plot_replaces_its_default_file_and_other_files_with_force(store, capsys, tmp_path, out, force):
     path = tmp_path / (out or "results.png")
     if out is None or force:
         path.write_bytes(b"old")

@@ -117,11 +117,11 @@ def test_printed_table_compares_each_pareto_optimal_design_with_the_base(capsys)
         ([-1, 0, 1, 0, 0, 0, 0], "better in lateness; worse in torque"),
     ],
 )
-def test_comparison_names_better_and_worse_criteria(steps, text):
+def test_design_comparison_names_better_and_worse_criteria(steps, text):
     assert _compare(np.array(steps, float)) == text
 
 
-def test_json_of_a_design_names_its_changes_and_figures():
+def test_search_json_lists_changes_and_metrics_of_each_design():
     documents = (DocumentFigures("nod.bml", 2, 0.5, 0.75, ("limits.speed",)),)
     light = Trial(LIGHT, body=replace(BODY, price=None), documents=documents)
     rejected = Trial((("a", "1"), ("b", "2")), out="too long")
@@ -242,7 +242,7 @@ def test_unknown_style_ends_a_search_before_it_begins(searches):
     assert searches == []
 
 
-def test_robots_of_the_user_are_copied_next_to_their_variants(searches):
+def test_user_robot_file_is_copied_next_to_its_variants(searches):
     Path("robots").mkdir()
     for text in ('[robot]\nname = "mine"\nextends = "upper22"\n', '[robot]\nname = "mine"\nextends = "upper22"\n#\n'):
         Path("robots", "mine.toml").write_text(text)
@@ -254,7 +254,7 @@ def test_robots_of_the_user_are_copied_next_to_their_variants(searches):
     assert sorted(path.name for path in Path("found").glob("*.toml")) == ["mine.toml", "mine_1.toml", "mine_2.toml"]
 
 
-def test_files_of_an_earlier_search_are_replaced(tmp_path):
+def test_search_replaces_the_files_of_an_earlier_search(tmp_path):
     path = locate_config("robot", "upper22")
     for text in ("old", ""):
         (tmp_path / DESIGNS_FILE).write_text(text)

@@ -29,7 +29,7 @@ def summary(verdicts: list[DocumentVerdict], width: int, *, colour: bool = False
     return [line.rstrip() for line in text.getvalue().splitlines()]
 
 
-def test_result_table_keeps_names_and_numbers_whole_in_a_narrow_window():
+def test_result_table_truncates_no_names_and_numbers_in_a_narrow_terminal():
     check = Check("timing.stroke_median", "warn", 0.0123, 0.0105, "s", "at 3.21 s, gesture with a long name")
     verdict = DocumentVerdict(f"folder/{'long_' * 20}name.bml", "performed", 0, checks=(check,))
     row = next(line for line in summary([verdict], 80) if "stroke_median" in line)
@@ -37,7 +37,7 @@ def test_result_table_keeps_names_and_numbers_whole_in_a_narrow_window():
     assert "long_" in row
 
 
-def test_failures_come_before_the_tables_of_folders_and_checks():
+def test_batch_summary_prints_failures_before_the_folder_and_check_tables():
     assert summary([FAILED, PASSED, REFUSED], 120) == [
         f"refused  {REFUSED.error}",
         "failed   a/one.bml: limits.speed 1.5 ratio (limit 1) at 1 s",
@@ -53,7 +53,7 @@ def test_failures_come_before_the_tables_of_folders_and_checks():
     ]
 
 
-def test_one_folder_has_no_total_and_a_passed_check_names_no_file():
+def test_summary_of_one_folder_has_no_total_and_passed_checks_name_no_file():
     assert summary([PASSED], 120) == [
         " folder  documents  performed  refused  failed  poor  realised  partly  substituted  dropped",
         " a               1          1        0       0     0         0       0            0        0",
@@ -62,7 +62,7 @@ def test_one_folder_has_no_total_and_a_passed_check_names_no_file():
     ]
 
 
-def test_crashed_documents_have_a_column_only_if_there_are_some():
+def test_summary_has_a_column_for_crashed_documents_only_if_one_crashed():
     header, row, _ = summary([CRASHED], 120)[2:]
     assert header.split()[:5] == ["folder", "documents", "performed", "refused", "crashed"]
     assert row.split()[:5] == ["b", "1", "0", "0", "1"]
@@ -81,19 +81,19 @@ def test_summary_of_no_documents_is_one_line():
         (NARROWEST - 13, "in", "one.…"),
     ],
 )
-def test_places_and_files_share_the_rest_of_the_window(width, heading, row):
+def test_columns_for_place_and_file_divide_the_remaining_terminal_width(width, heading, row):
     *_, header, _, late = summary([FAILED], width)
     assert header.split("unit   ")[1] == heading
     assert late.split("0.01  s      ")[1] == row
 
 
-def test_window_without_space_for_texts_keeps_all_columns_before_them():
+def test_narrow_terminal_truncates_only_the_text_columns_of_the_check_table():
     *_, header, _, late = summary([FAILED], NARROWEST - 17)
     assert header == " check         pass  warn  poor  fail  worst  limit  unit   …"
     assert late == " timing.lag       0     0     1     0   0.02   0.01  s      …"
 
 
-def test_numbers_of_checks_are_coloured_by_status_unless_they_are_zero():
+def test_check_counts_are_coloured_by_status_unless_they_are_zero():
     lines = summary([FAILED, PASSED, REFUSED], 120, colour=True)
     assert lines[0] == f"refused  {REFUSED.error}"  # no word of an error is highlighted
     fast, late = lines[-2:]
@@ -101,7 +101,7 @@ def test_numbers_of_checks_are_coloured_by_status_unless_they_are_zero():
     assert late.startswith(" timing.lag       0     0  \x1b[35m   1\x1b[0m     0   0.02")
 
 
-def test_only_the_total_of_all_folders_is_bold():
+def test_only_the_total_row_of_all_folders_is_bold():
     *_, header, first, second, total, _, _, _ = summary([FAILED, PASSED, REFUSED], 120, colour=True)
     assert ["\x1b[1m" in line for line in (header, first, second, total)] == [True, False, False, True]
 
@@ -122,6 +122,6 @@ def test_more_than_sixteen_folders_are_grouped_by_their_parents(tmp_path, count)
     assert _group_folders(folders) == [*expected, "b"]
 
 
-def test_many_folders_side_by_side_keep_their_names_without_those_inside(tmp_path):
+def test_many_sibling_folders_are_listed_without_their_subfolders(tmp_path):
     names = [str(number) for number in range(MAX_FOLDER_ROWS + 1)]
     assert _group_folders([tmp_path / name / "inside" for name in names]) == names

@@ -54,7 +54,7 @@ def piped_run(kinesic_in, folder):
     return kinesic_in(folder, "perform", "-", "--out", "piped", "--no-film", "--json", "--twin", "nominal", stdin=NOD)
 
 
-def test_perform_prints_the_paths_of_its_files_last(text_run, folder):
+def test_perform_prints_checks_then_the_verdict_and_last_the_report_paths(text_run, folder):
     assert text_run.code == 0, text_run.err
     assert re.match(r"all \d\d checks pass\nok: nod.bml on upper22, ", text_run.out)
     assert text_run.out.splitlines()[-2:] == ["report: there/report.json", "page: there/report.html"]
@@ -83,7 +83,7 @@ def test_existing_report_folder_is_refused_without_force(kinesic_in, folder, tex
     assert "there exists already" in refused.err
 
 
-def test_equal_inputs_give_equal_reports(json_run, text_run, folder):
+def test_repeated_perform_gives_an_equal_report_except_for_timings(json_run, text_run, folder):
     first, second = json.loads(json_run.out), json.loads((folder / "there" / "report.json").read_text())
     first.pop("timing"), second.pop("timing")
     assert first == second

@@ -146,7 +146,9 @@ def test_existing_report_folder_is_refused_before_servos_move(kinesic, drive: Dr
     assert drive.driven == []
 
 
-def test_perform_on_the_face_alone_plays_the_whole_plan(kinesic, drive: Drive, runs: tuple[DryRun, ...], monkeypatch):
+def test_perform_on_the_face_without_servos_plays_the_plan_in_a_window(
+    kinesic, drive: Drive, runs: tuple[DryRun, ...], monkeypatch
+):
     played: list[tuple[object, ...]] = []
     monkeypatch.setattr(perform, "preview_window", lambda *_, **__: nullcontext("window"))
     monkeypatch.setattr(perform, "play_whole", lambda *given: played.append(given))
@@ -163,7 +165,7 @@ def test_tracking_errors_of_several_twins_are_printed_side_by_side(runs, capsys,
 
 
 @pytest.mark.parametrize("servo_log", [None, Path("out/servos.npz")])
-def test_only_written_files_are_printed(capsys, servo_log):
+def test_perform_prints_written_paths_and_why_the_face_film_is_missing(capsys, servo_log):
     """A log of servos exists if servos performed, a voice if the block speaks."""
     files = {name: Path("out", name) for name in ("report", "page", "measured")}
     written = output.WrittenPaths(**files, film=Path("out/film.webp"), why_no_face="no face")

@@ -46,7 +46,7 @@ def test_recording_is_written_with_its_text_and_times(kinesic, tmp_path):
     assert f'<audio ref="{audio}" kinesic:words="{tmp_path / "talk.srt"}"/>' in ended.out
 
 
-def test_recording_without_text_has_a_remark_on_its_lips(kinesic, tmp_path):
+def test_say_reports_that_a_recording_has_no_text(kinesic, tmp_path):
     ended = kinesic("say", "--audio", write_noise(tmp_path / "talk.wav"), "--to", "bml")
     assert ended.code == 0
     assert "there is no text" in ended.err
