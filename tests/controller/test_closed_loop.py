@@ -135,7 +135,7 @@ def _assert_the_same(whole, parts):
     np.testing.assert_allclose(parts.power.warming["l_elbow_flexion"], rises, rtol=1e-13)
 
 
-def test_compiled_loop_stores_only_one_batch_of_physics_steps(calm, monkeypatch):
+def test_compiled_loop_stores_at_most_one_batch_of_physics_steps(calm, monkeypatch):
     kept = []
     add = Recorder.add
     monkeypatch.setattr(Recorder, "add", lambda self, log: kept.append(len(log.steps().spans)) or add(self, log))

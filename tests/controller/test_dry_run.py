@@ -76,7 +76,7 @@ def test_later_dry_runs_do_not_change_results_of_earlier_ones(calm):
 
 
 @pytest.mark.parametrize(("min_clearance", "simulated"), [(0.001, [False]), (0.5, [False, True])])
-def test_contacts_are_simulated_only_if_segments_come_too_near(calm, monkeypatch, min_clearance, simulated):
+def test_dry_run_is_repeated_with_contacts_only_if_segments_come_too_near(calm, monkeypatch, min_clearance, simulated):
     setup = calm.plan.setup
     plan = replace(calm.plan, setup=replace(setup, robot=replace(setup.robot, min_clearance=min_clearance)))
     touching, borrow = list[bool](), module.borrow_simulations

@@ -57,7 +57,7 @@ class Turning:
         return rows, np.full_like(rows, 0.1), np.zeros_like(rows)
 
 
-def test_weightless_robot_at_rest_gets_its_posture_as_setpoint():
+def test_weightless_robot_at_rest_has_its_posture_as_setpoints():
     posture = ROBOT.skeleton.rest
     sent = (
         FeedForward(ROBOT, Weightless(), period=0.01).compute_setpoints(stay(posture), np.array([0.0, 0.05])).setpoints

@@ -76,7 +76,7 @@ def test_servo_estimate_is_clipped_to_safe_bounds():
     assert "the estimate is at its bounds" in str(lesson)
 
 
-def test_still_or_blocked_servos_are_not_identified():
+def test_servos_that_barely_move_or_deviate_unexplained_are_not_identified():
     standing = identify_servos(nodding(NOMINAL_FACTORS, swing=0.01), ROBOT)
     assert "servos moved for 0.0 s, at least 0.4 s are needed" in standing.why
     log = nodding(NOMINAL_FACTORS)

@@ -66,7 +66,7 @@ def test_model_with_only_friction_uses_partial_mujoco_steps(free, swing, monkeyp
     [{"touches": True}, {"factors": Factors(play=0.004)}, {"step": 0.02}],
     ids=["touches", "play", "steps that soften the friction"],
 )
-def test_models_with_further_constraints_use_whole_steps(free, held):
+def test_contacts_backlash_and_long_steps_disable_the_partial_mujoco_steps(free, held):
     assert free().friction_parts() is not None
     assert free(**held).friction_parts() is None
 
@@ -77,7 +77,7 @@ def test_joint_without_friction_disables_the_partial_mujoco_steps(free):
     assert twin.friction_parts() is None
 
 
-def test_unexpected_mujoco_matrix_layout_uses_whole_steps(free, swing, monkeypatch):
+def test_unexpected_mujoco_matrix_layout_disables_the_partial_mujoco_steps(free, swing, monkeypatch):
     friction_parts = Twin.friction_parts
     parts = []
 
@@ -93,7 +93,7 @@ def test_unexpected_mujoco_matrix_layout_uses_whole_steps(free, swing, monkeypat
     assert parts
 
 
-def test_unexpected_mujoco_stages_use_whole_steps(free, monkeypatch):
+def test_unexpected_mujoco_step_stages_disable_the_partial_mujoco_steps(free, monkeypatch):
     assert friction_step.stages_make_a_step()
     monkeypatch.setattr(friction_step, "STAGES_AFTER_CONSTRAINTS", friction_step.STAGES_AFTER_CONSTRAINTS[1:])
     friction_step.stages_make_a_step.cache_clear()

@@ -247,7 +247,7 @@ def test_tracking_errors_of_servos_count_only_while_time_runs_at_full_speed(perf
     assert results["measured.rmse"].value < 1e-6
 
 
-def test_gentle_start_and_stop_of_time_do_not_lower_the_fraction_at_full_speed(performance: DryRun):
+def test_slow_time_at_start_and_end_does_not_lower_the_fraction_at_full_speed(performance: DryRun):
     live = perform_live(performance, Actor())
     begin, end = live.history[0].clock, live.history[-1].clock
     gentle = [
@@ -260,7 +260,7 @@ def test_gentle_start_and_stop_of_time_do_not_lower_the_fraction_at_full_speed(p
     assert 0.9 < ServoRun(live.performance, tuple(gentle), (), "performed").full_speed_fraction < 1.0
 
 
-def test_silent_servos_and_stopped_time_are_excluded(performance: DryRun):
+def test_servo_samples_with_a_silent_servo_or_stopped_time_are_excluded(performance: DryRun):
     live = perform_live(performance, Actor())
     rows = list(live.history)
     gone = rows[20].angles.copy()

@@ -157,7 +157,9 @@ class RecordingSpeaker:
         self.calls.append("close")
 
 
-def test_speech_is_played_along_and_the_speaker_closed(known: Setup, monkeypatch: pytest.MonkeyPatch):
+def test_speech_plays_from_the_first_active_status_until_a_hold_and_the_speaker_is_closed(
+    known: Setup, monkeypatch: pytest.MonkeyPatch
+):
     speaker, warnings = RecordingSpeaker(), list[str]()
     monkeypatch.setattr(soundtrack, "Speaker", lambda: speaker)
     status = replace(Status(Stage.ACTIVE), clock=12.0, time=2.0, scale=1.0)

@@ -30,7 +30,7 @@ def planned() -> Plan:
 
 
 @pytest.mark.parametrize(("opens", "rmse"), [(KinesicDriver, 0.2), (SdkDriver, 1.0)])
-def test_simulated_robot_on_servo_bus_follows_plan(planned: Plan, opens: Callable[..., Driver], rmse: float):
+def test_simulated_robot_follows_a_plan_sent_over_a_servo_bus(planned: Plan, opens: Callable[..., Driver], rmse: float):
     robot = planned.setup.robot
     wiring = ServoMap.of(robot)
     wires = describe_cables(robot)

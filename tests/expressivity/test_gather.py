@@ -167,6 +167,6 @@ def test_head_key_between_two_strokes_merges_into_the_nearer_key_frame(robot):
         assert (frames[near].given, frames[other].given) == ({"head"}, set())
 
 
-def test_hands_without_a_path_are_not_marked_as_path_points(robot):
+def test_key_frames_of_hands_without_a_path_are_not_path_points(robot):
     frames = gather_frames(Sequences(head=NOD_LAYERS, hands=HAND_KEYS), [], robot)
     assert not any(hand.passing for frame in frames for hand in frame.hands.values())

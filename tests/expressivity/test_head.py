@@ -243,7 +243,7 @@ def test_head_waits_upright_before_and_after_its_swings(robot, pace, phases):
     ]
 
 
-def test_nods_without_given_time_are_spread_evenly_between_timed_nods(robot, pace, nod_times):
+def test_nods_without_or_too_close_to_given_times_are_spread_between_the_others(robot, pace, nod_times):
     form = head_form(Head("NOD", repetition=4), robot, Expressivity())
     times = {**nod_times, "stroke": 1.0, "stroke:2": 1.001, "stroke:3": 3.0, "strokeEnd": 6.0, "relax": 6.0, "end": 6.0}
     peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]
@@ -279,7 +279,7 @@ def test_head_direction_with_two_repetitions_peaks_twice(robot):
     assert head_form(Head("LEFT", repetition=2), robot, Expressivity()).swings == (1.0, 0.0, 1.0, 0.0)
 
 
-def test_no_tempo_swings_a_shake_faster_than_the_neck_from_side_to_side(pace, robot):
+def test_fastest_head_shake_takes_longer_than_the_minimum_time_of_the_neck(pace, robot):
     form = head_form(Head("SHAKE"), robot, Expressivity())
     quick = swing_time(form, pace, Expressivity(temporal=1.0, power=1.0))
     assert quick > pace.least_turn_time("neck", scale_turn(form.peak, 2.0))

@@ -77,7 +77,7 @@ def test_gestures_return_to_permanently_crossed_arms(perform, phases):
     assert frames.frames[-1].hands["r"] is crossed
 
 
-def test_neutral_arm_pose_lets_the_arm_hang(robot, lexicon):
+def test_neutral_arm_pose_name_is_accepted_for_its_arm(robot, lexicon):
     assert pose(Posture(poses=(("LEFT_ARM", "ARMS_NEUTRAL"),)), lexicon, robot).arms == ("left",)
 
 

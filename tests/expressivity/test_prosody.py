@@ -55,14 +55,14 @@ def test_emphasised_word_has_a_larger_nod_and_brows(level, is_strong):
         assert any(accent.nod > 1.0 and accent.brow > 0.45 for accent in near) == is_strong
 
 
-def test_time_of_an_emphasised_word_follows_the_marks():
+def test_nod_on_an_emphasised_word_follows_the_speech_marks():
     script = Script(TEXT.text, marks=(Mark("m", 600),), emphases=(Emphasis(600, 602, "emphasis"),))
     strong = [a.time for a in choose_accents("s", speak(marks={"m": 20.0}), script, 1) if a.nod > 1.0]
     assert strong
     assert all(abs(time - 20.1) < 0.4 for time in strong)
 
 
-def test_emphasis_without_sounds_has_no_motion():
+def test_emphasis_in_a_speech_without_phonemes_has_no_motion():
     script = Script("la", emphases=(Emphasis(0, 2, "emphasis"),))
     assert choose_accents("s", Utterance(1.0), script, 0) == ()
 

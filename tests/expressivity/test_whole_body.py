@@ -171,7 +171,7 @@ def test_body_motion_weight_of_the_style_scales_accompanying_motion(perform, pha
     assert nod(Style().changed(["head.spatial=1"])) == pytest.approx(1.5 * nod(Style()))
 
 
-def test_head_that_accompanies_a_gesture_without_nodding_turns_once(gesture, pace):
+def test_head_accompanying_a_gesture_turns_once_and_holds_until_relax(gesture, pace):
     body_motion = accompany_gestures([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
     assert [key.time for key in body_motion.head] == pytest.approx([0, 1.6, 2, 3])
     assert [key.turn.roll for key in body_motion.head] == pytest.approx([0, radians(5), radians(5), 0])

@@ -36,7 +36,7 @@ def test_clearance_watch_keeps_full_speed_at_ample_clearance():
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
-def test_clearance_watch_adds_and_subtracts_the_tracking_error_from_coming_postures(way):
+def test_clearance_watch_subtracts_the_effect_of_tracking_errors_of_either_sign(way):
     watch = seen(ClearanceWatch(), 0.05, 0.02, 0.04, strayed=0.013 * way)
     assert watch.forecast_clearance == pytest.approx(0.007)
     assert CREEP_PACE < watch.pace < 1.0
@@ -68,7 +68,7 @@ def test_clearance_watch_ends_after_the_maximum_time_at_minimum_speed():
     assert MAX_CREEP_TIME > ERROR_MEMORY
 
 
-def test_clearance_watch_ends_at_once_if_measured_clearance_uses_the_reserve():
+def test_performance_ends_at_once_if_the_measured_clearance_falls_into_the_reserve():
     assert RESERVE_FRACTION < CREEP_FRACTION
     assert not seen(ClearanceWatch(), 0.02, strayed=-0.0165).over
     watch = seen(ClearanceWatch(), 0.02, strayed=-0.0175)
@@ -77,7 +77,7 @@ def test_clearance_watch_ends_at_once_if_measured_clearance_uses_the_reserve():
     assert not seen(ClearanceWatch(), 0.02, 0.0, strayed=0.0).over  # what is only to come can still be slowed down
 
 
-def test_clearance_watch_ends_by_the_latest_tracking_error():
+def test_clearance_watch_judges_nearness_by_the_latest_tracking_error():
     watch = ClearanceWatch()
     for strayed, near in ((0.0, False), (-0.0175, True), (0.0, False), (0.0, False), (-0.0175, True)):
         watch = seen(watch, 0.02, strayed=strayed)

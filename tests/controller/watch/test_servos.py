@@ -70,7 +70,7 @@ def test_servo_watch_updates_its_time_scale_once_per_look_period():
     assert sum(looks) == pytest.approx(1.0 / LOOK_PERIOD, abs=1)
 
 
-def test_tracking_errors_slow_time_and_large_ones_stop():
+def test_small_tracking_errors_slow_time_and_large_ones_end_the_performance():
     mild, grave = watch(), watch()
     mild.ingest(cycles(0.2, 0.0335))
     assert CREEP_PACE <= mild.pace < 1.0

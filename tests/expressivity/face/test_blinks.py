@@ -48,7 +48,7 @@ def test_blink_closes_both_eyes_fully_and_briefly():
     assert 0.14 < np.ptp(shown) < 0.38
 
 
-def test_lengths_of_blinks_vary_and_do_not_depend_on_later_blinks():
+def test_blink_durations_vary_and_do_not_depend_on_later_blinks():
     times = np.arange(0.0, 120.0, 0.005)
     begins = np.arange(1.0, 119.0, 2.0)
     closed = blink_units(begins, times, 3)["L45"]
@@ -60,7 +60,7 @@ def test_lengths_of_blinks_vary_and_do_not_depend_on_later_blinks():
     assert np.any(blink_units(begins, times, 4)["L45"] != closed)
 
 
-def test_blinks_with_causes_everywhere_stay_below_20_a_minute():
+def test_blinks_with_a_cause_every_0_3_s_keep_their_minimum_interval_and_maximum_rate():
     begins = np.array(blink_times((0.0, 60.0), (), 3, also=np.arange(0.1, 60.0, 0.3).tolist()))
     assert begins[0] == pytest.approx(0.1)
     assert np.diff(begins).min() >= MIN_BLINK_INTERVAL - 1e-9

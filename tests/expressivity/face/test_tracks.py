@@ -72,7 +72,7 @@ def test_permanent_expression_is_replaced_by_the_next():
     assert at(result["L15"], 7.0) == pytest.approx(0.9)
 
 
-def test_standing_affect_is_shown_while_the_document_shows_no_expression():
+def test_affect_of_the_style_is_shown_while_the_document_shows_no_expression():
     timeline, said = scheduled(
         '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.6" start="2" attackPeak="2.5" relax="4" end="5"/>'
     )
@@ -83,7 +83,7 @@ def test_standing_affect_is_shown_while_the_document_shows_no_expression():
     assert at(result["L1"], 3.0) == pytest.approx(0.6)
 
 
-def test_expression_uses_face_expressivity_only():
+def test_facial_expression_uses_the_face_and_not_the_head_expressivity():
     asked = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
     wide = Expressivity(spatial=0.5)
     plain, own, other = (

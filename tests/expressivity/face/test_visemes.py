@@ -56,7 +56,7 @@ def test_jaw_opens_for_a_vowel_between_two_closed_plosives():
 
 
 @pytest.mark.parametrize(("symbol", "is_firm"), [("i", False), ("u", False), ("s", True), ("f", True)])
-def test_only_firm_sounds_narrow_the_open_lips_of_the_sound_before(symbol: str, is_firm: bool):
+def test_only_firm_consonants_limit_the_lip_opening_of_the_preceding_vowel(symbol: str, is_firm: bool):
     mouth_units = visemes([Phoneme("a", 1.0, 0.15), Phoneme(symbol, 1.15, 0.15)], SAMPLE_TIMES)
     openings = lip_opening(mouth_units)[(SAMPLE_TIMES > 1.16) & (SAMPLE_TIMES < 1.29)]
     limit = float(lip_opening(viseme_of(symbol).units))

@@ -82,7 +82,7 @@ def test_retraction_becomes_preparation_of_the_next_stroke(pace, phases):
     assert 1.2 <= hold < 2.1
 
 
-def test_ready_sync_point_that_the_hand_cannot_reach_in_time_is_skipped(pace, phases):
+def test_hand_has_no_key_at_a_ready_sync_point_that_it_cannot_reach_in_time(pace, phases):
     """Skip a `ready` that the hand cannot reach after the preceding stroke."""
     far = reach(0.3, -0.5, 1.0)
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))

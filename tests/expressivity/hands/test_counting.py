@@ -91,7 +91,7 @@ def test_dropped_stroke_repetition_has_no_sync_point(realise):
     assert {"stroke:2", "stroke:3"} <= all_of_them.timeline.timed[0].times.keys()
 
 
-def test_face_without_lexeme_or_unit_is_dropped(realise):
+def test_face_behaviour_without_lexeme_or_action_unit_is_dropped(realise):
     frames = realise('<face id="f" start="0"/><face id="happy" type="happy"/><face id="unit" au="1"/>')
     assert {id: outcome.kind for id, outcome in frames.outcomes.items()} == {
         "f": "dropped",

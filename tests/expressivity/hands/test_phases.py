@@ -169,7 +169,7 @@ def test_gesture_held_at_the_head_is_not_repeated(robot, lexicon, gesture):
     assert result.stroke_count == 1
 
 
-def test_patting_gestures_are_repeated(robot, lexicon):
+def test_repetition_repeats_gestures_that_touch_the_body_repeatedly(robot, lexicon):
     repeated = [
         poses(lexicon.forms_by_id[name], robot, Expressivity(repetition=1.0)) for name in ("heart", "eat", "crazy")
     ]

@@ -133,7 +133,7 @@ def test_path_grows_with_spatial_extent_within_easy_reach(robot):
     assert work.path("l", 0) is None
 
 
-def test_path_is_not_reduced_if_it_swings_out_before_the_hand_is_far(robot):
+def test_path_amplitude_is_kept_if_the_outward_swing_stays_within_easy_reach(robot):
     """In the opposite direction, the same path would leave the easy reach."""
     wide = Expressivity(spatial=0.5)
     near, far = (poses(with_path(0.25, last=last), robot, wide) for last in (A, (0.6, 0.9, 0.6)))

@@ -92,7 +92,7 @@ def test_too_fast_wave_gets_fewer_turns_and_a_remark(done):
     assert "of its 4 turns: in 0.60 s" in fast.remarks[0]
 
 
-def test_slowed_wave_keeps_its_amplitude_and_ends(done):
+def test_slowed_wave_keeps_its_amplitude_and_lateral_end_positions(done):
     work, keys = done(WAVE_FORM, 1.0, 1.8, 1.8)
     out = [key.hand.reach.position[1] for key in keys]
     assert out[0] == out[-1]

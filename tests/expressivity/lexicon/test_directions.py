@@ -8,14 +8,14 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import position
 
 
-def test_file_order_restores_the_numbers_of_a_position():
+def test_position_components_in_file_order_are_those_given():
     assert position(0.1, 0.2, 0.3)[list(FILE_ORDER)].tolist() == [0.1, 0.2, 0.3]
 
 
 @pytest.mark.parametrize(
     "words", ["out", "in", "up", "down", "forward", "back", "in up", "out down back", "down down back"]
 )
-def test_words_of_a_direction_are_printed_in_the_order_of_the_file(words: str):
+def test_direction_is_printed_as_the_words_from_which_it_was_read(words: str):
     assert format_direction(read_direction(words)) == words
 
 

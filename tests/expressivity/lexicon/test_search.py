@@ -99,7 +99,7 @@ def test_gesture_search_results_are_sorted_by_score_with_synonyms_first(lexicon)
     assert len({hit.id for hit in hits}) == len(hits)
 
 
-def test_every_lexeme_that_documents_accept_is_found_first(lexicon):
+def test_search_for_a_gesture_name_or_synonym_lists_its_gesture_first(lexicon):
     names = [*lexicon.forms_by_id, *(name for name, _ in lexicon.synonyms[::9])]
     for name in names:
         assert ids(lexicon, name, 1) == [lexicon.find(name).form.id], name

@@ -187,7 +187,7 @@ REVIEWED_LEXEMES = {  # Lexemes reported by a user, and their gestures now
 }
 
 
-def test_reviewed_lexemes_have_the_corrected_gesture():
+def test_lexemes_of_the_review_list_select_the_listed_gesture():
     for lexeme, gesture in REVIEWED_LEXEMES.items():
         match = BUILTIN_LEXICON.find(lexeme)
         assert (None if match is None else match.form.id) == gesture, lexeme

@@ -64,7 +64,7 @@ def test_longer_movement_takes_longer_at_higher_velocity(efforts, phase):
 @pytest.mark.parametrize(
     "manner", [Expressivity(temporal=1.0), Expressivity(power=1.0), Expressivity(1.0, 1.0, 1.0, 1.0)]
 )
-def test_no_expressivity_exceeds_the_servo_limits(efforts, phase, manner):
+def test_extreme_expressivity_keeps_minimum_servo_times(efforts, phase, manner):
     for effort in efforts:
         hurried = replace(effort, manner=manner)
         assert all(getattr(hurried, phase)(distance) >= effort.pace.least_hand_time(distance) for distance in DISTANCES)
@@ -157,7 +157,7 @@ def test_full_tension_removes_all_overshoot_at_keys(pace):
     assert Effort(pace, manner=Expressivity(tension=1.0)).passage("preparation").flow == 0.0
 
 
-def test_hand_enters_a_path_with_its_velocity_unless_tense_or_spoken(pace):
+def test_initial_path_velocity_falls_with_tension_and_is_zero_for_strokes_on_words(pace):
     efforts = [Effort(pace, manner=Expressivity(tension=tension)) for tension in (0.0, 0.25, 0.5)]
     velocities = [effort.path_start_velocity(effort.passage("preparation", led=True)) for effort in efforts]
     assert PATH_START_VELOCITY == velocities[0] > velocities[1] > velocities[2] == 0.0
@@ -233,7 +233,7 @@ def test_power_and_tension_reduce_overshoot_at_keys(pace, name):
     assert swings[2] > swings[3] >= swings[4] == 0.0
 
 
-def test_stiffness_removes_overshoot_and_looseness_reduces_it(pace):
+def test_low_fluidity_removes_overshoot_and_negative_tension_reduces_it(pace):
     stiff, half, plain, *fluid = (stroke_passage.swing for stroke_passage in stroke_passages(pace, "fluidity"))
     assert stiff == half == 0.0 < plain == fluid[0] == fluid[1]
     assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSENESS_REDUCTION) * plain)

@@ -36,7 +36,7 @@ def test_slower_servos_need_more_time(pace, sluggish):
     assert sluggish.turn_time("torso", Turn(tilt=0.3)) > 1.5 * pace.turn_time("torso", Turn(tilt=0.3))
 
 
-def test_no_temporal_extent_exceeds_the_servo_limits(pace, sluggish):
+def test_neck_rotation_keeps_its_minimum_servo_time_at_any_temporal_extent(pace, sluggish):
     for robot in (pace, sluggish):
         for extent in (-1.0, 0.0, 0.5, 1.0):
             for turn in (Turn(tilt=0.1), Turn(torsion=0.6), Turn(0.2, -0.2, 0.1)):

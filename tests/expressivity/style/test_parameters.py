@@ -41,7 +41,7 @@ def test_style_lists_all_values_of_its_file(name):
     assert {key: listed.get(key) for key in expected} == expected
 
 
-def test_modalities_are_listed_only_where_they_differ_from_gestures():
+def test_style_lists_modality_values_only_if_they_differ_from_gesture_values():
     style = Style.load("proud").changed(["head.power=0.9", "torso.spatial=0.6"])
     listed = {parameter.key: parameter.value for parameter in style.parameters}
     assert listed["head.power"] == 0.9
@@ -49,7 +49,7 @@ def test_modalities_are_listed_only_where_they_differ_from_gestures():
     assert listed["spatial"] == asdict(style.gesture)["spatial"] == 0.6
 
 
-def test_text_of_a_rest_gesture_says_when_the_other_hand_rests():
+def test_text_of_a_mirrored_rest_gesture_says_that_the_other_hand_performs_it():
     rest = next(parameter for parameter in Style.load("proud").parameters if parameter.key == "standing.rest")
     assert str(rest) == "standing.rest = hand_on_hip: gesture in which the hands rest, by the other hand"
 

@@ -20,7 +20,7 @@ from kinesic.expressivity.style.standing import (
 )
 
 
-def test_standing_has_the_values_of_its_table_in_radians():
+def test_standing_posture_has_the_values_of_its_toml_table_in_radians():
     table = StandingTable(
         head=StandingTurnTable(10.0, 20.0, 30.0),
         trunk=StandingTurnTable(tilt=5.0),
@@ -43,7 +43,7 @@ def test_standing_has_the_values_of_its_table_in_radians():
     assert standing.gaze == GazeHabit(radians(30.0), radians(40.0), 0.6)
 
 
-def test_only_a_style_that_leaves_its_arms_hanging_has_the_usual_pauses():
+def test_only_a_standing_posture_with_hanging_arms_has_the_usual_pause_gestures():
     assert NEUTRAL_STANDING.pauses == USUAL_PAUSES
     assert NEUTRAL_STANDING.gaze == FRONTAL_GAZE
     assert Standing.of(StandingTable(rest="hand_on_hip")).pauses == ()
@@ -61,12 +61,12 @@ def test_only_a_style_that_leaves_its_arms_hanging_has_the_usual_pauses():
         Standing(rest="hand_on_hip"),
     ],
 )
-def test_standing_that_turns_bends_or_holds_something_moves_the_body(standing: Standing):
+def test_standing_posture_with_any_rotation_fist_or_rest_gesture_moves_the_body(standing: Standing):
     assert standing.moves_body
 
 
 @pytest.mark.parametrize("standing", [NEUTRAL_STANDING, UNPOSED_STANDING, Standing(face=(("HAPPY", 1.0),))])
-def test_standing_with_an_upright_body_does_not_move_it(standing: Standing):
+def test_upright_standing_posture_does_not_move_the_body(standing: Standing):
     assert not standing.moves_body
 
 
