@@ -16,7 +16,7 @@ def test_symlinks_in_parent_folders_are_followed_but_not_the_last_one(tmp_path: 
 
 
 @pytest.mark.parametrize("path", ["", ".", "./", "/", ".."])
-def test_path_without_a_file_name_is_resolved(path: str):
+def test_empty_dot_and_root_paths_are_resolved_to_absolute_paths(path: str):
     assert find_place(Path(path)) == Path(path).resolve()
 
 
@@ -52,7 +52,7 @@ def test_open_folder_refuses_symlinks_and_stays_open_after_renaming(tmp_path: Pa
     assert os.listdir(tmp_path / "other") == ["mine"]
 
 
-def test_folders_are_reached_by_their_path_on_systems_that_cannot_hold_them(
+def test_folder_entries_are_reached_by_path_on_systems_without_folder_descriptors(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(held_folder, "HAS_FOLDER_DESCRIPTORS", False)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.files.late_pillow import Image, explain_missing_pillow
 
 
-def test_stand_in_has_the_attributes_of_the_module():
+def test_pillow_stand_in_has_the_attributes_of_the_module():
     assert Image.fromarray is PIL.Image.fromarray
     assert explain_missing_pillow() is None
 
@@ -21,5 +21,5 @@ def test_missing_pillow_is_reported_with_its_extra(monkeypatch):
         type(Image)("ImageMath").eval  # noqa: B018 - the access imports it
 
 
-def test_stand_in_has_no_private_names():
+def test_pillow_stand_in_has_no_private_names():
     assert not hasattr(Image, "__wrapped__")

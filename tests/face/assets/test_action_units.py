@@ -226,7 +226,7 @@ def test_tightened_pressed_and_sucked_lips_differ_in_shape(mesh: Mesh):
     assert sucked[1] < 0.85 * pressed[1]
 
 
-def test_puckered_funnel_stays_round(mesh: Mesh):
+def test_combined_pucker_and_funnel_of_the_lips_stays_bounded(mesh: Mesh):
     middle = centre(mesh, 0.0, -0.95)
     units = {"18": 1.0, "22": 1.0, "25": 1.0}
     raised = deform(mesh, units)[middle] - deform(mesh, {})[middle]

@@ -59,5 +59,5 @@ def test_bones_of_the_source_mesh_are_mapped_to_skeleton_segments(bone: str, par
     assert parts[part if part == "skullbase" else f"l_{part}"].tolist() == [0.5]
 
 
-def test_skinning_frame_names_are_unique():
+def test_all_62_skinning_frames_have_unique_names():
     assert len(FRAME_INDICES) == len(SKINNING_FRAMES) == 62

@@ -33,7 +33,7 @@ def test_figure_head_equals_the_head_mesh():
     assert DRESSED_FIGURE.mesh.deltas.nnz >= 0.95 * head.deltas.nnz
 
 
-def test_figure_has_no_skin_under_clothes():
+def test_figure_has_only_hand_skin_far_below_the_neckline():
     """Below the neckline there are only the hands."""
     moved = np.asarray(DRESSED_FIGURE.weights[SKIN_VERTICES].argmax(axis=1)).ravel()
     hands = {
@@ -50,7 +50,7 @@ def test_figure_has_no_skin_under_clothes():
     assert set(moved[deep]) <= hands
 
 
-def test_figure_has_three_garments_cut_at_their_borders():
+def test_figure_has_three_garments_that_extend_beyond_their_cut_borders():
     looks = np.unique(DRESSED_FIGURE.mesh.plain[CLOTH_VERTICES], axis=0)
     assert len(looks) == 3
     beyond = DRESSED_FIGURE.mesh.tips[CLOTH_VERTICES]

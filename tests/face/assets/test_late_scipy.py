@@ -6,7 +6,7 @@ from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.display import DisplayError
 
 
-def test_scipy_is_imported_by_subpackage():
+def test_scipy_stand_in_returns_the_real_subpackage():
     assert scipy.sparse is sys.modules["scipy.sparse"]
 
 

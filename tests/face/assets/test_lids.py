@@ -48,7 +48,7 @@ def test_closed_lids_meet_in_every_expression(mesh: Mesh, eyes: list[Lids], also
         assert np.degrees(np.abs(gap(eye, deform(mesh, {"43": 1.0, **also})))).max() < 1.5
 
 
-def test_lid_hides_the_iris_evenly(mesh: Mesh, eyes: list[Lids]):
+def test_closing_lid_covers_the_eye_in_proportion_to_its_intensity(mesh: Mesh, eyes: list[Lids]):
     vectors = [gap(eyes[0], deform(mesh, {"43": fraction})).mean() for fraction in np.linspace(0.0, 1.0, 11)]
     gone = 1.0 - np.array(vectors) / vectors[0]
     assert np.all(np.diff(gone) > 0.0)

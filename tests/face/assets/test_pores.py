@@ -25,7 +25,7 @@ def test_pores_are_separate_and_deeper_on_oily_skin():
     assert abs(shifted) < 0.05  # four pixels apart, pores are unrelated
 
 
-def test_creases_of_lips_run_upright():
+def test_painted_lip_creases_are_vertical():
     creases = paint_creases(160, 160, np.random.default_rng(1))
     assert 0.0 <= creases.min() < creases.max() <= 1.0
     assert np.abs(np.diff(creases, axis=1)).mean() > 4.0 * np.abs(np.diff(creases, axis=0)).mean()

@@ -40,7 +40,7 @@ def eye(close: Portrait) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return without, with_them, find_part(close, "eyes")
 
 
-def test_line_of_tears_shines_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+def test_tear_film_is_bright_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
     picture, _, ball = eye
     columns = np.flatnonzero(ball.any(axis=0))
     middle = slice(columns[0] + 60, columns[-1] - 60)
@@ -68,7 +68,7 @@ def test_inner_corner_of_an_eye_is_red(eye: tuple[np.ndarray, np.ndarray, np.nda
     assert outer < 1.1
 
 
-def test_lashes_end_near_the_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+def test_lashes_do_not_extend_far_above_the_eye(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
     """Faint lines beyond their tips looked like stitches."""
     without, with_them, ball = eye
     changed = np.abs(with_them - without).max(axis=2) > 6.0
@@ -87,7 +87,7 @@ def test_tongue_at_th_is_paler_than_the_lips(close: Portrait):
     assert green > 1.07 * red
 
 
-def test_close_skin_is_rough(drawable: None):
+def test_close_up_of_a_cheek_has_visible_skin_texture(drawable: None):
     with Portrait("female", preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
         cheek = portrait.draw({}, LEFT_CHEEK).mean(axis=2)
     assert (cheek - gaussian_filter(cheek, 4.0)).std() > 1.4

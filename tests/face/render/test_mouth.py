@@ -82,7 +82,7 @@ def test_wide_open_mouth_shows_the_upper_teeth(close: Portrait, jaw: str):
 
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
-def test_closed_lips_read_as_closed(drawable: None, variant: Variant):
+def test_closed_lips_show_only_a_thin_dark_line(drawable: None, variant: Variant):
     with Portrait(variant, size=(512, 512)) as portrait:
         for units in ({}, read_emotion("anger", 1.0), viseme_of("m").units):
             column = np.median(brightness(portrait, dict(units))[MOUTH_ROWS, MIDDLE_COLUMNS], axis=1)
@@ -94,7 +94,7 @@ def test_closed_lips_read_as_closed(drawable: None, variant: Variant):
             assert column[seam] > 0.2 * lower_lip
 
 
-def test_occlusion_dims_ambient_light_alone(drawable: None):
+def test_occlusion_hardly_changes_direct_light(drawable: None):
     lamps_alone = replace(STUDIO_LIGHTS, sky=(0.0, 0.0, 0.0), ground=(0.0, 0.0, 0.0))
     without = replace(NORMAL_PRESET, occlusion=None, scattering=None)
     strong = replace(without, occlusion=Occlusion(strength=3.0))

@@ -153,7 +153,7 @@ def test_each_effect_can_be_switched_off(gallery: Gallery, everything: Picture, 
 
 @pytest.mark.parametrize("preset", [DRAFT_PRESET, NORMAL_PRESET])
 @pytest.mark.parametrize("yaw", [140, 160, 180, -140])
-def test_no_face_paint_at_the_chart_seam(gallery: Gallery, preset: Preset, yaw: int):
+def test_neck_seen_from_behind_has_no_red_line_at_the_texture_seam(gallery: Gallery, preset: Preset, yaw: int):
     """On the neck, seen from behind, colours change slowly; squeezed face paint would be a red line."""
     with gallery(dataclasses.replace(preset, hair=False), (512, 512)) as portrait:
         neck = portrait.draw({"4": 1.0, "12": 1.0}, Camera(yaw_deg=yaw))[315:430].astype(int)

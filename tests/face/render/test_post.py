@@ -134,7 +134,7 @@ def test_scattering_preserves_light(smiling, unscattered: Picture):
 FULL_SCATTERING = Scattering(threshold=1.0, steps=5)
 
 
-def test_effect_of_skin_scattering_levels_lies_between_none_and_full(smiling, unscattered: Picture):
+def test_three_scattering_levels_change_the_skin_less_than_full_scattering(smiling, unscattered: Picture):
     full, levels, one = (
         smiling(replace(PLAIN_PRESET, scattering=item))
         for item in (FULL_SCATTERING, replace(FULL_SCATTERING, levels=3), replace(FULL_SCATTERING, levels=1))

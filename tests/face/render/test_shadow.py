@@ -46,7 +46,7 @@ def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
     return reach
 
 
-def test_lamp_view_is_centred_on_the_head():
+def test_shadow_projection_of_a_lamp_is_centred_on_the_head():
     towards = STUDIO_LIGHTS.directions()[0]
     view = compute_lamp_view(towards, 0.85, Shadow())
     middle = np.array([0.0, 0.0, -0.85, 1.0])
@@ -116,7 +116,7 @@ def test_lashes_cast_a_faint_shadow(reached):
     assert (coloured - plain).max() <= 1 / 255
 
 
-def test_bilinear_samples_draw_penumbras_more_evenly(reached):
+def test_bilinear_samples_halve_the_penumbra_error_of_nearest_samples(reached):
     """Half of the error remains, compared with many samples (12.1)."""
     many, nearest, bilinear = (
         reached(Shadow(taps=taps, bilinear=mixed))[0] for taps, mixed in ((24, True), (6, False), (6, True))

@@ -89,7 +89,7 @@ def tangent(normals: Floats, flat: Floats) -> Floats:
     return np.where(cosine > 0.0, sine / np.maximum(cosine, 1e-3), 0.0)
 
 
-def test_wrinkle_maps_of_action_units_match_thesis_table_41():
+def test_wrinkle_maps_of_action_units_match_the_published_table():
     assert {wrinkle.unit: wrinkle.maps for wrinkle in load_wrinkles()} == TABLE_41 | ADDED_UNITS
     assert draw_wrinkle_maps().shape[0] == MAP_COUNT
     assert np.all(np.abs(draw_wrinkle_maps()).max(axis=(1, 2)) > 0.2)
@@ -214,7 +214,7 @@ def test_back_of_the_head_has_no_wrinkles(bent: Bent, yaw: float):
 
 
 @pytest.mark.parametrize("yaw", CAMERA_YAWS)
-def test_drawing_wrinkles_only_inside_the_face_rectangle_changes_no_normals(
+def test_wrinkle_normals_are_equal_if_drawn_on_the_whole_picture_or_the_face_only(
     bent: Bent, yaw: float, monkeypatch: pytest.MonkeyPatch
 ):
     camera, everything = Camera(yaw_deg=yaw), {str(unit): 1.0 for unit in WRINKLED_UNITS}

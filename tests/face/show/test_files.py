@@ -119,7 +119,7 @@ def test_film_repeats_unless_it_is_shown_once(tmp_path: Path, once: dict[str, bo
         assert film.info["loop"] == loops
 
 
-def test_films_are_compressed_with_one_quality_and_effort(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_webp_films_have_the_default_quality_and_compression_effort(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Other values are valid, but change the size of all films and the time to write them."""
     asked: list[dict[str, object]] = []
     webp = film_file.WebpFilm
@@ -128,7 +128,7 @@ def test_films_are_compressed_with_one_quality_and_effort(tmp_path: Path, monkey
     assert asked == [{"quality": 86, "method": 1, "in_parts": False, "once": False}]
 
 
-def test_error_of_the_encoder_is_an_error_of_the_display(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_encoder_error_is_raised_as_a_display_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     opened: list[tuple[object, ...]] = []
 
     def fail_to_open(*places: object, **options: object) -> None:

@@ -111,7 +111,7 @@ def test_unknown_film_format_is_rejected_immediately(tmp_path: Path):
         FaceRecording(tmp_path / "x.gif")
 
 
-def test_pictures_are_due_from_the_time_of_the_first_command(drawable: None, tmp_path: Path):
+def test_face_film_starts_at_the_time_of_the_first_command(drawable: None, tmp_path: Path):
     film = FaceRecording(tmp_path / "x.webp", rate=20.0, look=SMALL_SETTINGS)
     for command in opening(0.5):
         film.write(Command(command.time + 7.0, *[NO_ANGLES] * 4, command.face))
@@ -166,14 +166,14 @@ def test_dim_scene_widens_the_filmed_pupils(drawn, tmp_path: Path):
     assert bright["pupil"] == round(bright["pupil"], 5) != round(bright["pupil"], 4)
 
 
-def test_pictures_are_due_25_times_per_second_within_a_microsecond(drawn, tmp_path: Path):
+def test_default_face_film_has_25_pictures_per_second_despite_rounded_times(drawn, tmp_path: Path):
     times = [3.0, 3.0 + 1e-9, 3.04 - 2e-6, 3.04 - 5e-7, 3.06, 3.08 + 1e-3]
     play(still(times), FaceRecording(tmp_path / "x.webp"))
     assert [picture["units"]["26"] for picture in drawn] == [0.0, 0.03, 0.05]
 
 
 @pytest.mark.parametrize(("limit", "count"), [(4, 4), (3, 2)])
-def test_pictures_are_left_out_only_above_the_largest_number(drawn, tmp_path: Path, monkeypatch, limit, count):
+def test_face_film_omits_pictures_only_above_the_maximum_number(drawn, tmp_path: Path, monkeypatch, limit, count):
     assert recording.MAX_PICTURES == 3600
     monkeypatch.setattr(recording, "MAX_PICTURES", limit)
     shares: list[float] = []
@@ -183,14 +183,14 @@ def test_pictures_are_left_out_only_above_the_largest_number(drawn, tmp_path: Pa
     assert len(drawn) == count
 
 
-def test_pupils_of_the_first_picture_have_had_no_time_to_change(drawn, tmp_path: Path, monkeypatch):
+def test_pupil_model_advances_by_zero_time_at_the_first_picture(drawn, tmp_path: Path, monkeypatch):
     elapsed: list[float] = []
     monkeypatch.setattr(recording.Pupils, "follow", lambda self, light, passed: elapsed.append(passed) or 0.003)
     play(still([5.0, 5.1, 5.3]), FaceRecording(tmp_path / "x.webp", rate=10.0))
     assert elapsed == pytest.approx([0.0, 0.1, 0.2])
 
 
-def test_film_is_written_after_the_context_unless_it_fails(drawn, tmp_path: Path):
+def test_face_film_is_written_at_context_exit_unless_an_exception_was_raised(drawn, tmp_path: Path):
     path = tmp_path / "x.webp"
 
     def fail() -> None:

@@ -285,7 +285,7 @@ def test_adapter_slower_than_the_period_delays_records_but_reports_no_silence(ri
     ["truncate", *(pytest.param(kind, marks=pytest.mark.soak) for kind in OTHERS)],
 )
 @on_kinesic_servos
-def test_bus_used_four_fifths_of_the_time_allows_repeated_queries(rig: Make, kind: str):
+def test_repeated_queries_recover_faults_on_a_bus_that_is_four_fifths_busy(rig: Make, kind: str):
     made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
     cycles = made.run(120, np.full(26, MID))
@@ -303,7 +303,7 @@ def test_silent_servo_delays_records_of_others_at_most_twice(rig: Make):
     assert all(fresh.all() for fresh in others[2:])
 
 
-def test_reply_later_than_its_cycle_affects_only_that_cycle(rig: Make):
+def test_reply_that_arrives_after_its_cycle_affects_only_that_cycle(rig: Make):
     made = rig(14, faults=plan("late", start=0.5, seconds=0.008))
     made.energise()
     whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID))]

@@ -249,7 +249,7 @@ def test_reply_recovered_by_a_repeated_query_clears_the_late_reply_state(rig: Ma
     assert not made.bus._listener.replies_late
 
 
-def test_repeated_query_destroys_most_late_replies(rig: Make):
+def test_replies_count_as_late_if_repeated_queries_recover_only_one_of_three_servos(rig: Make):
     """No reply is received before the queries are repeated, and then one of three."""
     made = rig(3, period=0.05)
     made.run(3)
@@ -259,7 +259,7 @@ def test_repeated_query_destroys_most_late_replies(rig: Make):
     assert made.bus._listener.replies_late
 
 
-def test_answered_repeat_for_one_of_several_servos_keeps_assuming_late_replies(rig: Make):
+def test_replies_still_count_as_late_if_a_repeated_query_recovers_one_servo(rig: Make):
     made = rig(3, period=0.05)
     made.run(3)
     write, count = made.wire.write, [0]

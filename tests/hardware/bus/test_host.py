@@ -93,7 +93,7 @@ def test_host_with_punctual_cycles_gets_short_watchdog_times_again():
     assert (host.watchdog_factor, host.pace) == (1, 1.0)
 
 
-def test_slow_operations_do_not_count_as_host_delay():
+def test_delay_of_an_excused_slow_operation_does_not_count_as_host_delay():
     host = Punctuality(0.1)
     beat(host, [0.01])
     assert not host.note(100.02, excused=True)

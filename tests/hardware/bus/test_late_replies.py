@@ -170,7 +170,7 @@ def test_silence_after_a_cycle_without_query_indicates_clock_drift(waiting: Wait
     assert not waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
 
 
-def test_confirmed_late_replies_prevent_another_trial_during_the_trial_pause(waiting: Waiting):
+def test_confirmed_late_replies_prevent_another_cycle_without_query_for_a_while(waiting: Waiting):
     for _ in range(2):
         waiting.cycle_of_the_past()
     waiting.wire.sleep(1.05)

@@ -146,7 +146,7 @@ def test_reply_with_added_bytes_is_received_to_its_end():
     assert answer.whole
 
 
-def test_reply_without_its_first_byte_follows_no_earlier_bytes():
+def test_reply_without_its_first_byte_is_complete_and_preceded_by_no_bytes():
     made = listener((READY, joint()[1:]))
     answer = made.receive(QUESTION, end=END)
     assert answer is not None
@@ -173,7 +173,7 @@ def test_listener_stops_examining_usb_bursts_after_several_intact_replies():
         assert answer is not None
 
 
-def test_patient_receive_accepts_a_reply_shortly_before_the_deadline():
+def test_patient_listener_accepts_a_reply_shortly_before_the_deadline():
     made = listener((0.009, joint()))
     answer = made.receive(QUESTION, end=END, patient=True)
     assert answer is not None
@@ -199,7 +199,7 @@ def test_reply_before_its_earliest_time_belongs_to_an_earlier_query():
     assert made.early
 
 
-def test_single_servo_is_queried_and_answers():
+def test_exchange_with_one_servo_returns_only_replies_of_its_id():
     made = Listener(Arrivals((0.001, status(2, 0, b"\x01")), (0.0015, status(1, 0, b"\x02"))))
     assert made.exchange(b"question", 1, 1) == b"\x02"
     assert made.exchange(b"question", 1, 1) is None

@@ -116,7 +116,7 @@ def test_jump_of_joint_without_torque_is_accepted_when_repeated(gate: Plausibili
     assert told(gate, blocks(1200, position=2800), 1.2) == [True, True]
 
 
-def test_switching_torque_on_resets_whole_turns(gate: PlausibilityFilter):
+def test_position_may_lose_whole_turns_when_torque_is_switched_on(gate: PlausibilityFilter):
     gate.forget(1)
     assert told(gate, blocks(1010, position=2048 + 4096), 1.01) == [True, True]
     assert told(gate, blocks(1020, position=2050, torque=1), 1.02) == [True, True]
@@ -128,7 +128,7 @@ def test_jump_by_a_whole_turn_without_torque_is_doubted(gate: PlausibilityFilter
     assert gate.blocks["position"][1] == 2048
 
 
-def test_false_servo_record_does_not_hide_later_true_records(gate: PlausibilityFilter):
+def test_record_after_a_rejected_one_is_compared_with_the_last_accepted_one(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2048 + 300, torque=1), 1.02) == [True, False]
     assert told(gate, blocks(1030, position=2048 + 60, torque=1), 1.03) == [True, True]
@@ -140,7 +140,7 @@ def test_position_far_from_the_last_accepted_one_is_accepted_after_long_silence(
     assert told(gate, blocks(1220, position=1500, torque=1), 1.22) == [True, True]
 
 
-def test_implausible_record_that_returns_after_a_plausible_one_is_unconfirmed(gate: PlausibilityFilter):
+def test_implausible_record_repeated_after_a_plausible_one_is_rejected_again(gate: PlausibilityFilter):
     assert told(gate, blocks(1010, position=3000)) == [True, False]
     assert told(gate, blocks(1020), 1.02) == [True, True]
     assert told(gate, blocks(1030, position=3000), 1.03) == [True, False]

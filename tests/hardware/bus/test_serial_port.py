@@ -88,7 +88,7 @@ def test_read_waits_until_its_deadline_and_not_into_the_past(port: Port, wire: S
     assert port.waits == [(True, 0.25), (True, 0.0)]
 
 
-def test_port_that_is_readable_without_bytes_is_gone(
+def test_serial_port_that_is_readable_without_bytes_is_reported_as_gone(
     port: Port, wire: SerialWire, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(serial_wire.os, "read", lambda file, size: b"")
@@ -142,9 +142,7 @@ def test_stalled_output_is_discarded_after_its_transmission_time_and_a_timeout(f
     assert seconds == pytest.approx(8 * BITS_PER_BYTE / BAUD + STALL_TIMEOUT)
 
 
-def test_output_that_stays_full_although_the_port_looks_ready_ends_in_time(
-    full, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_write_to_a_port_that_takes_no_bytes_although_ready_times_out(full, monkeypatch: pytest.MonkeyPatch) -> None:
     port, wire, (_, flushed) = full
 
     def refuse(file: int, data: memoryview) -> int:
@@ -158,7 +156,7 @@ def test_output_that_stays_full_although_the_port_looks_ready_ends_in_time(
     assert flushed == [termios.TCOFLUSH]
 
 
-def test_closed_wire_is_gone_until_it_is_reopened(port: Port, wire: SerialWire) -> None:
+def test_closed_serial_port_is_reported_as_gone_until_it_is_reopened(port: Port, wire: SerialWire) -> None:
     wire.close()
     for action in (lambda: wire.read(60.0), lambda: wire.write(b"a")):
         with pytest.raises(BusError, match="the port is gone"):
@@ -168,7 +166,7 @@ def test_closed_wire_is_gone_until_it_is_reopened(port: Port, wire: SerialWire) 
     assert os.read(port.file, 10) == b"b"
 
 
-def test_wire_stays_closed_while_its_port_is_in_use_or_renamed(
+def test_serial_port_stays_closed_while_its_path_is_in_use_or_renamed(
     port: Port, wire: SerialWire, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wire.close()
@@ -179,7 +177,7 @@ def test_wire_stays_closed_while_its_port_is_in_use_or_renamed(
     assert not wire.reopen()
 
 
-def test_unchanged_link_to_another_terminal_is_reused_by_it() -> None:
+def test_unchanged_link_to_another_terminal_counts_as_reused() -> None:
     first = TerminalIdentity((5, 100), (7, 200))
     for later, reused in (
         (first, False),
@@ -191,7 +189,7 @@ def test_unchanged_link_to_another_terminal_is_reused_by_it() -> None:
         assert first.is_reused_by(later) is reused
 
 
-def test_identity_of_a_terminal_has_its_number_and_of_a_link_its_own(port: Port, tmp_path: Path) -> None:
+def test_terminal_identity_has_device_number_and_link_number(port: Port, tmp_path: Path) -> None:
     plain, link = tmp_path / "plain", tmp_path / "link"
     plain.write_text("")
     link.symlink_to(port.path)
@@ -203,7 +201,7 @@ def test_identity_of_a_terminal_has_its_number_and_of_a_link_its_own(port: Port,
     assert TerminalIdentity.of(link).device == (status.st_rdev, status.st_ctime_ns)
 
 
-def test_only_terminals_of_the_kernel_are_locked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_kernel_terminals_are_locked_exclusively(monkeypatch: pytest.MonkeyPatch) -> None:
     locked: list[tuple[int, int]] = []
     monkeypatch.setattr(serial_wire, "ioctl", lambda file, request: locked.append((file, request)))
     for name in ("/dev/pts/3", "/dev/ttyUSB0"):

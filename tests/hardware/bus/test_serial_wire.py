@@ -194,7 +194,7 @@ def test_name_that_now_belongs_to_another_adapter_is_not_opened(
     assert not wire.reopen()
 
 
-def test_terminal_that_takes_over_the_number_of_a_vanished_one_is_not_opened(tmp_path: Path):
+def test_link_that_leads_to_another_terminal_after_a_loss_is_not_reopened(tmp_path: Path):
     """As when the simulation of another robot starts after this one was killed, or a shell."""
     first, second = os.openpty(), os.openpty()
     number, link = tmp_path / "number", tmp_path / "port"  # a number, and the link of a killed simulation to it
@@ -215,7 +215,7 @@ def test_terminal_that_takes_over_the_number_of_a_vanished_one_is_not_opened(tmp
         os.close(end)
 
 
-def test_reused_number_of_a_terminal_without_a_link_is_not_opened():
+def test_terminal_path_reused_by_another_terminal_is_not_reopened():
     first = os.openpty()
     path = os.ttyname(first[1])
     wire = SerialWire(path, 57_600)

@@ -254,7 +254,7 @@ def test_realtime_tick_counts_milliseconds(bench: Make):
     assert made.read("tick")[1] - before == pytest.approx(500, abs=2)
 
 
-def test_arm_falls_without_torque_and_torque_holds_it(bench: Make):
+def test_torque_holds_the_arm_of_a_reference_servo_and_it_falls_without(bench: Make):
     made = bench(1, 2)
     shoulder, elbow = (device.shaft for device in made.devices)
     made.line.world.arms = (Arm((Link(shoulder, 0.0, 1.0, 0.6), Link(elbow, 0.0, 1.0, 0.2))),)

@@ -159,7 +159,7 @@ def test_simulated_temperature_ramp_and_voltage_sag_reach_the_registers(bench: M
     assert made.read("error", 2) == (p.ALERT, VOLTAGE)
 
 
-def test_replay_fault_returns_an_old_reply_first(bench: Make):
+def test_replay_fault_returns_one_reply_of_three_exchanges_before(bench: Make):
     made = bench(1, 2)
     made.line.expose(faults.Replay(age=3, servos=(1,)))
     made.device.firmware.tampers.append(lambda memory: memory.__setitem__("present_position", memory["tick"]))

@@ -46,7 +46,7 @@ def test_observer_reports_nothing_for_raised_arms_without_faults(raised: Drill):
     assert (np.abs(raised.observer.angles(raised.present_position.astype(float)))[[1, 2, 4, 5]] > np.radians(50)).all()
 
 
-def test_goal_moved_to_the_servo_position_causes_no_jump(raised: Drill):
+def test_goal_moved_to_the_servo_position_does_not_count_as_a_jump(raised: Drill):
     say(raised, Register.GOAL_POSITION, 2048)
     count = len(raised.observer.broken)
     here = int(raised.present_position[1])
@@ -56,7 +56,7 @@ def test_goal_moved_to_the_servo_position_causes_no_jump(raised: Drill):
     assert len(raised.observer.broken) == 2
 
 
-def test_wrongly_estimated_joint_angle_is_reported(raised: Drill):
+def test_observer_reports_a_wrongly_estimated_joint_angle(raised: Drill):
     believed = raised.status.angles.copy()
     believed[1] += 0.2
     raised.observer.look(raised.plant.time, believed, np.full(len(believed), raised.plant.time))
@@ -76,7 +76,7 @@ def test_observer_reports_motion_after_a_standstill(raised: Drill):
     assert any("nobody has agreed" in line for line in observer.broken)
 
 
-def test_observer_reports_every_broken_safety_rule(raised: Drill):
+def test_observer_reports_torque_loss_zero_power_goal_jumps_and_reboots(raised: Drill):
     say(raised, Register.TORQUE_ENABLE, 0)
     say(raised, Register.GOAL_PWM, 0, servo=ELBOW)
     say(raised, Register.GOAL_POSITION, 2048, bus="right")

@@ -49,7 +49,7 @@ def test_supervisor_gets_its_order_over_a_pipe_that_stays_open(played: Rig, tmp_
     assert not servos.running
 
 
-def test_servos_without_a_log_order_none(played: Rig) -> None:
+def test_supervisor_order_of_servos_without_an_event_log_names_no_log(played: Rig) -> None:
     _, supervisor = played.open()
     assert msgspec.json.decode(supervisor.reader.readline(), type=SupervisorOrder).log is None
 
@@ -71,7 +71,7 @@ def test_setpoints_of_another_robot_or_without_a_value_are_refused(played: Rig, 
     assert supervisor.channel.commands(9) == []
 
 
-def test_commands_beyond_the_channel_are_kept_and_passed_on_later(played: Rig) -> None:
+def test_commands_beyond_the_channel_capacity_are_kept_and_sent_later(played: Rig) -> None:
     servos, supervisor = played.open()
     supervisor.channel.set("written", supervisor.channel.capacity)  # full
     servos.write(played.command(1.0))
@@ -99,7 +99,7 @@ def test_status_and_events_of_the_supervisor_are_returned_once(played: Rig) -> N
     assert np.isnan(servos.telemetry().clock) or servos.telemetry().clock == 0.0
 
 
-def test_requests_set_their_words_in_the_channel(played: Rig) -> None:
+def test_stop_resume_release_and_slow_requests_reach_the_channel(played: Rig) -> None:
     servos, supervisor = played.open()
     word = supervisor.channel.word
     servos.stop()
@@ -193,7 +193,7 @@ def test_held_limb_with_all_joints_at_rest_names_a_silent_servo(played: Rig) -> 
         (0, 0, "the supervisor has released the servos and ended: no power; open them again"),
     ],
 )
-def test_command_after_the_end_of_the_supervisor_says_how_it_ended(
+def test_error_of_a_command_after_the_supervisor_ended_says_how_it_ended(
     played: Rig, code: int, energised: int, message: str
 ) -> None:
     servos, supervisor = played.open()
@@ -216,7 +216,7 @@ def test_torque_that_is_left_on_is_reported_after_closing(played: Rig) -> None:
     ("notes", "message"),
     [((), r"did not start \(exit code 2\)"), ((("refused", "a"), ("other", "x"), ("refused", "b")), "^a\nb$")],
 )
-def test_supervisor_that_refuses_the_servos_is_reported_line_by_line(played: Rig, notes, message: str) -> None:
+def test_error_lists_each_reason_why_the_supervisor_refuses_the_servos(played: Rig, notes, message: str) -> None:
     def refuse(supervisor: PlayedSupervisor) -> None:
         for kind, text in notes:
             supervisor.note(kind, text)

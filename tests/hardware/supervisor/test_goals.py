@@ -62,7 +62,7 @@ def run(steering: GoalSteering, present: np.ndarray | None = None, *, cycles: in
     return refused
 
 
-def test_goal_steering_without_goals_returns_no_ticks_and_nan_angles(manifest):
+def test_goal_control_without_goals_returns_no_ticks_and_nan_angles(manifest):
     steering = GoalSteering(manifest, DEFAULT_SETTINGS)
     assert steering.goals is None
     assert steering.ticks() is None
@@ -181,7 +181,7 @@ def test_fold_command_does_not_wait_for_a_servo_without_torque(steering, manifes
     assert steering.arrived
 
 
-def test_servo_positions_do_not_create_goals_before_goals_are_set(manifest):
+def test_following_servos_without_torque_creates_no_goals(manifest):
     steering = GoalSteering(manifest, DEFAULT_SETTINGS)
     steering.follow_limp(np.array([True, False, False, False, False]), np.full(5, 1900.0))
     assert steering.goals is None

@@ -93,7 +93,7 @@ def play(player: Player, seconds: float, *, target: float = 1.0) -> float:
     return float(angles[0])
 
 
-def test_performance_time_starts_at_its_first_command_at_full_rate():
+def test_performance_starts_at_the_time_of_its_first_command_and_runs_at_full_rate():
     player = player_with(np.arange(2.0, 4.0, STEP))
     assert (player.begun, player.still) == (True, True)
     assert player.left == pytest.approx(1.99)
@@ -144,7 +144,7 @@ def test_performance_time_restarts_at_the_first_command_of_a_new_performance():
         assert player.time_scale.time == begin
 
 
-def test_early_command_starts_no_performance_while_half_a_second_is_left():
+def test_command_with_an_earlier_time_starts_no_new_performance_half_a_second_before_the_end():
     player = player_with(np.arange(0.0, 2.0, STEP))
     player.follow()
     play(player, 1.5)
@@ -152,7 +152,7 @@ def test_early_command_starts_no_performance_while_half_a_second_is_left():
     assert player.performances == 1
 
 
-def test_move_has_ended_up_to_rounding_but_not_a_second_before():
+def test_move_counts_as_ended_up_to_rounding_but_not_10_ms_before_its_end():
     player = player_with(np.arange(0.0, 1.0, STEP))
     player.approach(np.array([0.8]))
     duration = player._move.duration

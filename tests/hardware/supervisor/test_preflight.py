@@ -100,7 +100,9 @@ def test_required_limits_only_narrow_the_present_ones(manifest):
 @pytest.mark.parametrize(
     ("place", "firmware", "is_required"), [(XM430, 44, False), (XM430, 45, True), (XC330, 44, True)]
 )
-def test_startup_configuration_is_cleared_where_the_firmware_has_it(manifest, place, firmware, is_required):
+def test_startup_configuration_is_cleared_if_model_and_firmware_have_the_register(
+    manifest, place, firmware, is_required
+):
     registers = required_registers(table(manifest.members[place], FIRMWARE_VERSION=firmware))
     assert registers.get(Register.STARTUP_CONFIGURATION) == (0 if is_required else None)
 
@@ -123,7 +125,7 @@ def test_open_ports_are_closed_if_another_does_not_open(manifest):
 
 
 @pytest.mark.parametrize(("angle", "is_refused"), [(np.pi, False), (0.1, True)])
-def test_servo_is_judged_again_after_its_zero_was_set(desk, angle, is_refused):
+def test_servo_position_is_checked_again_after_its_homing_offset_was_cleared(desk, angle, is_refused):
     made = desk()
     made.plant.servos[2].memory[Register.HOMING_OFFSET] = 900
     made.plant.physics.turn(2, angle)

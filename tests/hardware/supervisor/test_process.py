@@ -112,16 +112,14 @@ def test_supervisor_runs_one_cycle_per_period_until_it_has_ended(host: Host) -> 
     assert host.frozen == ["collect", "freeze"]
 
 
-def test_cycle_that_is_over_a_period_late_is_counted_and_not_made_up(
-    host: Host, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cycle_more_than_a_period_late_is_counted_and_not_repeated(host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(PlayedSupervisor, "delays", (0.039, 0.05, 0.001))
     _, supervisor = host.supervise()
     assert supervisor.late == 1  # the first is late by less than a period
     assert supervisor.sleeps == pytest.approx([7.02, 7.089, 7.109])
 
 
-def test_refused_servos_end_the_process_with_a_code_of_its_own(host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_supervisor_process_exits_with_2_if_it_refuses_the_servos(host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(PlayedSupervisor, "cycles", 0)
     code, supervisor = host.supervise()
     assert (code, supervisor.steps) == (2, 0)
@@ -166,7 +164,7 @@ def test_published_addresses_are_removed_at_the_end(host: Host) -> None:
     assert not host.files[1].exists()
 
 
-def test_events_are_logged_to_the_ordered_file(host: Host, tmp_path: Path) -> None:
+def test_event_log_named_in_the_order_is_opened_and_closed_at_the_end(host: Host, tmp_path: Path) -> None:
     log = tmp_path / "events"
     _, supervisor = host.supervise(log=str(log))
     assert log.exists()
@@ -198,7 +196,7 @@ def test_planner_is_alive_while_its_pipe_is_open(pipe) -> None:
     assert closed == ["closed"]
 
 
-def test_planner_is_gone_once_this_process_has_another_parent(pipe, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_planner_counts_as_dead_once_the_supervisor_has_another_parent(pipe, monkeypatch: pytest.MonkeyPatch) -> None:
     reader, writer, closed = pipe
     planner = PlannerPipe(reader)
     parent = os.getppid()
@@ -210,7 +208,9 @@ def test_planner_is_gone_once_this_process_has_another_parent(pipe, monkeypatch:
     os.close(writer)
 
 
-def test_output_of_a_lonely_supervisor_goes_nowhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_closed_standard_output_of_the_supervisor_discards_later_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     files = [(tmp_path / name).open("w") for name in ("out", "err")]
     monkeypatch.setattr(sys, "stdout", files[0])
     monkeypatch.setattr(sys, "stderr", files[1])

@@ -219,7 +219,7 @@ def test_wrong_register_is_set_before_torque(tmp_path: Path, hostile: tuple[Regi
 
 
 @pytest.mark.parametrize(("hostile", "value"), PERFORMED)
-def test_wrong_register_keeps_its_value_with_torque_and_motion_is_correct(
+def test_wrong_register_of_a_servo_with_torque_keeps_its_value_and_motion_is_correct(
     tmp_path: Path, hostile: tuple[Register, int], value: int
 ):
     made = two_servos(tmp_path, model_with(hostile[0]))

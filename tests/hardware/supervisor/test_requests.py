@@ -113,7 +113,7 @@ FLAGS = [field.name for field in fields(Observation) if field.type in (bool, "bo
 
 
 @pytest.mark.parametrize("flag", FLAGS)
-def test_only_the_expected_observation_flags_end_a_performance_or_an_emergency_stop(flag: str):
+def test_each_observation_flag_ends_a_performance_or_a_stop_only_if_expected(flag: str):
     """Each flag alone is inverted, from its value without faults and without a performance."""
     calm = Observation()
     assert (calm.over, calm.dismissed) == (False, False)

@@ -136,7 +136,7 @@ def test_each_event_leads_to_the_expected_stage_actions_and_flags(
         ({}, {"due": False}),
     ],
 )
-def test_each_trouble_slows_the_performance_to_a_stop(stage: Stage, before: dict, facts: dict):
+def test_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(stage: Stage, before: dict, facts: dict):
     other = Stage.ACTIVE if stage is Stage.APPROACH else Stage.APPROACH
     known = replace(CALM, **facts, reached=True)
     state, begun = step(at(stage, **before, slowed=other), "tick", known)

@@ -66,7 +66,7 @@ def test_servo_that_has_lost_its_torque_is_armed_again():
     assert (state.stage, actions) == (Stage.ARM, ("arm",))
 
 
-def test_failed_servo_ends_the_performance():
+def test_failed_servo_degrades_the_performance_which_then_folds_and_releases():
     state, _ = step(at(Stage.ACTIVE), "failed", replace(CALM, due=True))
     assert state.faulty
     assert state.stage is Stage.DEGRADED

@@ -30,7 +30,7 @@ def test_opening_configures_servos_without_torque(desk: Make):
     assert sum(line.startswith("configured") for line in made.kinds()) == 10
 
 
-def test_robot_unreachable_by_stop_is_refused_before_configuration(desk: Make):
+def test_robot_that_the_stop_command_cannot_find_is_refused_before_configuration(desk: Make):
     made = desk()
 
     def fail() -> None:
@@ -178,7 +178,7 @@ def test_servos_away_from_their_goals_do_not_jump_at_torque_on(desk: Make):
     assert np.abs(made.present_position - before).max() <= 2
 
 
-def test_goals_stay_in_range_without_jumps(desk: Make):
+def test_random_commands_give_goals_in_range_without_jumps(desk: Make):
     made = desk()
     made.open()
     rng = np.random.default_rng(1)

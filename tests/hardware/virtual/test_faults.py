@@ -64,7 +64,7 @@ def struck(kind: FaultKind, *, seed: int = 1, **changes: object) -> list[bytes]:
     return [heard.data for heard in weather.replies([Sent(1, DATA)], 0.0)]
 
 
-def test_each_wire_fault_changes_the_reply_as_described():
+def test_each_wire_fault_damages_a_reply_in_its_own_way():
     for seed in range(20):
         corrupt, drop, cut, noise = (struck(kind, seed=seed)[0] for kind in ("corrupt", "drop", "truncate", "noise"))
         assert sum(a != b for a, b in zip(corrupt, DATA, strict=True)) == 1
@@ -99,7 +99,7 @@ def test_lost_block_ends_a_fast_reply():
     assert len(weather.replies([Sent(servo, DATA) for servo in (1, 2, 3)], 0.0)) == 2
 
 
-def test_fault_rates_and_seeds_are_respected():
+def test_random_faults_have_their_rate_and_depend_only_on_the_seed():
     def lost(seed: int) -> list[int]:
         weather = WireFaults(FaultPlan((PlannedFault("lost", rate=0.05),), seed))
         return [len(weather.replies([Sent(1, DATA)], 0.0)) for _ in range(4000)]

@@ -36,7 +36,7 @@ def test_built_servos_answer_with_their_models_and_positions():
         assert servo.memory[Register.TORQUE_ENABLE] == 0
 
 
-def test_servos_on_two_buses_are_simulated_in_one_plant():
+def test_servos_with_equal_ids_on_two_buses_are_simulated_separately_in_one_plant():
     plant, buses = build_bus([Cable("left", (ServoFitting(1),)), Cable("right", (ServoFitting(1), ServoFitting(2)))])
     left, right = (MemoryWire(buses[name]) for name in ("left", "right"))
     left.write(packet.write_packet(1, 64, b"\1"))

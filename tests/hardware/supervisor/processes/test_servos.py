@@ -39,7 +39,7 @@ def test_performance_ends_at_rest_without_torque(rig):
     assert np.abs(record.goals[1:] - record.places[1:])[came].max() <= 2
 
 
-def test_writing_never_waits_for_the_supervisor(rig):
+def test_commands_are_written_without_waiting_for_a_suspended_supervisor(rig):
     """Write more commands than fit while nobody reads any."""
     servos = rig.opened()
     os.kill(servos.pid, signal.SIGSTOP)
@@ -67,7 +67,7 @@ def test_missing_ports_are_refused_in_one_line_each(robot: Robot, tmp_path: Path
     ]
 
 
-def test_every_bus_needs_a_port(robot: Robot, tmp_path: Path):
+def test_error_names_all_buses_if_one_has_no_port(robot: Robot, tmp_path: Path):
     with pytest.raises(BusError, match="little needs left=PATH, right=PATH"):
         Servos(robot, {"left": tmp_path})
 

@@ -54,7 +54,7 @@ def test_stop_by_another_program_holds_the_robot_until_a_resume_request(rig, mov
         stop.stop_robots()
 
 
-def test_supervisor_that_does_not_stop_is_reported(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
+def test_error_reports_a_supervisor_that_does_not_stop_in_time(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(stop, "STANDSTILL_TIMEOUT", STILL)
     rig.freeze(moving)
     with pytest.raises(BusError, match=r"1 of 1 robots have not stopped in 0.3 s \(active\); switch the power off"):

@@ -77,7 +77,7 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
         if "1%" not in case.name
     ],
 )
-def test_performance_survives_every_fault(crowd: Make, case: FaultCase):
+def test_performance_of_few_servos_survives_each_bus_fault(crowd: Make, case: FaultCase):
     struck(crowd, case, FEW, 1_000_000, 1)
 
 
@@ -87,7 +87,7 @@ COMBINATIONS = [(count, baud, seed) for count in SIZES for baud in BAUDS for see
 @pytest.mark.soak
 @pytest.mark.parametrize(("count", "baud", "seed"), COMBINATIONS)
 @pytest.mark.parametrize("case", list_cases(), ids=lambda case: case.name)
-def test_performance_with_any_servo_count_and_baud_rate_survives_every_fault(
+def test_performance_survives_each_bus_fault_with_several_servo_counts_and_baud_rates(
     crowd: Make, case: FaultCase, count: int, baud: int, seed: int
 ):
     struck(crowd, case, count, baud, seed)
@@ -110,7 +110,7 @@ def test_servos_are_adopted_after_every_port_outage(crowd: Make, count: int):
 
 
 @pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.soak)])
-def test_killed_supervisor_is_replaced_by_the_next(crowd: Make, count: int):
+def test_supervisor_started_after_a_killed_one_continues_with_torque_and_ends_normally(crowd: Make, count: int):
     desk = crowd(FEW)
     for _ in range(count):
         desk.open()

@@ -31,7 +31,7 @@ def test_telemetry_contains_the_values_of_each_servo(desk: Callable):
     assert made.channel.telemetry().errors.tolist() == [0.0, 0.0, HardwareError.OVERLOAD.value, 0.0, 0.0]
 
 
-def test_loads_are_relative_to_the_limit_in_hinge_direction():
+def test_servo_loads_are_fractions_of_the_current_limit_in_hinge_direction():
     records = np.zeros(3, dtype=RECORD_DTYPE)
     records["current"] = [455, 455, -910]
     everybody, full = np.ones(3, dtype=np.bool_), np.full(3, 910.0)
