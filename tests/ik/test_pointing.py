@@ -28,7 +28,7 @@ def _direction_error(solution: Solution) -> float:
 
 
 @pytest.mark.parametrize(("palm", "satisfied"), [(False, 0.95), (True, 0.88)])
-def test_free_elbow_swivel_meets_most_hand_directions(palm, satisfied):
+def test_swivel_search_meets_most_hand_directions_of_random_postures(palm, satisfied):
     random, before, after = default_rng(31), [], []
     for _ in range(100):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=palm)

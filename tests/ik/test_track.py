@@ -56,13 +56,13 @@ def test_tracker_follows_a_closed_path_and_returns_to_the_same_posture() -> None
 
 
 @pytest.mark.parametrize("rate", [50, 1000])
-def test_tracking_is_independent_of_the_rate(rate: int) -> None:
+def test_tracked_path_at_50_and_1000_hz_equals_that_at_200_hz(rate: int) -> None:
     reference = _laps(_ellipse, 200)[1][::4]
     other = _laps(_ellipse, rate)[1][:: rate // 50]
     assert np.abs(other - reference).max() < 0.01 * np.ptp(reference, axis=0).max()
 
 
-def test_tracker_posture_drifts_without_attraction_to_the_rest_posture() -> None:
+def test_tracked_posture_drifts_from_lap_to_lap_without_attraction_to_rest() -> None:
     first, second = _laps(_ellipse, 100, posture_seconds=np.inf)
     assert np.abs(first[-1] - second[-1]).max() > 0.05
 

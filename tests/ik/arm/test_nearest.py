@@ -61,7 +61,7 @@ def test_ik_keeps_the_first_posture_if_others_gain_less_than_1_mm():
     assert 1e-4 < kept.miss < 1e-3
 
 
-def test_nearest_arm_posture_stays_in_range_and_never_worsens():
+def test_nearest_arm_posture_for_unreachable_targets_is_in_range_and_no_worse_than_its_start():
     random = default_rng(42)
     for target in _beyond(40, seed=43):
         start = random.uniform(LEFT.lower, LEFT.upper)
@@ -83,6 +83,6 @@ def test_nearest_arm_posture_is_a_coordinatewise_optimum():
                 assert np.linalg.norm(LEFT.hand(moved) - target) > result.miss - 1e-6
 
 
-def test_arm_with_its_hand_on_target_is_unchanged():
+def test_nearest_posture_search_keeps_an_arm_with_its_hand_on_target():
     result = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), [LEFT.rest.tolist()])
     assert np.abs(np.array(result.angles) - LEFT.rest[: len(result.angles)]).max() < 1e-9

@@ -26,7 +26,7 @@ def test_numerical_ik_correction_brings_a_near_hand_onto_its_target() -> None:
         assert polished.rounds <= ROUNDS
 
 
-def test_numerical_correction_never_increases_the_error_or_leaves_ranges() -> None:
+def test_numerical_correction_of_random_postures_does_not_increase_errors_or_leave_ranges() -> None:
     random = default_rng(7)
     for _ in range(50):
         angles = random.uniform(CHAIN.lower, CHAIN.upper)

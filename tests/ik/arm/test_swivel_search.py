@@ -25,7 +25,7 @@ def test_swivel_search_starts_with_the_present_arm_posture():
     assert first.cost < 1e-9
 
 
-def test_searched_postures_are_in_range_and_report_their_error():
+def test_postures_of_the_swivel_search_are_in_range_and_report_their_errors():
     seen = list(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist()))
     assert len(seen) == SWIVELS * (GIRDLE_STEPS + 1)
     for cell in seen:

@@ -41,7 +41,7 @@ def test_feasible_wrist_directions_are_met() -> None:
 
 
 @pytest.mark.parametrize("named", [("pointing",), ("palm",), ("pointing", "palm")])
-def test_no_wrist_posture_on_a_grid_has_a_smaller_error(named: tuple[str, ...]) -> None:
+def test_wrist_solution_has_no_larger_error_than_postures_on_a_grid(named: tuple[str, ...]) -> None:
     random = default_rng(9)
     grid = list(itertools.product(*(np.linspace(p.lower, p.upper, 13).tolist() for p in LINK.pivots)))
     for _ in range(4):
@@ -120,7 +120,7 @@ def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: 
 
 
 @pytest.mark.parametrize(("rest", "rounds"), [(0.0, 1), (-TOLERANCE, 1), (-2 * TOLERANCE, 2), (-0.5, 2)])
-def test_wrist_search_ends_after_a_round_with_little_change(
+def test_wrist_search_ends_after_a_round_with_change_within_the_tolerance(
     rest: float, rounds: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The hinge reaches its stop in the first round, and the target is 1e-3 beyond it."""

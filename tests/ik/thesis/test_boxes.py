@@ -29,7 +29,7 @@ def test_euler_angles_in_gimbal_lock_reproduce_the_rotation(order: EulerOrder, s
     assert rotation_of(angles_of(matrix, order), order) == pytest.approx(matrix, abs=1e-9)
 
 
-def test_default_euler_order_matches_thesis_eq_13_0_7():
+def test_default_euler_angles_have_the_published_rotation_matrix():
     phi, theta, psi = 0.3, -0.5, 0.7
     matrix = rotation_of(np.array([phi, theta, psi]), "xyz")
     assert matrix[2, 0] == pytest.approx(-np.sin(theta))

@@ -32,7 +32,7 @@ def test_curved_chain_has_the_requested_lengths_and_bend():
     assert chain.points[0].tolist() == [1.0, 2.0, 3.0]
 
 
-def test_chain_beyond_a_joint_keeps_masses_stiffness_and_limits_of_its_points():
+def test_outer_part_of_a_ball_joint_chain_keeps_its_masses_stiffness_and_limits():
     boxes = EulerBoxes.of([-0.1, -0.2, -0.3], [0.1, 0.2, 0.3], joints=2)
     chain = BallChain.of(POINTS, masses=[1.0, 2.0, 3.0], stiffness=[4.0, 5.0], damping=0.1, limits=boxes)
     outer = chain.beyond(1)
@@ -62,6 +62,6 @@ def test_ball_chain_arrays_are_read_only():
         ({"limits": EulerBoxes.of(-1.0, 1.0, joints=3)}, "limits are given for 3 joints; the chain has 2"),
     ],
 )
-def test_invalid_chains_raise_clear_errors(change, lesson):
+def test_invalid_ball_joint_chains_raise_clear_errors(change, lesson):
     with pytest.raises(ValueError, match=lesson):
         BallChain.of(**({"points": POINTS} | change))

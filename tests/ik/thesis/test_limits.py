@@ -36,7 +36,7 @@ def test_ball_chain_posture_within_joint_limits_is_unchanged():
     assert within_limits(chain, stance, np.ones(3), ground).rotations.tolist() == stance.rotations.tolist()
 
 
-def test_parent_joint_compensates_a_clipped_joint_by_the_arc_rule():
+def test_parent_joint_compensates_a_clipped_joint_in_proportion_to_target_distances():
     points = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.5, 0.0, 0.0)]
     wide = [np.pi, 1.5, np.pi]
     chain = BallChain.of(points, limits=EulerBoxes.of([[-w for w in wide], [-0.1] * 3], [wide, [0.1] * 3], joints=2))

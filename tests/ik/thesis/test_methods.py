@@ -108,7 +108,7 @@ def test_relaxed_springs_have_their_rest_lengths(way):
     assert points[-1] == pytest.approx(task.target, abs=1e-6)
 
 
-def test_equal_masses_relax_as_in_the_production_solver():
+def test_equal_masses_relax_to_the_same_points_as_in_the_arm_solver():
     lengths, target = (0.25, 0.35, 0.4), (0.5, 0.2, 0.3)
     chain = BallChain.curved(lengths)
     mine = swing_pinned(

@@ -78,7 +78,7 @@ def test_torso_may_have_a_target_and_an_arm_may_have_none():
     assert max(reached.residuals.values()) < 1e-3
 
 
-def test_one_bone_limb_turns_like_other_limbs_at_the_common_joint():
+def test_limb_of_one_bone_rotates_like_the_other_limbs_at_their_common_joint():
     top = CHAINS["torso"].points[-1]
     head = Limb("head", BallChain.of([top, top + np.array([0.0, 0.0, 0.2])]), "torso")
     reached = solve_several(Limbs((*LIMBS.members, head)), {"l_arm": np.array([0.35, 0.1, 0.9])})

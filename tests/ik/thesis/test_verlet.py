@@ -24,7 +24,7 @@ def test_first_verlet_step_is_force_over_mass():
     assert moved == pytest.approx(0.4**2 * _springs().forces(POINTS) / MASSES[:, None])
 
 
-def test_second_verlet_step_follows_eq_7_3_6_with_damping():
+def test_second_verlet_step_adds_damped_displacement_and_acceleration():
     first, second = _after(1, damping=0.2).points, _after(2, damping=0.2).points
     pull = 0.4**2 * _springs().forces(first) / MASSES[:, None]
     assert second == pytest.approx(first + (1.0 - 0.2) * (first - POINTS) + pull)
