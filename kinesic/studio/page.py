@@ -18,6 +18,7 @@ from kinesic.serve.wire.pages import WebFile
 
 PAGE_FOLDER = Path(__file__).parent / "page"  # folder of the page's files
 EXAMPLE_FOLDER = Path(__file__).parent / "examples"  # folder of the example documents
+TEMPLATE_FOLDER = Path(__file__).parent / "templates"  # folder of the documents to begin a new one with
 WELCOME_EXAMPLE = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"  # document with which the page opens
 CONTENT_TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -49,7 +50,8 @@ def page_files(
         "robot": body_data(robot),
         "gestures": _list_gestures(lexicon),
         "styles": sorted(names_of("style"), key=lambda name: (name != style, name)),
-        "examples": _list_examples(),
+        "examples": _list_documents(WELCOME_EXAMPLE, *sorted(EXAMPLE_FOLDER.glob("*.bml"))),
+        "templates": _list_documents(*sorted(TEMPLATE_FOLDER.glob("*.bml"))),
         "document": document,
     }
     contents["/studio.json"] = WebFile(JSON_TYPE, msgspec.json.encode(about))
@@ -93,7 +95,6 @@ def _list_gestures(lexicon: Lexicon) -> list[Json]:
     ]
 
 
-def _list_examples() -> list[Json]:
-    """List name and text of every example document, the welcome example first."""
-    paths = (WELCOME_EXAMPLE, *sorted(EXAMPLE_FOLDER.glob("*.bml")))
+def _list_documents(*paths: Path) -> list[Json]:
+    """List name and text of documents, without the number that sorts their files."""
     return [{"name": path.stem.lstrip("0123456789_"), "text": path.read_text(encoding="utf-8")} for path in paths]

@@ -1,4 +1,4 @@
-// Opens documents: examples, files of the folder, earlier versions, and backups of unsaved documents.
+// Opens documents: templates, examples, files of the folder, earlier versions, and backups of unsaved documents.
 import { Backups, type Unsaved } from "./backups.ts";
 import { Documents, type Stored } from "./documents.ts";
 import { fillOpenMenu } from "./open_menu.ts";
@@ -73,6 +73,7 @@ export class Files {
   /** Open an entry of the menu. */
   choose(kind: string, name: string): void {
     if (kind === "example") this.openExample(name);
+    else if (kind === "template") this.openExample(name, this.about.templates);
     else if (kind === "backup") void this.recovery.open(name);
     else if (kind === "version") void this.openVersion(Number(name));
     else void this.openFile(name);
@@ -82,8 +83,8 @@ export class Files {
     void fillOpenMenu(this.documents, this.recovery, this.saving.file);
   }
 
-  private openExample(name: string): void {
-    const example = this.about.examples.find((each) => each.name === name);
+  private openExample(name: string, among = this.about.examples): void {
+    const example = among.find((each) => each.name === name);
     this.open(`${example?.name ?? "untitled"}.bml`, example?.text ?? "");
   }
 

@@ -2,8 +2,9 @@
 import { byId, make } from "./dom.ts";
 import type { About, Draft } from "./types.ts";
 
-/** Fill the menus of examples, styles and gestures. */
+/** Fill the menus of templates, examples, styles and gestures. */
 export function fillMenus(about: About): void {
+  for (const { name } of about.templates) byId("new").append(make("option", { value: `template:${name}` }, name));
   for (const { name } of about.examples)
     byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
   for (const place of ["style", "own-style"])

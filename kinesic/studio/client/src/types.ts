@@ -41,6 +41,8 @@ export interface About {
   gestures: { id: string; category: string; says: string }[];
   styles: string[];
   examples: { name: string; text: string }[];
+  /** Documents to begin a new one with. */
+  templates: { name: string; text: string }[];
   document: string | null;
 }
 
