@@ -19,7 +19,8 @@ import pytest
 
 MEMORY = 8 << 30  # [bytes] of address space that a mutant may take
 PATIENCE = (20.0, 8.0)  # [s] that tests of a mutant may take, and how many times as long as without it
-SELECTION = ("-m", "not soak and not realtime", "-k", "not manual")  # the same on its servos takes twice as long
+# Runs on the servos of `manual_servo`, which are ids of parametrised tests, would take twice as long.
+SELECTION = ("-m", "not soak and not realtime", "-k", "not ([manual or -manual or manual-)")
 
 FORKS = multiprocessing.get_context("forkserver")  # each trial begins with the heavy libraries loaded
 # Without MuJoCo, whose way of drawing kinesic chooses before the import.

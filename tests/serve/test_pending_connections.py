@@ -48,6 +48,25 @@ def test_new_connections_replace_the_oldest_silent_ones(
     asyncio.run(run())
 
 
+def test_replaced_connection_that_has_begun_to_send_leaves_no_task_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(reception_module, "MAX_PENDING_CONNECTIONS", 2)
+
+    async def run() -> None:
+        async with opened() as door:
+            replaced, _ = await door.connect(b"<bml>")
+            while not door.reception._tasks:
+                await asyncio.sleep(0.005)
+            task = next(iter(door.reception._tasks))
+            for _ in range(2):
+                await door.connect()
+            assert await replaced.read() == b""
+            await asyncio.wait([task], timeout=5.0)  # long before the patience ends
+            assert task.cancelled()
+            assert not door.reception._tasks
+
+    asyncio.run(run())
+
+
 class FullListener(socket.socket):
     """Listener on a machine that can open only a few more files."""
 

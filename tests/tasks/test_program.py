@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+import kinesic
 from kinesic.tasks import program
 
 
@@ -34,3 +35,29 @@ def test_version_names_a_short_hash_python_and_libraries(version_of):
     pattern = r"sources [0-9a-f]{12}, python 3\.\d+\.\d+\S*, numpy \S+, mujoco-core \S+, casadi \S+, highspy \S+"
     assert re.fullmatch(pattern, version_of(a_py=""))
     assert program._version("no-such-library") == "missing"
+
+
+def test_program_consists_of_the_files_of_the_package():
+    assert Path(kinesic.__file__).resolve().parent == program.PACKAGE_FOLDER
+    assert Path(program.__file__).resolve() in program.program_files((".py",))
+
+
+@pytest.mark.parametrize("suffix", ["py", "toml", "cpp", "h"])
+def test_each_kind_of_source_changes_the_version(version_of, suffix: str):
+    assert version_of(**{f"a_{suffix}": "1"}) != version_of(**{f"a_{suffix}": "2"})
+    assert version_of(**{f"a_{suffix}": "1"}) != version_of()
+
+
+def test_files_in_folders_belong_to_the_program_in_the_order_of_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(program, "PACKAGE_FOLDER", tmp_path)
+    (tmp_path / "inner" / "deep").mkdir(parents=True)
+    files = [tmp_path / name for name in ("a.py", "inner/b.py", "inner/deep/c.py", "z.py")]
+    for file in reversed(files):
+        file.touch()
+    (tmp_path / "inner" / "notes.txt").touch()
+    assert list(program.program_files((".py",))) == files
+
+
+def test_same_sources_on_another_machine_have_the_same_version(version_of):
+    assert version_of(a_py="1", b_toml="2") == version_of(b_toml="2", a_py="1")
+    assert version_of(a_py="1", b_py="2") != version_of(a_py="2", b_py="1")
