@@ -19,6 +19,7 @@ PACKAGES = (
         "session",
         "controller",
         "metrics",
+        "capture",
         "realizer",
         "serve",
         "report",

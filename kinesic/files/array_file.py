@@ -8,6 +8,7 @@ import ast
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import BinaryIO
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
@@ -39,17 +40,35 @@ def read_arrays(path: Path, *, max_size: int, kind: str = ".npz of arrays") -> M
         ConfigError: the file is missing, damaged, encrypted or too large, or contains other objects than arrays.
     """
     try:
-        with open_regular(path) as file, ZipFile(file) as archive:
+        with open_regular(path) as file:
+            return unpack_arrays(file, str(path), max_size=max_size, kind=kind)
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror or error}") from None
+
+
+def unpack_arrays(file: BinaryIO, source: str, *, max_size: int, kind: str = ".npz of arrays") -> Mapping[str, Array]:
+    """Read all arrays of an open .npz file by name.
+
+    Args:
+        file: open for reading, or bytes in memory.
+        source: name of the file, for messages.
+        max_size: [bytes] largest unpacked size.
+        kind: kind of file, for messages.
+
+    Raises:
+        ConfigError: the file is damaged, encrypted or too large, or contains other objects than arrays.
+        OSError: the file cannot be read.
+    """
+    try:
+        with ZipFile(file) as archive:
             entries = archive.infolist()
             if (size := sum(entry.file_size for entry in entries)) > max_size:
-                raise ConfigError(f"{path}: unpacks to {size / 1e6:.0f} MB, at most {max_size / 1e6:.0f} are read")
+                raise ConfigError(f"{source}: unpacks to {size / 1e6:.0f} MB, at most {max_size / 1e6:.0f} are read")
             return {entry.filename.removesuffix(".npy"): _parse(_unpack(archive, entry)) for entry in entries}
     except ConfigError:
         raise
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror or error}") from None
     except (ValueError, TypeError, EOFError, BadZipFile, zlib.error, NotImplementedError) as error:
-        raise ConfigError(f"{path}: no {kind} ({error})") from None
+        raise ConfigError(f"{source}: no {kind} ({error})") from None
 
 
 def _unpack(archive: ZipFile, entry: ZipInfo) -> bytes:

@@ -14,9 +14,11 @@ import numpy as np
 from kinesic.bench.metric import Metric
 from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
 from kinesic.bench.naturalness.rows import row_metrics
-from kinesic.bench.naturalness.smartbody_files import CapturedJoint, joint_positions, read_motion, read_skeleton
 from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
+from kinesic.capture.reading.smartbody import read_motion, read_skeleton
+from kinesic.capture.reading.text import read_file
+from kinesic.capture.skeleton_motion import CapturedJoint, joint_positions
 
 METRIC_PREFIX = "naturalness.captured"
 CHEST_JOINT = "JtSpineC"  # name of the chest joint in captured skeletons
@@ -74,7 +76,7 @@ def _measure(path: Path, skeletons: Mapping[str, Path]) -> CapturedGesture:
 
 @cache
 def _load_actor(path: Path) -> tuple[CapturedJoint, ...]:
-    return read_skeleton(path)
+    return read_skeleton(read_file(path), str(path))
 
 
 def measure_clip(skeleton: Sequence[CapturedJoint], path: Path) -> GestureMeasures:
@@ -83,7 +85,7 @@ def measure_clip(skeleton: Sequence[CapturedJoint], path: Path) -> GestureMeasur
     Raises:
         ConfigError: the clip cannot be read, or its actor has no arms.
     """
-    motion = read_motion(path)
+    motion = read_motion(read_file(path), str(path))
     positions = joint_positions(skeleton, motion)
     missing = [name for name in (CHEST_JOINT, *ARM_JOINTS[0], *ARM_JOINTS[1]) if name not in positions]
     if missing:

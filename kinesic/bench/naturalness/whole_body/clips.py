@@ -9,19 +9,14 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from kinesic.bench.naturalness.bvh_files import read_bvh, read_bvh_skeleton
 from kinesic.bench.naturalness.measures import PROFILE_RATE
-from kinesic.bench.naturalness.smartbody_files import (
-    CapturedJoint,
-    CapturedMotion,
-    JointFrames,
-    joint_frames,
-    read_motion,
-    read_skeleton,
-)
 from kinesic.bench.naturalness.whole_body.motion import BodyMotion
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
+from kinesic.capture.reading.bvh import read_bvh, read_bvh_skeleton
+from kinesic.capture.reading.smartbody import read_motion, read_skeleton
+from kinesic.capture.reading.text import read_file
+from kinesic.capture.skeleton_motion import NEUTRAL_POSE, CapturedJoint, CapturedMotion, JointFrames, joint_frames
 
 IDLE_CLIPS = re.compile(r"@Idle[A-Za-z]*\d*$|_ToIdle|_WeightShift|^idle\d*$")  # names of clips without gestures
 OTHER_CLIPS = re.compile(r"catch|walk")  # names of BVH clips that show no gestures
@@ -101,9 +96,9 @@ def read_clip(path: Path, skeletons: Mapping[str, Path]) -> BodyMotion:
         ConfigError: the clip or its skeleton cannot be read.
     """
     if path.suffix == ".bvh":
-        joints, motion = read_bvh(path)
+        joints, motion = read_bvh(read_file(path), str(path))
     else:
-        joints, motion = _load_skeleton(_find_skeleton(path, skeletons)), read_motion(path)
+        joints, motion = _load_skeleton(_find_skeleton(path, skeletons)), read_motion(read_file(path), str(path))
     return skip_calibration(_make_motion(path, joints, motion))
 
 
@@ -146,12 +141,13 @@ def _find_skeleton(path: Path, skeletons: Mapping[str, Path]) -> Path:
 
 @cache
 def _load_skeleton(path: Path) -> tuple[CapturedJoint, ...]:
-    return read_bvh_skeleton(path) if path.suffix == ".bvh" else read_skeleton(path)
+    read = read_bvh_skeleton if path.suffix == ".bvh" else read_skeleton
+    return read(read_file(path), str(path))
 
 
 def _make_motion(path: Path, joints: Sequence[CapturedJoint], motion: CapturedMotion) -> BodyMotion:
     names = _find_family(path, {joint.name for joint in joints})
-    frames, neutral = joint_frames(joints, motion), joint_frames(joints, _neutral_pose())
+    frames, neutral = joint_frames(joints, motion), joint_frames(joints, NEUTRAL_POSE)
     times = _resample_times(motion.times)
     (left, right) = names.arms
     length = float(np.mean([_arm_length(neutral, chain) for chain in names.arms]))
@@ -186,10 +182,6 @@ def _make_motion(path: Path, joints: Sequence[CapturedJoint], motion: CapturedMo
         hand_rotations=sealed([rotations(left[2]), rotations(right[2])]),
         hand_axes=sealed(axes),
     )
-
-
-def _neutral_pose() -> CapturedMotion:
-    return CapturedMotion(sealed(np.zeros(1)), {}, sealed(np.zeros((1, 1))), {})
 
 
 def _resample_times(times: Floats) -> Floats:

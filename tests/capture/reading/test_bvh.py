@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from kinesic.bench.naturalness.bvh_files import read_bvh, read_bvh_skeleton
-from kinesic.bench.naturalness.smartbody_files import joint_frames
 from kinesic.body.config import ConfigError
+from kinesic.capture.reading.bvh import read_bvh, read_bvh_skeleton
+from kinesic.capture.skeleton_motion import joint_frames
+
+from .files import load
 
 TEXT = """HIERARCHY
 ROOT Hips
@@ -35,7 +37,7 @@ def write(path, frames=FRAMES, text=TEXT):
 
 
 def test_rotations_are_multiplied_in_the_order_of_their_channels(tmp_path):
-    joints, motion = read_bvh(write(tmp_path / "a.bvh"))
+    joints, motion = load(read_bvh, write(tmp_path / "a.bvh"))
     frames = joint_frames(joints, motion)
     hips = Rotation.from_euler("ZXY", [10, 20, 30], degrees=True)
     arm = Rotation.from_euler("YXZ", [40, 50, 60], degrees=True)
@@ -45,18 +47,18 @@ def test_rotations_are_multiplied_in_the_order_of_their_channels(tmp_path):
 
 
 def test_frame_count_is_the_number_of_rows_and_not_that_in_the_header(tmp_path):
-    _, motion = read_bvh(write(tmp_path / "a.bvh"))
+    _, motion = load(read_bvh, write(tmp_path / "a.bvh"))
     assert motion.times == pytest.approx([0.0, 0.05, 0.1])
 
 
 def test_first_frame_in_another_pose_is_dropped(tmp_path):
-    _, motion = read_bvh(write(tmp_path / "a.bvh", ((0,) * 9, *FRAMES)))
+    _, motion = load(read_bvh, write(tmp_path / "a.bvh", ((0,) * 9, *FRAMES)))
     assert motion.times == pytest.approx([0.0, 0.05, 0.1])
     assert motion.frames[0, motion.columns["Hips", "XPos"]] == pytest.approx([1.0])
 
 
 def test_skeleton_has_joints_but_no_end_sites(tmp_path):
-    joints = read_bvh_skeleton(write(tmp_path / "a.bvh"))
+    joints = load(read_bvh_skeleton, write(tmp_path / "a.bvh"))
     assert [(joint.name, joint.parent) for joint in joints] == [("Hips", None), ("Arm", "Hips")]
     assert joints[1].offset == pytest.approx([10, 0, 0])
 
@@ -74,10 +76,10 @@ def test_skeleton_has_joints_but_no_end_sites(tmp_path):
 def test_broken_files_are_rejected_with_their_path(tmp_path, old, new, message):
     path = write(tmp_path / "a.bvh", text=TEXT.replace(old, new))
     with pytest.raises(ConfigError, match=message) as error:
-        read_bvh(path)
+        load(read_bvh, path)
     assert str(path) in str(error.value)
 
 
 def test_non_finite_motion_is_rejected(tmp_path):
     with pytest.raises(ConfigError, match="finite"):
-        read_bvh(write(tmp_path / "a.bvh", (FRAMES[0], (np.nan, *FRAMES[1][1:]))))
+        load(read_bvh, write(tmp_path / "a.bvh", (FRAMES[0], (np.nan, *FRAMES[1][1:]))))

@@ -1,0 +1,1 @@
+"""Motion from elsewhere: reading, retargeting to a robot and certification."""

@@ -1,0 +1,169 @@
+"""Recognition of the joints of a body in captured skeletons, by names or by geometry."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Side
+from kinesic.capture.reading.text import CaptureError
+from kinesic.capture.skeleton_motion import CapturedJoint
+
+MIN_BONE_LENGTH = 1e-3  # shortest bone that is none of zero length, as a fraction of the skeleton's longest bone
+MAX_SIDE_DIFFERENCE = 0.03  # largest relative difference between bones of both sides
+BONE_RATIOS = (0.7, 1.4)  # range of upper arm / forearm
+ARM_JOINTS = 3  # number of joints of an arm: shoulder, elbow and wrist
+MAX_LIMB_BONES = 5  # largest number of bones followed from the chest: girdle and clavicle, arm and hand
+
+_SIDE_WORD = re.compile(r"(left|right)|(?:^|_|\.)([lr])(?:_|\.|$)|^([lr])(?=[A-Z])|(Lf|Rt)$", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class BodyJoints:
+    """Names of the joints that define a body's directions."""
+
+    hips: str  # lower end of the spine
+    neck: str  # upper end of the spine
+    head: str
+    arms: Mapping[Side, tuple[str, str, str]]  # shoulder, elbow and wrist
+    guess: str = ""  # sentence about joints recognised by geometry
+
+
+@dataclass(frozen=True)
+class _Family:
+    """Joint names of a family of skeletons; arms hold a placeholder for the side."""
+
+    spine: tuple[str, str, str]  # hips, neck and head
+    arm: tuple[str, str, str]  # shoulder, elbow and wrist
+    sides: tuple[str, str]  # left first
+
+
+HUMAN_SIDES = ("Left", "Right")
+LETTER_SIDES = ("L", "R")
+FAMILIES = (  # more specific families first, because names overlap
+    _Family(("JtRoot", "JtNeckA", "JtSkullA"), ("JtShoulder{}", "JtElbow{}", "JtWrist{}"), ("Lf", "Rt")),
+    _Family(("Hips", "Neck1", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
+    _Family(("Hips", "Neck", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
+    _Family(("Hips", "Neck", "Head"), ("{}Shoulder", "{}Elbow", "{}Wrist"), HUMAN_SIDES),
+    _Family(("Hip", "Neck", "Head"), ("{}Shoulder", "{}Forearm", "{}Hand"), LETTER_SIDES),
+    _Family(("lowerback", "lowerneck", "head"), ("{}humerus", "{}radius", "{}wrist"), ("l", "r")),
+    _Family(("pelvis", "neck", "head"), ("{}_shoulder", "{}_elbow", "{}_wrist"), ("left", "right")),
+    _Family(("pelvis", "neck_01", "head"), ("upperarm_{}", "lowerarm_{}", "hand_{}"), ("l", "r")),
+    _Family(("hips", "neck", "head"), ("upper_arm.{}", "forearm.{}", "hand.{}"), LETTER_SIDES),
+    _Family(("hips", "neck", "head"), ("{}UpperArm", "{}LowerArm", "{}Hand"), ("left", "right")),
+)
+
+
+def find_body_joints(skeleton: Sequence[CapturedJoint], source: str) -> BodyJoints:
+    """Find spine, head and arms of a skeleton.
+
+    Names before a colon, such as `mixamorig:`, are ignored. Skeletons of no known family are recognised by geometry:
+    two arms of equal bones leave the chest, and the names of their joints tell left from right.
+
+    Raises:
+        CaptureError: the skeleton has no two arms, or their sides are unknown.
+    """
+    full_names = {joint.name.rpartition(":")[2]: joint.name for joint in skeleton}
+    for family in FAMILIES:
+        arms = {
+            side: (family.arm[0].format(word), family.arm[1].format(word), family.arm[2].format(word))
+            for side, word in zip(SIDES, family.sides, strict=True)
+        }
+        if full_names.keys() >= {*family.spine, *arms["l"], *arms["r"]}:
+            hips, neck, head = (full_names[name] for name in family.spine)
+            named: dict[Side, tuple[str, str, str]] = {
+                side: (full_names[names[0]], full_names[names[1]], full_names[names[2]]) for side, names in arms.items()
+            }
+            return BodyJoints(hips, neck, head, named)
+    return _find_by_geometry(skeleton, source)
+
+
+def _find_by_geometry(skeleton: Sequence[CapturedJoint], source: str) -> BodyJoints:
+    children: dict[str | None, list[CapturedJoint]] = {}
+    for joint in skeleton:
+        children.setdefault(joint.parent, []).append(joint)
+    shortest = MIN_BONE_LENGTH * max(float(np.linalg.norm(joint.offset)) for joint in skeleton)
+    for fork in reversed(skeleton):  # the chest is farther from the root than the hips
+        limbs = [_find_arm(_follow_bones(joint, children, shortest)) for joint in children.get(fork.name, [])]
+        arms = _match_arms(limbs)
+        is_arm = [any(limb is arm for arm in arms) for limb in limbs]
+        others = [joint for joint, is_limb in zip(children.get(fork.name, []), is_arm, strict=True) if not is_limb]
+        if not arms or not others:
+            continue
+        named: dict[Side, tuple[str, str, str]] = {}
+        for arm in arms:
+            side = _side_of([joint.name for joint in arm])
+            if side is not None:
+                shoulder, elbow, wrist = arm
+                named[side] = (shoulder.name, elbow.name, wrist.name)
+        if len(named) < len(SIDES):
+            raise CaptureError(
+                f"{source}: the names of its arm joints do not tell left from right ({arms[0][-1].name[:40]})"
+            )
+        neck, head = _find_neck_and_head(others[0], children)
+        hips = next(joint.name for joint in skeleton if joint.parent is None)
+        return BodyJoints(hips, neck, head, named, f"arms recognised by bone lengths, from {fork.name}")
+    raise CaptureError(f"{source}: its skeleton has no known names of hips, neck, head and arms, nor two equal arms")
+
+
+def _follow_bones(
+    joint: CapturedJoint, children: Mapping[str | None, list[CapturedJoint]], shortest: float
+) -> list[CapturedJoint]:
+    """Return the joints at the ends of a limb's bones; bones of zero length are joined to the next."""
+    bones: list[CapturedJoint] = []
+    current: CapturedJoint | None = joint
+    while current is not None and len(bones) < MAX_LIMB_BONES:
+        if float(np.linalg.norm(current.offset)) > shortest:
+            bones.append(current)
+        elif bones:
+            bones[-1] = current
+        following = children.get(current.name, [])
+        current = max(following, key=lambda child: float(np.linalg.norm(child.offset)), default=None)
+    return bones
+
+
+def _find_arm(bones: Sequence[CapturedJoint]) -> list[CapturedJoint]:
+    """Return shoulder, elbow and wrist of a limb, whose two longest successive bones have an arm's proportions.
+
+    The list is empty for another limb.
+    """
+    lengths = _lengths(bones)
+    least, most = BONE_RATIOS
+    starts = [k for k in range(1, len(bones) - 1) if least <= lengths[k] / lengths[k + 1] <= most]
+    best = max(starts, key=lambda k: float(lengths[k] + lengths[k + 1]), default=None)
+    return [] if best is None else list(bones[best - 1 : best - 1 + ARM_JOINTS])
+
+
+def _match_arms(limbs: Sequence[list[CapturedJoint]]) -> tuple[list[CapturedJoint], ...]:
+    """Return the two limbs with equal bones of arms, or nothing."""
+    arms = [limb for limb in limbs if limb]
+    for k, first in enumerate(arms):
+        for second in arms[k + 1 :]:
+            if _are_equal(_lengths(first), _lengths(second)):
+                return first, second
+    return ()
+
+
+def _are_equal(first: Floats, second: Floats) -> bool:
+    return bool((np.abs(first - second) <= MAX_SIDE_DIFFERENCE * np.maximum(first, second)).all())
+
+
+def _lengths(bones: Sequence[CapturedJoint]) -> Floats:
+    return np.array([np.linalg.norm(bone.offset) for bone in bones])
+
+
+def _side_of(names: Sequence[str]) -> Side | None:
+    """Return the side that the names of joints state."""
+    for name in names:
+        match = _SIDE_WORD.search(name.rpartition(":")[2])
+        if match is not None:
+            return "l" if next(word for word in match.groups() if word)[0].lower() == "l" else "r"
+    return None
+
+
+def _find_neck_and_head(start: CapturedJoint, children: Mapping[str | None, list[CapturedJoint]]) -> tuple[str, str]:
+    """Return neck and head: the first joint above the chest, and the next one with a bone or the same."""
+    following = children.get(start.name, [])
+    return start.name, following[0].name if following else start.name

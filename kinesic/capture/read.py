@@ -1,0 +1,70 @@
+"""Reading of motion files of all formats, chosen by suffix and content."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from kinesic.capture.body_directions import clip_of_skeleton
+from kinesic.capture.clip import Clip
+from kinesic.capture.reading.bvh import read_bvh
+from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz
+from kinesic.capture.reading.reachy_move import read_reachy_move
+from kinesic.capture.reading.smartbody import read_motion, read_skeleton
+from kinesic.capture.reading.text import CaptureError, read_file
+
+SKELETON_FOLDER = "skeletons"  # name of the folder of SmartBody skeletons, in one of the folders above a clip
+MAX_FOLDERS_ABOVE = 2  # largest number of folders above a clip in which its skeleton is searched
+FORMATS: Mapping[str, str] = {  # formats of motion files by suffix
+    ".bvh": "BVH",
+    ".skm": "SmartBody motion, with its skeleton ACTOR.sk",
+    ".csv": "joint angles with a header",
+    ".npz": "joint angles with names",
+    ".json": "move of Reachy Mini",
+}
+
+
+def read_clip(path: Path) -> Clip:
+    """Read a motion file.
+
+    Args:
+        path: of the file, with a suffix in `FORMATS`.
+
+    Raises:
+        CaptureError: the file is missing or invalid, or its format is unknown.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise CaptureError(f"{path}: cannot read {suffix or 'no suffix'}; known: {', '.join(FORMATS)}")
+    data, source = read_file(path), str(path)
+    match suffix:
+        case ".bvh":
+            return clip_of_skeleton(*read_bvh(data, source), source)
+        case ".skm":
+            skeleton = find_skeleton(path)
+            return clip_of_skeleton(
+                read_skeleton(read_file(skeleton), str(skeleton)), read_motion(data, source), source
+            )
+        case ".csv":
+            return read_joint_csv(data, source)
+        case ".npz":
+            return read_joint_npz(data, source)
+        case _:
+            return read_reachy_move(data, source)
+
+
+def find_skeleton(path: Path) -> Path:
+    """Return the skeleton file of a SmartBody motion `ACTOR@NAME.skm`.
+
+    It lies beside the motion or in a folder `skeletons` beside it or above.
+
+    Raises:
+        CaptureError: there is none.
+    """
+    name = f"{path.stem.partition('@')[0]}.sk"
+    folders = [
+        path.parent,
+        *(folder / SKELETON_FOLDER for folder in [path.parent, *path.parents][: MAX_FOLDERS_ABOVE + 2]),
+    ]
+    found = next((folder / name for folder in folders if (folder / name).is_file()), None)
+    if found is None:
+        raise CaptureError(f"{path}: no skeleton {name} beside it or in {SKELETON_FOLDER}/")
+    return found

@@ -1,0 +1,1 @@
+"""Readers of motion files: pure functions from bytes to a clip."""

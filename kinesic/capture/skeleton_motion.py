@@ -1,0 +1,87 @@
+"""Skeletons with captured motion, and their forward kinematics."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from kinesic.body.arrays import Floats, sealed
+
+AXIS_CHANNELS = ("XPos", "YPos", "ZPos")  # channels of a translation
+ROTATION_CHANNEL = "Quat"  # channel of a rotation vector
+
+
+@dataclass(frozen=True, eq=False)
+class CapturedJoint:
+    """One joint of a captured skeleton before any motion."""
+
+    name: str
+    parent: str | None
+    offset: Floats  # (3,) [m] from the parent, in the parent's axes
+    turn: Floats  # (3,) [rad] rotation vector applied before that of the motion
+
+
+@dataclass(frozen=True, eq=False)
+class CapturedMotion:
+    """Captured motion of one actor."""
+
+    times: Floats  # (m,) [s]
+    columns: Mapping[tuple[str, str], slice]  # columns of the frames, by joint and kind of channel
+    frames: Floats  # (m, k) translations [m] and rotation vectors [rad]
+    syncs: Mapping[str, float]  # [s] BML sync points
+
+
+NEUTRAL_POSE = CapturedMotion(sealed([0.0]), {}, sealed([[0.0]]), {})  # all joints without motion
+
+
+@dataclass(frozen=True, eq=False)
+class JointFrames:
+    """Positions and rotations of all joints in every captured frame, y up."""
+
+    positions: Mapping[str, Floats]  # (m, 3) in the unit of the skeleton
+    rotations: Mapping[str, Floats]  # (m, 3, 3) from joint axes to the world
+
+
+def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:
+    """Return joint positions (m, 3) [m] in every captured frame, y up."""
+    return joint_frames(skeleton, motion).positions
+
+
+def joint_frames(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> JointFrames:
+    """Return positions and rotations of joints in every captured frame, y up.
+
+    A joint rotates by its own rotation and then by the motion's; its child lies at an offset in the rotated axes.
+    """
+    zeros = np.zeros((len(motion.frames), 3))
+    positions: dict[str, Floats] = {}
+    rotations: dict[str | None, Rotation] = {None: Rotation.from_rotvec(zeros)}
+    for joint in skeleton:
+        offset = zeros + joint.offset
+        for axis, kind in enumerate(AXIS_CHANNELS):
+            if (joint.name, kind) in motion.columns:
+                offset[:, axis] += motion.frames[:, motion.columns[joint.name, kind]][:, 0]
+        has_rotation = (joint.name, ROTATION_CHANNEL) in motion.columns
+        vectors = motion.frames[:, motion.columns[joint.name, ROTATION_CHANNEL]] if has_rotation else zeros
+        base = positions[joint.parent] if joint.parent else zeros
+        positions[joint.name] = sealed(base + rotations[joint.parent].apply(offset))
+        rotations[joint.name] = rotations[joint.parent] * _make_rotation(joint.turn) * _make_rotation(vectors)
+    matrices = {name: sealed(rotation.as_matrix()) for name, rotation in rotations.items() if name}
+    return JointFrames(positions, matrices)
+
+
+def select_ancestors(skeleton: Sequence[CapturedJoint], names: Collection[str]) -> tuple[CapturedJoint, ...]:
+    """Return the named joints and all their ancestors, parents first."""
+    chosen = set(names)
+    for joint in reversed(skeleton):
+        if joint.name in chosen and joint.parent is not None:
+            chosen.add(joint.parent)
+    return tuple(joint for joint in skeleton if joint.name in chosen)
+
+
+def _make_rotation(vectors: Floats) -> Rotation:
+    """Convert one or more rotation vectors to SciPy rotations.
+
+    SciPy does not accept read-only arrays.
+    """
+    return Rotation.from_rotvec(vectors.copy())
