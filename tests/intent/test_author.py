@@ -89,7 +89,7 @@ def test_markup_and_emoticons_are_not_spoken(lexicon):
 
 
 @pytest.mark.parametrize("text", ["", "...", "?!", "\x00<<<", "a", "*", ":)", "1,000.5%", "\u6f22\u5b57", "x" * 500])
-def test_any_text_becomes_a_valid_bml_block(lexicon, text):
+def test_texts_of_odd_characters_become_valid_bml_blocks(lexicon, text):
     assert parse(author(text, lexicon, Style.load("neutral"))).behaviours
 
 

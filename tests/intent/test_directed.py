@@ -94,6 +94,6 @@ def test_each_streamed_phrase_has_its_own_warnings():
 
 
 @pytest.mark.parametrize("direction", ["at the table", "two of them", "in front of the house"])
-def test_place_or_number_in_a_direction_is_no_gesture(direction: str):
+def test_stage_direction_of_a_place_or_number_gives_no_gesture(direction: str):
     assert find_act(direction, LEXICON) is None
     assert find_act("drinks coffee", LEXICON) == ("gesture", "drink")

@@ -16,12 +16,12 @@ def test_accents_have_beats_and_nods_at_their_times():
     assert all(lexeme.startswith("beat") for lexeme in gestures)
 
 
-def test_recording_without_text_is_written_as_a_speech():
+def test_recording_without_text_is_written_as_a_speech_with_an_audio_description():
     bml = write_block(Passage((), ()), (), recorded=AUDIO)
     assert '<description priority="1" type="audio/wav"><audio ref="my &amp; talk.wav"/></description>' in bml
     assert '<speech id="s"' in bml
 
 
-def test_file_of_words_is_named_beside_the_sound():
+def test_audio_element_names_the_file_of_word_times():
     audio = RecordedAudio("talk.wav", "talk.json", lambda passage: passage)
     assert '<audio ref="talk.wav" kinesic:words="talk.json"/>' in audio.write()

@@ -70,7 +70,7 @@ def test_block_id_is_taken_from_the_server_answer():
     assert robot.documents.performed[0][:2] == (document, "new")
 
 
-def test_block_ids_that_a_refusal_may_name_are_passed_on_with_the_document():
+def test_perform_tool_sends_a_document_with_the_block_ids_of_possible_answers():
     robot = FakeRobot()
     perform(robot, '{"id": "json", "behaviours": []}')
     assert robot.documents.performed == [('{"id": "json", "behaviours": []}', "b", "json")]

@@ -69,7 +69,7 @@ def text(result: object) -> str:
     return "".join(each.text for each in result.content)
 
 
-def test_language_model_can_use_all_tools(server: Running):
+def test_mcp_client_can_use_all_tools(server: Running):
     async def act(client):
         tools = {tool.name for tool in (await client.list_tools()).tools}
         found = await client.call_tool("find_gesture", {"query": "weigh two things", "count": 3})

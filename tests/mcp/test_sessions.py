@@ -111,7 +111,7 @@ def test_only_the_newest_sixteen_of_forty_sessions_remain():
     with_sessions(MAX_SESSIONS, act, opened=40)
 
 
-def test_sessions_that_only_connect_do_not_end_a_working_one():
+def test_sessions_that_only_connect_do_not_end_an_active_session():
     async def act(web: Web) -> None:
         for _ in range(OPENING_REQUESTS):
             assert await web.ask(session="s1") == 200
@@ -176,7 +176,7 @@ def test_http_session_ended_by_its_client_allows_a_new_session():
     with_sessions(2, act, opened=2)
 
 
-def test_tool_calls_are_notified_of_their_request_end():
+def test_tool_call_is_notified_when_its_http_request_ends():
     async def act(web: Web) -> None:
         call = web.later("POST", "s1", "/slow")
         await settle()

@@ -17,7 +17,7 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Robot:
     return Robot(monkeypatch)
 
 
-def test_hints_of_the_tools_tell_which_move_the_robot(robot: Robot) -> None:
+def test_tool_annotations_mark_the_tools_that_move_the_robot(robot: Robot) -> None:
     moving = (False, False, None)  # read only, destructive, idempotent
     expected = dict.fromkeys(("perform", "say", "look", "resume"), moving)
     expected |= dict.fromkeys(("find_gesture", "preview", "status", "wait"), (True, None, None))
@@ -65,7 +65,7 @@ def test_texts_up_to_1500_characters_are_performed_as_one_block() -> None:
     assert module.LONG_TEXT == 1500
 
 
-def test_empty_choice_is_accepted_and_another_names_all() -> None:
+def test_choice_parameter_may_be_empty_and_an_unknown_choice_error_lists_all() -> None:
     check = check_choice(["calm", "shy"])
     assert [check(name) for name in ("", "shy")] == ["", "shy"]
     with pytest.raises(ValueError, match=r"^calm, shy$"):
@@ -93,7 +93,7 @@ def test_error_of_a_parameter_shows_the_value_and_what_is_expected(error: dict[s
     assert describe_errors("say", [error]) == sentence
 
 
-def test_alternatives_of_one_parameter_share_a_sentence_and_are_named_once() -> None:
+def test_alternative_types_of_one_parameter_are_named_once_in_one_error_line() -> None:
     errors = [
         {"type": kind, "loc": (name,), "input": 7}
         for name, kind in (("a", "string_type"), ("b", "float_type"), ("a", "dict_type"), ("a", "string_type"))
@@ -101,7 +101,7 @@ def test_alternatives_of_one_parameter_share_a_sentence_and_are_named_once() -> 
     assert describe_errors("say", errors) == "a: 7 is not a text or an object\nb: 7 is not a number"
 
 
-def test_omissions_of_a_text_are_the_warnings_of_its_reading() -> None:
+def test_omitted_parts_of_a_text_are_listed_as_warnings() -> None:
     assert module.list_omissions("Hello.") == ()
     assert module.list_omissions("See https://example.com now") == ("an address is not spoken: https://example.com",)
 

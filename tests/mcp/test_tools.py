@@ -25,12 +25,12 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Robot:
 @pytest.mark.parametrize(
     ("resumes", "answer"), [(True, "stopped"), (False, "stopped; only a person at the robot can resume")]
 )
-def test_stop_discards_pending_calls_before_it_stops_the_robot(robot: Robot, resumes: bool, answer: str) -> None:
+def test_stop_tool_discards_pending_calls_before_it_stops_the_robot(robot: Robot, resumes: bool, answer: str) -> None:
     assert robot.call("stop", resumes=resumes) == (answer, False)
     assert robot.calls == ["discard", "stop", "talk ended"]
 
 
-def test_stop_that_does_not_reach_the_robot_is_an_error_and_still_discards(robot: Robot) -> None:
+def test_failed_stop_tool_reports_an_error_and_still_discards_pending_calls(robot: Robot) -> None:
     robot.fault = RobotError("the server is gone")
     text, is_error = robot.call("stop")
     assert is_error
@@ -38,7 +38,7 @@ def test_stop_that_does_not_reach_the_robot_is_an_error_and_still_discards(robot
     assert robot.calls == ["discard"]
 
 
-def test_resume_exists_only_where_a_model_may_resume(robot: Robot) -> None:
+def test_resume_tool_exists_only_if_the_model_may_resume(robot: Robot) -> None:
     assert robot.call("resume") == ("resumed", False)
     assert robot.calls == ["resume"]
     robot.fault = RobotError("gone")
@@ -53,20 +53,20 @@ def test_resume_exists_only_where_a_model_may_resume(robot: Robot) -> None:
 @pytest.mark.parametrize(
     ("document", "text"), [("<bml/>", "<bml/>"), ({"id": "ü", "behaviours": []}, '{"id": "ü", "behaviours": []}')]
 )
-def test_document_is_performed_as_text_and_its_answer_is_json(robot: Robot, document: object, text: str) -> None:
+def test_perform_tool_sends_the_document_as_text_and_answers_in_json(robot: Robot, document: object, text: str) -> None:
     assert robot.call("perform", document=document) == ('{"block": "ä"}', False)
     assert robot.calls == [("perform", text)]
 
 
 @pytest.mark.parametrize("fault", [RefusedError("wrong"), RobotError("wrong")])
-def test_refused_document_is_an_error_of_the_tool(robot: Robot, fault: Exception) -> None:
+def test_perform_tool_reports_a_refused_document_as_an_error(robot: Robot, fault: Exception) -> None:
     robot.fault = fault
     text, is_error = robot.call("perform", document="<bml/>")
     assert is_error
     assert text.endswith("wrong")
 
 
-def test_look_shifts_the_gaze_to_the_audience_or_a_side(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_look_tool_shifts_the_gaze_to_the_audience_or_a_side(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_fresh_id", lambda: "fresh")
     for at in ("AUDIENCE", "LEFT"):
         robot.call("look", at=at)
@@ -97,7 +97,7 @@ def author(monkeypatch: pytest.MonkeyPatch) -> Author:
     return Author(monkeypatch)
 
 
-def test_texts_are_performed_with_the_gestures_of_earlier_texts_in_memory(robot: Robot, author: Author) -> None:
+def test_say_tool_remembers_the_gestures_of_earlier_texts(robot: Robot, author: Author) -> None:
     async def act(client) -> None:
         for text in ("one", "two", "three"):
             robot.fault = RefusedError("no") if text == "two" else None
@@ -114,7 +114,7 @@ def test_texts_are_performed_with_the_gestures_of_earlier_texts_in_memory(robot:
 
 
 @pytest.mark.parametrize(("length", "talking"), [(module.LONG_TEXT, False), (module.LONG_TEXT + 1, False), (5, True)])
-def test_long_text_and_any_text_during_a_talk_are_streamed(
+def test_say_tool_streams_long_texts_and_any_text_during_streamed_speech(
     robot: Robot, author: Author, length: int, talking: bool
 ) -> None:
     robot.talking = talking
@@ -125,19 +125,21 @@ def test_long_text_and_any_text_during_a_talk_are_streamed(
 
 
 @pytest.mark.parametrize("length", [5, module.LONG_TEXT + 1])
-def test_answer_lists_the_parts_of_a_text_that_are_not_spoken(robot: Robot, author: Author, length: int) -> None:
+def test_say_tool_lists_the_parts_of_a_text_that_are_not_spoken(robot: Robot, author: Author, length: int) -> None:
     author.warnings = ("juggles",)
     assert json.loads(robot.call("say", text="a" * length)[0]) == {"block": "ä", "not_spoken": ["juggles"]}
 
 
-def test_status_is_summarised_with_the_blocks_accepted_before_it(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_status_tool_summarises_the_robot_status_with_the_accepted_blocks(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "summarise", lambda *arguments: {"summary": arguments})
     assert json.loads(robot.call("status")[0]) == {"summary": ["status", ["warned"], ["first"]]}
     robot.fault = RobotError("gone")
     assert robot.call("status")[1]
 
 
-def test_wait_passes_its_block_and_time_on(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wait_tool_passes_on_its_block_and_time_limit(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     async def wait_for_end(*arguments: object) -> dict[str, object]:
         assert arguments[0] is robot.gate
         return {"waited": arguments[1:]}
@@ -146,7 +148,7 @@ def test_wait_passes_its_block_and_time_on(robot: Robot, monkeypatch: pytest.Mon
     assert json.loads(robot.call("wait", block="b", seconds=3)[0]) == {"waited": ["b", 3]}
 
 
-def test_gestures_are_searched_in_the_lexicon(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_find_gesture_tool_searches_the_lexicon(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "search_gestures", lambda *arguments: [{"ä": arguments}])
     assert robot.call("find_gesture", query="large", category="beat", count=2) == (
         '[{"ä": ["lexicon", "large", "beat", 2]}]',
@@ -155,7 +157,9 @@ def test_gestures_are_searched_in_the_lexicon(robot: Robot, monkeypatch: pytest.
     assert robot.call("find_gesture", query="large", category="nonesuch")[1]
 
 
-def test_preview_shows_the_answer_and_a_picture_if_there_is_one(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_preview_tool_returns_its_answer_and_a_picture_if_available(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pictures: list[bytes | None] = [b"png", None]
     faults: list[Exception | None] = [None, None, RefusedError("wrong")]
 
@@ -216,7 +220,7 @@ class Written:
     memory: object
 
 
-def test_speech_is_appended_with_a_fresh_id_in_its_style(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_written_speech_is_appended_with_a_unique_id_in_its_style(monkeypatch: pytest.MonkeyPatch) -> None:
     document = '<bml id="said"><speech id="said"/></bml>'
     monkeypatch.setattr(
         "kinesic.session.documents.write_text", lambda text, setup, memory: Written(document, setup, memory)
@@ -231,7 +235,7 @@ def test_speech_is_appended_with_a_fresh_id_in_its_style(monkeypatch: pytest.Mon
     assert plain.memory is not None
 
 
-def test_warm_up_runs_the_slow_parts_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_warm_up_imports_the_picture_module_searches_and_plans_once(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[object] = []
     monkeypatch.setattr(module, "import_at_once", calls.append)
     monkeypatch.setattr(module, "search_gestures", lambda lexicon, *_: calls.append(lexicon))
@@ -242,7 +246,7 @@ def test_warm_up_runs_the_slow_parts_once(monkeypatch: pytest.MonkeyPatch) -> No
     assert calls == ["kinesic.mcp.stroke_picture", "lexicon", "own"]
 
 
-def test_first_search_and_speech_of_the_warm_up_are_like_those_of_a_model(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_warm_up_searches_a_gesture_and_writes_a_speech_with_usual_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
     monkeypatch.setattr(module, "import_at_once", lambda name: None)
     monkeypatch.setattr(module, "search_gestures", lambda *arguments: asked.append(arguments))

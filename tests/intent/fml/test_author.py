@@ -35,7 +35,7 @@ def of_intention(block, name):
     return [behaviour for behaviour in block.behaviours if f"({name}," in behaviour.reason]
 
 
-def test_every_fml_intention_is_shown_or_reported_with_a_reason(greeting):
+def test_fml_intentions_without_behaviour_set_or_valid_time_are_reported_with_the_reason(greeting):
     for name in ("performative-greet", "emotion-joy", "deictic-any"):
         assert of_intention(greeting, name)
     unshown = [notice.text for notice in greeting.notices if notice.text.startswith("not shown")]
@@ -43,7 +43,7 @@ def test_every_fml_intention_is_shown_or_reported_with_a_reason(greeting):
     assert any("emotion-anger" in item and "'s7:tm1' is not a time of a speech" in item for item in unshown)
 
 
-def test_bml_generated_from_fml_keeps_the_behaviours_of_the_document(greeting):
+def test_bml_generated_from_fml_contains_the_speech_and_gesture_of_the_document(greeting):
     speech, own = greeting.behaviours[0], next(behaviour for behaviour in greeting.behaviours if behaviour.id == "g1")
     assert "Hello & welcome" in speech.action.script.text
     assert not own.reason
@@ -64,7 +64,7 @@ def test_fml_intention_with_unknown_end_mark_ends_with_the_speech():
     assert float(face.get("amount")) <= 0.5  # Limited by the intensity of the intent
 
 
-def test_intention_with_target_points_at_it(greeting):
+def test_fml_intention_with_a_target_gives_a_pointing_behaviour_to_it(greeting):
     pointing = of_intention(greeting, "deictic-any")
     assert [(item.type, item.action.target) for item in pointing if item.type == "pointing"] == [("pointing", "door")]
 

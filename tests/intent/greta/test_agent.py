@@ -67,7 +67,7 @@ def test_invalid_qualifiers_are_refused(tmp_path, text, says):
 
 
 @pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason=f"no corpus at {CORPUS_FOLDER}")
-def test_gretas_baselines_and_qualifiers_are_read():
+def test_baselines_of_the_greta_corpus_differ_in_spatial_extent_by_emotion():
     folder = CORPUS_FOLDER / "greta/behaviorplanner"
     wide = {}
     for name in ("happy", "neutral", "sad"):

@@ -105,7 +105,7 @@ def test_greta_signals_marked_unrepeatable_are_shown_once(sets):
 
 
 @pytest.mark.parametrize("move", ["nod", "shake"])
-def test_head_movements_without_size_have_middle_size(tmp_path, move):
+def test_greta_head_movements_without_size_have_the_middle_amount(tmp_path, move):
     sizes = [f"{move}_{size}" for size in ("small", "middle", "big")]
     others = [f"{move}1", *{"nod": ["NodUpDown", "NodDownUp"], "shake": ["ShakeLeftRight", "ShakeRightLeft"]}[move]]
     signals = "".join(f'<signal id="{name}" name="{name}" modality="head"/>' for name in (*sizes, *others))
@@ -118,7 +118,7 @@ def test_head_movements_without_size_have_middle_size(tmp_path, move):
     assert rest == [middle] * len(others)
 
 
-def test_probabilities_of_a_greta_lexicon_are_kept(sets):
+def test_probabilities_and_times_of_greta_signals_are_read(sets):
     face = sets.sets["emotion-Odd"].signals[0]
     assert [(choice.lexeme, choice.probability) for choice in face.choices] == [("joy", 0.5), ("none", 0.5)]
     first, _, third, _ = (signal.spell for signal in sets.sets["emotion-long"].signals)
@@ -131,7 +131,7 @@ def test_empty_greta_behaviour_set_is_reported_as_reason_of_omission(sets):
     assert [item.why for item in omitted] == ["the set of theme-x is empty"]
 
 
-def test_signal_without_lexeme_is_not_shown(sets):
+def test_greta_signal_without_lexeme_gives_no_behaviour(sets):
     assert choose_behaviours([intent("emotion-still")], sets, MovementBudget(10, STROKE_SPACINGS, {})).behaviours == ()
 
 

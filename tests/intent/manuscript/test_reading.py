@@ -211,7 +211,7 @@ def test_line_ends_and_pause_commands_give_pauses(text: str, spoken: str):
         ("<think>Hi", "</think> is missing: nothing after the opening tag is spoken"),
     ],
 )
-def test_omitted_part_of_a_text_has_a_warning(text: str, warning: str):
+def test_each_omitted_part_of_a_text_gives_one_warning(text: str, warning: str):
     assert read_manuscript(text)[1] == (warning,)
 
 
@@ -246,7 +246,7 @@ def read_in_pieces(text: str, length: int) -> tuple[str, tuple[str, ...]]:
         ("<details><summary>Rain</summary>It rains.</details>", "Rain It rains", ""),
     ],
 )
-def test_settings_cut_tags_and_elements_of_pages_are_not_spoken(text: str, spoken: str, warning: str):
+def test_front_matter_truncated_tags_and_html_elements_are_not_spoken(text: str, spoken: str, warning: str):
     whole = read_manuscript(text)
     assert " ".join(word.text for word in read_text(whole[0], ENGLISH).words) == spoken
     assert [warning in each for each in whole[1]] == [True] * bool(warning)

@@ -49,12 +49,12 @@ def test_subtitles_within_a_text_are_spoken_without_numbers_times_and_signs():
     assert read_subtitles("WEBVTT\n\nNOTE by me\n\n00:01.000 --> 00:02.000\nHi.") == "Hi."
 
 
-def test_cues_without_empty_lines_between_them_are_separate():
+def test_subtitles_without_empty_lines_between_them_are_separate():
     text = "1\n00:00:01,000 --> 00:00:02,000\nOne.\n2\n00:00:03,000 --> 00:00:04,000\nTwo."
     assert read_subtitles(text) == 'One.\n<break time="1000ms"/>Two.'
 
 
-def test_cue_without_words_adds_to_the_pause():
+def test_subtitle_without_words_extends_the_pause():
     times = "00:00:01,000 --> 00:00:02,000\nA.\n\n00:00:03,000 --> 00:00:04,000\n<i></i>\n\n"
     assert read_subtitles(f"{times}00:00:05,000 --> 00:00:06,000\nB.") == 'A.\n<break time="3000ms"/>B.'
 
@@ -73,7 +73,7 @@ def test_text_without_subtitles_passes_unchanged(text: str):
     assert read_subtitles(text) == text
 
 
-def test_code_fence_ends_a_cue():
+def test_code_fence_ends_a_subtitle():
     assert read_subtitles("```\n1\n00:00:01,000 --> 00:00:02,000\nHi.\n```\nBye.") == "```\nHi.\n```\nBye."
 
 
@@ -95,12 +95,12 @@ def test_streamed_subtitles_become_the_manuscript_of_whole_ones(text: str):
     assert spoken.split() == read_manuscript(text)[0].split()
 
 
-def test_plain_words_are_not_held_back():
+def test_streamed_words_that_are_no_subtitles_are_returned_immediately():
     state, spoken = read_more_subtitles(SubtitleState(), "Well")
     assert spoken == "Well"
     assert read_more_subtitles(state, " 3 cats")[1] == " 3 cats"
 
 
-def test_words_after_subtitles_are_not_held_back():
+def test_streamed_words_after_subtitles_are_returned_immediately():
     state, _ = read_more_subtitles(SubtitleState(), SUBRIP + "\n")
     assert read_more_subtitles(state, "Thank you")[1] == "\nThank you"

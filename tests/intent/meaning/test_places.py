@@ -43,7 +43,7 @@ def test_words_of_place_and_comparison_get_an_illustrating_gesture(text: str, ge
         ("Give me time.", "give_me"),
     ],
 )
-def test_other_senses_of_place_words_get_no_illustrating_gesture(text: str, gesture: str):
+def test_place_words_in_other_senses_get_no_illustrating_gesture(text: str, gesture: str):
     assert gesture not in gestures(text)
 
 

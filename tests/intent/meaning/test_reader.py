@@ -27,7 +27,7 @@ def is_beat(lexemes: set[str]) -> bool:
      "They couldn't agree with him more.", "Nothing beats fresh bread.", "No wonder it broke.",
      "It's at number 5, not only today."],
 )  # fmt: skip
-def test_negative_words_that_deny_nothing_get_no_refusal_gesture(text: str):
+def test_idioms_with_negative_words_get_no_refusal_gesture(text: str):
     for seed in range(3):
         assert not shown(text, seed=seed) & REFUSALS
     assert "SHAKE" not in shown(text, "head") or "not only" in text
@@ -40,7 +40,7 @@ def test_negative_words_that_deny_nothing_get_no_refusal_gesture(text: str):
      "Thank goodness nobody was hurt.", "If you don't run, the train leaves.", "She found no error in it.",
      "I never thought I'd do it."],
 )  # fmt: skip
-def test_head_is_not_shaken_where_the_speaker_denies_nothing(text: str):
+def test_sentences_without_a_denial_get_no_head_shake(text: str):
     assert "SHAKE" not in shown(text, "head")
 
 
@@ -49,7 +49,7 @@ def test_head_is_not_shaken_where_the_speaker_denies_nothing(text: str):
     [("What a way to spoil a perfectly good morning.", "smile"), ("He refused a very good job in York.", "smile"),
      ("Sorry, is this chair free?", "sorry")],
 )  # fmt: skip
-def test_polite_words_in_other_senses_get_no_face(text: str, face: str):
+def test_words_of_politeness_in_other_senses_get_no_facial_expression(text: str, face: str):
     assert face not in shown(text, "face")
     assert shown("Good morning!", "face") == {"smile"}
     assert shown("I'm so sorry!", "face") & {"sorry", "sadness", "LOWER_MOUTH_CORNERS"}
@@ -61,7 +61,7 @@ def test_warning_of_a_danger_raises_a_finger(text: str):
     assert "warning_finger" not in shown("Mind your own business.") | shown("You look out of the window.")
 
 
-def test_fixed_words_with_numbers_show_no_sides():
+def test_idiom_count_on_one_hand_gets_no_gesture_for_one_side_of_an_argument():
     assert "on_one_hand" not in shown("I can count on one hand the boats that came back.")
     assert "on_one_hand" in shown("On one hand, boats are slow; on the other hand, they are quiet.")
 
@@ -104,26 +104,26 @@ def test_contrasts_refusals_and_sizes_have_their_gestures(text: str, gestures: s
     ["We all walked and went down to the harbour.", "A thin mist hung over the canal.", "She pushed the lid over it.",
      "The iron hook hangs under the roof.", "Here stands the thing that visitors come for."],
 )  # fmt: skip
-def test_words_of_space_in_other_senses_are_not_drawn(text: str):
+def test_direction_words_in_other_senses_get_only_beat_gestures(text: str):
     assert is_beat(shown(text))
 
 
-def test_repeated_words_of_a_path_do_not_hurry():
+def test_repeated_path_words_give_a_circle_or_a_sequence_gesture():
     assert shown("She walked round and round the pond.") >= {"circle_drawn"}
     assert "one_after_another" in shown("Step by step the bridge was built.")
 
 
-def test_word_before_its_noun_points_at_nothing():
+def test_word_this_before_a_noun_gets_no_pointing_gesture():
     assert "that_low" in shown("I'll take this one.")
     assert "that_low" not in shown("The whole roof rests on this one beam.")
 
 
-def test_gestures_to_the_listener_need_no_third_person_as_subject():
+def test_sentence_about_a_third_person_gets_no_gesture_to_the_listener():
     assert "you_low" in shown("Oh, just admit it.")
     assert "you_low" not in shown("He will admit it.")
 
 
-def test_fixed_words_are_not_matched_across_a_comma():
+def test_word_pairs_of_a_cue_match_across_a_comma_only_if_repeated():
     assert "thumb_up" in shown("It was well done.") | shown("Well done!") | shown("Well done!", seed=1)
     assert is_beat(shown("Look, out there it rains.") - {"that_far", "rain", "that_low"})
     assert "no_low" in shown("No, no, not now.")
@@ -204,7 +204,7 @@ def test_repeated_meaning_does_not_repeat_a_gesture():
     assert len(gestures) == len(set(gestures)) > 1
 
 
-def test_open_hands_present_statements_of_long_lively_texts_only():
+def test_only_statements_of_long_texts_in_a_lively_style_get_presenting_gestures():
     story = "The tower leaned a little further every day. The captain carried a heavy box along the river. " * 2
     topics = {"conduit", "inform_spread", "open_low", "present"}
 

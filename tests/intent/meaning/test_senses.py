@@ -58,7 +58,7 @@ def test_figurative_words_get_no_illustrating_gesture(text: str):
     assert is_beat(shown(text))
 
 
-def test_praise_after_an_exclamation_or_beside_a_bad_thing_is_not_shown():
+def test_ironic_praise_and_an_admitted_mistake_get_no_positive_gesture():
     assert shown("Brilliant!") & {"thumb_up", "thumb_up_low"}
     assert is_beat(shown("Oh, brilliant, the train is late."))
     assert is_beat(shown("Brilliant, it's raining again.") - {"rain"})
@@ -71,17 +71,17 @@ def test_tears_of_joy_are_not_sad():
     assert "sadness" not in shown("I'm so happy for you, I could cry.")
 
 
-def test_shrug_is_not_shown_for_the_ignorance_of_others():
+def test_only_ignorance_of_the_speaker_gets_a_shrug():
     assert shown("I have no idea what it is.") & {"doubt_shrug", "shrug_small"}
     assert is_beat(shown("He has no idea what it is."))
 
 
-def test_denial_that_is_taken_back_shakes_no_head():
+def test_retracted_denial_gets_no_head_shake():
     assert "SHAKE" in shown("The second step never works.", "head")
     assert "SHAKE" not in shown("The second step never works without the first.", "head")
 
 
-def test_accents_nod_only_in_longer_texts():
+def test_accents_get_nods_only_in_long_texts_that_report_no_speech():
     long = "We walked along the river to the old mill and had lunch in the garden behind the house."
     assert "NOD" not in shown("He put the cup on the table.", "head")
     assert "NOD" in shown(long, "head")
@@ -105,7 +105,7 @@ def test_emblem_within_a_yes_no_question_is_not_shown():
     assert not shown("We always have a good time there.") & {"wave_low", "wave_small"}
 
 
-def test_feeling_of_somebody_else_is_not_shown():
+def test_feelings_of_another_person_are_not_shown():
     assert "rub_hands" in shown("I can't wait to meet you.")
     assert "rub_hands" not in shown("My sister can't wait to meet you.")
     assert "rub_hands" not in shown("I can't wait any longer.")

@@ -16,19 +16,19 @@ def beat_on(passage: Passage, word: int) -> Intent:
     return Intent("accent", onset, stroke, close, 0.4, "test", word=word, phrase=passage.words[word].phrase)
 
 
-def test_words_with_a_heard_accent_replace_the_content_words():
+def test_words_accented_in_a_recording_replace_content_words_as_accents():
     assert [intent.word for intent in find_accents(HEARD)] == [1, 6]
     assert [intent.word for intent in find_accents(HEARD, taken={1})] == [6]
     assert [PASSAGE.words[intent.word].plain for intent in find_accents(PASSAGE)][:2] == ["big", "dog"]
 
 
-def test_times_of_a_recording_replace_the_estimates():
+def test_word_times_of_a_recording_replace_estimated_times():
     assert HEARD.starts[6] == 3.0
     assert HEARD.onset(6).seconds == 3.0
     assert PASSAGE.starts[6] != 3.0
 
 
-def test_beat_moves_to_the_heard_accent_of_its_phrase_or_is_dropped():
+def test_beat_moves_to_the_recorded_accent_of_its_phrase_or_is_dropped():
     moved = follow_accents([beat_on(HEARD, 4), beat_on(HEARD, 6)], HEARD, BEAT_INTENTS)
     assert [(intent.word, intent.stroke.reference.partition("+")[0]) for intent in moved] == [(1, "s:w2"), (6, "s:w7")]
     assert "'big' carries an accent in the recording" in moved[0].reason

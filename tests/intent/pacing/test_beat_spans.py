@@ -22,19 +22,19 @@ def choices(*lexemes: str) -> list[Choice]:
     return [Choice(lexeme, 1.0) for lexeme in lexemes]
 
 
-def test_long_beats_fit_only_where_there_is_time():
+def test_long_beats_are_selected_only_with_enough_time_before_and_after():
     forms = choices("beat", "beat_roll", "beat_double")
     assert select_fitting(forms, 5.0, 5.0) == forms
     assert select_fitting(forms, 1.7, 5.0) == choices("beat", "beat_double")
     assert select_fitting(forms, 5.0, 1.4) == choices("beat", "beat_roll")
 
 
-def test_gesture_that_a_text_asks_for_is_kept_without_time():
+def test_only_possible_beat_is_kept_despite_too_little_time():
     assert select_fitting(choices("beat_roll"), 0.5, 5.0) == choices("beat_roll")
 
 
 @pytest.mark.parametrize("lexeme", ACCENT_FORMS)
-def test_beat_on_accents_is_short_or_has_a_span(lexeme: str):
+def test_each_beat_has_a_short_stroke_or_a_listed_time_span(lexeme: str):
     setup = set_up()
     planned = plan_block(parse(f'<bml id="b"><gesture id="g" lexeme="{lexeme}" stroke="4"/></bml>'), setup)
     times = [sync.planned for sync in planned.syncs if sync.sync.startswith("stroke")]
@@ -42,7 +42,7 @@ def test_beat_on_accents_is_short_or_has_a_span(lexeme: str):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_chosen_beats_have_the_time_that_they_need(seed: int):
+def test_beats_with_a_listed_time_span_are_chosen_only_with_this_time(seed: int):
     setup = set_up()
     _, selection = plan_behaviours(TEXT, setup.lexicon, Style.load("joyful"), seed=seed)
     gestures = [behaviour for behaviour in selection.behaviours if behaviour.channel == "gesture"]

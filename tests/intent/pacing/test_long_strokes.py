@@ -15,7 +15,7 @@ MIN_LONG_STROKE = 1.15  # [s] of a gesture that must be in the table
 MIN_LISTED_STROKE = 1.05  # [s] of a gesture that may be in the table
 
 
-def test_table_has_the_strokes_of_all_slowly_drawing_gestures():
+def test_table_of_long_strokes_lists_all_slow_drawing_gestures_and_no_fast_ones():
     setup = set_up(robot="human")
     natural = {}
     for form in setup.lexicon.forms:
@@ -26,20 +26,20 @@ def test_table_has_the_strokes_of_all_slowly_drawing_gestures():
     assert {name: natural[name] for name in LONG_STROKES if natural[name] < MIN_LISTED_STROKE} == {}
 
 
-def test_long_stroke_begins_near_its_word():
+def test_long_stroke_is_delayed_relative_to_its_word():
     setup = set_up()
     _, selection = plan_behaviours("We sat in the kitchen and the rain came.", setup.lexicon, Style.load("neutral"))
     rain = next(behaviour for behaviour in selection.behaviours if behaviour.lexeme == "rain")
     assert rain.intent.stroke.reference == "s:w8+1.67"
 
 
-def test_delay_is_that_of_the_mean_stroke():
+def test_delay_of_a_gesture_choice_is_half_the_mean_stroke_up_to_a_maximum():
     assert stroke_delay(()) == stroke_delay(("large",)) == 0.0
     assert stroke_delay(("river",)) == MAX_STROKE_DELAY
     assert stroke_delay(("path_along", "large")) == pytest.approx(stroke_delay(("path_along",)) / 2)
 
 
-def test_no_beat_falls_into_a_long_stroke():
+def test_no_gesture_is_chosen_during_the_long_stroke_of_another():
     strokes = [("large", 3.0), ("fire", 9.0)]
     assert [at for at in (2.5, 6.0, 6.8, 8.9, 9.1) if is_in_long_stroke(at, strokes)] == [6.8, 8.9]
     setup = set_up()

@@ -28,7 +28,7 @@ def perform_turns(lexicon: Lexicon, seed: int) -> tuple[list[str], ChoiceMemory]
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_gestures_differ_in_successive_turns_of_one_conversation(lexicon: Lexicon, seed: int) -> None:
+def test_no_gesture_is_repeated_over_the_turns_of_one_conversation(lexicon: Lexicon, seed: int) -> None:
     _, memory = perform_turns(lexicon, seed)
     names = [past.form for past in memory.gestures]
     assert len(names) >= len(DENIALS)

@@ -37,7 +37,7 @@ def gestures_of(story: str, style: str) -> Sequence[ChosenBehaviour]:
     return [behaviour for behaviour in selection.behaviours if behaviour.channel == "gesture"]
 
 
-def test_beats_come_in_runs_at_the_rate_of_the_tempo() -> None:
+def test_beats_occur_in_short_series_at_the_stroke_rate_of_the_tempo() -> None:
     times = times_of(place_beats([make_accent(0.4 * k) for k in range(300)], [], STEADY_TEMPO))
     assert len(times) == pytest.approx(40, abs=2)
     gaps = [after - before for before, after in pairwise(times)]
@@ -59,7 +59,7 @@ def test_beat_moves_from_a_weak_accent_to_a_stronger_one_soon_after_it() -> None
     assert times_of(place_beats(accents, [], STEADY_TEMPO)) == [2.4]
 
 
-def test_beat_ends_a_long_rest_of_the_hands_even_above_the_stroke_rate() -> None:
+def test_hands_never_rest_longer_than_the_maximum_despite_many_earlier_strokes() -> None:
     accents = [make_accent(0.5 * k) for k in range(30)]
     times = times_of(place_beats(accents, [], STEADY_TEMPO, earlier_strokes=50))
     assert times
@@ -75,7 +75,7 @@ def test_stroke_rate_depends_on_style_within_the_measured_human_range() -> None:
     assert 28.0 <= rates[3] <= 34.0 / 1.07  # voices are faster than the estimate of durations
 
 
-def test_lively_story_has_beats_in_different_forms_without_repeated_gestures() -> None:
+def test_beats_of_a_joyful_story_vary_and_no_gesture_recurs_within_five() -> None:
     gestures = gestures_of("bicycle", "joyful")
     beats = [gesture.lexeme for gesture in gestures if is_beat(gesture.lexeme)]
     assert 0.4 <= len(beats) / len(gestures) <= 0.62
@@ -97,7 +97,7 @@ def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
     }
 
 
-def test_lively_style_neither_enlarges_uncertain_beats_nor_repeats_strokes_of_pictures() -> None:
+def test_joyful_style_enlarges_no_uncertain_beats_and_repeats_no_illustrating_strokes() -> None:
     gestures = gestures_of("bicycle", "joyful")
     for behaviour in gestures:
         if is_beat(behaviour.lexeme) and behaviour.intent.certainty < EMPHATIC_CERTAINTY:

@@ -19,7 +19,7 @@ def beats(style):
     return [part.split('"')[0] for text in texts for part in text.split('lexeme="')[1:] if part.startswith("beat")]
 
 
-def test_angry_beats_are_chops_fists_and_points_and_sad_ones_small_and_low():
+def test_angry_beats_are_often_hard_and_sad_beats_often_small_and_never_hard():
     hard, small = (
         {"beat_strong", "beat_edge", "beat_finger", "beat_fist_palm"},
         {"beat_low", "beat_small", "beat_wrist"},
@@ -30,7 +30,7 @@ def test_angry_beats_are_chops_fists_and_points_and_sad_ones_small_and_low():
     assert sum(name in small for name in sad) > 0.4 * len(sad)
 
 
-def test_style_preferences_weight_alternatives_and_add_only_beats():
+def test_style_preferences_weight_alternatives_and_add_beats_only_to_rhythmic_gestures():
     choices = (Choice("beat", 0.5), Choice("beat_low", 0.5))
     preferences = {"beat_low": 0.5, "beat_edge": 3.0, "akimbo": 9.0}
     assert prefer(choices, preferences, RHYTHM_INTENT) == (

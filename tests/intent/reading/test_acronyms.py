@@ -44,7 +44,7 @@ def test_acronym_spelled_like_a_rule_word_matches_no_rule():
         ("She left the U.S. in May.", 1),
     ],
 )
-def test_abbreviation_ends_no_sentence(text: str, sentences: int):
+def test_full_stop_of_an_abbreviation_within_a_sentence_does_not_end_it(text: str, sentences: int):
     assert len(read_text(text, load_language()).kinds) == sentences
 
 

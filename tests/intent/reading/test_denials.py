@@ -40,12 +40,12 @@ def test_refusal_at_the_start_of_a_sentence_has_a_gesture(language: str, text: s
     assert shown(text, language, "gesture") & REFUSALS
 
 
-def test_denial_within_a_statement_moves_the_head_only():
+def test_german_denial_within_a_statement_gets_a_head_shake_but_no_refusal_gesture():
     text = "Im Haus war gestern niemand."
     assert "SHAKE" in shown(text, "de", "head")
     assert not shown(text, "de", "gesture") & REFUSALS
 
 
-def test_name_after_a_title_is_no_denial():
+def test_name_no_after_a_title_gets_no_head_shake():
     assert "SHAKE" not in shown("We met Dr. No there.", "en", "head")
     assert "SHAKE" in shown("We met no doctor there.", "en", "head")

@@ -76,7 +76,7 @@ def test_regional_tag_has_the_rules_of_its_language_and_its_own_voice(lexicon):
         ("pt", "Você gosta de café?"),
     ],
 )
-def test_question_without_question_word_is_shown(lexicon, language, text):
+def test_question_without_question_word_gets_a_questioning_face(lexicon, language, text):
     behaviours = plan_behaviours(text, lexicon, Style.load("neutral"), language=language)[1].behaviours
     assert [behaviour.lexeme for behaviour in behaviours if behaviour.channel == "face"] == ["question"]
 
@@ -91,7 +91,7 @@ def test_question_without_question_word_is_shown(lexicon, language, text):
         ("pt", "Não só isso."),
     ],
 )
-def test_negative_word_that_denies_nothing_shakes_no_head(lexicon, language, text):
+def test_idioms_with_negative_words_get_no_head_shake(lexicon, language, text):
     behaviours = plan_behaviours(text, lexicon, Style.load("neutral"), language=language)[1].behaviours
     assert "SHAKE" not in {behaviour.lexeme for behaviour in behaviours}
 

@@ -35,6 +35,6 @@ def test_reading_time_is_linear_in_tag_count(piece: str) -> None:
     assert growth(lambda text: read_text(text, language), lambda size: f"<break {size * piece}") < LINEAR_GROWTH_LIMIT
 
 
-def test_names_with_digits_are_no_shouting() -> None:
+def test_name_of_capitals_and_digits_is_spelled_out() -> None:
     words = read_text("WW2, 3D, H2O, CO2, 5G, A4 and B2B.", load_language()).words
     assert "W W 2" in [word.text for word in words]
