@@ -119,7 +119,7 @@ def test_reduced_limits_determine_key_times_and_full_limits_determine_the_motion
 
 
 @pytest.mark.parametrize("finder", ["can_pass", "nearest_within_limits"])
-def test_key_time_search_ends_if_no_motion_exists(monkeypatch, finder):
+def test_motion_without_a_spline_solution_takes_longer_and_keeps_limits(monkeypatch, finder):
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
     usual = condition(keys, LIMITS, limit_scale=0.8)
     monkeypatch.setattr(sys.modules[condition.__module__], finder, lambda *_: None)

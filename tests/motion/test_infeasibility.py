@@ -83,7 +83,7 @@ def test_early_end_of_the_deficit_search_gives_the_same_feasibility(target):
     assert ended > 0
 
 
-def test_smoothest_path_bounds_the_limit_ratio():
+def test_segment_with_an_estimated_limit_ratio_of_at_most_one_is_feasible():
     for pieces in (40, 60, 80, 120, 300):
         if estimate_limit_ratio(way(pieces, pieces / 2), LIMITS) <= 1.0:
             assert measure_time_deficit(way(pieces, pieces / 2), LIMITS).amount <= 1e-6

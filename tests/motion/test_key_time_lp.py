@@ -126,7 +126,7 @@ def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
     return keys, KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5, (2, 3): 0.6}, 0.6)
 
 
-def test_problem_with_very_many_keys_only_delays_keys(monkeypatch):
+def test_solution_for_very_many_keys_only_delays_keys(monkeypatch):
     keys, problem = crowded(monkeypatch)
     assert problem.is_crowded
     assert solve_key_times(problem) == pytest.approx([0.0, 1.0, 1.5, 2.1, 2.1 + keys.gaps[3, 4]])
@@ -141,7 +141,7 @@ def test_very_many_keys_keep_their_precedence_constraints(monkeypatch):
     assert all(times[j] - times[i] >= gap - 1e-9 for (i, j), gap in bound.gaps.items())
 
 
-def test_very_many_keys_that_violate_a_plane_raise_an_error(monkeypatch):
+def test_very_many_keys_that_violate_a_cutting_plane_raise_an_error(monkeypatch):
     _, problem = crowded(monkeypatch)
     excluded = replace(problem, planes=[CuttingPlane(sealed([0.0, 0.0, 0.0, 1.0, -1.0]), -1.0)])
     with pytest.raises(ArithmeticError, match="too many keys"):

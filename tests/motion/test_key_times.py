@@ -69,7 +69,7 @@ def find_infeasible(search: KeyTimeSearch, keys: Keys):
     return [segment for segment in moving if measure_time_deficit(segment, FEASIBLE_LIMITS).amount > 0.0]
 
 
-def test_search_starts_from_full_velocity_durations():
+def test_key_time_search_starts_from_full_velocity_durations():
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
     search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
     assert search.times[2] - search.times[1] == pytest.approx(0.3)
@@ -238,7 +238,7 @@ def test_spent_budget_forces_stops_without_measurements(monkeypatch):
     )
 
 
-def test_time_deficits_are_found_among_very_many_keys(known, monkeypatch):
+def test_time_deficits_of_segments_among_very_many_keys_are_measurable(known, monkeypatch):
     """Without a solution the hinge would stop at each key, and strokes would be much later."""
     deficits = []
 

@@ -69,7 +69,7 @@ def test_part_of_the_keys_contains_only_the_selected_times_and_hinges():
     assert part.limits.lower.shape == (1,)
 
 
-def test_with_passage_drops_inexact_keys_and_sets_one_tension():
+def test_common_key_passage_sets_one_tension_and_drops_inexact_keys():
     result = keys(*PATH).with_passage(KeyPassage(tension=1.0))
     assert np.all(result.passage_values[0] == 1.0)
     assert not result.keyed[[2, 4]].any()

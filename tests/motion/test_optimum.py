@@ -28,7 +28,7 @@ def test_rest_to_rest_optimum_is_the_double_s():
     assert shift_cost(keys, motion.planned) <= 1.1 * best.shift_cost
 
 
-def test_optimal_times_move_the_cheapest_key():
+def test_optimal_times_move_a_ready_key_and_keep_the_stroke_time():
     ends = keys_of((0, 0, "start"), (1.0, 1.0, "ready"), (1.1, 0.0, "stroke"), (2, 0, "end"))
     keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS)
     best = best_times(keys, motion, LIMITS, LEAD_IN)

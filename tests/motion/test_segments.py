@@ -41,7 +41,7 @@ def tight(times, hinges=(0, 1)) -> list:
     return [*find_critical_segments(np.asarray(times), KEYS, KNOT_INTERVAL, rests, hinges)]
 
 
-def test_always_feasible_segments_are_left_out():
+def test_segments_with_ample_time_are_excluded_from_the_search():
     assert tight(KEYS.requested_times * 3.0) == []
     hurried = tight(KEYS.requested_times * 0.6)
     assert {item.hinge for item in hurried} == {0, 1}

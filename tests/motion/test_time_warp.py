@@ -51,7 +51,7 @@ def test_uniform_warp_scales_derivatives_by_powers_of_time():
     assert changed[2 * k + 3 : 3 * k + 3] == pytest.approx(-3 * now[2 * k + 3 : 3 * k + 3], abs=1e-9)
 
 
-def test_one_time_warp_step_reduces_the_deficit():
+def test_one_time_warp_step_more_than_halves_the_time_deficit():
     lacks = measure(KEYS.requested_times)
     assert lacks[0][1].amount > 0.1
     times = stretch_times(PROBLEM, KEYS.requested_times, lacks, limits=LIMITS, radius=0.4, reserves=[TIME_RESERVE])
@@ -86,7 +86,7 @@ def steps_of_search(deficits):
     return [float(np.abs(np.diff(times) / np.diff(KEYS.requested_times) - 1.0).max()) for times in tried[1:]]
 
 
-def test_search_without_success_ends_after_ten_ever_smaller_steps():
+def test_time_stretching_without_success_ends_after_ten_ever_smaller_steps():
     lacks = measure(KEYS.requested_times)
     steps = steps_of_search(lambda times, number: lacks)
     assert len(steps) == 10
@@ -94,7 +94,7 @@ def test_search_without_success_ends_after_ten_ever_smaller_steps():
     assert all(after < before / 3 for before, after in pairwise(steps[:5]))
 
 
-def test_step_after_an_unmeasurable_one_is_smaller():
+def test_time_warp_step_after_an_unmeasurable_segment_is_smaller():
     def deficits(times, number):
         return [(segment, None if number == 2 else deficit) for segment, deficit in measure(times)]
 

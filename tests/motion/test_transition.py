@@ -156,7 +156,7 @@ def test_largest_limit_ratio_includes_violations_at_the_motion_ends(place):
     assert largest_limit_ratio > 1.0
 
 
-def test_joined_columns_are_none_if_a_hinge_has_no_solution():
+def test_hinge_motions_are_joined_as_columns_unless_one_is_missing():
     one, other = np.arange(5.0), np.ones(5)
     np.testing.assert_array_equal(join_columns([one, other]), np.stack([one, other], axis=1))
     assert join_columns([one, None, other]) is None

@@ -12,7 +12,7 @@ HANGING_ARM = np.array([-6.0, 12.0, 25.0, 3.0, 14.0, -4.0])  # [deg] directions 
 
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_links_of_an_arm_take_the_directions_of_a_stance(name, side):
+def test_arm_set_to_given_link_directions_has_them_within_one_degree(name, side):
     robot = ROBOTS[name]
     posture = set_arm(robot, side, HANGING_ARM, np.array(robot.skeleton.rest))
     assert np.abs(measure_arm(robot, side, posture) - HANGING_ARM).max() < 1.0
@@ -20,20 +20,20 @@ def test_links_of_an_arm_take_the_directions_of_a_stance(name, side):
     assert set(moved.tolist()) <= set(robot.arm(side).joints)
 
 
-def test_directions_are_relative_to_the_turned_shoulders():
+def test_arm_directions_are_relative_to_the_turned_shoulders():
     robot = ROBOTS["human"]
     turned = np.array(robot.skeleton.rest)
     turned[robot.skeleton.joint("vl5_torsion")] = np.radians(20.0)
     assert measure_arm(robot, "l", turned) == pytest.approx(measure_arm(robot, "l", robot.skeleton.rest), abs=1e-6)
 
 
-def test_unreachable_directions_keep_the_joint_limits():
+def test_arm_set_to_unreachable_directions_keeps_the_joint_limits():
     robot = ROBOTS["upper36"]
     posture = set_arm(robot, "l", np.array([-170.0, 5.0, 80.0, -60.0, -120.0, 80.0]), np.array(robot.skeleton.rest))
     assert np.all((posture >= robot.skeleton.lower) & (posture <= robot.skeleton.upper))
 
 
-def test_arms_of_several_postures_are_measured_at_once():
+def test_arm_directions_of_several_postures_equal_those_of_single_ones():
     robot = ROBOTS["human"]
     postures = np.stack([robot.skeleton.rest, set_arm(robot, "l", HANGING_ARM, np.array(robot.skeleton.rest))])
     single = [measure_arm(robot, "l", posture) for posture in postures]

@@ -174,7 +174,7 @@ def test_persistent_overload_tightens_all_drives(known: Setup, first: Conditione
     assert compute_peak_duties(certified.trajectory, setup)[LOADED_HINGE] <= MAX_DUTY
 
 
-def test_duty_slightly_below_maximum_is_accepted(known: Setup, first: Conditioned):
+def test_duty_below_the_maximum_is_accepted_and_above_it_tightens_limits(known: Setup, first: Conditioned):
     assert MAX_DUTY < 1.0
     for times, attempts in ((MAX_DUTY - 1e-3, 1), (MAX_DUTY + 1e-3, MAX_TIGHTENINGS // 2 + 2)):
         setup = under(known, pulling(known, first, times))
@@ -182,7 +182,7 @@ def test_duty_slightly_below_maximum_is_accepted(known: Setup, first: Conditione
         assert len(setup.dynamics.asked) == attempts
 
 
-def test_maximum_duty_is_accepted(known: Setup):
+def test_duty_equal_to_the_maximum_is_accepted(known: Setup):
     stall = known.robot.drives.stall[LOADED_HINGE]
     full = next(
         torque
@@ -234,7 +234,7 @@ def moving_slowly(known: Setup, knots: int, *, bump: int) -> Trajectory:
     return Trajectory(sealed(heights), 0.0)
 
 
-def test_overload_between_low_duties_is_sought_only_at_long_intervals(known: Setup):
+def test_torques_between_low_duties_are_evaluated_only_at_long_intervals(known: Setup):
     motion, stall = moving_slowly(known, 20, bump=7), known.robot.drives.stall[LOADED_HINGE]
     peak = motion.sample(np.array([7 * KNOT_INTERVAL]))[0][0, LOADED_HINGE]
     setup = under(

@@ -79,7 +79,7 @@ def test_beat_is_dropped_for_a_later_more_important_gesture(planned):
     assert times(result) == pytest.approx(times(planned(alone)), abs=1e-3)
 
 
-def test_close_gestures_are_both_performed(planned):
+def test_two_gestures_close_in_time_are_both_performed(planned):
     for later in (0.6, 0.8):
         result = planned(document("offer", "large", later, BOTH)[0])
         assert "dropped" not in fates(result).values()
@@ -132,7 +132,7 @@ def test_conflicting_rest_pose_is_deferred_to_the_gesture_retraction(planned):
         assert times(result)[sync] == pytest.approx(times(alone)[sync], abs=1e-3)
 
 
-def test_required_gesture_is_never_dropped_for_a_timing_conflict(planned):
+def test_timing_conflict_drops_no_required_gesture_and_refuses_two_required_ones(planned):
     one, two = ASK.format("love", BOTH), NEXT.format("contrast_left_right", BOTH, 2.35)
     assert fates(planned(ROOT.format(f"{one}<required>{two}</required>"))) == {"ask": "dropped", "next": "realised"}
     with pytest.raises(BmlError, match="next is required"):

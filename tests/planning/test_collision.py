@@ -60,7 +60,7 @@ def test_collision_free_posture_is_unchanged():
     assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)), rest)
 
 
-def test_elbows_move_before_hands():
+def test_collision_of_an_upper_arm_moves_the_elbow_more_than_the_hand():
     """An upper arm at the shoulder girdle moves the hand by less than half of its own path."""
     wrist = ROBOT.skeleton.segment("r_wrist")
     elbow = ROBOT.skeleton.segment("r_elbow")
@@ -72,7 +72,7 @@ def test_elbows_move_before_hands():
     assert 0 < ways[wrist] < 0.5 * ways[elbow]
 
 
-def test_segments_that_should_touch_approach_each_other():
+def test_segments_that_should_touch_approach_to_the_minimum_clearance():
     posture = ROBOT.skeleton.rest.copy()
     bent = np.radians([0, 20, 0, -15, 80, 0, -20, 0])
     for side in ("l", "r"):

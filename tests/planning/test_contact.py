@@ -132,7 +132,7 @@ def test_palm_balls_reach_the_surface_of_the_hand_along_its_facing(name):
             assert abs(min(distances)) < 1e-3  # [m]
 
 
-def test_chest_includes_segments_without_a_hinge():
+def test_touched_chest_includes_segments_without_a_hinge():
     robot = Robot.load("human")
     touched = {name for k in touched_pairs("r", "chest", robot) for name in robot.counted_pairs[k]}
     assert touched == {"vl5", "vt1", "r_wrist", "r_fingers"}

@@ -13,7 +13,7 @@ MIN_CLEARANCE = 0.010  # [m]
 
 @pytest.mark.parametrize("style", ["neutral", "joyful", "sad"])
 @pytest.mark.parametrize("gesture", ["palm_to_forehead", "own_shoulder", "up_to_here"])
-def test_hand_near_the_body_keeps_its_clearance_and_time(known, gesture, style):
+def test_gesture_that_touches_the_body_keeps_clearance_and_stroke_time(known, gesture, style):
     planned = plan_gesture(known.lexicon.forms_by_id[gesture], replace(known, style=Style.load(style)))
     assert planned.keyframes.outcomes[BEHAVIOUR_ID].kind == "realised"
     assert count_violations(planned) == 0

@@ -20,7 +20,7 @@ def test_clear_motion_has_no_detour():
     assert add_detours(clear, DISTANCES, min_clearance=MIN_CLEARANCE) is clear
 
 
-def test_hands_at_same_place_avoid_each_other():
+def test_detours_separate_hands_that_pass_the_same_position():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     assert least(together) < 0
     led = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)

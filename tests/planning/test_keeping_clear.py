@@ -147,7 +147,7 @@ def test_collision_free_motion_is_conditioned_once(asked, watched, known):
     assert (len(courses), scales) == (1, [1.0])
 
 
-def test_plan_of_a_single_posture_has_no_motion(known):
+def test_single_posture_gives_a_motion_at_rest_in_this_posture(known):
     solved = Postures((KeyPosture.whole(0.0, known.robot.skeleton.rest),), {})
     postures, motion, times, _ = keep_clear(solved, known)
     assert postures is solved

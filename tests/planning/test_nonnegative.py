@@ -4,11 +4,11 @@ import pytest
 from kinesic.planning.nonnegative import solve_nonnegative
 
 
-def test_only_variables_that_help_are_positive():
+def test_variable_with_a_negative_unconstrained_solution_is_zero():
     np.testing.assert_allclose(solve_nonnegative(np.eye(3), np.array([2.0, -1.0, 0.5])), [2.0, 0.0, 0.5])
 
 
-def test_variable_that_would_become_negative_returns_to_zero():
+def test_first_variable_returns_to_zero_if_later_ones_make_it_negative():
     """The first variable reduces the residual most, but not beside the other two."""
     matrix, target = np.array([[1.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.5, 0.0, 0.0]]), np.array([1.0, 1.0, -0.2])
     assert (matrix.T @ target).argmax() == 0
@@ -29,5 +29,5 @@ def test_nonnegative_least_squares_match_scipy(shape, repeated: bool):
         assert np.linalg.norm(matrix @ found - target) <= nnls(matrix, target)[1] + 1e-9
 
 
-def test_target_out_of_reach_keeps_all_variables_at_zero():
+def test_negative_target_keeps_all_nonnegative_variables_at_zero():
     np.testing.assert_array_equal(solve_nonnegative(np.ones((2, 3)), np.array([-1.0, -1.0])), np.zeros(3))

@@ -68,7 +68,7 @@ def hand_in_world(made: Plan, times: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("lexeme", "settings"), [("circling", ()), ("waving", ()), ("circling", ("spatial=-1",))])
-def test_planned_hand_follows_requested_path(planned, lexeme, settings):
+def test_planned_hand_passes_all_points_of_its_requested_path_within_1_cm(planned, lexeme, settings):
     made = planned(f'<gesture id="g" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="4"/>', *settings, "whole_body=0")
     syncs = times_of(made, "g")
     assert syncs["stroke"] == pytest.approx(4.0, abs=0.01)
@@ -213,7 +213,7 @@ def test_speech_pause_is_not_inserted_after_the_planning_budget_is_spent(planned
     assert rounds == [False, True]
 
 
-def test_block_that_needs_no_speech_pause_is_planned_twice(planned, rounds):
+def test_block_with_allowed_speech_pauses_is_planned_without_and_then_with_conflict_resolution(planned, rounds):
     planned('<speech id="s" kinesic:pause="true"><text>See <sync id="a"/>this.</text></speech>')
     assert rounds == [False, True]
 
@@ -222,7 +222,7 @@ def test_block_that_needs_no_speech_pause_is_planned_twice(planned, rounds):
     ("constant", "cost"),
     [("REPLAN_COST_PER_BEHAVIOUR", 10**9), ("SAMPLE_COST", plan_module.WORK_BUDGET / 100)],
 )
-def test_replanning_is_charged_to_budget(planned, monkeypatch, constant, cost):
+def test_block_is_not_replanned_after_replanning_costs_exceed_the_budget(planned, monkeypatch, constant, cost):
     """A discarded motion costs as much as its samples, of which there are hundreds."""
     usual, asked = plan_module.keep_clear, []
 

@@ -74,7 +74,7 @@ def test_requested_key_times_are_distinct_and_ordered():
     assert np.all(np.diff(longer.planned) >= 0.0)
 
 
-def test_arms_are_moved_together_only_if_they_have_equal_key_times():
+def test_arms_are_grouped_only_if_they_have_equal_key_times():
     arms = [tuple(LEFT), tuple(RIGHT)]
     assert CROSSING.keyed_alike(arms) == [(*LEFT, *RIGHT)]
     apart = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
@@ -115,7 +115,7 @@ def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
     assert all(calm.postures[3].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)
 
 
-def test_course_follows_a_trajectory_whose_times_begin_elsewhere():
+def test_posture_course_follows_a_trajectory_with_another_start_time():
     early = course(key(-0.4), key(0.6, left=IN_FRONT), key(1.6))
     speed, zero = 0.2, 0.7  # [rad/s], [s]
     block_times = KNOT_INTERVAL * np.arange(-1.0, 299.0) - zero  # a B-spline follows control points on a line

@@ -160,7 +160,7 @@ def test_torso_has_keys_around_a_lean_about_one_axis():
         (("l_hand",), (("g", "stroke"),), True),
     ],
 )
-def test_only_keys_of_passing_hands_without_a_sync_point_may_be_missed(given, syncs, is_firm):
+def test_only_path_keys_of_a_hand_without_sync_point_are_optional(given, syncs, is_firm):
     frame = frames_of_left_hand(None, (0.3, 0.2, 0.8), None).frames[1]
     hands = {**frame.hands, "l": replace(frame.hands["l"], passing=True)}
     assert _firm(replace(frame, hands=hands, given=frozenset(given), syncs=syncs)) is is_firm

@@ -26,7 +26,7 @@ def moved(plan) -> set[str]:
     return {behaviour for behaviour, parts in plan.keyframes.uses.items() if parts}
 
 
-def test_plan_without_no_behaviours_is_the_plan_itself(planned):
+def test_plan_without_an_empty_list_of_behaviours_is_the_plan_itself(planned):
     plan = planned(NOD)
     assert plan_without(plan, ()) is plan
 
@@ -63,7 +63,7 @@ def test_speech_of_the_block_is_kept(planned):
     assert reduced.timeline.block.behaviours[0].id == "s"
 
 
-def test_same_behaviours_are_left_out_only_once(planned):
+def test_plan_without_the_same_behaviours_is_cached(planned):
     plan = planned(LOOK + NOD)
     assert plan_without(plan, ["z"]) is plan_without(plan, {"z"})
     assert plan_without(plan, ["n"]) is not plan_without(plan, ["z"])

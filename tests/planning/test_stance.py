@@ -18,7 +18,7 @@ from kinesic.planning.stance import (
 FOREARMS = [STANCE_FEATURES.index(f"{side}_forearm_forward") for side in "lr"]
 
 
-def test_rows_of_the_stance_distribution_have_only_defined_features():
+def test_stance_distribution_contains_only_defined_features():
     table = read_stances().hanging
     parts = (table.persons, table.rests)
     rows = [table.mean, table.handedness, *(row for part in parts for row in (*part.symmetric, *part.asymmetric))]
@@ -26,19 +26,19 @@ def test_rows_of_the_stance_distribution_have_only_defined_features():
     assert {name for row in rows for name in row} <= features
 
 
-def test_rows_of_arm_poses_have_only_features_of_the_whole_body():
+def test_arm_pose_distribution_contains_only_defined_features():
     rows = [row for pose in read_stances().poses for row in (pose.mean, *pose.components)]
     assert {name for row in rows for name in row} <= {*STANCE_FEATURES}
 
 
-def test_mirror_image_swaps_arms_and_turns_the_other_way():
+def test_mirrored_stance_swaps_arms_and_inverts_trunk_rotation():
     features = dict.fromkeys(STANCE_FEATURES, 0.0) | {"trunk_turn": 1.0, "trunk_tilt": 2.0, "l_hand_forward": 3.0}
     mirrored = mirror_features(np.array([*features.values()]))
     expected = dict.fromkeys(STANCE_FEATURES, 0.0) | {"trunk_turn": -1.0, "trunk_tilt": 2.0, "r_hand_forward": 3.0}
     assert dict(zip(STANCE_FEATURES, mirrored, strict=True)) == expected
 
 
-def test_arm_poses_are_drawn_as_often_as_their_weights_say():
+def test_arm_poses_are_drawn_with_the_probability_of_their_weights():
     table = read_stances()
     drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     total = table.hanging.weight + sum(pose.weight for pose in table.poses)
@@ -49,7 +49,7 @@ def test_arm_poses_are_drawn_as_often_as_their_weights_say():
     assert before[one_hand, 0].mean() == pytest.approx(0.5, abs=0.12)  # either hand
 
 
-def test_arm_poses_deviate_as_their_components():
+def test_drawn_arm_poses_have_the_standard_deviation_of_their_components():
     table = read_stances()
     drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     both = [pose.deviation for pose in drawn if pose is not None and min(pose.mean[FOREARMS]) > 45.0]
@@ -77,7 +77,7 @@ def test_drawn_stances_have_the_distribution_of_their_table():
     assert np.corrcoef(left[:, 0], right[:, 0])[0, 1] > 0.5
 
 
-def test_arms_and_head_differ_from_their_mirror_image_as_in_people():
+def test_drawn_stances_are_asymmetric_within_human_ranges():
     draws = draw_many(read_stances().hanging)
     left, right = draws[:, -2 * len(ARM_FEATURES) :].reshape(len(draws), 2, -1).transpose(1, 0, 2)
     differences = np.median(np.abs(left - right), axis=0)
@@ -88,7 +88,7 @@ def test_arms_and_head_differ_from_their_mirror_image_as_in_people():
     assert 0.8 < deviations["shoulder_rise"] < 2.0
 
 
-def test_few_rests_lie_far_from_the_mean():
+def test_drawn_stance_deviations_have_long_bounded_tails():
     components = StanceComponents(2.0, [{"hand_forward": 1.0}], [{"head_turn": 1.0}])
     draws = np.stack([draw_components(components, np.random.default_rng(seed)) for seed in range(1000)])
     for name in ("l_hand_forward", "head_turn"):
@@ -97,7 +97,7 @@ def test_few_rests_lie_far_from_the_mean():
         assert 2.4 < sizes.max() < 2.71
 
 
-def test_both_symmetries_have_tails_of_their_own():
+def test_symmetric_and_asymmetric_stance_deviations_are_uncorrelated_in_size():
     components = StanceComponents(2.0, [{"hand_forward": 1.0}], [{"head_turn": 1.0}])
     draws = np.stack([draw_components(components, np.random.default_rng(seed)) for seed in range(1000)])
     sizes = np.abs(draws[:, [STANCE_FEATURES.index(name) for name in ("l_hand_forward", "head_turn")]])

@@ -54,7 +54,7 @@ def test_standing_posture_is_within_joint_ranges_and_clear(name, style, lexicon)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_styles_stand_as_people_in_their_emotion(name, lexicon):
+def test_standing_postures_of_emotional_styles_differ_as_in_people(name, lexicon):
     robot = ROBOTS[name]
     bodies = {s: standing_robot(robot, Style.load(s), lexicon, CapsuleDistances(robot)) for s in names_of("style")}
     tilts = {style: np.degrees(rest_head_turn(body).tilt) for style, body in bodies.items()}
@@ -120,7 +120,7 @@ def test_style_of_a_block_sets_its_facial_affect():
 
 
 @pytest.mark.parametrize("style", ["sad", "proud"])
-def test_style_with_a_posture_is_the_mean_of_its_persons(style):
+def test_standing_posture_of_a_style_is_the_mean_of_its_random_variations(style):
     own, varied = (set_up(style=style, variation=amount).robot.skeleton.rest for amount in (0.0, 1e-6))
     np.testing.assert_allclose(varied, own, atol=np.radians(0.01))
 
@@ -145,7 +145,7 @@ def find_seeds(*, hanging, count):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_every_body_takes_other_arm_postures_within_its_limits(name):
+def test_varied_standing_arm_postures_keep_limits_and_clearance(name):
     robot = ROBOTS[name]
     for seed in find_seeds(hanging=False, count=8):
         setup = set_up(name, variation=1.0, seed=seed)
@@ -157,7 +157,7 @@ def test_every_body_takes_other_arm_postures_within_its_limits(name):
         assert arms[:, ARM_FEATURES.index("forearm_forward")].max() > 40.0
 
 
-def test_smaller_variation_lowers_hands_towards_hanging_arms():
+def test_forearms_of_a_varied_standing_posture_rise_with_the_variation():
     seed = find_seeds(hanging=False, count=1)[0]
     bends = []
     for amount in (0.0, 0.5, 1.0):
@@ -166,7 +166,7 @@ def test_smaller_variation_lowers_hands_towards_hanging_arms():
     assert bends[0] < bends[1] - 10.0 < bends[2] - 20.0
 
 
-def test_styles_with_a_posture_keep_their_own_arms():
+def test_variation_keeps_the_arms_of_a_sad_style_near_its_own_posture():
     for seed in find_seeds(hanging=False, count=3):
         body = set_up("human", style="sad", variation=1.0, seed=seed).robot
         own = set_up("human", style="sad").robot
@@ -177,14 +177,14 @@ def test_styles_with_a_posture_keep_their_own_arms():
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_trunk_and_head_of_a_seed_do_not_depend_on_the_girth_of_the_body(seed):
+def test_standing_trunk_and_head_of_a_seed_are_equal_on_two_robots(seed):
     bodies = [set_up(name, variation=1.0, seed=seed).robot for name in ("human", "upper36")]
     turns = [[*turn_angles(rest_turn(body, "torso")), *turn_angles(rest_head_turn(body))] for body in bodies]
     assert np.degrees(turns[0]) == pytest.approx(np.degrees(turns[1]), abs=0.5)
 
 
 @pytest.mark.parametrize("name", ["human", "upper36"])
-def test_one_shoulder_stands_higher_as_drawn(name):
+def test_height_difference_of_the_shoulders_equals_the_drawn_one(name):
     elevations, expected = [], []
     for seed in find_seeds(hanging=True, count=6):
         robot = set_up(name, variation=1.0, seed=seed).robot
@@ -198,7 +198,7 @@ def test_one_shoulder_stands_higher_as_drawn(name):
 
 
 @pytest.mark.parametrize("name", ["human", "upper36"])
-def test_other_rest_of_a_person_moves_arms_and_shifts_weight_below_a_level_head(name):
+def test_changed_rest_posture_moves_arms_and_trunk_but_keeps_the_head_level(name):
     setup = set_up(name, variation=1.0)
     body, standing, roll = setup.robot, setup.style.standing, np.radians(2.0)
     for seed in range(4):
@@ -211,7 +211,7 @@ def test_other_rest_of_a_person_moves_arms_and_shifts_weight_below_a_level_head(
         assert trunk == pytest.approx(2.0, abs=0.01) == -neck
 
 
-def test_averted_eyes_return_to_the_listener_now_and_then(sad):
+def test_eyes_of_a_sad_robot_look_down_for_40_to_95_percent_of_the_time(sad):
     setup = replace(sad, idling=replace(sad.idling, amount=1.0))
     made = plan_quickly(parse(ROOT.format('<wait id="w" duration="12"/>')), setup)
     units = compute_action_units(made, np.arange(0.0, 11.0, 0.1))
@@ -219,7 +219,7 @@ def test_averted_eyes_return_to_the_listener_now_and_then(sad):
     assert 0.4 < down.mean() < 0.95
 
 
-def test_body_of_a_document_stands_in_the_style_that_its_block_names(sad):
+def test_robot_stands_in_the_style_of_the_block_unless_the_posture_weight_is_set(sad):
     text = ROOT.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"').format('<wait id="w" duration="1"/>')
     setup = set_up()
     made = plan(text, setup)
@@ -236,7 +236,7 @@ def test_document_without_a_style_keeps_the_posture_of_the_performance(sad):
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_rest_gesture_begins_with_raised_shoulders_and_no_other_arm_offset(mirrored, lexicon, monkeypatch):
+def test_rest_gesture_starts_from_the_rest_posture_with_raised_shoulders_only(mirrored, lexicon, monkeypatch):
     starts: list[np.ndarray] = []
 
     def reach(start, *_: object) -> np.ndarray:
@@ -254,7 +254,7 @@ def test_rest_gesture_begins_with_raised_shoulders_and_no_other_arm_offset(mirro
 
 
 @pytest.mark.parametrize("lexeme", ["hush", "heart", "offer"])
-def test_places_of_gestures_follow_the_standing_trunk(lexeme):
+def test_gesture_positions_follow_the_lean_of_the_standing_trunk(lexeme):
     wrists = {}
     for tilt in (0.0, 8.0):
         style = Style.load("neutral")

@@ -75,7 +75,7 @@ def test_gesture_space_turns_about_the_first_torso_joint():
 
 
 @pytest.mark.parametrize("turn", [Turn(torsion=0.5), Turn(tilt=0.4), Turn(roll=-0.3)])
-def test_gesture_space_of_a_rigid_trunk_keeps_its_size(turn):
+def test_gesture_space_keeps_its_size_if_the_trunk_is_rigid(turn):
     assert find_gesture_volume(ROBOT, turn).scale == pytest.approx(1.0, abs=1e-12)
 
 

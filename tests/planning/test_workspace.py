@@ -29,7 +29,7 @@ def distance_from_shoulder(name: tuple[str, str, str]) -> float:
     return float(np.linalg.norm(to_world(ROBOT, "l", position(*name)) - shoulder))
 
 
-def test_every_gesture_space_sector_is_either_reachable_or_unreachable(workspace):
+def test_each_gesture_space_sector_is_listed_once_as_reached_or_missed(workspace):
     sectors = {(x, y, z) for x in SECTOR_CENTRES["x"] for y in SECTOR_CENTRES["y"] for z in SECTOR_CENTRES["z"]}
     assert set(workspace.reached) | set(workspace.missed) == sectors
     assert len(workspace.reached) + len(workspace.missed) == len(sectors)

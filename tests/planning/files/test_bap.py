@@ -113,14 +113,14 @@ def test_motion_name_in_a_bap_file_is_one_ascii_word(through, tmp_path):
     assert len(read_bap(path, ROBOT).times) == 14
 
 
-def test_hinges_without_a_parameter_are_left_out(tmp_path):
+def test_hinges_without_a_bap_parameter_are_not_written(tmp_path):
     robot = Robot.load(Path(__file__).parents[2] / "hardware" / "supervisor" / "little.toml")
     write_bap(stay(robot.skeleton.rest), robot, tmp_path / "m.bap")
     assert read_bap(tmp_path / "m.bap", robot).given == ()
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_parameter_changes_its_sign_with_the_axis_of_its_hinge(sign: float):
+def test_sign_of_a_bap_parameter_follows_the_axis_of_its_hinge(sign: float):
     """Every parameter names an axis of the body, so that the axis of a hinge decides the sign."""
     names = [*NAMES, "l_sternoclavicular_rotate", "r_acromioclavicular_rotate"]
     axes = {hinge.name: hinge.axis for hinge in ROBOT.skeleton.hinges}

@@ -33,7 +33,7 @@ def violations(performed: DryRun) -> int:
     return sum(check.status == "fail" for check in results)
 
 
-def test_feasible_motion_is_kept_within_two_degrees(known, wave):
+def test_feasible_imported_motion_is_followed_within_two_degrees(known, wave):
     planned = plan_imported(wave, known, source="wave.bap")
     away = np.degrees(np.abs(at_frames(planned, wave) - wave.angles))
     assert away.max() < 2.0

@@ -84,7 +84,7 @@ def test_secondary_motion_depends_only_on_seed(known, alive):
     assert np.abs(other.trajectory.controls[: len(alive.trajectory.controls)] - alive.trajectory.controls).max() > 1e-3
 
 
-def test_breath_is_reduced_near_collisions(known):
+def test_secondary_motion_keeps_the_clearance_of_touching_hands(known):
     tight = ROOT.format('<gesture id="g" lexeme="hands_together" stroke="2" relax="9"/>')
     still, alive = (plan(tight, replace(known, idling=idling)) for idling in (Idling(), Idling(2.0, 1)))
     least = min(float(still.clearance.distances.min()), known.robot.min_clearance + 0.004)

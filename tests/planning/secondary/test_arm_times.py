@@ -20,7 +20,7 @@ def moving(*spans: tuple[int, int], count: int = 100) -> Trajectory:
     return Trajectory(sealed(np.cumsum(steps)[:, None]), START, START)
 
 
-def test_rests_of_an_arm_end_and_begin_where_its_spline_moves():
+def test_rest_between_two_arm_strokes_ends_and_begins_with_the_spline_motion():
     motion = moving((30, 50), (70, 90))
     times = np.arange(START, motion.end, KNOT_INTERVAL / 50)
     is_moving = np.abs(motion.sample(times)[1][:, 0]) > 1e-6
@@ -38,7 +38,7 @@ def test_rests_of_an_arm_end_and_begin_where_its_spline_moves():
     assert np.mean(np.array(rests) - edges) == pytest.approx(0.0, abs=KNOT_INTERVAL)
 
 
-def test_short_standstill_is_no_rest():
+def test_short_standstill_of_an_arm_does_not_count_as_rest():
     motion = moving((30, 50), (51, 70))
     (_, after) = _gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
     assert len(after.rests) == 2

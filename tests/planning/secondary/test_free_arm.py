@@ -62,7 +62,7 @@ def test_arm_that_the_other_hand_touches_stays_still(exact):
     assert find_swings(exact, touched={"r": [middle], "l": [middle + 20.0]})
 
 
-def test_arms_with_gestures_of_their_own_do_not_swing():
+def test_arms_that_both_perform_gestures_do_not_swing():
     both = plan(ROOT.format(describe("RIGHT", 0.5) + describe("LEFT", 1.0, "h")), set_up("human"))
     assert not find_swings(both)
 

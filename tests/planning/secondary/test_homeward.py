@@ -70,7 +70,7 @@ def test_rest_posture_of_the_hand_varies_until_the_next_stroke(exact, courses):
     np.testing.assert_allclose(wrists(exact, laid, strokes), wrists(exact, exact.trajectory, strokes), atol=1e-5)
 
 
-def test_return_variation_is_small_and_seeded(exact, courses):
+def test_return_variation_is_bounded_and_repeatable_by_seed(exact, courses):
     swells = found(exact, courses)
     assert len(swells) == 3 + 2
     assert all(np.abs(swell.away).max() <= max(*MAX_RETURN_OFFSET, *MAX_REST_OFFSET) + 1e-9 for swell in swells)

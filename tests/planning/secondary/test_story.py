@@ -19,7 +19,7 @@ def known():
 
 
 @pytest.mark.parametrize("style", [pytest.param("neutral", marks=pytest.mark.soak), "joyful"])
-def test_story_strokes_stay_on_their_words(known, style):
+def test_story_strokes_stay_within_0_1_s_of_their_words(known, style):
     result = plan(TEXT, replace(known, style=Style.load(style)))
     late = {
         f"{s.behaviour}:{s.sync}": s.planned - s.requested for s in result.syncs if s.sync in ("strokeStart", "stroke")

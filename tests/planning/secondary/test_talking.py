@@ -66,7 +66,7 @@ def test_speech_motion_scales_with_amount(known):
     assert all(np.allclose(b.away, 2.0 * a.away) for a, b in zip(one, two, strict=True))
 
 
-def test_nods_and_sway_have_separate_amounts(known):
+def test_nods_and_head_turns_during_speech_have_separate_amounts(known):
     planned = plan(ROOT.format(SPEECH), known)
     for amount, prosody, parts in ((0.0, 1.0, {"skullbase_tilt"}), (1.0, 0.0, {"skullbase_torsion", "vl5_torsion"})):
         chance = np.random.default_rng(1)
