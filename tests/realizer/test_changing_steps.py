@@ -90,7 +90,9 @@ def test_waiting_block_takes_its_new_plan_and_times(scene, running, better, step
     assert "replan" not in steps[1]
 
 
-def test_block_without_motion_or_with_other_speech_keeps_its_plan(scene, running, better, steps, monkeypatch):
+def test_running_block_without_motion_or_with_changed_speech_is_not_replanned(
+    scene, running, better, steps, monkeypatch
+):
     assert improve_block(scene.with_block(replace(running, merged=None)), "a", better, 0.5) is None
     monkeypatch.setattr(module, "_has_equal_speech", lambda *plans: plans != (better, running.prepared.plan))
     assert improve_block(scene, "a", better, 0.5) is None
@@ -140,7 +142,7 @@ def test_speech_with_other_durations_or_marks_is_different():
 
 
 @pytest.mark.parametrize("amount", [0.0, 1.0])
-def test_amount_of_all_blocks_may_reach_both_ends_of_its_range(scene, amount):
+def test_movement_amount_of_all_blocks_may_be_zero_or_one(scene, amount):
     stale = replace(scene, outgoing_feedback=(ScheduledFeedback(0.1, "sent", 0),))
     after = change_style(stale, 0.2, amount=amount)
     (request,) = after.replans
@@ -153,12 +155,12 @@ def test_amount_of_all_blocks_may_reach_both_ends_of_its_range(scene, amount):
 
 
 @pytest.mark.parametrize("amount", [-0.01, 1.01])
-def test_amount_outside_its_range_is_refused(scene, amount):
+def test_movement_amount_outside_zero_to_one_is_refused(scene, amount):
     with pytest.raises(ValueError, match=f"amount is {amount:g}, outside"):
         change_style(scene, 0.2, amount=amount)
 
 
-def test_request_of_a_waiting_block_is_not_decided(scene, running):
+def test_replanning_request_of_a_waiting_block_keeps_its_plan_open(scene, running):
     waiting = scene.with_block(replace(running, state=BlockState.LURKING))
     (request,) = change_style(waiting, 0.2, amount=0.5).replans
     assert not request.is_decided
@@ -173,7 +175,7 @@ def test_style_of_one_block_keeps_the_style_of_later_blocks(scene):
     assert whole.replans[0].block.behaviours[0].manner.style is None
 
 
-def test_amount_changed_after_the_style_keeps_the_style(scene):
+def test_movement_amount_changed_after_the_style_keeps_the_style(scene):
     after = change_style(change_style(scene, 0.2, style="calm", block="a"), 0.2, amount=0.5)
     (behaviour,) = after.replans[0].block.behaviours
     assert (behaviour.action.amount, behaviour.manner.style) == (0.5, "calm")
@@ -272,7 +274,7 @@ OLD, NEW, PLACE = (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "a:h", text) for te
         pytest.param(False, ["new"], id="provisional warnings have been sent"),
     ],
 )
-def test_new_plan_reports_what_the_sender_does_not_know_yet(scene, running, better, is_pending, texts):
+def test_new_plan_reports_only_notices_that_were_not_sent_yet(scene, running, better, is_pending, texts):
     """Notices on the places of behaviours are sent with the first plan, those on times later."""
     first = replace(better, keyframes=replace(better.keyframes, notices=(PLACE,)), notices=(PLACE, OLD))
     before = replace(running, prepared=replace(running.prepared, plan=first, is_provisional=True))

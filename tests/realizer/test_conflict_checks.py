@@ -46,23 +46,23 @@ def summed(*rows: int, value: float = 1.0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("value", [0.0, 1e-9])
-def test_motion_equal_to_the_running_one_is_not_checked(known, checks, value):
+def test_merged_motion_equal_to_the_running_one_is_not_checked(known, checks, value):
     assert find_conflict(work(), summed(30, value=value), known) is None
     assert checks[1] == {}
 
 
-def test_motion_equal_to_that_of_the_block_is_not_checked(known, checks):
+def test_merged_motion_equal_to_that_of_the_block_is_not_checked(known, checks):
     assert find_conflict(work(), np.full((ROW_COUNT, HINGE_COUNT), 2.0), known) is None
     assert checks[1] == {}
 
 
 @pytest.mark.parametrize(("row", "is_checked"), [(CUT + 2, False), (CUT + 3, True), (CUT + 4, True)])
-def test_only_rows_that_may_change_are_checked(known, checks, row, is_checked):
+def test_merged_motion_is_checked_only_if_it_changes_at_least_three_knots_after_the_cut(known, checks, row, is_checked):
     find_conflict(work(), summed(5, row), known)
     assert bool(checks[1]) is is_checked
 
 
-def test_motion_is_checked_from_the_cut_to_the_last_row_that_differs_from_both(known, checks):
+def test_merged_motion_is_checked_from_the_cut_to_its_last_difference_from_both_motions(known, checks):
     find_conflict(work(base_rows=20), summed(5, 40), known)
     controls = checks[1]["_find_collision"].controls
     np.testing.assert_array_equal(controls, motion_from_knot(summed(5, 40)[:43], CUT).controls)
@@ -151,7 +151,7 @@ def overload(known, monkeypatch):
         ((1.3, 1.1), (1.4, 1.0), True),
     ],
 )
-def test_duty_is_too_high_only_if_the_block_raises_it(overload, after, before, is_overload):
+def test_duty_above_one_counts_only_if_the_block_raises_it(overload, after, before, is_overload):
     assert (overload(after, before) is not None) == is_overload
 
 
@@ -164,7 +164,7 @@ def test_overload_names_the_worst_raised_joint_and_its_behaviour(known, overload
     assert first in overload((1.3, 1.1), (1.0, 1.0), performed).why
 
 
-def test_overload_is_attributed_to_the_behaviour_nearest_to_the_cut(overload):
+def test_overload_names_the_first_behaviour_after_the_change_time(overload):
     performed = [use("late", hinges=[0], begin=0.5, end=0.6), use("soon", hinges=[0], begin=0.11, end=0.2)]
     performed.append(use("past", hinges=[0], begin=0.0, end=0.05))
     assert overload((1.3, 0.0), (1.0, 1.0), performed).behaviour == "soon"

@@ -55,7 +55,7 @@ def test_first_interruption_of_each_behaviour_counts(scene):
     assert planned_interruptions(scene, stopping("c", "a", 3.0, zero=10.0)) == {("a", "g"): 12.0, ("a", "h"): 12.0}
 
 
-def test_waiting_blocks_and_dropped_or_aimless_interrupts_stop_nothing(scene):
+def test_interrupts_of_waiting_blocks_dropped_or_without_target_stop_nothing(scene):
     scene = scene.with_block(small_block("a", {"g": {}}))
     waiting = scene.with_block(stopping("w", "a", 1.0, state=BlockState.LURKING))
     dropped = small_block("d", {}, inside=STOP.format("a") + '<head id="h" lexeme="NOD"/>')

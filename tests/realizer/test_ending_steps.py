@@ -45,12 +45,12 @@ def released(monkeypatch):
 
 
 @pytest.mark.parametrize(("time", "expected"), [(13.9, False), (14.0, True), (15.0, True)])
-def test_playing_block_is_over_at_its_end(scene_of, time, expected):
+def test_playing_block_counts_as_over_at_its_end(scene_of, time, expected):
     block = playing()
     assert is_over(scene_of(block), block, time) is expected
 
 
-def test_waiting_block_is_never_over_and_a_told_one_always(scene_of):
+def test_waiting_block_is_not_over_and_a_block_without_pending_feedback_is(scene_of):
     waiting = playing(state=BlockState.LURKING)
     assert not is_over(scene_of(waiting), waiting, 99.0)
     block = playing()
@@ -67,7 +67,7 @@ def progress(scene: Scene) -> list[tuple]:
     ]
 
 
-def test_interrupted_block_reports_the_points_that_were_sent_ahead(scene_of):
+def test_interrupted_block_reports_the_sync_points_sent_in_advance(scene_of):
     block = playing()
     after = end_block(scene_of(block), block, 10.75, "no reason")
     assert progress(after) == [
@@ -91,14 +91,14 @@ def test_interrupted_block_reports_the_points_that_were_sent_ahead(scene_of):
     assert after.blocks == ()
 
 
-def test_points_that_did_not_pass_are_forgotten(scene_of):
+def test_ended_block_keeps_only_sync_points_that_have_passed(scene_of):
     block = playing()
     (ended,) = end_block(scene_of(block), block, 10.0, "").ended
     assert {point.behaviour for point in ended.points} == {"g", "bml"}
 
 
 @pytest.mark.parametrize("now", [13.75, 20.0])
-def test_block_that_ends_by_the_change_is_done(scene_of, now):
+def test_block_whose_end_precedes_the_change_time_ends_as_done(scene_of, now):
     block = playing()
     after = end_block(scene_of(block), block, now, "")
     assert after.ended[-1].state is BlockState.DONE
@@ -115,7 +115,7 @@ def test_block_that_ends_by_the_change_is_done(scene_of, now):
         (BlockState.SUBSIDING, 10.0, False),
     ],
 )
-def test_block_that_has_not_begun_is_revoked(scene_of, state, now, is_revoked):
+def test_block_that_has_not_begun_ends_as_revoked(scene_of, state, now, is_revoked):
     block = playing(state=state)
     provisional = ScheduledFeedback(20.0, "warned", unless_improved="b")
     scene = scene_of(block)
@@ -129,7 +129,7 @@ def test_block_that_has_not_begun_is_revoked(scene_of, state, now, is_revoked):
         assert 'id="b"' in warning.xml
 
 
-def test_block_whose_start_was_told_is_interrupted(scene_of):
+def test_block_whose_start_feedback_was_sent_ends_as_interrupted(scene_of):
     block = playing()
     scene = scene_of(block)
     later = replace(scene, agenda=tuple(item for item in scene.agenda if item.time > 10.0))
@@ -137,13 +137,13 @@ def test_block_whose_start_was_told_is_interrupted(scene_of):
     assert after.ended[-1].state is BlockState.INTERRUPTED
 
 
-def test_block_that_has_begun_is_interrupted_before_its_first_behaviour(scene_of):
+def test_block_interrupted_after_its_start_but_before_its_first_behaviour_ends_as_interrupted(scene_of):
     block = small_block("b", {"n": {"start": 0.5, "end": 1.0}}, zero=10.0, run=3)
     after = end_block(scene_of(block), block, 9.9, "")
     assert after.ended[-1].state is BlockState.INTERRUPTED
 
 
-def test_motion_of_a_stopped_block_is_removed_from_the_change_on(scene_of, released):
+def test_motion_of_a_stopped_block_is_removed_from_the_change_time_on(scene_of, released):
     block = playing(NECK, 5)
     scene = scene_of(block)
     after = stop_block(scene, block, 11.0, "")
@@ -156,7 +156,7 @@ def test_motion_of_a_stopped_block_is_removed_from_the_change_on(scene_of, relea
     assert after.ended[-1].state is BlockState.INTERRUPTED
 
 
-def test_block_without_motion_or_at_its_end_releases_nothing(scene_of, released):
+def test_block_without_motion_or_at_its_end_releases_no_hinges(scene_of, released):
     still = replace(playing(), merged=None)
     assert stop_block(scene_of(still), still, 11.0, "").ended[-1].state is BlockState.INTERRUPTED
     block = playing(NECK)

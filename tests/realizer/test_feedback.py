@@ -56,7 +56,7 @@ def test_sync_point_times_are_monotonic() -> None:
     assert keys(dues) == [":start", "h:start", "h:ready", "h:stroke", "h:end", ":relax", ":end"]
 
 
-def test_retimed_feedback_skips_sent_points_and_sends_past_ones_immediately() -> None:
+def test_retimed_feedback_skips_sent_sync_points_and_sends_past_ones_immediately() -> None:
     left = schedule_feedback("b", TIMES, 10.0, sender=0)[4:]
     sooner = {"h": {"start": 0.0, "stroke": 0.8, "relax": 1.2, "end": 1.6}, "s": TIMES["s"]}
     again = retime_feedback(

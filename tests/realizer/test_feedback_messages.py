@@ -27,7 +27,7 @@ def passed(point: str, behaviour: str | None = None, *, time: float = 12.0, run:
 TEXT = ScheduledFeedback(12.0, "<x/>", 5)
 
 
-def test_interrupted_message_has_the_new_time_on_both_clocks():
+def test_message_of_an_interrupted_block_has_the_new_time_on_both_clocks():
     message = passed("end").interrupted_at(11.5)
     assert (message.time, message.content.time, message.sender) == (11.5, 1.5, 5)
     assert message.content.state is BlockState.INTERRUPTED
@@ -67,7 +67,7 @@ def test_block_start_and_end_are_those_of_the_block_itself(message, is_start, is
     assert (message.is_block_start, message.is_block_end) == (is_start, is_end)
 
 
-def test_measured_time_is_kept_beside_the_planned_one():
+def test_feedback_message_keeps_planned_and_measured_time():
     measured = passed("start").measured_at(12.5)
     assert (measured.time, measured.measured) == (12.0, 12.5)
     assert passed("start").measured is None
@@ -98,7 +98,7 @@ def test_withdrawal_keeps_points_up_to_a_time(after, kept):
     assert [item.content.point for item in withdraw_feedback(agenda, 3, after=after)] == kept
 
 
-def test_withdrawal_keeps_texts_other_runs_and_other_behaviours():
+def test_withdrawn_feedback_excludes_texts_other_runs_and_other_behaviours():
     agenda = (TEXT, passed("end", run=4), passed("end", "h"), passed("end", "g"), passed("end"))
     assert withdraw_feedback(agenda, 3) == agenda[:2]
     assert withdraw_feedback(agenda, 3, frozenset({"h"})) == (*agenda[:2], *agenda[3:])
@@ -110,7 +110,7 @@ def test_provisional_warnings_are_withdrawn_by_block():
     assert withdraw_provisional(agenda, "b") == agenda[1:]
 
 
-def test_pending_points_move_no_earlier_than_the_change():
+def test_pending_sync_points_move_no_earlier_than_the_change_time():
     agenda = (passed("ready", "h", time=10.0), passed("stroke", "h", time=11.0), passed("end", "h", time=12.0), TEXT)
     fresh = [passed(point, "h", time=time) for point, time in (("ready", 8.0), ("stroke", 9.0), ("end", 13.0))]
     moved = retime_feedback(agenda, 3, [*fresh, passed("relax", "h", time=14.0)], 10.0)

@@ -35,7 +35,7 @@ def steps(known):
     return of
 
 
-def test_step_lasts_at_least_half_as_long_again_as_the_limits_require(known, steps):
+def test_transition_of_a_held_angle_lasts_at_least_1_5_minimum_durations(known, steps):
     hasty = need(-0.2, begin=1.0, ready=1.001, end=1.001)
     ((_, _, end),) = steps([need(0.3, begin=-3.0, ready=-2.0, end=-2.0)], [hasty], ends=0.3)
     assert end - 1.0 == pytest.approx(1.5 * compute_quintic_duration(0.3, known.limits, NECK))
@@ -50,25 +50,25 @@ def test_smooth_step_is_symmetric_between_its_times():
     assert smooth_step(np.array([2.0, 2.0 + KNOT_INTERVAL]), 2.0, 2.0) == pytest.approx([0.0, 1.0])
 
 
-def test_last_of_two_postures_that_end_together_is_held():
+def test_posture_listed_last_is_held_if_two_end_at_the_same_time():
     both = [need(0.1, end=4.0), need(0.3, end=4.0)]
     assert last_held("look", both, ALL_HINGES)[NECK] == 0.3
     assert last_held("look", both[::-1], ALL_HINGES)[NECK] == 0.1
 
 
-def test_last_gaze_before_the_block_is_the_one_that_it_supersedes(steps):
+def test_block_gaze_supersedes_the_last_gaze_before_it(steps):
     first = need(0.1, begin=-5.0, ready=-4.0, end=-4.0)
     second = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     for running in ([first, second], [second, first]):
         assert steps(running, [need(-0.2)], ends=0.3) == [(-0.3, 1.0, 2.0)]
 
 
-def test_running_gaze_that_is_ready_with_that_of_the_block_gets_a_step_before_it(steps):
+def test_running_gaze_ready_at_the_same_time_as_that_of_the_block_is_superseded_by_it(steps):
     running = need(0.3, begin=0.5, ready=2.0, end=2.0)
     assert steps([running], [need(-0.2)], ends=0.3) == [(0.0, 1.0, 2.0), (-0.3, 1.0, 2.0)]
 
 
-def test_unstated_angle_is_removed_although_a_returned_gaze_is_known(steps):
+def test_held_angle_without_a_holding_gaze_is_removed_by_the_next_gaze(steps):
     returned = need(None, begin=-3.0, ready=-2.0, end=-1.0)
     assert steps([returned], [need(-0.2)], ends=0.1) == [(-0.1, 1.0, 2.0)]
     assert steps([], [need(-0.2, role="trunk")], ends=0.1) == [(-0.1, 1.0, 2.0)]
@@ -80,13 +80,13 @@ def test_gazes_of_a_block_follow_in_order_of_time(steps):
     assert steps([running], [late, soon], ends=0.3) == [(-0.3, 1.0, 2.0), (0.0, 5.0, 7.0)]
 
 
-def test_late_running_gaze_changes_from_the_start_of_the_blocks_first_gaze(steps):
+def test_running_gaze_that_begins_late_changes_from_the_start_of_the_first_gaze_of_the_block(steps):
     running = need(0.3, begin=0.5, ready=5.0, end=5.0)
     performed = [need(0.1, begin=3.0, ready=4.0, end=4.0), need(-0.2)]
     assert steps([running], performed, ends=0.3) == [(0.0, 1.0, 2.0), (0.0, 3.0, 4.0), (-0.1, 1.0, 5.0)]
 
 
-def test_gazes_of_equal_readiness_follow_by_their_relaxation(steps):
+def test_gazes_with_equal_ready_times_are_ordered_by_their_relax_times(steps):
     first = need(None, begin=1.0, ready=2.0, relax=3.0, end=9.0)
     second = need(-0.2, begin=1.0, ready=2.0, relax=4.0, end=4.0)
     expected = steps([], [first, second], ends=0.0)
@@ -94,14 +94,14 @@ def test_gazes_of_equal_readiness_follow_by_their_relaxation(steps):
     assert len(expected) == 2
 
 
-def test_superseding_gaze_takes_only_trunk_hinges_of_holding_behaviours_of_its_role(known):
+def test_new_gaze_occupies_only_trunk_hinges_of_earlier_held_gazes(known):
     arm = known.robot.joints("l_arm")[0]
     others = [need(0.1, moved=(NECK, arm)), need(None, moved=(TILT,)), need(0.1, role="trunk", moved=(TILT,))]
     (entry,) = with_superseded_hinges([need(None, moved=(5,))], others, known.robot)
     assert np.flatnonzero(entry.hinges).tolist() == [NECK, 5]
 
 
-def test_warning_states_the_joint_that_is_farthest_from_the_held_posture(known):
+def test_warning_of_an_unreached_held_posture_names_the_farthest_joint(known):
     controls = np.tile(known.robot.skeleton.rest, (9, 1))
     controls[-1, NECK] += 0.3 - np.radians(3.0)
     controls[-1, TILT] -= np.radians(12.4)
@@ -114,7 +114,7 @@ def test_warning_states_the_joint_that_is_farthest_from_the_held_posture(known):
     assert end_warnings(controls, [need(0.1, id="b")], [need(0.2, role="trunk", end=9.0)], known.robot) == []
 
 
-def test_arms_never_count_as_off_the_held_posture(known):
+def test_arm_away_from_the_held_posture_causes_no_warning(known):
     controls = np.tile(known.robot.skeleton.rest, (9, 1))
     controls[-1, NECK] += 0.1
     controls[-1, known.robot.joints("l_arm")[0]] += 1.0

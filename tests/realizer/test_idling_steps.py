@@ -50,7 +50,7 @@ def test_idle_motion_begins_when_the_robot_rests(scene, merged, now, begins):
     assert (begin_idle(scene, small_block("i").prepared, now) is not scene) is begins
 
 
-def test_idle_motion_needs_motion_and_an_empty_scene(scene, merged):
+def test_idle_motion_begins_only_with_motion_and_without_running_blocks(scene, merged):
     assert begin_idle(scene, small_block("i", moves=False).prepared, 9.0) is scene
     busy = scene.with_block(small_block("a"))
     assert begin_idle(busy, small_block("i").prepared, 9.0) is busy

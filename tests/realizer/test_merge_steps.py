@@ -43,7 +43,7 @@ def use(id: str, *roles: str, begin=0.0, ready=0.1, relax=0.2, end=0.3, offset=N
     return Occupancy(id, frozenset(roles), np.zeros(22, dtype=np.bool_), begin, ready, relax, end, offset)
 
 
-def test_merged_motion_forgets_the_past_of_its_sum_and_its_offsets():
+def test_merged_motion_truncated_at_a_time_keeps_later_control_points_and_offsets():
     motion, layer = (Trajectory(np.arange(220.0).reshape(10, 22) * scale, 0.0) for scale in (1.0, 2.0))
     later = MergedMotion(motion, 0.5, layer, (), (), ("a",), ()).since(0.02)
     for part, whole in ((later.trajectory, motion), (later.layer, layer)):
@@ -52,7 +52,7 @@ def test_merged_motion_forgets_the_past_of_its_sum_and_its_offsets():
     assert (later.zero, later.dropped) == (0.5, ("a",))
 
 
-def test_only_silent_and_replacing_blocks_wait(planned, rest, monkeypatch):
+def test_only_blocks_without_speech_may_be_delayed_by_a_merge(planned, rest, monkeypatch):
     calls = []
 
     def merged(task, *, waits):
@@ -82,7 +82,7 @@ def test_replaced_motion_releases_all_hinges(nod, rest, known, monkeypatch):
     assert hinges.all()
 
 
-def test_times_of_a_merge_count_from_the_start_of_the_running_motion(nod, rest):
+def test_merge_times_are_relative_to_the_start_of_the_running_motion(nod, rest):
     occupied = [
         use("a", "sign", relax=START + 0.21),
         use("b", "sign", relax=START + 0.199),
@@ -101,7 +101,9 @@ def test_times_of_a_merge_count_from_the_start_of_the_running_motion(nod, rest):
     ("desired", "cut", "soonest"),
     [(0.3, 0, 30), (0.3, 29, 30), (0.3, 45, 45), (0.301, 0, 31), (0.3 + 1e-9, 0, 30), (-5.0, 7, 7)],
 )
-def test_motion_of_a_block_begins_at_the_first_knot_for_which_its_zero_is_not_early(nod, rest, desired, cut, soonest):
+def test_block_motion_begins_at_the_first_knot_that_makes_its_start_no_earlier_than_desired(
+    nod, rest, desired, cut, soonest
+):
     later = SimpleNamespace(trajectory=replace(nod.trajectory, zero=0.25))
     assert _Merge(rest, nod, cut, (), desired + 0.25)._soonest(later) == soonest
 
@@ -138,7 +140,7 @@ def test_block_waits_for_the_first_delay_without_conflicts(tried, nod, rest, wai
     assert calls == expected
 
 
-def test_delay_ends_all_conflicts_except_those_with_held_postures(nod, rest):
+def test_tried_delays_include_the_end_of_each_conflict_except_with_held_postures(nod, rest):
     task = _Merge(rest, nod, 30, (), 0.0)
     ready = task.block_occupancy[0].ready + 0.3
     other = use("a", "sign", ready=ready - 1.0, relax=ready + 0.2)
@@ -159,7 +161,7 @@ def test_conflict_names_the_common_hands_and_the_remaining_time():
     assert _conflicts([both, free], others) == {"g": "l_hand and r_hand busy with o for 0.50 s more"}
 
 
-def test_zero_of_a_block_counts_from_the_knot_at_which_its_motion_begins(nod):
+def test_block_start_is_relative_to_the_knot_at_which_its_motion_begins(nod):
     attempt = _Attempt(nod, 30, nod.trajectory.controls, nod.trajectory.controls, (), {})
     assert attempt.zero == pytest.approx(0.3 + nod.trajectory.zero)
 
@@ -197,7 +199,7 @@ def test_block_that_changes_nothing_keeps_the_running_motion_itself(outcome, res
     assert not outcome(base=base).layer.controls.any()
 
 
-def test_left_out_behaviours_lack_their_times_and_cause_a_notice(outcome):
+def test_behaviours_dropped_by_a_merge_have_no_times_and_cause_a_notice(outcome):
     merged = outcome(left_out={"n": "its hand is busy"})
     assert (merged.syncs, merged.dropped) == ((), ("n",))
     (notice,) = merged.notices
@@ -239,7 +241,7 @@ def overlays(monkeypatch):
     return works, failures, clashes
 
 
-def test_attempt_overlays_the_delayed_block_with_the_running_motion(overlays, nod, rest):
+def test_merge_attempt_overlays_the_delayed_block_on_the_running_motion(overlays, nod, rest):
     others = (use("o", "look", relax=9.0),)
     task = _Merge(rest, nod, 7, others, nod.trajectory.zero + 0.3)
     attempt = task.attempt(12)

@@ -170,7 +170,7 @@ def test_held_rotations_add_to_those_of_the_rest_posture(known, monkeypatch):
     assert (angles[torso], angles[neck]) == pytest.approx((0.25, 0.32))
 
 
-def test_held_look_counts_the_torso_into_the_direction_of_the_head(known):
+def test_held_gaze_subtracts_the_torso_angle_from_the_neck_angle(known):
     torso, neck = known.robot.joints("torso")[0], known.robot.joints("neck")[0]
     angles = held_angles(HeldTurns("look", head=Turn(torsion=0.5), torso=Turn(torsion=0.2)), known.robot)
     assert (angles[torso], angles[neck]) == pytest.approx((0.2, 0.3))
@@ -181,13 +181,13 @@ def test_held_look_counts_the_torso_into_the_direction_of_the_head(known):
 @pytest.mark.parametrize(
     ("ready", "relax", "conflicts"), [(1.0, 2.0, False), (0.99, 2.0, True), (0.1, 0.5, False), (0.1, 0.51, True)]
 )
-def test_occupancies_that_only_touch_cause_no_conflict(ready, relax, conflicts):
+def test_occupancies_that_follow_without_overlap_cause_no_conflict(ready, relax, conflicts):
     first, second = use("a", "sign"), use("b", "sign", ready=ready, relax=relax)
     assert first.conflicts_with(second) is conflicts
     assert second.conflicts_with(first) is conflicts
 
 
-def test_only_held_roles_are_held():
+def test_occupancy_holds_a_role_only_if_it_has_this_role_and_a_final_offset():
     assert use("a", "look", offset=np.zeros(HINGE_COUNT)).holds("look")
     assert not use("a", "look", offset=np.zeros(HINGE_COUNT)).holds("trunk")
     assert not use("a", "look").holds("look")
@@ -207,7 +207,7 @@ def test_times_that_differ_by_rounding_keep_their_order():
 
 
 @pytest.mark.parametrize(("relax", "remains"), [(1.0, False), (1.01, True)])
-def test_passing_occupancy_remains_until_it_relaxes(relax, remains):
+def test_occupancy_without_a_held_posture_remains_until_it_relaxes(relax, remains):
     entry = use(relax=relax)
     assert remaining_occupancy([entry], 1.0) == (entry,) * remains
 
@@ -250,7 +250,7 @@ def test_arm_is_released_until_its_last_behaviour_relaxes(known, relax, is_freed
         ("trunk", 1.6, np.zeros(HINGE_COUNT), True),
     ],
 )
-def test_held_look_is_not_released_if_a_later_held_one_has_superseded_it(known, role, end, offset, is_freed):
+def test_held_gaze_superseded_by_a_later_one_is_not_released(known, role, end, offset, is_freed):
     moved = np.ones(HINGE_COUNT, dtype=np.bool_)
     own = use("a", "look", offset=np.zeros(HINGE_COUNT), hinges=[NECK])
     free = freed_hinges(

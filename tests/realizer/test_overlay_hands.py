@@ -54,7 +54,7 @@ def joined(task: Overlay):
     return result if isinstance(result, tuple | MergeFailure) else result[0]
 
 
-def test_hand_that_the_block_does_not_use_keeps_the_running_motion(transitions):
+def test_hand_unused_by_the_block_keeps_the_running_motion(transitions):
     other = use("left", 0.3, role="l_hand")
     assert joined(work([other], [use("a", 0.3)])) == 0.0
     assert transitions == []
@@ -65,7 +65,7 @@ def test_hand_passes_from_the_running_motion_to_the_block_and_returns(transition
     assert transitions == [(0.0, 1.0, CUT * KNOT_INTERVAL, "g")]
 
 
-def test_hand_leaves_the_latest_relaxed_behaviour(transitions):
+def test_hand_changes_motions_after_its_last_relaxed_behaviour(transitions):
     assert joined(work([use("g", 0.6)], [use("a", 0.3, 0.5), use("b", 0.4, 0.45)])) == ("return", 11.0, "g")
     assert transitions == [(0.0, 1.0, 0.5, "g")]
 
@@ -84,7 +84,7 @@ def test_hand_returns_to_the_running_motion_for_its_later_behaviour(transitions)
         (CUT * KNOT_INTERVAL - 2 * KNOT_TOLERANCE, True),
     ],
 )
-def test_hand_that_was_ready_before_the_cut_is_there_already(transitions, ready, is_there):
+def test_hand_ready_before_the_change_time_needs_no_transition(transitions, ready, is_there):
     assert joined(work([use("g", ready)])) == ("return", 1.0 if is_there else 11.0, "g")
     assert len(transitions) == (not is_there)
 
@@ -118,9 +118,7 @@ def test_hand_leaves_the_block_only_for_behaviours_that_finish_in_between(
         ([("g", 0.8)], [("a", 0.6)], "g", "g"),
     ],
 )
-def test_missing_time_for_a_transition_is_the_failure_of_a_behaviour_of_the_block(
-    monkeypatch, performed, holding, failing, named
-):
+def test_failed_hand_transition_names_a_behaviour_of_the_new_block(monkeypatch, performed, holding, failing, named):
     monkeypatch.setattr(
         module, "_cross_over_to", lambda _current, after, _left, stop, *_: None if stop.behaviour == failing else after
     )
@@ -147,7 +145,7 @@ def test_behaviours_of_a_hand_are_sorted_by_their_ready_time():
         (0.3, "l_hand", False),
     ],
 )
-def test_finishing_behaviour_lies_between_two_others_from_ready_to_ready(ready, role, is_between):
+def test_behaviour_lies_between_two_others_if_its_ready_time_does(ready, role, is_between):
     finishing = [use("past", 0.0), use("f", ready, role=role)]
     assert _has_finishing_between(finishing, "r_hand", use("g", 0.2), use("h", 0.5)) is is_between
 
@@ -177,7 +175,7 @@ def crossings(monkeypatch):
         (slice(30, 32), 20),
     ],
 )
-def test_hand_leaves_where_both_motions_last_coincide_or_when_the_next_behaviour_begins(crossings, equal, leave):
+def test_hand_changes_motions_where_they_last_coincide_or_at_the_next_behaviour(crossings, equal, leave):
     """Three equal control points make two motions coincide at a knot."""
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
     after[equal] = SAME_ANGLE
@@ -189,7 +187,7 @@ def test_hand_leaves_where_both_motions_last_coincide_or_when_the_next_behaviour
     assert following is after
 
 
-def test_motions_can_coincide_at_any_angle(crossings):
+def test_motions_may_coincide_at_any_angle(crossings):
     current, after = np.full(ROW_COUNT, 0.4), np.zeros(ROW_COUNT)
     after[20:30] = 0.4
     _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, HINGE)
@@ -205,7 +203,9 @@ def test_motions_can_coincide_at_any_angle(crossings):
         (0.3, 0.2, 0.6, [(30, 60), (30, 60)]),
     ],
 )
-def test_hand_leaves_its_last_behaviour_earlier_if_the_next_one_begins_too_late(crossings, left, begin, ready, knots):
+def test_hand_first_changes_motions_when_the_next_behaviour_begins_and_then_earlier(
+    crossings, left, begin, ready, knots
+):
     crossings[1][0] = 2
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
     assert _cross_over_to(current, after, left, use("g", ready, begin=begin), LIMITS, HINGE) is None

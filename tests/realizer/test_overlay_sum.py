@@ -61,7 +61,7 @@ def use(id: str, *roles: str, begin=0.1) -> Occupancy:
     return Occupancy(id, frozenset(roles), ALL_HINGES, begin, begin + 0.1, begin + 0.2, begin + 0.3)
 
 
-def test_sum_adds_the_change_of_the_block_except_for_given_hinges(known, limits):
+def test_summed_motion_adds_the_offsets_of_the_block_except_for_given_hinges(known, limits):
     base, coming = still(), still()
     base[:, [TORSO, NECK]] = 0.3
     coming[:, [TORSO, NECK]] = np.linspace(0.5, 0.6, ROW_COUNT)[:, None]
@@ -74,7 +74,7 @@ def test_sum_adds_the_change_of_the_block_except_for_given_hinges(known, limits)
 
 
 @pytest.mark.parametrize(("end", "count"), [(0.2, ROW_COUNT), (0.405, 41 + 6)])
-def test_sum_lasts_six_knots_longer_than_the_change_of_a_held_posture(known, limits, monkeypatch, end, count):
+def test_summed_motion_ends_six_knots_after_the_change_of_a_held_posture(known, limits, monkeypatch, end, count):
     ramps = [HeldRamp(np.full(HINGE_COUNT, turn), 0.1, end) for turn in (0.2, -0.05)]
     monkeypatch.setattr(module, "held_ramps", lambda *_: ramps)
     total = add_motions(work(still(), still()), NO_HINGES, known, limits)
@@ -92,7 +92,7 @@ def test_sum_lasts_six_knots_longer_than_the_change_of_a_held_posture(known, lim
         (slice(20, ROW_COUNT), 0, [(17, ROW_COUNT - 3)]),
     ],
 )
-def test_sum_is_corrected_from_three_knots_before_its_change_to_the_end_of_the_change(
+def test_summed_motion_is_corrected_from_three_knots_before_its_change_to_its_end(
     known, limits, corrections, rows, cut, corrected
 ):
     coming = still()
@@ -105,7 +105,9 @@ def test_sum_is_corrected_from_three_knots_before_its_change_to_the_end_of_the_c
 @pytest.mark.parametrize(
     ("knot", "jerk", "is_over"), [(16, 1.5, False), (17, 0.9, True), (20, -0.9, True), (21, 1.5, False)]
 )
-def test_sum_is_corrected_if_limits_are_exceeded_where_it_changes(known, limits, corrections, knot, jerk, is_over):
+def test_summed_motion_is_corrected_if_it_exceeds_limits_where_it_changes(
+    known, limits, corrections, knot, jerk, is_over
+):
     base, coming = still(), still()
     base[:, NECK] = jerky({knot: jerk})
     coming[20, NECK] = 0.15
@@ -124,7 +126,7 @@ def test_hinges_and_rows_with_negligible_change_are_not_corrected(known, limits,
     np.testing.assert_allclose(total, base + coming, atol=1e-12)
 
 
-def test_sum_without_any_change_is_the_running_motion_even_beyond_its_limits(known, limits, corrections):
+def test_summed_motion_without_a_change_is_the_running_motion_even_beyond_limits(known, limits, corrections):
     base = still()
     base[:, NECK] = jerky({20: 1.5})
     np.testing.assert_array_equal(add_motions(work(base, still()), NO_HINGES, known, limits), base)
@@ -147,7 +149,7 @@ def test_angles_beyond_the_range_are_clipped_before_the_correction(known, limits
     np.testing.assert_array_equal(total[:, NECK], desired[NECK] + 0.5)
 
 
-def test_sum_that_cannot_be_corrected_names_the_last_behaviour_of_the_trunk(known, limits, monkeypatch):
+def test_summed_motion_that_cannot_be_corrected_names_the_last_trunk_behaviour(known, limits, monkeypatch):
     monkeypatch.setattr(module, "keep_limits", lambda *_: None)
     coming = still()
     coming[20, NECK] = 5.0
@@ -197,7 +199,7 @@ def test_only_idle_motion_is_added_to_arms_and_only_to_free_ones(known, limits, 
     assert not np.delete(whole, arms, axis=1).any()
 
 
-def test_first_hinge_that_cannot_be_merged_decides_the_failure(known, limits, monkeypatch):
+def test_failure_of_the_trunk_is_reported_before_that_of_a_hand(known, limits, monkeypatch):
     first, second = MergeFailure("a", "sum"), MergeFailure("b", "hand")
     task = work(still(), still(), performed=[use("beat", "r_hand")])
     monkeypatch.setattr(module, "join_hinge_motions", lambda *_: second)

@@ -52,7 +52,7 @@ def attempts(monkeypatch):
     return results, given
 
 
-def test_finishing_behaviours_stay_in_the_running_motion_until_they_relax(switch, attempts, nod, known):
+def test_behaviours_in_progress_stay_in_the_running_motion_until_they_relax(switch, attempts, nod, known):
     old = [use("g", "r_hand", relax=0.5), use("h", "l_hand", relax=0.2), use("k", "l_hand", relax=0.5)]
     others = [use("o", "sign", relax=0.3), use("p", "look", relax=0.1)]
     late = 0.15
@@ -80,7 +80,7 @@ def test_finishing_behaviours_stay_in_the_running_motion_until_they_relax(switch
 
 
 @pytest.mark.parametrize(("knot", "count"), [(20, 160), (77, 160), (78, 161)])
-def test_trunk_has_at_least_83_knots_to_join_the_new_motion(switch, attempts, knot, count):
+def test_trunk_joins_the_new_motion_within_at_least_83_knots(switch, attempts, knot, count):
     assert switch(knot=knot).attempt(set()) == "a merged motion"
     (goal,) = attempts[1]["_catch_up"]
     assert len(goal) == count
@@ -96,7 +96,7 @@ def test_trunk_has_at_least_83_knots_to_join_the_new_motion(switch, attempts, kn
         ("find_conflict", MergeFailure("n", "collides"), MergeFailure("n", "collides")),
     ],
 )
-def test_attempt_fails_with_its_first_impossible_step(switch, attempts, step, result, failure):
+def test_plan_change_fails_with_the_reason_of_the_step_without_a_solution(switch, attempts, step, result, failure):
     attempts[0][step] = result
     assert switch().attempt(set()) == failure
 

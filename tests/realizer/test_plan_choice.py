@@ -70,7 +70,7 @@ def test_speech_and_faces_do_not_make_a_block_large(known, planners):
     assert not prepare_block(request, known).is_provisional
 
 
-def test_decided_block_is_planned_fully_with_its_speech(known, planners):
+def test_block_with_a_decided_plan_is_planned_fully_with_its_speech(known, planners):
     request = replace(timed(*[(0.0, 99.0)] * 9), is_decided=True)
     prepared = prepare_block(request, known, is_scheduled=True)
     ((name, given, options),) = planners

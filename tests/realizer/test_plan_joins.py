@@ -17,7 +17,7 @@ def use(id: str, *roles: str) -> Occupancy:
     return Occupancy(id, frozenset(roles), NO_HINGES, 0.0, 0.1, 0.2, 0.3)
 
 
-def test_behaviours_that_finish_keep_their_arms_and_give_the_trunk_to_the_new_plan():
+def test_behaviours_in_progress_keep_their_arms_and_give_the_trunk_to_the_new_plan():
     both, arm, nod, beat = (
         use("g", "l_hand", "r_hand", "trunk"),
         use("p", "r_hand"),
@@ -60,14 +60,14 @@ def join(keys: list[float]):
     return _join(current, goal, 20, np.array(keys), LIMITS, 7)
 
 
-def test_hand_joins_at_one_of_the_next_three_keys(crossings):
+def test_hand_joins_the_new_motion_at_one_of_the_next_three_keys(crossings):
     calls, failing, _ = crossings
     failing |= {0, 1, 2}
     assert join([30.5, 40.7, 50.0, 60.0]) is None
     assert calls == [(20, 30, []), (20, 40, [30.5]), (20, 50, [30.5, 40.7])]
 
 
-def test_trunk_joins_within_the_shortest_possible_of_four_durations(crossings):
+def test_trunk_joins_the_new_motion_in_the_shortest_feasible_of_four_durations(crossings):
     calls, failing, _ = crossings
     failing |= {0, 1, 2, 3}
     assert join([]) is None
@@ -113,7 +113,7 @@ def test_deviation_of_a_transition_to_the_last_knot_is_negligible(crossings):
         (False, ["g", "f", "g"], [{"h"}, {"g", "h"}, {"f", "g", "h"}]),
     ],
 )
-def test_more_hands_finish_their_behaviours_until_the_transition_succeeds(monkeypatch, keeps, failures, attempts):
+def test_hands_finish_old_behaviours_one_by_one_until_the_transition_succeeds(monkeypatch, keeps, failures, attempts):
     remaining, tried = list(failures), []
 
     def attempt(_self, ending):

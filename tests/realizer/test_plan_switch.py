@@ -56,7 +56,7 @@ def test_new_plan_keeps_the_zero_of_the_block_to_the_nearest_knot(switch, nod, l
     ]
 
 
-def test_only_begun_behaviours_of_hands_are_in_progress(switch, monkeypatch):
+def test_only_hand_behaviours_that_have_begun_count_as_in_progress(switch, monkeypatch):
     begun, later = {"begin": 0.19}, {"begin": 20 * KNOT_INTERVAL}
     entries = [use("a", "l_hand", **begun), use("b", "r_hand", **later), use("nod", "sign", **begun)]
     new = [use("c", "r_hand", "trunk", **begun), use("d", "l_hand", **later), use("look", "look", **begun)]
@@ -80,7 +80,7 @@ def test_only_begun_behaviours_of_hands_are_in_progress(switch, monkeypatch):
     ],
 )
 @pytest.mark.parametrize("sync", ["stroke", "strokeStart"])
-def test_strokes_stay_past_or_future_and_future_ones_leave_three_knots(switch, nod, before, after, keeps, sync):
+def test_new_plan_keeps_past_strokes_past_and_future_strokes_three_knots_away(switch, nod, before, after, keeps, sync):
     """The transition begins at 0.2 s, and a stroke at that time is past."""
     at = [Syncs([SyncTime("n", sync, 0.0, time)]) for time in (before - 0.25, after - nod.trajectory.zero)]
     playing = merged(syncs=at[0])
@@ -89,7 +89,7 @@ def test_strokes_stay_past_or_future_and_future_ones_leave_three_knots(switch, n
     assert moved.keeps_strokes is keeps
 
 
-def test_other_sync_points_and_strokes_of_one_plan_alone_are_ignored(switch, nod):
+def test_only_strokes_in_both_plans_decide_whether_strokes_are_kept(switch, nod):
     old = [SyncTime("n", "ready", 0.0, 0.1), SyncTime("n", "stroke", 0.0, 0.1), SyncTime("m", "stroke:1", 0.0, 0.1)]
     new = [SyncTime("n", "ready", 0.0, 9.0), SyncTime("k", "stroke", 0.0, 9.0), SyncTime("m", "stroke:2", 0.0, 9.0)]
     moved = switch(playing=merged(syncs=old), playing_zero=0.0, new_plan=replace(nod, syncs=Syncs(new)))

@@ -128,7 +128,7 @@ def test_correction_needs_three_knots(known, corrections, time, is_tried):
 
 
 @pytest.mark.parametrize(("failures", "factors"), [(0, [1.0]), (2, [1.0, 0.8, 0.5]), (3, [1.0, 0.8, 0.5])])
-def test_correction_that_is_not_feasible_is_reduced(known, corrections, failures, factors):
+def test_infeasible_pointing_correction_is_reduced_up_to_two_times(known, corrections, failures, factors):
     corrections[2][0] = failures
     result = correct(known)
     turns = [(desired[55] - 0.3) / 0.1 for *_, desired in corrections[0]]
@@ -170,7 +170,9 @@ def test_correction_may_not_overload_a_drive_more_than_before(known, monkeypatch
 
 
 @pytest.mark.parametrize(("spare", "is_feasible"), [(0.0, True), (-1e-9, False)])
-def test_nearest_distance_of_a_correction_counts(known, monkeypatch, spare, is_feasible):
+def test_pointing_correction_is_feasible_if_its_smallest_distance_keeps_the_reserve(
+    known, monkeypatch, spare, is_feasible
+):
     distances = np.array([1.0, known.robot.min_clearance + LAG_RESERVE + spare])
     monkeypatch.setattr(module, "compute_peak_duties", lambda *_: np.zeros(2))
     monkeypatch.setattr(module, "scan_clearance", lambda *_: (None, SimpleNamespace(distances=distances)))

@@ -99,7 +99,7 @@ def test_notices_follow_the_prediction_and_provisional_ones_wait(scene, steps):
 
 
 @pytest.mark.parametrize(("state", "word"), [(BlockState.IN_EXEC, "plays"), (BlockState.LURKING, "waits")])
-def test_block_of_a_known_id_is_refused_with_the_state_of_the_other(scene, steps, state, word):
+def test_block_with_a_used_id_is_refused_with_the_state_of_the_other_block(scene, steps, state, word):
     busy = scene.with_block(small_block("b", TIMES, state=state, waits={"p": "end"}))
     busy = busy.with_block(small_block("p", state=BlockState.PENDING))
     after = begin(busy, small_block("b", TIMES, sender=6).prepared, 10.0)
@@ -164,7 +164,7 @@ def test_block_beyond_the_maximum_is_refused(scene, steps, count, is_refused):
     assert any("256 blocks play and wait already" in text for text in found) is is_refused
 
 
-def test_waiting_blocks_are_held_back_except_in_cycles(scene, steps):
+def test_new_block_delays_a_waiting_block_that_it_names_except_in_a_cycle(scene, steps):
     first = small_block("a", TIMES, state=BlockState.PENDING)
     busy = scene.with_block(first)
     after = begin(busy, small_block("b", TIMES, attributes='bmla:chunkBefore="a"').prepared, 10.0)
@@ -191,7 +191,7 @@ def test_waiting_block_starts_before_due_messages_are_sent(scene, steps):
     assert texts(after) == ["due"]
 
 
-def test_passed_points_change_the_state_of_their_block(scene):
+def test_passed_sync_points_change_the_state_of_their_block(scene):
     block = small_block("b", {"n": {"start": 0.0, "relax": 1.0, "end": 2.0}}, inside=NOD, zero=10.0, run=3)
     playing = replace(scene.with_block(block), agenda=block.agenda())
     assert advance(playing, 10.9).find("b").state is BlockState.IN_EXEC
@@ -234,7 +234,7 @@ def test_command_is_executed_at_its_start(scene, steps, command, expected):
     assert steps == [expected]
 
 
-def test_command_may_name_a_behaviour_of_its_block(scene, steps):
+def test_interrupt_command_may_name_a_behaviour_of_its_block(scene, steps):
     playing = commanded(scene, commanding(ACTIVATE, "a:g"))
     advance(playing, 10.0)
     assert steps == [("activate_block", "a", 10.0)]

@@ -144,13 +144,13 @@ def test_minimum_time_includes_the_stop_from_velocity_and_acceleration(known):
     assert _minimum_times(moving, moving, 20, limits)[NECK] == pytest.approx(float(stop))
 
 
-def test_without_a_layer_all_hinges_rest(known):
+def test_motion_without_other_blocks_rests_in_all_hinges(known):
     rest = known.robot.skeleton.rest
     np.testing.assert_array_equal(_motion_without_block(motion(9).controls, None, (), known.robot), [rest] * 9)
 
 
 @pytest.mark.parametrize("count", [20, 40])
-def test_motion_without_a_block_lacks_its_layer_and_rests_its_arms(known, count):
+def test_motion_without_a_block_lacks_its_offsets_and_rests_its_arms(known, count):
     robot, arm = known.robot, arm_hinges("r_hand", known.robot)[1]
     layer, current = motion(count).controls, np.tile(robot.skeleton.rest, (30, 1))
     layer[10:15, [NECK, arm]] = 0.1

@@ -109,7 +109,7 @@ def test_request_lists_times_and_notices_of_its_timeline():
     assert (request.is_anchored, request.is_decided, request.busy_hands) == (False, False, ())
 
 
-def test_message_has_no_sender_by_default():
+def test_client_message_has_sender_zero_by_default():
     message = Message("text")
     assert (message.sender, message.source) == (0, "<text>")
 
@@ -183,14 +183,14 @@ def test_only_speech_that_has_not_started_is_synthesised(known, monkeypatch):
 
 
 @pytest.mark.parametrize(("spare", "expected"), [(0, "late"), (1, DEFAULT_BLOCK_ID)])
-def test_id_is_searched_in_the_beginning_of_a_document(spare, expected):
+def test_block_id_is_searched_only_in_the_beginning_of_a_document(spare, expected):
     opening = '<bml id="late"'
     text = " " * (ID_SEARCH_SIZE + spare - len(opening)) + opening + "/>"
     assert ID_SEARCH_SIZE == 65_536
     assert block_id(text) == expected
 
 
-def test_first_written_id_counts():
+def test_block_id_is_that_of_the_first_bml_element_with_an_id():
     assert block_id('<bml id="one"/><bml id="two"/>') == "one"
     assert block_id("<bml x='1' id = 'one'/>") == "one"
     assert block_id("<bml/><x:bml id='two'/>") == "two"

@@ -125,7 +125,7 @@ def test_block_without_some_behaviours_keeps_its_motion():
     assert (still.merged, still.times, still.occupancy) == (None, {}, ())
 
 
-def test_past_of_a_block_is_forgotten_with_its_motion():
+def test_block_truncated_at_a_time_keeps_only_its_later_motion():
     still = small_block("b")
     assert still.since(1.0) is still
     assert small_block("b", motion=small_motion()).since(1.0).merged.trajectory.start == pytest.approx(1.0)

@@ -24,7 +24,7 @@ def scene(known) -> Scene:
     return Scene.of(known, 3.0, ahead=0.25)
 
 
-def test_new_scene_rests_from_its_time_on(known, scene):
+def test_new_scene_rests_from_its_start_time_on(known, scene):
     assert scene.motion.start == 3.0
     assert (scene.motion.controls == known.robot.skeleton.rest).all()
     assert (scene.ahead, scene.blocks, scene.runs, Scene.of(known).ahead) == (0.25, (), 0, 0.0)
@@ -76,7 +76,7 @@ def test_occupancies_are_named_after_their_block_and_follow_lasting_ones(scene):
     assert busy.occupancy[1].relax == 4.0
 
 
-def test_only_speech_of_running_blocks_counts(scene):
+def test_scene_lists_only_speech_of_running_blocks(scene):
     said = {"s": Utterance(2.0)}
     blocks = [
         small_block(id, {"s": {"start": 0.5}}, inside=SPEECH, utterances=said, zero=4.0, state=state)
@@ -131,7 +131,7 @@ def test_next_time_is_that_of_the_first_message_or_the_next_start(scene):
     assert told.with_block(small_block("w", state=BlockState.LURKING)).next_time == -inf
 
 
-def test_motion_changes_no_earlier_than_it_starts_and_after_what_was_sent(scene):
+def test_earliest_motion_change_is_after_the_sent_commands_and_the_motion_start(scene):
     assert scene.first_change(2.0) == 3.0
     assert scene.first_change(5.0) == 5.25
 
@@ -142,7 +142,7 @@ def test_new_feedback_follows_earlier_feedback(scene):
 
 
 @pytest.mark.parametrize("state", [BlockState.DONE, BlockState.INTERRUPTED])
-def test_only_finished_blocks_leave_a_held_posture(scene, state):
+def test_only_blocks_that_end_as_done_leave_a_held_posture(scene, state):
     held, old = (use("z", "look", end=end, offset=np.zeros(HINGE_COUNT)) for end in (5.0, 1.0))
     block = small_block("a", TIMES, zero=10.0, motion=small_motion(), occupancy=[held, use("g", "l_hand")])
     busy = replace(scene, lasting=(old,), blocks=(block, small_block("b")))
@@ -153,7 +153,7 @@ def test_only_finished_blocks_leave_a_held_posture(scene, state):
     assert (ended.id, ended.state, ended.points) == ("a", state, block.points)
 
 
-def test_ended_block_is_not_replanned(scene):
+def test_replanning_request_of_an_ended_block_is_removed(scene):
     requests = tuple(small_block(id).prepared.request for id in "ab")
     after = replace(scene, replans=requests).without_block(small_block("a"), BlockState.DONE)
     assert after.replans == requests[1:]

@@ -69,7 +69,7 @@ def test_strictly_two_handed_gesture_waits_or_is_dropped(play):
     assert not any("alone" in text for text in play.warnings())
 
 
-def test_gesture_moved_to_the_free_hand_occupies_this_hand(play):
+def test_gesture_moved_to_the_other_hand_occupies_that_hand(play):
     play.send("a", HELD).until(0.5).send("b", OPEN)
     assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
     assert play.scene.find("b").prepared.plan.keyframes.outcomes["g"].kind == "substituted"
@@ -151,7 +151,7 @@ def test_chunk_before_composition_delays_a_waiting_block(play):
     assert play.at("c:start") == pytest.approx(play.at("b:relax"), abs=2 * KNOT_INTERVAL)
 
 
-def test_blocks_never_wait_for_each_other_in_a_cycle(play):
+def test_block_order_that_would_be_cyclic_lets_the_block_start(play):
     play.send("a", NOD).send("b", LEFT, 'composition="APPEND-AFTER(a)"')
     play.send("c", BEAT, 'composition="APPEND-AFTER(b)" bmla:chunkBefore="b"').until(10.0)
     assert play.at("b:end") <= play.at("c:start") + KNOT_INTERVAL
