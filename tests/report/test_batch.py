@@ -45,7 +45,7 @@ def test_unreadable_batch_record_is_ignored(journal, tmp_path, line):
     assert journal.read() == VERDICTS
 
 
-def test_rewriting_keeps_only_the_given_batch_records(journal, tmp_path):
+def test_rewritten_batch_journal_contains_only_the_given_records(journal, tmp_path):
     for key, verdict in VERDICTS.items():
         journal.append(key, verdict)
     journal.rewrite({"b": VERDICTS["b"]})

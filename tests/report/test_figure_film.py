@@ -59,7 +59,7 @@ def test_figure_film_is_drawn_picture_by_picture(film: FigureFilm, tmp_path: Pat
 
 
 @pytest.mark.soak
-def test_camera_always_frames_hands_and_head():
+def test_camera_frames_bent_forearms_with_a_margin():
     robot = Robot.load("human")
     asking = robot.skeleton.rest.copy()
     for side in "lr":
@@ -75,7 +75,7 @@ def test_camera_always_frames_hands_and_head():
     assert framings["rest"][0][3] < 1.0
 
 
-def test_wide_motion_leaves_the_face_readable():
+def test_wide_motion_is_cropped_so_that_the_head_has_at_least_105_pixels():
     robot = Robot.load("human")
     raised, wide = robot.skeleton.rest.copy(), robot.skeleton.rest.copy()
     for side in "lr":

@@ -80,7 +80,7 @@ def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
     return results
 
 
-def test_both_films_are_drawn_and_progress_grows_to_one(drawn: dict[str, Drawn]):
+def test_robot_and_face_films_are_drawn_and_progress_grows_to_one(drawn: dict[str, Drawn]):
     film, portrait, whys, shares = drawn["with"]
     assert whys == {film: "", portrait: ""}
     with Image.open(film) as seen:

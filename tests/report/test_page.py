@@ -248,7 +248,7 @@ def test_time_shifts_have_a_sign_and_long_names_may_break_at_underscores() -> No
     assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
 
 
-def test_behaviour_lists_departures_from_its_style(known: Setup, tmp_path: Path) -> None:
+def test_report_page_lists_expressivity_parameters_that_differ_from_the_style(known: Setup, tmp_path: Path) -> None:
     bml = BLOCK.format('<head id="h" lexeme="NOD" start="0" kinesic:power="-0.5" kinesic:spatial="0"/>')
     performance = dry_run(plan(bml.replace("<bml", '<bml kinesic:temporal="0.25"'), known))
     data = report(performance, source="x.bml")
@@ -258,5 +258,5 @@ def test_behaviour_lists_departures_from_its_style(known: Setup, tmp_path: Path)
     assert '<th class="wide">style</th>' in page(performance, data, tmp_path)
 
 
-def test_table_has_no_style_column_without_departures(text: str) -> None:
+def test_behaviour_table_has_no_style_column_if_all_behaviours_have_the_style(text: str) -> None:
     assert '<th class="wide">style</th>' not in text

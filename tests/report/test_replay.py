@@ -106,7 +106,7 @@ def test_servo_duties_above_the_replay_maximum_are_clipped(hurried: DryRun) -> N
     assert set(base64.b64decode(data["duties"])) == {255}
 
 
-def test_heading_player_and_plots_have_one_duration(hurried: DryRun) -> None:
+def test_replay_and_report_have_the_same_duration(hurried: DryRun) -> None:
     reported = report(hurried, source="x.bml")["timing"]
     assert isinstance(reported, dict)
     end = replay_data(hurried)["end"]

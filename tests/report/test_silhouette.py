@@ -11,7 +11,7 @@ from kinesic.studies.gestures.isolated import key_postures, plan_gesture
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_real_fingers_are_drawn_at_their_positions(side):
+def test_fingers_of_a_robot_hand_are_drawn_at_their_positions(side):
     robot = Robot.load("upper36")
     lines = [line for line in silhouette(robot, robot.skeleton.rest, {side: "index"}) if line.owner == side]
     arm = (*robot.arm(side).segments, *robot.fingers(side))
@@ -21,7 +21,7 @@ def test_real_fingers_are_drawn_at_their_positions(side):
     assert min(np.linalg.norm(line.points - end, axis=1).min() for line in lines) < 1e-9
 
 
-def test_hands_without_fingers_get_drawn_fingers():
+def test_robot_without_fingers_is_drawn_with_an_outline_of_the_hand_shape():
     robot = Robot.load("upper22")
     lines = [line for line in silhouette(robot, robot.skeleton.rest, {"l": "index"}) if line.owner == "l"]
     arm = robot.arm("l").segments[:-1]

@@ -63,7 +63,7 @@ def test_connection_sending_only_blanks_is_closed_at_a_limit() -> None:
     asyncio.run(run())
 
 
-def test_first_message_may_arrive_in_pieces() -> None:
+def test_first_message_of_each_protocol_may_arrive_in_pieces() -> None:
     async def run() -> None:
         async with opened() as door:
             reader, writer = await door.connect(b" ")
@@ -84,7 +84,7 @@ def test_first_message_may_arrive_in_pieces() -> None:
     ("header", "status"),
     [(b"", b"101"), (b"Authorization: Bearer wrong\r\n", b"401"), (b"Origin: http://x\r\n", b"403")],
 )
-def test_websocket_is_accepted_by_its_headers(header: bytes, status: bytes) -> None:
+def test_websocket_without_valid_token_or_origin_is_refused_with_its_http_status(header: bytes, status: bytes) -> None:
     async def run() -> None:
         async with opened(TOKEN_ACCESS) as door:
             reader, _writer = await door.connect(UPGRADE % (door.port, header))

@@ -304,7 +304,7 @@ def test_overlong_message_is_reported():
     assert "PARSING_FAILURE" in answer
 
 
-def test_total_unread_memory_is_limited():
+def test_unread_memory_of_all_clients_together_is_limited():
     registry = Registry(rules=Quotas(unread_bytes_of_all=10_000))
     one, two = registry.join("a"), registry.join("b")
     for client in (one, two):

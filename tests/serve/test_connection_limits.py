@@ -80,7 +80,7 @@ def test_other_tasks_run_after_thirty_two_accepted_connections(door, loop, count
 
 
 @pytest.mark.parametrize("error", [BlockingIOError(), ConnectionAbortedError()])
-def test_listener_goes_on_after_a_lost_connection(door, loop, error):
+def test_lost_connection_does_not_pause_the_listener(door, loop, error):
     door._accept(PlayedListener(0, error))
     assert loop.calls == []
 
@@ -104,7 +104,7 @@ def test_listener_pauses_at_the_limit_of_open_files(door, loop):
     listener.close()
 
 
-def test_oldest_connections_are_dropped_until_there_is_room(door):
+def test_oldest_pending_connections_are_dropped_down_to_the_given_number(door):
     listener = PlayedListener(6, BlockingIOError())
     door._max_pending = 4
     door._accept(listener)
@@ -151,7 +151,7 @@ def test_all_addresses_of_a_host_get_the_same_port(door, addresses):
     ]
 
 
-def test_refused_address_is_reported_without_details_of_the_system(door, monkeypatch):
+def test_unusable_address_is_reported_with_its_reason_and_a_remedy(door, monkeypatch):
     def fail(*_, **__):
         raise OSError(98, "Address already in use (while attempting to bind)")
 
@@ -180,7 +180,7 @@ def test_connections_keep_alive_and_send_small_messages_at_once() -> None:
 
 
 @pytest.mark.parametrize(("placed", "admitted"), [(False, False), (False, True), (True, False), (True, True)])
-def test_limits_are_lifted_for_admitted_and_for_placed_clients(door, placed, admitted):
+def test_read_limits_are_lifted_for_admitted_clients_and_those_with_a_slot(door, placed, admitted):
     calls: list[object] = []
     line = SimpleNamespace(admit=lambda: calls.append("admit"))
     reads = SimpleNamespace(widen=calls.append)

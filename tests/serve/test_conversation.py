@@ -103,7 +103,7 @@ def test_client_is_served_without_an_admission_callback() -> None:
     assert len(registry.session.performed) == 1
 
 
-def test_only_clients_that_are_not_admitted_have_a_time_limit() -> None:
+def test_read_time_limit_ends_when_the_client_is_admitted() -> None:
     wire = PlayedWire(b'{"do": "hello", "token": "open sesame"}', b'{"do": "ping"}')
     Conversation(wire, TOKEN_ACCESS).hold()
     assert wire.hurries == [True, False]

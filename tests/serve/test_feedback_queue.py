@@ -114,13 +114,13 @@ def test_due_feedback_is_sent_despite_later_planner_proposals(queue: FeedbackQue
     assert send(queue, 99.0) == [":start", "h:start"]
 
 
-def test_final_message_is_queued_once_if_proposed_again(queue: FeedbackQueue) -> None:
+def test_final_message_proposed_twice_is_queued_once(queue: FeedbackQueue) -> None:
     assert queue.propose(block(), ())
     assert queue.propose(block(), ())
     assert queue.messages == sorted(block(), key=lambda message: message.time)
 
 
-def test_withdrawn_sent_text_is_sent_again_when_proposed_again() -> None:
+def test_sent_text_is_sent_again_only_after_it_was_withdrawn() -> None:
     queue, doubt = FeedbackQueue(), ScheduledFeedback(1.0, "<doubt/>", unless_improved="b")
     assert queue.propose((), (doubt,))
     assert send(queue, 1.0) == ["<doubt/>"]
@@ -138,7 +138,7 @@ def test_feedback_text_may_be_scheduled_before_an_already_sent_sync_point(queue:
     assert queue.due(11.0) is late
 
 
-def test_proposal_may_keep_due_sync_points_but_not_add_earlier_ones(queue: FeedbackQueue) -> None:
+def test_proposal_that_adds_a_sync_point_before_the_sent_time_is_refused(queue: FeedbackQueue) -> None:
     """A proposal may arrive between two messages of one tick."""
     other = schedule_feedback("c", TIMES, 10.0, sender=4, run=2)
     assert queue.propose((), (*block(), *other))

@@ -38,7 +38,7 @@ def test_idle_motion_is_allowed_for_ten_minutes(scene, now, begins):
     assert (allowed(now).next_time(scene) < inf) is begins
 
 
-def test_idle_motion_that_would_begin_at_its_last_moment_does_not_begin(scene):
+def test_idle_motion_does_not_begin_at_the_end_of_its_allowed_time(scene):
     scheduler = allowed()
     scheduler._until = scheduler.next_time(scene)
     assert scheduler.next_time(scene) == inf
@@ -74,7 +74,7 @@ def test_each_idle_motion_has_the_next_seed_and_lasts_twelve_seconds(scene, monk
     assert 'duration="12.0"' in EMPTY_BLOCK
 
 
-def test_forbidden_idle_motion_is_allowed_again_by_the_next_document(scene):
+def test_forbidden_idle_motion_may_be_allowed_again(scene):
     scheduler = allowed()
     scheduler.forbid()
     assert scheduler.next_time(SimpleNamespace(blocks=(), idle=None, motion=scene.motion, setup=scene.setup)) == inf

@@ -259,7 +259,7 @@ def test_behaviour_without_hinges_does_not_wait_for_arrival(simulation: Simulati
     assert "easured" not in message
 
 
-def test_barely_moving_hinges_report_planned_times(simulation: Simulation):
+def test_feedback_of_barely_moving_hinges_is_sent_at_planned_times(simulation: Simulation):
     """Their arrival cannot be measured, and feedback does not wait for it."""
     late = replace(ScheduledFeedback(1.0, STROKE), time=3.0)
     simulation.make([RealTimeSink(Body(0.03))])

@@ -13,7 +13,9 @@ from kinesic.serve import loop as loop_module
 from .simulated import Simulation
 
 
-def test_starting_the_loop_loads_the_solver_of_emergency_stops(simulation: Simulation, monkeypatch: pytest.MonkeyPatch):
+def test_new_control_loop_solves_a_trial_stop_without_being_stopped(
+    simulation: Simulation, monkeypatch: pytest.MonkeyPatch
+):
     solved = []
     nearest_within_limits = spline_program.nearest_within_limits
     monkeypatch.setattr(
@@ -26,9 +28,7 @@ def test_starting_the_loop_loads_the_solver_of_emergency_stops(simulation: Simul
 
 
 @pytest.mark.parametrize("edge", ["lower", "upper"])
-def test_rehearsed_stop_begins_within_the_joint_limits(
-    simulation: Simulation, monkeypatch: pytest.MonkeyPatch, edge: str
-):
+def test_trial_stop_begins_within_the_joint_limits(simulation: Simulation, monkeypatch: pytest.MonkeyPatch, edge: str):
     """Joints of imported robots may rest at a limit."""
     stopped: list[Trajectory] = []
     monkeypatch.setattr(loop_module, "stop", lambda motion, *_: stopped.append(motion))

@@ -153,7 +153,7 @@ def test_several_emergency_stops_in_one_tick_are_executed_once(simulation: Simul
 
 
 @pytest.mark.parametrize("behind", [1, 2])
-def test_plan_made_before_a_stop_is_discarded(simulation: Simulation, behind: int):
+def test_plan_made_before_an_emergency_stop_is_discarded(simulation: Simulation, behind: int):
     """Neither its motion nor its feedback is used."""
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
@@ -182,7 +182,7 @@ def test_plan_made_before_a_stop_is_discarded(simulation: Simulation, behind: in
     assert np.ptp(recorder.angles, axis=0).max() < REST_TOLERANCE
 
 
-def test_plan_in_transit_at_a_stop_is_discarded(simulation: Simulation):
+def test_plan_sent_just_before_an_emergency_stop_is_discarded(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
 

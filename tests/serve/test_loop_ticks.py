@@ -116,7 +116,7 @@ def test_clock_never_goes_back_and_holds_while_time_is_unknown(simulation: Simul
     assert times == [0.1, 0.5, 0.5, 0.5, 0.5, 0.5, 0.6]
 
 
-def test_unarmed_servos_do_not_set_the_clock_and_start_at_arming(simulation: Simulation):
+def test_unarmed_servos_do_not_set_the_clock_and_get_commands_after_arming(simulation: Simulation):
     servos = TimedServos()
     loop = simulation.make([RealTimeSink(servos, ahead=0.5), RealTimeSink(Recorder())])
     servos.says = 0.0

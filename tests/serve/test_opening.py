@@ -157,14 +157,14 @@ def test_server_passes_its_options_to_its_parts(house: House) -> None:
     )
 
 
-def test_server_that_cannot_start_closes_everything_without_folding(house: House) -> None:
+def test_server_that_cannot_start_closes_its_parts_without_folding_the_arms(house: House) -> None:
     house.fault = RuntimeError("no planner")
     with pytest.raises(RuntimeError, match="no planner"):
         house.run()
     assert house.calls[3:] == ["session starts", *ENDING]
 
 
-def test_endless_folding_is_given_up(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_server_ends_after_the_folding_timeout(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "FOLDING_TIMEOUT", 0.01)
     house.folding = PATIENCE
     house.run()
@@ -208,7 +208,7 @@ async def ends(task: asyncio.Task[None]) -> None:
     assert len(asyncio.all_tasks()) == 1  # no reader is left behind
 
 
-def test_shutdown_ends_the_server_and_its_reading(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_shutdown_ends_the_server_and_cancels_reading_standard_input(monkeypatch: pytest.MonkeyPatch) -> None:
     async def run() -> None:
         served, shutdown = Served(monkeypatch, address=None), asyncio.Event()
         task = await served.lasts(shutdown, console=True, make_console="console")

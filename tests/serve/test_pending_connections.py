@@ -135,7 +135,7 @@ def test_admitted_client_has_a_larger_read_burst_than_a_pending_connection(
     assert sum(turns) == burst
 
 
-def test_ending_lets_clients_read_their_last_messages(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_server_end_lets_clients_read_their_last_messages(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reception_module, "CLOSING_TIMEOUT", 0.05)
 
     async def run() -> tuple[bytes, bytes, bytes]:

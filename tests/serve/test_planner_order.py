@@ -47,19 +47,19 @@ def test_style_and_changes_apply_to_all_blocks(state, restyled):
     assert restyled(None, (), 0.5, None, 3)[0]["style"] is None
 
 
-def test_style_of_one_block_is_passed_on_by_name(state, restyled):
+def test_style_change_of_one_block_passes_on_the_block_id(state, restyled):
     ((options),) = restyled("calm", (), None, "b", 3)
     assert (options["style"], options["block"], options["amount"]) == ("calm", "b", None)
 
 
-def test_refused_style_is_told_to_its_sender(state, restyled, monkeypatch):
+def test_refusal_of_a_style_is_sent_to_its_sender(state, restyled, monkeypatch):
     assert restyled("gloomy", (), None, None, 3) == []
     ((message, sender),) = state._shared.told
     assert sender == 3
     assert (json.loads(message)["told"], json.loads(message)["do"]) == ("refused", "style")
 
 
-def test_stop_is_passed_to_the_scene(state):
+def test_planner_passes_an_emergency_stop_to_the_scene(state):
     halted = Halted(3, 1.0, None)
     state.handle_stop(halted)
     assert state._shared.halts == [halted]

@@ -34,7 +34,7 @@ def state(known, monkeypatch) -> PlannerState:
     return played_planner(known, monkeypatch)
 
 
-def test_clients_with_unspoken_words_and_stops_are_known_to_the_scene(state):
+def test_emergency_stop_forbids_idle_motion_and_clears_unspoken_words(state):
     assert state._shared.other_clients() == {3}
     state._shared.on_halt()
     assert state._idling.calls == ["forbid"]
@@ -132,7 +132,7 @@ def test_only_movable_hinges_return_after_a_stop(state, monkeypatch):
     assert state._shared.scene.motion is not scene.motion
 
 
-def test_words_are_queued_and_their_refusal_is_told(state):
+def test_streamed_words_are_queued_and_a_refusal_is_sent_to_their_client(state):
     words = Words("Hello", 7)
     state.execute(DocumentRequest(words, 2))
     assert state._talks.taken == [(words, NOW)]
@@ -214,7 +214,7 @@ def test_document_from_before_a_stop_is_not_proposed(state, monkeypatch):
     assert "rule stopped" in state._shared.told[-1][0]
 
 
-def test_refused_and_failed_documents_are_told_to_their_sender(state, monkeypatch, capfd):
+def test_refusal_or_failure_of_a_document_is_sent_to_its_client(state, monkeypatch, capfd):
     def fail(error):
         def read(*_, **__):
             raise error
@@ -233,7 +233,7 @@ def test_refused_and_failed_documents_are_told_to_their_sender(state, monkeypatc
         fail(ConnectionResetError())
 
 
-def test_phrases_are_told_and_planned_in_turn(state, monkeypatch):
+def test_phrases_are_reported_and_planned_in_turn(state, monkeypatch):
     documents = []
     monkeypatch.setattr(PlannerState, "_plan", lambda _, document: documents.append(document))
     state._talks.phrases = [
@@ -256,7 +256,7 @@ def test_phrases_are_told_and_planned_in_turn(state, monkeypatch):
     ]
 
 
-def test_one_block_at_a_time_is_sent_to_the_refiner(state, monkeypatch):
+def test_refiner_gets_one_block_at_a_time(state, monkeypatch):
     monkeypatch.setattr(module, "pack", lambda job: job)
     state.request_refinement()
     assert state._refiner.sent == []
@@ -274,7 +274,7 @@ def test_one_block_at_a_time_is_sent_to_the_refiner(state, monkeypatch):
 
 
 @pytest.mark.parametrize("is_possible", [True, False])
-def test_refined_plan_is_proposed_for_the_advanced_scene(state, monkeypatch, is_possible):
+def test_refined_plan_is_applied_to_the_current_scene_and_proposed_if_possible(state, monkeypatch, is_possible):
     given = []
 
     def improve(scene, block, plan, now):

@@ -72,7 +72,7 @@ def test_started_planner_gets_the_state_of_the_loop_and_a_refiner(in_office) -> 
     in_office(act)
 
 
-def test_cold_planner_accepts_no_request(in_office) -> None:
+def test_planner_accepts_no_request_before_it_is_ready(in_office) -> None:
     async def act(office: Office) -> None:
         with pytest.raises(RuntimeError, match="busy"):
             office.planner.send(DOCUMENT)
@@ -85,7 +85,7 @@ def test_cold_planner_accepts_no_request(in_office) -> None:
     in_office(act)
 
 
-def test_warm_planner_takes_one_request_at_a_time(in_office) -> None:
+def test_ready_planner_takes_one_request_at_a_time(in_office) -> None:
     async def act(office: Office) -> None:
         planner = office.start()
         assert planner.is_free
@@ -148,7 +148,7 @@ def test_dead_planner_reports_its_request_and_is_replaced(in_office) -> None:
     in_office(act)
 
 
-def test_planner_that_dies_cold_too_often_is_not_replaced(in_office) -> None:
+def test_planner_that_dies_too_often_before_it_is_ready_is_not_replaced(in_office) -> None:
     async def act(office: Office) -> None:
         planner = office.planner
         planner.start()
@@ -231,7 +231,7 @@ def test_requests_delay_the_spare_planner_up_to_its_deadline(in_office, monkeypa
     in_office(act, spare_delay=3.0)
 
 
-def test_spare_planner_that_is_older_than_a_renewal_repeats_it(in_office) -> None:
+def test_spare_planner_started_before_a_lexicon_reload_repeats_it(in_office) -> None:
     async def act(office: Office) -> None:
         planner = office.start()
         planner.send(Renewal())

@@ -32,7 +32,7 @@ def test_planner_and_desk_share_the_tables_of_the_voice(on_stage: Callable):
     on_stage(act)
 
 
-def test_free_planner_gets_a_document_with_the_stop_count(on_stage: Callable):
+def test_free_planner_gets_a_document_with_the_number_of_stops(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.is_warm = True
         stage.loop.stop_count = 3

@@ -45,7 +45,7 @@ def running(known):
     return begin(Scene.of(known), coming, 10.0).playing[0]
 
 
-def test_face_of_a_block_is_in_clock_time(running):
+def test_facial_motion_of_a_block_is_timed_by_the_server_clock(running):
     one = make_track(running, SoundAndFace(face=True))
     brows = {time: one.at(running.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
     assert brows[0.0] < 0.1 < 0.5 < brows[0.3] == pytest.approx(brows[0.5], abs=0.05)
@@ -53,7 +53,7 @@ def test_face_of_a_block_is_in_clock_time(running):
     assert one.at(running.zero - 1.0) == one.at(running.zero + 60.0) == {}
 
 
-def test_tracks_without_outputs_are_not_computed(running):
+def test_face_and_sound_tracks_without_outputs_are_not_computed(running):
     assert make_track(running, SoundAndFace()).face == {}
     assert track_version(running) == track_version(running)
 
@@ -99,7 +99,7 @@ def test_failing_loudspeaker_is_ignored():
     assert effects.face(0.0) == {"x": 1.0}
 
 
-def test_track_has_a_row_for_each_hundredth_of_a_second():
+def test_face_track_has_a_row_per_10_ms():
     track = shows(1.0, x=[0.25, 0.5])
     assert [track.at(time) for time in (0.985, 1.0, 1.0101, 1.0201)] == [{}, {"x": 0.25}, {"x": 0.5}, {}]
 
@@ -125,7 +125,7 @@ def test_track_has_the_sounds_of_speeches_and_a_face_that_moves_or_idles(monkeyp
     assert [times.tolist() for times in asked] == [pytest.approx([0.0, 0.01, 0.02, 0.03])] * shows_face
 
 
-def test_only_changed_tracks_are_made_and_ended_ones_removed(monkeypatch):
+def test_only_changed_face_tracks_are_computed_and_ended_ones_removed(monkeypatch):
     monkeypatch.setattr(tracks, "make_track", lambda running, outputs: (running.id, outputs))
 
     def block(name, zero, end=5.0, times=()):
@@ -145,6 +145,6 @@ def test_only_changed_tracks_are_made_and_ended_ones_removed(monkeypatch):
     assert changed_tracks(scene, versions, SoundAndFace(face=True))[0] == versions
 
 
-def test_player_has_the_outputs_that_it_was_given():
+def test_server_outputs_face_and_sound_only_if_given():
     assert TrackEffects().accompaniment == SoundAndFace(face=False, sound=False)
     assert TrackEffects(Recorder(), face=True).accompaniment == SoundAndFace(face=True, sound=True)

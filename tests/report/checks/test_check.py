@@ -102,7 +102,7 @@ def test_most_severe_check_grades_a_performance():
     )
 
 
-def test_times_are_formatted_in_hundredths_without_negative_zero():
+def test_times_are_formatted_with_two_decimals_and_without_negative_zero():
     assert [format_time(time) for time in (1.234, -0.001, 12.0)] == ["at 1.23 s", "at 0.00 s", "at 12.00 s"]
 
 

@@ -243,7 +243,7 @@ def test_metrics_of_two_twins_are_reported(done):
     assert found(other)["tracking.rmse"].limit == 1.0
 
 
-def test_report_is_json_with_the_results_of_the_checks(done):
+def test_report_metrics_equal_the_values_of_the_checks(done):
     data = json.loads(json.dumps(report(done, source="x"), allow_nan=False))
     verdicts = found(done)
     assert data["ok"]

@@ -18,7 +18,7 @@ def test_most_loaded_drive_is_listed_first(hurried: DryRun) -> None:
     assert all(0.0 <= load.rms <= load.torque for load in data)
 
 
-def test_load_metrics_equal_those_of_the_samples(hurried: DryRun) -> None:
+def test_duty_metrics_of_a_joint_equal_those_of_its_samples(hurried: DryRun) -> None:
     measured, robot = hurried.measured, hurried.plan.setup.robot
     duties = np.full_like(measured.duties, 0.6)
     duties[:, 3] = 0.0
@@ -40,7 +40,7 @@ def test_supply_draw_sums_all_servos(hurried: DryRun) -> None:
     assert load.energy == power.energy
 
 
-def test_spark_plot_shows_the_peak(hurried: DryRun) -> None:
+def test_duty_sparkline_shows_a_peak_of_one_sample(hurried: DryRun) -> None:
     load = replace(loads(hurried)[0], duties=np.r_[np.zeros(5000), 1.25, np.zeros(5000)])
     drawn = spark(load)
     assert drawn.count("L") == TIME_BINS

@@ -25,7 +25,7 @@ def page(calm: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pag
         yield result
 
 
-def test_inline_replay_plays_to_its_end(page: Page):
+def test_inline_replay_stops_at_its_end(page: Page):
     clock = "Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0])"
     end = page.value("Number(document.querySelector('[data-part=time]').max)")
     with page.undrawn():

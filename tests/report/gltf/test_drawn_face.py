@@ -41,7 +41,7 @@ def moves(tables: dict, block: bytes, index: int) -> np.ndarray:
     return result
 
 
-def test_morph_targets_show_the_face_of_the_film(scene: tuple[dict, bytes]):
+def test_gltf_morph_targets_show_the_same_face_as_the_film(scene: tuple[dict, bytes]):
     tables, block = scene
     (face,) = [mesh for mesh in tables["meshes"] if mesh["name"] == "face"]
     (animation,) = tables["animations"]
@@ -63,7 +63,7 @@ def test_morph_targets_show_the_face_of_the_film(scene: tuple[dict, bytes]):
             assert 1e-4 < away.min() < away.max() < 0.003
 
 
-def test_face_hangs_on_the_head(scene: tuple[dict, bytes]):
+def test_gltf_face_and_screen_are_children_of_the_head(scene: tuple[dict, bytes]):
     tables, _ = scene
     (head,) = [node for node in tables["nodes"] if node["name"] == "skullbase"]
     assert {tables["nodes"][child]["name"] for child in head["children"]} == {"screen", "face"}

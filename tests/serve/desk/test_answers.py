@@ -147,7 +147,7 @@ def test_servo_query_lists_servos_or_returns_an_empty_list(rooms: dict, told: li
     assert none == {"told": "servos", "id": 6, "servos": []}
 
 
-def test_closing_the_query_service_ends_all_helpers(rooms: dict):
+def test_closing_the_query_service_closes_each_of_its_parts_once(rooms: dict):
     opened().close()
     assert {name: room.closed for name, room in rooms.items()} == dict.fromkeys(
         ("drafter", "reacher", "watches", "keeper"), 1
@@ -196,7 +196,7 @@ def test_gestures_are_found_in_the_order_of_the_ranked_search(upper22_setup: Set
 
 
 @pytest.mark.parametrize("question", [GestureQuestion(), GestureQuestion(toml=GESTURE, lexeme="beat")])
-def test_gesture_query_needs_either_toml_or_lexeme(upper22_setup: Setup, question: GestureQuestion):
+def test_gesture_query_needs_exactly_one_of_toml_and_lexeme(upper22_setup: Setup, question: GestureQuestion):
     assert answered(question, upper22_setup)["error"]["text"] == "give either toml or lexeme"
 
 

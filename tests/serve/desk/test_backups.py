@@ -25,7 +25,7 @@ def test_backup_keeps_the_exact_text_and_its_origin(backups):
     assert backups.read("a").header == Header("a", "tea.bml", "r1", 3.0)
 
 
-def test_a_key_has_one_backup(backups, tmp_path):
+def test_later_backup_of_the_same_key_replaces_the_earlier_one(backups, tmp_path):
     for text in ("one", "two"):
         backups.keep("a", "tea.bml", "", text)
     backups.keep("b", "tea.bml", "", "other")
@@ -38,7 +38,7 @@ def test_a_key_has_one_backup(backups, tmp_path):
         backups.read("a")
 
 
-def test_a_further_backup_replaces_the_oldest(backups):
+def test_backup_beyond_the_maximum_number_replaces_the_oldest(backups):
     for number in range(MAX_BACKUPS):
         backups.keep(f"k{number}", "tea.bml", "", "x")
     backups.keep("k0", "tea.bml", "", "newer")
@@ -62,7 +62,7 @@ def test_invalid_backup_files_are_skipped_and_replaced(backups, tmp_path):
     assert "secret" in (tmp_path / "secret").read_text()
 
 
-def test_backup_survives_a_write_that_fails(backups, monkeypatch):
+def test_earlier_backup_survives_a_failed_write(backups, monkeypatch):
     backups.keep("a", "tea.bml", "", "one")
 
     def fail(_descriptor):

@@ -122,7 +122,7 @@ def test_replaced_document_becomes_a_version(tmp_path):
     assert folder.list_versions("a.toml") == ()
 
 
-def test_only_the_known_revision_is_replaced(tmp_path):
+def test_document_is_replaced_only_if_its_revision_is_the_given_one(tmp_path):
     folder = DocumentFolder(tmp_path)
     revision = folder.save("a.bml", "one", "")
     assert folder.read("a.bml").revision == revision
@@ -138,7 +138,7 @@ def test_only_the_known_revision_is_replaced(tmp_path):
     assert folder.read("a.bml").text == "three"
 
 
-def test_document_too_large_for_a_version_is_not_replaced(tmp_path):
+def test_document_too_large_to_be_kept_as_a_version_is_not_replaced(tmp_path):
     (tmp_path / "a.bml").write_text("x" * (MAX_DOCUMENT_SIZE + 1))
     with pytest.raises(ConfigError, match="is not replaced"):
         DocumentFolder(tmp_path).save("a.bml", "mine")

@@ -24,7 +24,7 @@ def test_last_ten_versions_of_each_document_are_kept(versions, tmp_path):
     assert names == {"other.0001.bml", *(f"tea.{number:04d}.bml" for number in range(4, 14))}
 
 
-def test_equal_content_is_one_version(versions):
+def test_content_equal_to_the_last_version_adds_no_version(versions):
     for content in (b"a", b"a", b"b", b"a"):
         versions.keep("tea.bml", content)
     assert len(versions.list("tea.bml")) == 3
@@ -45,7 +45,7 @@ def test_missing_version_is_refused_with_the_existing_numbers(versions):
         versions.read("tea.bml", 2)
 
 
-def test_planted_link_is_not_read_as_a_version(versions, tmp_path):
+def test_symlink_in_the_archive_is_not_read_as_a_version(versions, tmp_path):
     versions.keep("tea.bml", b"x")
     (tmp_path / "secret").write_text("secret")
     (tmp_path / ARCHIVE_NAME / "tea.0002.bml").symlink_to(tmp_path / "secret")

@@ -156,7 +156,7 @@ def test_unauthenticated_clients_and_foreign_pages_cannot_arm(armable: Running, 
     assert not limp.armed
 
 
-def test_documents_need_torque_and_a_stopped_robot_cannot_be_armed(guest: Guest, limp: Limp):
+def test_documents_without_torque_and_arming_of_a_stopped_robot_are_refused(guest: Guest, limp: Limp):
     guest.socket.send(NOD.format("limp"))
     assert "arm them first" in guest.socket.recv(10)
     assert guest.ask(do="stop")["told"] == "stopped"

@@ -46,7 +46,7 @@ def test_rounding_of_command_times_skips_no_command(known: Setup):
     assert followed(RealTimeSink(Recorder()), known, 0.0, 0.1 + 0.2 - 0.2 - 1e-12)[-1][-1] == 0.1
 
 
-def test_sink_may_receive_commands_in_advance(known: Setup):
+def test_sink_with_a_lead_receives_commands_by_this_time_in_advance(known: Setup):
     first, then = followed(RealTimeSink(Recorder(), ahead=0.05), known, 0.0, 0.01)
     assert first == [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]
     assert then == [0.06]
@@ -184,7 +184,7 @@ def test_real_time_twin_drops_old_measurements(known: Setup, monkeypatch: pytest
         (0.0, 0.0, 0.2, False),
     ],
 )
-def test_transition_with_a_step_in_angle_velocity_or_acceleration_is_not_steady(
+def test_motion_change_with_a_step_in_angle_velocity_or_acceleration_is_not_steady(
     angle: float, speed: float, acceleration: float, steady: bool
 ):
     """At 1 s a motion continues as another one with an offset in one hinge."""

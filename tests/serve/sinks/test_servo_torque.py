@@ -101,7 +101,7 @@ def test_commands_are_forwarded_only_to_armed_servos():
     assert [each.time for each in cabinet.servos.commands] == [0.01]
 
 
-def test_measurement_is_available_only_during_a_performance():
+def test_servo_measurement_is_available_only_during_a_performance():
     cabinet = Cabinet()
     assert cabinet.sink.measurement() is None
     cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW)
@@ -172,7 +172,7 @@ def test_only_servos_without_supervisor_are_reopened(running: bool):
 
 
 @pytest.mark.parametrize("waits", ["", "consent"])
-def test_servos_that_hold_continue_after_a_resume_request(waits: str):
+def test_resume_request_reaches_held_servos_only_if_they_wait_for_one(waits: str):
     cabinet = Cabinet()
     cabinet.servos.status = Status(Stage.HOLD, 100.0, 5.0, waits=waits)
     assert cabinet.sink.needs_resume() == bool(waits)

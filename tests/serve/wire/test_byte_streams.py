@@ -139,7 +139,7 @@ def test_one_read_returns_at_most_one_chunk() -> None:
     assert asyncio.run(read()) <= CHUNK_SIZE
 
 
-def test_data_of_concurrent_writes_are_not_mixed() -> None:
+def test_data_of_concurrent_writes_are_not_interleaved() -> None:
     async def write() -> bytes:
         async with connected() as (line, here, client):
             hearing = asyncio.create_task(receive_all(client))

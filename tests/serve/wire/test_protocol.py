@@ -103,7 +103,7 @@ def test_server_answers_are_encoded_as_json():
     assert json.loads(json_answer("pong", id='"7"')) == {"told": "pong", "id": '"7"'}
 
 
-def test_words_message_may_be_as_long_as_a_document():
+def test_words_message_of_16_000_characters_is_decoded_with_its_flags():
     text = "I never saw it. " * 1000
     assert read_control(json.dumps({"do": "words", "text": text}).encode()) == SpokenWords(text)
     assert read_control(b'{"do": "words", "text": "a", "ends": true, "instead": true}') == SpokenWords("a", True, True)
