@@ -21,7 +21,7 @@ def test_refused_document_names_its_source(known):
         plan("<bml", known, source="nod.bml")
 
 
-def test_document_is_a_path_or_its_text(known, tmp_path):
+def test_document_may_be_a_path_or_the_text_itself_and_has_a_source_name(known, tmp_path):
     file = tmp_path / "nod.bml"
     file.write_text(NOD, encoding="utf-8")
     for document, source in ((file, str(file)), (str(file), str(file)), (NOD, "<text>"), (NOD.encode(), "<text>")):

@@ -54,7 +54,9 @@ def test_recording_with_text_plays_and_its_gestures_follow_its_words(
     assert not [notice.text for notice in plan.notices if "not played" in notice.text]
 
 
-def test_text_of_the_file_of_words_is_spoken(recording: SpokenRecording, spoken: SpokenText, setup: Setup):
+def test_recording_without_text_takes_its_text_from_the_file_of_word_times(
+    recording: SpokenRecording, spoken: SpokenText, setup: Setup
+):
     words = [
         {"word": word, "start": float(start), "end": float(start) + 0.1}
         for word, start in zip(TEXT.split(), spoken.starts, strict=True)
@@ -67,7 +69,7 @@ def test_text_of_the_file_of_words_is_spoken(recording: SpokenRecording, spoken:
     assert written.warnings == ()
 
 
-def test_recording_without_text_has_beats_and_says_that_it_does_less(recording: SpokenRecording, setup: Setup):
+def test_recording_without_text_has_beat_gestures_and_a_notice(recording: SpokenRecording, setup: Setup):
     plan = plan_recording(None, recording, setup)
     assert plan.utterances["s"].phonemes
     assert any("there is no text" in notice.text for notice in plan.notices)
@@ -75,7 +77,7 @@ def test_recording_without_text_has_beats_and_says_that_it_does_less(recording: 
     assert {"Speech", "Gesture"} <= types
 
 
-def test_missing_or_invalid_file_is_refused(recording: SpokenRecording, setup: Setup, tmp_path: Path):
+def test_missing_or_invalid_recording_file_is_refused(recording: SpokenRecording, setup: Setup, tmp_path: Path):
     (tmp_path / "w.json").write_text('{"words": [{"word": "a", "start": -1}]}')
     with pytest.raises(ConfigError, match=r"none\.wav"):
         write_recording("Hi", SpokenRecording(tmp_path / "none.wav"), setup)

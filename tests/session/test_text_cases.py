@@ -48,7 +48,7 @@ def spoken(plan: Plan) -> list[str]:
     return [each.action.script.text for each in plan.timeline.block.behaviours if isinstance(each.action, Speech)]
 
 
-def test_stage_directions_are_performed_and_not_said():
+def test_stage_directions_are_performed_and_not_spoken():
     text = read("05_stage.txt")
     assert words(text) == ["Hi", "there", "That", "is", "funny", "Yes"]
     shown = lexemes(text)
@@ -56,13 +56,13 @@ def test_stage_directions_are_performed_and_not_said():
     assert words("He said *no* to me.") == ["He", "said", "no", "to", "me"]
 
 
-def test_animation_tags_are_performed_and_not_said():
+def test_animation_tags_are_performed_and_not_spoken():
     text = read("07_nao.txt")
     assert words(text) == ["Hello", "Nice", "to", "meet", "you"]
     assert "greet_wave" in lexemes(text)
 
 
-def test_thoughts_are_not_said():
+def test_text_in_think_tags_is_not_spoken():
     assert words(read("09_think.txt")) == ["Hello"]
 
 
@@ -73,7 +73,7 @@ def test_markdown_becomes_sentences_and_pauses():
     assert not {"count_one", "count_two"} & set(lexemes(text))
 
 
-def test_acronyms_are_no_pronouns_and_no_question():
+def test_acronyms_us_and_who_are_not_read_as_pronoun_and_question_word():
     text = read("13_us.txt")
     passage, _ = plan_behaviours(text, SETUP.lexicon, SETUP.style)
     assert passage.kinds == ("statement",)
@@ -88,12 +88,12 @@ def test_negative_idioms_are_shown_as_agreement():
     assert not {*REFUSALS, "SHAKE", "LOWER_BROWS"} & set(shown)
 
 
-def test_having_no_idea_is_shown_by_a_shrug():
+def test_phrase_no_idea_gets_a_shrug_and_no_refusal_gesture():
     assert {"shrug_small", "doubt_shrug"} & set(lexemes(read("17_idea.txt")))
     assert not REFUSALS & set(lexemes(read("17_idea.txt")))
 
 
-def test_feelings_in_questions_wishes_and_homographs_are_not_shown():
+def test_emotion_words_in_questions_wishes_and_homographs_get_no_emotional_gestures():
     text = read("18_feeling.txt")
     assert not {*JOYS, "wipe_brow", "relief", "disgust"} & set(lexemes(text))
     assert "kinesic:style" not in write_text(text, SETUP).bml
@@ -126,7 +126,7 @@ def test_json_in_a_fence_is_performed():
     assert [each.type for each in plan.timeline.block.behaviours] == ["head"]
 
 
-def test_named_left_hand_is_used_without_fingers_too():
+def test_robot_without_fingers_uses_the_left_hand_if_the_document_names_it():
     plan = planned("28_left.json")
     assert plan.keyframes.uses["g"] & {"l_hand", "r_hand"} == {"l_hand"}
     assert isinstance(plan.timeline.block.behaviours[0].action, Gesture)
@@ -150,7 +150,7 @@ def test_denials_in_successive_turns_get_different_gestures():
         ("13_us.txt", "I live in the you ess and work for the double you aitch oh"),
     ],
 )
-def test_voice_says_the_words_and_no_dot(name: str, heard: str):
+def test_voice_speaks_no_punctuation_names(name: str, heard: str):
     plan = plan_document(CASE_FOLDER / name, SETUP)
     (speech,) = (each.action for each in plan.timeline.block.behaviours if isinstance(each.action, Speech))
     assert heard_consonants(speech.script) == heard_consonants(Script(heard))

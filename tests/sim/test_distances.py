@@ -126,7 +126,7 @@ def test_closest_approach_finds_all_near_postures_and_the_minimum(seed, near):
     assert (solution.distances <= every.distances[ends] + 1e-14).all()
 
 
-def test_closest_approach_measures_only_few_postures(monkeypatch):
+def test_closest_approach_measures_less_than_60_percent_of_slow_postures(monkeypatch):
     slow, ends = make_smooth_motion(3001, 0), np.arange(0, 3001, 3)  # steps of ten seconds
     measured = []
     nearest = CapsuleDistances._find_nearest
@@ -157,7 +157,7 @@ def measure_all_pairs(postures):
     return segment_distances(*axes).reshape(len(i), -1) - DISTANCES._radii[:, None]
 
 
-def test_hinge_rotation_changes_distance_by_at_most_its_reach():
+def test_distance_shrinks_by_at_most_hinge_reaches_times_rotation_angles():
     random = np.random.default_rng(4)
     before = random_postures(ROBOT.skeleton, 300, seed=4)
     after = ROBOT.skeleton.clamp(before + random.normal(0.0, 0.1, before.shape) * (random.random(before.shape) < 0.3))

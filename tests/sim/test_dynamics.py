@@ -76,7 +76,7 @@ def test_friction_and_damping_are_continuous_in_velocity():
         assert more == pytest.approx(expected, abs=1e-6)
 
 
-def test_contacts_do_not_reduce_holding_torque():
+def test_holding_torque_of_a_colliding_posture_excludes_contact_forces():
     inside = ROBOT.skeleton.rest.copy()
     inside[ROBOT.skeleton.joint("l_shoulder_abduct")] = -0.6
     held = DYNAMICS.holding(inside[None])[0]

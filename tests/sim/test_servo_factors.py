@@ -62,7 +62,7 @@ def test_error_of_a_servo_factor_of_zero_names_the_factor():
         ("amps = 0.0", "factor amps is 0.0"),
     ],
 )
-def test_impossible_supply_values_are_rejected(tmp_path, text, why):
+def test_impossible_supply_values_in_a_factor_file_are_rejected(tmp_path, text, why):
     path = tmp_path / "weak.toml"
     path.write_text(text)
     with pytest.raises(ConfigError, match=why):

@@ -85,7 +85,7 @@ def test_smile_raises_the_lower_lids_and_wide_eyes_grow():
     assert count({"5": 1.0}, LINE_COLOUR, EYE_ROWS) > 1.05 * plain
 
 
-def test_points_of_the_face_depend_linearly_on_its_controls():
+def test_outline_points_of_the_drawn_face_are_linear_in_its_controls():
     """glTF scenes blend the same controls."""
 
     def points(controls: dict[str, float]) -> Floats:

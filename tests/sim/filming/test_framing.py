@@ -63,7 +63,7 @@ def test_hands_and_head_fill_the_picture_up_to_the_margin(name: str, moved: tupl
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_view_is_the_same_for_all_motions_that_stay_within_it(name: str):
+def test_camera_view_is_equal_for_motions_that_stay_within_it_and_grows_for_others(name: str):
     robot = ROBOTS[name]
     bent = [(f"{side}_elbow_flexion", 0.9) for side in SIDES]
     views = [find_motion_view(robot, make_motion(robot, *moved), aspect=16 / 9) for moved in ((), bent[:1], bent)]

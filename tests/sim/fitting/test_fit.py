@@ -116,7 +116,7 @@ def test_servo_fit_is_deterministic():
     assert one == two
 
 
-def test_fit_of_data_sheet_servos_changes_nothing():
+def test_fit_to_a_log_of_nominal_servos_gives_nominal_factors():
     fit = fit_factors(record_log(NOMINAL_FACTORS, seconds=0.5), ROBOT, free=("stall",))
     assert fit.error_before < SERVO_TICKS.max()
     for estimate in fit.estimates:

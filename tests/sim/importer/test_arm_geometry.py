@@ -36,7 +36,7 @@ HAND = ((WRIST, X), (WRIST, Y))
 FINGER = (np.ones(3), Z)
 
 
-def test_division_counts_its_hinges_up_to_the_wrist():
+def test_arm_division_gives_elbow_index_and_hinge_count():
     split = Split(girdle=1, shoulder=3, wrist=2)
     assert (split.elbow, split.hinges) == (4, 7)
 
@@ -180,7 +180,7 @@ def test_division_with_a_bone_shorter_than_2_cm_is_no_arm(upper, fore):
     assert likeness(stretched(max(upper, 0.021), max(fore, 0.021)), Split(0, 3, 2)) > 2.0
 
 
-def test_row_has_the_lines_of_its_hinges_and_the_centre_beyond_the_last():
+def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_beyond_the_last():
     joints = [SimpleNamespace(anchor=k * X, axis=axis) for k, axis in enumerate((X, Y, Z))]
     tree = SimpleNamespace(
         joints=joints,

@@ -60,7 +60,7 @@ def test_robot_import_is_deterministic(tee_path, tee_mapped):
     )
 
 
-def test_unusual_arm_is_marked_doubtful(written, puppets):
+def test_robot_with_an_unusual_arm_is_imported_as_doubtful(written, puppets):
     odd = puppets.puppet().replace('axis="0 0 1" range="-2.4 0.1"', 'axis="0 1 0" range="-2.4 0.1"')
     odd = odd.replace('axis="0 0 1" range="-0.1 2.4"', 'axis="0 1 0" range="-0.1 2.4"')
     imported = import_humanoid(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
@@ -74,7 +74,7 @@ def test_urdf_import_names_the_arm_chain_and_omits_the_gripper(hanging_mapped, h
     assert "torso" not in hanging_mapped.file.chains
 
 
-def test_each_sign_of_a_wrong_mapping_lowers_the_confidence():
+def test_unlikely_arms_uncertain_sides_and_asymmetry_lower_the_import_confidence():
     def rate(likeness=3.0, off=0.0, certain=True, asymmetry=0.0):
         arms = {"l": SimpleNamespace(off=0.0), "r": SimpleNamespace(off=off)}
         sides = SimpleNamespace(certain=certain)

@@ -62,7 +62,7 @@ def test_eyes_of_a_robot_without_a_head_are_before_and_over_the_shoulders(carrie
     assert site.at == pytest.approx((0.02 + 0.34 - 0.01, 0.0, 0.4 + 0.7))
 
 
-def test_surface_points_are_those_of_meshes_or_else_of_shapes():
+def test_surface_points_of_a_part_come_from_its_meshes_or_else_its_shapes():
     capsule = Capsule(Z, 2 * Z, 0.5)
     mesh = part((1, 2, 3), (4, 5, 6), (7, 8, 9))
     both = ModelPart(1.0, X, (capsule,), mesh.surfaces + part((0, 0, 1)).surfaces)
@@ -73,7 +73,7 @@ def test_surface_points_are_those_of_meshes_or_else_of_shapes():
     assert _list_points(part()).shape == (0, 3)
 
 
-def test_front_needs_twelve_points():
+def test_front_of_a_head_needs_twelve_surface_points():
     assert _find_front(np.array(column(0.3, 0.0, 0.3, 11)), 1.0) is None
     assert _find_front(np.array(column(0.3, 0.0, 0.3, 12)), 1.0) is not None
 
@@ -85,7 +85,7 @@ def test_front_is_the_foremost_point_at_half_the_height_of_the_head():
     assert _find_front(points, 1.6) == pytest.approx((0.3, 0.0, 1.2))
 
 
-def test_head_ends_0_6_arm_lengths_below_its_top():
+def test_head_is_taken_to_end_0_6_arm_lengths_below_its_top():
     points = np.array([*column(0.3, 0.0, 3.0, 61), (0.7, 0.0, 2.4)])
     assert _find_front(points, 2.0) == pytest.approx((0.7, 0.0, 2.4))
     assert _find_front(points, 6.0) == pytest.approx((0.3, 0.0, 1.5))

@@ -67,7 +67,7 @@ def test_tip_of_a_finger_is_the_shape_end_farthest_from_its_last_hinge():
     assert row((1, 1, 1), (1, 1, 1)).along.tolist() == [0, 0, 0]
 
 
-def test_apartness_is_the_angle_and_the_relative_distance_behind_the_other_fingers():
+def test_thumb_score_is_the_angle_plus_the_relative_distance_to_the_other_fingers():
     others = [row((0, 0, 0), (0.1, 0, 0)), row((0, 0.02, 0), (0.3, 0.02, 0))]
     thumb = row((-0.05, 0, 0), (-0.05, 0.1, 0))
     assert _score_apartness(thumb, [thumb, *others]) == pytest.approx(pi / 2 + 0.25)
@@ -84,7 +84,7 @@ def test_thumb_is_the_only_finger_of_that_name_or_the_one_apart(names, thumb):
     ("lower", "upper", "zero", "sign"),
     [(0, 1, 0, 1), (-1, 0, 0, -1), (-1, 1, 0, 0), (0, 1, 0.5, 0), (0, 1, 0.6, -1), (None, 1, 0, 0), (0, None, 0, 0)],
 )
-def test_sign_of_a_range_is_that_of_its_larger_part(lower, upper, zero, sign):
+def test_sign_of_a_joint_range_is_that_of_its_clearly_larger_side(lower, upper, zero, sign):
     assert _find_range_sign(joint(lower=lower, upper=upper, zero=zero)) == sign
 
 
@@ -185,7 +185,7 @@ def test_coupled_hinge_follows_the_motor_at_the_end_of_its_chain():
     assert _find_driver(tree, mirrored, turns) == ("turn0", pytest.approx(1.5), pytest.approx(-offset))
 
 
-def test_hinge_that_follows_itself_or_a_stranger_has_no_driver():
+def test_hinge_coupled_in_a_cycle_or_to_an_unknown_hinge_has_no_driver():
     tree = tree_of(joint(name="a", follows=follow("b", 1, 0)), joint(name="b", follows=follow("a", 1, 0)))
     turns = turns_of((1, 0), (1, 0))
     assert _find_driver(tree, turns[0], turns) is None

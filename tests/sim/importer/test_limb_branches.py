@@ -178,7 +178,7 @@ def test_arm_is_posed_within_its_ranges_from_the_given_angles(monkeypatch, first
     ("in_file", "hanging", "tried", "best"),
     [((3.0, 2.3, 2.1), (1.0, 2.0, 3.0), [0, 1], 1), ((1.0, 3.0, 2.0), (9.0, 2.0, 3.0), [1], 1)],
 )
-def test_division_is_the_most_human_like_hanging_one_of_the_best_in_the_file(
+def test_arm_division_is_the_most_human_like_when_hanging_among_the_best_in_the_file(
     monkeypatch, in_file, hanging, tried, best
 ):
     divisions = (Split(0, 2, 1), Split(0, 3, 0), Split(1, 2, 0))

@@ -95,7 +95,7 @@ def test_triangles_far_outside_a_robot_are_removed():
     assert simplify(mesh, 1000).corners.tolist() == [[0, 1, 2]]
 
 
-def test_faces_of_the_same_corners_keep_only_the_outermost():
+def test_only_the_outward_one_of_two_faces_with_equal_corners_is_kept():
     """Opposite walls of a hollow part lie on each other after their vertices were merged."""
     vertices = np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1], [0, 0, -3]])
     outside, inside = [0, 1, 2], [2, 1, 0]
@@ -116,7 +116,7 @@ def test_vertices_of_one_cell_become_their_mean_and_flat_triangles_disappear():
     np.testing.assert_allclose(places, [[0.0, 1.15, 0.05], [0.1, 0.0, 0.0], [1.0, 0.0, 0.0]])
 
 
-def test_cells_have_a_number_each_in_every_order():
+def test_grid_cells_are_numbered_uniquely_in_any_order_of_rows():
     rows = np.array([[0, 0, 0], [0, 0, 2], [0, 1, 0], [1, 0, 0], [2, 1, 2], [2, 1, 1], [0, 0, 2]])
     assert _number_rows(rows).tolist() == [0, 2, 3, 6, 17, 16, 2]
 

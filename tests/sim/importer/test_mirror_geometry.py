@@ -60,7 +60,7 @@ def test_upright_frame_has_x_forward_and_y_left():
         (X, Y, np.inf),
     ],
 )
-def test_offset_of_a_mirrored_hinge_weighs_the_way_along_the_axis_by_a_tenth(anchor, axis, offset):
+def test_offset_of_a_mirrored_hinge_weighs_distance_along_its_axis_by_a_tenth(anchor, axis, offset):
     joint = SimpleNamespace(anchor=anchor, axis=axis)
     assert _measure_mirror_offset(joint, X, Z) == pytest.approx(offset)
 
@@ -127,11 +127,11 @@ def test_mirrored_names_exchange_words_or_single_letters(name, images):
     assert _list_images(name) == images
 
 
-def test_first_name_tells_its_side():
+def test_body_side_is_found_from_a_pair_of_mirrored_names():
     assert (_find_side("l_arm", "r_arm"), _find_side("r_arm", "l_arm"), _find_side("a", "b")) == (1, -1, 0)
 
 
-def test_names_are_paired_only_if_both_exist():
+def test_joints_are_paired_by_names_only_if_both_names_exist():
     tree = make_tree(*((name, BASE_INDEX, X, Y) for name in ("r_arm", "l_arm", "l_leg", "waist")))
     assert _pair_by_name(tree) == {1: 0}
 
@@ -146,7 +146,7 @@ def test_names_are_paired_only_if_both_exist():
         ((0.0, 0.0), (1.0, 0.0)),
     ],
 )
-def test_left_is_the_nearest_axis_of_the_world(total, left):
+def test_left_direction_is_rounded_to_the_nearest_world_axis(total, left):
     assert _axis(np.array(total)) == left
 
 
@@ -176,7 +176,7 @@ def test_toes_and_head_point_forward(rows, pairs, extent):
 
 
 @pytest.mark.parametrize(("reach", "extent"), [(0.0101, 0.0101), (0.0099, 0.0), (-0.0101, -0.0101), (-0.0099, 0.0)])
-def test_forward_extent_below_1_cm_decides_nothing(reach, extent):
+def test_forward_extent_below_1_cm_counts_as_zero(reach, extent):
     foot = ("foot", BASE_INDEX, -Z, X, -Z + reach / 3 * X)
     assert _measure_forward_extent(make_tree(foot), {}, (0.0, 1.0)) == pytest.approx(extent)
 

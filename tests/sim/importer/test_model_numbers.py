@@ -179,7 +179,7 @@ def test_actuators_of_tendons_do_not_belong_to_a_joint():
     assert [_actuators(model, k) for k in (0, 1)] == [[2, 3], [0]]
 
 
-def test_zero_means_that_a_value_is_missing():
+def test_zero_and_negative_values_of_a_model_count_as_missing():
     assert (_positive(0.0), _positive(-1.0), _positive(0.5)) == (None, None, 0.5)
 
 
@@ -214,7 +214,7 @@ def test_coupled_hinges_that_carry_independent_ones_are_fixed(mimics, fixed):
     assert _find_fixed_mimics(model, mimics) == fixed
 
 
-def test_part_is_balanced_at_its_centre_of_mass():
+def test_merged_bodies_have_their_total_mass_and_common_centre_of_mass():
     text = """<worldbody><body pos="1 0 0"><geom size="0.1" mass="1"/></body>
     <body pos="0 2 0"><geom size="0.2" mass="3"/><geom size="0.001" mass="0"/></body>
     <body pos="0 0 5"><geom size="0.3" mass="9"/></body></worldbody>"""

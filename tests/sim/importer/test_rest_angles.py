@@ -134,7 +134,7 @@ def stub_distances(monkeypatch, gaps, asked):
 @pytest.mark.parametrize(
     ("gaps", "least"), [((0.3, 0.2, 0.1, 0.4), 0.2), ((0.15, 0.2, 0.1, 0.4), 0.15), ((0.3, 0.2, 0.1, -0.4), -0.4)]
 )
-def test_gap_of_the_arms_is_the_least_of_forearms_and_hands(monkeypatch, gaps, least):
+def test_arm_gap_is_the_smallest_distance_of_forearms_and_hands(monkeypatch, gaps, least):
     asked = []
     stub_distances(monkeypatch, [gaps, (-9.0,) * 4], asked)
     robot = SimpleNamespace(skeleton=SimpleNamespace(rest=np.array([1.0, 2.0])), counted_pairs=PAIRS)

@@ -163,7 +163,7 @@ def test_trunk_and_head_begin_at_the_common_points_of_their_hinges():
     np.testing.assert_allclose(found.origins["skullbase"], (0, 0, 1.5), atol=1e-3)
 
 
-def test_parts_belong_to_the_last_segment_before_them_and_legs_to_none():
+def test_model_parts_belong_to_the_last_segment_before_them_and_legs_to_none():
     paths = {0: (0,), 1: (1,), 2: (1, 2), 3: (1, 2, 3), 4: (1, 2, 3, 4), 5: (1, 5), 6: (0, 6)}
     tree = SimpleNamespace(joints=range(7), path_from_base=lambda k: paths[k])
     moved = [

@@ -95,7 +95,7 @@ def test_arrays_of_a_moved_robot_are_read_only():
     assert not any(array.flags.writeable for array in arrays)
 
 
-def test_hinge_has_a_motor_and_its_part_no_mesh_unless_given():
+def test_hinges_and_parts_have_no_coupling_and_no_mesh_by_default():
     assert TREE.joints[0].follows is None
     assert ModelPart(1.0, X, ()).surfaces == ()
     assert Tree("bare", (), (), TREE.base).left_out == ()

@@ -72,7 +72,7 @@ def test_robot_without_base_robot_or_with_one_without_shell_has_no_shell(tmp_pat
     assert find_shell(Robot.load("human")) is None
 
 
-def test_descriptions_of_segments_differ_only_where_shapes_do(tmp_path: Path):
+def test_segment_descriptions_differ_only_for_segments_with_other_shapes(tmp_path: Path):
     robot = write_robot(tmp_path / "own.toml", HEADER + THICK_HAND)
     old, new = describe_segments(Robot.load()), describe_segments(robot)
     assert {name for name in old if old[name] != new[name]} == {"l_wrist", "r_wrist"}

@@ -39,7 +39,7 @@ def test_given_word_times_are_kept_and_the_others_lie_between(espeak: Espeak):
     assert np.median(np.abs(starts - spoken.starts)) <= 0.05
 
 
-def test_no_sound_lies_in_a_long_silence(espeak: Espeak):
+def test_followed_sounds_lie_outside_long_silences_of_the_recording(espeak: Espeak):
     spoken = speak(espeak, pauses=PAUSES, noise=0.05)
     followed = follow(espeak, spoken)
     for word, duration in PAUSES.items():
@@ -92,7 +92,7 @@ def test_loud_parts_of_a_recording_open_the_lips_wider(espeak: Espeak):
     assert after < before - 0.05
 
 
-def test_given_stops_open_before_their_end():
+def test_given_plosives_open_the_lips_30_ms_before_their_end():
     stop, vowel = release_stops((Phoneme("p", 0.0, 0.1), Phoneme("a", 0.1, 0.1)))
     assert stop.articulation == pytest.approx((0.0, 0.07))
     assert vowel.articulation == pytest.approx((0.1, 0.2))

@@ -7,7 +7,7 @@ def test_words_match_without_case_punctuation_and_accents():
     assert match_words(["Hello", "cafe"], spans) == [GivenTime(0.1, 0.5), GivenTime(0.6, 1.0)]
 
 
-def test_phrase_gives_its_ends_to_its_first_and_last_word():
+def test_timed_phrase_gives_its_start_and_end_to_its_first_and_last_word():
     times = match_words(["my", "dear", "friend"], [TimedSpan("My dear friend.", 1.0, 2.0)])
     assert times == [GivenTime(1.0, None), GivenTime(), GivenTime(None, 2.0)]
 

@@ -110,7 +110,7 @@ def test_phrase_begins_after_a_quarter_of_a_second(start, accented):
 
 
 @pytest.mark.parametrize(("best", "accented"), [(0.31, True), (0.29, False)])
-def test_only_accent_of_a_phrase_stands_out_by_0_15(best, accented):
+def test_most_prominent_stressed_word_of_a_phrase_is_accented_if_0_15_above_the_mean(best, accented):
     words = [(0.0, 0.5), (0.5, 1.0)]
     assert find_accents(words, np.array([0.0, best]), np.ones(2, dtype=bool)).tolist() == [False, accented]
     assert not find_accents(words, np.array([0.0, best]), np.array([True, False])).any()
@@ -119,6 +119,6 @@ def test_only_accent_of_a_phrase_stands_out_by_0_15(best, accented):
 @pytest.mark.parametrize(
     ("start", "symbol"), [(0.291, "\u02c8a"), (0.289, "\u02cca"), (0.59, "\u02c8a"), (0.0, "\u02cca")]
 )
-def test_sound_belongs_to_a_word_from_one_frame_before_it(start, symbol):
+def test_stress_is_kept_for_sounds_from_one_frame_before_an_accented_word(start, symbol):
     (moved,) = move_stress((Phoneme("\u02c8a", start, 0.1),), [(0.1, 0.3), (0.3, 0.6)], np.array([False, True]))
     assert moved.symbol == symbol

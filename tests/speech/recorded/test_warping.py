@@ -66,7 +66,7 @@ def test_silence_has_no_warp():
 
 
 @pytest.mark.parametrize(("last_costs", "column"), [((4.0, 3.0), 2), ((3.0, 3.0), 2), ((3.0, 4.0), 1)])
-def test_path_ends_at_the_cheaper_of_the_last_two_columns(last_costs: tuple[float, float], column: int):
+def test_warping_path_ends_at_the_cheaper_of_the_last_two_columns(last_costs: tuple[float, float], column: int):
     total = np.array([np.inf, np.inf, 5.0, *last_costs])
     steps = [np.zeros(3, dtype=np.int8), np.array([0, 1, 2], dtype=np.int8)]
     assert _trace(steps, np.array([0, 0]), total).tolist() == [0, column]
@@ -93,7 +93,7 @@ def test_frames_are_averaged_in_groups_of_four():
     np.testing.assert_allclose(_average(rows), [[3.0, 1.0], [15.0, 4.0]])
 
 
-def test_window_grows_only_and_has_the_first_and_the_last_column():
+def test_warping_window_never_moves_back_and_includes_first_and_last_column():
     first, last = _window(np.array([3.2, 5.0, 4.5, 9.0]), 2, 12)
     assert first.tolist() == [0, 2, 2, 7]
     assert last.tolist() == [6, 7, 7, 11]
@@ -116,7 +116,7 @@ def cost_of(path: tuple[int, ...], rows: tuple, columns: tuple) -> float:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_path_is_the_cheapest_of_all_that_move_by_at_most_two_columns(seed: int):
+def test_warping_path_equals_the_cheapest_path_of_an_exhaustive_search(seed: int):
     rng = np.random.default_rng(seed)
     count, width = 4, 6
     rows = (rng.normal(scale=4.0, size=(count, 2)), rng.random(count) < 0.3)

@@ -98,7 +98,7 @@ def test_model_attached_twice_is_read_once(robot: Path):
     assert len(load_robot_tree(robot).joints) == 3
 
 
-def test_mujoco_opens_no_files(robot: Path, monkeypatch: pytest.MonkeyPatch):
+def test_mujoco_opens_no_files_named_like_the_internal_tokens(robot: Path, monkeypatch: pytest.MonkeyPatch):
     """Files in the current folder with token names are not read instead of the robot's."""
     monkeypatch.chdir(robot.parent)
     (robot.parent / "model-0.xml").write_text("<nonsense/>")
@@ -173,7 +173,7 @@ def test_huge_sizes_declared_in_a_robot_file_allocate_no_memory(robot: Path, ins
 
 
 @pytest.mark.usefixtures("small_memory")
-def test_user_values_of_one_body_allocate_no_memory_for_others(robot: Path):
+def test_many_user_values_of_one_body_allocate_little_memory_for_others(robot: Path):
     bodies = (
         f'<body user="{"1 " * 3000}"/>' + '<body user="1"><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
     )
@@ -262,7 +262,7 @@ def test_too_many_included_files_are_rejected(robot: Path):
     assert "more than 50 files" in refused(robot, mjcf('<include file="0.xml"/>'))
 
 
-def test_meshes_and_textures_are_not_opened_or_allocated(robot: Path):
+def test_mesh_and_texture_files_of_a_robot_are_not_opened(robot: Path):
     pipe = robot.parent / "endless.stl"
     os.mkfifo(pipe)  # opening it would block forever
     mesh = f'<asset><mesh name="m" file="endless.stl"/><texture name="t" type="2d" file="{pipe}"/></asset>'
