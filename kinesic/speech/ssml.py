@@ -18,6 +18,10 @@ _FORBIDDEN_PATTERN = re.compile(
 )  # characters without a sound or not allowed in XML
 _FULL_STOP = re.compile(r"\.\s*$")
 _STOP_PATTERN = re.compile(r"[.!?\u2026]+(?![\w.!?\u2026])")  # stops that end a sentence
+# Stop between two words without a space.
+_UNSPACED_STOP = re.compile(r"(?<=[^\W\d_])[!?:;]+(?=[^\W\d_]{2})|(?<=[a-z]{2})\.(?=[A-Z][a-z])")
+_INNER_SIGNS = str.maketrans("", "", "'\u2019-")  # signs of ordinary words
+_WORD_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lm", "Lo", "Mn", "Mc", "Nd"))  # of letters, their marks and digits
 
 
 def write_ssml(script: Script) -> str:
@@ -65,17 +69,23 @@ def _separate_stops(text: str, boundaries: Collection[int]) -> list[str]:
     """Return a text's characters, with line breaks after isolated sentence stops.
 
     espeak-ng 1.52 reads a stop aloud ("dot") that an element, a quote, a bracket or a sign separates from its word,
-    unless a line ends after it. A stop without a word since the preceding stop is omitted.
+    and the last one after a word with a sign (`and/or.`), unless a line ends after it. It also names a stop between
+    two words without a space, so a space is added. A stop without a word since the preceding stop is omitted.
 
     Args:
         text: text to speak.
         boundaries: positions of SSML elements.
     """
     characters = list(text)
+    for match in _UNSPACED_STOP.finditer(text):
+        characters[match.end() - 1] += " "
+    last = text.rstrip().rpartition(" ")[2].rstrip(".!?\u2026").translate(_INNER_SIGNS)
+    has_sign_at_end = any(unicodedata.category(character) not in _WORD_CATEGORIES for character in last)
     end_of_stop = -1  # end of the preceding stop
     for match in _STOP_PATTERN.finditer(text):
         begin, end = match.span()
         is_separated = begin in boundaries or not (begin and _is_letter(text[begin - 1]))
+        is_separated |= has_sign_at_end and not text[end:].strip()
         if end_of_stop >= 0 and not any(map(_is_letter, text[end_of_stop:begin])):
             characters[begin:end] = " " * (end - begin)
         elif is_separated or any(position in boundaries for position in range(begin + 1, end)):

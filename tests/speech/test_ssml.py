@@ -73,6 +73,12 @@ def test_line_break_separates_a_sentence_from_an_ssml_element(text: str, positio
         ("one! ! two", 0, "one!   two"),
         ("3.5", 1, ".5"),
         ("e.g. this", 0, "e.g. this"),
+        ("and/or.", 0, "and/or.\n"),
+        ("x\xb2.", 0, "x\xb2.\n"),
+        ("don't.", 0, "don't."),
+        ("and/or. then", 0, "and/or. then"),
+        ("rains.Then so", 0, "rains. Then so"),
+        ("wow!so: a:bc EU:s", 0, "wow! so: a: bc EU:s"),
     ],
 )
 def test_line_break_follows_a_full_stop_separated_from_its_word_by_ssml(text: str, boundary: int, separated: str):

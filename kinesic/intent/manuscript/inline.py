@@ -7,6 +7,7 @@ import unicodedata
 from kinesic.body.pictographs import is_pictograph
 from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.addresses import WEB_ADDRESS, read_address
+from kinesic.intent.manuscript.data import read_formula, read_json, read_latex
 from kinesic.intent.manuscript.emoji import read_control, read_emoji, read_short_code
 from kinesic.intent.manuscript.long_words import cut_long_word
 from kinesic.intent.manuscript.pieces import DIRECTED_PAUSE, END_OF_SENTENCE, Manuscript, Step, direct, pause
@@ -19,7 +20,15 @@ MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
 MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech system
 _NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
 _TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
-_PROMPT_MARKS = frozenset(("INST", "/INST"))  # bracketed marks of prompts for language models
+# Request in square brackets, such as `[emotion: happy]`.
+_REQUEST = re.compile(
+    r"\s*(?:emotion|mood|feeling|expression|face|gesture|action|animation|pose|motion|tone|voice|sound|pause)\s*[:=]\s*(.+)",
+    re.IGNORECASE,
+)
+_SECONDS = re.compile(r"\s*(\d{1,5}(?:\.\d+)?)\s*(ms|s|sec|seconds?)?\s*")
+_PROMPT_MARKS = frozenset(
+    ("INST", "/INST", "TOOL_CALLS", "AVAILABLE_TOOLS", "/AVAILABLE_TOOLS")
+)  # bracketed marks of prompts for language models
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
 _HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")  # `&amp;`, `&#39;`
 _SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ignored without a warning
@@ -33,6 +42,10 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
     address = read_address(state, ends=ends)
     if address is None or address.length:
         return address
+    if sign in "{[$\\":
+        data = (read_json if sign in "{[" else read_formula)(rest, ends=ends)
+        if data is None or data.length:
+            return data
     if sign in "*_":
         return _read_emphasis(state, ends=ends)
     if sign in "([":
@@ -50,7 +63,7 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
     if sign == "^":
         return _read_command(rest, ends=ends)
     if sign == "\\":
-        return _read_slashed(rest, ends=ends)
+        return _read_slashed(rest, state.spoken, ends=ends)
     if sign == "&":
         return _read_entity(rest, ends=ends)
     if is_pictograph(sign):
@@ -168,6 +181,12 @@ def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
         return None
     if load_acts().is_direction(words, begins=_begins(state), ends=_is_over(after), is_bracketed=True):
         return _directed(words, end + 2)
+    request = _REQUEST.fullmatch(words) if sign == "[" else None
+    if request or (sign == "[" and load_acts().has("moods", words.strip().lower())):
+        seconds = _SECONDS.fullmatch(request[1]) if request else None
+        if seconds:
+            return Step(end + 2, pause(min(float(seconds[1]) / (1000 if seconds[2] == "ms" else 1), 10.0)))
+        return _directed(request[1] if request else words, end + 2)
     is_time = state.is_line_start and _TIMESTAMP.fullmatch(words)
     if sign == "[" and (is_time or words in _PROMPT_MARKS):
         return Step(end + 2)
@@ -228,15 +247,20 @@ def _read_command(rest: str, *, ends: bool) -> Step | None:
     return Step(match.end(), "", warning)
 
 
-def _read_slashed(rest: str, *, ends: bool) -> Step | None:
+def _read_slashed(rest: str, before: str, *, ends: bool) -> Step | None:
     """Read a command between backslashes, or a character escaped by a backslash."""
+    latex = read_latex(rest, ends=ends)
+    if latex is None or latex.length:
+        return latex
     match = _VOICE_TAG.match(rest)
     if match is None:
         if re.fullmatch(r"\\{1,2}([A-Za-z]*(=[^\\\s]*)?)?", rest) and not ends and len(rest) <= MAX_COMMAND_LENGTH:
             return None
         escaped = rest[1:2]
-        is_sign = bool(escaped) and escaped in "*_`[]()#+-.!<>|~\\"
-        return Step(1 + is_sign, escaped if is_sign and escaped in "().!-[]" else " ")
+        is_sign = bool(escaped) and escaped in "*_`[]()#+-.!<>|~\\%&$"
+        return Step(1 + is_sign, escaped if is_sign and escaped in "().!-[]%&$" else " ")
+    if match[2] is None and match[1].lower() != "rst" and (before[-1:].isalnum() or before[-1:] == ":"):
+        return Step(1, " ")  # of a file path
     if not ends and match.end() == len(rest):
         return None  # a second sign may follow
     if match[1] == "pau" and (match[2] or "").isdecimal():

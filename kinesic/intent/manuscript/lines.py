@@ -20,7 +20,7 @@ _OPEN_SETTING = re.compile(r"[\w-]*:?")
 _FENCE_PATTERN = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`]*)")
 # Markdown definition of the address of a link: `[name]: address`.
 _REFERENCE_PATTERN = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
-_LABEL_PATTERN = re.compile(r"(\*\*|__|\[)?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
+_LABEL_PATTERN = re.compile(r"(\*\*|__|\[(?=[^\]:\n]*\]))?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
 _OPEN_LABEL = re.compile(r"(\*\*|\*|__|_|\[)?([^\W\d_][\w .'\u2019()-]*)?(\*\*|\*|__|_|\])?:?(\*\*|\*|__|_)?[ \t]*")
 
 
@@ -99,7 +99,7 @@ def _read_marker(state: Manuscript, line: str, *, is_whole: bool) -> Step | None
 
 def _may_be_speaker(text: str, state: Manuscript) -> bool:
     """Return whether the beginning of a line may become a speaker's name."""
-    words = re.sub(r"\(.*", "", text).strip("*_[ \t").split()
+    words = re.sub(r"\(.*", "", text).strip("*_[: \t").split()
     if not words or all(word.upper() == word for word in words):
         return len(words) <= MAX_LABEL_WORDS
     names = (

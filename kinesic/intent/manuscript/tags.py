@@ -24,6 +24,8 @@ _MAIL_LINK = re.compile(r"<([\w.+-]{1,64}@[A-Za-z0-9.-]{3,120})>")
 _CUT_TAG = re.compile(
     r"</[A-Za-z][^<>\n]*|<[A-Za-z][\w.-]*(?::[^<>\n]*|\s+[\w:-]+\s*=[^<>\n]*)"
 )  # incomplete tag: a closing one, or one with a prefix or an attribute
+_FUNCTION_TAG = re.compile(r"<function=[\w.-]{1,80}>")  # call of a function by a language model
+_CALL_TOKEN = re.compile(r"<\|(?:tool|function)_calls?(_begin)?\|>")
 _NUMBERED_PATTERN = re.compile(r"[-_.]?\d+$")
 
 
@@ -36,6 +38,9 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
             return None
     if rest.startswith("<|"):
         return _read_token(rest, ends=ends)
+    call = _FUNCTION_TAG.match(rest)
+    if call:
+        return Step(call.end(), " ", "a function call is not spoken", mode="skipped", closing="</function>")
     mail = _MAIL_LINK.match(rest)
     if mail:
         return Step(mail.end(), mail[1])
@@ -62,6 +67,11 @@ def read_tag(rest: str, *, ends: bool) -> Step | None:
 
 def _read_token(rest: str, *, ends: bool) -> Step | None:
     """Skip a special token such as <|im_start|>, with its role."""
+    call = _CALL_TOKEN.match(rest)
+    if call:
+        name = call[0][2:-2]
+        closing = f"<|{name.removesuffix('_begin')}_end|>" if call[1] else f"<|/{name}|>"
+        return Step(call.end(), " ", "a function call is not spoken", mode="skipped", closing=closing)
     token = re.match(r"<\|[^|<>\n]*\|>(?:(?:assistant|user|system)(?:\n|(?=<\|)))?", rest)
     is_open = re.fullmatch(r"<\|[^|<>\n]{0,40}(?:\|(?:>[a-z]{0,9}<?)?)?", rest)
     return None if is_open and not ends else Step(token.end() if token else 1)
@@ -89,6 +99,8 @@ def _read_element(name: str, attributes: Mapping[str, str], length: int, *, is_e
         return Step(length, alias, mode="skipped", closing=f"</{name}>")
     if lowered == "say-as" and attributes.get("interpret-as") in ("characters", "spell-out", "verbatim"):
         return Step(length, "", mode="text")
+    if lowered in ("td", "th"):
+        return Step(length, ", " if is_end else "")
     if lowered == "img":
         return Step(length, " ", f"a picture is not shown: {attributes.get('alt', 'without description')}")
     if acts.has("spoken_tags", lowered) or lowered == "kinesic:act":

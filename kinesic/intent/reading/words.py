@@ -15,6 +15,7 @@ from kinesic.body.scripts import (
 from kinesic.intent.reading.acronyms import read_acronym
 from kinesic.intent.reading.addresses import ADDRESS_PATTERN, split_address
 from kinesic.intent.reading.language import Language
+from kinesic.intent.reading.numbers import NUMBER_PATTERN, read_numeral, split_number
 from kinesic.intent.reading.passage import Passage, SentenceKind, Word
 from kinesic.intent.reading.prosody import NO_LAYERS, PROSODY_TAG, VOICE_TAG, Layers, take_tag
 from kinesic.intent.reading.segmenting import segment
@@ -44,6 +45,7 @@ _TOKEN_PATTERN = rf"""
     | (?P<ellipsis>\.{{{{2,}}}}|\u2026)
     | (?P<dash>\s[-\u2013\u2014]{{{{1,2}}}}\s|\u2014|--)
     | (?P<address>{ADDRESS_PATTERN.replace("{", "{{").replace("}", "}}")})
+    | (?P<number>{NUMBER_PATTERN.replace("{", "{{").replace("}", "}}")})
     | (?P<word>\d+(?:[.,:]\d+)*(?:st|nd|rd|th|%)?|(?:[^\W\d_]\.)+[^\W\d_](?=\.)|[A-Z]+\d+[A-Z\d]*
         |[^\W\d_]+(?:(?:[{COMBINING_MARKS}]+|['\u2019\u00b7\u05be\-](?=[^\W\d_]))[^\W\d_]*)*)
     | (?P<stop>[{SENTENCE_STOPS}]+["'\u201d\u2019\u00bb\u300d\u300f)]*)
@@ -110,6 +112,10 @@ class _Reading:
                 for k, word in enumerate(split_address(text, self.language)):
                     self.between += [" "] if k else []
                     self._add_word(word, end)
+            case "number":
+                for signs, part in split_number(text, self.language):
+                    self.between += [signs]
+                    self._add_word(part, end)
             case "tag":
                 self._take_tag(text)
             case "stars":
@@ -180,7 +186,10 @@ class _Reading:
         before = self.words[-1].plain if self.words and self._is_open() else ""
         if self.language.has("numbered", plain) and re.match(r"\. ?\d", self.following):
             text, plain = self.language.number_word or text, f"{plain}."
-        acronym = read_acronym(text, before, self.following, self.language) if is_capital else ""
+        named = self.words[-1].text if before else ""
+        acronym = read_numeral(text, named, self.language) if text.isupper() and named else ""
+        if is_capital and not acronym:
+            acronym = read_acronym(text, before, self.following, self.language)
         is_loud = is_capital and not acronym
         word = Word(
             text=acronym or (text.lower() if is_loud or (self.is_shouted and len(text) > 1) else text),
