@@ -14,7 +14,7 @@ from kinesic.intent.meaning.feelings import EMOTION_PREFIX, temper
 from kinesic.intent.meaning.lexicon_names import find_names
 from kinesic.intent.meaning.matching import Candidate, match_cues
 from kinesic.intent.meaning.rhythm import place_beats, place_stroke
-from kinesic.intent.meaning.scoring import Picture, choose_pictures
+from kinesic.intent.meaning.scoring import Picture, choose_pictures, score
 from kinesic.intent.meaning.structure import find_persons, find_structures, find_topics
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
@@ -65,13 +65,7 @@ def read_meanings(
         return intents
     context = Context(passage, language)
     cues = match_cues(context, table)
-    idioms = {k for each in cues if each.cue.kind != "word" for k in range(each.first, each.last + 1)}
-    harmless = {
-        k
-        for each in cues
-        if each.cue.kind != "word" and each.cue.intent not in NEGATION_INTENTS
-        for k in range(each.first, each.last + 1)
-    }
+    idioms, harmless = _find_idioms(cues)
     pictures = _find_pictures(context, cues, idioms, harmless, lexicon, liveliness)
     tempered = (temper(context, intent, idioms, harmless) for intent in intents)
     kept = [_mute(intent, lexicon) for intent in tempered if intent is not None]
@@ -82,6 +76,30 @@ def read_meanings(
         *place_beats(context, kept, [picture.candidate.stroke for picture in pictures]),
     ]
     return tuple(sorted(shown, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
+
+
+def list_pictures(passage: Passage, language: Language, lexicon: Lexicon) -> tuple[Picture, ...]:
+    """Return all candidate gestures of a text with their scores, the highest first.
+
+    Candidates below their threshold are included; `read_meanings` omits them.
+    """
+    table = load_cues(language.tag)
+    if not passage.words or not table.cues:
+        return ()
+    context = Context(passage, language)
+    cues = match_cues(context, table)
+    idioms, harmless = _find_idioms(cues)
+    candidates = [*cues, *find_names(context, lexicon), *find_structures(context, ()), *find_persons(context, idioms)]
+    categories = _categories(lexicon)
+    pictures = [Picture(each, score(context, each, harmless, categories)) for each in candidates if each.cue.shows]
+    return tuple(sorted(pictures, key=lambda each: -each.score))
+
+
+def _find_idioms(cues: Sequence[Candidate]) -> tuple[frozenset[int], frozenset[int]]:
+    """Return the words of all idioms, and those of idioms that negate nothing."""
+    spans = [(each.cue.intent, range(each.first, each.last + 1)) for each in cues if each.cue.kind != "word"]
+    harmless = frozenset(k for intent, span in spans for k in span if intent not in NEGATION_INTENTS)
+    return frozenset(k for _, span in spans for k in span), harmless
 
 
 def _find_pictures(

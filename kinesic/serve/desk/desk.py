@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from kinesic.planning.setup import Setup
-from kinesic.serve.desk.drafter import ClientQuestion, DraftQuestion, answer_draft, draft_failure
+from kinesic.serve.desk.drafter import ANSWER_NAMES, ClientQuestion, DraftQuestion, answer_draft, draft_failure
 from kinesic.serve.desk.dragging import answer_reach, reach_failure
 from kinesic.serve.desk.export import NO_WRITERS, Writers
 from kinesic.serve.desk.helper import Helper, Unanswered
@@ -18,6 +18,8 @@ from kinesic.serve.desk.watches import Watches
 from kinesic.serve.loop import Loop
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
+    AlternativesQuestion,
+    AuthorQuestion,
     BackupRequest,
     BackupsRequest,
     ExportQuestion,
@@ -91,13 +93,12 @@ class Desk:
             case PlanQuestion() | GestureQuestion():
                 self.drafter.ask(requester.number, question, partial(self._send_draft, requester, question))
                 self._reacher.warm_up()  # an author may drag a hand soon
-            case ExportQuestion():
+            case ExportQuestion() | FindQuestion() | AuthorQuestion() | AlternativesQuestion():
                 self.drafter.ask(
-                    requester.number, question, partial(self._send_draft, requester, question), kind="export"
-                )
-            case FindQuestion():
-                self.drafter.ask(
-                    requester.number, question, partial(self._send_draft, requester, question), kind="find"
+                    requester.number,
+                    question,
+                    partial(self._send_draft, requester, question),
+                    kind=ANSWER_NAMES[type(question)],
                 )
             case WatchRequest(rate):
                 self._watches.set(requester, rate)

@@ -14,9 +14,17 @@ from kinesic.serve.desk.export import NO_WRITERS, Writers, export, export_name
 from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.desk.gesture_file import find_fault
 from kinesic.serve.desk.helper import Unanswered
+from kinesic.serve.desk.text import list_alternatives, write_document
 from kinesic.serve.planner import DEFECT_TYPES
 from kinesic.serve.wire.protocol import json_answer
-from kinesic.serve.wire.questions import ExportQuestion, FindQuestion, GestureQuestion, PlanQuestion
+from kinesic.serve.wire.questions import (
+    AlternativesQuestion,
+    AuthorQuestion,
+    ExportQuestion,
+    FindQuestion,
+    GestureQuestion,
+    PlanQuestion,
+)
 from kinesic.serve.wire.quotas import Quotas
 
 MAX_HITS = 50  # largest number of gestures in the answer to a search
@@ -32,13 +40,15 @@ class FileQuestion:
     present: str | None  # content of the file that would be overwritten; None without one
 
 
-ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion
+ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | AuthorQuestion | AlternativesQuestion
 DraftQuestion = ClientQuestion | FileQuestion
 ANSWER_NAMES: Mapping[type[ClientQuestion], str] = {
     PlanQuestion: "plan",
     ExportQuestion: "export",
     GestureQuestion: "gesture",
     FindQuestion: "find",
+    AuthorQuestion: "author",
+    AlternativesQuestion: "alternatives",
 }
 
 
@@ -87,6 +97,15 @@ def _draft(question: ClientQuestion, setup: Setup, rules: Quotas, writers: Write
             try:
                 return {"toml": gesture_text(lexeme, setup.lexicon)}
             except ConfigError as error:
+                return _failure(str(error))
+        case AuthorQuestion() | AlternativesQuestion():
+            try:
+                return (
+                    write_document(question, setup)
+                    if isinstance(question, AuthorQuestion)
+                    else list_alternatives(question, setup)
+                )
+            except (BmlError, ConfigError) as error:
                 return _failure(str(error))
         case FindQuestion(words):
             return {"gestures": [_describe_hit(hit) for hit in find_gestures(setup.lexicon, words, count=MAX_HITS)]}

@@ -12,7 +12,7 @@ BackupKey = Annotated[str, Meta(pattern="^[a-z0-9]{8,32}$")]
 BackupName = Annotated[str, Meta(max_length=100)]
 Revision = Annotated[str, Meta(max_length=64)]
 LONG_VERBS = frozenset(
-    {"plan", "export", "gesture", "save", "backup", "words"}
+    {"plan", "export", "gesture", "author", "alternatives", "save", "backup", "words"}
 )  # verbs of messages with documents or texts, which may be as long as a document
 
 
@@ -56,6 +56,23 @@ class FindQuestion(Struct, tag="find", tag_field="do", forbid_unknown_fields=Tru
     """Request for the gestures that match some words, the best first."""
 
     words: Annotated[str, Meta(max_length=200)]  # words for the meaning of a gesture, in English
+    id: int = 0  # repeated in the answer; 0: no id
+
+
+class AuthorQuestion(Struct, tag="author", tag_field="do", forbid_unknown_fields=True):
+    """Request for a document that speaks a text with fitting gestures."""
+
+    text: str  # text to be spoken, as in `kinesic say`
+    style: str = ""  # name of a built-in style; empty: that of the server
+    id: int = 0  # repeated in the answer; 0: no id
+
+
+class AlternativesQuestion(Struct, tag="alternatives", tag_field="do", forbid_unknown_fields=True):
+    """Request for the gestures that could be shown at a word, the best first."""
+
+    text: str  # spoken text
+    at: Annotated[int, Meta(ge=0, le=99_999)]  # position [characters] of the word in the text
+    intent: Annotated[str, Meta(max_length=100)] = ""  # intent of the present gesture; empty: unknown
     id: int = 0  # repeated in the answer; 0: no id
 
 
@@ -114,5 +131,6 @@ class BackupsRequest(Struct, tag="backups", tag_field="do", forbid_unknown_field
 
 BodyQuestion = ReachQuestion | WatchRequest | ServosQuestion
 StorageRequest = SaveRequest | OpenRequest | VersionsRequest | BackupRequest | BackupsRequest
-DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | StorageRequest
+TextQuestion = AuthorQuestion | AlternativesQuestion
+DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | TextQuestion | StorageRequest
 Question = BodyQuestion | DocumentQuestion

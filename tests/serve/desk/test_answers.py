@@ -19,6 +19,8 @@ from kinesic.serve.desk.helper import Unanswered
 from kinesic.serve.desk.requester import Requester
 from kinesic.serve.messages import ServoPlace
 from kinesic.serve.wire.questions import (
+    AlternativesQuestion,
+    AuthorQuestion,
     ExportQuestion,
     FindQuestion,
     GestureQuestion,
@@ -107,6 +109,8 @@ def test_each_client_query_is_passed_to_its_handler(rooms: dict, told: list[str]
         (GestureQuestion(lexeme="beat"), "file"),
         (ExportQuestion("x", "csv"), "export"),
         (FindQuestion("x"), "find"),
+        (AuthorQuestion("x"), "author"),
+        (AlternativesQuestion("x", 0), "alternatives"),
     )
     for question, _ in drafts:
         desk.answer(requester, question)
@@ -230,6 +234,8 @@ def test_internal_planning_error_is_returned_as_the_error_of_the_query(
         (ExportQuestion("x", "csv"), "export"),
         (GestureQuestion(), "gesture"),
         (FindQuestion("x"), "find"),
+        (AuthorQuestion("x"), "author"),
+        (AlternativesQuestion("x", 0), "alternatives"),
     ],
 )
 def test_query_failures_are_reported_under_the_query_name(question: object, kind: str):

@@ -14,6 +14,7 @@ import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Playback } from "./playback.ts";
 import { Robot } from "./robot.ts";
 import { TextPane } from "./text.ts";
+import { TextMode } from "./text_mode/text_mode.ts";
 import { type Moved, Timeline, wordAnchor } from "./timeline.ts";
 import type { About, Draft, GestureDraft } from "./types.ts";
 import { StageView } from "./view.ts";
@@ -32,6 +33,7 @@ class App {
   private readonly inspector: Inspector;
   private readonly editing: GestureEditing;
   private readonly files: Files;
+  private readonly textMode: TextMode;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private chosen: string | null = null;
@@ -92,6 +94,15 @@ class App {
       saved: () => this.isGesture && this.editing.saved(),
       say: (text) => this.robot.live.say(text),
     });
+    this.textMode = new TextMode(about, this.robot.wire, {
+      text: () => this.document,
+      edit: (text) => this.edit(text),
+      open: (name, text) => this.files.open(name, text),
+      select: (id, time) => {
+        this.playback.player.seek(time);
+        if (id !== null && id !== this.chosen) this.choose(id);
+      },
+    });
     this.listen();
     listenToPalette((edit) => this.add(edit));
     fillMenus(this.about);
@@ -113,6 +124,7 @@ class App {
     this.history = begin(text);
     this.chosen = this.isGesture ? GESTURE_ID : null;
     this.editing.begin(this.isGesture);
+    this.textMode.begin(this.isGesture);
     this.text.show(text);
     this.view.setMode("plan");
     this.playback.player.seek(0);
@@ -148,6 +160,7 @@ class App {
     this.planned += 1;
     this.timeline.show(draft, this.chosen);
     showNotices(draft.notices);
+    this.textMode.show(draft);
     this.playback.player.seek(Math.min(this.playback.player.time, draft.duration));
     if ("keys" in draft) this.editing.show(draft as GestureDraft);
     this.inspect();

@@ -1,0 +1,51 @@
+// List of the gestures that could be shown at a word, the best first, with their reasons.
+import { byId, make, say } from "../dom.ts";
+import type { Answer } from "../wire.ts";
+import type { Choice } from "./replacing.ts";
+import type { ShownGesture } from "./spoken.ts";
+
+export interface Alternative extends Choice {
+  category: string;
+  says: string;
+}
+
+/** Read the alternatives of a server's answer; empty for any other answer. */
+export function readAlternatives(answer: Answer | null): Alternative[] {
+  if (answer?.told !== "alternatives" || !Array.isArray(answer.gestures)) return [];
+  return (answer.gestures as Alternative[]).filter(({ id, why }) => typeof id === "string" && typeof why === "string");
+}
+
+export class AlternativesPanel {
+  private readonly place = byId("alternatives");
+
+  constructor(private readonly listener: { choose(choice: Choice): void; remove(): void }) {
+    byId("alternatives-remove").addEventListener("click", () => this.listener.remove());
+  }
+
+  hide(): void {
+    this.place.hidden = true;
+  }
+
+  /** Show the present gesture of a word and what else could be shown; null: still asked for. */
+  show(word: string, present: ShownGesture | null, alternatives: readonly Alternative[] | null): void {
+    this.place.hidden = false;
+    say(byId("alternatives-title"), present ? `“${word}”: ${present.name}` : `“${word}”: no gesture`);
+    say(byId("alternatives-reason"), present ? present.reason || "without a reason" : "Choose one below.");
+    byId("alternatives-remove").hidden = present === null;
+    const rows = alternatives?.map((each) => this.row(each, each.id === present?.name)) ?? [];
+    const none = alternatives ? "nothing fits this word" : "looking for gestures …";
+    byId("alternatives-list").replaceChildren(...(rows.length ? rows : [make("li", { class: "none" }, none)]));
+  }
+
+  private row(each: Alternative, isPresent: boolean): HTMLElement {
+    const button = make(
+      "button",
+      { type: "button", "aria-pressed": String(isPresent), title: each.says },
+      make("b", {}, each.id),
+      ` ${each.category}`,
+      make("span", { class: "why" }, each.why),
+    );
+    button.addEventListener("click", () => this.listener.choose(each));
+    return make("li", {}, button);
+  }
+}

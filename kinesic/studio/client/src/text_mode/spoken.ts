@@ -1,0 +1,71 @@
+// Spoken words of a document, each with the gestures whose strokes fall on it.
+import { listWords, type Word } from "../timeline.ts";
+import type { Draft } from "../types.ts";
+import { findAttribute, tagWithId } from "../xml.ts";
+
+const GESTURE_TYPES: readonly string[] = ["gesture", "pointing"];
+/** Attributes that place a gesture, the most significant first. */
+const PLACES = ["stroke", "strokeStart", "attackPeak", "start", "ready", "strokeEnd"] as const;
+const REFERENCE = /^\s*([^:\s]+):([^\s+-]+)/; // speech and mark of a reference such as s:w9+0.07
+const REASON = /^(.*?)(?:\s*\(([\w-]+), [\d.]+\))?$/s; // reason, with intent and score in parentheses
+
+/** Gesture at a word, as the document has it. */
+export interface ShownGesture {
+  id: string;
+  type: string;
+  /** Lexeme, or target of a pointing gesture. */
+  name: string;
+  reason: string;
+  /** Intent of the reason; empty without one. */
+  intent: string;
+}
+
+export interface SpokenWord extends Word {
+  gestures: ShownGesture[];
+}
+
+/** List all spoken words with their gestures; a gesture without a mark belongs to the word at its stroke time. */
+export function listSpoken(text: string, draft: Draft): SpokenWord[] {
+  const words = listWords(draft).map((word) => ({ ...word, gestures: [] as ShownGesture[] }));
+  for (const { id, type } of draft.behaviours) {
+    if (!GESTURE_TYPES.includes(type)) continue;
+    const gesture = readGesture(text, id, type);
+    if (gesture) words[placeOf(text, id, draft, words)]?.gestures.push(gesture);
+  }
+  return words;
+}
+
+function readGesture(text: string, id: string, type: string): ShownGesture | null {
+  const tag = tagWithId(text, id);
+  if (!tag) return null;
+  const value = (name: string) => findAttribute(tag, name)?.value ?? "";
+  const [, reason, intent] = REASON.exec(value("reason")) ?? [];
+  const name = type === "gesture" ? value("lexeme") : `to ${value("target")}`;
+  return { id, type, name, reason: reason ?? "", intent: intent ?? "" };
+}
+
+/** Return the index of the word of a gesture, or -1. */
+function placeOf(text: string, id: string, draft: Draft, words: readonly Word[]): number {
+  const tag = tagWithId(text, id);
+  for (const place of PLACES) {
+    const [, speech, mark] = REFERENCE.exec((tag && findAttribute(tag, place)?.value) ?? "") ?? [];
+    const found = words.findIndex((word) => word.speech === speech && word.mark === mark && word.index === 0);
+    if (found >= 0) return found;
+  }
+  const stroke = draft.syncs.find((sync) => sync.behaviour === id && sync.sync === "stroke")?.planned;
+  return stroke === undefined ? -1 : words.findLastIndex((word) => word.start <= stroke);
+}
+
+/** Return the text of a word's speech, and the position of the word in it. */
+export function locate(words: readonly Word[], chosen: Word): { text: string; at: number } {
+  const speech = words.filter((word) => word.speech === chosen.speech);
+  const before = speech.slice(0, speech.indexOf(chosen)).map((word) => `${word.text} `);
+  return { text: speech.map((word) => word.text).join(" "), at: before.join("").length };
+}
+
+/** Return the spoken text, one line for each speech. */
+export function spokenText(words: readonly Word[]): string {
+  const lines = new Map<string, string[]>();
+  for (const { speech, text } of words) lines.set(speech, [...(lines.get(speech) ?? []), text]);
+  return [...lines.values()].map((line) => line.join(" ")).join("\n");
+}

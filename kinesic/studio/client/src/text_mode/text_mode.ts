@@ -1,0 +1,176 @@
+// Text mode: a plain text becomes a performance; each word shows its gesture, and offers others.
+
+import { byId, make, say } from "../dom.ts";
+import { remove, setManner } from "../edits.ts";
+import type { About, Draft } from "../types.ts";
+import type { Wire } from "../wire.ts";
+import { BLOCK } from "../xml.ts";
+import { AlternativesPanel, readAlternatives } from "./alternatives.ts";
+import { type Choice, choose, isWritten } from "./replacing.ts";
+import { listSpoken, locate, type SpokenWord, spokenText } from "./spoken.ts";
+import { Tabs } from "./tabs.ts";
+
+const NEW_NAME = "talk.bml"; // suggested name of a document for a text
+
+/** Parts of the page that text mode needs. */
+export interface TextModeListener {
+  text(): string;
+  edit(text: string): void;
+  open(name: string, text: string): void;
+  /** Select a behaviour, and show the posture at a time [s]. */
+  select(id: string | null, time: number): void;
+}
+
+export class TextMode {
+  private readonly field = byId<HTMLTextAreaElement>("plain");
+  private readonly style = byId<HTMLSelectElement>("plain-style");
+  private readonly list = byId("spoken");
+  private readonly panel: AlternativesPanel;
+  private readonly tabs = new Tabs();
+  private words: SpokenWord[] = [];
+  private chosen = -1; // index of the chosen word; -1: none
+  private isReplaced = false; // whether the next draft shows a new choice for the word
+  private isTyped = false; // whether the field differs from what the document says
+
+  constructor(
+    private readonly about: About,
+    private readonly wire: Wire,
+    private readonly listener: TextModeListener,
+  ) {
+    this.panel = new AlternativesPanel({
+      choose: (choice) => this.replace(choice),
+      remove: () => this.replace(null),
+    });
+    for (const name of about.styles) this.style.append(make("option", { value: name }, name));
+    this.field.addEventListener("input", () => {
+      this.isTyped = true;
+      this.enable();
+    });
+    byId("plain-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.write();
+    });
+    this.list.addEventListener("keydown", (event) => this.step(event));
+    this.enable();
+  }
+
+  /** Begin with another document; gestures under edit have no words. */
+  begin(isGesture: boolean): void {
+    this.isTyped = false;
+    this.chosen = -1;
+    this.panel.hide();
+    this.tabs.limit(isGesture);
+  }
+
+  /** Show the words of a draft with their gestures. */
+  show(draft: Draft): void {
+    this.words = listSpoken(this.listener.text(), draft);
+    if (!this.isTyped) this.field.value = spokenText(this.words);
+    const chosen = this.words[this.chosen];
+    if (this.isReplaced && chosen) this.listener.select(chosen.gestures[0]?.id ?? null, chosen.start);
+    this.isReplaced = false;
+    const isFocused = this.list.contains(document.activeElement);
+    if (this.chosen >= this.words.length) this.chosen = -1;
+    this.list.replaceChildren(...this.words.map((word, k) => this.wordButton(word, k)));
+    const count = this.words.reduce((sum, { gestures }) => sum + gestures.length, 0);
+    say(byId("spoken-count"), this.words.length ? `${this.words.length} words, ${count} gestures` : "no spoken words");
+    if (this.chosen >= 0) void this.ask();
+    else this.panel.hide();
+    if (isFocused) this.button(Math.max(this.chosen, 0))?.focus();
+    this.enable();
+  }
+
+  private wordButton(word: SpokenWord, index: number): HTMLElement {
+    const isChosen = index === this.chosen;
+    const button = make(
+      "button",
+      {
+        type: "button",
+        "data-spoken": String(index),
+        "aria-pressed": String(isChosen),
+        tabindex: index === Math.max(this.chosen, 0) ? "0" : "-1",
+        title: word.gestures.map(({ name, reason }) => `${name}: ${reason}`).join("\n") || "no gesture",
+      },
+      word.text,
+      ...word.gestures.map(({ name }) => make("span", { class: "shown" }, name)),
+    );
+    button.addEventListener("click", () => this.choose(index));
+    return button;
+  }
+
+  private button(index: number): HTMLElement | null {
+    return this.list.querySelector(`[data-spoken="${index}"]`);
+  }
+
+  /** Move from word to word with the arrow keys. */
+  private step(event: KeyboardEvent): void {
+    const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    const at = Number((event.target as HTMLElement).dataset.spoken);
+    const next = by === undefined ? null : this.button(at + by);
+    if (!next) return;
+    event.preventDefault();
+    (event.target as HTMLElement).tabIndex = -1;
+    next.tabIndex = 0;
+    next.focus();
+  }
+
+  private choose(index: number): void {
+    this.button(this.chosen)?.setAttribute("aria-pressed", "false");
+    this.chosen = this.chosen === index ? -1 : index;
+    const word = this.words[this.chosen];
+    if (!word) {
+      this.panel.hide();
+      return;
+    }
+    this.button(index)?.setAttribute("aria-pressed", "true");
+    this.listener.select(word.gestures[0]?.id ?? null, word.start);
+    void this.ask();
+  }
+
+  /** Ask for the alternatives of the chosen word. */
+  private async ask(): Promise<void> {
+    const word = this.words[this.chosen];
+    if (!word) return;
+    const present = word.gestures[0] ?? null;
+    this.panel.show(word.text, present, null);
+    const place = locate(this.words, word);
+    const answer = await this.wire.ask("alternatives", { ...place, intent: present?.intent ?? "" });
+    if (answer?.outdated || word !== this.words[this.chosen]) return;
+    this.panel.show(word.text, present, readAlternatives(answer));
+  }
+
+  /** Show another gesture at the chosen word; null: none. */
+  private replace(choice: Choice | null): void {
+    const word = this.words[this.chosen];
+    if (!word) return;
+    const present = word.gestures[0] ?? null;
+    const text = this.listener.text();
+    this.isReplaced = choice !== null;
+    if (choice) this.listener.edit(choose(text, word, present, choice));
+    else if (present) this.listener.edit(remove(text, present.id));
+  }
+
+  /** Ask for the document of the typed text. */
+  private async write(): Promise<void> {
+    const { value: style } = this.style;
+    const text = this.field.value;
+    say(byId("plain-status"), "choosing gestures …");
+    const answer = await this.wire.ask("author", { text, style });
+    if (answer?.outdated) return;
+    const fault = (answer?.error as { text?: string } | undefined)?.text;
+    if (!answer || fault || typeof answer.bml !== "string") {
+      say(byId("plain-status"), fault ?? "no server");
+      return;
+    }
+    say(byId("plain-status"), Array.isArray(answer.warnings) ? answer.warnings.join(" ") : "");
+    const bml = style ? setManner(answer.bml, BLOCK, "style", style) : answer.bml;
+    if (!isWritten(this.listener.text())) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
+    this.chosen = -1;
+    this.isTyped = false;
+    this.listener.edit(bml);
+  }
+
+  private enable(): void {
+    byId<HTMLButtonElement>("plain-make").disabled = !this.field.value.trim();
+  }
+}

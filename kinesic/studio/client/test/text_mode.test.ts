@@ -1,0 +1,82 @@
+// Text mode: words with their gestures, and edits that show another gesture at a word.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { choose, isWritten } from "../src/text_mode/replacing.ts";
+import { listSpoken, locate, spokenText } from "../src/text_mode/spoken.ts";
+import type { Draft } from "../src/types.ts";
+
+const BML = `<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="said">
+  <speech id="s"><text>There were <sync id="w3"/>three big <sync id="w5"/>boxes.</text></speech>
+  <gesture id="g1" lexeme="count_three" mode="LEFT_HAND" stroke="s:w3+0.07" kinesic:reason="'three' is a number (picture, 0.68)"/>
+  <gesture id="g2" lexeme="beat" start="1.9"/>
+  <pointing id="p" target="left" stroke="s:w5"/>
+  <head id="h1" lexeme="NOD" stroke="s:w5"/>
+</bml>`;
+const draft = {
+  words: [
+    { speech: "s", mark: "start", text: "There were", start: 0, end: 1 },
+    { speech: "s", mark: "w3", text: "three big", start: 1, end: 2 },
+    { speech: "s", mark: "w5", text: "boxes.", start: 2, end: 3 },
+  ],
+  behaviours: [
+    ["s", "speech"],
+    ["g1", "gesture"],
+    ["g2", "gesture"],
+    ["p", "pointing"],
+    ["h1", "head"],
+  ].map(([id, type]) => ({ id, type, outcome: "realised", why: "" })),
+  syncs: [{ behaviour: "g2", sync: "stroke", asked: 1.9, planned: 1.9 }],
+} as unknown as Draft;
+const words = listSpoken(BML, draft);
+const names = (index: number) => words[index]!.gestures.map(({ name }) => name);
+
+test("gestures belong to the word of their mark, or to the word at their stroke time", () => {
+  assert.deepEqual(
+    words.map(({ text }) => text),
+    ["There", "were", "three", "big", "boxes."],
+  );
+  assert.deepEqual([0, 1, 2, 3, 4].map(names), [[], [], ["count_three"], ["beat"], ["to left"]]);
+});
+
+test("reason and intent of a gesture are read without the score", () => {
+  assert.equal(words[2]!.gestures[0]!.reason, "'three' is a number");
+  assert.equal(words[2]!.gestures[0]!.intent, "picture");
+  assert.equal(words[3]!.gestures[0]!.reason, "");
+});
+
+test("a word is located in the text of its speech", () => {
+  const { text, at } = locate(words, words[3]!);
+  assert.equal(text, "There were three big boxes.");
+  assert.equal(text.slice(at, at + 3), "big");
+  assert.equal(spokenText(words), text);
+});
+
+test("another gesture keeps its id and place, and loses the hand and the reason of the former one", () => {
+  const text = choose(BML, words[2]!, words[2]!.gestures[0]!, { id: "conduct", why: "found for 'three'" });
+  const line = text.split("\n").find((each) => each.includes('id="g1"'))!;
+  assert.equal(
+    line.trim(),
+    '<gesture id="g1" lexeme="conduct" stroke="s:w3+0.07" kinesic:reason="chosen: found for &apos;three&apos;"/>',
+  );
+  assert.equal(text.split("\n").filter((each) => !BML.includes(each)).length, 1);
+});
+
+test("a first gesture of a word without a mark gets a new mark", () => {
+  const text = choose(BML, words[1]!, null, { id: "beat", why: "stresses the word" });
+  assert.match(text, /There <sync id="(m1)"\/>were /);
+  assert.match(text, /<gesture id="g" lexeme="beat" stroke="s:m1" kinesic:reason="chosen: stresses the word"\/>/);
+  const first = choose(BML, words[0]!, null, { id: "beat", why: "x" });
+  assert.match(first, /stroke="s:start"/);
+});
+
+test("a gesture replaces a pointing gesture", () => {
+  const text = choose(BML, words[4]!, words[4]!.gestures[0]!, { id: "square", why: "x" });
+  assert.ok(!text.includes("<pointing"));
+  assert.match(text, /lexeme="square" stroke="s:w5"/);
+});
+
+test("only blocks written for a text are replaced by another text", () => {
+  assert.ok(isWritten(BML));
+  assert.ok(!isWritten(BML.replace('id="said"', 'id="mine"')));
+  assert.ok(!isWritten(""));
+});

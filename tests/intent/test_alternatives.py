@@ -1,0 +1,55 @@
+"""Gestures that could be shown at a word, the most suitable first."""
+
+import pytest
+
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.search import find_gestures
+from kinesic.intent.alternatives import BEAT_REASON, MAX_BEATS, Alternative, rank_alternatives
+from kinesic.intent.behaviour_sets import builtin_sets
+
+TEXT = "No, I did not say that! There were three big boxes."
+LEXICON = Lexicon.load()
+
+
+def ranked(word: str, text: str = TEXT, **options) -> tuple[Alternative, ...]:
+    found, alternatives = rank_alternatives(text, text.index(word), LEXICON, builtin_sets(), **options)
+    assert found == word
+    return alternatives
+
+
+def test_best_candidate_of_a_word_comes_first_with_its_reason_and_score():
+    first = ranked("three")[0]
+    assert (first.id, first.why) == ("count_three", "'three' is a number (0.68)")
+    assert first.says == LEXICON.sense(LEXICON.find("count_three").form).says
+
+
+def test_other_gestures_of_the_present_intent_follow_the_candidates():
+    alternatives = ranked("No", intent="negation")
+    assert alternatives[0].id == "no_low"
+    same = [each.id for each in alternatives if each.why == "shows the same intent: negation"]
+    assert {"no_wag", "refuse_push", "refuse_sweep"} <= set(same)
+    assert [each.id for each in alternatives[1 : 1 + len(same)]] == same
+    assert not [each for each in ranked("No") if "same intent" in each.why]
+
+
+def test_words_without_candidates_have_the_results_of_the_ranked_search():
+    hits = [hit.id for hit in find_gestures(LEXICON, "boxes", count=3)]
+    assert [each.id for each in ranked("boxes") if each.why == "found for 'boxes'"][:3] == hits
+
+
+@pytest.mark.parametrize("word", ["that", "three"])
+def test_every_word_may_have_a_beat_and_no_gesture_is_listed_twice(word: str):
+    alternatives = ranked(word)
+    assert [each.why for each in alternatives][-MAX_BEATS:] == MAX_BEATS * [BEAT_REASON]
+    assert len({each.id for each in alternatives}) == len(alternatives)
+
+
+def test_number_of_alternatives_is_limited_and_positions_behind_the_text_mean_its_last_word():
+    assert len(ranked("No", count=3)) == 3
+    assert rank_alternatives(TEXT, 10_000, LEXICON, builtin_sets())[0] == "boxes"
+    assert rank_alternatives("  ", 0, LEXICON, builtin_sets()) == ("", ())
+
+
+def test_languages_without_cues_have_search_results_and_beats():
+    alternatives = ranked("sehr", "Das ist sehr gut.", language="de")
+    assert alternatives[-1].why == BEAT_REASON

@@ -1,0 +1,120 @@
+"""Text mode in the browser: text becomes a performance whose gestures can be exchanged word by word."""
+
+from kinesic.session.documents import write_bml
+from kinesic.session.setup import set_up
+
+from .conftest import Studio
+
+DRAWN = False  # WebGL pictures are tested in test_stage.py
+TEXT = "No, I did not say that! There were three big boxes, and it is tea versus coffee today."
+WORD = "[...document.querySelectorAll('#spoken button')].find(each => each.textContent.startsWith({!r}))"
+
+
+def perform(studio: Studio, text: str) -> None:
+    """Type a text in place of an empty document, and let the studio choose its gestures."""
+    studio.write('<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="new"></bml>')
+    studio.until("s.draft?.block === 'new'")
+    studio.page.value(
+        f"(f => {{ f.value = {text!r}; f.dispatchEvent(new Event('input')) }})(document.querySelector('#plain'))"
+    )
+    studio.page.click("#plain-make")
+    studio.until("s.draft?.block === 'said' && document.querySelectorAll('#spoken button').length > 0")
+
+
+def shown(studio: Studio) -> dict[str, str]:
+    """Return the shown gestures by word."""
+    pairs = (
+        "[...document.querySelectorAll('#spoken button')].filter(each => each.querySelector('.shown'))"
+        ".map(each => [each.firstChild.textContent, each.querySelector('.shown').textContent])"
+    )
+    return dict(studio.page.value(pairs))
+
+
+def choose(studio: Studio, word: str) -> list[list[str]]:
+    """Click on a word, and return ids and reasons of its alternatives."""
+    studio.page.value(f"{WORD.format(word)}.click()")
+    studio.page.until("document.querySelectorAll('#alternatives-list button').length > 3")
+    rows = "[...document.querySelectorAll('#alternatives-list button')].map(each => each.querySelector('b, .why'))"
+    ids = studio.page.value(f"{rows}.map(each => each.textContent)")
+    reasons = studio.page.value("[...document.querySelectorAll('#alternatives-list .why')].map(e => e.textContent)")
+    return [list(pair) for pair in zip(ids, reasons, strict=True)]
+
+
+def test_typed_text_becomes_the_document_that_say_writes(studio: Studio):
+    perform(studio, TEXT)
+    assert studio.state("text") == write_bml(TEXT, set_up())
+    assert studio.state("name") == "talk.bml"
+    assert studio.state("unsaved"), "a reload must not lose it"
+    assert shown(studio) == {"No,": "no_low", "versus": "contrast_left_right"}
+    assert studio.page.value("document.querySelector('#spoken-count').textContent") == "18 words, 2 gestures"
+
+
+def test_gesture_of_a_word_has_a_reason_and_ranked_alternatives(studio: Studio):
+    perform(studio, TEXT)
+    alternatives = choose(studio, "No,")
+    assert studio.page.value("document.querySelector('#alternatives-reason').textContent") == "'No' refuses"
+    assert alternatives[0] == ["no_low", "'No' refuses (0.78)"]
+    assert ["no_wag", "shows the same intent: negation"] in alternatives
+    assert (
+        studio.page.value("document.querySelector('#alternatives-list [aria-pressed=true] b').textContent") == "no_low"
+    )
+    planned = studio.state("planned")
+    wag = "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('no_wag'))"
+    studio.page.value(f"{wag}.click()")
+    studio.until(f"s.planned > {planned}")
+    assert shown(studio)["No,"] == "no_wag"
+    assert "chosen: shows the same intent: negation" in studio.state("text")
+    assert {item["outcome"] for item in studio.state("draft")["behaviours"] if item["type"] == "head"} == {"realised"}
+    studio.page.click("#undo")
+    studio.until(f"s.planned > {planned} + 1")
+    assert shown(studio)["No,"] == "no_low"
+
+
+def test_word_without_a_gesture_gets_one_and_loses_it_again(studio: Studio):
+    perform(studio, TEXT)
+    before = studio.state("text")
+    assert choose(studio, "coffee")
+    planned = studio.state("planned")
+    studio.page.value("document.querySelector('#alternatives-list li:last-child button').click()")
+    studio.until(f"s.planned > {planned}")
+    assert shown(studio)["coffee"].startswith("beat")
+    assert not studio.page.value("document.querySelector('#inspector').hidden"), "the new gesture is selected"
+    studio.page.until("!document.querySelector('#alternatives-remove').hidden")
+    planned = studio.state("planned")
+    studio.page.click("#alternatives-remove")
+    studio.until(f"s.planned > {planned}")
+    assert "coffee" not in shown(studio)
+    assert studio.state("text").count("<gesture") == before.count("<gesture")
+
+
+def test_style_of_a_text_is_written_into_its_document(studio: Studio):
+    studio.page.value("document.querySelector('#plain-style').value = 'joyful'")
+    perform(studio, f"{TEXT} Joy.")
+    studio.page.value("document.querySelector('#plain-style').value = ''")
+    assert 'kinesic:style="joyful"' in studio.state("text").partition(">")[0]
+
+
+def test_text_without_words_is_refused_and_changes_nothing(studio: Studio):
+    perform(studio, TEXT)
+    before = studio.state("text")
+    studio.page.value(
+        "(f => { f.value = '...'; f.dispatchEvent(new Event('input')) })(document.querySelector('#plain'))"
+    )
+    studio.page.click("#plain-make")
+    studio.page.until("document.querySelector('#plain-status').textContent.includes('no words')")
+    assert studio.state("text") == before
+
+
+def test_words_and_source_are_two_tabs_reached_by_arrow_keys(studio: Studio):
+    perform(studio, TEXT)
+    page = studio.page
+    assert not page.value("document.querySelector('#pane-source').checkVisibility()")
+    page.value("document.querySelector('#tab-words').focus()")
+    page.press("ArrowRight", 39)
+    assert page.value("document.querySelector('#pane-source').checkVisibility()")
+    assert page.value("document.activeElement.id") == "tab-source"
+    page.press("ArrowLeft", 37)
+    assert page.value("document.querySelector('#pane-words').checkVisibility()")
+    page.value("document.querySelector('[data-spoken=\"0\"]').focus()")
+    page.press("ArrowRight", 39)
+    assert page.value("document.activeElement.dataset.spoken") == "1"
