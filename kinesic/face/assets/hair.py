@@ -11,29 +11,24 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.face.assets.chart import compute_vertex_chart, measure_hairline_height
+from kinesic.face.assets.hair_roots import (
+    EAR_REGION,
+    HEAD_CENTRE,
+    SCALP_RAMP,
+    SIDEBURN_HEIGHT,
+    Skull,
+    find_ear_points,
+    find_roots,
+    may_root,
+)
 from kinesic.face.assets.hair_styles import HairStyle
-from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
-HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull, in distances between the eyes
-NEIGHBOUR_COUNT = 24  # number of skin vertices averaged for the skull radius in a direction
-SMOOTHING_ANGLE = 0.08  # [rad] standard deviation of the weights in the average of the skull radius
-MAX_EAR_SLOPE = 0.45  # slope at which hair rises over an ear and descends behind it
-EAR_REGION = (
-    -1.75,
-    -0.95,
-    -0.9,
-    0.25,
-    1.15,
-)  # [eye distances] forward range, vertical range, minimum distance aside of an ear
 NORMAL_LEAN = 0.35  # sideways component of the normals at the edges of a lock, relative to the outward one
 HAIR_SEED = 11  # seed of the random generator for hair
-SCALP_HEIGHT = 0.06  # [eye distances] smallest distance of locks from the scalp, reached at the height SCALP_RAMP
 PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp, reached at the height SCALP_RAMP
-SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reaches its distance from the scalp
-GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
-INSIDE_VISIBLE_HEIGHT = 0.1  # [eye distances] height below which the inside of hanging locks is visible
-INSIDE_STRIDE = 2  # every second lock is also drawn from inside
+INSIDE_VISIBLE_HEIGHT = -0.4  # [eye distances] height below which the inside of hanging locks is visible
+INSIDE_STRIDE = 3  # every third lock is also drawn from inside
 ROOT_WIDTH = 0.2  # width of a lock at the hairline, relative to its full width; avoids steps there
 GROWTH_FRACTION = 0.3  # fraction of a lock within which it reaches its full width
 FULL_WIDTH_DISTANCE = 0.5  # [eye distances] height over hairline and sideburns from which locks start at full width
@@ -43,8 +38,15 @@ LAYER_RANGE = (0.7, 1.0)  # range of the random factor on a lock's distance from
 HANGING_RANGE = (-0.7, -0.1)  # [eye distances] heights between which hair changes from hanging to following the skull
 MIN_LOCK_STEPS = 0.9  # length in steps below which a lock is removed
 CUT_VARIATION = (-0.06, 0.06)  # [eye distances] range of the random offset of the height at which hair is cut
-SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair before the ears is painted, without locks
-NAPE_HEIGHT = -0.55  # [eye distances] height below which hair on the neck is painted, without locks
+UPSTREAM_SHIFT = 0.2  # [eye distances] largest distance by which locks begin before their roots
+FACE_RANGE = (-1.3, -0.6)  # [eye distances] forward positions between which hair comes to lie on the cheek
+WAVE = 0.15  # largest random component of the comb direction of a lock
+LOOSE_FRACTION = 0.12  # fraction of locks that leave the comb direction
+LOOSE_WAVE_FACTOR = 1.8  # factor on the random component of the comb direction of loose locks
+LOOSE_LAYER = 1.1  # factor on the distance of loose locks from the skull
+THIN_FRACTION = 0.15  # fraction of locks that are single strands
+THIN_WIDTH = 0.3  # factor on the width of single strands
+RISING_HEIGHT = 0.35  # [eye distances] height over the hairline in which parted hair first grows backwards
 COMB_WEIGHT = 0.55  # weight of the comb direction in each step along a lock
 
 
@@ -54,6 +56,7 @@ class Locks:
 
     positions: Floats  # (n, 3) [m]
     normals: Floats  # (n, 3) unit, outward
+    strands: Floats  # (n, 3) unit, from root to tip
     places: Floats  # (n, 4) across -1..1, along 0..1, number of the lock 0..1, brightness
     triangles: NDArray[np.int32]  # (t, 3), anticlockwise from outside
     inside: NDArray[np.int32]  # (u, 3) back faces of hanging locks
@@ -70,85 +73,15 @@ def grow_locks(mesh: Mesh, style: HairStyle) -> Locks:
     random = np.random.default_rng(HAIR_SEED)
     unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     skin = mesh.positions[mesh.vertices("skin")] / unit
-    skull = _Skull(skin, style)
-    roots = _find_roots(skull, style)
+    skull = Skull(skin, style)
+    roots = find_roots(skull, style)
     lines = _cut_locks(_comb_locks(skull, roots, style, random), style, random)
     return _build_ribbons(lines, style, random, unit)
-
-
-def _find_ear_points(points: Floats) -> NDArray[np.bool_]:
-    """Return the mask of (..., 3) points that lie on an ear."""
-    forward, left, up = np.moveaxis(points, -1, 0)
-    back, front, low, high, aside = EAR_REGION
-    return np.asarray((forward > back) & (forward < front) & (up > low) & (up < high) & (np.abs(left) > aside))
 
 
 def _rate_root_height(roots: Floats) -> Floats:
     """Return (r,) relative heights of hair roots, 0 (temple) to 1 (top)."""
     return np.asarray(np.clip((roots[:, 2] + 0.1) / 1.2, 0.0, 1.0))
-
-
-class _Skull:
-    """Skull surface that supports hair, as a radius for each direction."""
-
-    def __init__(self, skin: Floats, style: HairStyle) -> None:
-        skin = skin[skin[:, 2] > -1.6]
-        ears = _find_ear_points(skin)
-        self._away, self._near = self._index_directions(skin[~ears])
-        self._ears = self._index_directions(skin[ears]) if style.over_ears else None
-
-    def radius(self, directions: Floats) -> Floats:
-        """Return the (n,) skull radius in (n, 3) unit directions, without ears."""
-        apart, which = self._near.query(directions, NEIGHBOUR_COUNT)
-        weight = np.exp(-0.5 * (apart / SMOOTHING_ANGLE) ** 2)
-        return np.asarray((weight * self._away[which]).sum(axis=1) / weight.sum(axis=1))
-
-    def cover(self, directions: Floats) -> Floats:
-        """Return smallest distances (n,) [eye distances] of hair from the centre."""
-        radius = self.radius(directions)
-        if self._ears is None:
-            return radius
-        away, near = self._ears
-        apart = np.linalg.norm(directions[:, None] - near.data, axis=2)
-        return np.asarray(np.maximum(radius, (away - MAX_EAR_SLOPE * apart).max(axis=1)))
-
-    @staticmethod
-    def _index_directions(points: Floats) -> "tuple[Floats, scipy.spatial.cKDTree]":
-        """Convert points to (n,) distances and a search tree of directions."""
-        spokes = points - HEAD_CENTRE
-        away = np.linalg.norm(spokes, axis=1)
-        return away, scipy.spatial.cKDTree(spokes / away[:, None])
-
-    def on(self, points: Floats, off: Floats, held: Floats) -> Floats:
-        """Lift (n, 3) hair points to a distance `off` from the skin.
-
-        Points farther away are pulled towards it by the fraction `held`.
-        """
-        spokes = points - HEAD_CENTRE
-        away = np.linalg.norm(spokes, axis=1)
-        least = (
-            self.cover(spokes / away[:, None])
-            + SCALP_HEIGHT * np.clip(measure_hairline_height(points) / SCALP_RAMP, 0.0, 1.0)
-            + off
-        )
-        right = np.where(away < least, least, away + held * (least - away))
-        return np.asarray(HEAD_CENTRE + spokes * (right / away)[:, None])
-
-
-def _find_roots(skull: _Skull, style: HairStyle) -> Floats:
-    """Return (r, 3) hair roots spread evenly over the hairy skin."""
-    number = np.arange(style.roots) + 0.5
-    up = 1.0 - 2.0 * number / style.roots
-    aside = np.sqrt(1.0 - up * up)
-    directions = np.stack([aside * np.cos(GOLDEN_ANGLE * number), aside * np.sin(GOLDEN_ANGLE * number), up], axis=1)
-    points = HEAD_CENTRE + directions * skull.radius(directions)[:, None]
-    return np.asarray(
-        points[
-            ~_find_ear_points(points)
-            & (measure_hairline_height(points) > style.lowest)
-            & (points[:, 2] > np.where(points[:, 0] > EAR_REGION[0], SIDEBURN_HEIGHT, NAPE_HEIGHT))
-        ]
-    )
 
 
 def _measure_border_distance(roots: Floats) -> Floats:
@@ -157,31 +90,36 @@ def _measure_border_distance(roots: Floats) -> Floats:
     return np.asarray(np.minimum(measure_hairline_height(roots), over_sideburns))
 
 
-def _comb_locks(skull: _Skull, roots: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
+def _comb_locks(skull: Skull, roots: Floats, style: HairStyle, random: np.random.Generator) -> Floats:
     """Return the (r, s + 1, 3) centre lines of locks."""
     count = len(roots)
     high = _rate_root_height(roots)
     lengths = np.interp(high, (0.0, 1.0), style.length) * random.uniform(*LENGTH_VARIATION, count)
     off = np.interp(high, (0.0, 1.0), style.off)
-    points, lines = roots.copy(), [roots]
     direction = _find_comb_directions(roots, style)
+    shift = np.clip(0.7 * (_measure_border_distance(roots) - style.lowest - 0.05), 0.0, UPSTREAM_SHIFT)
+    upstream = skull.on(roots - shift[:, None] * direction, np.zeros(count), np.ones(count))
+    points = np.where(may_root(upstream, style)[:, None], upstream, roots)
+    lines = [points]
     layer = np.sort(random.uniform(*LAYER_RANGE, count))[::-1]  # upper layers first, for the depth test
-    wave = random.uniform(-0.15, 0.15, (count, 3))
+    loose = random.uniform(0.0, 1.0, (count, 1)) < LOOSE_FRACTION
+    wave = random.uniform(-WAVE, WAVE, (count, 3)) * np.where(loose, LOOSE_WAVE_FACTOR, 1.0)
+    layer = np.where(loose[:, 0], LOOSE_LAYER, layer)
     for step in range(style.steps):
         progress = (step + 1) / style.steps
         direction = (1.0 - COMB_WEIGHT) * direction + COMB_WEIGHT * (_find_comb_directions(points, style) + wave)
         outward = points - HEAD_CENTRE
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
         leaving = (direction * outward).sum(axis=1, keepdims=True)
-        held = np.clip(
-            (points[:, 2:] - HANGING_RANGE[0]) / (HANGING_RANGE[1] - HANGING_RANGE[0]),
-            0.0 if style.over_ears else 1.0,
-            1.0,
-        )
+        hanging = np.interp(points[:, 2:], HANGING_RANGE, (0.0 if style.over_ears else 1.0, 1.0))
+        held = np.maximum(hanging, np.interp(points[:, :1], FACE_RANGE, (0.0, 1.0)))
         direction -= np.where(leaving < 0.0, 1.0, held) * leaving * outward
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         points = points + direction * (lengths / style.steps)[:, None]
-        points = skull.on(points, off * layer * (1.0 - (1.0 - progress) ** 2 - style.lies * progress**2), held[:, 0])
+        close = np.interp(points[:, 0], FACE_RANGE, (1.0, style.face_off))
+        points = skull.on(
+            points, off * close * layer * (1.0 - (1.0 - progress) ** 2 - style.lies * progress**2), held[:, 0]
+        )
         lines.append(points)
     return np.stack(lines, axis=1)
 
@@ -194,7 +132,7 @@ def _cut_locks(lines: Floats, style: HairStyle, random: np.random.Generator) -> 
     """
     count, rows = lines.shape[:2]
     heights = np.full((count, 1), style.cut) + random.uniform(*CUT_VARIATION, (count, 1))
-    ears = np.zeros((count, rows), dtype=np.bool_) if style.over_ears else _find_ear_points(lines)
+    ears = np.zeros((count, rows), dtype=np.bool_) if style.over_ears else find_ear_points(lines)
     gone = ears | (lines[:, :, 2] < heights)
     first = np.where(gone.any(axis=1), np.argmax(gone, axis=1), rows - 1)
     lock = np.arange(count)
@@ -218,10 +156,12 @@ def _find_comb_directions(points: Floats, style: HairStyle) -> Floats:
         nape = np.clip((-1.4 - forward) / 0.6, 0.0, 1.0) * (1.0 - top)  # 1 where hair lies on the neck
         components = [-0.9 + 0.3 * front + 0.8 * nape, 0.3 * top, -0.05 - 0.5 * (1.0 - top) - 0.4 * nape]
     else:
+        rising = front * np.exp(-((np.maximum(measure_hairline_height(points), 0.0) / RISING_HEIGHT) ** 2))
+        rising *= np.clip((top - 0.55) / 0.3, 0.0, 1.0)
         components = [
-            -0.25 * front - 0.05 - 0.6 * (1.0 - front) * top,
-            1.2 * side * top**1.5,
-            -0.35 - style.falls * (1.0 - top),
+            -0.25 * front * top + 0.10 * front * (1.0 - top) - 0.02 - 0.6 * (1.0 - front) * top - rising,
+            1.2 * side * top**1.5 * (1.0 - 0.6 * rising) - style.curl * np.sign(left) * (1.0 - top) * front,
+            -0.35 - style.falls * (1.0 - top) + 0.5 * rising,
         ]
     directions = np.stack([np.broadcast_to(component, left.shape) for component in components], axis=1)
     return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
@@ -247,7 +187,8 @@ def _build_ribbons(lines: Floats, style: HairStyle, random: np.random.Generator,
     inside = np.clip(_measure_border_distance(lines[:, 0]) / FULL_WIDTH_DISTANCE, 0.0, 1.0)
     begun = ROOT_WIDTH + (1.0 - ROOT_WIDTH) * inside[:, None]
     wide = wide * np.minimum(begun + (1.0 - begun) * along / GROWTH_FRACTION, 1.0)
-    wide = wide[:, :, None] * random.uniform(0.75, 1.25, (count, 1, 1))
+    thin = random.uniform(0.0, 1.0, (count, 1, 1))
+    wide = wide[:, :, None] * np.where(thin < THIN_FRACTION, THIN_WIDTH, 0.75 + 0.5 * thin)
     across = np.array([-1.0, 1.0])
     points = lines[:, :, None] + across[:, None] * (wide * aside)[:, :, None]
     normals = out[:, :, None] + NORMAL_LEAN * across[:, None] * aside[:, :, None]
@@ -266,6 +207,7 @@ def _build_ribbons(lines: Floats, style: HairStyle, random: np.random.Generator,
     return Locks(
         positions=sealed(points.reshape(-1, 3) * unit),
         normals=sealed(normals.reshape(-1, 3)),
+        strands=sealed(np.repeat(tangents, 2, axis=1).reshape(-1, 3)),
         places=sealed(places.reshape(-1, 4)),
         triangles=triangles,
         inside=triangles[hangs][:, ::-1],

@@ -15,6 +15,7 @@ class HairStyle:
     """
 
     roots: int  # candidate root directions on the sphere
+    hairline_roots: int  # additional roots along the hairline
     lowest: float  # minimum height of a root over the hairline
     steps: int  # segments of a lock
     length: tuple[float, float]  # length of a lock at the temple and on top
@@ -25,27 +26,33 @@ class HairStyle:
     cut: float  # minimum height of the ends of locks
     over_ears: bool  # whether hair covers the ears
     part: float | None  # lateral position of the parting; None: combed back
+    face_off: float  # distance of a lock from the cheek, relative to that elsewhere
+    curl: float  # component of the comb direction towards the cheek
     falls: float  # downward component of the comb direction at the sides
 
 
 HAIR_STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
     {
         "female": HairStyle(
-            roots=850,
+            roots=790,
+            hairline_roots=90,
             lowest=0.02,
             steps=7,
-            length=(1.5, 2.7),
+            length=(2.0, 2.9),
             width=(0.16, 0.17),
             tip=0.5,
-            off=(0.12, 0.09),
+            off=(0.13, 0.19),
             lies=0.2,
             cut=-1.5,
             over_ears=True,
             part=0.2,
+            face_off=0.2,
+            curl=0.2,
             falls=0.9,
         ),
         "male": HairStyle(
-            roots=1080,
+            roots=960,
+            hairline_roots=90,
             lowest=0.03,
             steps=5,
             length=(0.6, 1.3),
@@ -56,6 +63,8 @@ HAIR_STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
             cut=-0.83,
             over_ears=False,
             part=None,
+            face_off=1.0,
+            curl=0.0,
             falls=0.0,
         ),
     }

@@ -27,6 +27,9 @@ PIXEL_MARGIN = 3  # [pixels] added around a rectangle of drawn vertices
 EYESHADE_TRANSMITTANCE = (0.30, 0.95, 0.45)  # fraction of light through the eyeshade, linear RGB
 EYESHADE_COVERAGE = 0.5  # fraction of the eyeshade's pixels that are drawn
 EYESHADE_GLOSS = 0.5  # specular strength of the eyeshade
+HAIR_LAYERS: tuple[HeadLayer, ...] = ("hair", "hair inside")
+SKIN_ROW = 6  # [floats] moving attributes of a vertex: position and normal
+HAIR_ROW = 9  # [floats] moving attributes of a vertex of a lock: position, normal and direction of the strands
 DEFAULT_HAIR_COLOUR: Colour = (0.0, 0.0, 0.0)  # linear RGB
 PART_DEPTH_RANGE = 8.0  # [m] depth range per part of the mesh; equal to form.frag.glsl
 
@@ -90,7 +93,7 @@ class Geometry:
         self.haired, self._hair_at, self._hair = locks is not None, np.zeros((0, 3)), locks
         if locks is not None:
             self._hair_at = locks.positions
-            self._moving_hair = self._buffer(np.concatenate([locks.positions, locks.normals], axis=1))
+            self._moving_hair = self._buffer(np.concatenate([locks.positions, locks.normals, locks.strands], axis=1))
             self._layers |= self._locks(locks)
         skins, organs = (compile_program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
         film = compile_program(context, "geometry", "form", "door", "film")
@@ -112,9 +115,11 @@ class Geometry:
     def make_layer(self, shader: Program, layer: HeadLayer) -> Vertices:
         """Return a drawable mesh layer for a program with vertex shader `geometry`."""
         moving, still, indices = self._layers[layer]
+        row = HAIR_ROW if layer in HAIR_LAYERS else SKIN_ROW
         columns = [
-            Column("position", moving, 3, 0, 6),
-            Column("normal", moving, 3, 3, 6),
+            Column("position", moving, 3, 0, row),
+            Column("normal", moving, 3, 3, row),
+            Column("strand", moving, 3, 6, row),
             Column("place", still, 4, 0, 6),
             Column("matter", still, 2, 4, 6),
         ]
@@ -142,6 +147,11 @@ class Geometry:
         balls = [self._estimate_eye_axes(ball, vertices) @ view[:3, :3].T for ball in self._balls]
         set_uniforms(self._shaders[1], {"balls": np.array(balls)})
 
+    def light(self, key: Floats) -> None:
+        """Set the unit direction (3,) towards the lamp whose reflection strands show."""
+        half = key + np.array([0.0, 0.0, 1.0])
+        set_uniforms(self._shaders[4], {"half_way": half / np.linalg.norm(half)})
+
     def _move_hair(self) -> None:
         """Move the locks rigidly with a head that moves."""
         motion = self._shape.head_motion()
@@ -149,7 +159,8 @@ class Geometry:
             return
         rotation, translation = motion
         self._hair_at = self._hair.positions @ rotation.T + translation
-        rows = np.concatenate([self._hair_at, self._hair.normals @ rotation.T], axis=1)
+        directions = [item @ rotation.T for item in (self._hair.normals, self._hair.strands)]
+        rows = np.concatenate([self._hair_at, *directions], axis=1)
         self._moving_hair.write(rows.astype("f4").tobytes())
 
     def render(self, camera: Camera) -> Target:

@@ -56,7 +56,7 @@ class Pipeline:
     def __init__(self, context: GlContext, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights) -> None:
         mesh, complexion = head.shape.mesh, head.complexion
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
-        self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion
+        self._preset, self._drawn, self._complexion = preset, drawn, complexion
         eyes = make_texture(context, paint_iris(complexion))
         self.geometry = geometry = Geometry(
             context,
@@ -68,6 +68,7 @@ class Pipeline:
             locks=head.locks,
             hair=complexion.hair,
         )
+        self.light(lights)
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
         balls = mesh.vertices("eyes")
         self._eyeball = float(np.median(np.linalg.norm(mesh.positions[balls, None] - mesh.eyes, axis=2).min(axis=1)))
@@ -98,6 +99,7 @@ class Pipeline:
     def light(self, lights: Lights) -> None:
         """Replace the lamps and ambient light for the next pictures."""
         self._lights = lights
+        self.geometry.light(lights.directions()[0])
 
     def widen_pupils(self, diameter: float) -> None:
         """Set the pupil diameter [m] for the next pictures."""

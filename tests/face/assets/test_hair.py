@@ -8,7 +8,8 @@ import scipy
 
 from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import measure_hairline_height
-from kinesic.face.assets.hair import CUT_VARIATION, EAR_REGION, HEAD_CENTRE, SIDEBURN_HEIGHT, Locks, grow_locks
+from kinesic.face.assets.hair import CUT_VARIATION, Locks, grow_locks
+from kinesic.face.assets.hair_roots import EAR_REGION, HEAD_CENTRE, SIDEBURN_HEIGHT
 from kinesic.face.assets.hair_styles import HAIR_STYLES
 from kinesic.face.assets.mesh import FACE_VARIANTS, load_head
 
@@ -88,7 +89,7 @@ def test_short_sideburns_have_no_locks():
     assert measure_hairline_height(np.array([[-0.3, 1.0, 0.2]]))[0] < -0.1
 
 
-@pytest.mark.parametrize(("variant", "tip"), [("female", 0.2), ("male", 0.05)])
+@pytest.mark.parametrize(("variant", "tip"), [("female", 0.07), ("male", 0.05)])
 def test_hair_locks_start_narrow_and_end_blunt(variant: Variant, tip: float):
     """Wide roots look like steps, and thin tips like dots."""
     points = edges(variant)
@@ -137,3 +138,37 @@ def test_short_hair_leaves_the_ears_free():
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 def test_hair_locks_end_above_the_cut_height_of_the_hair_style(variant: Variant):
     assert edges(variant).mean(axis=2)[:, :, 2].min() > HAIR_STYLES[variant].cut + CUT_VARIATION[0] - 1e-9
+
+
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_hairline_has_closely_spaced_narrow_locks(variant: Variant):
+    """Wide gaps would show the painted scalp between pointed roots."""
+    roots = edges(variant)[:, 0].mean(axis=1)
+    front = roots[(measure_hairline_height(roots) < 0.12) & (roots[:, 0] > -0.6)]
+    turns = np.degrees(np.sort(np.arctan2(front[:, 1], front[:, 0] - HEAD_CENTRE[0])))
+    assert np.diff(turns[np.abs(turns) < 50.0]).max() < 4.0
+
+
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_some_locks_are_single_strands(variant: Variant):
+    points = edges(variant)
+    widest = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2).max(axis=1)
+    assert 0.05 < np.mean(widest < 0.4 * np.median(widest)) < 0.35
+
+
+def test_strand_directions_follow_the_locks():
+    actual = locks("female")[0]
+    rows = HAIR_STYLES["female"].steps + 1
+    strands = actual.strands.reshape(-1, rows, 2, 3)[:, 1:-1].mean(axis=2)
+    steps = np.diff(edges("female").mean(axis=2), axis=1)
+    steps /= np.linalg.norm(steps, axis=2, keepdims=True)
+    assert np.median(np.sum(strands * steps[:, :-1], axis=2)) > 0.97
+    np.testing.assert_allclose(np.linalg.norm(actual.strands, axis=1), 1.0)
+
+
+def test_long_hair_covers_the_ears_in_front_view():
+    """A tunnel between cheek and hair would show them."""
+    forward, left, up = locks("female")[1].reshape(-1, 3).T
+    before = (forward > EAR_REGION[1]) & (up < 0.2) & (up > -0.7)
+    for side in (left > 0.0, left < 0.0):
+        assert (before & side).sum() > 12

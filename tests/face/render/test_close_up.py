@@ -1,6 +1,7 @@
 """Tests of details that only close pictures of a face show."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,3 +102,18 @@ def test_pores_roughen_mirrored_light_alone(drawable: None):
     entering, mirrored = (field - gaussian_filter(field, 4.0) for field in (light[..., 1], light[..., 3]))
     assert entering.std() < 0.004
     assert mirrored.std() > 0.004
+
+
+def test_highlight_of_hair_lies_across_the_strands(drawable: None):
+    """It moves with the lamp, while the normals of the locks stay."""
+    with Portrait("female", preset=DRAFT_PRESET, size=(SIDE, SIDE)) as portrait:
+        colours = []
+        for towards in ((0.0, 1.5, 0.8), (0.0, -0.8, 0.8)):
+            lights = portrait.lights
+            portrait.light(replace(lights, key=replace(lights.key, towards=towards)))
+            portrait.draw({}, Camera(yaw_deg=180.0))
+            hair = portrait.pipeline.geometry.parts() == len(MESH_PARTS) + 1
+            colours.append(np.where(hair, portrait.pipeline.geometry.target.read(1)[..., 1], np.nan))
+    high, low = slice(30, 100), slice(140, 190)
+    above, below = (np.nanmean(picture[high]) / np.nanmean(picture[low]) for picture in colours)
+    assert above > 1.05 * below

@@ -45,7 +45,7 @@ void main() {
     bool skinned = on_skin(facing.w);
     vec4 own = surface(uv, skinned, height);
     float pixel = 2.0 * lens.y * -depth(facing.w) / float(textureSize(bent, 0).y);  // [m]
-    float flat_area = float(skinned && fwidth(facing.w) < STEEPEST * pixel);
+    float flat_area = n.z * float(skinned && fwidth(facing.w) < STEEPEST * pixel);
     vec2 pores = flat_area * clamp(PORE_HEIGHT / pixel * vec2(dFdx(own.a), dFdy(own.a)), -PORE_SLOPE, PORE_SLOPE);
     float is_skin = float(skinned);
     bool is_eye = part(facing.w) == EYES;
