@@ -65,6 +65,29 @@ def test_radius_of_a_spiral_path_grows():
     assert away[1] > 5 * away[0] > 0
 
 
+@pytest.mark.parametrize(
+    ("kind", "amplitude", "frequency", "shift", "variation"),
+    [
+        ("arc", (0.0, 0.12, 0.0), 0.5, (0.0, 0.0, 0.0), "none"),
+        ("circle", (0.12, 0.12, 0.0), 1.0, (0.0, 0.25, 0.0), "none"),
+        ("wave", (0.12, 0.0, 0.0), 2.0, (0.0, 0.0, 0.0), "none"),
+        ("spiral", (0.15, 0.15, 0.0), 2.0, (0.0, 0.25, 0.0), "grows"),
+    ],
+)
+def test_path_without_parameters_has_the_documented_ones(kind, amplitude, frequency, shift, variation):
+    explicit = path(kind, amplitude=amplitude, frequency=frequency, shift=shift, variations=(variation, "none"))
+    times = np.linspace(0, 1, 33)
+    np.testing.assert_array_equal(
+        path(kind).at(START_POSITION, END_POSITION, times), explicit.at(START_POSITION, END_POSITION, times)
+    )
+
+
+@pytest.mark.parametrize(("kind", "radius"), [("circle", 0.12), ("spiral", 0.15)])
+def test_round_path_is_as_wide_as_high(kind, radius):
+    turn = path(kind, variations=("none", "none")).at(START_POSITION, START_POSITION, np.linspace(0, 1, 801))
+    np.testing.assert_allclose(np.ptp(turn, axis=0), [0.0, 2 * radius, 2 * radius], atol=1e-4)
+
+
 @pytest.mark.parametrize("variation", ["grows", "shrinks"])
 def test_varying_wave_frequency_of_a_hand_path_is_at_most_doubled(variation):
     wave = path("wave", frequency=4.0, variations=(None, variation))
