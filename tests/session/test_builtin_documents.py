@@ -4,6 +4,7 @@ import pytest
 
 from kinesic.bml.block import BmlError
 from kinesic.session.builtin_documents import builtin_documents, locate_document, suggest_document
+from kinesic.session.options import INTERACTIVE_DEFAULTS
 from kinesic.session.plan import plan_document
 from kinesic.session.setup import set_up
 
@@ -55,3 +56,10 @@ def test_python_plans_a_built_in_document_by_name(tmp_path, monkeypatch):
     monkeypatch.setattr("kinesic.session.builtin_documents.DOCUMENT_FOLDER", tmp_path)
     monkeypatch.chdir("/")
     assert str(plan_document("nod", setup)).startswith("plan of nod on upper22")
+
+
+@pytest.mark.parametrize("voice", ["durations", "auto"])
+@pytest.mark.parametrize("robot", ["upper22", "upper36"])
+def test_greeting_is_planned_at_its_requested_times(robot, voice):
+    plan = plan_document("welcome", set_up(robot, **{**INTERACTIVE_DEFAULTS, "voice": voice}))
+    assert [notice.text for notice in plan.notices if "requested at" in notice.text] == []
