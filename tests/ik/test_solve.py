@@ -196,7 +196,7 @@ def test_ik_clips_and_reports_a_start_posture_outside_the_ranges() -> None:
     assert solve(chain, Reach(chain.hand(chain.rest)), start=chain.rest).pulled_in == 0.0
 
 
-def test_valid_ik_inputs_become_float64():
+def test_integer_ik_inputs_become_float64():
     assert as_floats("place", [1, 2, 3], (3,)).dtype == np.float64
 
 

@@ -53,7 +53,7 @@ def test_torso_stays_still_if_the_arms_reach_the_targets():
     assert solution.torso_travel == 0.0
 
 
-def test_torso_with_weight_zero_never_moves():
+def test_torso_with_weight_zero_does_not_move_for_far_targets():
     targets = {"l": np.array([0.6, 0.2, 0.9]), "r": np.array([0.6, -0.2, 0.9])}
     stays = reach_both(ROBOT, targets, start=REST, torso_weight=0.0)
     helps = reach_both(ROBOT, targets, start=REST, torso_weight=1.0)

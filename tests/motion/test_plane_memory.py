@@ -58,7 +58,7 @@ def test_second_key_time_search_starts_from_the_result_of_the_first(memory, meas
     }
 
 
-def test_motion_of_other_hinges_does_not_affect_stored_cutting_planes(memory, measured):
+def test_cutting_planes_are_reused_if_only_another_hinge_has_new_keys(memory, measured):
     rows = (*ROWS[:-1], (2.2, 0.0, 0.4, "more"), (3.0, 0.0, 0.0, "end"))
     alone = condition(keys_of(rows), LIMITS)
     count = len(measured)

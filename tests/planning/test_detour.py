@@ -120,7 +120,7 @@ def test_clear_posture_search_is_cached(monkeypatch):
         np.testing.assert_array_equal(one.angles, other.angles)
 
 
-def test_detour_count_grows_with_duration_within_budget():
+def test_maximum_detour_count_grows_up_to_40_s_and_falls_for_longer_motions():
     assert [detour._compute_max_detours(seconds) for seconds in (0.5, 10.0, 40.0, 150.0, 1000.0)] == [
         16,
         16,

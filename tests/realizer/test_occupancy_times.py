@@ -231,7 +231,7 @@ def test_only_the_last_held_posture_of_each_role_is_kept():
 
 
 @pytest.mark.parametrize(("relax", "is_freed"), [(1.0, False), (1.01, True)])
-def test_arm_is_released_until_its_last_behaviour_relaxes(known, relax, is_freed):
+def test_interrupted_block_releases_an_arm_only_if_a_behaviour_has_not_relaxed(known, relax, is_freed):
     moved = np.ones(HINGE_COUNT, dtype=np.bool_)
     block = [use("g", "r_hand", relax=0.5), use("h", "r_hand", relax=relax)]
     free = freed_hinges(block, moved, 1.0, known.robot)

@@ -100,7 +100,7 @@ def test_hand_ready_before_the_change_time_needs_no_transition(transitions, read
         ([("g", 0.05)], [], [0.04], []),
     ],
 )
-def test_hand_leaves_the_block_only_for_behaviours_that_finish_in_between(
+def test_hand_leaves_the_block_between_its_behaviours_only_for_one_that_finishes_there(
     transitions, performed, holding, finishing, expected
 ):
     joined(

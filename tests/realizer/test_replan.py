@@ -60,7 +60,7 @@ def test_refined_plan_is_used_immediately(known, playing, others):
 
 @pytest.mark.parametrize("time", [0.3, 1.3, 1.9, 2.6, 3.6, 4.7])
 @pytest.mark.parametrize("style", ["joyful", "sad"])
-def test_style_change_works_at_any_time(known, playing, others, time, style):
+def test_style_change_at_sampled_times_keeps_limits_and_moves_strokes_little(known, playing, others, time, style):
     replanned = replan(playing.trajectory, time, playing, others[style])
     certified(replanned.trajectory, known, playing.trajectory, time)
     strokes = {(sync.behaviour, sync.sync): sync.planned for sync in playing.syncs}

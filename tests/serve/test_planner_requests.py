@@ -176,7 +176,9 @@ def test_next_due_event_of_the_planner_is_the_block_end(planning: Planning):
     assert planning.state.pause is None
 
 
-def test_idling_begins_some_time_after_a_document(make_planning: Callable[..., Planning], lively: Setup):
+def test_idling_begins_after_a_fixed_rest_at_the_end_of_a_document(
+    make_planning: Callable[..., Planning], lively: Setup
+):
     planning = make_planning(lively)
     assert planning.state.pause is None
     planning.document("b", NOD_BML)

@@ -189,7 +189,7 @@ def test_client_is_unfinished_with_waiting_planned_or_running_blocks(on_stage: C
     on_stage(act)
 
 
-def test_session_starts_when_the_planner_is_warm(on_stage: Callable):
+def test_session_start_waits_until_the_planner_is_ready(on_stage: Callable):
     async def act(stage: Stage) -> None:
         starting = asyncio.create_task(stage.session.start())
         await settle()

@@ -64,7 +64,7 @@ def test_pressed_lips_touch_without_penetration(mesh: Mesh, mouth: Lips, jaw: fl
     assert actual.max() < 2.5
 
 
-def test_lips_never_penetrate_each_other(mesh: Mesh, mouth: Lips):
+def test_random_expressions_overlap_the_lips_by_less_than_4_mm(mesh: Mesh, mouth: Lips):
     random = np.random.default_rng(4)
     for _ in range(40):
         shown = {name: float(random.uniform()) for name in random.choice(FACE_CHANNELS, 6, replace=False)}

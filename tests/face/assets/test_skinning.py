@@ -102,7 +102,7 @@ def test_linear_blending_keeps_the_forearm_round_when_twisted():
     assert (radii(85.0) / radii(0.0)).min() > 0.9
 
 
-def test_upper_arm_stays_round_at_any_twist():
+def test_upper_arm_stays_round_when_twisted_by_90_degrees():
     parts = [FRAME_INDICES[f"l_shoulder_{k}"] for k in range(3)]
     of_bone = np.flatnonzero(DRESSED_FIGURE.weights[:, parts].sum(axis=1) > 0.98)
     shoulder, elbow = (HUMAN_SKELETON.segment(f"l_{name}") for name in ("shoulder", "elbow"))

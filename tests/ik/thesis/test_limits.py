@@ -18,7 +18,7 @@ def _limited(joints: int) -> BallChain:
 
 
 @pytest.mark.parametrize("joints", [3, 6, 10, 20])
-def test_any_posture_is_clipped_to_the_limits(joints: int):
+def test_random_ball_joint_postures_are_clipped_to_the_limits(joints: int):
     chain, random = _limited(joints), default_rng(joints)
     ground = Carrier.at_rest(chain)
     for _ in range(10):

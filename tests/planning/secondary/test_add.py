@@ -103,7 +103,7 @@ def test_no_secondary_motion_while_pointing(known):
     assert moving(alive, "torso", (8.5, 13.0)) > 0.8
 
 
-def test_style_without_body_weight_only_breathes(known):
+def test_style_without_body_weight_breathes_and_turns_less(known):
     def turned(whole_body):
         style = replace(Style.load("neutral"), whole_body=whole_body)
         planned = plan(

@@ -72,7 +72,7 @@ def test_request_of_another_client_does_not_extend_a_confirmation(play: Play):
     play(scene)
 
 
-def test_confirmation_code_is_valid_once_for_its_client(play: Play):
+def test_confirmation_code_is_void_for_another_client_and_after_a_wrong_guess(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         one, other = Client(1), Client(2)
         code = (await desk.ask(one))["code"]

@@ -96,5 +96,5 @@ def test_outline_points_of_the_drawn_face_are_linear_in_its_controls():
     np.testing.assert_allclose(points(middle), 0.25 * points(one) + 0.75 * points(two), atol=1e-9)
 
 
-def test_face_is_painted_at_any_size():
+def test_painted_face_has_the_requested_size():
     assert paint_face({"26": 0.5}, size=(64, 48)).shape == (48, 64, 3)
