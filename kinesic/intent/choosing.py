@@ -3,7 +3,6 @@
 import random
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from functools import partial
 
 from kinesic.intent.behaviour_sets import NO_SIGNAL, BehaviourSet, BehaviourSets, Channel, Choice, Signal
 from kinesic.intent.behaviours import NO_EARLIER_BEHAVIOURS, ChosenBehaviour, Earlier, Omission, Selection
@@ -18,7 +17,7 @@ from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, PastGesture
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS, is_beat, place_beats
 from kinesic.intent.pacing.spacing import select_spaced
 from kinesic.intent.pacing.tempo import limit_beats
-from kinesic.intent.pacing.variety import GestureUses, draw_lexemes
+from kinesic.intent.pacing.variety import GestureUses, LexemeSampler
 from kinesic.intent.sequences import draw_sequence
 
 CORE_BONUS = 0.05  # bonus on the certainty of an intent's core signals
@@ -91,21 +90,12 @@ def choose_behaviours(
         replaced += [candidate.earlier for candidate in free if candidate.earlier is not None and candidate not in kept]
         uses, offset = _recall(memory.forget(replaced), fixed, budget, since), memory.seconds - since
         forms = _beat_forms(sets)
-        draw = partial(
-            draw_lexemes,
-            channel=channel,
-            agent=agent,
-            generator=generator,
-            omitted=omitted,
-            uses=uses,
-            offset=offset,
-            beats=forms,
-            beat_manner=budget.beat_manner,
-            preferences=budget.preferences,
+        sampler = LexemeSampler(
+            channel, agent, generator, omitted, uses, offset, forms, budget.beat_manner, budget.preferences
         )
         past = [time - offset for time in memory.times if time - offset < since]
         times = [since - HAND_LEAD_TIME, *past, *(behaviour.intent.stroke.seconds for behaviour in fixed)]
-        drawn = list(draw(kept, others=times))
+        drawn = list(sampler.draw(kept, others=times))
         if budget.tempo and beats:
             strokes = [*fixed, *(item.earlier for item in kept if item.earlier), *drawn]
             drawings = [(stroke.lexeme, stroke.intent.stroke.seconds) for stroke in strokes]
@@ -120,7 +110,7 @@ def choose_behaviours(
                 earlier_strokes=earlier.strokes,
                 earlier_seconds=earlier.seconds,
             )
-            drawn += draw(placed, others=[*times, *(stroke.intent.stroke.seconds for stroke in strokes)])
+            drawn += sampler.draw(placed, others=[*times, *(stroke.intent.stroke.seconds for stroke in strokes)])
         chosen += drawn
     chosen.sort(key=lambda behaviour: (behaviour.intent.stroke.seconds, behaviour.channel))
     return Selection(tuple(chosen), tuple(omitted), tuple(replaced))

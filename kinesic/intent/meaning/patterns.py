@@ -81,29 +81,22 @@ class Pattern:
         Returns:
             The longest match, or None.
         """
-        span = self._match(words, first, stop, is_number, 0, first, -1)
+        span = self._extend(Span(first, first - 1, -1), 0, words, stop, is_number)
         return span if span is not None and span.last - span.first + 1 >= self.min_words else None
 
-    def _match(
-        self,
-        words: Sequence[str],
-        at: int,
-        stop: int,
-        is_number: Callable[[str], bool],
-        slot_index: int,
-        first: int,
-        stroke: int,
+    def _extend(
+        self, span: "Span", slot_index: int, words: Sequence[str], stop: int, is_number: Callable[[str], bool]
     ) -> "Span | None":
+        """Extend a match of the slots before an index by the slots from it on."""
         if slot_index == len(self.slots):
-            return Span(first, at - 1, stroke) if at > first else None
-        slot = self.slots[slot_index]
+            return span if span.last >= span.first else None
+        slot, at = self.slots[slot_index], span.last + 1
         if at < stop and slot.accepts(words[at], is_number=is_number(words[at])):
-            result = self._match(
-                words, at + 1, stop, is_number, slot_index + 1, first, at if slot.is_stroke else stroke
-            )
+            longer = Span(span.first, at, at if slot.is_stroke else span.stroke)
+            result = self._extend(longer, slot_index + 1, words, stop, is_number)
             if result is not None:
                 return result
-        return self._match(words, at, stop, is_number, slot_index + 1, first, stroke) if slot.is_optional else None
+        return self._extend(span, slot_index + 1, words, stop, is_number) if slot.is_optional else None
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,6 @@ BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a
 # Intents whose words recur in any text.
 FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})
 EMPHATIC_CERTAINTY = 0.8  # smallest certainty of an intent whose beat has the style's expressivity
-NO_PREFERENCES: Mapping[str, float] = {}  # equal preference for all gestures
-NEUTRAL_MANNER: Mapping[str, float] = {}  # no changes to the expressivity of the style
 MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all alternatives are used up
 
 
@@ -111,62 +109,66 @@ def _fitting(candidate: Candidate, times: Sequence[float]) -> tuple[Choice, ...]
     return tuple(select_fitting(candidate.choices, at - last, following - at))
 
 
-def draw_lexemes(
-    kept: Sequence[Candidate],
-    channel: Channel,
-    agent: Agent,
-    generator: random.Random,
-    omitted: list[Omission],
-    uses: GestureUses,
-    *,
-    offset: float = 0.0,
-    beats: Sequence[Choice] = (),
-    beat_manner: Mapping[str, float] = NEUTRAL_MANNER,
-    preferences: Mapping[str, float] = NO_PREFERENCES,
-    others: Sequence[float] = (),
-) -> Iterable[ChosenBehaviour]:
-    """Choose a random lexeme for each candidate, without recently used gestures.
+@dataclass(frozen=True, eq=False)
+class LexemeSampler:
+    """Random choice of lexemes on one channel, without recently used gestures."""
 
-    Args:
-        kept: candidates in the order of their strokes.
-        channel: of the body.
-        agent: with preferences and expressivity.
-        generator: random generator.
-        omitted: list that receives candidates without an unused alternative.
-        uses: gestures shown so far, to which the drawn ones are added.
-        offset: from times of intents to times of `uses` [s].
-        beats: forms that replace a gesture without an unused alternative.
-        beat_manner: expressivity of beats, where it differs from the style.
-        preferences: gesture -> factor on its probability; preferred beats are added to the alternatives of beats.
-        others: times of the strokes of other gestures [s].
-    """
-    times = sorted([*others, *(candidate.intent.stroke.seconds for candidate in kept)])
-    for kept_candidate in kept:
-        candidate = kept_candidate
-        if channel == "gesture" and preferences:
-            candidate = replace(candidate, choices=prefer(candidate.choices, preferences, candidate.intent.name))
-        if channel == "gesture":
-            candidate = replace(candidate, choices=_fitting(candidate, times))
-        intent, at = candidate.intent, candidate.intent.stroke.seconds + offset
-        if candidate.earlier is not None:
-            if channel == "gesture":
-                uses.add(PastGesture(candidate.earlier.form, at, intent.reason))
-            continue
-        free = uses.select(candidate, at) if channel == "gesture" else candidate.choices
-        if not free and uses.window:
-            reason = BEAT_REASON.format(intent.reason)
-            beat = replace(intent, name=MAIN_BEAT_INTENT, reason=reason, target="", hand="")
-            free = uses.oldest(beats, beat, at)
-            intent = beat if free else intent
-        if not free:
-            omitted.append(Omission(intent, channel, uses.explain(candidate)))
-            continue
-        choice = generator.choices(free, [max(item.probability, 1e-6) for item in free])[0]
-        if channel == "gesture":
-            uses.add(PastGesture(name_form(choice.lexeme, intent), at, intent.reason))
-        manner = agent.manner(intent.name, channel, intent.strength)
-        if channel == "gesture" and is_beat(choice.lexeme) and intent.certainty < EMPHATIC_CERTAINTY:
-            manner = {**beat_manner, **manner}
-        elif channel == "gesture" and intent.name == PICTURE_INTENT:  # a second stroke would accompany other words
-            manner = {**{name: value for name, value in beat_manner.items() if name == "repetition"}, **manner}
-        yield ChosenBehaviour(channel, choice.lexeme, intent, choice.amount, choice.repetition, manner)
+    channel: Channel
+    agent: Agent  # with preferences and expressivity
+    generator: random.Random
+    omitted: list[Omission]  # receives candidates without an unused alternative
+    uses: GestureUses  # gestures shown so far, to which the drawn ones are added
+    offset: float  # [s] from times of intents to times of `uses`
+    beats: Sequence[Choice]  # forms that replace a gesture without an unused alternative
+    beat_manner: Mapping[str, float]  # expressivity of beats, where it differs from the style
+    preferences: Mapping[str, float]  # gesture -> factor on its probability
+
+    def draw(self, kept: Sequence[Candidate], *, others: Sequence[float] = ()) -> Iterable[ChosenBehaviour]:
+        """Choose a random lexeme for each candidate.
+
+        Preferred beats are added to the alternatives of beats.
+
+        Args:
+            kept: candidates in the order of their strokes.
+            others: times of the strokes of other gestures [s].
+        """
+        times = sorted([*others, *(candidate.intent.stroke.seconds for candidate in kept)])
+        for kept_candidate in kept:
+            candidate = kept_candidate
+            if self.channel == "gesture" and self.preferences:
+                candidate = replace(
+                    candidate, choices=prefer(candidate.choices, self.preferences, candidate.intent.name)
+                )
+            if self.channel == "gesture":
+                candidate = replace(candidate, choices=_fitting(candidate, times))
+            intent, at = candidate.intent, candidate.intent.stroke.seconds + self.offset
+            if candidate.earlier is not None:
+                if self.channel == "gesture":
+                    self.uses.add(PastGesture(candidate.earlier.form, at, intent.reason))
+                continue
+            free = self.uses.select(candidate, at) if self.channel == "gesture" else candidate.choices
+            if not free and self.uses.window:
+                reason = BEAT_REASON.format(intent.reason)
+                beat = replace(intent, name=MAIN_BEAT_INTENT, reason=reason, target="", hand="")
+                free = self.uses.oldest(self.beats, beat, at)
+                intent = beat if free else intent
+            if not free:
+                self.omitted.append(Omission(intent, self.channel, self.uses.explain(candidate)))
+                continue
+            choice = self.generator.choices(free, [max(item.probability, 1e-6) for item in free])[0]
+            if self.channel == "gesture":
+                self.uses.add(PastGesture(name_form(choice.lexeme, intent), at, intent.reason))
+            manner = self._manner(intent, choice.lexeme)
+            yield ChosenBehaviour(self.channel, choice.lexeme, intent, choice.amount, choice.repetition, manner)
+
+    def _manner(self, intent: Intent, lexeme: str) -> Mapping[str, float]:
+        """Return the expressivity of a lexeme, where it differs from the style.
+
+        Illustrating gestures are not repeated, as a second stroke would accompany other words.
+        """
+        manner = self.agent.manner(intent.name, self.channel, intent.strength)
+        if self.channel == "gesture" and is_beat(lexeme) and intent.certainty < EMPHATIC_CERTAINTY:
+            return {**self.beat_manner, **manner}
+        if self.channel == "gesture" and intent.name == PICTURE_INTENT:
+            return {**{name: value for name, value in self.beat_manner.items() if name == "repetition"}, **manner}
+        return manner

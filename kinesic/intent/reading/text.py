@@ -1,13 +1,14 @@
 """Intents of a text, from words, phrases, emotions and turns."""
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.denials import drop_harmless_denials, mute_statements
-from kinesic.intent.reading.language import ENGLISH_TAG, Language, Rule
+from kinesic.intent.reading.language import ENGLISH_TAG, Language
 from kinesic.intent.reading.matching import Finding, find_rules
 from kinesic.intent.reading.passage import SPEECH_ID, Passage
 from kinesic.intent.reading.phrasing import PhrasePart, accent_of, find_phrases, read_grammar, stressed_near
@@ -87,9 +88,8 @@ def _rule_intent(passage: Passage, clauses: Sequence[int], finding: Finding) -> 
     )
     words_text = " ".join(word.text for word in passage.words[finding.first : finding.last + 1])
     word = content[-1] if content else finding.last
-    return _make_intent(
-        passage, rule.intent, (finding.first, word, last), certainty, f"'{words_text}' {rule.says}", rule
-    )
+    intent = _make_intent(passage, rule.intent, (finding.first, word, last), certainty, f"'{words_text}' {rule.says}")
+    return replace(intent, lexemes=rule.lexemes, style=rule.style)
 
 
 def _phrase_intent(passage: Passage, part: PhrasePart) -> Intent:
@@ -141,10 +141,8 @@ def _feelings(passage: Passage) -> Iterator[Intent]:
         indices = passage.sentences[sentence]
         if indices:
             why = "an emoticon shows it"
-            rule = EMOTION_STYLES.get(feeling, "")
-            yield _make_intent(
-                passage, feeling, (indices[0], indices[-1], indices[-1]), EMOTICON_CERTAINTY, why, style=rule
-            )
+            intent = _make_intent(passage, feeling, (indices[0], indices[-1], indices[-1]), EMOTICON_CERTAINTY, why)
+            yield replace(intent, style=EMOTION_STYLES.get(feeling, ""))
 
 
 def _find_turns(passage: Passage, *, begins: bool, ends: bool) -> Iterator[Intent]:
@@ -171,10 +169,8 @@ def _make_intent(
     place: tuple[int, int, int],
     certainty: float,
     reason: str,
-    rule: Rule | None = None,
     *,
     lexemes: tuple[str, ...] = (),
-    style: str = "",
 ) -> Intent:
     """Create an intent with its stroke on a stressed word nearby.
 
@@ -184,9 +180,7 @@ def _make_intent(
         place: indices of its first word, its main word, and its last word.
         certainty: 0..1.
         reason: description for people.
-        rule: matching rule, which may name gestures and a style.
         lexemes: gestures that show it better than its set.
-        style: requested style.
     """
     first, word, last = place
     stressed = stressed_near(passage, word)
@@ -197,8 +191,7 @@ def _make_intent(
         end=passage.close(max(last, stressed)),
         certainty=certainty,
         reason=reason,
-        lexemes=rule.lexemes if rule else lexemes,
+        lexemes=lexemes,
         word=word,
         phrase=passage.words[stressed].phrase,
-        style=rule.style if rule else style,
     )
