@@ -48,7 +48,7 @@ def meeting_angles(initial: Floats, meets: Sequence[str], robot: Robot, side: Si
         ]
         return np.array([*gaps, *(DEVIATION_COST * (angles - start) / (upper - lower))])
 
-    solution = minimise_squares(residuals, start, lower=lower, upper=upper, max_evaluations=MAX_EVALUATIONS)
+    solution = minimise_squares(residuals, start, bounds=(lower, upper), max_evaluations=MAX_EVALUATIONS)
     angles = np.array(initial)
     angles[free] = solution.values
     return sealed(angles)

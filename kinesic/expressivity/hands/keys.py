@@ -143,15 +143,17 @@ def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
     return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(pointing), palm=sealed(palm)))
 
 
+@dataclass(frozen=True)
+class PathVelocity:
+    """Velocity profile of a hand along a curved path."""
+
+    power: float  # of the gesture
+    has_late_peak: bool = False  # whether the peak is at the end of the path, as a word sounds there
+    start: float = 0.0  # of a hand that arrives along the path, relative to the constant velocity
+
+
 def path_keys_between(
-    keys: Sequence[HandKey],
-    k: int,
-    path: HandPath | None,
-    *,
-    unit: float,
-    power: float,
-    has_late_peak: bool = False,
-    start_velocity: float = 0.0,
+    keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float, velocity: PathVelocity
 ) -> list[HandKey]:
     """Sample a curved hand path as intermediate keys between two stroke keys.
 
@@ -163,18 +165,16 @@ def path_keys_between(
         k: index of the key at the end of the path.
         path: in the world; None: straight.
         unit: the arm length [m].
-        power: of the gesture.
-        has_late_peak: whether the peak velocity is at the end of the path, as a word sounds there.
-        start_velocity: of a hand that arrives along the path, relative to the constant velocity.
+        velocity: profile along the path.
     """
     a, b = keys[k - 1], keys[k]
     start, end = a.hand.reach, b.hand.reach
     if path is None or start is None or end is None:
         return []
     parameters = path.samples(start.position, end.position, PATH_TOLERANCE * unit, PATH_STEP * unit)
-    brake = WORD_BRAKE_TIME / (b.time - a.time) if has_late_peak else None
+    brake = WORD_BRAKE_TIME / (b.time - a.time) if velocity.has_late_peak else None
     times = a.time + (b.time - a.time) * _time_fractions(
-        parameters, path.swings(start.position, end.position), power, brake, start_velocity
+        parameters, path.swings(start.position, end.position), velocity.power, brake, velocity.start
     )
     positions = path.at(start.position, end.position, parameters)
     path_keys, turning = list[HandKey](), _facing_between(keys, k)
@@ -211,8 +211,8 @@ def _time_fractions(
     brake, ramp_velocity = (ramp, 1.0) if brake is None else (min(brake, WORD_BRAKE_FRACTION * ramp), LATE_PEAK_RATIO)
     time = np.linspace(0.0, 1.0, 501)
     speed = np.interp(time, [0.0, ramp, 1.0 - brake, 1.0], [start_velocity, ramp_velocity, 1.0, 0.0])
-    path_keys_between = np.concatenate([[0.0], np.cumsum(speed[1:] + speed[:-1])])
-    return np.interp(parameters, path_keys_between / path_keys_between[-1], time)
+    travel = np.concatenate([[0.0], np.cumsum(speed[1:] + speed[:-1])])
+    return np.interp(parameters, travel / travel[-1], time)
 
 
 def _move_hand(hand: Hand, position: Floats) -> Hand:

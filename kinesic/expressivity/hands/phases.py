@@ -43,10 +43,11 @@ class HandArrangement:
 
 @dataclass(frozen=True)
 class _Retraction:
-    """Begin and end of a retraction [s]."""
+    """Begin and end of a retraction [s], and the rest pose at its end."""
 
     relax: float
     end: float
+    pose: Hand
 
 
 def arrange_hands(
@@ -68,7 +69,6 @@ def arrange_hands(
         busy_hands: hands that other blocks need.
         clashes: strokes that one hand cannot both perform, though they do not overlap.
     """
-    rest = resting_hands(pace.robot)
     allocation = allocate_hands(strokes, pace, fixed_syncs, busy_hands, clashes)
     sides: dict[str, frozenset[Side]] = {}
     for side in SIDES:
@@ -77,7 +77,7 @@ def arrange_hands(
     time_ratio = available_time_ratios(allocation.works, pace)
     hands = {
         side: _join_strokes(
-            allocation.works[side], _single_handed(allocation.works, side), side, rest[side], pace, clashes, time_ratio
+            allocation.works[side], _single_handed(allocation.works, side), side, pace, clashes, time_ratio
         )
         for side in SIDES
     }
@@ -98,7 +98,6 @@ def _join_strokes(
     row: Sequence[HandStroke],
     others: Sequence[HandStroke],
     side: Side,
-    rest: Reach,
     pace: Pace,
     clashes: Clashes,
     time_ratio: Mapping[int, float],
@@ -108,6 +107,7 @@ def _join_strokes(
     The hand passes through the rest pose unless another stroke follows soon.
     """
     keys: list[HandKey] = []
+    rest = resting_hands(pace.robot)[side]
     pose = REST_HAND  # rest pose of the hand
     holding: HandStroke | None = None  # last gesture, without its retraction yet
     for k, work in enumerate(row):
@@ -117,7 +117,7 @@ def _join_strokes(
             continue
         stroke_row = stroke_keys(work, side, pace, time_ratio[id(work)])
         if holding and work.at("start") >= (retraction := _retraction(holding, pose, others)).end + NEIGHBOUR_INTERVAL:
-            keys_with_retraction = _add_retraction(keys, holding, retraction, pose, rest, work.at("start"), pace)
+            keys_with_retraction = _add_retraction(keys, holding, retraction, rest, work.at("start"), pace)
             if (
                 keys_with_retraction[-1].time + MIN_KEY_SPACING <= stroke_row[0].time
             ):  # otherwise there is no time to pass through rest
@@ -128,7 +128,7 @@ def _join_strokes(
         holding = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
     if holding:
-        keys = _add_retraction(keys, holding, _retraction(holding, pose, others), pose, rest, inf, pace)
+        keys = _add_retraction(keys, holding, _retraction(holding, pose, others), rest, inf, pace)
     return _stop_at_holds(keys)
 
 
@@ -145,14 +145,14 @@ def _stop_at_holds(keys: Sequence[HandKey]) -> tuple[HandKey, ...]:
 
 
 def _retraction(holding: HandStroke, pose: Hand, others: Sequence[HandStroke]) -> _Retraction:
-    """Return begin and end of a hand's retraction [s].
+    """Return begin and end of a hand's retraction to a rest pose.
 
     It waits for the other hand if their rest pose makes them touch and the other is soon free.
     """
-    alone = together = _Retraction(holding.at("relax"), holding.at("end"))
+    alone = together = _Retraction(holding.at("relax"), holding.at("end"), pose)
     for other in others if pose.touch in ARM_PARTS else ():
         if not other.stroke.rest and other.at("start") < together.end and other.at("relax") > together.relax:
-            together = _Retraction(other.at("relax"), other.at("end"))
+            together = _Retraction(other.at("relax"), other.at("end"), pose)
     return together if together.relax <= alone.relax + MAX_WAITING_TIME else alone
 
 
@@ -232,20 +232,14 @@ def _lower_waiting_hand(
 
 
 def _add_retraction(
-    keys: list[HandKey],
-    holding: HandStroke,
-    retraction: _Retraction,
-    pose: Hand,
-    rest: Reach,
-    latest: float,
-    pace: Pace,
+    keys: list[HandKey], holding: HandStroke, retraction: _Retraction, rest: Reach, latest: float, pace: Pace
 ) -> list[HandKey]:
     """Add the retraction to the rest pose.
 
     It ends before the latest time [s].
     """
     last = keys[-1]
-    leave = max(retraction.relax, last.time)
+    leave, pose = max(retraction.relax, last.time), retraction.pose
     effort = holding.effort(pace)
     hold = [HandKey(leave, last.hand, effort.passage("hold"))] if leave - last.time >= MIN_KEY_SPACING else []
     keys_with_retraction = arrival_time(leave, retraction.end, effort.return_time(pose_distance(last.hand, pose, rest)))

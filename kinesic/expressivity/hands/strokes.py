@@ -9,7 +9,7 @@ import numpy as np
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
-from kinesic.expressivity.hands.keys import HandKey, path_keys_between
+from kinesic.expressivity.hands.keys import HandKey, PathVelocity, path_keys_between
 from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath, PathKind
@@ -208,9 +208,11 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace, time_ratio: float = 1.
             k,
             path,
             unit=pace.robot.arm_length,
-            power=work.stroke.manner.power,
-            has_late_peak=work.stroke.spoken and strokes[k],
-            start_velocity=0.0 if waits or k > 1 else effort.path_start_velocity(poses[0].passage),
+            velocity=PathVelocity(
+                work.stroke.manner.power,
+                has_late_peak=work.stroke.spoken and strokes[k],
+                start=0.0 if waits or k > 1 else effort.path_start_velocity(poses[0].passage),
+            ),
         )
         keys += [*path_keys, poses[k]]
     if waits:

@@ -4,7 +4,14 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.keys import HandKey, RotationSpline, facing_rotations, hand_at, path_keys_between
+from kinesic.expressivity.hands.keys import (
+    HandKey,
+    PathVelocity,
+    RotationSpline,
+    facing_rotations,
+    hand_at,
+    path_keys_between,
+)
 from kinesic.expressivity.hands.poses import REST_HAND
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import shape_path
@@ -97,7 +104,11 @@ def test_hand_path_with_a_late_accent_is_fastest_in_its_last_turn(turns):
     path = shape_path("circle", amplitude=(0.1, 0.0, 0.1), frequency=(turns, turns, turns))
     fastest = []
     for late in (False, True):
-        keys = [ends[0], *path_keys_between(ends, 1, path, unit=0.42, power=0.0, has_late_peak=late), ends[1]]
+        keys = [
+            ends[0],
+            *path_keys_between(ends, 1, path, unit=0.42, velocity=PathVelocity(0.0, has_late_peak=late)),
+            ends[1],
+        ]
         places = np.array([key.hand.reach.position for key in keys])
         times = np.array([key.time for key in keys])
         speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(times)
@@ -112,7 +123,7 @@ def test_faster_arrival_at_a_path_gives_a_faster_first_segment():
     path = shape_path("circle", amplitude=(0.1, 0.0, 0.1))
     lengths = []
     for velocity in (0.0, 0.4, 0.8):
-        first = path_keys_between(ends, 1, path, unit=0.42, power=0.0, start_velocity=velocity)[0]
+        first = path_keys_between(ends, 1, path, unit=0.42, velocity=PathVelocity(0.0, start=velocity))[0]
         lengths.append(np.linalg.norm(first.hand.reach.position - ends[0].hand.reach.position) / first.time)
     assert lengths[0] < lengths[1] < lengths[2]
 
@@ -135,7 +146,9 @@ def test_hand_is_linear_between_keys_and_constant_outside():
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_hand_keys_on_a_path_rotate_on_the_spline_of_neighbouring_keys(k):
     keys = [facing(0.5 * j, 0.1 * j, angle) for j, angle in enumerate((0.0, 0.3, 1.2, 1.0, 0.8))]
-    result = path_keys_between(keys, k, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0)
+    result = path_keys_between(
+        keys, k, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, velocity=PathVelocity(0.0)
+    )
     near = keys[max(0, k - 2) : k + 2]
     motion = RotationSpline.through(
         [key.time for key in near],
@@ -152,14 +165,21 @@ def test_hand_keys_on_a_path_rotate_on_the_spline_of_neighbouring_keys(k):
 
 def test_hand_with_one_oriented_key_is_not_rotated_by_a_spline():
     keys = [facing(0.0, 0.0, 0.0), HandKey(1.0, Hand(Reach(np.array([0.1, -0.2, 0.9])))), facing(2.0, 0.2, 1.0)]
-    for key in path_keys_between(keys, 1, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0):
+    for key in path_keys_between(
+        keys, 1, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, velocity=PathVelocity(0.0)
+    ):
         assert key.hand.reach.pointing is (keys[0].hand.reach.pointing if key.hand.reach.palm is not None else None)
 
 
 def test_straight_hand_path_and_resting_hand_have_no_intermediate_keys():
     keys = [facing(0.0, 0.0, 0.0), facing(1.0, 0.3, 0.0), HandKey(2.0, REST_HAND)]
-    assert path_keys_between(keys, 1, None, unit=0.42, power=0.0) == []
-    assert path_keys_between(keys, 2, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, power=0.0) == []
+    assert path_keys_between(keys, 1, None, unit=0.42, velocity=PathVelocity(0.0)) == []
+    assert (
+        path_keys_between(
+            keys, 2, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, velocity=PathVelocity(0.0)
+        )
+        == []
+    )
 
 
 def test_high_power_starts_a_hand_path_more_slowly():
@@ -167,7 +187,7 @@ def test_high_power_starts_a_hand_path_more_slowly():
     path = shape_path("circle", amplitude=(0.1, 0.0, 0.1), frequency=(3, 3, 3))
     begun = []
     for power in (0.0, 1.0):
-        keys = path_keys_between(ends, 1, path, unit=0.42, power=power)
+        keys = path_keys_between(ends, 1, path, unit=0.42, velocity=PathVelocity(power))
         places = np.array([ends[0].hand.reach.position, *(key.hand.reach.position for key in keys)])
         times = np.array([0.0, *(key.time for key in keys)])
         begun.append(np.linalg.norm(np.diff(places, axis=0), axis=1)[0] / np.diff(times)[0])
