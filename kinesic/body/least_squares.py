@@ -30,8 +30,7 @@ def minimise_squares(
     residuals: Callable[[Floats], Floats],
     start: Floats,
     *,
-    lower: Floats,
-    upper: Floats,
+    bounds: tuple[Floats, Floats],
     max_evaluations: int,
     jacobian: Callable[[Floats], Floats] | None = None,
     tolerance: float = 1e-8,
@@ -41,12 +40,12 @@ def minimise_squares(
     Args:
         residuals: values (n,) -> residuals (m,).
         start: (n,) values within the bounds.
-        lower: (n,) bounds, -inf without one.
-        upper: (n,) bounds, inf without one.
+        bounds: (n,) lower and (n,) upper bounds, infinite without one.
         max_evaluations: largest number of evaluations, not counting those for differences.
         jacobian: values (n,) -> (m, n) derivatives; forward differences by default.
         tolerance: relative change of the cost, or of the values, at which the search ends.
     """
+    lower, upper = bounds
 
     def derive(values: Floats, errors: Floats) -> Floats:
         return _differentiate(residuals, values, errors, upper) if jacobian is None else jacobian(values)

@@ -97,47 +97,50 @@ def stretch_times(
     program.add_variables(key_times.lower_bounds, infinity, key_times.costs)
     program.require([(0, key_times.matrix)], key_times.lower, key_times.upper)
     remaining_deficit = program.add_variables(np.zeros(1), np.full(1, np.inf), DEFICIT_WEIGHT)
+    warp = _WarpConstraints(times, limits, remaining_deficit, radius)
     for (segment, deficit), reserve in zip(deficits, reserves, strict=True):
-        _add_segment(program, segment, deficit, times, limits, remaining_deficit, radius, reserve)
+        warp.add_segment(program, segment, deficit, reserve)
     solution = program.solve()
     return None if solution is None else solution[: len(times)]
 
 
-def _add_segment(
-    program: _Program,
-    segment: SplineSegment,
-    deficit: Infeasibility,
-    times: Floats,
-    limits: Limits,
-    remaining_deficit: int,
-    radius: float,
-    reserve: float,
-) -> None:
-    """Add a segment's time warp, path change and constraints to the program."""
-    grid, controls = segment.grid, deficit.controls
-    lower, upper = segment.corridor(limits)
-    max_stretch = np.full(grid.pieces + 2, radius)
-    stretch = program.add_variables(-max_stretch, max_stretch)
-    path = program.add_variables(np.minimum(lower - controls, 0.0), np.maximum(upper - controls, 0.0))
-    gaps, lengthening = _gap_matrix(segment, len(times)), _gap_lengthening(segment)
-    program.require([(0, gaps), (stretch, -lengthening)], gaps @ times, gaps @ times)
-    matrix = segment.fixed.matrix
-    program.require([(path, matrix)], np.zeros(matrix.shape[0]), np.zeros(matrix.shape[0]))
-    is_free, powers = grid.bounds == 1.0, grid.powers
-    rows = grid.rows(limits, segment.hinge).select_rows(is_free)
-    change = _ratio_change(segment, controls, limits).select_rows(is_free)
-    ratios, weight = rows @ controls, powers[is_free]
-    bound, unbounded = 1.0 - reserve * weight, np.full(len(ratios), np.inf)
-    up, down = ratios >= BINDING_RATIO, ratios <= -BINDING_RATIO
-    relaxation = SparseMatrix(np.arange(len(weight)), np.zeros(len(weight), dtype=np.intp), weight, (len(weight), 1))
-    for selected, share, lowest, highest in (
-        (up, -relaxation, -unbounded, bound - ratios),
-        (down, relaxation, -bound - ratios, unbounded),
-    ):
-        blocks = (stretch, change), (path, rows), (remaining_deficit, share)
-        program.require(
-            [(first, block.select_rows(selected)) for first, block in blocks], lowest[selected], highest[selected]
+@dataclass(frozen=True, eq=False)
+class _WarpConstraints:
+    """Values that all segments of one time-warp program share."""
+
+    times: Floats  # (m,) [s] given key times
+    limits: Limits
+    remaining_deficit: int  # index of the variable of the deficit that stays
+    radius: float  # largest relative stretch
+
+    def add_segment(self, program: _Program, segment: SplineSegment, deficit: Infeasibility, reserve: float) -> None:
+        """Add a segment's time warp, path change and constraints to the program."""
+        grid, controls = segment.grid, deficit.controls
+        lower, upper = segment.corridor(self.limits)
+        max_stretch = np.full(grid.pieces + 2, self.radius)
+        stretch = program.add_variables(-max_stretch, max_stretch)
+        path = program.add_variables(np.minimum(lower - controls, 0.0), np.maximum(upper - controls, 0.0))
+        gaps, lengthening = _gap_matrix(segment, len(self.times)), _gap_lengthening(segment)
+        program.require([(0, gaps), (stretch, -lengthening)], gaps @ self.times, gaps @ self.times)
+        matrix = segment.fixed.matrix
+        program.require([(path, matrix)], np.zeros(matrix.shape[0]), np.zeros(matrix.shape[0]))
+        is_free, powers = grid.bounds == 1.0, grid.powers
+        rows = grid.rows(self.limits, segment.hinge).select_rows(is_free)
+        change = _ratio_change(segment, controls, self.limits).select_rows(is_free)
+        ratios, weight = rows @ controls, powers[is_free]
+        bound, unbounded = 1.0 - reserve * weight, np.full(len(ratios), np.inf)
+        up, down = ratios >= BINDING_RATIO, ratios <= -BINDING_RATIO
+        relaxation = SparseMatrix(
+            np.arange(len(weight)), np.zeros(len(weight), dtype=np.intp), weight, (len(weight), 1)
         )
+        for selected, share, lowest, highest in (
+            (up, -relaxation, -unbounded, bound - ratios),
+            (down, relaxation, -bound - ratios, unbounded),
+        ):
+            blocks = (stretch, change), (path, rows), (self.remaining_deficit, share)
+            program.require(
+                [(first, block.select_rows(selected)) for first, block in blocks], lowest[selected], highest[selected]
+            )
 
 
 def _gap_matrix(segment: SplineSegment, count: int) -> SparseMatrix:

@@ -23,7 +23,7 @@ def decaying_waves(values):
 
 @pytest.mark.parametrize("start", [(-1.2, 1.0), (3.0, -2.0), (0.0, 0.0)])
 def test_minimum_without_bounds_is_found(start):
-    solution = minimise_squares(rosenbrock, np.array(start), lower=-FREE, upper=FREE, max_evaluations=60)
+    solution = minimise_squares(rosenbrock, np.array(start), bounds=(-FREE, FREE), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
     assert solution.cost == pytest.approx(0.0, abs=1e-9)
     assert not solution.values.flags.writeable
@@ -34,7 +34,7 @@ def test_minimum_within_bounds_matches_scipy(seed):
     random = np.random.default_rng(seed)
     lower, upper = random.uniform([-2.0, 0.0, -1.0, -0.5], 0.4), random.uniform(0.5, [2.0, 5.0, 1.0, 0.6])
     start = random.uniform(lower, upper)
-    solution = minimise_squares(decaying_waves, start, lower=lower, upper=upper, max_evaluations=200)
+    solution = minimise_squares(decaying_waves, start, bounds=(lower, upper), max_evaluations=200)
     assert (lower <= solution.values).all()
     assert (solution.values <= upper).all()
     polished = least_squares(
@@ -45,19 +45,19 @@ def test_minimum_within_bounds_matches_scipy(seed):
 
 def test_bounded_minimum_lies_on_the_upper_bound_of_a_variable():
     upper = np.array([0.5, np.inf])
-    solution = minimise_squares(rosenbrock, np.array([-1.2, 1.0]), lower=-FREE, upper=upper, max_evaluations=60)
+    solution = minimise_squares(rosenbrock, np.array([-1.2, 1.0]), bounds=(-FREE, upper), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [0.5, 0.25], atol=1e-5)
 
 
 def test_variable_with_equal_bounds_stays_fixed():
     lower, upper = np.array([0.3, -9.0]), np.array([0.3, 9.0])
-    solution = minimise_squares(rosenbrock, np.array([0.3, 4.0]), lower=lower, upper=upper, max_evaluations=60)
+    solution = minimise_squares(rosenbrock, np.array([0.3, 4.0]), bounds=(lower, upper), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [0.3, 0.09], atol=1e-5)
 
 
 def test_search_that_starts_at_a_lower_bound_reaches_the_free_minimum():
     lower = np.array([-1.2, -9.0])
-    solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), lower=lower, upper=FREE, max_evaluations=60)
+    solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), bounds=(lower, FREE), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
 
 
@@ -72,7 +72,7 @@ def test_evaluation_limit_excludes_evaluations_of_the_jacobian():
         counts["jacobian"] += 1
         return np.array([[-20.0 * values[0], 10.0], [-1.0, 0.0]])
 
-    minimise_squares(residuals, np.array([-1.2, 1.0]), lower=-FREE, upper=FREE, max_evaluations=5, jacobian=jacobian)
+    minimise_squares(residuals, np.array([-1.2, 1.0]), bounds=(-FREE, FREE), max_evaluations=5, jacobian=jacobian)
     assert counts["residuals"] == 5
     assert counts["jacobian"] <= 5
 
@@ -83,8 +83,7 @@ def test_larger_tolerance_ends_the_search_earlier():
         minimise_squares(
             lambda values: points.append(values) or rosenbrock(values),
             np.array([-1.2, 1.0]),
-            lower=-FREE,
-            upper=FREE,
+            bounds=(-FREE, FREE),
             max_evaluations=60,
             tolerance=tolerance,
         )
@@ -98,8 +97,7 @@ def test_search_without_any_better_values_ends_at_its_start():
     found = minimise_squares(
         lambda values: values,
         start,
-        lower=np.full(2, -9.0),
-        upper=np.full(2, 9.0),
+        bounds=(np.full(2, -9.0), np.full(2, 9.0)),
         max_evaluations=200,
         jacobian=lambda values: -np.eye(2),  # points away from the minimum
     )

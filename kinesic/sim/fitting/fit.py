@@ -139,15 +139,13 @@ def _minimise(errors: Callable[[Floats], Floats], parameters: Sequence[Unknown],
         values[chosen] = free_values
         return values
 
-    lower, upper = value_bounds([parameters[k] for k in chosen])
     solved = minimise_squares(
         lambda free_values: np.concatenate([errors(full_vector(free_values)), free_values / DATASHEET_DEVIATION]),
         np.zeros(len(chosen)),
         jacobian=lambda free_values: np.concatenate(
             [_compute_jacobian(errors, full_vector(free_values), chosen), np.eye(len(chosen)) / DATASHEET_DEVIATION]
         ),
-        lower=lower,
-        upper=upper,
+        bounds=value_bounds([parameters[k] for k in chosen]),
         max_evaluations=MAX_EVALUATIONS,
         tolerance=FIT_TOLERANCE,
     )

@@ -129,8 +129,7 @@ class _Arm:
         return minimise_squares(
             lambda angles: self.residuals(angles, stay, home),
             np.clip(start, lower, upper),
-            lower=lower,
-            upper=upper,
+            bounds=(lower, upper),
             max_evaluations=MAX_EVALUATIONS,
         )
 

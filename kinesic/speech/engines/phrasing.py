@@ -80,7 +80,7 @@ def divide(script: Script, *, rate: float, pitch: float) -> tuple[tuple[PlacedPh
             continue
         for first, last in _shorten(text):
             silence = max(requested, punctuation / rate if placed else 0.0)
-            placed.append(_place(script, begin + first, begin + last, silence, sections, rate, pitch))
+            placed.append(_place(script, (begin + first, begin + last), silence, sections, rate, pitch))
             requested, punctuation = 0.0, 0.0
         punctuation = _final_silence(text)
     requested += sum(duration for position, duration in pauses if position == cuts[-1])
@@ -94,14 +94,14 @@ def is_closed(text: str) -> bool:
 
 def _place(
     script: Script,
-    begin: int,
-    end: int,
+    span: tuple[int, int],
     silence: float,
     sections: tuple[ProsodySection, ...],
     rate: float,
     pitch: float,
 ) -> PlacedPhrase:
     """Return the phrase between two positions of a script."""
+    begin, end = span
     text = script.text[begin:end].rstrip()
     begin += len(text) - len(text.lstrip())
     text = text.lstrip()
