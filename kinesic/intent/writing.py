@@ -9,7 +9,7 @@ from kinesic.intent.behaviours import ChosenBehaviour
 from kinesic.intent.intents import shift_reference
 from kinesic.intent.markup import escape, quote
 from kinesic.intent.reading.passage import SPEECH_ID, Passage, mark
-from kinesic.intent.reading.prosody import Prosody, merge, write_tag
+from kinesic.intent.reading.prosody import Prosody, merge_prosody, write_tag
 from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.speeches import divide_speech, gap_before
 
@@ -183,8 +183,8 @@ def _write_spoken_text(passage: Passage, used: Collection[str], words: range) ->
         pause = f'<break time="{word.pause:g}s"/>' if word.pause and not is_first else ""
         sync = f'<sync id="{mark(k)}"/>' if mark(k) in used else ""
         spoken = f'<emphasis level="strong">{escape(word.text)}</emphasis>' if word.emphatic else escape(word.text)
-        if merge(word.prosody) != prosody:
-            closing, prosody = "</prosody>" * bool(prosody), merge(word.prosody)
+        if merge_prosody(word.prosody) != prosody:
+            closing, prosody = "</prosody>" * bool(prosody), merge_prosody(word.prosody)
             opening = write_tag("prosody", dict(prosody)) if prosody else ""
             space = between[len(between.rstrip()) :]
             between = f"{between.rstrip()}{closing}{space}{opening}"

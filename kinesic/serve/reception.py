@@ -16,7 +16,7 @@ from kinesic.serve.clients import ClientRegistry, ConnectedClient
 from kinesic.serve.conversation import serve_client
 from kinesic.serve.stop_lines import MovableWire, StopLines
 from kinesic.serve.wire.origin import own_authorities
-from kinesic.serve.wire.pace import Pace
+from kinesic.serve.wire.pace import ReadPace
 from kinesic.serve.wire.pages import NO_FILES, WebFile
 from kinesic.serve.wire.protocol import BLANK_BYTES
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
@@ -77,7 +77,7 @@ class Reception:
         self._pending: dict[PendingConnection, None] = {}  # oldest first
         self._max_pending = min(MAX_PENDING_CONNECTIONS, max_open_files() // 2)
         self._tasks: set[Task[None]] = set()
-        self._pace = Pace()
+        self._pace = ReadPace()
 
     def listen(self, host: str, port: int) -> int:
         """Bind to an address and return the port.

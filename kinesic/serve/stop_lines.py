@@ -17,7 +17,7 @@ from typing import Protocol
 from kinesic.serve.clients import CLOSE_NORMAL, CLOSE_POLICY_VIOLATION, CLOSE_TRY_LATER
 from kinesic.serve.conversation import ClientWire
 from kinesic.serve.priority import raise_priority
-from kinesic.serve.wire.pace import Pace
+from kinesic.serve.wire.pace import ReadPace
 from kinesic.serve.wire.protocol import Ping, Stop, json_answer, read_control, stop_failure
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
@@ -45,7 +45,7 @@ class StopLines:
             rules: limits for the clients.
         """
         self._emergency_stop, self._rules = emergency_stop, rules
-        self._pace = Pace()
+        self._pace = ReadPace()
         self._tasks: set[Task[None]] = set()
         self._open = 0  # open lines, without refused ones
         self._changing = Lock()  # held while a line starts or all lines end

@@ -121,7 +121,7 @@ def test_admitted_client_has_a_larger_read_burst_than_a_pending_connection(
         async def await_turn(self, bucket) -> None:
             turns.append(bucket.take())
 
-    monkeypatch.setattr(reception_module, "Pace", CountedPace)
+    monkeypatch.setattr(reception_module, "ReadPace", CountedPace)
 
     async def run() -> None:
         async with opened(OPEN_ACCESS if placed else TOKEN_ACCESS) as door:

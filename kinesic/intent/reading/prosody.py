@@ -39,7 +39,7 @@ def take_tag(layers: Layers, name: str, tag: str, *, is_end: bool) -> Layers:
     return (*layers, attributes) if len(layers) <= MAX_OPEN_ELEMENTS else layers
 
 
-def merge(layers: Layers) -> Prosody:
+def merge_prosody(layers: Layers) -> Prosody:
     """Merge the attributes of all open elements, inner ones overriding outer."""
     return tuple({name: value for layer in layers for name, value in layer}.items())
 

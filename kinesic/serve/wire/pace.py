@@ -11,7 +11,7 @@ from kinesic.serve.wire.quotas import TokenBucket
 TURN_PERIOD = 0.005  # [s] delay of a read per waiting connection; bounds all reads to 200 per second
 
 
-class Pace:
+class ReadPace:
     """Scheduler that divides reading time fairly between connections."""
 
     def __init__(self) -> None:

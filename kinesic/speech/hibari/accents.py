@@ -13,7 +13,7 @@ MIN_PROMINENCE = 1.5  # [semitones] height of a peak above the higher of the val
 PEAK_MARGIN = (0.06, 0.10)  # [s] before and after a vowel in which its peak may lie
 
 
-def find_accents(pitch: Floats32, phonemes: Sequence[Phoneme]) -> tuple[float, ...]:
+def find_pitch_accents(pitch: Floats32, phonemes: Sequence[Phoneme]) -> tuple[float, ...]:
     """Return the time [s] of the pitch peak on each stressed vowel.
 
     Args:

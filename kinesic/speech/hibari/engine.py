@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.utterance import Phoneme, Samples, Sound
 from kinesic.speech.engines.phrase import EngineError, Phrase, ProsodySection, SpokenPhrase, SpokenWord, UnreadableError
-from kinesic.speech.hibari.accents import find_accents
+from kinesic.speech.hibari.accents import find_pitch_accents
 from kinesic.speech.hibari.model import FRAME_SAMPLES, SAMPLE_RATE, Floats32, HibariModel, Prediction, load_model
 from kinesic.speech.hibari.phoneme_times import place_phonemes
 from kinesic.speech.hibari.pronunciation import Pronunciation, pronounce
@@ -48,7 +48,7 @@ class Hibari:
             Sound.of(SAMPLE_RATE, _change_volume(prediction.samples, words, phrase.sections)),
             words,
             phonemes,
-            find_accents(prediction.pitch, phonemes),
+            find_pitch_accents(prediction.pitch, phonemes),
             remarks,
         )
 

@@ -9,8 +9,8 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.utterance import STRESS_MARKS, Phoneme, Sound
 from kinesic.speech.recorded.given_times import GivenTime
 from kinesic.speech.recorded.loudness import compute_openings, estimate_pitch
-from kinesic.speech.recorded.placement import Frames, analyse, place_phonemes, place_words
-from kinesic.speech.recorded.prominence import find_accents, find_prominences, move_stress
+from kinesic.speech.recorded.placement import SpeechFrames, analyse, place_phonemes, place_words
+from kinesic.speech.recorded.prominence import find_prominences, find_prominent_words, move_stress
 from kinesic.speech.recorded.rendition import Rendition
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD
 
@@ -53,14 +53,14 @@ def follow_recording(
     sounds = release_stops(phonemes) or place_phonemes(rendition.utterance.phonemes, placement, frames)
     natural = (rendition.ends - rendition.starts).tolist()
     prominences = find_prominences(placement.words, frames.levels, estimate_pitch(sound), natural)
-    accents = find_accents(placement.words, prominences, _find_stressed(rendition))
+    accents = find_prominent_words(placement.words, prominences, _find_stressed(rendition))
     stressed = move_stress(sounds, placement.words, accents)
     return FollowedSpeech(
         open_by_loudness(stressed, frames), placement.place, words=placement.words, accents=tuple(accents.tolist())
     )
 
 
-def open_by_loudness(phonemes: Sequence[Phoneme], frames: Frames) -> tuple[Phoneme, ...]:
+def open_by_loudness(phonemes: Sequence[Phoneme], frames: SpeechFrames) -> tuple[Phoneme, ...]:
     """Return sounds whose lip opening follows the level of the recording."""
     openings = compute_openings(frames.levels, frames.sequence.is_speech)
     return tuple(replace(sound, opening=_mean_in(openings, sound)) for sound in phonemes)

@@ -30,7 +30,7 @@ Point = tuple[float, float]  # time in the rendition and in the recording [s]
 
 
 @dataclass(frozen=True, eq=False)
-class Frames:
+class SpeechFrames:
     """Levels and features of a sound's frames."""
 
     levels: Floats  # (n,) [dB]
@@ -42,7 +42,7 @@ class Frames:
         return [(FRAME_PERIOD * a, FRAME_PERIOD * b) for a, b in find_runs(self.sequence.is_speech)]
 
 
-def analyse(sound: Sound, *, bridged: int | None = None) -> Frames:
+def analyse(sound: Sound, *, bridged: int | None = None) -> SpeechFrames:
     """Compute levels and features of a sound.
 
     Args:
@@ -53,7 +53,7 @@ def analyse(sound: Sound, *, bridged: int | None = None) -> Frames:
     levels = compute_levels(powers)
     is_speech = find_speech(levels) if bridged is None else find_speech(levels, bridged=bridged)
     features = compute_features(powers, is_speech) if len(powers) else powers
-    return Frames(levels, FrameSequence(features, is_speech))
+    return SpeechFrames(levels, FrameSequence(features, is_speech))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class Placement:
 
 
 def place_words(
-    rendition: Rendition, frames: Frames, given: Sequence[GivenTime], duration: float, rendered: Frames
+    rendition: Rendition, frames: SpeechFrames, given: Sequence[GivenTime], duration: float, rendered: SpeechFrames
 ) -> Placement:
     """Place the words of a rendition in a recording.
 
@@ -116,7 +116,7 @@ def _find_runs_of_words(given: Sequence[GivenTime], duration: float) -> Iterator
 Placed = tuple[list[Point], list[tuple[float, float]]]
 
 
-def _spread(rendition: Rendition, frames: Frames, words: tuple[int, int], span: tuple[float, float]) -> Placed:
+def _spread(rendition: Rendition, frames: SpeechFrames, words: tuple[int, int], span: tuple[float, float]) -> Placed:
     """Spread words evenly over the audible parts of a span."""
     begin, end = span
     audible = [(max(a, begin), min(b, end)) for a, b in frames.spans if min(b, end) > max(a, begin)] or [span]
@@ -149,8 +149,8 @@ def _spread(rendition: Rendition, frames: Frames, words: tuple[int, int], span: 
 
 def _place_by_sound(
     rendition: Rendition,
-    frames: Frames,
-    rendered: Frames,
+    frames: SpeechFrames,
+    rendered: SpeechFrames,
     words: tuple[int, int],
     span: tuple[float, float],
     *,
@@ -238,7 +238,7 @@ def _join_spans(spans: Sequence[tuple[float, float]]) -> list[tuple[float, float
     return joined
 
 
-def place_phonemes(phonemes: Sequence[Phoneme], placement: Placement, frames: Frames) -> tuple[Phoneme, ...]:
+def place_phonemes(phonemes: Sequence[Phoneme], placement: Placement, frames: SpeechFrames) -> tuple[Phoneme, ...]:
     """Return the sounds of a rendition at their times in the recording.
 
     Sounds in long silences are moved to the speech around them, or left out.

@@ -46,7 +46,7 @@ def find_prominences(
     return result
 
 
-def find_accents(words: Sequence[tuple[float, float]], prominences: Floats, is_stressed: Flags) -> Flags:
+def find_prominent_words(words: Sequence[tuple[float, float]], prominences: Floats, is_stressed: Flags) -> Flags:
     """Return which words carry an accent, shape (words,).
 
     Every phrase has an accent unless its words are equally prominent.

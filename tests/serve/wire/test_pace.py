@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from kinesic.serve.wire import pace, quotas
-from kinesic.serve.wire.pace import TURN_PERIOD, Pace
+from kinesic.serve.wire.pace import TURN_PERIOD, ReadPace
 from kinesic.serve.wire.quotas import TokenBucket
 
 
@@ -28,7 +28,7 @@ def waits(monkeypatch):
 def test_connection_with_little_traffic_never_waits(waits):
     async def read():
         for _ in range(3):
-            await Pace().await_turn(TokenBucket(1.0, 3))
+            await ReadPace().await_turn(TokenBucket(1.0, 3))
 
     asyncio.run(read())
     assert waits[1:] == []
@@ -36,7 +36,7 @@ def test_connection_with_little_traffic_never_waits(waits):
 
 def test_read_delay_grows_with_the_number_of_busy_connections(waits):
     async def read():
-        release, shared = waits.pop(0), Pace()
+        release, shared = waits.pop(0), ReadPace()
         spent = [TokenBucket(100.0, 1) for _ in range(20)]
         for bucket in spent:
             await shared.await_turn(bucket)
@@ -65,7 +65,7 @@ def test_busy_connections_get_two_hundred_reads_per_second_in_total(monkeypatch)
     monkeypatch.setattr(loop, "time", lambda: now[0])
     monkeypatch.setattr(loop._selector, "select", skip)
     monkeypatch.setattr(quotas, "monotonic", lambda: now[0])
-    reads, end, shared = [], now[0] + seconds, Pace()
+    reads, end, shared = [], now[0] + seconds, ReadPace()
 
     async def read():
         bucket = TokenBucket(50.0, burst)

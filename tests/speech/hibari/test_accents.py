@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Phoneme
-from kinesic.speech.hibari.accents import find_accents
+from kinesic.speech.hibari.accents import find_pitch_accents
 from kinesic.speech.hibari.model import FRAME_DURATION
 
 VOWEL = Phoneme("\u02c8a", 0.2, 0.2)
@@ -15,7 +15,7 @@ def peak(at: float, height: float, base: float = 180.0) -> np.ndarray:
 
 
 def test_pitch_peak_on_a_stressed_vowel_is_an_accent():
-    assert find_accents(peak(0.3, 3.0), [VOWEL]) == pytest.approx([0.3], abs=FRAME_DURATION)
+    assert find_pitch_accents(peak(0.3, 3.0), [VOWEL]) == pytest.approx([0.3], abs=FRAME_DURATION)
 
 
 @pytest.mark.parametrize(
@@ -30,15 +30,15 @@ def test_pitch_peak_on_a_stressed_vowel_is_an_accent():
     ids=["flat", "elsewhere", "unstressed", "consonant", "voiceless"],
 )
 def test_other_peaks_are_no_accents(pitch: np.ndarray, sound: Phoneme):
-    assert find_accents(pitch, [sound]) == ()
+    assert find_pitch_accents(pitch, [sound]) == ()
 
 
 def test_highest_of_two_peaks_on_a_vowel_counts():
     curve = np.maximum(peak(0.22, 2.0), peak(0.36, 4.0))
-    assert find_accents(curve, [VOWEL]) == pytest.approx([0.36], abs=FRAME_DURATION)
+    assert find_pitch_accents(curve, [VOWEL]) == pytest.approx([0.36], abs=FRAME_DURATION)
 
 
 def test_unvoiced_frames_do_not_hide_a_peak():
     curve = peak(0.3, 3.0)
     curve[28:34] = 0.0
-    assert find_accents(curve, [VOWEL]) == pytest.approx([0.3], abs=FRAME_DURATION)
+    assert find_pitch_accents(curve, [VOWEL]) == pytest.approx([0.3], abs=FRAME_DURATION)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Phoneme
-from kinesic.speech.recorded.prominence import find_accents, find_prominences, move_stress
+from kinesic.speech.recorded.prominence import find_prominences, find_prominent_words, move_stress
 
 WORDS = [(0.3 * k, 0.3 * k + 0.28) for k in range(6)]
 NATURAL = [0.28] * 6
@@ -26,7 +26,7 @@ def test_louder_higher_or_longer_word_is_prominent(
     levels: dict[int, float], pitch: dict[int, float], natural: list[float]
 ):
     prominences = measure(levels, pitch, natural)
-    accents = find_accents(WORDS, prominences, np.ones(6, dtype=bool))
+    accents = find_prominent_words(WORDS, prominences, np.ones(6, dtype=bool))
     assert accents.tolist() == [k == 2 for k in range(6)]
 
 
@@ -34,18 +34,18 @@ def test_even_words_have_no_accent_and_voiceless_frames_count_nothing():
     hertz = np.full(COUNT, np.nan)
     prominences = find_prominences(WORDS, np.full(COUNT, -20.0), hertz, NATURAL)
     assert prominences == pytest.approx(0.0)
-    assert not find_accents(WORDS, prominences, np.ones(6, dtype=bool)).any()
+    assert not find_prominent_words(WORDS, prominences, np.ones(6, dtype=bool)).any()
 
 
 def test_word_without_lexical_stress_needs_more_prominence():
     prominences = np.array([0.0, 1.0, 0.0, 0.0, 1.5, 0.0])
     is_stressed = np.array([True, False, True, True, False, True])
-    assert find_accents(WORDS, prominences, is_stressed).tolist() == [False, False, False, False, True, False]
+    assert find_prominent_words(WORDS, prominences, is_stressed).tolist() == [False, False, False, False, True, False]
 
 
 def test_each_phrase_has_an_accent():
     words = [(0.0, 0.3), (0.3, 0.6), (1.2, 1.5), (1.5, 1.8)]
-    accents = find_accents(words, np.array([0.1, 0.6, 0.5, 0.0]), np.ones(4, dtype=bool))
+    accents = find_prominent_words(words, np.array([0.1, 0.6, 0.5, 0.0]), np.ones(4, dtype=bool))
     assert accents.tolist() == [False, True, True, False]
 
 
@@ -98,22 +98,22 @@ def test_words_after_the_end_of_the_recording_have_no_level():
 )
 def test_word_has_an_accent_from_a_prominence_of_0_7_or_twice_that(prominence, stressed, accented):
     words = [(0.0, 0.5), (0.5, 1.0), (1.0, 1.5)]
-    accents = find_accents(words, np.array([9.0, prominence, 9.0]), np.array([True, stressed, True]))
+    accents = find_prominent_words(words, np.array([9.0, prominence, 9.0]), np.array([True, stressed, True]))
     assert accents.tolist() == [True, accented, True]
 
 
 @pytest.mark.parametrize(("start", "accented"), [(0.75, True), (0.74, False)])
 def test_phrase_begins_after_a_quarter_of_a_second(start, accented):
     words = [(0.0, 0.5), (start, 1.0), (1.0, 1.5)]
-    accents = find_accents(words, np.array([2.0, 0.6, 0.0]), np.ones(3, dtype=bool))
+    accents = find_prominent_words(words, np.array([2.0, 0.6, 0.0]), np.ones(3, dtype=bool))
     assert accents.tolist() == [True, accented, False]
 
 
 @pytest.mark.parametrize(("best", "accented"), [(0.31, True), (0.29, False)])
 def test_most_prominent_stressed_word_of_a_phrase_is_accented_if_0_15_above_the_mean(best, accented):
     words = [(0.0, 0.5), (0.5, 1.0)]
-    assert find_accents(words, np.array([0.0, best]), np.ones(2, dtype=bool)).tolist() == [False, accented]
-    assert not find_accents(words, np.array([0.0, best]), np.array([True, False])).any()
+    assert find_prominent_words(words, np.array([0.0, best]), np.ones(2, dtype=bool)).tolist() == [False, accented]
+    assert not find_prominent_words(words, np.array([0.0, best]), np.array([True, False])).any()
 
 
 @pytest.mark.parametrize(
